@@ -1,0 +1,1 @@
+//! granum-dem

@@ -1,0 +1,91 @@
+//! The traits that a formula is written against.
+
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+use crate::rows::{Row4, Row8};
+
+/// A truth value per lane.
+pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+    /// The same truth value in every lane.
+    fn splat(value: bool) -> Self;
+    /// True if any lane is true.
+    fn any(self) -> bool;
+    /// True if every lane is true.
+    fn all(self) -> bool;
+    /// One bit a lane, lane 0 in bit 0.
+    fn bits(self) -> u8;
+}
+
+/// A real number, or eight of them side by side.
+///
+/// Comparisons follow IEEE 754 (false when an operand is NaN). [`Real::min`] and [`Real::max`]
+/// return the second operand when either is NaN, as the x86 instructions do.
+pub trait Real:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
+{
+    /// The truth values that comparisons give.
+    type Mask: Mask;
+    /// The same number in every lane.
+    fn splat(value: f64) -> Self;
+    /// `self * factor + term`, rounded once.
+    fn mul_add(self, factor: Self, term: Self) -> Self;
+    /// Square root, correctly rounded.
+    fn sqrt(self) -> Self;
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// The smaller: `if self < other { self } else { other }`.
+    fn min(self, other: Self) -> Self;
+    /// The larger: `if self > other { self } else { other }`.
+    fn max(self, other: Self) -> Self;
+    /// `self < other`.
+    fn lt(self, other: Self) -> Self::Mask;
+    /// `self <= other`.
+    fn le(self, other: Self) -> Self::Mask;
+    /// `self > other`.
+    #[inline(always)]
+    fn gt(self, other: Self) -> Self::Mask {
+        other.lt(self)
+    }
+    /// `self >= other`.
+    #[inline(always)]
+    fn ge(self, other: Self) -> Self::Mask {
+        other.le(self)
+    }
+    /// `self == other`.
+    fn eq(self, other: Self) -> Self::Mask;
+    /// `yes` where the mask is true, else `no`.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// Two to the power of an integral number between -1022 and 1023.
+    fn exp2_integer(self) -> Self;
+    /// A guess at the reciprocal cube root of a positive number, within 4 %: the exponent divided by minus three in integer
+    /// arithmetic on the upper 32 bits, identical on every instruction set.
+    fn reciprocal_cbrt_guess(self) -> Self;
+    /// Zero.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::splat(0.0)
+    }
+    /// `if mask { self } else { 0 }`.
+    #[inline(always)]
+    fn keep(self, mask: Self::Mask) -> Self {
+        Self::select(mask, self, Self::zero())
+    }
+    /// The largest lane (or the number itself).
+    fn reduce_max(self) -> f64;
+    /// The sum of the lanes in a fixed order: ((0+1)+(2+3)) + ((4+5)+(6+7)).
+    fn reduce_add(self) -> f64;
+}
+
+/// Eight [`Real`] lanes, with the memory operations of a batch.
+pub trait Lanes: Real {
+    /// Reads eight numbers.
+    fn load(source: &[f64; 8]) -> Self;
+    /// Writes eight numbers.
+    fn store(self, target: &mut [f64; 8]);
+    /// Lane `l` of the result's entry `c` is `rows[index[l]].0[c]`. Panics if an index is out of range.
+    fn gather8(rows: &[Row8], index: &[u32; 8]) -> [Self; 8];
+    /// As [`Lanes::gather8`] for rows of four.
+    fn gather4(rows: &[Row4], index: &[u32; 8]) -> [Self; 4];
+    /// Row `l` entry `c` becomes lane `l` of `columns[c]`.
+    fn scatter8(columns: [Self; 8], rows: &mut [Row8; 8]);
+}

@@ -1,0 +1,32 @@
+//! Eight double precision lanes with the same bits on every instruction set.
+//!
+//! A formula is written once, generic over [`Real`], and runs on a plain `f64`, on eight portable
+//! lanes, on AVX2 with FMA and on AVX-512. Only operations that IEEE 754 rounds correctly are
+//! offered (add, subtract, multiply, divide, square root, fused multiply-add), together with exact
+//! bit operations, so that the result does not depend on which of them ran. A fused operation
+//! happens only where [`Real::mul_add`] is called: the compiler never contracts on its own.
+//!
+//! All `unsafe` of the arithmetic lives in [`mod@avx2`] and [`mod@avx512`] (x86-64 only).
+
+mod dispatch;
+mod lanes;
+mod math;
+mod portable;
+mod rows;
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+
+#[cfg(test)]
+mod tests;
+
+pub use dispatch::{Isa, Kernel, dispatch};
+pub use lanes::{Lanes, Mask, Real};
+pub use math::{cbrt, exp, sigmoid, tanh};
+pub use portable::Portable;
+pub use rows::{Row4, Row8};
+
+/// Number of lanes of every vector type of this crate.
+pub const LANES: usize = 8;

@@ -1,0 +1,110 @@
+//! Every instruction set gives the bits of the scalar reference.
+
+use crate::*;
+
+const SAMPLE: [f64; 24] = [
+    0.0, -0.0, 1.0, -1.0, 0.5, 3.75, 1e-300, 1e300, 0.1, 0.2, 0.7, 2.5e-9, 123456.789, 1e-20, 42.0, 7.0,
+    1e-5, 19.99, -0.3, -7.5, 0.999999, 1.000001, 600.0, 0.3333,
+];
+
+struct Everything<'a>(&'a [f64; 8], &'a [f64; 8]);
+
+impl Kernel for Everything<'_> {
+    type Output = Vec<u64>;
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Vec<u64> {
+        let (a, b) = (L::load(self.0), L::load(self.1));
+        let positive = a.abs();
+        let results = [
+            a + b,
+            a - b,
+            a * b,
+            a / (b.abs() + L::splat(1.0)),
+            -a,
+            a.mul_add(b, a),
+            positive.sqrt(),
+            positive,
+            a.min(b),
+            a.max(b),
+            L::select(a.lt(b), a, b),
+            L::select(a.le(b) & !a.eq(b), b, a),
+            L::select(a.gt(b) | a.ge(L::splat(1.0)), b, a),
+            cbrt(positive),
+            exp(a.min(L::splat(500.0)).max(L::splat(-500.0))),
+            tanh(a),
+            sigmoid(a),
+        ];
+        let mut bits = Vec::new();
+        for r in results {
+            let mut out = [0.0; 8];
+            r.store(&mut out);
+            bits.extend(out.map(f64::to_bits));
+            bits.push(r.reduce_add().to_bits());
+            bits.push(r.reduce_max().to_bits());
+        }
+        bits.push(a.lt(b).bits() as u64);
+        bits
+    }
+}
+
+#[test]
+fn same_bits_on_every_instruction_set() {
+    for s in 0..SAMPLE.len() {
+        let a: [f64; 8] = std::array::from_fn(|l| SAMPLE[(s + l) % SAMPLE.len()]);
+        let b: [f64; 8] = std::array::from_fn(|l| SAMPLE[(s + 3 * l + 5) % SAMPLE.len()]);
+        let reference = dispatch(Isa::Portable, Everything(&a, &b));
+        for isa in Isa::ALL.into_iter().filter(|i| i.available()) {
+            assert_eq!(dispatch(isa, Everything(&a, &b)), reference, "{}", isa.name());
+        }
+        for l in 0..8 {
+            assert_eq!(reference[l], (a[l] + b[l]).to_bits());
+        }
+    }
+}
+
+struct Transposes;
+impl Kernel for Transposes {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let rows: Vec<Row8> = (0..20).map(|r| Row8(std::array::from_fn(|c| (100 * r + c) as f64))).collect();
+        let short: Vec<Row4> = (0..20).map(|r| Row4(std::array::from_fn(|c| (100 * r + c) as f64))).collect();
+        let index = [3, 19, 0, 7, 7, 11, 2, 5];
+        let columns = L::gather8(&rows, &index);
+        for c in 0..8 {
+            let mut out = [0.0; 8];
+            columns[c].store(&mut out);
+            assert_eq!(out, index.map(|i| (100 * i + c as u32) as f64));
+        }
+        for (c, column) in L::gather4(&short, &index).into_iter().enumerate() {
+            let mut out = [0.0; 8];
+            column.store(&mut out);
+            assert_eq!(out, index.map(|i| (100 * i + c as u32) as f64));
+        }
+        let mut back = [Row8::default(); 8];
+        L::scatter8(columns, &mut back);
+        for l in 0..8 {
+            assert_eq!(back[l], rows[index[l] as usize]);
+        }
+    }
+}
+
+#[test]
+fn gathers_and_scatters_transpose() {
+    for isa in Isa::ALL.into_iter().filter(|i| i.available()) {
+        dispatch(isa, Transposes);
+    }
+}
+
+#[test]
+fn elementary_functions_are_accurate() {
+    for k in 0..20_000 {
+        let x = -18.0 + 36.0 * k as f64 / 19_999.0;
+        assert!((exp(x) / x.exp() - 1.0).abs() < 5e-16, "exp {x}");
+        assert!((tanh(x) - x.tanh()).abs() < 4e-16, "tanh {x}");
+        assert!((sigmoid(x) - 1.0 / (1.0 + (-x).exp())).abs() < 4e-16, "sigmoid {x}");
+        let y = (x * 10.0).exp();
+        assert!((cbrt(y) / y.cbrt() - 1.0).abs() < 1e-15, "cbrt {y}");
+    }
+    assert_eq!(cbrt(0.0), 0.0);
+}
