@@ -206,11 +206,11 @@ impl Real for Portable {
     }
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        self.zip(other, |a, b| Real::min(a, b))
+        self.zip(other, Real::min)
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        self.zip(other, |a, b| Real::max(a, b))
+        self.zip(other, Real::max)
     }
     #[inline(always)]
     fn lt(self, other: Self) -> PortableMask {

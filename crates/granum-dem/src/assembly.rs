@@ -1,0 +1,119 @@
+//! A read-only picture of a simulation at one moment: what every sensor, report and file format measures.
+//!
+//! It is built from `&Simulation`, so looking cannot disturb a run; it can as well be filled from another
+//! code's files.
+
+use serde::{Deserialize, Serialize};
+
+/// A vector or a row of a matrix.
+pub type Vector = [f64; 3];
+/// A 3 x 3 matrix, row by row.
+pub type Matrix = [[f64; 3]; 3];
+
+/// One grain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Grain {
+    /// Its number, from 1 as in packing files.
+    pub id: u64,
+    /// Position of the centre, inside the cell, m.
+    pub position: Vector,
+    /// Fluctuating velocity v' (the affine part `L x` is not in it), m/s.
+    pub velocity: Vector,
+    /// Spin, rad/s.
+    pub spin: Vector,
+    /// Radius R, m.
+    pub radius: f64,
+    /// Mass m, kg.
+    pub mass: f64,
+    /// Sum of the contact forces on it (dashpots included), N.
+    pub force: Vector,
+    /// Sum of the contact torques on it about its centre, N m.
+    pub torque: Vector,
+}
+
+/// One contact between grains i and j that touch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Contact {
+    /// Index (not id) of grain i in [`Assembly::grains`].
+    pub i: usize,
+    /// Index (not id) of grain j.
+    pub j: usize,
+    /// Branch `l` from the centre of i to the nearest image of the centre of j, m.
+    pub branch: Vector,
+    /// Unit normal n from i to j.
+    pub normal: Vector,
+    /// Approach alpha = R_i + R_j - D, m.
+    pub approach: f64,
+    /// Elastic normal force N, compression positive, N.
+    pub normal_force: f64,
+    /// Elastic tangential force T on i, N.
+    pub tangential_force: Vector,
+    /// Radius a of the contact area, m.
+    pub radius: f64,
+    /// True if the tangential force stood at the friction limit in the last step.
+    pub sliding: bool,
+    /// Elastic energy of the normal approach, J (zero at alpha = 0).
+    pub normal_energy: f64,
+    /// Elastic energy T^2 / (16 G* a) of the tangential displacement, J.
+    pub tangential_energy: f64,
+}
+
+impl Contact {
+    /// Elastic force on grain i, N: `-N n + T`.
+    pub fn force(&self) -> Vector {
+        std::array::from_fn(|a| self.tangential_force[a] - self.normal_force * self.normal[a])
+    }
+}
+
+/// Energy by mechanism since the start of the phase, J. `boundary_work = sum of the rest + change of stored energy`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct EnergyLedger {
+    /// Work that the cell's deformation did on the grains.
+    pub boundary_work: f64,
+    /// Work that the elastic tangential forces took up: stored, slipped and slid.
+    pub tangential_work: f64,
+    /// Lost to sliding at the friction limit (part of `tangential_work`).
+    pub friction: f64,
+    /// Lost in the contact dashpots.
+    pub damping: f64,
+    /// Lost when adhesive contacts broke.
+    pub adhesion: f64,
+}
+
+/// A read-only picture of a simulation at one moment.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Assembly {
+    /// Time since the start of the phase, s.
+    pub time: f64,
+    /// Steps since the start of the phase.
+    pub step: u64,
+    /// Time step, s.
+    pub time_step: f64,
+    /// Edge matrix H of the periodic cell: column k is edge k, m.
+    pub cell: Matrix,
+    /// Velocity gradient L of the cell, 1/s (negative in compression).
+    pub velocity_gradient: Matrix,
+    /// Logarithmic strain of the cell since the start of the phase, compression positive.
+    pub strain: Matrix,
+    /// Mean stress that the servo aims at, Pa, where it aims at one.
+    pub target_mean_stress: Option<f64>,
+    /// The grains, in order of their ids.
+    pub grains: Vec<Grain>,
+    /// The contacts that touch, in order of the ids of their grains.
+    pub contacts: Vec<Contact>,
+    /// Energy by mechanism.
+    pub energy: EnergyLedger,
+}
+
+impl Assembly {
+    /// Volume V of the cell, m3.
+    pub fn volume(&self) -> f64 {
+        determinant(&self.cell).abs()
+    }
+}
+
+/// Determinant of a 3 x 3 matrix.
+pub fn determinant(m: &Matrix) -> f64 {
+    m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
+        + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
+}

@@ -1,0 +1,193 @@
+//! What decides a simulation, in SI units. [`Default`] everywhere is the sample of Antony, Zhou and Wang (2006).
+
+use serde::{Deserialize, Serialize};
+
+/// The grains: how many, how large, of what.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Grains {
+    /// Number of grains.
+    pub count: usize,
+    /// Mean diameter d, m.
+    pub diameter: f64,
+    /// Half-width of the uniform distribution of radii relative to the mean (0: equal grains; 0.1: R (1 ± 0.1)).
+    pub spread: f64,
+    /// What they are made of.
+    pub material: Material,
+}
+
+impl Default for Grains {
+    fn default() -> Self {
+        Grains { count: 5000, diameter: 1e-4, spread: 0.0, material: Material::default() }
+    }
+}
+
+/// Properties of the solid and of its surface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Material {
+    /// Density rho of the solid, kg/m3.
+    pub density: f64,
+    /// Young's modulus E, Pa.
+    pub youngs_modulus: f64,
+    /// Poisson's ratio nu.
+    pub poissons_ratio: f64,
+    /// Coefficient of friction mu between grains (in shear; the preparation may use another).
+    pub friction: f64,
+    /// Interface energy Gamma: work of adhesion per area, J/m2. Zero is a value: no adhesion.
+    pub interface_energy: f64,
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Material {
+            density: 2650.0,
+            youngs_modulus: 70e9,
+            poissons_ratio: 0.3,
+            friction: 0.3,
+            interface_energy: 0.6,
+        }
+    }
+}
+
+/// Which normal law.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NormalKind {
+    /// Hertz (1882): elastic spheres without adhesion.
+    Hertz,
+    /// Johnson, Kendall and Roberts (1971): elastic spheres with adhesion.
+    Jkr,
+}
+
+/// Which tangential law.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TangentialKind {
+    /// Incremental Mindlin and Deresiewicz (1953) with turning points, as Thornton and Yin (1991).
+    MindlinDeresiewicz,
+    /// No-slip Mindlin with rescaling of the force when the contact shrinks.
+    NoSlip,
+    /// Mindlin-Deresiewicz after Savkoor-Briggs (1977) peeling, as Thornton and Yin (1991); needs `Jkr`.
+    Peeling,
+}
+
+/// The contact law: normal, tangential and damping.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Contact {
+    /// Normal law.
+    pub normal: NormalKind,
+    /// Tangential law.
+    pub tangential: TangentialKind,
+    /// Fraction zeta of critical damping in the contact dashpots.
+    pub damping: f64,
+}
+
+impl Default for Contact {
+    fn default() -> Self {
+        Contact { normal: NormalKind::Jkr, tangential: TangentialKind::MindlinDeresiewicz, damping: 0.1 }
+    }
+}
+
+/// How a sample is made: a gas from a seed, compressed isotropically, then relaxed with the final properties.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Preparation {
+    /// Seed of the initial gas.
+    pub seed: u64,
+    /// Target mean stress p, Pa.
+    pub mean_stress: f64,
+    /// Solid fraction of the initial gas.
+    pub initial_solid_fraction: f64,
+    /// Coefficient of friction while compacting; `None`: found so that `solid_fraction` is met, or, without a
+    /// target, the friction of the material.
+    pub friction: Option<f64>,
+    /// Interface energy while compacting, J/m2.
+    pub interface_energy: f64,
+    /// Target solid fraction; granum then finds the preparation friction that meets it.
+    pub solid_fraction: Option<f64>,
+    /// How near to the target solid fraction is near enough.
+    pub solid_fraction_tolerance: f64,
+    /// Highest inertial number while compressing, once grains carry load.
+    pub inertial_number: f64,
+    /// The sample is at rest when the unbalanced force is below this.
+    pub unbalanced_force: f64,
+}
+
+impl Default for Preparation {
+    fn default() -> Self {
+        Preparation {
+            seed: 1,
+            mean_stress: 20e3,
+            initial_solid_fraction: 0.35,
+            friction: None,
+            interface_energy: 0.0,
+            solid_fraction: Some(0.61),
+            solid_fraction_tolerance: 0.003,
+            inertial_number: 1e-3,
+            unbalanced_force: 1e-3,
+        }
+    }
+}
+
+/// How fast a test goes. Both say the same physics: without gravity only the inertial number
+/// `I = strain_rate * d * sqrt(density / p)` matters.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rate {
+    /// Inertial number I of the axial strain rate; the strain rate follows from the density of the grains.
+    InertialNumber(f64),
+    /// Axial strain rate, 1/s, with the density of the grains multiplied by `density_scaling`.
+    StrainRate {
+        /// Axial strain rate, 1/s.
+        strain_rate: f64,
+        /// Factor on the density of every grain.
+        density_scaling: f64,
+    },
+}
+
+/// Axisymmetric compression at constant mean stress: `eps_1` grows, `sigma_2 = sigma_3` follow the servo.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Shear {
+    /// Deviator strain `eps_1 - eps_3` at the end.
+    pub deviator_strain: f64,
+    /// How fast.
+    pub rate: Rate,
+    /// Mean stress p held constant, Pa; `None`: that of the sample.
+    pub mean_stress: Option<f64>,
+}
+
+impl Default for Shear {
+    fn default() -> Self {
+        Shear { deviator_strain: 0.3, rate: Rate::InertialNumber(3.64e-4), mean_stress: None }
+    }
+}
+
+/// When the sensors look, and the bins of the force distribution.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Recording {
+    /// Number of equal intervals of deviator strain; a state is recorded at each end of an interval.
+    pub states: usize,
+    /// Looks averaged for one state, spread evenly over one interval around it.
+    pub looks: usize,
+    /// Width of a bin of f = N/<N>.
+    pub bin_width: f64,
+    /// Largest f with a bin of its own; what lies above is counted apart.
+    pub largest_force: f64,
+}
+
+impl Default for Recording {
+    fn default() -> Self {
+        Recording { states: 120, looks: 20, bin_width: 0.25, largest_force: 6.0 }
+    }
+}
+
+/// Numerical choices that should not change a result beyond scatter.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Numerics {
+    /// Time step as a fraction of `sqrt(m / k_t)` of the stiffest contact.
+    pub time_step_factor: f64,
+}
+
+impl Default for Numerics {
+    fn default() -> Self {
+        Numerics { time_step_factor: 0.2 }
+    }
+}

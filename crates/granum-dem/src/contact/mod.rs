@@ -1,0 +1,158 @@
+//! Contact laws: a normal law and a tangential law, composed by generics.
+//!
+//! A law is written once over [`Real`] and runs on one pair (`f64`) or on eight side by side. To add one: a
+//! file here with its formula and tests, and its line in [`crate::config`] and in the engine's table of laws.
+//! [`interaction`] holds what all laws share: kinematics, rotation of the history, damping.
+
+use granum_simd::Real;
+
+pub mod interaction;
+
+/// Most columns of history that a tangential law may keep.
+pub const MAX_HISTORY: usize = 16;
+/// Number of constants that a law may prepare for a pair.
+pub const LAW_CONSTANTS: usize = 6;
+
+/// Properties of a pair of spheres (section 1 of the theory chapter of the book).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairProperties {
+    /// R_i + R_j, m.
+    pub radius_sum: f64,
+    /// R* = R_i R_j / (R_i + R_j), m.
+    pub effective_radius: f64,
+    /// m* = m_i m_j / (m_i + m_j), kg.
+    pub effective_mass: f64,
+    /// E*, Pa: 1/E* = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j.
+    pub effective_modulus: f64,
+    /// G*, Pa: 1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j.
+    pub effective_shear_modulus: f64,
+    /// Coefficient of friction mu.
+    pub friction: f64,
+    /// Interface energy Gamma (work of adhesion per area), J/m2.
+    pub interface_energy: f64,
+    /// Fraction zeta of critical damping.
+    pub damping: f64,
+}
+
+/// What a normal law says of a contact.
+#[derive(Clone, Copy)]
+pub struct Normal<R: Real> {
+    /// Elastic normal force N, compression positive, N.
+    pub force: R,
+    /// Radius a of the contact area, m.
+    pub radius: R,
+    /// Stiffness for the dashpot, N/m: dN/dalpha, kept positive by the law.
+    pub stiffness: R,
+    /// Load F such that the tangential force is limited to mu F, N: N itself without adhesion.
+    pub friction_load: R,
+    /// Where the pair touches.
+    pub touching: R::Mask,
+}
+
+/// A normal law.
+pub trait NormalLaw: Copy + Send + Sync + 'static {
+    /// The constants of a pair that [`NormalLaw::evaluate`] wants.
+    fn prepare(pair: &PairProperties) -> [f64; LAW_CONSTANTS];
+    /// Force, contact radius, stiffness and friction load at an approach, m, given whether the pair touched a step before.
+    /// Where the pair does not touch, force, radius and load are zero.
+    fn evaluate<R: Real>(constants: &[R; LAW_CONSTANTS], approach: R, touched: R::Mask) -> Normal<R>;
+    /// Elastic energy of a touching pair, J: the integral of N from zero approach.
+    fn energy(constants: &[f64; LAW_CONSTANTS], approach: f64) -> f64;
+    /// Energy lost when a contact breaks, J: the stored energy at the approach of rupture.
+    fn breaking_loss<R: Real>(constants: &[R; LAW_CONSTANTS]) -> R;
+    /// Approach below which a touching pair breaks, m (zero or negative).
+    fn breaking_approach(constants: &[f64; LAW_CONSTANTS]) -> f64;
+}
+
+/// What a tangential law says of a contact.
+#[derive(Clone, Copy)]
+pub struct Tangential<R: Real> {
+    /// Elastic tangential force T on grain i, N.
+    pub force: [R; 3],
+    /// Stiffness for the dashpot, N/m.
+    pub stiffness: R,
+    /// Where the force stands at the friction limit.
+    pub sliding: R::Mask,
+    /// Energy lost to sliding in this step, J.
+    pub friction_loss: R,
+}
+
+/// A tangential law.
+pub trait TangentialLaw: Copy + Send + Sync + 'static {
+    /// Columns of history used. The first three are always the tangential force T on grain i.
+    const HISTORY: usize;
+    /// How many vectors lead the history (columns 0..3 the first, ...); they are turned with the contact plane.
+    const VECTORS: usize;
+    /// The constants of a pair that [`TangentialLaw::update`] wants.
+    fn prepare(pair: &PairProperties) -> [f64; LAW_CONSTANTS];
+    /// Advances the history (already turned into the present contact plane, all zeros for a new contact) by an increment of tangential
+    /// displacement of grain j's surface relative to grain i's, m.
+    fn update<R: Real>(
+        constants: &[R; LAW_CONSTANTS],
+        normal: &Normal<R>,
+        increment: [R; 3],
+        history: &mut [R; MAX_HISTORY],
+    ) -> Tangential<R>;
+}
+
+/// The constants of a pair, or of eight.
+#[derive(Clone, Copy)]
+pub struct PairConstants<R> {
+    /// R_i + R_j, m.
+    pub radius_sum: R,
+    /// 2 zeta sqrt(m*): times the root of a stiffness it is a dashpot coefficient.
+    pub damping: R,
+    /// 16 G*, Pa: the stored tangential energy is T^2 / (16 G* a).
+    pub sixteen_shear_moduli: R,
+    /// Those of the normal law.
+    pub normal: [R; LAW_CONSTANTS],
+    /// Those of the tangential law.
+    pub tangential: [R; LAW_CONSTANTS],
+}
+
+impl PairConstants<f64> {
+    /// Number of values of [`PairConstants::to_array`].
+    pub const COUNT: usize = 3 + 2 * LAW_CONSTANTS;
+
+    /// The constants of a pair for two laws.
+    pub fn new<N: NormalLaw, T: TangentialLaw>(pair: &PairProperties) -> Self {
+        PairConstants {
+            radius_sum: pair.radius_sum,
+            damping: 2.0 * pair.damping * pair.effective_mass.sqrt(),
+            sixteen_shear_moduli: 16.0 * pair.effective_shear_modulus,
+            normal: N::prepare(pair),
+            tangential: T::prepare(pair),
+        }
+    }
+
+    /// The values in a row.
+    pub fn to_array(&self) -> [f64; Self::COUNT] {
+        let mut out = [0.0; Self::COUNT];
+        out[0] = self.radius_sum;
+        out[1] = self.damping;
+        out[2] = self.sixteen_shear_moduli;
+        out[3..3 + LAW_CONSTANTS].copy_from_slice(&self.normal);
+        out[3 + LAW_CONSTANTS..].copy_from_slice(&self.tangential);
+        out
+    }
+
+    /// The same constants in every lane.
+    #[inline(always)]
+    pub fn splat<R: Real>(&self) -> PairConstants<R> {
+        PairConstants::from_columns(|c| R::splat(self.to_array()[c]))
+    }
+}
+
+impl<R: Copy> PairConstants<R> {
+    /// From a function that gives column `c` of [`PairConstants::to_array`].
+    #[inline(always)]
+    pub fn from_columns(column: impl Fn(usize) -> R) -> Self {
+        PairConstants {
+            radius_sum: column(0),
+            damping: column(1),
+            sixteen_shear_moduli: column(2),
+            normal: std::array::from_fn(|c| column(3 + c)),
+            tangential: std::array::from_fn(|c| column(3 + LAW_CONSTANTS + c)),
+        }
+    }
+}
