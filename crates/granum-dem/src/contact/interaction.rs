@@ -166,14 +166,14 @@ pub fn interact<R: Real, N: NormalLaw, T: TangentialLaw>(
         let turned = turn.apply([memory.history[c], memory.history[c + 1], memory.history[c + 2]]);
         memory.history[c..c + 3].copy_from_slice(&turned);
     }
-    let before = [memory.history[0], memory.history[1], memory.history[2]];
+    let before = T::force(normal, &memory.history);
 
     // Velocity of the surface of j relative to that of i.
     let surface = add_scaled(kinematics.velocity, -distance, cross(kinematics.rolling, middle));
     let in_plane = add_scaled(surface, -dot(surface, middle), middle);
     let slip_velocity = add_scaled(in_plane, -dot(in_plane, normal), normal);
     let increment = scale(dt, slip_velocity);
-    let tangential = T::update(&constants.tangential, &contact, increment, &mut memory.history);
+    let tangential = T::update(&constants.tangential, &contact, normal, increment, &mut memory.history);
 
     let mid_force: [R; 3] = std::array::from_fn(|a| half * (before[a] + tangential.force[a]));
     let normal_dashpot = constants.damping * contact.stiffness.sqrt();

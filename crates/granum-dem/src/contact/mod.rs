@@ -1,12 +1,19 @@
 //! Contact laws: a normal law and a tangential law, composed by generics.
 //!
 //! A law is written once over [`Real`] and runs on one pair (`f64`) or on eight side by side. To add one: a
-//! file here with its formula and tests, and its line in [`crate::config`] and in the engine's table of laws.
+//! file here with its formula and tests, its kind in [`crate::config`] and its line in [`registry`].
 //! [`interaction`] holds what all laws share: kinematics, rotation of the history, damping.
 
 use granum_simd::Real;
 
+use crate::config::Material;
+
+pub mod hertz;
 pub mod interaction;
+pub mod jkr;
+pub mod mindlin_deresiewicz;
+pub mod no_slip;
+pub mod registry;
 
 /// Most columns of history that a tangential law may keep.
 pub const MAX_HISTORY: usize = 16;
@@ -32,6 +39,28 @@ pub struct PairProperties {
     pub interface_energy: f64,
     /// Fraction zeta of critical damping.
     pub damping: f64,
+}
+
+impl PairProperties {
+    /// Those of two spheres of given material and radius, m, with dashpots of a fraction of critical damping.
+    ///
+    /// Friction and interface energy of unlike materials are the geometric means of the two.
+    pub fn new(i: (&Material, f64), j: (&Material, f64), damping: f64) -> Self {
+        let compliance = |m: &Material| (1.0 - m.poissons_ratio * m.poissons_ratio) / m.youngs_modulus;
+        let shear_compliance =
+            |m: &Material| (2.0 - m.poissons_ratio) * 2.0 * (1.0 + m.poissons_ratio) / m.youngs_modulus;
+        let mass = |(m, r): (&Material, f64)| m.density * 4.0 / 3.0 * std::f64::consts::PI * r * r * r;
+        PairProperties {
+            radius_sum: i.1 + j.1,
+            effective_radius: i.1 * j.1 / (i.1 + j.1),
+            effective_mass: mass(i) * mass(j) / (mass(i) + mass(j)),
+            effective_modulus: 1.0 / (compliance(i.0) + compliance(j.0)),
+            effective_shear_modulus: 1.0 / (shear_compliance(i.0) + shear_compliance(j.0)),
+            friction: (i.0.friction * j.0.friction).sqrt(),
+            interface_energy: (i.0.interface_energy * j.0.interface_energy).sqrt(),
+            damping,
+        }
+    }
 }
 
 /// What a normal law says of a contact.
@@ -79,20 +108,24 @@ pub struct Tangential<R: Real> {
 
 /// A tangential law.
 pub trait TangentialLaw: Copy + Send + Sync + 'static {
-    /// Columns of history used. The first three are always the tangential force T on grain i.
+    /// Columns of history used. What they mean is the law's own; the force is had from [`TangentialLaw::force`].
     const HISTORY: usize;
     /// How many vectors lead the history (columns 0..3 the first, ...); they are turned with the contact plane.
     const VECTORS: usize;
     /// The constants of a pair that [`TangentialLaw::update`] wants.
     fn prepare(pair: &PairProperties) -> [f64; LAW_CONSTANTS];
-    /// Advances the history (already turned into the present contact plane, all zeros for a new contact) by an increment of tangential
-    /// displacement of grain j's surface relative to grain i's, m.
+    /// Advances the history (already turned into the present contact plane, all zeros for a new contact) by an
+    /// increment of tangential displacement of grain j's surface relative to grain i's, m. `direction` is the unit
+    /// normal n from i to j.
     fn update<R: Real>(
         constants: &[R; LAW_CONSTANTS],
         normal: &Normal<R>,
+        direction: [R; 3],
         increment: [R; 3],
         history: &mut [R; MAX_HISTORY],
     ) -> Tangential<R>;
+    /// The tangential force T on grain i that a history holds, N, given the unit normal it was left with.
+    fn force<R: Real>(direction: [R; 3], history: &[R; MAX_HISTORY]) -> [R; 3];
 }
 
 /// The constants of a pair, or of eight.
