@@ -1,0 +1,45 @@
+//! Times one look at an assembly of the size of the paper's: 5000 grains, 13000 contacts.
+//!
+//! `cargo run --release -p granum-sensors --example look_time`
+
+use granum_dem::assembly::{Assembly, Contact, Grain};
+use granum_dem::config::Recording;
+use granum_sensors::Recorder;
+use std::time::Instant;
+
+fn main() {
+    let grains = 5000;
+    let contacts = 13_000;
+    let angle = |k: usize, step: f64| (k as f64 * step).rem_euclid(1.0);
+    let mut assembly = Assembly {
+        cell: [[2e-3, 0.0, 0.0], [0.0, 2e-3, 0.0], [0.0, 0.0, 2e-3]],
+        grains: (0..grains).map(|_| Grain { radius: 5e-5, mass: 1e-9, ..Default::default() }).collect(),
+        contacts: (0..contacts)
+            .map(|k| {
+                let cosine = 2.0 * angle(k, 0.618_034) - 1.0;
+                let sine = (1.0 - cosine * cosine).sqrt();
+                let azimuth = std::f64::consts::TAU * angle(k, 0.754_878);
+                let normal = [cosine, sine * azimuth.cos(), sine * azimuth.sin()];
+                Contact {
+                    i: k % grains,
+                    j: (k * 7 + 1) % grains,
+                    normal,
+                    branch: normal.map(|x| x * 1e-4),
+                    normal_force: 4e-4 * angle(k, 0.569_84),
+                    tangential_force: [1e-5, 2e-5, -1e-5],
+                    ..Default::default()
+                }
+            })
+            .collect(),
+        ..Default::default()
+    };
+    let looks = 1000;
+    let mut recorder = Recorder::new(&Recording { states: looks, looks: 1, ..Default::default() }, 1.0);
+    let start = Instant::now();
+    for k in 0..looks {
+        assembly.strain[0][0] = (k as f64 + 0.5) / looks as f64;
+        recorder.look(&assembly);
+    }
+    let taken = start.elapsed().as_secs_f64() / looks as f64;
+    println!("{} states recorded, {:.0} microseconds a look", recorder.record().series.rows(), 1e6 * taken);
+}

@@ -1,0 +1,151 @@
+//! Coordination numbers: contacts a grain, by several definitions.
+//!
+//! With N_k contacts, N grains, and N_0 and N_1 grains with no and with one contact:
+//! - coordination number `Z = 2 N_k / N`;
+//! - mechanical coordination number `Z_m = (2 N_k - N_1) / (N - N_0 - N_1)` (Thornton 2000): the mean number of
+//!   contacts of the grains that have at least two;
+//! - compressive coordination number: Z with the contacts in compression alone, those that bear load;
+//! - backbone coordination number: Z after grains with fewer than two contacts were taken out together with their
+//!   contacts, again and again until none is left.
+//!
+//! Rattlers are the grains with fewer than two contacts: N_0 + N_1.
+
+use granum_dem::assembly::Contact;
+
+use crate::look::mean;
+use crate::{Column, Look, Sensor};
+
+/// The sensor.
+pub const SENSOR: Sensor = Sensor {
+    name: "coordination",
+    description: "mean number of contacts a grain, by several definitions",
+    columns: &[
+        Column::new("coordination_number", "1", "Z = 2 N_k / N over all grains"),
+        Column::new(
+            "mechanical_coordination_number",
+            "1",
+            "Z_m of Thornton (2000): over grains with two contacts or more",
+        ),
+        Column::new("compressive_coordination_number", "1", "Z of the contacts in compression alone"),
+        Column::new(
+            "backbone_coordination_number",
+            "1",
+            "Z after grains with fewer than two contacts are taken out until none is left",
+        ),
+        Column::new("rattler_fraction", "1", "grains with fewer than two contacts over all grains"),
+        Column::new("contacts", "1", "number N_k of contacts"),
+    ],
+    measure,
+};
+
+/// Coordination numbers of an assembly.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Coordination {
+    /// Z = 2 N_k / N.
+    pub all: f64,
+    /// Z_m (Thornton 2000).
+    pub mechanical: f64,
+    /// Z of the contacts in compression.
+    pub compressive: f64,
+    /// Z of what is left when rattlers are taken out repeatedly.
+    pub backbone: f64,
+    /// (N_0 + N_1) / N.
+    pub rattler_fraction: f64,
+}
+
+impl Coordination {
+    /// Measures them; 0 where there is no grain to divide by.
+    pub fn of(look: &Look) -> Self {
+        let grains = look.assembly.grains.len();
+        // A contact of a grain that is not there (another code's file) is not counted.
+        let contacts: Vec<&Contact> =
+            look.assembly.contacts.iter().filter(|contact| contact.i.max(contact.j) < grains).collect();
+        let mut degree = vec![0u32; grains];
+        for contact in &contacts {
+            degree[contact.i] += 1;
+            degree[contact.j] += 1;
+        }
+        let compressive = contacts.iter().filter(|contact| contact.normal_force > 0.0).count();
+        let alone = degree.iter().filter(|&&d| d == 0).count();
+        let single = degree.iter().filter(|&&d| d == 1).count();
+        Coordination {
+            all: mean(2.0 * contacts.len() as f64, grains),
+            mechanical: mean((2 * contacts.len() - single) as f64, grains - alone - single),
+            compressive: mean(2.0 * compressive as f64, grains),
+            backbone: backbone(&contacts, degree),
+            rattler_fraction: mean((alone + single) as f64, grains),
+        }
+    }
+}
+
+/// Coordination number of what is left when grains with fewer than two contacts are taken out until none is left.
+fn backbone(contacts: &[&Contact], mut degree: Vec<u32>) -> f64 {
+    let mut left: Vec<(usize, usize)> = contacts.iter().map(|c| (c.i, c.j)).collect();
+    loop {
+        let before = left.len();
+        left.retain(|&(i, j)| {
+            let kept = degree[i] >= 2 && degree[j] >= 2;
+            if !kept {
+                degree[i] -= 1;
+                degree[j] -= 1;
+            }
+            kept
+        });
+        if left.len() == before {
+            let grains = degree.iter().filter(|&&d| d >= 2).count();
+            return mean(2.0 * left.len() as f64, grains);
+        }
+    }
+}
+
+fn measure(look: &Look, row: &mut Vec<f64>) {
+    let z = Coordination::of(look);
+    row.extend([
+        z.all,
+        z.mechanical,
+        z.compressive,
+        z.backbone,
+        z.rattler_fraction,
+        look.assembly.contacts.len() as f64,
+    ]);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice;
+    use granum_dem::assembly::{Assembly, Grain};
+
+    #[test]
+    fn lattices_have_six_and_twelve() {
+        for (assembly, z) in [
+            (lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4), 6.0),
+            (lattice::face_centred_cubic(3, 1e-4, 1e-4, 1e-4), 12.0),
+        ] {
+            let c = Coordination::of(&Look::new(&assembly));
+            assert_eq!(
+                c,
+                Coordination { all: z, mechanical: z, compressive: z, backbone: z, rattler_fraction: 0.0 }
+            );
+        }
+    }
+
+    /// A ring of three grains with a tail of two, and one grain alone.
+    #[test]
+    fn rattlers_are_counted_by_each_definition() {
+        let grains = vec![Grain { radius: 1.0, ..Default::default() }; 6];
+        let contacts = [(0, 1), (1, 2), (0, 2), (2, 3), (3, 4)].map(|(i, j)| Contact {
+            i,
+            j,
+            normal_force: if j == 4 { -1.0 } else { 2.0 },
+            ..Default::default()
+        });
+        let assembly = Assembly { grains, contacts: contacts.to_vec(), ..Default::default() };
+        let c = Coordination::of(&Look::new(&assembly));
+        assert!((c.all - 10.0 / 6.0).abs() < 1e-15);
+        assert!((c.mechanical - 9.0 / 4.0).abs() < 1e-15, "grains 0 to 3 have 2, 2, 3 and 2 contacts");
+        assert!((c.compressive - 8.0 / 6.0).abs() < 1e-15);
+        assert!((c.backbone - 2.0).abs() < 1e-15, "the ring is left");
+        assert!((c.rattler_fraction - 2.0 / 6.0).abs() < 1e-15);
+    }
+}

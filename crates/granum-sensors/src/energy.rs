@@ -1,0 +1,80 @@
+//! Energy by mechanism, J: what is stored now, and the ledger of what was worked and lost since the start of the
+//! phase.
+//!
+//! The ledger closes: `boundary_work = change of (kinetic + elastic normal) + tangential_work + damping + adhesion`,
+//! and the tangential work is stored, slid or slipped: `tangential_work = change of elastic tangential + friction +
+//! micro-slip`.
+
+use crate::{Column, Look, Sensor};
+
+/// The sensor.
+pub const SENSOR: Sensor = Sensor {
+    name: "energy",
+    description: "stored energies and the ledger of work and losses since the start of the phase",
+    columns: &[
+        Column::new("kinetic_energy", "J", "of the fluctuating velocities and the spins"),
+        Column::new("elastic_normal_energy", "J", "stored by the normal approach of all contacts"),
+        Column::new(
+            "elastic_tangential_energy",
+            "J",
+            "stored by the tangential displacement of all contacts",
+        ),
+        Column::new("boundary_work", "J", "work that the deformation of the cell did on the grains"),
+        Column::new("tangential_work", "J", "work taken up by the elastic tangential forces"),
+        Column::new("friction_loss", "J", "lost to sliding at the friction limit, part of tangential_work"),
+        Column::new("damping_loss", "J", "lost in the contact dashpots"),
+        Column::new("adhesion_loss", "J", "lost when adhesive contacts broke"),
+    ],
+    measure,
+};
+
+/// Kinetic energy of the fluctuating motion and the spins (solid spheres: inertia 2/5 m R^2), J.
+pub fn kinetic_energy(look: &Look) -> f64 {
+    let square = |v: &[f64; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    look.assembly
+        .grains
+        .iter()
+        .map(|grain| {
+            0.5 * grain.mass
+                * (square(&grain.velocity) + 0.4 * grain.radius * grain.radius * square(&grain.spin))
+        })
+        .sum()
+}
+
+fn measure(look: &Look, row: &mut Vec<f64>) {
+    let (mut normal, mut tangential) = (0.0, 0.0);
+    for contact in &look.assembly.contacts {
+        normal += contact.normal_energy;
+        tangential += contact.tangential_energy;
+    }
+    let ledger = &look.assembly.energy;
+    row.extend([
+        kinetic_energy(look),
+        normal,
+        tangential,
+        ledger.boundary_work,
+        ledger.tangential_work,
+        ledger.friction,
+        ledger.damping,
+        ledger.adhesion,
+    ]);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use granum_dem::assembly::{Assembly, Grain};
+
+    #[test]
+    fn a_rolling_sphere_has_seven_tenths_m_v_squared() {
+        let grain = Grain {
+            mass: 2.0,
+            radius: 0.5,
+            velocity: [3.0, 0.0, 0.0],
+            spin: [0.0, 6.0, 0.0],
+            ..Default::default()
+        };
+        let assembly = Assembly { grains: vec![grain], ..Default::default() };
+        assert!((kinetic_energy(&Look::new(&assembly)) - 0.7 * 2.0 * 9.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,149 @@
+//! Fabric: how contacts are oriented.
+//!
+//! Satake (1982): `phi_ij = <n_i n_j>`, the mean over the contacts, n the unit normal; its trace is 1. Deviator
+//! `phi_d = phi_1 - phi_3` with axis 1 the axis of compression and axes 2 and 3 averaged; also over strong
+//! (`N > <N>`) and weak contacts alone, each divided by its own number of contacts (Radjai et al. 1998). The
+//! difference of the largest and smallest eigenvalue is given beside: it knows no axis, but is biased upward by
+//! noise (a finite isotropic sample has a small positive one).
+
+use granum_dem::assembly::{Contact, Matrix};
+
+use crate::tensor::{add_dyad, deviator, eigenvalues, scaled};
+use crate::{Column, Look, Sensor};
+
+/// The sensor.
+pub const SENSOR: Sensor = Sensor {
+    name: "fabric",
+    description: "Satake's fabric tensor and its deviator, also of strong and weak contacts alone",
+    columns: &[
+        Column::new("fabric_11", "1", "phi_11 = <n_1 n_1>"),
+        Column::new("fabric_22", "1", "phi_22"),
+        Column::new("fabric_33", "1", "phi_33"),
+        Column::new("fabric_12", "1", "phi_12"),
+        Column::new("fabric_13", "1", "phi_13"),
+        Column::new("fabric_23", "1", "phi_23"),
+        Column::new("deviator_fabric", "1", "phi_d = phi_1 - phi_3, axes 2 and 3 averaged"),
+        Column::new("strong_deviator_fabric", "1", "phi_d of the strong contacts, N > <N>"),
+        Column::new("weak_deviator_fabric", "1", "phi_d of the weak contacts, N <= <N>"),
+        Column::new("principal_deviator_fabric", "1", "largest minus smallest eigenvalue of phi"),
+        Column::new("strong_fraction", "1", "strong contacts over all contacts"),
+    ],
+    measure,
+};
+
+/// Fabric tensor of the contacts that are chosen, and their number; zero of none.
+pub fn fabric(look: &Look, chosen: impl Fn(&Contact) -> bool) -> (Matrix, usize) {
+    let mut sum = [[0.0; 3]; 3];
+    let mut count = 0;
+    for contact in look.assembly.contacts.iter().filter(|contact| chosen(contact)) {
+        add_dyad(&mut sum, 1.0, &contact.normal, &contact.normal);
+        count += 1;
+    }
+    if count == 0 { (sum, 0) } else { (scaled(&sum, 1.0 / count as f64), count) }
+}
+
+/// Deviator fabric `phi_d` of all contacts.
+pub fn deviator_fabric(look: &Look) -> f64 {
+    deviator(&fabric(look, |_| true).0)
+}
+
+fn measure(look: &Look, row: &mut Vec<f64>) {
+    let (strong, strong_count) = fabric(look, |contact| look.is_strong(contact));
+    let (weak, weak_count) = fabric(look, |contact| !look.is_strong(contact));
+    let count = (strong_count + weak_count).max(1) as f64;
+    let (a, b) = (strong_count as f64 / count, weak_count as f64 / count);
+    let all: Matrix = std::array::from_fn(|i| std::array::from_fn(|j| a * strong[i][j] + b * weak[i][j]));
+    let principal = eigenvalues(&all);
+    row.extend([all[0][0], all[1][1], all[2][2], all[0][1], all[0][2], all[1][2]]);
+    row.extend([deviator(&all), deviator(&strong), deviator(&weak), principal[0] - principal[2], a]);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice;
+    use crate::tensor::trace;
+    use proptest::prelude::*;
+
+    #[test]
+    fn cubic_lattices_are_isotropic() {
+        for assembly in
+            [lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4), lattice::face_centred_cubic(3, 1e-4, 1e-4, 1e-4)]
+        {
+            let (tensor, count) = fabric(&Look::new(&assembly), |_| true);
+            assert_eq!(count, assembly.contacts.len());
+            for i in 0..3 {
+                for j in 0..3 {
+                    let exact = if i == j { 1.0 / 3.0 } else { 0.0 };
+                    assert!((tensor[i][j] - exact).abs() < 1e-12);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn contacts_along_the_axis_give_one_and_across_it_minus_a_half() {
+        let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4);
+        assembly.contacts.retain(|contact| contact.normal[0].abs() > 0.5);
+        assert!((deviator_fabric(&Look::new(&assembly)) - 1.0).abs() < 1e-12);
+        let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4);
+        assembly.contacts.retain(|contact| contact.normal[0].abs() < 0.5);
+        assert!((deviator_fabric(&Look::new(&assembly)) + 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn strong_and_weak_networks_are_told_apart() {
+        let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4);
+        for contact in &mut assembly.contacts {
+            contact.normal_force = if contact.normal[0].abs() > 0.5 { 3.0 } else { 1.0 };
+        }
+        let mut row = Vec::new();
+        measure(&Look::new(&assembly), &mut row);
+        assert!(row[6].abs() < 1e-12, "all: {}", row[6]);
+        assert!((row[7] - 1.0).abs() < 1e-12, "strong: {}", row[7]);
+        assert!((row[8] + 0.5).abs() < 1e-12, "weak: {}", row[8]);
+        assert!((row[10] - 1.0 / 3.0).abs() < 1e-12);
+    }
+
+    /// Second way: the fabric along the axis from the histogram of orientations, whose bins are uniform in the
+    /// cosine up to their width.
+    #[test]
+    fn the_rose_gives_the_same_fabric() {
+        let assembly = lattice::random_contacts(400, 7);
+        let look = Look::new(&assembly);
+        let rose = crate::rose::Rose::of(&look);
+        let by_rose: f64 = (0..crate::rose::BINS)
+            .map(|b| {
+                let (high, low) = (crate::rose::EDGE_COSINES[b], crate::rose::EDGE_COSINES[b + 1]);
+                rose.counts[b] as f64 * (high * high + high * low + low * low) / 3.0
+            })
+            .sum::<f64>()
+            / assembly.contacts.len() as f64;
+        let tensor = fabric(&look, |_| true).0;
+        assert!((tensor[0][0] - by_rose).abs() < 0.01, "{} {by_rose}", tensor[0][0]);
+    }
+
+    proptest! {
+        #[test]
+        fn fabric_has_unit_trace_and_turns_with_the_assembly(
+            seed in 0u64..1000,
+            axis in prop::array::uniform3(-1.0..1.0f64),
+        ) {
+            prop_assume!(axis.iter().map(|x| x * x).sum::<f64>() > 0.01);
+            let assembly = lattice::random_contacts(60, seed);
+            let q = lattice::rotation(axis, 0.7);
+            let turned = lattice::rotated(&assembly, &q);
+            let before = fabric(&Look::new(&assembly), |_| true).0;
+            let after = fabric(&Look::new(&turned), |_| true).0;
+            let expected = lattice::conjugate(&q, &before);
+            prop_assert!((trace(&before) - 1.0).abs() < 1e-12);
+            for i in 0..3 {
+                for j in 0..3 {
+                    prop_assert!((after[i][j] - expected[i][j]).abs() < 1e-12);
+                }
+            }
+            let (a, b) = (eigenvalues(&before), eigenvalues(&after));
+            prop_assert!((0..3).all(|k| (a[k] - b[k]).abs() < 1e-12));
+        }
+    }
+}

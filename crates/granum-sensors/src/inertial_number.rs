@@ -1,0 +1,56 @@
+//! Inertial number `I = strain_rate * d * sqrt(rho / p)` (GDR MiDi 2004).
+//!
+//! The strain rate is the largest component of the velocity gradient in absolute value: the axial rate in
+//! axisymmetric compression, the shear rate in simple shear. d is the mean diameter, rho the density of the solid
+//! (with any density scaling, since it comes from the masses), p the measured mean stress. 0 where p is not
+//! positive.
+
+use crate::solid_fraction::grain_volume;
+use crate::{Column, Look, Sensor};
+
+/// The sensor.
+pub const SENSOR: Sensor = Sensor {
+    name: "inertial_number",
+    description: "ratio of inertia to confinement; quasi-static below about 1e-3",
+    columns: &[Column::new("inertial_number", "1", "I = strain_rate d sqrt(rho / p)")],
+    measure: |look, row| row.push(inertial_number(look)),
+};
+
+/// The inertial number.
+pub fn inertial_number(look: &Look) -> f64 {
+    let grains = &look.assembly.grains;
+    let p = look.stress.mean();
+    let volume = grain_volume(look);
+    if grains.is_empty() || volume == 0.0 || p.is_nan() || p <= 0.0 {
+        return 0.0;
+    }
+    let rate = look.assembly.velocity_gradient.iter().flatten().fold(0.0, |a: f64, b| a.max(b.abs()));
+    let diameter = 2.0 * grains.iter().map(|grain| grain.radius).sum::<f64>() / grains.len() as f64;
+    let density = grains.iter().map(|grain| grain.mass).sum::<f64>() / volume;
+    rate * diameter * (density / p).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice;
+
+    /// The paper's case: 20 kPa, d = 0.1 mm, 2650 kg/m3 scaled by 1e12, 1e-5 /s is I = 3.640e-4.
+    #[test]
+    fn the_papers_rate_with_its_density_scaling() {
+        let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 2e-4);
+        let p = Look::new(&assembly).stress.mean();
+        for contact in &mut assembly.contacts {
+            contact.normal_force *= 20e3 / p;
+        }
+        let volume = 4.0 / 3.0 * std::f64::consts::PI * 0.5e-4f64.powi(3);
+        for (scaling, rate) in [(1e12, 1e-5), (1.0, 10.0)] {
+            for grain in &mut assembly.grains {
+                grain.mass = 2650.0 * scaling * volume;
+            }
+            assembly.velocity_gradient = [[-rate, 0.0, 0.0], [0.0, 0.5 * rate, 0.0], [0.0, 0.0, 0.5 * rate]];
+            let value = inertial_number(&Look::new(&assembly));
+            assert!((value / 3.640e-4 - 1.0).abs() < 1e-4, "{value}");
+        }
+    }
+}

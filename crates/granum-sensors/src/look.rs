@@ -1,0 +1,47 @@
+//! One look at an assembly: the assembly and what several sensors need of it.
+
+use granum_dem::assembly::{Assembly, Contact};
+
+use crate::stress::Stress;
+
+/// An assembly with its volume, its mean normal force, which divides strong from weak contacts, and its stress.
+pub struct Look<'a> {
+    /// What is looked at.
+    pub assembly: &'a Assembly,
+    /// Mean `<N>` of the elastic normal forces of all contacts, tension negative, N; 0 without contacts.
+    pub mean_normal_force: f64,
+    /// Volume of the cell, m3.
+    pub volume: f64,
+    /// Stress.
+    pub stress: Stress,
+}
+
+impl<'a> Look<'a> {
+    /// Looks at an assembly.
+    pub fn new(assembly: &'a Assembly) -> Self {
+        let sum: f64 = assembly.contacts.iter().map(|contact| contact.normal_force).sum();
+        let mut look = Look {
+            assembly,
+            mean_normal_force: mean(sum, assembly.contacts.len()),
+            volume: assembly.volume(),
+            stress: Stress::default(),
+        };
+        look.stress = Stress::of(&look);
+        look
+    }
+
+    /// True for a contact of the strong network: `N > <N>` (Radjai et al. 1998).
+    pub fn is_strong(&self, contact: &Contact) -> bool {
+        contact.normal_force > self.mean_normal_force
+    }
+}
+
+/// `sum / count`, and 0 of nothing.
+pub(crate) fn mean(sum: f64, count: usize) -> f64 {
+    if count == 0 { 0.0 } else { sum / count as f64 }
+}
+
+/// `part / whole`, and 0 where there is no whole.
+pub(crate) fn ratio(part: f64, whole: f64) -> f64 {
+    if whole == 0.0 { 0.0 } else { part / whole }
+}

@@ -1,0 +1,56 @@
+//! Elementary functions from operations that give the same bits on every machine.
+
+use granum_simd::exp;
+
+/// Natural logarithm of a positive finite number; relative error below 1e-14.
+pub(crate) fn ln(x: f64) -> f64 {
+    let exponent = ((x.to_bits() >> 52) as i64 - 1023) as f64;
+    let mut y = (exponent + 0.5) * std::f64::consts::LN_2;
+    // Halley's method on e^y = x: the error is cubed each time, from at most 0.35 at the start.
+    for _ in 0..4 {
+        let e: f64 = exp(y);
+        y += 2.0 * (x - e) / (x + e);
+    }
+    y
+}
+
+/// Mills ratio of the normal distribution, `R(x) = integral_0^inf exp(-u^2/2 - x u) du` for x >= 0, by Boole's
+/// rule; relative error below 1e-9 for x < 20.
+pub(crate) fn mills_ratio(x: f64) -> f64 {
+    const INTERVALS: usize = 256;
+    // Beyond this the integrand is below e^-40 of its value at 0.
+    let end = (x * x + 80.0).sqrt() - x;
+    let h = end / INTERVALS as f64;
+    let mut sum = 0.0;
+    for k in 0..=INTERVALS {
+        let u = k as f64 * h;
+        let weight = if k == 0 || k == INTERVALS { 7.0 } else { [14.0, 32.0, 12.0, 32.0][k % 4] };
+        let value: f64 = exp(-u * (0.5 * u + x));
+        sum += weight * value;
+    }
+    sum * h * (2.0 / 45.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn logarithm_agrees_with_the_system() {
+        for x in [1e-300, 1e-9, 0.3, 0.5, 1.0 - 1e-12, 1.0, 1.5, 2.0, 31.0, 1e12, 1e300f64] {
+            assert!((ln(x) - x.ln()).abs() <= 1e-14 * x.ln().abs().max(1.0), "{x}: {} {}", ln(x), x.ln());
+        }
+    }
+
+    #[test]
+    fn mills_ratio_at_known_points() {
+        // R(0) = sqrt(pi/2); R(1) = 0.6556795424187985 and R(3) = 0.3045902987101033 (Mills 1926, more digits).
+        for (x, exact) in [
+            (0.0, (0.5 * std::f64::consts::PI).sqrt()),
+            (1.0, 0.655_679_542_418_798_5),
+            (3.0, 0.304_590_298_710_103_3),
+        ] {
+            assert!((mills_ratio(x) / exact - 1.0).abs() < 1e-9, "{x}: {}", mills_ratio(x));
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! Largest overlap `alpha / (R_i + R_j)`: elastic spheres are a fair model while it is small (below about 1e-2).
+
+use crate::look::ratio;
+use crate::{Averaging, Column, Look, Sensor};
+
+/// The sensor.
+pub const SENSOR: Sensor = Sensor {
+    name: "overlap",
+    description: "how deep the grains are pressed into each other",
+    columns: &[Column::new(
+        "largest_overlap",
+        "1",
+        "largest alpha / (R_i + R_j) over the contacts and the looks",
+    )
+    .averaged(Averaging::Largest)],
+    measure: |look, row| row.push(largest_overlap(look)),
+};
+
+/// Largest `alpha / (R_i + R_j)`; 0 without contacts, and for contacts in tension that are stretched apart.
+pub fn largest_overlap(look: &Look) -> f64 {
+    let grains = &look.assembly.grains;
+    look.assembly
+        .contacts
+        .iter()
+        .filter_map(|contact| {
+            let radii = grains.get(contact.i)?.radius + grains.get(contact.j)?.radius;
+            Some(ratio(contact.approach, radii))
+        })
+        .fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice;
+
+    #[test]
+    fn a_lattice_overlaps_by_its_strain() {
+        let assembly = lattice::simple_cubic(3, 1e-4, 1e-3, 2e-4);
+        assert!((largest_overlap(&Look::new(&assembly)) - 1e-3).abs() < 1e-12);
+    }
+}

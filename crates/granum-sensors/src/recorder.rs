@@ -1,0 +1,256 @@
+//! Averages looks into recorded states as a test goes on.
+
+use granum_dem::assembly::Assembly;
+use granum_dem::config::Recording;
+use serde::{Deserialize, Serialize};
+
+use crate::force_distribution::ForceHistogram;
+use crate::strain::deviator_strain;
+use crate::{Averaging, Look, Record, all, columns};
+
+/// Takes looks at a test and averages them into states.
+///
+/// State k of `0..=states` stands at the deviator strain `k / states` of the end, and its window is one interval
+/// wide around it (half a window at both ends). Looks are spread evenly over a window, half a spacing off its
+/// edges, so that the whole test is looked at in equal strides. A column of strain is averaged like every other, so
+/// each row pairs mean values of the same looks.
+///
+/// The whole of it can be serialised: a run that is resumed goes on with the same bits.
+///
+/// ```
+/// use granum_dem::{assembly::Assembly, config::Recording};
+/// use granum_sensors::Recorder;
+///
+/// let recording = Recording { states: 2, looks: 4, ..Default::default() };
+/// let mut recorder = Recorder::new(&recording, 0.3);
+/// let mut assembly = Assembly::default();
+/// while assembly.strain[0][0] < 0.3 {
+///     if assembly.strain[0][0] >= recorder.next_look() {
+///         recorder.look(&assembly);
+///     }
+///     assembly.strain[0][0] += 0.001;
+/// }
+/// assert_eq!(recorder.record().series.rows(), 3);
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Recorder {
+    recording: Recording,
+    end: f64,
+    /// State and look within its window that come next.
+    next: (usize, usize),
+    states: Vec<StateSums>,
+}
+
+/// What the looks at one state add up to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct StateSums {
+    state: usize,
+    looks: u64,
+    sums: Vec<f64>,
+    forces: ForceHistogram,
+}
+
+impl Recorder {
+    /// A recorder for a test that ends at a deviator strain `end`. Numbers of states or looks of zero count as one.
+    pub fn new(recording: &Recording, end: f64) -> Self {
+        let recording =
+            Recording { states: recording.states.max(1), looks: recording.looks.max(1), ..recording.clone() };
+        let first = recording.looks / 2;
+        Recorder { recording, end, next: (0, first), states: Vec::new() }
+    }
+
+    /// Deviator strain at which the next look is due; infinite when there is none.
+    pub fn next_look(&self) -> f64 {
+        let (state, look) = self.next;
+        if state > self.recording.states {
+            return f64::INFINITY;
+        }
+        let offset = (2 * look + 1) as f64 / (2 * self.recording.looks) as f64 - 0.5;
+        self.end * ((state as f64 + offset) / self.recording.states as f64)
+    }
+
+    /// True when the last look has been taken.
+    pub fn is_complete(&self) -> bool {
+        self.next.0 > self.recording.states
+    }
+
+    /// Looks once, for the look that is due, and goes on to the first that is not. Before anything is due it does
+    /// nothing, so it may be called at any time.
+    pub fn look(&mut self, assembly: &Assembly) {
+        let strain = deviator_strain(assembly);
+        if strain.is_nan() || strain < self.next_look() {
+            return;
+        }
+        let state = self.next.0;
+        while self.next_look() <= strain {
+            self.advance();
+        }
+        if self.states.last().is_none_or(|sums| sums.state != state) {
+            self.states.push(StateSums {
+                state,
+                looks: 0,
+                sums: vec![0.0; columns().count()],
+                forces: ForceHistogram::new(self.recording.bin_width, self.recording.largest_force),
+            });
+        }
+        if let Some(sums) = self.states.last_mut() {
+            sums.add(&Look::new(assembly));
+        }
+    }
+
+    fn advance(&mut self) {
+        let (state, look) = self.next;
+        let looks = self.recording.looks;
+        let last = if state == self.recording.states { looks.div_ceil(2) } else { looks };
+        self.next = if look + 1 < last { (state, look + 1) } else { (state + 1, 0) };
+    }
+
+    /// The record so far: one row a state that has been looked at.
+    pub fn record(&self) -> Record {
+        let rows: Vec<(usize, u64, Vec<f64>)> =
+            self.states.iter().map(|sums| (sums.state, sums.looks, sums.averages())).collect();
+        Record::from_states(&rows, self.states.iter().map(|sums| sums.forces.clone()).collect())
+    }
+}
+
+impl StateSums {
+    fn add(&mut self, look: &Look) {
+        let mut row = Vec::with_capacity(self.sums.len());
+        for sensor in all() {
+            (sensor.measure)(look, &mut row);
+        }
+        for ((sum, value), column) in self.sums.iter_mut().zip(row).zip(columns()) {
+            match column.averaging {
+                Averaging::Mean => *sum += value,
+                Averaging::RootMeanSquare => *sum += value * value,
+                Averaging::Largest => *sum = sum.max(value),
+            }
+        }
+        self.looks += 1;
+        self.forces.add(look);
+    }
+
+    fn averages(&self) -> Vec<f64> {
+        let looks = self.looks as f64;
+        self.sums
+            .iter()
+            .zip(columns())
+            .map(|(sum, column)| match column.averaging {
+                Averaging::Mean => sum / looks,
+                Averaging::RootMeanSquare => (sum / looks).sqrt(),
+                Averaging::Largest => *sum,
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice;
+
+    fn at(strain: f64) -> Assembly {
+        let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 2e-4 * (1.0 + strain));
+        assembly.strain = [[strain, 0.0, 0.0], [0.0; 3], [0.0; 3]];
+        assembly.target_mean_stress = Some(2e4);
+        assembly
+    }
+
+    fn run(recorder: &mut Recorder, steps: usize, end: f64) -> usize {
+        let mut looks = 0;
+        for k in 0..=steps {
+            let strain = end * (k as f64 / steps as f64);
+            if strain >= recorder.next_look() {
+                recorder.look(&at(strain));
+                looks += 1;
+            }
+        }
+        looks
+    }
+
+    #[test]
+    fn windows_are_centred_with_half_windows_at_the_ends() {
+        let recording = Recording { states: 4, looks: 6, ..Default::default() };
+        let mut recorder = Recorder::new(&recording, 0.4);
+        assert_eq!(run(&mut recorder, 2400, 0.4), 4 * 6);
+        assert!(recorder.is_complete() && recorder.next_look().is_infinite());
+        let record = recorder.record();
+        let strain = record.series.values("deviator_strain").unwrap();
+        let step = 0.4 / 2400.0;
+        for (k, value) in strain.iter().enumerate() {
+            let centre = [0.025, 0.1, 0.2, 0.3, 0.375][k];
+            assert!((value - centre).abs() <= step, "state {k}: {value}");
+        }
+        assert_eq!(record.series.values("looks").unwrap(), [3.0, 6.0, 6.0, 6.0, 3.0]);
+        assert_eq!(record.forces[1].contacts(), 6 * 81);
+        assert_eq!(record.forces[0].contacts(), 3 * 81);
+    }
+
+    #[test]
+    fn a_single_look_a_state_stands_on_the_state() {
+        let recording = Recording { states: 3, looks: 1, ..Default::default() };
+        let mut recorder = Recorder::new(&recording, 0.3);
+        assert_eq!(recorder.next_look(), 0.0);
+        assert_eq!(run(&mut recorder, 300, 0.3), 4);
+        let record = recorder.record();
+        let strain = record.series.values("deviator_strain").unwrap();
+        assert!(strain.iter().enumerate().all(|(k, s)| (s - 0.1 * k as f64).abs() < 1.1e-3), "{strain:?}");
+    }
+
+    #[test]
+    fn averages_follow_what_the_column_asks_for() {
+        let recording = Recording { states: 1, looks: 2, ..Default::default() };
+        let mut recorder = Recorder::new(&recording, 0.2);
+        recorder.look(&at(0.06));
+        let p = Look::new(&at(0.06)).stress.mean();
+        let record = recorder.record();
+        let value = |name: &str| record.series.values(name).unwrap()[0];
+        assert!((value("mean_stress") / p - 1.0).abs() < 1e-12);
+        assert!((value("servo_error_rms") - (p / 2e4 - 1.0).abs()).abs() < 1e-12);
+        assert!((value("servo_error_largest") - (p / 2e4 - 1.0).abs()).abs() < 1e-12);
+        assert!((value("largest_overlap") - 1e-4).abs() < 1e-12);
+    }
+
+    #[test]
+    fn strides_longer_than_a_window_leave_states_out_and_early_looks_do_nothing() {
+        let recording = Recording { states: 10, looks: 4, ..Default::default() };
+        let mut recorder = Recorder::new(&recording, 1.0);
+        recorder.look(&at(0.0));
+        assert_eq!(recorder.record().series.rows(), 0, "the first look is due after the start");
+        for strain in [0.02, 0.5, 0.5, 1.0] {
+            recorder.look(&at(strain));
+        }
+        assert_eq!(recorder.record().series.values("state").unwrap(), [0.0, 5.0]);
+        assert!(recorder.is_complete());
+    }
+
+    #[test]
+    fn nothing_looked_at_is_an_empty_record() {
+        let recorder = Recorder::new(&Recording { states: 0, looks: 0, ..Default::default() }, 0.3);
+        assert_eq!(recorder.record().series.rows(), 0);
+        assert!(recorder.record().forces.is_empty());
+    }
+
+    /// A recorder that is written down and read back in the middle goes on with the same bits.
+    #[test]
+    fn a_resumed_recorder_goes_on_with_the_same_bits() {
+        let recording = Recording { states: 5, looks: 4, ..Default::default() };
+        let mut whole = Recorder::new(&recording, 0.3);
+        let mut first = Recorder::new(&recording, 0.3);
+        let strains: Vec<f64> = (0..=600).map(|k| 0.3 * k as f64 / 600.0).collect();
+        for &strain in &strains {
+            whole.look(&at(strain));
+        }
+        for &strain in &strains[..250] {
+            first.look(&at(strain));
+        }
+        let text = serde_json::to_string(&first).unwrap();
+        let mut second: Recorder = serde_json::from_str(&text).unwrap();
+        assert_eq!(second, first);
+        for &strain in &strains[250..] {
+            second.look(&at(strain));
+        }
+        assert_eq!(whole, second);
+        assert_eq!(whole.record(), second.record());
+    }
+}

@@ -1,0 +1,52 @@
+//! What a sensor is.
+
+use crate::Look;
+
+/// How the looks around a recorded state become its one value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Averaging {
+    /// The mean over the looks.
+    Mean,
+    /// The root of the mean square over the looks: for errors that change sign.
+    RootMeanSquare,
+    /// The largest over the looks: for limits that must not be exceeded even once.
+    Largest,
+}
+
+/// One column of a series.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Column {
+    /// Its name, unique among all sensors.
+    pub name: &'static str,
+    /// Its unit; `1` for a number.
+    pub unit: &'static str,
+    /// What it is, in one line.
+    pub description: &'static str,
+    /// How looks are averaged.
+    pub averaging: Averaging,
+}
+
+impl Column {
+    /// A column whose looks are averaged by their mean.
+    pub const fn new(name: &'static str, unit: &'static str, description: &'static str) -> Self {
+        Column { name, unit, description, averaging: Averaging::Mean }
+    }
+
+    /// The same column with another way to average its looks.
+    pub const fn averaged(self, averaging: Averaging) -> Self {
+        Column { averaging, ..self }
+    }
+}
+
+/// A soft sensor: named columns and the function that measures them.
+#[derive(Clone, Copy)]
+pub struct Sensor {
+    /// Its name.
+    pub name: &'static str,
+    /// What it measures, in one line.
+    pub description: &'static str,
+    /// Its columns.
+    pub columns: &'static [Column],
+    /// Appends one value a column.
+    pub measure: fn(&Look, &mut Vec<f64>),
+}

@@ -1,0 +1,39 @@
+//! Solid fraction: `sum (4/3) pi R^3 / V`, overlaps counted twice as is usual (they are some 1e-4 of the volume).
+
+use crate::look::ratio;
+use crate::{Column, Look, Sensor};
+
+/// The sensor.
+pub const SENSOR: Sensor = Sensor {
+    name: "solid_fraction",
+    description: "volume of the grains over the volume of the cell",
+    columns: &[Column::new("solid_fraction", "1", "sum of (4/3) pi R^3 over the volume of the cell")],
+    measure: |look, row| row.push(solid_fraction(look)),
+};
+
+/// Volume of all grains, m3.
+pub fn grain_volume(look: &Look) -> f64 {
+    let cubes: f64 =
+        look.assembly.grains.iter().map(|grain| grain.radius * grain.radius * grain.radius).sum();
+    4.0 / 3.0 * std::f64::consts::PI * cubes
+}
+
+/// Solid fraction; 0 for a cell without volume.
+pub fn solid_fraction(look: &Look) -> f64 {
+    ratio(grain_volume(look), look.volume)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice;
+
+    #[test]
+    fn lattices_have_their_known_solid_fractions() {
+        let pi = std::f64::consts::PI;
+        let simple = lattice::simple_cubic(3, 1e-4, 1e-9, 0.0);
+        assert!((solid_fraction(&Look::new(&simple)) - pi / 6.0).abs() < 1e-8);
+        let dense = lattice::face_centred_cubic(3, 1e-4, 1e-9, 0.0);
+        assert!((solid_fraction(&Look::new(&dense)) - pi / 18f64.sqrt()).abs() < 1e-8);
+    }
+}

@@ -1,0 +1,64 @@
+//! Strain of the cell, and the clock.
+//!
+//! Logarithmic strain since the start of the phase, compression positive. The deviator strain is the paper's
+//! `eps_d = eps_1 - eps_3` with axes 2 and 3 averaged; the volumetric strain `eps_v = eps_1 + eps_2 + eps_3` is
+//! positive in compaction, so a dilating sample has a negative one.
+
+use granum_dem::assembly::Assembly;
+
+use crate::tensor::{deviator, trace};
+use crate::{Column, Look, Sensor};
+
+/// The sensor.
+pub const SENSOR: Sensor = Sensor {
+    name: "strain",
+    description: "strain of the cell since the start of the phase, compression positive, and the clock",
+    columns: &[
+        Column::new("deviator_strain", "1", "eps_d = eps_1 - eps_3, axes 2 and 3 averaged"),
+        Column::new("axial_strain", "1", "eps_1"),
+        Column::new("lateral_strain_2", "1", "eps_2"),
+        Column::new("lateral_strain_3", "1", "eps_3"),
+        Column::new("volumetric_strain", "1", "eps_1 + eps_2 + eps_3, positive in compaction"),
+        Column::new("time", "s", "time since the start of the phase"),
+    ],
+    measure,
+};
+
+/// Deviator strain `eps_1 - (eps_2 + eps_3) / 2`.
+pub fn deviator_strain(assembly: &Assembly) -> f64 {
+    deviator(&assembly.strain)
+}
+
+/// Volumetric strain `eps_1 + eps_2 + eps_3`.
+pub fn volumetric_strain(assembly: &Assembly) -> f64 {
+    trace(&assembly.strain)
+}
+
+fn measure(look: &Look, row: &mut Vec<f64>) {
+    let strain = &look.assembly.strain;
+    row.extend([
+        deviator_strain(look.assembly),
+        strain[0][0],
+        strain[1][1],
+        strain[2][2],
+        volumetric_strain(look.assembly),
+        look.assembly.time,
+    ]);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axisymmetric_strain_is_split_into_deviator_and_volume() {
+        let assembly = Assembly {
+            strain: [[0.2, 0.0, 0.0], [0.0, -0.08, 0.0], [0.0, 0.0, -0.12]],
+            time: 3.0,
+            ..Default::default()
+        };
+        assert!((deviator_strain(&assembly) - 0.3).abs() < 1e-15);
+        assert!(volumetric_strain(&assembly).abs() < 1e-15);
+        assert_eq!(crate::measure_row(&assembly)[5], 3.0);
+    }
+}

@@ -1,0 +1,49 @@
+//! Unbalanced force: mean resultant contact force on a grain over the mean contact force,
+//! `(1/N) sum |F_g| / ((1/N_k) sum |f_c|)`.
+//!
+//! F_g is the sum of the contact forces on a grain, dashpots included, over all grains (those without contacts have
+//! none); f_c the elastic force of a contact. Near 0 in equilibrium. Codes differ: some take maxima, some divide by
+//! the largest contact force, which looks smaller.
+
+use crate::look::{mean, ratio};
+use crate::{Column, Look, Sensor};
+
+/// The sensor.
+pub const SENSOR: Sensor = Sensor {
+    name: "unbalanced_force",
+    description: "mean resultant force on a grain over the mean contact force",
+    columns: &[Column::new(
+        "unbalanced_force",
+        "1",
+        "mean |resultant force| over grains / mean |contact force| over contacts",
+    )],
+    measure: |look, row| row.push(unbalanced_force(look)),
+};
+
+/// The unbalanced force; 0 without contact forces.
+pub fn unbalanced_force(look: &Look) -> f64 {
+    let grains = &look.assembly.grains;
+    let contacts = &look.assembly.contacts;
+    let resultant: f64 = grains.iter().map(|grain| norm(&grain.force)).sum();
+    let contact: f64 = contacts.iter().map(|contact| norm(&contact.force())).sum();
+    ratio(mean(resultant, grains.len()), mean(contact, contacts.len()))
+}
+
+fn norm(v: &[f64; 3]) -> f64 {
+    (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice;
+
+    #[test]
+    fn one_free_push_among_equal_contacts() {
+        let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 2e-4);
+        assert_eq!(unbalanced_force(&Look::new(&assembly)), 0.0);
+        assembly.grains[4].force = [0.0, -3e-4, 4e-4];
+        let value = unbalanced_force(&Look::new(&assembly));
+        assert!((value - 5e-4 / 27.0 / 2e-4).abs() < 1e-12, "{value}");
+    }
+}
