@@ -14,6 +14,7 @@ pub struct Hertz;
 const RADIUS: usize = 0;
 const FOUR_THIRDS_MODULUS: usize = 1;
 const TWICE_MODULUS: usize = 2;
+const ROOT_MODULUS: usize = 3;
 
 impl NormalLaw for Hertz {
     fn prepare(pair: &PairProperties) -> [f64; LAW_CONSTANTS] {
@@ -21,6 +22,7 @@ impl NormalLaw for Hertz {
         c[RADIUS] = pair.effective_radius;
         c[FOUR_THIRDS_MODULUS] = 4.0 / 3.0 * pair.effective_modulus;
         c[TWICE_MODULUS] = 2.0 * pair.effective_modulus;
+        c[ROOT_MODULUS] = c[TWICE_MODULUS].sqrt();
         c
     }
 
@@ -29,10 +31,13 @@ impl NormalLaw for Hertz {
         let alpha = approach.max(R::zero());
         let radius = (c[RADIUS] * alpha).sqrt();
         let force = c[FOUR_THIRDS_MODULUS] * (radius * alpha);
+        let root_radius = radius.sqrt();
         Normal {
             force,
             radius,
             stiffness: c[TWICE_MODULUS] * radius,
+            root_stiffness: c[ROOT_MODULUS] * root_radius,
+            root_radius,
             friction_load: force,
             touching: alpha.gt(R::zero()),
         }

@@ -4,6 +4,7 @@
 
 use granum_simd::{Mask, Real};
 
+use super::frame::{Frame, Turn};
 use super::{MAX_HISTORY, NormalLaw, PairConstants, TangentialLaw};
 
 /// How the grains of a pair stand and move.
@@ -24,7 +25,7 @@ pub struct Kinematics<R> {
 pub struct Memory<R> {
     /// Unit normal at the last step; zero where the pair did not touch.
     pub normal: [R; 3],
-    /// The tangential law's own columns.
+    /// The tangential law's own columns; vectors by their components in the [`Frame`] of the normal.
     pub history: [R; MAX_HISTORY],
 }
 
@@ -107,29 +108,30 @@ pub fn keep<R: Real>(mask: R::Mask, a: [R; 3]) -> [R; 3] {
     a.map(|x| x.keep(mask))
 }
 
-/// Turns in-plane vectors from the old contact plane into the new one: by the tilt of the normal (exact, norm
-/// preserving) and by the mean spin about it.
-struct PlaneTurn<R> {
-    sum: [R; 3],
-    twice_over_square: R,
-    sine: R,
-    one_minus_cosine: R,
-    normal: [R; 3],
-}
+/// Below this `1 - m.n` the middle normal comes from a series, exact to the last bits.
+const SMALL_TILT: f64 = 1e-3;
 
-impl<R: Real> PlaneTurn<R> {
-    #[inline(always)]
-    fn apply(&self, q: [R; 3]) -> [R; 3] {
-        let tilted = add_scaled(q, -(dot(self.normal, q) * self.twice_over_square), self.sum);
-        let turned = add_scaled(tilted, self.sine, cross(self.normal, tilted));
-        add_scaled(turned, -self.one_minus_cosine, tilted)
+/// `1 / |m + n|` of two unit vectors, from `1 - m.n`.
+#[inline(always)]
+fn inverse_of_sum<R: Real>(tilt: R) -> R {
+    // 1/2 (1 - tilt/2)^(-1/2).
+    let series = R::splat(35.0 / 4096.0)
+        .mul_add(tilt, R::splat(5.0 / 256.0))
+        .mul_add(tilt, R::splat(3.0 / 64.0))
+        .mul_add(tilt, R::splat(0.125))
+        .mul_add(tilt, R::splat(0.5));
+    let large = tilt.gt(R::splat(SMALL_TILT));
+    if !large.any() {
+        return series;
     }
+    let square = (R::splat(2.0) - tilt) * R::splat(2.0);
+    R::select(large, R::splat(1.0) / square.sqrt(), series)
 }
 
 /// Advances a contact by one step of length `dt`, positions at its end, velocities at its middle.
 ///
-/// The slip uses the mid-step normal and lever arms that sum to the distance of the centres; anything else is not objective: a rigid
-/// rotation of a loaded pair would make forces.
+/// The slip uses the mid-step normal and lever arms that sum to the distance of the centres; anything else is not
+/// objective: a rigid rotation of a loaded pair would make forces.
 #[inline(always)]
 pub fn interact<R: Real, N: NormalLaw, T: TangentialLaw>(
     constants: &PairConstants<R>,
@@ -137,71 +139,66 @@ pub fn interact<R: Real, N: NormalLaw, T: TangentialLaw>(
     dt: R,
     memory: &mut Memory<R>,
 ) -> Interaction<R> {
-    let one = R::splat(1.0);
-    let half = R::splat(0.5);
+    let (zero, one, half) = (R::zero(), R::splat(1.0), R::splat(0.5));
     let branch = kinematics.branch;
     let distance = dot(branch, branch).sqrt();
     let normal = scale(one / distance, branch);
     let approach = constants.radius_sum - distance;
-    let touched = dot(memory.normal, memory.normal).gt(half);
+    // The stored normal is zero where the pair did not touch.
+    let cosine = dot(memory.normal, normal);
+    let touched = cosine.gt(zero);
     let contact = N::evaluate(&constants.normal, approach, touched);
     let touching = contact.touching;
 
     // A new contact starts in its own plane.
+    let cosine = R::select(touched, cosine, one);
     let old: [R; 3] = std::array::from_fn(|a| R::select(touched, memory.normal[a], normal[a]));
-    let sum: [R; 3] = std::array::from_fn(|a| old[a] + normal[a]);
-    let inverse_square = one / dot(sum, sum);
-    let middle = scale(inverse_square.sqrt(), sum);
-    let psi = dt * dot(kinematics.mean_spin, middle);
-    let psi_square = psi * psi;
-    let turn = PlaneTurn {
-        sum,
-        twice_over_square: inverse_square + inverse_square,
-        sine: psi * psi_square.mul_add(R::splat(-1.0 / 6.0), one),
-        one_minus_cosine: psi_square * psi_square.mul_add(R::splat(-1.0 / 24.0), half),
-        normal,
-    };
-    for v in 0..T::VECTORS {
-        let c = 3 * v;
-        let turned = turn.apply([memory.history[c], memory.history[c + 1], memory.history[c + 2]]);
-        memory.history[c..c + 3].copy_from_slice(&turned);
+    let inverse = inverse_of_sum(one - cosine);
+    let middle: [R; 3] = std::array::from_fn(|a| inverse * (old[a] + normal[a]));
+    let spin = dt * dot(kinematics.mean_spin, middle);
+    let turn = Turn::new(old, normal, cosine, spin);
+    for v in 0..T::PLANE_VECTORS {
+        let turned = turn.apply([memory.history[2 * v], memory.history[2 * v + 1]]);
+        memory.history[2 * v..2 * v + 2].copy_from_slice(&turned);
     }
-    let before = T::force(normal, &memory.history);
+    let before = [memory.history[0], memory.history[1]];
 
     // Velocity of the surface of j relative to that of i.
     let surface = add_scaled(kinematics.velocity, -distance, cross(kinematics.rolling, middle));
     let in_plane = add_scaled(surface, -dot(surface, middle), middle);
-    let slip_velocity = add_scaled(in_plane, -dot(in_plane, normal), normal);
-    let increment = scale(dt, slip_velocity);
-    let tangential = T::update(&constants.tangential, &contact, normal, increment, &mut memory.history);
+    let frame = Frame::of(normal);
+    let slip_velocity = frame.components(in_plane);
+    let slip = slip_velocity.map(|v| dt * v);
+    let tangential = T::update(&constants.tangential, &contact, slip, &mut memory.history);
 
-    let mid_force: [R; 3] = std::array::from_fn(|a| half * (before[a] + tangential.force[a]));
-    let normal_dashpot = constants.damping * contact.stiffness.sqrt();
-    let tangential_dashpot =
-        R::select(tangential.sliding, R::zero(), constants.damping * tangential.stiffness.sqrt());
+    let work = slip[0].mul_add(before[0] + tangential.force[0], slip[1] * (before[1] + tangential.force[1]));
+    let normal_dashpot = constants.damping * contact.root_stiffness;
+    let tangential_dashpot = (constants.damping * tangential.root_stiffness).keep(!tangential.sliding);
     let opening = dot(kinematics.velocity, normal);
     // On i: elastic -N n + T, and the dashpots pull i along with j.
     let push = opening.mul_add(normal_dashpot, -contact.force);
-    let pull = add_scaled(tangential.force, tangential_dashpot, slip_velocity);
-    let moment = scale(distance / constants.radius_sum, cross(normal, pull));
-    let damping_power =
-        normal_dashpot.mul_add(opening * opening, tangential_dashpot * dot(slip_velocity, slip_velocity));
+    let pull = [0, 1].map(|a| tangential_dashpot.mul_add(slip_velocity[a], tangential.force[a]));
+    // The normal turns the frame's first axis into its second, and the second into minus the first.
+    let arm = distance / constants.radius_sum;
+    let moment = frame.vector([-(arm * pull[1]), arm * pull[0]]);
+    let slip_square = slip_velocity[0].mul_add(slip_velocity[0], slip_velocity[1] * slip_velocity[1]);
+    let damping_power = normal_dashpot.mul_add(opening * opening, tangential_dashpot * slip_square);
 
     memory.normal = keep::<R>(touching, normal);
     for c in 0..T::HISTORY {
         memory.history[c] = memory.history[c].keep(touching);
     }
     Interaction {
-        force: keep::<R>(touching, add_scaled(pull, push, normal)),
+        force: keep::<R>(touching, add_scaled(frame.vector(pull), push, normal)),
         moment: keep::<R>(touching, moment),
-        elastic: keep::<R>(touching, add_scaled(tangential.force, -contact.force, normal)),
+        elastic: keep::<R>(touching, add_scaled(frame.vector(tangential.force), -contact.force, normal)),
         normal_force: contact.force.keep(touching),
         radius: contact.radius.keep(touching),
         normal_stiffness: contact.stiffness.keep(touching),
         tangential_stiffness: tangential.stiffness.keep(touching),
         touching,
         sliding: tangential.sliding & touching,
-        tangential_work: dot(mid_force, increment).keep(touching),
+        tangential_work: (half * work).keep(touching),
         friction_loss: tangential.friction_loss.keep(touching),
         damping_loss: (dt * damping_power).keep(touching),
         adhesion_loss: N::breaking_loss(&constants.normal).keep(touched & !touching),

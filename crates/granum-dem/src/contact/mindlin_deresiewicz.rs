@@ -23,120 +23,135 @@ pub struct MindlinDeresiewicz;
 
 const EIGHT_MODULI: usize = 0;
 const FRICTION: usize = 1;
-const TURNING: usize = 3;
-const RETURNING: usize = 6;
-const STAGE: usize = 9;
-const LOAD: usize = 10;
+const ROOT_MODULI: usize = 2;
+const STAGE: usize = 6;
+const LOAD: usize = 7;
 
 /// A force counted from the start of the present curve is nothing below this share of the limit.
 const NOTHING: f64 = 1e-12;
+/// Keeps reciprocals finite; what it touches is multiplied by zero or discarded.
+const TINY: f64 = 1e-200;
 
-/// What the law remembers, in a frame of `D` axes that turns with the contact plane.
-struct State<R, const D: usize> {
-    force: [R; D],
-    turning: [R; D],
-    returning: [R; D],
+/// What the law remembers, in the frame of the contact.
+struct State<R> {
+    force: [R; 2],
+    turning: [R; 2],
+    returning: [R; 2],
     stage: R,
 }
 
-#[inline(always)]
-fn dot<R: Real, const D: usize>(a: [R; D], b: [R; D]) -> R {
-    let mut sum = a[D - 1] * b[D - 1];
-    for i in (0..D - 1).rev() {
-        sum = a[i].mul_add(b[i], sum);
-    }
-    sum
+/// What a step gave besides the new state.
+struct Outcome<R: Real> {
+    sliding: R::Mask,
+    /// Distance slid at the limit, m.
+    slipped: R,
 }
 
 #[inline(always)]
-fn add_scaled<R: Real, const D: usize>(a: [R; D], s: R, b: [R; D]) -> [R; D] {
-    std::array::from_fn(|i| s.mul_add(b[i], a[i]))
+fn dot<R: Real>(a: [R; 2], b: [R; 2]) -> R {
+    a[0].mul_add(b[0], a[1] * b[1])
 }
 
 #[inline(always)]
-fn select<R: Real, const D: usize>(mask: R::Mask, yes: [R; D], no: [R; D]) -> [R; D] {
-    std::array::from_fn(|i| R::select(mask, yes[i], no[i]))
+fn square<R: Real>(a: [R; 2]) -> R {
+    dot(a, a)
 }
 
-/// One step of the law; returns where it slides and by how much the force passed the limit.
 #[inline(always)]
-fn advance<R: Real, const D: usize>(
-    state: &mut State<R, D>,
-    step: [R; D],
+fn subtract<R: Real>(a: [R; 2], b: [R; 2]) -> [R; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+#[inline(always)]
+fn add_scaled<R: Real>(a: [R; 2], s: R, b: [R; 2]) -> [R; 2] {
+    [s.mul_add(b[0], a[0]), s.mul_add(b[1], a[1])]
+}
+
+#[inline(always)]
+fn select<R: Real>(mask: R::Mask, yes: [R; 2], no: [R; 2]) -> [R; 2] {
+    [R::select(mask, yes[0], no[0]), R::select(mask, yes[1], no[1])]
+}
+
+/// One step of the law: `step` in m, `stiffness` 8 G* a, `limit` mu F now and before.
+#[inline(always)]
+fn advance<R: Real>(
+    state: &mut State<R>,
+    step: [R; 2],
     stiffness: R,
     limit: R,
     limit_before: R,
-) -> (R::Mask, R) {
-    let (zero, one, two) = (R::zero(), R::splat(1.0), R::splat(2.0));
-    let tiny = R::splat(1e-300);
+) -> Outcome<R> {
+    let (zero, one, two, tiny) = (R::zero(), R::splat(1.0), R::splat(2.0), R::splat(TINY));
     let growth = limit - limit_before;
-    let growth_square = growth * growth;
 
     // The force counted from the start of the present curve, and whether the step turns against it.
-    let mut first = state.stage.lt(R::splat(0.5));
-    let mut second = state.stage.eq(one);
-    let origin: [R; D] =
-        std::array::from_fn(|i| R::select(second, state.turning[i], state.returning[i]).keep(!first));
-    let counted: [R; D] = std::array::from_fn(|i| state.force[i] - origin[i]);
-    let counted_square = dot(counted, counted);
+    let loading = state.stage.lt(R::splat(0.5));
+    let unloading = state.stage.eq(one);
+    let origin = select::<R>(unloading, state.turning, state.returning).map(|v| v.keep(!loading));
+    let counted = subtract(state.force, origin);
     let scale = R::splat(NOTHING) * limit;
+    let counted_square = square(counted);
     let directed = counted_square.gt(scale * scale);
     let turn = directed & dot(counted, step).lt(zero);
-    let (returns, turns) = (turn & second, turn & !second);
-    state.returning = select(returns, state.force, state.returning);
-    state.turning = select(turns, state.force, state.turning);
-    first = first & !turn;
-    second = (second & !turn) | turns;
-    let third = !(first | second);
-    let curve = R::select(first, one, two);
+    let (returns, turns) = (turn & unloading, turn & !unloading);
+    state.returning = select::<R>(returns, state.force, state.returning);
+    state.turning = select::<R>(turns, state.force, state.turning);
+    let loading = loading & !turn;
+    let unloading = (unloading & !turn) | turns;
+    let reloading = !(loading | unloading);
+    let curve_limit = R::select(loading, limit, limit + limit);
+    let curve_before = R::select(loading, limit_before, limit_before + limit_before);
 
-    // Direction along which slip spreads.
+    // Direction along which slip spreads. One division serves three reciprocals.
     let along = directed & !turn;
-    let vector = select(along, counted, step);
-    let square = dot(vector, vector);
-    let length = square.sqrt();
-    let inverse = one / length.max(tiny);
-    let direction: [R; D] = std::array::from_fn(|i| vector[i] * inverse);
+    let step_square = square(step);
+    let vector = select::<R>(along, counted, step);
+    let length = R::select(along, counted_square, step_square).sqrt();
+    let reach = R::select(reloading, square(state.turning).sqrt(), one);
+    let product = length * curve_limit;
+    let inverse = one / (product * reach).max(tiny);
+    let reach_inverse = reach * inverse;
+    let inverse_length = curve_limit * reach_inverse;
+    let direction = [vector[0] * inverse_length, vector[1] * inverse_length];
 
-    let cube = curve.mul_add(limit_before, -length.keep(along)) / (curve * limit).max(tiny);
-    let stick = growth.gt(zero) & (stiffness * stiffness * dot(step, step)).lt(growth_square);
+    let cube = (curve_before - length.keep(along)) * (length * reach_inverse);
+    let elastic_step = stiffness * stiffness * step_square;
+    let stick = growth.gt(zero) & elastic_step.lt(growth * growth);
     let theta = R::select(stick, one, cbrt(cube.max(zero).min(one)));
-    let elastic = add_scaled(state.force, stiffness, step);
     let slip = (one - theta) * stiffness.mul_add(-dot(direction, step), growth);
-    let mut force = add_scaled(elastic, slip, direction);
+    let force = add_scaled(add_scaled(state.force, stiffness, step), slip, direction);
 
     // Turning points move out with the limit and are forgotten when passed.
-    state.turning = select(second, add_scaled(state.turning, -growth, direction), state.turning);
-    let reach = dot(state.turning, state.turning);
-    let outward = (growth / reach.max(tiny).sqrt()).keep(third);
-    state.turning = add_scaled(state.turning, outward, state.turning);
-    state.returning = add_scaled(state.returning, -growth.keep(third), direction);
-    let gap = |a: [R; D], b: [R; D]| {
-        let d: [R; D] = std::array::from_fn(|i| a[i] - b[i]);
-        dot(d, d)
-    };
-    let passed_third = third & gap(force, state.returning).ge(gap(state.turning, state.returning));
-    let passed_second = second & gap(force, state.turning).ge(R::splat(4.0) * reach);
+    let outward = growth * (product * inverse);
+    let moved = select::<R>(reloading, state.turning, direction.map(|d| -d));
+    let by = R::select(reloading, outward, growth).keep(!loading);
+    state.turning = add_scaled(state.turning, by, moved);
+    state.returning = add_scaled(state.returning, -growth.keep(reloading), direction);
+    let base = select::<R>(unloading, state.turning, state.returning);
+    let other = select::<R>(unloading, [zero; 2], state.returning);
+    let span = square(subtract(state.turning, other));
+    let span = R::select(unloading, R::splat(4.0) * span, span);
+    let passed = square(subtract(force, base)).ge(span);
 
-    let trial_square = dot(force, force);
+    let trial_square = square(force);
     let sliding = trial_square.ge(limit * limit);
-    let trial = trial_square.max(tiny).sqrt();
-    let factor = R::select(sliding, limit / trial, one);
-    force = force.map(|f| f * factor);
-    let home = first | passed_second | passed_third | sliding;
-    state.stage = R::select(second, one, two).keep(!home);
-    state.force = force;
-    (sliding, (trial - limit).keep(sliding).max(zero))
+    let trial = trial_square.sqrt();
+    let inverse = one / (trial * stiffness).max(tiny);
+    let factor = R::select(sliding, limit * stiffness * inverse, one);
+    state.force = force.map(|f| f * factor);
+    state.stage = R::select(unloading, one, two).keep(!(loading | passed | sliding));
+    Outcome { sliding, slipped: ((trial - limit) * (trial * inverse)).max(zero).keep(sliding) }
 }
 
 impl TangentialLaw for MindlinDeresiewicz {
-    const HISTORY: usize = 11;
-    const VECTORS: usize = 3;
+    const HISTORY: usize = 8;
+    const PLANE_VECTORS: usize = 3;
 
     fn prepare(pair: &PairProperties) -> [f64; LAW_CONSTANTS] {
         let mut c = [0.0; LAW_CONSTANTS];
         c[EIGHT_MODULI] = 8.0 * pair.effective_shear_modulus;
         c[FRICTION] = pair.friction;
+        c[ROOT_MODULI] = c[EIGHT_MODULI].sqrt();
         c
     }
 
@@ -144,34 +159,29 @@ impl TangentialLaw for MindlinDeresiewicz {
     fn update<R: Real>(
         c: &[R; LAW_CONSTANTS],
         normal: &Normal<R>,
-        _direction: [R; 3],
-        increment: [R; 3],
+        increment: [R; 2],
         history: &mut [R; MAX_HISTORY],
     ) -> Tangential<R> {
         let stiffness = c[EIGHT_MODULI] * normal.radius;
         let limit = c[FRICTION] * normal.friction_load;
-        let mut state: State<R, 3> = State {
-            force: std::array::from_fn(|i| history[i]),
-            turning: std::array::from_fn(|i| history[TURNING + i]),
-            returning: std::array::from_fn(|i| history[RETURNING + i]),
+        let mut state = State {
+            force: [history[0], history[1]],
+            turning: [history[2], history[3]],
+            returning: [history[4], history[5]],
             stage: history[STAGE],
         };
-        let (sliding, excess) = advance(&mut state, increment, stiffness, limit, c[FRICTION] * history[LOAD]);
-        history[..3].copy_from_slice(&state.force);
-        history[TURNING..TURNING + 3].copy_from_slice(&state.turning);
-        history[RETURNING..RETURNING + 3].copy_from_slice(&state.returning);
+        let outcome = advance(&mut state, increment, stiffness, limit, c[FRICTION] * history[LOAD]);
+        history[..2].copy_from_slice(&state.force);
+        history[2..4].copy_from_slice(&state.turning);
+        history[4..6].copy_from_slice(&state.returning);
         history[STAGE] = state.stage;
         history[LOAD] = normal.friction_load;
         Tangential {
             force: state.force,
             stiffness,
-            sliding,
-            friction_loss: limit * excess / stiffness.max(R::splat(1e-300)),
+            root_stiffness: c[ROOT_MODULI] * normal.root_radius,
+            sliding: outcome.sliding,
+            friction_loss: limit * outcome.slipped,
         }
-    }
-
-    #[inline(always)]
-    fn force<R: Real>(_direction: [R; 3], history: &[R; MAX_HISTORY]) -> [R; 3] {
-        [history[0], history[1], history[2]]
     }
 }

@@ -8,6 +8,7 @@ use granum_simd::Real;
 
 use crate::config::Material;
 
+pub mod frame;
 pub mod hertz;
 pub mod interaction;
 pub mod jkr;
@@ -15,8 +16,10 @@ pub mod mindlin_deresiewicz;
 pub mod no_slip;
 pub mod registry;
 
+use interaction::Memory;
+
 /// Most columns of history that a tangential law may keep.
-pub const MAX_HISTORY: usize = 16;
+pub const MAX_HISTORY: usize = 10;
 /// Number of constants that a law may prepare for a pair.
 pub const LAW_CONSTANTS: usize = 6;
 
@@ -72,6 +75,10 @@ pub struct Normal<R: Real> {
     pub radius: R,
     /// Stiffness for the dashpot, N/m: dN/dalpha, kept positive by the law.
     pub stiffness: R,
+    /// Root of the stiffness.
+    pub root_stiffness: R,
+    /// Root of the radius of the contact area.
+    pub root_radius: R,
     /// Load F such that the tangential force is limited to mu F, N: N itself without adhesion.
     pub friction_load: R,
     /// Where the pair touches.
@@ -96,10 +103,12 @@ pub trait NormalLaw: Copy + Send + Sync + 'static {
 /// What a tangential law says of a contact.
 #[derive(Clone, Copy)]
 pub struct Tangential<R: Real> {
-    /// Elastic tangential force T on grain i, N.
-    pub force: [R; 3],
-    /// Stiffness for the dashpot, N/m.
+    /// Elastic tangential force T on grain i, N, by its components in the frame of the contact.
+    pub force: [R; 2],
+    /// Stiffness for the dashpot and for the time step, N/m: 8 G* a.
     pub stiffness: R,
+    /// Root of the stiffness.
+    pub root_stiffness: R,
     /// Where the force stands at the friction limit.
     pub sliding: R::Mask,
     /// Energy lost to sliding in this step, J.
@@ -108,24 +117,37 @@ pub struct Tangential<R: Real> {
 
 /// A tangential law.
 pub trait TangentialLaw: Copy + Send + Sync + 'static {
-    /// Columns of history used. What they mean is the law's own; the force is had from [`TangentialLaw::force`].
+    /// Columns of history used. The first two are always the tangential force T on grain i, by its components in the
+    /// [`frame::Frame`] of the normal.
     const HISTORY: usize;
-    /// How many vectors lead the history (columns 0..3 the first, ...); they are turned with the contact plane.
-    const VECTORS: usize;
+    /// How many plane vectors lead the history (columns 0..2 the first, ...); they turn with the contact plane, and
+    /// change as [`TangentialLaw::swap_sides`] says when the grains of a pair change sides.
+    const PLANE_VECTORS: usize;
     /// The constants of a pair that [`TangentialLaw::update`] wants.
     fn prepare(pair: &PairProperties) -> [f64; LAW_CONSTANTS];
     /// Advances the history (already turned into the present contact plane, all zeros for a new contact) by an
-    /// increment of tangential displacement of grain j's surface relative to grain i's, m. `direction` is the unit
-    /// normal n from i to j.
+    /// increment of tangential displacement of grain j's surface relative to grain i's, m. Where the friction load is
+    /// zero the force is zero.
     fn update<R: Real>(
         constants: &[R; LAW_CONSTANTS],
         normal: &Normal<R>,
-        direction: [R; 3],
-        increment: [R; 3],
+        increment: [R; 2],
         history: &mut [R; MAX_HISTORY],
     ) -> Tangential<R>;
-    /// The tangential force T on grain i that a history holds, N, given the unit normal it was left with.
-    fn force<R: Real>(direction: [R; 3], history: &[R; MAX_HISTORY]) -> [R; 3];
+    /// Rewrites a memory for the pair (j, i) instead of (i, j): the normal and every remembered vector are reversed
+    /// in space.
+    fn swap_sides(memory: &mut Memory<f64>) {
+        for v in 0..Self::PLANE_VECTORS {
+            let vector = [memory.history[2 * v], memory.history[2 * v + 1]];
+            memory.history[2 * v..2 * v + 2].copy_from_slice(&frame::swap_sides(memory.normal, vector));
+        }
+        memory.normal = memory.normal.map(|x| -x);
+    }
+    /// The tangential force T on grain i that a memory holds, N, given its unit normal and history.
+    #[inline(always)]
+    fn force<R: Real>(normal: [R; 3], history: &[R; MAX_HISTORY]) -> [R; 3] {
+        frame::Frame::of(normal).vector([history[0], history[1]])
+    }
 }
 
 /// The constants of a pair, or of eight.

@@ -6,7 +6,6 @@
 
 use granum_simd::Real;
 
-use super::interaction::{add_scaled, dot, scale};
 use super::{LAW_CONSTANTS, MAX_HISTORY, Normal, PairProperties, Tangential, TangentialLaw};
 
 /// No-slip Mindlin with rescaling.
@@ -15,16 +14,18 @@ pub struct NoSlip;
 
 const EIGHT_MODULI: usize = 0;
 const FRICTION: usize = 1;
-const RADIUS_BEFORE: usize = 3;
+const ROOT_MODULI: usize = 2;
+const RADIUS_BEFORE: usize = 2;
 
 impl TangentialLaw for NoSlip {
-    const HISTORY: usize = 4;
-    const VECTORS: usize = 1;
+    const HISTORY: usize = 3;
+    const PLANE_VECTORS: usize = 1;
 
     fn prepare(pair: &PairProperties) -> [f64; LAW_CONSTANTS] {
         let mut c = [0.0; LAW_CONSTANTS];
         c[EIGHT_MODULI] = 8.0 * pair.effective_shear_modulus;
         c[FRICTION] = pair.friction;
+        c[ROOT_MODULI] = c[EIGHT_MODULI].sqrt();
         c
     }
 
@@ -32,33 +33,31 @@ impl TangentialLaw for NoSlip {
     fn update<R: Real>(
         c: &[R; LAW_CONSTANTS],
         normal: &Normal<R>,
-        _direction: [R; 3],
-        increment: [R; 3],
+        increment: [R; 2],
         history: &mut [R; MAX_HISTORY],
     ) -> Tangential<R> {
-        let tiny = R::splat(1e-300);
+        let (tiny, one) = (R::splat(1e-300), R::splat(1.0));
         let stiffness = c[EIGHT_MODULI] * normal.radius;
         let limit = c[FRICTION] * normal.friction_load;
         let before = history[RADIUS_BEFORE];
-        let shrink = R::select(normal.radius.lt(before), normal.radius / before.max(tiny), R::splat(1.0));
-        let kept = scale(shrink, [history[0], history[1], history[2]]);
-        let trial = add_scaled(kept, stiffness, increment);
-        let square = dot(trial, trial);
+        let shrink = R::select(normal.radius.lt(before), normal.radius / before, one);
+        let trial: [R; 2] = std::array::from_fn(|a| stiffness.mul_add(increment[a], shrink * history[a]));
+        let square = trial[0].mul_add(trial[0], trial[1] * trial[1]);
         let sliding = square.ge(limit * limit);
-        let length = square.max(tiny).sqrt();
-        let force = scale(R::select(sliding, limit / length, R::splat(1.0)), trial);
-        history[..3].copy_from_slice(&force);
+        let length = square.sqrt();
+        // One division serves the return to the limit and the slip.
+        let inverse = one / (length * stiffness).max(tiny);
+        let factor = R::select(sliding, limit * stiffness * inverse, one);
+        let force = trial.map(|t| factor * t);
+        history[..2].copy_from_slice(&force);
         history[RADIUS_BEFORE] = normal.radius;
+        let slipped = ((length - limit) * (length * inverse)).max(R::zero()).keep(sliding);
         Tangential {
             force,
             stiffness,
+            root_stiffness: c[ROOT_MODULI] * normal.root_radius,
             sliding,
-            friction_loss: (limit * (length - limit) / stiffness.max(tiny)).keep(sliding).max(R::zero()),
+            friction_loss: limit * slipped,
         }
-    }
-
-    #[inline(always)]
-    fn force<R: Real>(_direction: [R; 3], history: &[R; MAX_HISTORY]) -> [R; 3] {
-        [history[0], history[1], history[2]]
     }
 }
