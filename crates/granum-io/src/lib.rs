@@ -1,1 +1,18 @@
-//! granum-io
+//! Files that granum reads and writes, one file a format.
+//!
+//! Whatever a file says, reading it ends with a value or with an [`Error`] that names the file, the place and what
+//! would be right. Writing goes to a file beside and is then renamed, so that no reader sees half a file.
+
+pub mod atomic;
+pub mod case;
+mod contain;
+pub mod csv;
+mod error;
+pub mod parquet;
+pub mod quantity;
+mod table;
+mod text;
+
+pub use case::Case;
+pub use error::{Error, InputError, Result, nearest};
+pub use table::{Column, Table, TableFormat, read_columns, read_table, write_table};

@@ -1,0 +1,124 @@
+//! Files that are there whole or not at all: written beside, flushed to the disk, then renamed.
+
+use std::ffi::OsString;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use crate::error::{Error, Result};
+
+/// End of the name of a file that is being written.
+pub(crate) const UNFINISHED: &str = ".granum-unfinished";
+
+/// Tells apart the files that one process writes beside one name.
+static COUNTER: AtomicU64 = AtomicU64::new(0);
+
+/// Writes a file through `fill`. When this returns `Ok` the file is whole and on the disk; otherwise what was there
+/// before is untouched and nothing is left beside it.
+///
+/// # Errors
+/// [`Error::File`] if the folder cannot be written, the disk is full, or `fill` fails.
+pub fn write_atomically(
+    path: &Path,
+    fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
+) -> Result<()> {
+    let beside = name_beside(path)?;
+    let result = fill_and_rename(path, &beside, fill);
+    if result.is_err() {
+        // The first error is the one to tell; a file that was never made cannot be removed either.
+        let _ = fs::remove_file(&beside);
+    }
+    result.map_err(Error::file("write", path))
+}
+
+fn fill_and_rename(
+    path: &Path,
+    beside: &Path,
+    fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
+) -> io::Result<()> {
+    let file = File::create(beside)?;
+    let mut writer = BufWriter::with_capacity(1 << 16, &file);
+    fill(&mut writer)?;
+    writer.flush()?;
+    drop(writer);
+    file.sync_all()?;
+    drop(file);
+    fs::rename(beside, path)?;
+    sync_folder(path)
+}
+
+/// A name in the same folder, so that the rename stays on one file system.
+fn name_beside(path: &Path) -> Result<PathBuf> {
+    let name = path.file_name().ok_or_else(|| Error::content(path, "is not the name of a file"))?;
+    let mut hidden = OsString::from(".");
+    hidden.push(name);
+    hidden.push(format!(".{}-{}{UNFINISHED}", std::process::id(), COUNTER.fetch_add(1, Ordering::Relaxed)));
+    Ok(path.with_file_name(hidden))
+}
+
+/// Makes the rename itself last through a power cut.
+#[cfg(unix)]
+fn sync_folder(path: &Path) -> io::Result<()> {
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    File::open(folder)?.sync_all()
+}
+
+#[cfg(not(unix))]
+fn sync_folder(_: &Path) -> io::Result<()> {
+    Ok(())
+}
+
+/// Removes files that a killed process left unfinished in a folder. Only for whoever holds the folder's lock.
+#[allow(dead_code)]
+pub(crate) fn remove_unfinished(folder: &Path) -> io::Result<()> {
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if name.starts_with('.') && name.ends_with(UNFINISHED) && entry.file_type()?.is_file() {
+            fs::remove_file(entry.path())?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.json");
+        write_atomically(&path, |file| file.write_all(b"old")).unwrap();
+        let error = write_atomically(&path, |file| {
+            file.write_all(b"half of the new")?;
+            Err(io::Error::other("the disk is full"))
+        });
+        assert!(error.unwrap_err().to_string().ends_with("run.json: the disk is full"));
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_missing_folder_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("nowhere").join("x.csv");
+        let error = write_atomically(&path, |_| Ok(())).unwrap_err().to_string();
+        assert!(error.starts_with("cannot write") && error.contains("nowhere"), "{error}");
+    }
+
+    #[test]
+    fn leftovers_of_a_killed_process_go_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join(format!(".series.parquet.12-0{UNFINISHED}")), "x").unwrap();
+        fs::write(folder.path().join("notes.txt"), "mine").unwrap();
+        remove_unfinished(folder.path()).unwrap();
+        let left: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+        assert_eq!(left, ["notes.txt"]);
+    }
+}

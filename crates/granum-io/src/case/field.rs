@@ -1,0 +1,196 @@
+//! One key of the case file: its place, meaning, bounds, and how it gets in and out of a [`Case`].
+
+use super::Case;
+use crate::quantity::{Dimension, format_number, parse_quantity};
+
+/// A value of a field in SI units.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// A quantity, or `None` where the field's keyword stands ("none", "auto").
+    Number(Option<f64>),
+    /// A whole number.
+    Count(u64),
+    /// One of the names that the field offers.
+    Choice(&'static str),
+}
+
+/// What a field holds, with its bounds and access.
+pub(super) enum Kind {
+    Number {
+        dimension: Dimension,
+        /// Smallest and largest value, as quantities.
+        bounds: [&'static str; 2],
+        /// The word that stands for "not given", with its meaning; `None` if a number is needed.
+        absent: Option<[&'static str; 2]>,
+        get: fn(&Case) -> Option<f64>,
+        set: fn(&mut Case, Option<f64>),
+    },
+    Count {
+        bounds: [u64; 2],
+        get: fn(&Case) -> u64,
+        set: fn(&mut Case, u64),
+    },
+    Choice {
+        /// Name and meaning of each.
+        options: &'static [[&'static str; 2]],
+        get: fn(&Case) -> &'static str,
+        set: fn(&mut Case, &str),
+    },
+}
+
+/// One key of the case file.
+pub struct Field {
+    /// Section, e.g. `grains.material`.
+    pub section: &'static str,
+    /// Key, e.g. `youngs_modulus`.
+    pub key: &'static str,
+    /// What it is, in one or two sentences.
+    pub help: &'static str,
+    /// The default as a user would write it.
+    pub example: &'static str,
+    pub(super) kind: Kind,
+}
+
+impl Field {
+    /// Section and key, e.g. `grains.material.youngs_modulus`.
+    pub fn path(&self) -> String {
+        format!("{}.{}", self.section, self.key)
+    }
+
+    /// What stands for this field in a case; `None` for the way of saying the rate that is not in use.
+    pub fn value(&self, case: &Case) -> Option<Value> {
+        match &self.kind {
+            Kind::Number { get, absent, .. } => match (get(case), absent) {
+                (None, None) => None,
+                (value, _) => Some(Value::Number(value)),
+            },
+            Kind::Count { get, .. } => Some(Value::Count(get(case))),
+            Kind::Choice { get, .. } => Some(Value::Choice(get(case))),
+        }
+    }
+
+    /// Puts a value into a case. A value of another kind than the field's is left out.
+    pub fn apply(&self, case: &mut Case, value: Value) {
+        match (&self.kind, value) {
+            (Kind::Number { set, .. }, Value::Number(value)) => set(case, value),
+            (Kind::Count { set, .. }, Value::Count(value)) => set(case, value),
+            (Kind::Choice { set, .. }, Value::Choice(value)) => set(case, value),
+            _ => {}
+        }
+    }
+
+    /// Reads text (a quantity, a keyword or a name) and checks dimension and bounds.
+    ///
+    /// # Errors
+    /// A sentence that goes on from "key = value": what is wrong and what would be right.
+    pub fn parse(&self, text: &str) -> Result<Value, String> {
+        match &self.kind {
+            Kind::Number { dimension, absent, .. } => {
+                if absent.is_some_and(|[word, _]| word == text.trim()) {
+                    return Ok(Value::Number(None));
+                }
+                let value = parse_quantity(text, *dimension).map_err(|why| match absent {
+                    Some([word, meaning]) => format!("{why}, or {word:?} ({meaning})"),
+                    None => why,
+                })?;
+                self.check_number(value)
+            }
+            Kind::Count { .. } => {
+                let plain = text.trim().replace('_', "");
+                match plain.parse::<u64>() {
+                    Ok(value) => self.check_count(value),
+                    Err(_) => Err(format!("is not a whole number; it must be {}", self.bounds_text())),
+                }
+            }
+            Kind::Choice { options, .. } => match options.iter().find(|[name, _]| *name == text.trim()) {
+                Some([name, _]) => Ok(Value::Choice(name)),
+                None => Err(format!("is not known; it must be {}", self.bounds_text())),
+            },
+        }
+    }
+
+    fn check_number(&self, value: f64) -> Result<Value, String> {
+        let [low, high] = self.number_bounds();
+        if value >= low && value <= high {
+            // Adding zero turns -0 into 0, so that both are the same case.
+            return Ok(Value::Number(Some(value + 0.0)));
+        }
+        Err(format!("is out of bounds; it must be {}", self.bounds_text()))
+    }
+
+    fn check_count(&self, value: u64) -> Result<Value, String> {
+        match &self.kind {
+            Kind::Count { bounds: [low, high], .. } if value < *low || value > *high => {
+                Err(format!("is out of bounds; it must be {}", self.bounds_text()))
+            }
+            _ => Ok(Value::Count(value)),
+        }
+    }
+
+    fn number_bounds(&self) -> [f64; 2] {
+        match &self.kind {
+            // A bound that cannot be read would be NaN and refuse every value; a test reads them all.
+            Kind::Number { bounds, dimension, .. } => {
+                bounds.map(|bound| parse_quantity(bound, *dimension).unwrap_or(f64::NAN))
+            }
+            _ => [f64::NEG_INFINITY, f64::INFINITY],
+        }
+    }
+
+    /// "from 0 to 1", "\"hertz\" or \"jkr\"".
+    pub fn bounds_text(&self) -> String {
+        match &self.kind {
+            Kind::Number { bounds: [low, high], .. } => format!("from {low} to {high}"),
+            Kind::Count { bounds: [low, high], .. } => format!("from {low} to {high}"),
+            Kind::Choice { options, .. } => {
+                let names: Vec<_> = options.iter().map(|[name, _]| format!("\"{name}\"")).collect();
+                names.join(" or ")
+            }
+        }
+    }
+
+    /// The keyword or names that the field offers beside numbers, each with its meaning.
+    pub(super) fn words(&self) -> &[[&'static str; 2]] {
+        match &self.kind {
+            Kind::Number { absent, .. } => absent.as_slice(),
+            Kind::Choice { options, .. } => options,
+            Kind::Count { .. } => &[],
+        }
+    }
+
+    /// The value as TOML in SI units.
+    pub(super) fn toml(&self, value: &Value) -> String {
+        match value {
+            Value::Number(Some(value)) => format_number(*value),
+            Value::Number(None) => format!("\"{}\"", self.words().first().map_or("none", |[word, _]| word)),
+            Value::Count(value) => value.to_string(),
+            Value::Choice(name) => format!("\"{name}\""),
+        }
+    }
+
+    /// The SI unit of the field; empty where there is none.
+    pub(super) fn si_unit(&self) -> String {
+        match &self.kind {
+            Kind::Number { dimension, .. } => dimension.si_unit(),
+            _ => String::new(),
+        }
+    }
+
+    /// The value at a relative place between the bounds, for tests that draw random cases.
+    #[cfg(test)]
+    pub(super) fn draw(&self, place: f64) -> Value {
+        match &self.kind {
+            Kind::Number { absent: Some(_), .. } if place < 0.2 => Value::Number(None),
+            Kind::Number { .. } => {
+                let [low, high] = self.number_bounds();
+                Value::Number(Some((low + place * (high - low)).clamp(low, high)))
+            }
+            Kind::Count { bounds: [low, high], .. } => {
+                Value::Count(low + (place * (high - low) as f64) as u64 / 2)
+            }
+            Kind::Choice { options, .. } => {
+                Value::Choice(options[(place * 0.999 * options.len() as f64) as usize][0])
+            }
+        }
+    }
+}

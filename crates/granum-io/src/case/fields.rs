@@ -1,0 +1,204 @@
+//! The list of all keys of the case file.
+
+use granum_dem::config::{NormalKind, Rate, TangentialKind};
+
+use super::field::{Field, Kind};
+use crate::quantity::Dimension;
+
+/// The field at a path such as `grains.material.friction`.
+pub fn field(path: &str) -> Option<&'static Field> {
+    FIELDS.iter().find(|field| field.path() == path)
+}
+
+/// Help and meaning of every section, in the order of the file.
+pub(super) const SECTIONS: &[[&str; 2]] = &[
+    ["grains", "The grains: how many and how large."],
+    ["grains.material", "What the grains are made of."],
+    ["contact", "The contact law."],
+    [
+        "preparation",
+        "The sample: a gas of grains from a seed, compressed isotropically, relaxed with the final properties.",
+    ],
+    ["shear", "The test: axisymmetric compression at constant mean stress."],
+    ["recording", "When the sensors look, and the bins of the force distribution P(f)."],
+    ["numerics", "Numerical choices that should not change a result beyond scatter."],
+];
+
+const NORMAL: &[[&str; 2]] =
+    &[["hertz", "elastic spheres without adhesion"], ["jkr", "adhesive: Johnson, Kendall and Roberts 1971"]];
+
+const TANGENTIAL: &[[&str; 2]] = &[
+    [
+        "mindlin-deresiewicz",
+        "incremental, with turning points: Mindlin and Deresiewicz 1953, Thornton and Yin 1991",
+    ],
+    ["no-slip", "no-slip Mindlin"],
+    ["peeling", "Mindlin-Deresiewicz after Savkoor-Briggs peeling; needs normal = \"jkr\""],
+];
+
+/// A number that must be there.
+macro_rules! number {
+    ($dimension:ident, $low:literal..=$high:literal, $($place:ident).+) => {
+        Kind::Number {
+            dimension: Dimension::$dimension,
+            bounds: [$low, $high],
+            absent: None,
+            get: |case| Some(case.$($place).+),
+            set: |case, value| case.$($place).+ = value.unwrap_or(case.$($place).+),
+        }
+    };
+}
+
+/// A number or a word that stands for its absence.
+macro_rules! optional {
+    ($dimension:ident, $low:literal..=$high:literal, $word:literal: $meaning:literal, $($place:ident).+) => {
+        Kind::Number {
+            dimension: Dimension::$dimension,
+            bounds: [$low, $high],
+            absent: Some([$word, $meaning]),
+            get: |case| case.$($place).+,
+            set: |case, value| case.$($place).+ = value,
+        }
+    };
+}
+
+/// A whole number.
+macro_rules! count {
+    ($low:literal..=$high:literal, $($place:ident).+) => {
+        Kind::Count {
+            bounds: [$low, $high],
+            get: |case| case.$($place).+ as u64,
+            set: |case, value| case.$($place).+ = value as _,
+        }
+    };
+}
+
+const fn entry(
+    section: &'static str,
+    key: &'static str,
+    help: &'static str,
+    example: &'static str,
+    kind: Kind,
+) -> Field {
+    Field { section, key, help, example, kind }
+}
+
+/// Every key of the case file, in the order of the file.
+#[rustfmt::skip]
+pub const FIELDS: &[Field] = &[
+    entry("grains", "count", "Number of grains.", "5000",
+        count!(50..=100_000_000, grains.count)),
+    entry("grains", "diameter", "Mean diameter d.", "0.1 mm",
+        number!(LENGTH, "10 nm"..="10 m", grains.diameter)),
+    entry("grains", "spread", "Half-width of the uniform distribution of radii relative to the mean; 0 makes equal grains.", "0",
+        number!(NUMBER, "0"..="0.9", grains.spread)),
+
+    entry("grains.material", "density", "Density rho of the solid.", "2650 kg/m3",
+        number!(DENSITY, "1 kg/m3"..="100000 kg/m3", grains.material.density)),
+    entry("grains.material", "youngs_modulus", "Young's modulus E.", "70 GPa",
+        number!(STRESS, "1 kPa"..="10 TPa", grains.material.youngs_modulus)),
+    entry("grains.material", "poissons_ratio", "Poisson's ratio nu.", "0.3",
+        number!(NUMBER, "0"..="0.5", grains.material.poissons_ratio)),
+    entry("grains.material", "friction", "Coefficient of friction mu between grains, in the test.", "0.3",
+        number!(NUMBER, "0"..="10", grains.material.friction)),
+    entry("grains.material", "interface_energy", "Interface energy Gamma: work of adhesion per area, used by normal = \"jkr\"; 0 is no adhesion.", "0.6 J/m2",
+        number!(SURFACE_ENERGY, "0 J/m2"..="100 J/m2", grains.material.interface_energy)),
+
+    entry("contact", "normal", "Normal law.", "jkr", Kind::Choice {
+        options: NORMAL,
+        get: |case| match case.contact.normal {
+            NormalKind::Hertz => "hertz",
+            NormalKind::Jkr => "jkr",
+        },
+        set: |case, name| case.contact.normal = if name == "hertz" { NormalKind::Hertz } else { NormalKind::Jkr },
+    }),
+    entry("contact", "tangential", "Tangential law.", "mindlin-deresiewicz", Kind::Choice {
+        options: TANGENTIAL,
+        get: |case| match case.contact.tangential {
+            TangentialKind::MindlinDeresiewicz => "mindlin-deresiewicz",
+            TangentialKind::NoSlip => "no-slip",
+            TangentialKind::Peeling => "peeling",
+        },
+        set: |case, name| case.contact.tangential = match name {
+            "no-slip" => TangentialKind::NoSlip,
+            "peeling" => TangentialKind::Peeling,
+            _ => TangentialKind::MindlinDeresiewicz,
+        },
+    }),
+    entry("contact", "damping", "Fraction zeta of critical damping in the contact dashpots.", "0.1",
+        number!(NUMBER, "0"..="1", contact.damping)),
+
+    entry("preparation", "seed", "Seed of the initial gas: another seed is another sample of the same material.", "1",
+        count!(0..=9_223_372_036_854_775_807, preparation.seed)),
+    entry("preparation", "mean_stress", "Target mean stress p.", "20 kPa",
+        number!(STRESS, "0.001 Pa"..="100 GPa", preparation.mean_stress)),
+    entry("preparation", "initial_solid_fraction", "Solid fraction of the initial gas.", "0.35",
+        number!(NUMBER, "0.01"..="0.5", preparation.initial_solid_fraction)),
+    entry("preparation", "friction", "Coefficient of friction while compacting.", "auto",
+        optional!(NUMBER, "0"..="10", "auto": "found so that solid_fraction is met; without a target the friction of the material", preparation.friction)),
+    entry("preparation", "interface_energy", "Interface energy while compacting.", "0 J/m2",
+        number!(SURFACE_ENERGY, "0 J/m2"..="100 J/m2", preparation.interface_energy)),
+    entry("preparation", "solid_fraction", "Target solid fraction of the sample.", "0.61",
+        optional!(NUMBER, "0.3"..="0.8", "none": "whatever comes out", preparation.solid_fraction)),
+    entry("preparation", "solid_fraction_tolerance", "How near to the target solid fraction is near enough.", "0.003",
+        number!(NUMBER, "0.0001"..="0.1", preparation.solid_fraction_tolerance)),
+    entry("preparation", "inertial_number", "Highest inertial number I while compressing, once grains carry load.", "1e-3",
+        number!(NUMBER, "1e-7"..="0.1", preparation.inertial_number)),
+    entry("preparation", "unbalanced_force", "The sample is at rest when the unbalanced force is below this fraction of the mean contact force.", "1e-3",
+        number!(NUMBER, "1e-9"..="0.1", preparation.unbalanced_force)),
+
+    entry("shear", "deviator_strain", "Deviator strain eps_1 - eps_3 at the end.", "0.3",
+        number!(NUMBER, "1e-6"..="3", shear.deviator_strain)),
+    entry("shear", "inertial_number", "How fast: inertial number I = strain_rate d sqrt(density / p) of the axial strain rate. Without gravity only I matters.", "3.64e-4", Kind::Number {
+        dimension: Dimension::NUMBER,
+        bounds: ["1e-8", "0.1"],
+        absent: None,
+        get: |case| match case.shear.rate {
+            Rate::InertialNumber(number) => Some(number),
+            Rate::StrainRate { .. } => None,
+        },
+        set: |case, value| if let Some(number) = value { case.shear.rate = Rate::InertialNumber(number) },
+    }),
+    entry("shear", "strain_rate", "The other way to say how fast, instead of inertial_number: axial strain rate. 1e-5 /s with density_scaling = 1e12 is the paper's and gives the I above.", "1e-5 /s", Kind::Number {
+        dimension: Dimension::RATE,
+        bounds: ["1e-12 /s", "1e6 /s"],
+        absent: None,
+        get: |case| match case.shear.rate {
+            Rate::InertialNumber(_) => None,
+            Rate::StrainRate { strain_rate, .. } => Some(strain_rate),
+        },
+        set: |case, value| if let Some(strain_rate) = value {
+            let density_scaling = match case.shear.rate {
+                Rate::StrainRate { density_scaling, .. } => density_scaling,
+                Rate::InertialNumber(_) => 1.0,
+            };
+            case.shear.rate = Rate::StrainRate { strain_rate, density_scaling };
+        },
+    }),
+    entry("shear", "density_scaling", "Factor on the density of every grain; only together with strain_rate.", "1e12", Kind::Number {
+        dimension: Dimension::NUMBER,
+        bounds: ["1e-6", "1e24"],
+        absent: None,
+        get: |case| match case.shear.rate {
+            Rate::InertialNumber(_) => None,
+            Rate::StrainRate { density_scaling, .. } => Some(density_scaling),
+        },
+        set: |case, value| if let (Some(factor), Rate::StrainRate { density_scaling, .. }) = (value, &mut case.shear.rate) {
+            *density_scaling = factor;
+        },
+    }),
+    entry("shear", "mean_stress", "Mean stress p held constant.", "sample",
+        optional!(STRESS, "0.001 Pa"..="100 GPa", "sample": "that of the sample", shear.mean_stress)),
+
+    entry("recording", "states", "Number of equal intervals of deviator strain; a state is recorded at each end of an interval.", "120",
+        count!(1..=1_000_000, recording.states)),
+    entry("recording", "looks", "Looks averaged for one state, spread evenly over one interval around it.", "20",
+        count!(1..=100_000, recording.looks)),
+    entry("recording", "bin_width", "Width of a bin of f = N/<N>.", "0.25",
+        number!(NUMBER, "0.001"..="10", recording.bin_width)),
+    entry("recording", "largest_force", "Largest f with a bin of its own; what lies above is counted apart.", "6",
+        number!(NUMBER, "0.1"..="1000", recording.largest_force)),
+
+    entry("numerics", "time_step_factor", "Time step as a fraction of sqrt(m / k_t) of the stiffest contact.", "0.2",
+        number!(NUMBER, "0.0001"..="1", numerics.time_step_factor)),
+];

@@ -1,0 +1,183 @@
+//! The case file (TOML): everything that decides a result.
+//!
+//! [`fields`] is the one list of keys with their bounds; reading, writing, the template of `granum init` and the
+//! digests all walk that list. A new key is one entry there.
+
+mod digest;
+mod field;
+mod fields;
+mod read;
+mod rules;
+mod write;
+
+use granum_dem::config::{Contact, Grains, Numerics, Preparation, Recording, Shear};
+use serde::{Deserialize, Serialize};
+
+pub use field::{Field, Value};
+pub use fields::{FIELDS, field};
+
+/// Everything that decides a result. [`Default`] is the case of Antony, Zhou and Wang (2006).
+///
+/// ```
+/// let case = granum_io::Case::parse("[grains]\ncount = 1000\ndiameter = \"0.2 mm\"\n", "case.toml").unwrap();
+/// assert_eq!(case.grains.count, 1000);
+/// assert_eq!(case.grains.diameter, 2e-4);
+/// let error = granum_io::Case::parse("[contact]\ndampling = 0.1\n", "case.toml").unwrap_err();
+/// assert!(error.to_string().starts_with("case.toml:2:1: unknown key contact.dampling"));
+/// assert!(error.to_string().contains("did you mean damping?"));
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Case {
+    /// The grains.
+    pub grains: Grains,
+    /// The contact law.
+    pub contact: Contact,
+    /// How the sample is made.
+    pub preparation: Preparation,
+    /// The loading path.
+    pub shear: Shear,
+    /// When the sensors look.
+    pub recording: Recording,
+    /// Numerical choices.
+    pub numerics: Numerics,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use granum_dem::config::Rate;
+    use proptest::prelude::*;
+
+    fn parse(text: &str) -> Case {
+        Case::parse(text, "case.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))
+    }
+
+    #[test]
+    fn an_empty_file_is_the_paper() {
+        assert_eq!(parse(""), Case::default());
+    }
+
+    #[test]
+    fn the_template_teaches_every_key_and_is_the_default() {
+        let template = Case::template();
+        assert_eq!(parse(&template), Case::default());
+        for field in FIELDS {
+            assert!(template.contains(&format!("{} = ", field.key)), "{} is not in the template", field.key);
+        }
+    }
+
+    #[test]
+    fn every_number_of_the_configuration_has_a_field() {
+        fn leaves(value: &serde_json::Value, path: &str, into: &mut Vec<String>) {
+            match value {
+                serde_json::Value::Object(map) => {
+                    for (key, value) in map {
+                        let inner = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+                        leaves(value, &inner, into);
+                    }
+                }
+                _ => into.push(path.to_string()),
+            }
+        }
+        let mut paths = Vec::new();
+        leaves(&serde_json::to_value(Case::default()).unwrap(), "", &mut paths);
+        for path in paths {
+            let path = path.replace("shear.rate.inertial-number", "shear.inertial_number");
+            assert!(
+                field(&path).is_some(),
+                "{path} is in granum_dem::config, but is no key of the case file"
+            );
+        }
+    }
+
+    #[test]
+    fn examples_and_bounds_of_every_field_are_valid() {
+        for field in FIELDS {
+            let mut case = Case::default();
+            if field.key == "density_scaling" {
+                case.set("shear.strain_rate", "1e-5 /s").unwrap();
+            }
+            case.set(&field.path(), field.example).unwrap_or_else(|error| panic!("{error}"));
+        }
+    }
+
+    #[test]
+    fn the_paper_rate_is_said_either_way() {
+        let case = parse("[shear]\nstrain_rate = \"1e-5 /s\"\ndensity_scaling = 1e12\n");
+        assert_eq!(case.shear.rate, Rate::StrainRate { strain_rate: 1e-5, density_scaling: 1e12 });
+        let case = parse("[shear]\ninertial_number = 1e-3\n");
+        assert_eq!(case.shear.rate, Rate::InertialNumber(1e-3));
+        let case = parse("[shear]\nstrain_rate = 2\n");
+        assert_eq!(case.shear.rate, Rate::StrainRate { strain_rate: 2.0, density_scaling: 1.0 });
+    }
+
+    #[test]
+    fn keywords_mean_absence() {
+        let case = parse(
+            "[preparation]\nsolid_fraction = \"none\"\nfriction = 0.1\n[shear]\nmean_stress = \"sample\"\n",
+        );
+        assert_eq!(case.preparation.solid_fraction, None);
+        assert_eq!(case.preparation.friction, Some(0.1));
+        assert_eq!(case.shear.mean_stress, None);
+    }
+
+    #[test]
+    fn digests_see_physics_and_nothing_else() {
+        let paper = Case::default();
+        assert_eq!(parse("# a comment\n[grains]\ndiameter = 1e-4\n").digest(), paper.digest());
+        let mut sheared = paper.clone();
+        sheared.shear.deviator_strain = 0.2;
+        assert_ne!(sheared.digest(), paper.digest());
+        assert_eq!(sheared.preparation_digest(), paper.preparation_digest());
+        let mut reseeded = paper.clone();
+        reseeded.preparation.seed = 2;
+        assert_ne!(reseeded.preparation_digest(), paper.preparation_digest());
+        assert_ne!(paper.digest(), paper.preparation_digest());
+    }
+
+    #[test]
+    fn set_names_the_key_and_what_would_be_right() {
+        let mut case = Case::default();
+        case.set("grains.material.youngs_modulus", "10 GPa").unwrap();
+        assert_eq!(case.grains.material.youngs_modulus, 10e9);
+        let error = case.set("grains.material.youngs_modulus", "70 kg").unwrap_err().to_string();
+        assert!(error.contains("is a mass; it must be a stress"), "{error}");
+        assert!(case.set("shear.density_scaling", "2").is_err());
+        assert!(case.set("grains.diametre", "2").unwrap_err().to_string().contains("did you mean diameter?"));
+        assert_eq!(case.grains.material.youngs_modulus, 10e9);
+    }
+
+    /// A random value within the bounds of each field; rules between fields may still refuse the whole.
+    fn any_case() -> impl Strategy<Value = Case> {
+        (proptest::collection::vec(0.0..=1.0f64, FIELDS.len()), any::<bool>()).prop_filter_map(
+            "rules between fields",
+            |(draws, by_rate)| {
+                let mut case = Case::default();
+                for (field, draw) in FIELDS.iter().zip(draws) {
+                    let of_rate = matches!(field.key, "strain_rate" | "density_scaling");
+                    let of_inertia = field.section == "shear" && field.key == "inertial_number";
+                    if (of_rate && !by_rate) || (of_inertia && by_rate) {
+                        continue;
+                    }
+                    field.apply(&mut case, field.draw(draw));
+                }
+                case.check().is_ok().then_some(case)
+            },
+        )
+    }
+
+    proptest! {
+        #[test]
+        fn the_resolved_case_reads_back_as_the_same_case(case in any_case()) {
+            let text = case.resolved_toml();
+            let back = parse(&text);
+            prop_assert_eq!(&back, &case);
+            prop_assert_eq!(back.digest(), case.digest());
+        }
+
+        #[test]
+        fn no_text_makes_the_reader_panic(text in "(\\[[a-z.]{0,12}\\]|[a-z_]{1,9} ?= ?(\"[ -~]{0,9}\"|[0-9e.+_-]{1,6}|\\[1\\])|\n|\\PC){0,12}") {
+            let _ = Case::parse(&text, "case.toml");
+        }
+    }
+}

@@ -1,0 +1,203 @@
+//! Reading a case file: every mistake is reported at once, each with its place, and what would be right.
+
+use std::collections::HashMap;
+use std::ops::Range;
+use std::path::Path;
+use std::sync::Arc;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::fields::SECTIONS;
+use super::rules::RULES;
+use super::{Case, FIELDS, Field, Value, field};
+use crate::error::{Error, InputError, Result, nearest};
+
+/// A case file is a page or two; what is larger is something else.
+const LARGEST_FILE: u64 = 1 << 20;
+
+impl Case {
+    /// Reads a case file.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or as [`Case::parse`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Case> {
+        let path = path.as_ref();
+        let text = crate::text::read_small(path, LARGEST_FILE)?;
+        Case::parse(&text, &path.display().to_string())
+    }
+
+    /// Reads the text of a case file; `file` is its name for messages.
+    ///
+    /// # Errors
+    /// [`Error::Inputs`] with all mistakes: syntax, unknown keys (with the nearest known one), wrong dimension,
+    /// values out of bounds, keys that exclude each other.
+    pub fn parse(text: &str, file: &str) -> Result<Case> {
+        let text: Arc<str> = Arc::from(text);
+        let document = DeTable::parse(&text).map_err(|error| {
+            let span = error.span().unwrap_or(0..0);
+            let message = format!("this is not TOML: {}", error.message().replace('\n', "; "));
+            Error::Inputs(vec![InputError::in_text(file, &text, span, message)])
+        })?;
+        let mut reader = Reader {
+            file,
+            text: text.clone(),
+            errors: Vec::new(),
+            keys: HashMap::new(),
+            values: HashMap::new(),
+        };
+        reader.table(document.get_ref(), "");
+        reader.check_rate();
+        let mut case = Case::default();
+        for field in FIELDS {
+            if let Some(value) = reader.values.get(&field.path()) {
+                field.apply(&mut case, value.clone());
+            }
+        }
+        if reader.errors.is_empty() {
+            reader.check_rules(&case);
+        }
+        reader.errors.sort_by_key(|error| error.span.start);
+        if reader.errors.is_empty() { Ok(case) } else { Err(Error::Inputs(reader.errors)) }
+    }
+
+    /// Sets one field from text, as a flag of the program gives it: `case.set("grains.diameter", "0.2 mm")`.
+    ///
+    /// # Errors
+    /// [`Error::Value`] if there is no such field, or the text is no value for it. The case is then unchanged.
+    pub fn set(&mut self, path: &str, text: &str) -> Result<()> {
+        let wrong =
+            |message: String| Error::Value { name: path.to_string(), value: text.to_string(), message };
+        let section = path.rsplit_once('.').map_or("", |(section, _)| section);
+        let field = field(path).ok_or_else(|| wrong(format!("is no key; {}", suggestion(path, section))))?;
+        let value = field.parse(text).map_err(wrong)?;
+        if path == "shear.density_scaling" && field.value(self).is_none() {
+            return Err(wrong("needs shear.strain_rate".into()));
+        }
+        field.apply(self, value);
+        Ok(())
+    }
+}
+
+struct Reader<'a> {
+    file: &'a str,
+    text: Arc<str>,
+    errors: Vec<InputError>,
+    /// By path: where the key stands.
+    keys: HashMap<String, Range<usize>>,
+    /// By path: the value, if it is right.
+    values: HashMap<String, Value>,
+}
+
+impl Reader<'_> {
+    fn error(&mut self, span: Range<usize>, message: String) -> &mut InputError {
+        self.errors.push(InputError::in_text(self.file, &self.text, span, message));
+        let last = self.errors.len() - 1;
+        &mut self.errors[last]
+    }
+
+    fn table(&mut self, table: &DeTable<'_>, section: &str) {
+        for (key, value) in table {
+            let path = if section.is_empty() {
+                key.get_ref().to_string()
+            } else {
+                format!("{section}.{}", key.get_ref())
+            };
+            if SECTIONS.iter().any(|[name, _]| *name == path) {
+                match value.get_ref() {
+                    DeValue::Table(inner) => self.table(inner, &path),
+                    _ => {
+                        let message = format!("{path} = {} is not a section", self.shown(&value.span()));
+                        self.error(value.span(), message).help =
+                            Some(format!("write [{path}] with its keys below"));
+                    }
+                }
+            } else if let Some(field) = field(&path) {
+                self.field(field, key.span(), value);
+            } else {
+                let what = if section.is_empty() { "section" } else { "key" };
+                let help = suggestion(&path, section);
+                self.error(key.span(), format!("unknown {what} {path}")).help = Some(help);
+            }
+        }
+    }
+
+    fn field(&mut self, field: &'static Field, key: Range<usize>, value: &Spanned<DeValue<'_>>) {
+        self.keys.insert(field.path(), key);
+        let parsed = match value.get_ref() {
+            DeValue::String(text) => field.parse(text),
+            DeValue::Float(number) => field.parse(&number.as_str().replace('_', "")),
+            DeValue::Integer(number) if number.radix() == 10 => field.parse(number.as_str()),
+            DeValue::Integer(_) => Err("must be written as a decimal number".into()),
+            other => Err(format!("is of type {}; it must be {}", other.type_str(), field.bounds_text())),
+        };
+        match parsed {
+            Ok(value) => {
+                self.values.insert(field.path(), value);
+            }
+            Err(why) => {
+                let message = format!("{} = {} {why}", field.path(), self.shown(&value.span()));
+                let quoted = field.example.parse::<f64>().is_err();
+                let example = if quoted { format!("{:?}", field.example) } else { field.example.to_string() };
+                self.error(value.span(), message).help = Some(format!("e.g. {} = {example}", field.key));
+            }
+        }
+    }
+
+    /// The rate of the test is said in one way.
+    fn check_rate(&mut self) {
+        let place = |reader: &Self, key: &str| reader.keys.get(key).cloned();
+        let inertial = place(self, "shear.inertial_number");
+        let strain_rate = place(self, "shear.strain_rate");
+        let scaling = place(self, "shear.density_scaling");
+        if let (Some(_), Some(span)) = (&inertial, &strain_rate) {
+            self.error(
+                span.clone(),
+                "shear.strain_rate and shear.inertial_number both say how fast".into(),
+            )
+            .help = Some("keep inertial_number, or strain_rate with density_scaling".into());
+        } else if let (None, Some(span)) = (strain_rate, scaling) {
+            self.error(span, "shear.density_scaling means nothing without shear.strain_rate".into()).help =
+                Some("add strain_rate, e.g. strain_rate = \"1e-5 /s\", or say inertial_number alone".into());
+        }
+    }
+
+    fn check_rules(&mut self, case: &Case) {
+        for rule in RULES {
+            let Some(message) = (rule.broken)(case) else { continue };
+            let given = rule.fields.iter().find_map(|path| self.keys.get(*path));
+            let span = given.cloned().unwrap_or(0..0);
+            self.error(span, message);
+        }
+    }
+
+    /// The text of a value, short enough for a message.
+    fn shown(&self, span: &Range<usize>) -> String {
+        let text = self.text.get(span.clone()).unwrap_or_default();
+        let line = text.lines().next().unwrap_or_default();
+        if line.chars().count() > 60 || text.lines().count() > 1 {
+            format!("{}...", line.chars().take(60).collect::<String>())
+        } else {
+            line.to_string()
+        }
+    }
+}
+
+/// What a user may have meant by an unknown path.
+fn suggestion(path: &str, section: &str) -> String {
+    let key = path.rsplit('.').next().unwrap_or(path);
+    let known_section = FIELDS.iter().any(|field| field.section == section);
+    let beside: Vec<&str> = if !known_section {
+        SECTIONS.iter().map(|[name, _]| *name).collect()
+    } else {
+        FIELDS.iter().filter(|field| field.section == section).map(|field| field.key).collect()
+    };
+    if let Some(name) = nearest(if known_section { key } else { path }, beside.iter().copied()) {
+        return format!("did you mean {name}?");
+    }
+    if let Some(name) = nearest(key, FIELDS.iter().map(|field| field.key)) {
+        let places: Vec<_> = FIELDS.iter().filter(|field| field.key == name).map(Field::path).collect();
+        return format!("did you mean {}?", places.join(" or "));
+    }
+    format!("known here: {}", beside.join(", "))
+}

@@ -1,0 +1,82 @@
+//! Writing a case: resolved (SI numbers, beside a result) and as the template that teaches the keys.
+
+use super::fields::SECTIONS;
+use super::{Case, FIELDS, Field};
+
+const TEMPLATE_HEAD: &str = "\
+# A granum case: everything that decides a result.
+#
+# Quantities are strings with a unit (\"70 GPa\", \"0.1 mm\", \"2650 kg/m3\") or plain numbers in SI units. Every key
+# may be left out: what stands here are the defaults, the sample and test of Antony, Zhou and Wang (2006).
+";
+
+const RESOLVED_HEAD: &str = "\
+# The resolved case of a granum run: every key, in SI units. It can be run again as it is.
+";
+
+impl Case {
+    /// A commented case file with every key at its default, with units.
+    pub fn template() -> String {
+        let mut text = TEMPLATE_HEAD.to_string();
+        let case = Case::default();
+        for [section, help] in SECTIONS {
+            text.push_str(&format!("\n# {help}\n[{section}]\n"));
+            for field in FIELDS.iter().filter(|field| field.section == *section) {
+                text.push_str(&comment(field));
+                // A field that is not in use by default is the other way of saying the rate.
+                let unused = if field.value(&case).is_none() { "# " } else { "" };
+                let plain = field.example.parse::<f64>().is_ok();
+                let value = if plain { field.example.to_string() } else { format!("\"{}\"", field.example) };
+                text.push_str(&format!("{unused}{} = {value}\n", field.key));
+            }
+        }
+        text
+    }
+
+    /// The whole case as TOML in SI units, with units in comments; reads back as the same case, bit for bit.
+    pub fn resolved_toml(&self) -> String {
+        let mut text = RESOLVED_HEAD.to_string();
+        for [section, _] in SECTIONS {
+            text.push_str(&format!("\n[{section}]\n"));
+            for field in FIELDS.iter().filter(|field| field.section == *section) {
+                let Some(value) = field.value(self) else { continue };
+                let unit = field.si_unit();
+                let comment = if unit.is_empty() { String::new() } else { format!("  # {unit}") };
+                text.push_str(&format!("{} = {}{comment}\n", field.key, field.toml(&value)));
+            }
+        }
+        text
+    }
+}
+
+/// Help, bounds and words of a field as comment lines of at most about 100 characters.
+fn comment(field: &Field) -> String {
+    let mut words = field.help.to_string();
+    let options: Vec<_> =
+        field.words().iter().map(|[word, meaning]| format!("\"{word}\": {meaning}")).collect();
+    if field.example.parse::<f64>().is_ok() || options.is_empty() {
+        words.push_str(&format!(" ({})", field.bounds_text()));
+    } else if options.len() == 1 {
+        words.push_str(&format!(" ({}, or {})", field.bounds_text(), options[0]));
+    }
+    let mut lines = wrap(&words);
+    if options.len() > 1 || field.example.parse::<f64>().is_ok() {
+        lines.extend(options.iter().flat_map(|option| wrap(&format!("  {option}"))));
+    }
+    lines.iter().map(|line| format!("# {line}\n")).collect()
+}
+
+fn wrap(text: &str) -> Vec<String> {
+    let indent: String = text.chars().take_while(|c| *c == ' ').collect();
+    let mut lines = vec![indent];
+    for word in text.split_whitespace() {
+        let last = lines.len() - 1;
+        if lines[last].len() + word.len() > 100 {
+            lines.push(word.to_string());
+        } else {
+            let space = if lines[last].trim().is_empty() { "" } else { " " };
+            lines[last].push_str(&format!("{space}{word}"));
+        }
+    }
+    lines
+}

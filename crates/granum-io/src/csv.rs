@@ -1,0 +1,324 @@
+//! Comma-separated values: a line of names, then one line of numbers a row.
+//!
+//! Numbers are written as the shortest text that reads back as the same double. Lines that start with `#` and
+//! blank lines are passed over. Units are not written.
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Write};
+use std::path::Path;
+
+use crate::atomic::write_atomically;
+use crate::error::{Error, InputError, Result};
+use crate::quantity::format_number;
+use crate::table::{Column, Table, suggest};
+
+/// A longer line is no row of numbers.
+const LONGEST_LINE: u64 = 1 << 20;
+
+/// Lines of a text file with their numbers, with a bound on the length of each.
+pub(crate) struct Lines<R> {
+    reader: R,
+    file: String,
+    number: usize,
+    line: String,
+}
+
+impl Lines<BufReader<File>> {
+    pub(crate) fn open(path: &Path) -> Result<Self> {
+        let file = File::open(path).map_err(Error::file("read", path))?;
+        Ok(Lines::new(BufReader::with_capacity(1 << 16, file), &path.display().to_string()))
+    }
+}
+
+impl<R: BufRead> Lines<R> {
+    pub(crate) fn new(reader: R, file: &str) -> Self {
+        Lines { reader, file: file.to_string(), number: 0, line: String::new() }
+    }
+
+    /// Goes to the next line; false at the end of the file.
+    pub(crate) fn advance(&mut self) -> Result<bool> {
+        let mut bytes = std::mem::take(&mut self.line).into_bytes();
+        bytes.clear();
+        self.number += 1;
+        let mut bounded = io::Read::take(&mut self.reader, LONGEST_LINE);
+        bounded.read_until(b'\n', &mut bytes).map_err(Error::file("read", Path::new(&self.file)))?;
+        if bytes.is_empty() {
+            return Ok(false);
+        }
+        if bytes.len() as u64 == LONGEST_LINE {
+            return Err(self.error(0..0, format!("the line is longer than {LONGEST_LINE} bytes")).into());
+        }
+        while matches!(bytes.last(), Some(b'\n' | b'\r')) {
+            bytes.pop();
+        }
+        match String::from_utf8(bytes) {
+            Ok(line) => {
+                self.line = line;
+                Ok(true)
+            }
+            Err(_) => Err(self.error(0..0, "the line is not UTF-8 text".into()).into()),
+        }
+    }
+
+    /// The line without a byte order mark.
+    pub(crate) fn line(&self) -> &str {
+        let mark = if self.number == 1 { '\u{feff}' } else { '\n' };
+        self.line.strip_prefix(mark).unwrap_or(&self.line)
+    }
+
+    /// Blank or a comment.
+    pub(crate) fn is_empty(&self) -> bool {
+        let line = self.line().trim_start();
+        line.is_empty() || line.starts_with('#')
+    }
+
+    /// The cells of the line with the byte where each starts.
+    pub(crate) fn cells(&self) -> impl Iterator<Item = (usize, &str)> {
+        let line = self.line();
+        line.split(',').map(move |cell| {
+            let trimmed = cell.trim();
+            (trimmed.as_ptr() as usize - line.as_ptr() as usize, trimmed)
+        })
+    }
+
+    /// An error about bytes of the line.
+    pub(crate) fn error(&self, span: std::ops::Range<usize>, message: String) -> InputError {
+        InputError::in_line(&self.file, self.number, self.line(), span, message)
+    }
+
+    /// An error about the cell at `start`.
+    pub(crate) fn cell_error(&self, start: usize, cell: &str, message: String) -> InputError {
+        self.error(start..start + cell.len(), message)
+    }
+}
+
+/// Reads the columns named, in that order, or all.
+///
+/// # Errors
+/// If the file cannot be read; [`Error::Input`] with line and column for a cell that is no number, a row of
+/// another length, a header that is missing or names a column twice; [`Error::Content`] for a missing column.
+pub fn read(path: &Path, names: Option<&[&str]>) -> Result<Table> {
+    let mut lines = Lines::open(path)?;
+    read_lines(&mut lines, names)
+}
+
+/// Reads a table from any reader of text; `file` is its name for messages.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_from(reader: impl BufRead, file: &str, names: Option<&[&str]>) -> Result<Table> {
+    read_lines(&mut Lines::new(reader, file), names)
+}
+
+fn read_lines<R: BufRead>(lines: &mut Lines<R>, names: Option<&[&str]>) -> Result<Table> {
+    let header = header(lines)?;
+    let wanted: Vec<usize> = match names {
+        None => (0..header.len()).collect(),
+        Some(names) => {
+            names.iter().map(|name| position(&lines.file, &header, name)).collect::<Result<_>>()?
+        }
+    };
+    // Where each cell of a line goes, if anywhere.
+    let mut slots = vec![None; header.len()];
+    for (slot, column) in wanted.iter().enumerate() {
+        slots[*column] = Some(slot);
+    }
+    let mut values = vec![Vec::new(); wanted.len()];
+    while lines.advance()? {
+        if lines.is_empty() {
+            continue;
+        }
+        let mut count = 0;
+        for (start, cell) in lines.cells() {
+            if let Some(Some(slot)) = slots.get(count) {
+                values[*slot].push(number(lines, &header[count], start, cell)?);
+            }
+            count += 1;
+        }
+        if count != header.len() {
+            let message = format!("the row has {count} cells, but the header names {} columns", header.len());
+            return Err(lines.error(0..lines.line().len(), message).into());
+        }
+    }
+    let columns =
+        wanted.iter().zip(values).map(|(at, values)| Column::new(&header[*at], "", values)).collect();
+    Table::new(columns)
+}
+
+/// The names in the first line that is neither blank nor a comment.
+fn header<R: BufRead>(lines: &mut Lines<R>) -> Result<Vec<String>> {
+    while lines.advance()? {
+        if lines.is_empty() {
+            continue;
+        }
+        let mut names: Vec<String> = Vec::new();
+        for (start, cell) in lines.cells() {
+            let name = cell.trim_matches('"');
+            let wrong = if name.is_empty() {
+                "a column has no name".to_string()
+            } else if name.parse::<f64>().is_ok() {
+                format!("{name} is no name of a column: the first line must name the columns")
+            } else if names.iter().any(|known| known == name) {
+                format!("two columns have the name {name}")
+            } else if name.contains([';', '\t']) {
+                format!("{name:?} is no name of a column: cells must be separated by commas")
+            } else {
+                names.push(name.to_string());
+                continue;
+            };
+            return Err(lines.cell_error(start, cell, wrong).into());
+        }
+        return Ok(names);
+    }
+    Err(Error::content(Path::new(&lines.file), "is empty; the first line must name the columns"))
+}
+
+fn position(file: &str, header: &[String], name: &str) -> Result<usize> {
+    header.iter().position(|known| known == name).ok_or_else(|| {
+        let help = suggest(name, header.iter().map(String::as_str));
+        Error::content(Path::new(file), format!("there is no column {name}; {help}"))
+    })
+}
+
+/// The number in a cell; `nan` and `inf` are numbers here, an empty cell is none.
+pub(crate) fn number<R: BufRead>(lines: &Lines<R>, column: &str, start: usize, cell: &str) -> Result<f64> {
+    cell.parse().map_err(|_| {
+        let shown: String = cell.chars().take(40).collect();
+        let message = match shown.as_str() {
+            "" => format!("{column} is empty; it must be a number (nan if there is none)"),
+            _ => format!("{column} = {shown:?} is not a number"),
+        };
+        lines.cell_error(start, cell, message).into()
+    })
+}
+
+/// Writes a table beside and renames it.
+///
+/// # Errors
+/// [`Error::Table`] if a name would not read back (a comma, a quote, a number); [`Error::File`] if the file cannot be
+/// written.
+pub fn write(path: &Path, table: &Table) -> Result<()> {
+    check_names(table)?;
+    write_atomically(path, |file| write_rows(file, table))
+}
+
+/// Writes a table to any writer, e.g. the standard output.
+///
+/// # Errors
+/// Those of the writer.
+pub fn write_rows(writer: &mut impl Write, table: &Table) -> io::Result<()> {
+    let names: Vec<&str> = table.names().collect();
+    writeln!(writer, "{}", names.join(","))?;
+    let mut line = String::new();
+    for row in 0..table.rows() {
+        line.clear();
+        for (at, column) in table.columns().iter().enumerate() {
+            if at > 0 {
+                line.push(',');
+            }
+            line.push_str(&format_number(column.values[row]));
+        }
+        line.push('\n');
+        writer.write_all(line.as_bytes())?;
+    }
+    Ok(())
+}
+
+fn check_names(table: &Table) -> Result<()> {
+    let unfit = |name: &&str| {
+        name.contains([',', '"', '\n', '\r', ';', '\t', '#'])
+            || name.trim() != *name
+            || name.parse::<f64>().is_ok()
+            || name.starts_with('\u{feff}')
+    };
+    match table.names().find(unfit) {
+        Some(name) => Err(Error::Table(format!("a CSV file cannot hold a column named {name:?}"))),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn parse(text: &str) -> Result<Table> {
+        read_from(text.as_bytes(), "t.csv", None)
+    }
+
+    fn message(text: &str) -> String {
+        parse(text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn reads_comments_quotes_marks_and_line_ends() {
+        let table = parse("\u{feff}# a comment\r\n\"a\", b\r\n1,-2e-3\r\n\r\n nan ,inf\r\n").unwrap();
+        assert_eq!(table.column("b").unwrap(), [-2e-3, f64::INFINITY]);
+        assert!(table.column("a").unwrap()[1].is_nan());
+    }
+
+    #[test]
+    fn mistakes_have_their_place() {
+        assert_eq!(message("a,b\n1,2\n3,x4\n"), "t.csv:3:3: b = \"x4\" is not a number");
+        assert_eq!(message("a,b\n1,\n"), "t.csv:2:3: b is empty; it must be a number (nan if there is none)");
+        assert_eq!(message("a,b\n1\n"), "t.csv:2:1: the row has 1 cells, but the header names 2 columns");
+        assert_eq!(
+            message("1,2\n"),
+            "t.csv:1:1: 1 is no name of a column: the first line must name the columns"
+        );
+        assert_eq!(message("a,a\n"), "t.csv:1:3: two columns have the name a");
+        assert_eq!(
+            message("a;b\n1;2\n"),
+            "t.csv:1:1: \"a;b\" is no name of a column: cells must be separated by commas"
+        );
+        assert_eq!(message("# nothing\n"), "t.csv: is empty; the first line must name the columns");
+        let not_text = read_from(&b"a\n\xff\n"[..], "t.csv", None).unwrap_err().to_string();
+        assert_eq!(not_text, "t.csv:2:1: the line is not UTF-8 text");
+    }
+
+    #[test]
+    fn a_line_without_end_is_refused_and_not_held() {
+        let endless = io::Read::chain(&b"a\n"[..], io::repeat(b'1'));
+        let error = read_from(BufReader::new(endless), "t.csv", None).unwrap_err().to_string();
+        assert!(error.contains("the line is longer"), "{error}");
+    }
+
+    #[test]
+    fn wanted_columns_come_in_the_order_asked_for() {
+        let table = read_from("a,b,c\n1,2,x\n".as_bytes(), "t.csv", Some(&["b", "a"])).unwrap();
+        assert_eq!(table.names().collect::<Vec<_>>(), ["b", "a"]);
+        let error = read_from("strain,b\n".as_bytes(), "t.csv", Some(&["strian"])).unwrap_err().to_string();
+        assert_eq!(error, "t.csv: there is no column strian; did you mean strain?");
+    }
+
+    #[test]
+    fn a_name_that_would_not_read_back_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let table = Table::new(vec![Column::new("a,b", "", vec![])]).unwrap();
+        assert!(write(&folder.path().join("x.csv"), &table).is_err());
+    }
+
+    proptest! {
+        #[test]
+        fn numbers_survive_bit_for_bit(bits in proptest::collection::vec(any::<(u64, u64)>(), 0..20)) {
+            let column = |pick: fn(&(u64, u64)) -> u64| bits.iter().map(|b| f64::from_bits(pick(b))).collect();
+            let table = Table::new(vec![
+                Column::new("a", "", column(|b| b.0)),
+                Column::new("b", "", column(|b| b.1)),
+            ]).unwrap();
+            let mut text = Vec::new();
+            write_rows(&mut text, &table).unwrap();
+            let back = read_from(&text[..], "t.csv", None).unwrap();
+            for (ours, theirs) in table.columns().iter().zip(back.columns()) {
+                for (x, y) in ours.values.iter().zip(&theirs.values) {
+                    prop_assert!(x.to_bits() == y.to_bits() || (x.is_nan() && y.is_nan()));
+                }
+            }
+        }
+
+        #[test]
+        fn any_bytes_give_a_table_or_a_message(bytes in proptest::collection::vec(any::<u8>(), 0..60)) {
+            let _ = read_from(&bytes[..], "t.csv", None);
+        }
+    }
+}

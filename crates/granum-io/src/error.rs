@@ -1,0 +1,210 @@
+//! What can go wrong with a file, said so that a user knows where it is and what would be right.
+
+use std::fmt;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Something wrong inside a text file: where it stands, what it says and what would be right.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InputError {
+    /// Name of the file as the user gave it.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+    /// What is wrong: key and value.
+    pub message: String,
+    /// What would be right, if there is something to say.
+    pub help: Option<String>,
+    /// The text of the file, or the one line that is wrong where the file is large.
+    pub source_text: Arc<str>,
+    /// Bytes of `source_text` that are meant.
+    pub span: Range<usize>,
+    /// Line number of the first line of `source_text` (1 if it is the whole file).
+    pub first_line: usize,
+}
+
+impl InputError {
+    /// An error about the bytes `span` of the whole text of a file.
+    pub fn in_text(file: &str, text: &Arc<str>, span: Range<usize>, message: String) -> Self {
+        let start = floor_to_character(text, span.start);
+        let end = floor_to_character(text, span.end).max(start);
+        let before = &text[..start];
+        let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+        InputError {
+            file: file.to_string(),
+            line: before.matches('\n').count() + 1,
+            column: before[line_start..].chars().count() + 1,
+            message,
+            help: None,
+            source_text: text.clone(),
+            span: start..end,
+            first_line: 1,
+        }
+    }
+
+    /// An error about the bytes `span` of one line of a large file.
+    pub fn in_line(file: &str, number: usize, line: &str, span: Range<usize>, message: String) -> Self {
+        let mut error = Self::in_text(file, &Arc::from(line), span, message);
+        error.line = number;
+        error.first_line = number;
+        error
+    }
+
+    /// The same error with a sentence on what would be right.
+    pub fn with_help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+}
+
+/// Largest character boundary of `text` that is not beyond `at`.
+fn floor_to_character(text: &str, at: usize) -> usize {
+    let mut at = at.min(text.len());
+    while !text.is_char_boundary(at) {
+        at -= 1;
+    }
+    at
+}
+
+impl fmt::Display for InputError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}:{}: {}", self.file, self.line, self.column, self.message)?;
+        match &self.help {
+            Some(help) => write!(f, "; {help}"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl std::error::Error for InputError {}
+
+/// Any error of this crate.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The operating system refused something.
+    #[error("cannot {action} {}: {source}", path.display())]
+    File {
+        /// What was tried, as a verb: "read", "write".
+        action: &'static str,
+        /// On what.
+        path: PathBuf,
+        /// Why not.
+        source: std::io::Error,
+    },
+    /// One thing is wrong in a text file.
+    #[error("{0}")]
+    Input(Box<InputError>),
+    /// Several things are wrong in one text file.
+    #[error("{}", join(.0))]
+    Inputs(Vec<InputError>),
+    /// A value given outside a file (a flag) is wrong.
+    #[error("{name} = {value:?}: {message}")]
+    Value {
+        /// Name of the flag or key.
+        name: String,
+        /// What was given.
+        value: String,
+        /// What is wrong and what would be right.
+        message: String,
+    },
+    /// A file that is not what its name says, damaged, or from another version.
+    #[error("{}: {message}", path.display())]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong and what to do.
+        message: String,
+    },
+    /// A table has no such column, or columns that do not fit together.
+    #[error("{0}")]
+    Table(String),
+    /// Something is there already, and nobody said that it may be replaced.
+    #[error("{} exists already; give --force to replace it, or another name", .0.display())]
+    Exists(PathBuf),
+    /// Another process works in the folder.
+    #[error("{} is in use by another granum process{holder}; wait for it or choose another folder", path.display())]
+    Locked {
+        /// The folder.
+        path: PathBuf,
+        /// What the lock says of its holder, e.g. " (process 4711)".
+        holder: String,
+    },
+}
+
+impl Error {
+    /// An [`Error::File`] for use in `map_err`.
+    pub fn file(action: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Error {
+        let path = path.to_path_buf();
+        move |source| Error::File { action, path, source }
+    }
+
+    /// An [`Error::Content`].
+    pub fn content(path: &Path, message: impl Into<String>) -> Error {
+        Error::Content { path: path.to_path_buf(), message: message.into() }
+    }
+
+    /// The places in text files that this error is about (empty for the other kinds).
+    pub fn inputs(&self) -> &[InputError] {
+        match self {
+            Error::Input(error) => std::slice::from_ref(error),
+            Error::Inputs(errors) => errors,
+            _ => &[],
+        }
+    }
+}
+
+impl From<InputError> for Error {
+    fn from(error: InputError) -> Self {
+        Error::Input(Box::new(error))
+    }
+}
+
+fn join(errors: &[InputError]) -> String {
+    errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+}
+
+/// Shorthand for results of this crate.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// The name nearest to `wrong` among `names`, if one is near enough to be meant.
+pub fn nearest<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let plain = |name: &str| name.to_lowercase().replace('-', "_");
+    names
+        .into_iter()
+        .map(|name| (strsim::jaro_winkler(&plain(wrong), &plain(name)), name))
+        .filter(|(score, _)| *score > 0.75)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, name)| name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn position_counts_characters_not_bytes() {
+        let text: Arc<str> = Arc::from("one\nzwölf = 3\n");
+        let at = text.find('3').unwrap();
+        let error = InputError::in_text("case.toml", &text, at..at + 1, "no".into());
+        assert_eq!((error.line, error.column), (2, 9));
+        assert_eq!(error.with_help("yes").to_string(), "case.toml:2:9: no; yes");
+    }
+
+    #[test]
+    fn a_span_inside_a_character_or_beyond_the_end_does_not_panic() {
+        let text: Arc<str> = Arc::from("ö");
+        assert_eq!(InputError::in_text("f", &text, 1..9, String::new()).span, 0..2);
+    }
+
+    #[test]
+    fn nearest_knows_slips_and_leaves_strangers_alone() {
+        let names = ["youngs_modulus", "poissons_ratio", "friction"];
+        assert_eq!(nearest("young_modulus", names), Some("youngs_modulus"));
+        assert_eq!(nearest("Poissons-Ratio", names), Some("poissons_ratio"));
+        assert_eq!(nearest("zzz", names), None);
+    }
+}

@@ -1,0 +1,419 @@
+//! Apache Parquet: flat numeric columns.
+//!
+//! Written uncompressed and plain (measured numbers do not compress), one `DOUBLE` column each, units as key-value
+//! metadata `granum.units` (JSON). Nothing in the file depends on time or machine: equal tables give equal bytes.
+//! Read are flat columns of booleans, integers and floating-point numbers from any writer, uncompressed or snappy;
+//! a null becomes NaN.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::Path;
+use std::sync::Arc;
+
+use parquet::basic::{ConvertedType, Encoding, Repetition, Type as Physical};
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use parquet::data_type::{DataType, DoubleType};
+use parquet::errors::ParquetError;
+use parquet::file::metadata::{KeyValue, ParquetMetaData};
+use parquet::file::properties::{EnabledStatistics, WriterProperties};
+use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::types::{ColumnDescriptor, Type};
+
+use crate::atomic::write_atomically;
+use crate::contain::contain;
+use crate::error::{Error, Result};
+use crate::table::{Column, Table, suggest};
+
+/// Rows of a group, and values decoded at a time.
+const GROUP: usize = 1 << 17;
+/// Key of the units in the metadata of a file.
+const UNITS: &str = "granum.units";
+/// Values that even a small file may unfold to.
+const FREE_VALUES: u64 = 1 << 24;
+/// Values a byte of the file may unfold to beyond that.
+const VALUES_PER_BYTE: u64 = 64;
+
+/// Writes a table beside and renames it.
+///
+/// # Errors
+/// [`Error::Table`] for a table without columns; [`Error::File`] if the file cannot be written.
+pub fn write(path: &Path, table: &Table) -> Result<()> {
+    if table.columns().is_empty() {
+        return Err(Error::Table("a Parquet file needs at least one column".into()));
+    }
+    write_atomically(path, |file| write_groups(file, table).map_err(io_error))
+}
+
+fn write_groups(writer: &mut (impl Write + Send), table: &Table) -> parquet::errors::Result<()> {
+    let field = |column: &Column| {
+        let field = Type::primitive_type_builder(&column.name, Physical::DOUBLE);
+        Ok(Arc::new(field.with_repetition(Repetition::REQUIRED).build()?))
+    };
+    let fields = table.columns().iter().map(field).collect::<parquet::errors::Result<_>>()?;
+    let schema = Type::group_type_builder("granum").with_fields(fields).build()?;
+    let units: BTreeMap<&str, &str> =
+        table.columns().iter().map(|column| (column.name.as_str(), column.unit.as_str())).collect();
+    let units = serde_json::to_string(&units).map_err(|error| ParquetError::External(Box::new(error)))?;
+    let properties = WriterProperties::builder()
+        .set_created_by("granum".into())
+        .set_dictionary_enabled(false)
+        .set_encoding(Encoding::PLAIN)
+        .set_statistics_enabled(EnabledStatistics::None)
+        .set_offset_index_disabled(true)
+        .set_key_value_metadata(Some(vec![KeyValue::new(UNITS.into(), units)]))
+        .build();
+    let mut file = SerializedFileWriter::new(writer, Arc::new(schema), Arc::new(properties))?;
+    for start in (0..table.rows()).step_by(GROUP) {
+        let end = table.rows().min(start + GROUP);
+        let mut group = file.next_row_group()?;
+        for column in table.columns() {
+            if let Some(mut writer) = group.next_column()? {
+                writer.typed::<DoubleType>().write_batch(&column.values[start..end], None, None)?;
+                writer.close()?;
+            }
+        }
+        group.close()?;
+    }
+    file.close()?;
+    Ok(())
+}
+
+fn io_error(error: ParquetError) -> io::Error {
+    match error {
+        ParquetError::External(inner) => match inner.downcast::<io::Error>() {
+            Ok(inner) => *inner,
+            Err(inner) => io::Error::other(inner),
+        },
+        other => io::Error::other(other),
+    }
+}
+
+/// Reads the columns named, in that order, or all numeric ones.
+///
+/// # Errors
+/// [`Error::File`] if the file cannot be opened; [`Error::Content`] if it is no Parquet file, damaged, compressed
+/// otherwise than by snappy, lacks a column, or a wanted column is not flat and numeric.
+pub fn read(path: &Path, names: Option<&[&str]>) -> Result<Table> {
+    let file = File::open(path).map_err(Error::file("read", path))?;
+    contain(|| read_file(path, file, names)).unwrap_or_else(|| {
+        Err(Error::content(path, "is no Parquet file or is damaged (its pages cannot be decoded)"))
+    })
+}
+
+fn read_file(path: &Path, file: File, names: Option<&[&str]>) -> Result<Table> {
+    let bytes = file.metadata().map_err(Error::file("read", path))?.len();
+    let damaged = |error: ParquetError| Error::content(path, explain(&error));
+    let reader = SerializedFileReader::new(file).map_err(damaged)?;
+    let metadata = reader.metadata();
+    let schema = metadata.file_metadata().schema_descr();
+    let wanted = choose(path, schema.columns(), names)?;
+    let allowed = FREE_VALUES.max(bytes.saturating_mul(VALUES_PER_BYTE));
+    let rows = u64::try_from(metadata.file_metadata().num_rows()).unwrap_or(u64::MAX);
+    if rows.saturating_mul(wanted.len() as u64) > allowed {
+        return Err(Error::content(
+            path,
+            format!("claims {rows} rows, more than a file of {bytes} bytes can hold"),
+        ));
+    }
+    check_places(metadata, bytes).map_err(|why| Error::content(path, why))?;
+    let units = units(metadata.file_metadata().key_value_metadata());
+    let mut columns: Vec<Column> = wanted
+        .iter()
+        .map(|at| {
+            let name = schema.column(*at).name().to_string();
+            let unit = units.get(&name).cloned().unwrap_or_default();
+            Column::new(name, unit, Vec::new())
+        })
+        .collect();
+    for group in 0..metadata.num_row_groups() {
+        let group = reader.get_row_group(group).map_err(damaged)?;
+        for (column, at) in columns.iter_mut().zip(&wanted) {
+            let left = (rows as usize).saturating_sub(column.values.len());
+            let result = read_chunk(group.as_ref(), *at, left, &mut column.values);
+            result.map_err(|why| Error::content(path, format!("column {}: {why}", column.name)))?;
+        }
+    }
+    if let Some(short) = columns.iter().find(|column| column.values.len() as u64 != rows) {
+        let (name, length) = (&short.name, short.values.len());
+        return Err(Error::content(
+            path,
+            format!("column {name} has {length} values, but the file {rows} rows"),
+        ));
+    }
+    Table::new(columns)
+}
+
+/// The decoder asserts that chunks lie inside the file, so that is checked before.
+fn check_places(metadata: &ParquetMetaData, bytes: u64) -> std::result::Result<(), String> {
+    let inside = |at: i64, length: i64| {
+        let end = at.checked_add(length).and_then(|end| u64::try_from(end).ok());
+        at >= 0 && length >= 0 && end.is_some_and(|end| end <= bytes)
+    };
+    for column in metadata.row_groups().iter().flat_map(|group| group.columns()) {
+        let dictionary = column.dictionary_page_offset().unwrap_or(column.data_page_offset());
+        if !inside(column.data_page_offset(), 0) || !inside(dictionary, column.compressed_size()) {
+            return Err("is no Parquet file or is damaged (a column lies outside the file)".into());
+        }
+    }
+    Ok(())
+}
+
+/// Indices of the wanted columns.
+fn choose(path: &Path, columns: &[Arc<ColumnDescriptor>], names: Option<&[&str]>) -> Result<Vec<usize>> {
+    let Some(names) = names else {
+        let numeric: Vec<usize> =
+            (0..columns.len()).filter(|at| not_numeric(&columns[*at]).is_none()).collect();
+        if numeric.is_empty() {
+            return Err(Error::content(path, "has no flat numeric column"));
+        }
+        return Ok(numeric);
+    };
+    names
+        .iter()
+        .map(|name| {
+            let at = columns
+                .iter()
+                .position(|c| c.name() == *name && c.path().parts().len() == 1)
+                .ok_or_else(|| {
+                    let help = suggest(name, columns.iter().map(|column| column.name()));
+                    Error::content(path, format!("there is no column {name}; {help}"))
+                })?;
+            match not_numeric(&columns[at]) {
+                None => Ok(at),
+                Some(why) => Err(Error::content(path, format!("column {name} {why}"))),
+            }
+        })
+        .collect()
+}
+
+/// Why a column is not read as numbers, if it is not.
+fn not_numeric(column: &ColumnDescriptor) -> Option<String> {
+    if column.path().parts().len() != 1 || column.max_rep_level() > 0 {
+        return Some("is nested; only flat columns are read".into());
+    }
+    let plain = matches!(
+        column.physical_type(),
+        Physical::BOOLEAN | Physical::INT32 | Physical::INT64 | Physical::FLOAT | Physical::DOUBLE
+    );
+    let number = matches!(
+        column.converted_type(),
+        ConvertedType::NONE
+            | ConvertedType::INT_8
+            | ConvertedType::INT_16
+            | ConvertedType::INT_32
+            | ConvertedType::INT_64
+            | ConvertedType::UINT_8
+            | ConvertedType::UINT_16
+            | ConvertedType::UINT_32
+            | ConvertedType::UINT_64
+    );
+    // A logical type without a converted one is a time in nanoseconds or something newer, no plain number.
+    let known = column.converted_type() != ConvertedType::NONE || column.logical_type_ref().is_none();
+    (!(plain && number && known)).then(|| {
+        format!("holds {:?} ({:?}), not plain numbers", column.physical_type(), column.converted_type())
+    })
+}
+
+/// Units that granum wrote; empty for files of other writers.
+fn units(metadata: Option<&Vec<KeyValue>>) -> BTreeMap<String, String> {
+    let text = metadata.and_then(|all| all.iter().find(|pair| pair.key == UNITS)?.value.clone());
+    text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default()
+}
+
+/// Appends the values of one column of one group, at most `limit` of them.
+fn read_chunk(
+    group: &dyn RowGroupReader,
+    at: usize,
+    limit: usize,
+    into: &mut Vec<f64>,
+) -> std::result::Result<(), String> {
+    let descriptor = group.metadata().column(at).column_descr_ptr();
+    let optional = descriptor.max_def_level() > 0;
+    let unsigned = matches!(descriptor.converted_type(), ConvertedType::UINT_32 | ConvertedType::UINT_64);
+    let mut chunk = Chunk { optional, limit, into };
+    match group.get_column_reader(at).map_err(|error| explain(&error))? {
+        ColumnReader::BoolColumnReader(reader) => chunk.read(reader, |value| Ok(f64::from(u8::from(value)))),
+        ColumnReader::Int32ColumnReader(reader) if unsigned => {
+            chunk.read(reader, |value| Ok(f64::from(value as u32)))
+        }
+        ColumnReader::Int32ColumnReader(reader) => chunk.read(reader, |value| Ok(f64::from(value))),
+        ColumnReader::Int64ColumnReader(reader) => chunk.read(reader, whole),
+        ColumnReader::FloatColumnReader(reader) => chunk.read(reader, |value| Ok(f64::from(value))),
+        ColumnReader::DoubleColumnReader(reader) => chunk.read(reader, Ok),
+        _ => Err("holds no numbers".into()),
+    }
+}
+
+/// A 64-bit integer as a double, if that is exact. Beyond 2^53 signed and unsigned agree on being refused.
+fn whole(value: i64) -> std::result::Result<f64, String> {
+    if value.unsigned_abs() > 1 << 53 {
+        return Err(format!("{value} is too large to be kept exactly"));
+    }
+    Ok(value as f64)
+}
+
+struct Chunk<'a> {
+    optional: bool,
+    limit: usize,
+    into: &'a mut Vec<f64>,
+}
+
+impl Chunk<'_> {
+    fn read<T: DataType>(
+        &mut self,
+        mut reader: ColumnReaderImpl<T>,
+        convert: impl Fn(T::T) -> std::result::Result<f64, String>,
+    ) -> std::result::Result<(), String> {
+        let (mut values, mut levels) = (Vec::new(), Vec::new());
+        let mut left = self.limit;
+        loop {
+            values.clear();
+            levels.clear();
+            let wanted = GROUP.min(left.saturating_add(1));
+            let definition = self.optional.then_some(&mut levels);
+            let (records, _, _) = reader
+                .read_records(wanted, definition, None, &mut values)
+                .map_err(|error| explain(&error))?;
+            if records == 0 {
+                return Ok(());
+            }
+            if records > left {
+                return Err("has more values than the file has rows".into());
+            }
+            left -= records;
+            let mut present = values.drain(..);
+            let mut next = || present.next().ok_or_else(|| "has fewer values than it claims".to_string());
+            for record in 0..records {
+                let null = self.optional && levels.get(record) == Some(&0);
+                self.into.push(if null { f64::NAN } else { convert(next()?)? });
+            }
+        }
+    }
+}
+
+/// The error of the parquet crate in words that tell what to do.
+fn explain(error: &ParquetError) -> String {
+    let text = error.to_string();
+    let lower = text.to_lowercase();
+    if lower.contains("codec") || lower.contains("compression") || lower.contains("disabled feature") {
+        return format!(
+            "is compressed in a way that is not read here ({text}); write it uncompressed or with snappy"
+        );
+    }
+    format!("is no Parquet file or is damaged ({text})")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::fs;
+
+    fn table(rows: usize) -> Table {
+        let numbers = (0..rows).map(|i| (i as f64 * 0.37).sin() * 1e5).collect();
+        Table::new(vec![
+            Column::new("deviator_strain", "", (0..rows).map(|i| i as f64 * 1e-3).collect()),
+            Column::new("mean_stress", "Pa", numbers),
+        ])
+        .unwrap()
+    }
+
+    #[test]
+    fn a_table_comes_back_with_units_and_equal_tables_have_equal_bytes() {
+        let folder = tempfile::tempdir().unwrap();
+        let (one, two) = (folder.path().join("one.parquet"), folder.path().join("two.parquet"));
+        for rows in [0, 1, 300_000] {
+            write(&one, &table(rows)).unwrap();
+            write(&two, &table(rows)).unwrap();
+            assert_eq!(read(&one, None).unwrap(), table(rows));
+            assert_eq!(fs::read(&one).unwrap(), fs::read(&two).unwrap());
+        }
+        let one_column = read(&one, Some(&["mean_stress"])).unwrap();
+        assert_eq!(one_column.columns(), &table(300_000).columns()[1..]);
+        let error = read(&one, Some(&["mean_stres"])).unwrap_err().to_string();
+        assert!(error.ends_with("there is no column mean_stres; did you mean mean_stress?"), "{error}");
+    }
+
+    #[test]
+    fn files_that_are_none_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x.parquet");
+        for content in [&b""[..], b"PAR1", b"not parquet at all, but long enough to hold a footer"] {
+            fs::write(&path, content).unwrap();
+            let error = read(&path, None).unwrap_err().to_string();
+            assert!(error.contains("x.parquet: is no Parquet file or is damaged"), "{error}");
+        }
+        write(&path, &table(100)).unwrap();
+        let whole = fs::read(&path).unwrap();
+        fs::write(&path, &whole[..whole.len() / 2]).unwrap();
+        assert!(read(&path, None).is_err());
+        let none = Table::new(vec![]).unwrap();
+        assert!(write(&path, &none).unwrap_err().to_string().contains("at least one column"));
+    }
+
+    /// Writes columns of every kind that other programs write, with nulls.
+    fn write_foreign(path: &Path) {
+        use parquet::data_type::{BoolType, ByteArrayType, Int32Type, Int64Type};
+        let message = "message other { required int32 count; required int64 id; optional double gap;
+            required boolean sliding; required binary name (UTF8); required int32 unsigned (UINT_32); }";
+        let schema = Arc::new(parquet::schema::parser::parse_message_type(message).unwrap());
+        let properties =
+            WriterProperties::builder().set_compression(parquet::basic::Compression::SNAPPY).build();
+        let mut file =
+            SerializedFileWriter::new(File::create(path).unwrap(), schema, Arc::new(properties)).unwrap();
+        let mut group = file.next_row_group().unwrap();
+        let mut at = 0;
+        while let Some(mut column) = group.next_column().unwrap() {
+            match at {
+                0 => column.typed::<Int32Type>().write_batch(&[-3, 4], None, None).unwrap(),
+                1 => column.typed::<Int64Type>().write_batch(&[1, 1 << 53], None, None).unwrap(),
+                2 => column.typed::<DoubleType>().write_batch(&[0.5], Some(&[0, 1]), None).unwrap(),
+                3 => column.typed::<BoolType>().write_batch(&[true, false], None, None).unwrap(),
+                4 => column
+                    .typed::<ByteArrayType>()
+                    .write_batch(&["a".into(), "b".into()], None, None)
+                    .unwrap(),
+                _ => column.typed::<Int32Type>().write_batch(&[-1, 1], None, None).unwrap(),
+            };
+            column.close().unwrap();
+            at += 1;
+        }
+        group.close().unwrap();
+        file.close().unwrap();
+    }
+
+    #[test]
+    fn numeric_columns_of_other_writers_are_read_and_texts_passed_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x.parquet");
+        write_foreign(&path);
+        let table = read(&path, None).unwrap();
+        assert_eq!(table.names().collect::<Vec<_>>(), ["count", "id", "gap", "sliding", "unsigned"]);
+        assert_eq!(table.column("count").unwrap(), [-3.0, 4.0]);
+        assert_eq!(table.column("id").unwrap(), [1.0, 9007199254740992.0]);
+        assert!(table.column("gap").unwrap()[0].is_nan() && table.column("gap").unwrap()[1] == 0.5);
+        assert_eq!(table.column("sliding").unwrap(), [1.0, 0.0]);
+        assert_eq!(table.column("unsigned").unwrap(), [4294967295.0, 1.0]);
+        let error = read(&path, Some(&["name"])).unwrap_err().to_string();
+        assert!(error.contains("column name holds BYTE_ARRAY (UTF8), not plain numbers"), "{error}");
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 1500, ..ProptestConfig::default() })]
+        #[test]
+        fn a_damaged_file_gives_a_table_or_a_message(flips in proptest::collection::vec((any::<usize>(), 1u8..), 1..4)) {
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("x.parquet");
+            write_foreign(&path);
+            let mut bytes = fs::read(&path).unwrap();
+            for (at, mask) in flips {
+                let at = at % bytes.len();
+                bytes[at] ^= mask;
+            }
+            fs::write(&path, bytes).unwrap();
+            let _ = read(&path, None);
+        }
+    }
+}
