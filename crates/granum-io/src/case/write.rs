@@ -49,9 +49,9 @@ impl Case {
     }
 }
 
-/// Help, bounds and words of a field as comment lines of at most about 100 characters.
+/// Help, bounds and words of a field as comment lines of at most 110 characters.
 fn comment(field: &Field) -> String {
-    let mut words = field.help.to_string();
+    let mut words = field.help.trim_end_matches('.').to_string();
     let options: Vec<_> =
         field.words().iter().map(|[word, meaning]| format!("\"{word}\": {meaning}")).collect();
     if field.example.parse::<f64>().is_ok() || options.is_empty() {
@@ -59,6 +59,7 @@ fn comment(field: &Field) -> String {
     } else if options.len() == 1 {
         words.push_str(&format!(" ({}, or {})", field.bounds_text(), options[0]));
     }
+    words.push('.');
     let mut lines = wrap(&words);
     if options.len() > 1 || field.example.parse::<f64>().is_ok() {
         lines.extend(options.iter().flat_map(|option| wrap(&format!("  {option}"))));
@@ -68,14 +69,14 @@ fn comment(field: &Field) -> String {
 
 fn wrap(text: &str) -> Vec<String> {
     let indent: String = text.chars().take_while(|c| *c == ' ').collect();
-    let mut lines = vec![indent];
+    let mut lines = vec![indent.clone()];
     for word in text.split_whitespace() {
         let last = lines.len() - 1;
-        if lines[last].len() + word.len() > 100 {
-            lines.push(word.to_string());
+        if lines[last].len() + word.len() > 107 {
+            lines.push(format!("{indent}{}{word}", if indent.is_empty() { "" } else { "  " }));
         } else {
             let space = if lines[last].trim().is_empty() { "" } else { " " };
-            lines[last].push_str(&format!("{space}{word}"));
+            lines[last] += &format!("{space}{word}");
         }
     }
     lines
