@@ -197,6 +197,7 @@ fn transpose4(r: [__m256d; 4]) -> [__m256d; 4] {
 }
 
 impl Lanes for Avx2 {
+    const REGISTERS: usize = 8;
     #[inline(always)]
     fn load(source: &[f64; 8]) -> Self {
         unsafe { Avx2(_mm256_loadu_pd(source.as_ptr()), _mm256_loadu_pd(source.as_ptr().add(4))) }
@@ -241,6 +242,24 @@ impl Lanes for Avx2 {
             for l in 0..4 {
                 unsafe { _mm256_store_pd(rows[first + l].0.as_mut_ptr().add(offset), block[l]) };
             }
+        }
+    }
+    #[inline(always)]
+    fn reduce_add8(columns: [Self; 8]) -> Self {
+        let c = columns;
+        // (0+1)+(2+3) of the lower and of the upper half of four values.
+        let half = |a: __m256d, b: __m256d, c: __m256d, d: __m256d| unsafe {
+            let ab = _mm256_hadd_pd(a, b); // a0+a1 b0+b1 a2+a3 b2+b3
+            let cd = _mm256_hadd_pd(c, d);
+            let lower = _mm256_permute2f128_pd::<0x20>(ab, cd);
+            let upper = _mm256_permute2f128_pd::<0x31>(ab, cd);
+            _mm256_add_pd(lower, upper)
+        };
+        unsafe {
+            Avx2(
+                _mm256_add_pd(half(c[0].0, c[1].0, c[2].0, c[3].0), half(c[0].1, c[1].1, c[2].1, c[3].1)),
+                _mm256_add_pd(half(c[4].0, c[5].0, c[6].0, c[7].0), half(c[4].1, c[5].1, c[6].1, c[7].1)),
+            )
         }
     }
 }

@@ -195,6 +195,7 @@ fn transpose8(r: [__m512d; 8]) -> [__m512d; 8] {
 }
 
 impl Lanes for Avx512 {
+    const REGISTERS: usize = 32;
     #[inline(always)]
     fn load(source: &[f64; 8]) -> Self {
         Avx512(unsafe { _mm512_loadu_pd(source.as_ptr()) })
@@ -238,6 +239,22 @@ impl Lanes for Avx512 {
         let t = transpose8(columns.map(|c| c.0));
         for l in 0..8 {
             unsafe { _mm512_store_pd(rows[l].0.as_mut_ptr(), t[l]) };
+        }
+    }
+    #[inline(always)]
+    fn reduce_add8(columns: [Self; 8]) -> Self {
+        unsafe {
+            // Pairs within each 128-bit block: (x0+x1 y0+y1) (x2+x3 y2+y3) (x4+x5 y4+y5) (x6+x7 y6+y7).
+            let pairs =
+                |x: Self, y: Self| _mm512_add_pd(_mm512_unpacklo_pd(x.0, y.0), _mm512_unpackhi_pd(x.0, y.0));
+            // (0+1)+(2+3) and (4+5)+(6+7) of four values, two 128-bit blocks of each.
+            let fours = |p: __m512d, q: __m512d| {
+                _mm512_add_pd(_mm512_shuffle_f64x2::<0x88>(p, q), _mm512_shuffle_f64x2::<0xdd>(p, q))
+            };
+            let c = columns;
+            let low = fours(pairs(c[0], c[1]), pairs(c[2], c[3]));
+            let high = fours(pairs(c[4], c[5]), pairs(c[6], c[7]));
+            Avx512(fours(low, high))
         }
     }
 }

@@ -78,6 +78,8 @@ pub trait Real:
 
 /// Eight [`Real`] lanes, with the memory operations of a batch.
 pub trait Lanes: Real {
+    /// How many values of this type the processor's vector registers hold: what a register-blocked loop may keep.
+    const REGISTERS: usize;
     /// Reads eight numbers.
     fn load(source: &[f64; 8]) -> Self;
     /// Writes eight numbers.
@@ -88,4 +90,6 @@ pub trait Lanes: Real {
     fn gather4(rows: &[Row4], index: &[u32; 8]) -> [Self; 4];
     /// Row `l` entry `c` becomes lane `l` of `columns[c]`.
     fn scatter8(columns: [Self; 8], rows: &mut [Row8; 8]);
+    /// Lane `l` of the result is `columns[l].reduce_add()`, with its bits.
+    fn reduce_add8(columns: [Self; 8]) -> Self;
 }

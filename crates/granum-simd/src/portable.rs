@@ -248,6 +248,7 @@ impl Real for Portable {
 }
 
 impl Lanes for Portable {
+    const REGISTERS: usize = 4;
     #[inline(always)]
     fn load(source: &[f64; 8]) -> Self {
         Portable(*source)
@@ -273,5 +274,9 @@ impl Lanes for Portable {
                 rows[l].0[c] = columns[c].0[l];
             }
         }
+    }
+    #[inline(always)]
+    fn reduce_add8(columns: [Self; 8]) -> Self {
+        Portable(columns.map(Real::reduce_add))
     }
 }

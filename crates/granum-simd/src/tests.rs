@@ -81,6 +81,11 @@ impl Kernel for Transposes {
             column.store(&mut out);
             assert_eq!(out, index.map(|i| (100 * i + c as u32) as f64));
         }
+        let mut sums = [0.0; 8];
+        L::reduce_add8(columns.map(|c| c * L::splat(0.1))).store(&mut sums);
+        for c in 0..8 {
+            assert_eq!(sums[c].to_bits(), (columns[c] * L::splat(0.1)).reduce_add().to_bits());
+        }
         let mut back = [Row8::default(); 8];
         L::scatter8(columns, &mut back);
         for l in 0..8 {
@@ -101,7 +106,7 @@ fn elementary_functions_are_accurate() {
     for k in 0..20_000 {
         let x = -18.0 + 36.0 * k as f64 / 19_999.0;
         assert!((exp(x) / x.exp() - 1.0).abs() < 5e-16, "exp {x}");
-        assert!((tanh(x) - x.tanh()).abs() < 4e-16, "tanh {x}");
+        assert!((tanh(x) - x.tanh()).abs() < 5e-16, "tanh {x}");
         assert!((sigmoid(x) - 1.0 / (1.0 + (-x).exp())).abs() < 4e-16, "sigmoid {x}");
         let y = (x * 10.0).exp();
         assert!((cbrt(y) / y.cbrt() - 1.0).abs() < 1e-15, "cbrt {y}");

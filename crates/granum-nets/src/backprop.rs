@@ -1,0 +1,338 @@
+//! Errors, gradients and sensitivities of a network over all rows of a table.
+//!
+//! Rows lie across the lanes. Everything that an epoch needs is allocated once.
+
+use granum_simd::{Isa, Kernel, LANES, Lanes, Row8, dispatch};
+
+use crate::data::Data;
+use crate::forward::{Layer, layer_panel};
+use crate::kernels::{Scalars, blocks, lane_dots, odd, panel, scalar_times_lanes};
+use crate::network::Network;
+
+/// A table laid out for training, with room for what a pass over it produces.
+#[derive(Clone)]
+pub(crate) struct Workspace {
+    pub isa: Isa,
+    pub layers: Vec<Layer>,
+    /// Rows of the table.
+    pub rows: usize,
+    /// Lane blocks that hold them.
+    pub blocks: usize,
+    /// Distance between the rows of every lane matrix, in blocks.
+    pub stride: usize,
+    /// Inputs, then outputs of each layer; each has a last row of ones, which the bias multiplies.
+    pub outputs: Vec<Vec<Row8>>,
+    /// For each layer but the inputs: what was last propagated back to the weighted sums.
+    pub deltas: Vec<Vec<Row8>>,
+    /// Targets and weights of the squared errors, a row for each output neuron; weight zero in unused lanes.
+    pub targets: Vec<Row8>,
+    pub weights: Vec<Row8>,
+}
+
+/// What starts the pass back at the output neurons.
+#[derive(Clone, Copy)]
+enum Seed {
+    /// `scale * weight * (output - target)`: the gradient of `scale / 2` times the weighted sum of squares.
+    Error(f64),
+    /// The square root of the weight: the sensitivity of the weighted residuals.
+    Residual,
+}
+
+impl Workspace {
+    /// Lays out `data` for a network of this shape.
+    pub(crate) fn new(isa: Isa, network: &Network, data: &Data) -> Workspace {
+        let layers = Layer::all(network);
+        let (count, stride) = (blocks(data.rows), odd(blocks(data.rows)));
+        let mut outputs: Vec<Vec<Row8>> =
+            network.layers().iter().map(|n| vec![Row8::default(); (n + 1) * stride]).collect();
+        let deltas = network.layers()[1..].iter().map(|n| vec![Row8::default(); n * stride]).collect();
+        for (layer, neurons) in outputs.iter_mut().zip(network.layers()) {
+            layer[neurons * stride..].fill(Row8([1.0; 8]));
+        }
+        let mut targets = vec![Row8::default(); data.target_columns * stride];
+        let mut weights = targets.clone();
+        for r in 0..data.rows {
+            let (block, lane) = (r / LANES, r % LANES);
+            for c in 0..data.input_columns {
+                outputs[0][c * stride + block].0[lane] = data.inputs[r * data.input_columns + c];
+            }
+            for c in 0..data.target_columns {
+                targets[c * stride + block].0[lane] = data.targets[r * data.target_columns + c];
+                weights[c * stride + block].0[lane] = data.weights.as_ref().map_or(1.0, |w| w[r]);
+            }
+        }
+        Workspace { isa, layers, rows: data.rows, blocks: count, stride, outputs, deltas, targets, weights }
+    }
+
+    /// One row for every residual: for several targets each row is repeated, counting one target at a time.
+    pub(crate) fn of_residuals(isa: Isa, network: &Network, data: &Data) -> Workspace {
+        if data.target_columns == 1 {
+            return Workspace::new(isa, network, data);
+        }
+        let (m, rows) = (data.target_columns, data.rows);
+        let repeated = Data {
+            rows: rows * m,
+            inputs: data.inputs.repeat(m),
+            targets: data.targets.repeat(m),
+            weights: data.weights.as_ref().map(|w| w.repeat(m)),
+            validation: None,
+            ..*data
+        };
+        let mut workspace = Workspace::new(isa, network, &repeated);
+        for r in 0..rows * m {
+            for c in (0..m).filter(|&c| c != r / rows) {
+                workspace.weights[c * workspace.stride + r / LANES].0[r % LANES] = 0.0;
+            }
+        }
+        workspace
+    }
+
+    /// Bytes that a workspace for so many rows takes.
+    pub(crate) fn bytes(network: &Network, rows: usize) -> usize {
+        let neurons: usize = network.layers().iter().map(|n| 2 * n + 1).sum();
+        neurons * odd(blocks(rows)) * size_of::<Row8>()
+    }
+
+    /// Passes all rows forward; the weighted sum of squared errors.
+    pub(crate) fn squared_error(&mut self, weights: &[f64]) -> f64 {
+        dispatch(self.isa, SquaredError { workspace: self, weights })
+    }
+
+    /// Gradient of `scale / 2` times the weighted sum of squared errors, after [`Workspace::squared_error`] with the
+    /// same weights.
+    pub(crate) fn gradient(&mut self, weights: &[f64], scale: f64, gradient: &mut [f64]) {
+        dispatch(self.isa, Back { workspace: self, weights, seed: Seed::Error(scale) });
+        dispatch(self.isa, Gradient { workspace: self, factors: None, gradient });
+    }
+
+    /// Leaves in `deltas` the derivative of each row's weighted output with respect to the weighted sums.
+    pub(crate) fn sensitivities(&mut self, weights: &[f64]) {
+        dispatch(self.isa, Back { workspace: self, weights, seed: Seed::Residual });
+    }
+
+    /// Weighted residuals `sqrt(weight) (output - target)`, one lane a row, after [`Workspace::squared_error`].
+    pub(crate) fn residuals(&self, residuals: &mut [Row8]) {
+        dispatch(self.isa, Residuals { workspace: self, residuals });
+    }
+
+    /// `J v`, one lane a row, with the Jacobian `J` of the weighted residuals, after [`Workspace::sensitivities`].
+    pub(crate) fn jacobian_times(&self, vector: &[f64], product: &mut [Row8]) {
+        dispatch(self.isa, JacobianTimes { workspace: self, vector, product });
+    }
+
+    /// `J^T s` for one number a row, after [`Workspace::sensitivities`].
+    pub(crate) fn transposed_jacobian_times(&mut self, factors: &[Row8], product: &mut [f64]) {
+        dispatch(self.isa, Gradient { workspace: self, factors: Some(factors), gradient: product });
+    }
+}
+
+/// Splits the blocks into panels of nearly equal width, as wide as the registers allow.
+#[inline(always)]
+pub(crate) fn panels<L: Lanes>(count: usize, mut visit: impl FnMut(usize, usize)) {
+    let number = count.div_ceil(panel::<L>());
+    let mut first = 0;
+    for p in 0..number {
+        let end = count * (p + 1) / number;
+        visit(first, end - first);
+        first = end;
+    }
+}
+
+struct SquaredError<'a> {
+    workspace: &'a mut Workspace,
+    weights: &'a [f64],
+}
+
+impl Kernel for SquaredError<'_> {
+    type Output = f64;
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f64 {
+        let w = self.workspace;
+        panels::<L>(
+            w.blocks,
+            #[inline(always)]
+            |first, width| {
+                for (l, layer) in w.layers.iter().enumerate() {
+                    let (before, after) = w.outputs.split_at_mut(l + 1);
+                    layer_panel::<L>(layer, self.weights, &before[l], &mut after[0], w.stride, first, width);
+                }
+            },
+        );
+        let last = &w.outputs[w.layers.len()];
+        let mut sum = L::zero();
+        for c in 0..w.targets.len() / w.stride {
+            for at in c * w.stride..c * w.stride + w.blocks {
+                let error = L::load(&last[at].0) - L::load(&w.targets[at].0);
+                sum = (L::load(&w.weights[at].0) * error).mul_add(error, sum);
+            }
+        }
+        sum.reduce_add()
+    }
+}
+
+struct Back<'a> {
+    workspace: &'a mut Workspace,
+    weights: &'a [f64],
+    seed: Seed,
+}
+
+impl Kernel for Back<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let w = self.workspace;
+        let depth = w.layers.len();
+        let last = &mut w.deltas[depth - 1];
+        for c in 0..w.layers[depth - 1].neurons {
+            for at in c * w.stride..c * w.stride + w.blocks {
+                let y = L::load(&w.outputs[depth][at].0);
+                let weight = L::load(&w.weights[at].0);
+                let start = match self.seed {
+                    Seed::Error(scale) => weight * (y - L::load(&w.targets[at].0)) * L::splat(scale),
+                    Seed::Residual => weight.sqrt(),
+                };
+                (start * w.layers[depth - 1].activation.slope(y)).store(&mut last[at].0);
+            }
+        }
+        panels::<L>(
+            w.blocks,
+            #[inline(always)]
+            |first, width| {
+                for l in (1..depth).rev() {
+                    let layer = &w.layers[l];
+                    let activation = w.layers[l - 1].activation;
+                    let (before, after) = w.deltas.split_at_mut(l);
+                    let (target, outputs) = (&mut before[l - 1], &w.outputs[l]);
+                    let stride = w.stride;
+                    scalar_times_lanes::<L>(
+                        Scalars { values: layer.matrix(self.weights), by_k: layer.inputs + 1, by_j: 1 },
+                        layer.inputs,
+                        layer.neurons,
+                        &after[0],
+                        stride,
+                        first,
+                        width,
+                        #[inline(always)]
+                        |_| L::zero(),
+                        #[inline(always)]
+                        |i, b, sum| {
+                            let y = L::load(&outputs[i * stride + b].0);
+                            (sum * activation.slope(y)).store(&mut target[i * stride + b].0);
+                        },
+                    );
+                }
+            },
+        );
+    }
+}
+
+struct Gradient<'a> {
+    workspace: &'a mut Workspace,
+    /// Multiplies each row's contribution.
+    factors: Option<&'a [Row8]>,
+    gradient: &'a mut [f64],
+}
+
+impl Kernel for Gradient<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let w = self.workspace;
+        let mut scaled = Vec::new();
+        for (l, layer) in w.layers.iter().enumerate() {
+            let row = layer.inputs + 1;
+            let target = &mut self.gradient[layer.at..layer.at + layer.weights()];
+            let deltas = match self.factors {
+                None => &w.deltas[l],
+                Some(factors) => {
+                    scaled.clone_from(&w.deltas[l]);
+                    for j in 0..layer.neurons {
+                        for b in 0..w.blocks {
+                            let delta = &mut scaled[j * w.stride + b].0;
+                            (L::load(delta) * L::load(&factors[b].0)).store(delta);
+                        }
+                    }
+                    &scaled
+                }
+            };
+            lane_dots::<L>(
+                deltas,
+                layer.neurons,
+                &w.outputs[l],
+                row,
+                w.stride,
+                w.blocks,
+                #[inline(always)]
+                |j, i, sum| {
+                    target[j * row + i] = sum;
+                },
+            );
+        }
+    }
+}
+
+struct Residuals<'a> {
+    workspace: &'a Workspace,
+    residuals: &'a mut [Row8],
+}
+
+impl Kernel for Residuals<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let w = self.workspace;
+        let last = &w.outputs[w.layers.len()];
+        for b in 0..w.blocks {
+            // Of several outputs at most one has a weight that is not zero.
+            let mut sum = L::zero();
+            for c in 0..w.targets.len() / w.stride {
+                let at = c * w.stride + b;
+                let error = L::load(&last[at].0) - L::load(&w.targets[at].0);
+                sum = L::load(&w.weights[at].0).sqrt().mul_add(error, sum);
+            }
+            sum.store(&mut self.residuals[b].0);
+        }
+    }
+}
+
+struct JacobianTimes<'a> {
+    workspace: &'a Workspace,
+    vector: &'a [f64],
+    product: &'a mut [Row8],
+}
+
+impl Kernel for JacobianTimes<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let w = self.workspace;
+        self.product[..w.blocks].fill(Row8::default());
+        for (l, layer) in w.layers.iter().enumerate() {
+            let row = layer.inputs + 1;
+            let (deltas, stride) = (&w.deltas[l], w.stride);
+            let product = &mut *self.product;
+            panels::<L>(
+                w.blocks,
+                #[inline(always)]
+                |first, width| {
+                    scalar_times_lanes::<L>(
+                        Scalars { values: layer.matrix(self.vector), by_k: 1, by_j: row },
+                        layer.neurons,
+                        row,
+                        &w.outputs[l],
+                        stride,
+                        first,
+                        width,
+                        #[inline(always)]
+                        |_| L::zero(),
+                        #[inline(always)]
+                        |j, b, sum| {
+                            let delta = L::load(&deltas[j * stride + b].0);
+                            delta.mul_add(sum, L::load(&product[b].0)).store(&mut product[b].0);
+                        },
+                    );
+                },
+            );
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! Rows for training.
+
+use serde::{Deserialize, Serialize};
+
+/// Most numbers that a table may hold (inputs and targets together).
+const LARGEST: usize = 1 << 28;
+
+/// What is wrong with a table of rows.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum DataError {
+    /// The number of values is no multiple of the number of columns, or a count is zero or too large.
+    #[error("{0}")]
+    Shape(String),
+    /// A value is not finite.
+    #[error("row {row}, {table} column {column}: {value} is not a finite number")]
+    NotFinite {
+        /// Row, from 0.
+        row: usize,
+        /// `input`, `target` or `weight`.
+        table: &'static str,
+        /// Column, from 0.
+        column: usize,
+        /// The value.
+        value: f64,
+    },
+    /// A row weight is negative, or all are zero.
+    #[error("row {row}: the weight {value} is negative; weights must be zero or positive and not all zero")]
+    Weight {
+        /// Row, from 0.
+        row: usize,
+        /// The value.
+        value: f64,
+    },
+}
+
+/// Rows of inputs with their targets, each table flat and row by row.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Data {
+    pub(crate) rows: usize,
+    pub(crate) input_columns: usize,
+    pub(crate) target_columns: usize,
+    pub(crate) inputs: Vec<f64>,
+    pub(crate) targets: Vec<f64>,
+    pub(crate) weights: Option<Vec<f64>>,
+    pub(crate) validation: Option<Box<Data>>,
+}
+
+impl Data {
+    /// A table of `inputs.len() / input_columns` rows with one target each.
+    ///
+    /// # Errors
+    /// If the lengths do not fit, a value is not finite, or the table is empty.
+    pub fn new(inputs: Vec<f64>, input_columns: usize, targets: Vec<f64>) -> Result<Data, DataError> {
+        Data::with_target_columns(inputs, input_columns, targets, 1)
+    }
+
+    /// A table with several targets a row.
+    ///
+    /// # Errors
+    /// As [`Data::new`].
+    pub fn with_target_columns(
+        inputs: Vec<f64>,
+        input_columns: usize,
+        targets: Vec<f64>,
+        target_columns: usize,
+    ) -> Result<Data, DataError> {
+        if input_columns == 0 || target_columns == 0 {
+            return Err(DataError::Shape(
+                "a table needs at least one input column and one target column".into(),
+            ));
+        }
+        let rows = inputs.len() / input_columns;
+        if rows == 0 || inputs.len() != rows * input_columns {
+            return Err(DataError::Shape(format!(
+                "{} input values are no whole number of rows of {input_columns} columns",
+                inputs.len()
+            )));
+        }
+        if targets.len() != rows * target_columns {
+            return Err(DataError::Shape(format!(
+                "{rows} rows with {target_columns} targets need {} target values, not {}",
+                rows * target_columns,
+                targets.len()
+            )));
+        }
+        if inputs.len() + targets.len() > LARGEST {
+            return Err(DataError::Shape(format!("a table holds at most {LARGEST} values")));
+        }
+        all_finite("input", &inputs, input_columns)?;
+        all_finite("target", &targets, target_columns)?;
+        Ok(Data { rows, input_columns, target_columns, inputs, targets, weights: None, validation: None })
+    }
+
+    /// The same rows with a weight each: the squared error of a row counts that many times. They are scaled to a mean
+    /// of one.
+    ///
+    /// # Errors
+    /// If their number is not that of the rows, one is negative or not finite, or all are zero.
+    pub fn with_weights(mut self, weights: Vec<f64>) -> Result<Data, DataError> {
+        if weights.len() != self.rows {
+            return Err(DataError::Shape(format!(
+                "{} rows need as many weights, not {}",
+                self.rows,
+                weights.len()
+            )));
+        }
+        all_finite("weight", &weights, 1)?;
+        if let Some(row) = weights.iter().position(|&w| w < 0.0) {
+            return Err(DataError::Weight { row, value: weights[row] });
+        }
+        let mean = weights.iter().sum::<f64>() / self.rows as f64;
+        if mean == 0.0 {
+            return Err(DataError::Weight { row: 0, value: 0.0 });
+        }
+        self.weights = Some(weights.into_iter().map(|w| w / mean).collect());
+        Ok(self)
+    }
+
+    /// Adds rows that are not trained on: training stops early when the error on them has risen
+    /// [`crate::trainer::Options::maximum_failures`] times in a row, and keeps the weights that were best on them.
+    ///
+    /// # Errors
+    /// If their columns differ from those of the training rows.
+    pub fn with_validation(mut self, rows: Data) -> Result<Data, DataError> {
+        if (rows.input_columns, rows.target_columns) != (self.input_columns, self.target_columns) {
+            return Err(DataError::Shape(format!(
+                "validation rows have {} inputs and {} targets, training rows {} and {}",
+                rows.input_columns, rows.target_columns, self.input_columns, self.target_columns
+            )));
+        }
+        self.validation = Some(Box::new(Data { validation: None, ..rows }));
+        Ok(self)
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of input columns.
+    pub fn input_columns(&self) -> usize {
+        self.input_columns
+    }
+
+    /// Number of target columns.
+    pub fn target_columns(&self) -> usize {
+        self.target_columns
+    }
+
+    /// Inputs, `rows x input_columns`, row by row.
+    pub fn inputs(&self) -> &[f64] {
+        &self.inputs
+    }
+
+    /// Targets, `rows x target_columns`, row by row.
+    pub fn targets(&self) -> &[f64] {
+        &self.targets
+    }
+
+    /// Weight of each row, mean one, if they were given.
+    pub fn weights(&self) -> Option<&[f64]> {
+        self.weights.as_deref()
+    }
+
+    /// The rows for early stopping, if they were given.
+    pub fn validation(&self) -> Option<&Data> {
+        self.validation.as_deref()
+    }
+
+    /// A hash of every bit of the table (inputs, targets, weights and validation rows), to name the data in a record.
+    pub fn hash(&self) -> String {
+        let mut hash = crate::hash::Fnv::default();
+        self.feed(&mut hash);
+        hash.hex()
+    }
+
+    fn feed(&self, hash: &mut crate::hash::Fnv) {
+        for count in [self.rows, self.input_columns, self.target_columns] {
+            hash.write(&(count as u64).to_le_bytes());
+        }
+        let weights = self.weights.as_deref().unwrap_or(&[]);
+        for value in self.inputs.iter().chain(&self.targets).chain(weights) {
+            hash.write(&value.to_bits().to_le_bytes());
+        }
+        if let Some(validation) = &self.validation {
+            validation.feed(hash);
+        }
+    }
+}
+
+fn all_finite(table: &'static str, values: &[f64], columns: usize) -> Result<(), DataError> {
+    match values.iter().position(|v| !v.is_finite()) {
+        None => Ok(()),
+        Some(i) => {
+            Err(DataError::NotFinite { row: i / columns, table, column: i % columns, value: values[i] })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refuses_what_is_no_table() {
+        assert!(Data::new(vec![1.0; 5], 2, vec![0.0; 2]).is_err());
+        assert!(Data::new(vec![], 2, vec![]).is_err());
+        assert!(Data::new(vec![1.0; 4], 0, vec![0.0; 2]).is_err());
+        assert!(Data::new(vec![1.0; 4], 2, vec![0.0; 3]).is_err());
+        let error = Data::new(vec![1.0, 2.0, f64::NAN, 4.0], 2, vec![0.0; 2]).unwrap_err();
+        assert_eq!(error.to_string(), "row 1, input column 0: NaN is not a finite number");
+        let data = Data::new(vec![1.0; 4], 2, vec![0.0; 2]).unwrap();
+        assert!(data.clone().with_weights(vec![1.0, -1.0]).is_err());
+        assert!(data.clone().with_weights(vec![0.0, 0.0]).is_err());
+        assert!(data.clone().with_validation(Data::new(vec![1.0], 1, vec![0.0]).unwrap()).is_err());
+        assert_eq!(data.with_weights(vec![1.0, 3.0]).unwrap().weights(), Some(&[0.5, 1.5][..]));
+    }
+
+    #[test]
+    fn the_hash_sees_every_value() {
+        let data = |x| Data::new(vec![1.0, x], 1, vec![0.0; 2]).unwrap();
+        assert_eq!(data(2.0).hash(), data(2.0).hash());
+        assert_ne!(data(2.0).hash(), data(2.0f64.next_up()).hash());
+        assert_ne!(data(2.0).hash(), data(2.0).with_weights(vec![1.0, 2.0]).unwrap().hash());
+    }
+}

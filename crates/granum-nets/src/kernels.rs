@@ -1,0 +1,235 @@
+//! Small dense products with eight lanes.
+//!
+//! A matrix with rows of a table across its lanes is stored as `Row8`s: element (k, lane block b) at
+//! `k * stride + b`, the stride odd so that rows do not compete for the same cache sets. Every element of a product is
+//! summed in one fixed order whatever the size of the tile, so the bits do not depend on the instruction set, which
+//! decides only how large a tile its registers hold.
+
+use granum_simd::{LANES, Lanes, Row8};
+
+/// An odd distance of at least `blocks` between the rows of a lane matrix.
+pub(crate) fn odd(blocks: usize) -> usize {
+    blocks | 1
+}
+
+/// Number of lane blocks that hold `rows` rows.
+pub(crate) fn blocks(rows: usize) -> usize {
+    rows.div_ceil(LANES)
+}
+
+/// Widest tile of [`scalar_times_lanes`] in lane blocks.
+#[inline(always)]
+pub(crate) fn panel<L: Lanes>() -> usize {
+    if L::REGISTERS >= 32 { 5 } else { 1 }
+}
+
+/// Where the scalars of a product lie: element (k, j) at `k * by_k + j * by_j`.
+#[derive(Clone, Copy)]
+pub(crate) struct Scalars<'a> {
+    pub values: &'a [f64],
+    pub by_k: usize,
+    pub by_j: usize,
+}
+
+/// Calls `finish(j, b, start(j) + sum over k of scalar(k, j) * lanes(k, b))` for every `j < outputs` and the blocks `b` of
+/// `first..first + width`, with `width <= panel()`.
+///
+/// `lanes` is the lane matrix with the given stride, of which rows `0..depth` are used.
+#[inline(always)]
+pub(crate) fn scalar_times_lanes<L: Lanes>(
+    scalars: Scalars,
+    outputs: usize,
+    depth: usize,
+    lanes: &[Row8],
+    stride: usize,
+    first: usize,
+    width: usize,
+    start: impl Fn(usize) -> L,
+    mut finish: impl FnMut(usize, usize, L),
+) {
+    if L::REGISTERS >= 32 {
+        match width {
+            1 => columns::<L, 1>(scalars, outputs, depth, lanes, stride, first, &start, &mut finish),
+            2 => columns::<L, 2>(scalars, outputs, depth, lanes, stride, first, &start, &mut finish),
+            3 => columns::<L, 3>(scalars, outputs, depth, lanes, stride, first, &start, &mut finish),
+            4 => columns::<L, 4>(scalars, outputs, depth, lanes, stride, first, &start, &mut finish),
+            _ => columns::<L, 5>(scalars, outputs, depth, lanes, stride, first, &start, &mut finish),
+        }
+    } else {
+        columns::<L, 1>(scalars, outputs, depth, lanes, stride, first, &start, &mut finish);
+    }
+}
+
+/// All outputs for `R` lane blocks: tiles of five outputs, the rest one by one.
+#[inline(always)]
+fn columns<L: Lanes, const R: usize>(
+    scalars: Scalars,
+    outputs: usize,
+    depth: usize,
+    lanes: &[Row8],
+    stride: usize,
+    first: usize,
+    start: &impl Fn(usize) -> L,
+    finish: &mut impl FnMut(usize, usize, L),
+) {
+    let mut j = 0;
+    while j + 5 <= outputs {
+        tile::<L, 5, R>(scalars, j, depth, lanes, stride, first, start, finish);
+        j += 5;
+    }
+    while j < outputs {
+        tile::<L, 1, R>(scalars, j, depth, lanes, stride, first, start, finish);
+        j += 1;
+    }
+}
+
+#[inline(always)]
+fn tile<L: Lanes, const J: usize, const R: usize>(
+    scalars: Scalars,
+    j: usize,
+    depth: usize,
+    lanes: &[Row8],
+    stride: usize,
+    first: usize,
+    start: &impl Fn(usize) -> L,
+    finish: &mut impl FnMut(usize, usize, L),
+) {
+    let mut sums = [[L::zero(); R]; J];
+    for jj in 0..J {
+        sums[jj] = [start(j + jj); R];
+    }
+    let mut at = j * scalars.by_j;
+    let mut from = first;
+    for _ in 0..depth {
+        let row = &lanes[from..from + R];
+        let factors = &scalars.values[at..at + (J - 1) * scalars.by_j + 1];
+        let mut values = [L::zero(); R];
+        for r in 0..R {
+            values[r] = L::load(&row[r].0);
+        }
+        for jj in 0..J {
+            let factor = L::splat(factors[jj * scalars.by_j]);
+            for r in 0..R {
+                sums[jj][r] = factor.mul_add(values[r], sums[jj][r]);
+            }
+        }
+        at += scalars.by_k;
+        from += stride;
+    }
+    for jj in 0..J {
+        for r in 0..R {
+            finish(j + jj, first + r, sums[jj][r]);
+        }
+    }
+}
+
+/// Calls `finish(j, i, sum over all lanes of a(j) * b(i))` for `j < rows_a` and `i < rows_b`: lane sums over the blocks in
+/// order, then the lanes as [`granum_simd::Real::reduce_add`] adds them.
+#[inline(always)]
+pub(crate) fn lane_dots<L: Lanes>(
+    a: &[Row8],
+    rows_a: usize,
+    b: &[Row8],
+    rows_b: usize,
+    stride: usize,
+    count: usize,
+    mut finish: impl FnMut(usize, usize, f64),
+) {
+    // Tiles of nearly equal width, at most six wide and four high (three and two where registers are few).
+    let (high, wide) = if L::REGISTERS >= 32 { (4, 6) } else { (2, 3) };
+    let tiles = rows_b.div_ceil(wide);
+    let mut j = 0;
+    while j < rows_a {
+        let height = if j + high <= rows_a { high } else { 1 };
+        let mut i = 0;
+        for t in 0..tiles {
+            let width = (rows_b * (t + 1)) / tiles - i;
+            if height == 1 {
+                dots_of_width::<L, 1>(a, j, b, i, width, stride, count, &mut finish);
+            } else if L::REGISTERS >= 32 {
+                dots_of_width::<L, 4>(a, j, b, i, width, stride, count, &mut finish);
+            } else {
+                dots_of_width::<L, 2>(a, j, b, i, width, stride, count, &mut finish);
+            }
+            i += width;
+        }
+        j += height;
+    }
+}
+
+#[inline(always)]
+fn dots_of_width<L: Lanes, const J: usize>(
+    a: &[Row8],
+    j: usize,
+    b: &[Row8],
+    i: usize,
+    width: usize,
+    stride: usize,
+    count: usize,
+    finish: &mut impl FnMut(usize, usize, f64),
+) {
+    if L::REGISTERS >= 32 {
+        match width {
+            4 => return dots::<L, J, 4>(a, j, b, i, stride, count, finish),
+            5 => return dots::<L, J, 5>(a, j, b, i, stride, count, finish),
+            6 => return dots::<L, J, 6>(a, j, b, i, stride, count, finish),
+            _ => {}
+        }
+    }
+    match width {
+        1 => dots::<L, J, 1>(a, j, b, i, stride, count, finish),
+        2 => dots::<L, J, 2>(a, j, b, i, stride, count, finish),
+        _ => dots::<L, J, 3>(a, j, b, i, stride, count, finish),
+    }
+}
+
+#[inline(always)]
+fn dots<L: Lanes, const J: usize, const I: usize>(
+    a: &[Row8],
+    j: usize,
+    b: &[Row8],
+    i: usize,
+    stride: usize,
+    count: usize,
+    finish: &mut impl FnMut(usize, usize, f64),
+) {
+    let mut rows_a = [&a[..0]; J];
+    for jj in 0..J {
+        rows_a[jj] = &a[(j + jj) * stride..(j + jj) * stride + count];
+    }
+    let mut rows_b = [&b[..0]; I];
+    for ii in 0..I {
+        rows_b[ii] = &b[(i + ii) * stride..(i + ii) * stride + count];
+    }
+    let mut sums = [[L::zero(); I]; J];
+    for k in 0..count {
+        let mut values = [L::zero(); I];
+        for ii in 0..I {
+            values[ii] = L::load(&rows_b[ii][k].0);
+        }
+        for jj in 0..J {
+            let factor = L::load(&rows_a[jj][k].0);
+            for ii in 0..I {
+                sums[jj][ii] = factor.mul_add(values[ii], sums[jj][ii]);
+            }
+        }
+    }
+    // Eight sums at a time are added across their lanes.
+    let mut at = 0;
+    while at < J * I {
+        let mut group = [L::zero(); LANES];
+        for l in 0..LANES {
+            if at + l < J * I {
+                group[l] = sums[(at + l) / I][(at + l) % I];
+            }
+        }
+        let mut totals = [0.0; LANES];
+        L::reduce_add8(group).store(&mut totals);
+        for l in 0..LANES {
+            if at + l < J * I {
+                finish(j + (at + l) / I, i + (at + l) % I, totals[l]);
+            }
+        }
+        at += LANES;
+    }
+}

@@ -1,0 +1,116 @@
+//! Linear scaling of columns between their units and the range that a network works in.
+
+use serde::{Deserialize, Serialize};
+
+/// Maps [`Scaler::minimum`, `maximum`] of one column onto [`low`, `high`].
+///
+/// `scaled = low + (value - minimum) (high - low) / (maximum - minimum)`. A constant column scales to the middle of
+/// the range, and back to its constant.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scaler {
+    /// Smallest value that was trained on, in the column's unit.
+    pub minimum: f64,
+    /// Largest value that was trained on, in the column's unit.
+    pub maximum: f64,
+    /// What the smallest value becomes.
+    pub low: f64,
+    /// What the largest value becomes.
+    pub high: f64,
+}
+
+impl Scaler {
+    /// Inputs are scaled to [-1, 1].
+    pub const INPUT_RANGE: (f64, f64) = (-1.0, 1.0);
+    /// Targets of a sigmoid neuron are scaled to [0.1, 0.9], where it can reach them with finite weights.
+    pub const SIGMOID_RANGE: (f64, f64) = (0.1, 0.9);
+
+    /// The scaler that maps the smallest and largest of `values` onto `range`. For no values, or none that is a
+    /// number, a constant column of zero.
+    pub fn fit(values: impl Iterator<Item = f64>, range: (f64, f64)) -> Scaler {
+        let (minimum, maximum) =
+            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (f64::min(a, v), f64::max(b, v)));
+        let (minimum, maximum) = if minimum <= maximum { (minimum, maximum) } else { (0.0, 0.0) };
+        Scaler { minimum, maximum, low: range.0, high: range.1 }
+    }
+
+    /// Fits one scaler for every column of a flat table, row by row.
+    pub fn fit_columns(table: &[f64], columns: usize, range: (f64, f64)) -> Vec<Scaler> {
+        (0..columns).map(|c| Scaler::fit(table.iter().skip(c).step_by(columns).copied(), range)).collect()
+    }
+
+    /// Scaled units per unit of the column; zero for a constant column.
+    #[inline]
+    pub fn factor(&self) -> f64 {
+        let span = self.maximum - self.minimum;
+        if span > 0.0 { (self.high - self.low) / span } else { 0.0 }
+    }
+
+    /// What the smallest value becomes, or the middle of the range for a constant column.
+    #[inline]
+    pub(crate) fn offset(&self) -> f64 {
+        if self.maximum > self.minimum { self.low } else { 0.5 * (self.low + self.high) }
+    }
+
+    /// Into the network's range.
+    #[inline]
+    pub fn scale(&self, value: f64) -> f64 {
+        (value - self.minimum).mul_add(self.factor(), self.offset())
+    }
+
+    /// Units of the column per scaled unit; zero for a constant column.
+    #[inline]
+    pub(crate) fn inverse_factor(&self) -> f64 {
+        (self.maximum - self.minimum) / (self.high - self.low)
+    }
+
+    /// Back into the column's unit.
+    #[inline]
+    pub fn unscale(&self, scaled: f64) -> f64 {
+        (scaled - self.offset()).mul_add(self.inverse_factor(), self.minimum)
+    }
+
+    /// True if the value lies outside what was trained on (or is NaN).
+    #[inline]
+    pub fn is_outside(&self, value: f64) -> bool {
+        !(value >= self.minimum && value <= self.maximum)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn ends_meet_the_range() {
+        let scaler = Scaler::fit([3.0, -1.0, 2.0].into_iter(), (0.1, 0.9));
+        assert!((scaler.scale(-1.0) - 0.1).abs() < 1e-15 && (scaler.scale(3.0) - 0.9).abs() < 1e-15);
+        assert!(scaler.is_outside(3.0001) && scaler.is_outside(f64::NAN) && !scaler.is_outside(3.0));
+    }
+
+    #[test]
+    fn a_constant_column_goes_to_the_middle_and_back() {
+        let scaler = Scaler::fit([5.0, 5.0].into_iter(), (-1.0, 1.0));
+        assert_eq!(scaler.scale(5.0), 0.0);
+        assert_eq!(scaler.scale(7.0), 0.0);
+        assert_eq!(scaler.unscale(0.3), 5.0);
+        assert!(scaler.is_outside(7.0));
+    }
+
+    #[test]
+    fn columns_are_told_apart() {
+        let scalers = Scaler::fit_columns(&[0.0, 10.0, 1.0, 30.0, 2.0, 20.0], 2, (-1.0, 1.0));
+        assert_eq!((scalers[0].minimum, scalers[0].maximum), (0.0, 2.0));
+        assert_eq!((scalers[1].minimum, scalers[1].maximum), (10.0, 30.0));
+    }
+
+    proptest! {
+        #[test]
+        fn scaling_is_undone(a in -1e6..1e6f64, span in 1e-3..1e6f64, t in 0.0..1.0f64) {
+            let scaler = Scaler { minimum: a, maximum: a + span, low: 0.1, high: 0.9 };
+            let value = a + t * span;
+            prop_assert!((scaler.unscale(scaler.scale(value)) - value).abs() < 1e-12 * (a.abs() + span));
+        }
+    }
+}

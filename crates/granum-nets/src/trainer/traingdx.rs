@@ -1,0 +1,307 @@
+//! Batch gradient descent with momentum and an adaptive learning rate: the trainer of Antony, Zhou and Wang (2006).
+//!
+//! The rule is that of `traingdx` of the MATLAB Neural Network Toolbox. With the mean squared error
+//! `E = sum w e^2 / (rows * targets)`, its gradient `g`, momentum `m`, learning rate `r` and the last step `s`:
+//!
+//! ```text
+//! s <- m s - (1 - m) r g          try the weights x + s
+//! E(x + s) > 1.04 E(x):  rejected; r <- 0.7 r, and s <- -r g, so that the next step has no momentum
+//! otherwise:             accepted; if E(x + s) < E(x), r <- 1.05 r
+//! ```
+//!
+//! An epoch is one such trial, also if it is rejected. With validation rows the best weights on them are kept.
+
+use std::time::Instant;
+
+use granum_simd::{Isa, Kernel, LANES, Lanes, dispatch};
+
+use super::course::{Course, Method, TrainerState, Validation};
+use super::{
+    Control, Observer, Options, Progress, TerminationReason, Trainer, TrainingError, TrainingReport,
+    check_columns,
+};
+use crate::backprop::Workspace;
+use crate::data::Data;
+use crate::network::Network;
+
+/// Gradient descent with momentum and adaptive learning rate. The defaults are the toolbox's.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Traingdx {
+    /// Most epochs; the paper's tables give 60,000 to 150,000 (default 120,000).
+    pub epochs: u64,
+    /// Mean squared error at which training ends (0).
+    pub goal: f64,
+    /// Norm of the gradient of the mean squared error at which training ends (1e-6).
+    pub minimum_gradient: f64,
+    /// Accepted steps without a fall of the validation error after which training ends (6).
+    pub maximum_failures: u64,
+    /// First learning rate (0.01).
+    pub learning_rate: f64,
+    /// Factor on the rate after a step that lowers the error (1.05).
+    pub increase: f64,
+    /// Factor on the rate after a rejected step (0.7).
+    pub decrease: f64,
+    /// A step is rejected if the error rises by more than this factor (1.04).
+    pub largest_rise: f64,
+    /// Momentum (0.9).
+    pub momentum: f64,
+    /// Instruction set; the bits are the same on each.
+    pub isa: Isa,
+}
+
+impl Default for Traingdx {
+    fn default() -> Self {
+        Traingdx {
+            epochs: 120_000,
+            goal: 0.0,
+            minimum_gradient: 1e-6,
+            maximum_failures: 6,
+            learning_rate: 0.01,
+            increase: 1.05,
+            decrease: 0.7,
+            largest_rise: 1.04,
+            momentum: 0.9,
+            isa: Isa::detect(),
+        }
+    }
+}
+
+impl Traingdx {
+    /// Its name in commands and records.
+    pub const NAME: &'static str = "traingdx";
+
+    /// The defaults, changed by the options.
+    pub fn with_options(options: &Options) -> Traingdx {
+        let default = Traingdx::default();
+        Traingdx {
+            epochs: options.epochs.unwrap_or(default.epochs),
+            goal: options.goal.unwrap_or(default.goal),
+            minimum_gradient: options.minimum_gradient.unwrap_or(default.minimum_gradient),
+            maximum_failures: options.maximum_failures.unwrap_or(default.maximum_failures),
+            isa: options.isa.unwrap_or(default.isa),
+            ..default
+        }
+    }
+}
+
+impl Trainer for Traingdx {
+    fn name(&self) -> &'static str {
+        Traingdx::NAME
+    }
+
+    fn resume(
+        &self,
+        network: &mut Network,
+        data: &Data,
+        state: Option<TrainerState>,
+        observer: &mut dyn Observer,
+    ) -> Result<TrainingReport, TrainingError> {
+        check_columns(network, data)?;
+        let clock = Instant::now();
+        let mut descent = Descent::start(self, network, data, state)?;
+        let termination = descent.run(observer);
+        let mut error = descent.error;
+        let mut validation_error = descent.validation_error;
+        network.weights_mut().copy_from_slice(&descent.weights);
+        if let (Some(best), false) = (&descent.course.best, termination == TerminationReason::Stopped) {
+            network.weights_mut().copy_from_slice(&best.weights);
+            error = descent.workspace.squared_error(&best.weights) / descent.values;
+            validation_error = Some(best.error);
+        }
+        Ok(TrainingReport {
+            trainer: Traingdx::NAME,
+            epochs: descent.course.epoch,
+            error,
+            validation_error,
+            history: descent.course.history.clone(),
+            termination,
+            evidence: None,
+            seconds: clock.elapsed().as_secs_f64(),
+            state: descent.state(),
+        })
+    }
+}
+
+/// A descent on its way.
+struct Descent<'a> {
+    rule: &'a Traingdx,
+    workspace: Workspace,
+    validation: Option<Validation>,
+    /// Number of errors, rows times targets.
+    values: f64,
+    weights: Vec<f64>,
+    trial: Vec<f64>,
+    step: Vec<f64>,
+    gradient: Vec<f64>,
+    rate: f64,
+    error: f64,
+    validation_error: Option<f64>,
+    course: Course,
+}
+
+impl<'a> Descent<'a> {
+    fn start(
+        rule: &'a Traingdx,
+        network: &Network,
+        data: &Data,
+        state: Option<TrainerState>,
+    ) -> Result<Descent<'a>, TrainingError> {
+        let count = network.weights().len();
+        let fresh = state.is_none();
+        let state = state.unwrap_or_else(|| TrainerState {
+            weights: network.weights().to_vec(),
+            course: Course::new(),
+            method: Method::Traingdx { step: vec![0.0; count], rate: rule.learning_rate },
+        });
+        state.check(network)?;
+        let Method::Traingdx { step, rate } = state.method else {
+            return Err(TrainingError::State("it was left by another trainer than traingdx".into()));
+        };
+        let mut descent = Descent {
+            rule,
+            workspace: Workspace::new(rule.isa, network, data),
+            validation: Validation::new(rule.isa, network, data),
+            values: (data.rows() * data.target_columns()) as f64,
+            trial: state.weights.clone(),
+            weights: state.weights,
+            step,
+            gradient: vec![0.0; count],
+            rate,
+            error: 0.0,
+            validation_error: None,
+            course: state.course,
+        };
+        descent.error = descent.workspace.squared_error(&descent.weights) / descent.values;
+        if !descent.error.is_finite() {
+            return Err(TrainingError::NotFinite(descent.error));
+        }
+        descent.workspace.gradient(&descent.weights, 2.0 / descent.values, &mut descent.gradient);
+        descent.validation_error = descent.validation.as_mut().map(|v| v.error(&descent.weights));
+        if fresh {
+            if let Some(error) = descent.validation_error {
+                descent.course.validate(error, &descent.weights);
+            }
+            descent.course.note(descent.error, descent.validation_error);
+        }
+        Ok(descent)
+    }
+
+    fn state(&self) -> TrainerState {
+        TrainerState {
+            weights: self.weights.clone(),
+            course: self.course.clone(),
+            method: Method::Traingdx { step: self.step.clone(), rate: self.rate },
+        }
+    }
+
+    fn run(&mut self, observer: &mut dyn Observer) -> TerminationReason {
+        loop {
+            if let Some(reason) = self.finished() {
+                return reason;
+            }
+            self.epoch();
+            let progress = Progress {
+                epoch: self.course.epoch,
+                epochs: self.rule.epochs,
+                error: self.error,
+                validation_error: self.validation_error,
+                state: &|| self.state(),
+            };
+            if observer.progress(&progress) == Control::Stop {
+                return TerminationReason::Stopped;
+            }
+        }
+    }
+
+    fn finished(&self) -> Option<TerminationReason> {
+        if self.error <= self.rule.goal {
+            Some(TerminationReason::Goal)
+        } else if self.course.epoch >= self.rule.epochs {
+            Some(TerminationReason::EpochLimit)
+        } else if norm(self.rule.isa, &self.gradient) <= self.rule.minimum_gradient {
+            Some(TerminationReason::MinimumGradient)
+        } else if self.validation.is_some() && self.course.failures >= self.rule.maximum_failures {
+            Some(TerminationReason::ValidationFailures)
+        } else {
+            None
+        }
+    }
+
+    /// One trial of the rule.
+    fn epoch(&mut self) {
+        let rule = self.rule;
+        let slope = -(1.0 - rule.momentum) * self.rate;
+        dispatch(rule.isa, Step { factor: rule.momentum, slope, descent: self });
+        let error = self.workspace.squared_error(&self.trial) / self.values;
+        self.course.epoch += 1;
+        // Written so that an error that is not a number is rejected.
+        if error <= rule.largest_rise * self.error {
+            if error < self.error {
+                self.rate *= rule.increase;
+            }
+            std::mem::swap(&mut self.weights, &mut self.trial);
+            self.error = error;
+            self.workspace.gradient(&self.weights, 2.0 / self.values, &mut self.gradient);
+            if let Some(validation) = &mut self.validation {
+                let error = validation.error(&self.weights);
+                self.validation_error = Some(error);
+                self.course.validate(error, &self.weights);
+            }
+        } else {
+            self.rate *= rule.decrease;
+            for (step, gradient) in self.step.iter_mut().zip(&self.gradient) {
+                *step = -self.rate * gradient;
+            }
+        }
+        self.course.note(self.error, self.validation_error);
+    }
+}
+
+/// `step <- factor * step + slope * gradient`, `trial <- weights + step`.
+struct Step<'a, 'b> {
+    factor: f64,
+    slope: f64,
+    descent: &'a mut Descent<'b>,
+}
+
+impl Kernel for Step<'_, '_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let d = self.descent;
+        let (factor, slope) = (L::splat(self.factor), L::splat(self.slope));
+        let (steps, last_steps) = d.step.as_chunks_mut::<LANES>();
+        let (gradients, last_gradients) = d.gradient.as_chunks::<LANES>();
+        let (weights, last_weights) = d.weights.as_chunks::<LANES>();
+        let (trials, last_trials) = d.trial.as_chunks_mut::<LANES>();
+        for k in 0..steps.len() {
+            let step = slope.mul_add(L::load(&gradients[k]), factor * L::load(&steps[k]));
+            step.store(&mut steps[k]);
+            (L::load(&weights[k]) + step).store(&mut trials[k]);
+        }
+        for k in 0..last_steps.len() {
+            last_steps[k] = self.slope.mul_add(last_gradients[k], self.factor * last_steps[k]);
+            last_trials[k] = last_weights[k] + last_steps[k];
+        }
+    }
+}
+
+/// Euclidean norm, summed by lanes.
+pub(super) fn norm(isa: Isa, vector: &[f64]) -> f64 {
+    struct Norm<'a>(&'a [f64]);
+    impl Kernel for Norm<'_> {
+        type Output = f64;
+        #[inline(always)]
+        fn run<L: Lanes>(self) -> f64 {
+            let (chunks, rest) = self.0.as_chunks::<LANES>();
+            let mut sums = [L::zero(); 4];
+            for (k, chunk) in chunks.iter().enumerate() {
+                let value = L::load(chunk);
+                sums[k % 4] = value.mul_add(value, sums[k % 4]);
+            }
+            let sum = ((sums[0] + sums[1]) + (sums[2] + sums[3])).reduce_add();
+            rest.iter().fold(sum, |sum, v| v.mul_add(*v, sum)).sqrt()
+        }
+    }
+    dispatch(isa, Norm(vector))
+}
