@@ -66,6 +66,16 @@ impl<R: BufRead> Lines<R> {
         self.line.strip_prefix(mark).unwrap_or(&self.line)
     }
 
+    /// Number of the line, from 1.
+    pub(crate) fn number(&self) -> usize {
+        self.number
+    }
+
+    /// Name of the file, for messages.
+    pub(crate) fn file(&self) -> &str {
+        &self.file
+    }
+
     /// Blank or a comment.
     pub(crate) fn is_empty(&self) -> bool {
         let line = self.line().trim_start();
@@ -148,32 +158,36 @@ fn read_lines<R: BufRead>(lines: &mut Lines<R>, names: Option<&[&str]>) -> Resul
 /// The names in the first line that is neither blank nor a comment.
 fn header<R: BufRead>(lines: &mut Lines<R>) -> Result<Vec<String>> {
     while lines.advance()? {
-        if lines.is_empty() {
-            continue;
+        if !lines.is_empty() {
+            return names(lines);
         }
-        let mut names: Vec<String> = Vec::new();
-        for (start, cell) in lines.cells() {
-            let name = cell.trim_matches('"');
-            let wrong = if name.is_empty() {
-                "a column has no name".to_string()
-            } else if name.parse::<f64>().is_ok() {
-                format!("{name} is no name of a column: the first line must name the columns")
-            } else if names.iter().any(|known| known == name) {
-                format!("two columns have the name {name}")
-            } else if name.contains([';', '\t']) {
-                format!("{name:?} is no name of a column: cells must be separated by commas")
-            } else {
-                names.push(name.to_string());
-                continue;
-            };
-            return Err(lines.cell_error(start, cell, wrong).into());
-        }
-        return Ok(names);
     }
     Err(Error::content(Path::new(&lines.file), "is empty; the first line must name the columns"))
 }
 
-fn position(file: &str, header: &[String], name: &str) -> Result<usize> {
+/// The names of columns in the current line.
+pub(crate) fn names<R: BufRead>(lines: &Lines<R>) -> Result<Vec<String>> {
+    let mut names: Vec<String> = Vec::new();
+    for (start, cell) in lines.cells() {
+        let name = cell.trim_matches('"');
+        let wrong = if name.is_empty() {
+            "a column has no name".to_string()
+        } else if name.parse::<f64>().is_ok() {
+            format!("{name} is no name of a column: the first line must name the columns")
+        } else if names.iter().any(|known| known == name) {
+            format!("two columns have the name {name}")
+        } else if name.contains([';', '\t']) {
+            format!("{name:?} is no name of a column: cells must be separated by commas")
+        } else {
+            names.push(name.to_string());
+            continue;
+        };
+        return Err(lines.cell_error(start, cell, wrong).into());
+    }
+    Ok(names)
+}
+
+pub(crate) fn position(file: &str, header: &[String], name: &str) -> Result<usize> {
     header.iter().position(|known| known == name).ok_or_else(|| {
         let help = suggest(name, header.iter().map(String::as_str));
         Error::content(Path::new(file), format!("there is no column {name}; {help}"))

@@ -8,6 +8,7 @@ pub mod case;
 mod contain;
 pub mod csv;
 mod error;
+pub mod packing;
 pub mod parquet;
 pub mod quantity;
 mod table;

@@ -1,0 +1,111 @@
+//! The line of a packing file that gives the periodic cell, and what is needed of its geometry.
+
+use std::io::BufRead;
+
+use granum_dem::assembly::{Matrix, Vector, determinant};
+
+use crate::csv::Lines;
+use crate::error::Result;
+use crate::quantity::format_number;
+
+/// What such a line looks like.
+pub(super) const EXAMPLE: &str =
+    "the first line must be as \"# periodic box, m: xlo=0 ylo=0 zlo=0 xhi=1e-3 yhi=1e-3 zhi=1e-3\"";
+
+const BOX: [&str; 6] = ["xlo", "ylo", "zlo", "xhi", "yhi", "zhi"];
+const TILT: [&str; 3] = ["xy", "xz", "yz"];
+const CELL: [&str; 12] = ["ox", "oy", "oz", "ax", "ay", "az", "bx", "by", "bz", "cx", "cy", "cz"];
+
+/// Origin, edges and inverse of the edges, if the line is a comment that gives the cell.
+pub(super) fn parse<R: BufRead>(lines: &Lines<R>) -> Result<Option<(Vector, Matrix, Matrix)>> {
+    let line = lines.line();
+    let comment = line.trim_start().trim_start_matches('#').trim_start();
+    let tilted = comment.starts_with("periodic box");
+    if !tilted && !comment.starts_with("periodic cell") {
+        return Ok(None);
+    }
+    let wrong = |message: String| lines.error(0..line.len(), message).with_help(EXAMPLE);
+    let known: Vec<&str> = if tilted { BOX.into_iter().chain(TILT).collect() } else { CELL.to_vec() };
+    let mut values: Vec<Option<f64>> = vec![None; known.len()];
+    for pair in comment.split_whitespace().filter(|word| word.contains('=')) {
+        let (name, text) = pair.split_once('=').unwrap_or((pair, ""));
+        let at = known
+            .iter()
+            .position(|k| *k == name)
+            .ok_or_else(|| wrong(format!("unknown {name} of the cell")))?;
+        let value = text.parse().ok().filter(|value: &f64| value.is_finite());
+        values[at] = Some(value.ok_or_else(|| wrong(format!("{pair} is not a finite number")))?);
+    }
+    let value = |name: &str| {
+        let at = known.iter().position(|k| *k == name);
+        at.and_then(|at| values[at]).or(TILT.contains(&name).then_some(0.0))
+    };
+    let mut numbers = [0.0; 12];
+    for (number, name) in numbers.iter_mut().zip(&known) {
+        *number = value(name).ok_or_else(|| wrong(format!("{name} of the cell is missing")))?;
+    }
+    let (origin, edges) = if tilted { from_box(&numbers) } else { from_edges(&numbers) };
+    let volume = determinant(&edges);
+    let inverse = invert(&edges, volume);
+    if !(volume > 0.0 && volume.is_finite()) || inverse.iter().flatten().any(|x| !x.is_finite()) {
+        return Err(wrong(format!("the cell has the volume {volume:e} m3; it must be positive")).into());
+    }
+    Ok(Some((origin, edges, inverse)))
+}
+
+fn from_box(n: &[f64; 12]) -> (Vector, Matrix) {
+    let length: Vector = std::array::from_fn(|a| n[3 + a] - n[a]);
+    ([n[0], n[1], n[2]], [[length[0], n[6], n[7]], [0.0, length[1], n[8]], [0.0, 0.0, length[2]]])
+}
+
+fn from_edges(n: &[f64; 12]) -> (Vector, Matrix) {
+    ([n[0], n[1], n[2]], std::array::from_fn(|row| std::array::from_fn(|edge| n[3 + 3 * edge + row])))
+}
+
+/// The line for a cell: a box where adding origin and length gives the same length back, else its edges.
+pub(super) fn text(origin: &Vector, cell: &Matrix) -> String {
+    let high: Vector = std::array::from_fn(|a| origin[a] + cell[a][a]);
+    let upper = cell[1][0] == 0.0 && cell[2][0] == 0.0 && cell[2][1] == 0.0;
+    let exact = (0..3).all(|a| high[a] - origin[a] == cell[a][a]);
+    let (kind, names, numbers) = if upper && exact {
+        let tilt = [cell[0][1], cell[0][2], cell[1][2]];
+        let numbers: Vec<f64> = origin.iter().chain(&high).chain(&tilt).copied().collect();
+        ("box", BOX.into_iter().chain(TILT).collect::<Vec<_>>(), numbers)
+    } else {
+        let edges = (0..3).flat_map(|edge| (0..3).map(move |row| cell[row][edge]));
+        ("cell", CELL.to_vec(), origin.iter().copied().chain(edges).collect())
+    };
+    let tilted = numbers.iter().skip(6).any(|tilt| *tilt != 0.0);
+    let shown = if kind == "box" && !tilted { 6 } else { names.len() };
+    let pairs: Vec<String> = names
+        .iter()
+        .zip(&numbers)
+        .take(shown)
+        .map(|(name, x)| format!("{name}={}", format_number(*x)))
+        .collect();
+    format!("# periodic {kind}, m: {}", pairs.join(" "))
+}
+
+/// Inverse of a matrix whose determinant is known.
+fn invert(m: &Matrix, determinant: f64) -> Matrix {
+    let minor = |r: usize, c: usize| {
+        let (r1, r2, c1, c2) = ((r + 1) % 3, (r + 2) % 3, (c + 1) % 3, (c + 2) % 3);
+        m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]
+    };
+    std::array::from_fn(|r| std::array::from_fn(|c| minor(c, r) / determinant))
+}
+
+/// Inverse of the edges of a valid cell.
+pub(super) fn inverse(edges: &Matrix) -> Matrix {
+    invert(edges, determinant(edges))
+}
+
+/// Distances between opposite faces, m.
+pub(super) fn heights(edges: &Matrix) -> Vector {
+    inverse(edges).map(|row| 1.0 / row.iter().map(|x| x * x).sum::<f64>().sqrt())
+}
+
+/// Matrix times vector.
+pub(super) fn apply(m: &Matrix, v: &Vector) -> Vector {
+    std::array::from_fn(|r| m[r][0] * v[0] + m[r][1] * v[1] + m[r][2] * v[2])
+}
