@@ -73,7 +73,6 @@ fn sync_folder(_: &Path) -> io::Result<()> {
 }
 
 /// Removes files that a killed process left unfinished in a folder. Only for whoever holds the folder's lock.
-#[allow(dead_code)]
 pub(crate) fn remove_unfinished(folder: &Path) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;

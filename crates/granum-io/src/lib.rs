@@ -8,12 +8,18 @@ pub mod case;
 mod contain;
 pub mod csv;
 mod error;
+mod folder;
 pub mod packing;
 pub mod parquet;
 pub mod quantity;
+pub mod run;
+pub mod snapshot;
 mod table;
 mod text;
 
 pub use case::Case;
 pub use error::{Error, InputError, Result, nearest};
+pub use folder::{OutputFolder, check_output_file};
+pub use packing::Packing;
+pub use run::{Machine, QualityFlag, Run, RunFolder, RunRecord, RunStatus};
 pub use table::{Column, Table, TableFormat, read_columns, read_table, write_table};

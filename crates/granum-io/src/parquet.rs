@@ -401,7 +401,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig { cases: 1500, ..ProptestConfig::default() })]
+        #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
         #[test]
         fn a_damaged_file_gives_a_table_or_a_message(flips in proptest::collection::vec((any::<usize>(), 1u8..), 1..4)) {
             let folder = tempfile::tempdir().unwrap();

@@ -13,6 +13,7 @@ mod write;
 use granum_dem::config::{Contact, Grains, Numerics, Preparation, Recording, Shear};
 use serde::{Deserialize, Serialize};
 
+pub(crate) use digest::hexadecimal;
 pub use field::{Field, Value};
 pub use fields::{FIELDS, field};
 

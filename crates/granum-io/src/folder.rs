@@ -1,0 +1,238 @@
+//! Output folders: nothing is replaced unasked, and one process at a time works in a folder.
+
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{Read, Seek, Write};
+use std::path::{Path, PathBuf};
+
+use crate::atomic::{UNFINISHED, remove_unfinished};
+use crate::error::{Error, Result};
+
+/// Marks a folder as granum's and carries the advisory lock. It stays when the lock goes: removing it would let two
+/// processes hold locks on two files of that name.
+const LOCK: &str = ".granum-lock";
+
+/// A folder that this process alone works in, until the value is dropped.
+#[derive(Debug)]
+pub struct OutputFolder {
+    path: PathBuf,
+    /// Holds the lock as long as it is open.
+    _lock: File,
+}
+
+impl OutputFolder {
+    /// Makes a folder, or takes one that is empty. With `force` also one that granum wrote before; what is in it stays
+    /// until [`OutputFolder::clear`] or a file of the same name takes its place.
+    ///
+    /// # Errors
+    /// [`Error::Exists`] if there is something in it and no `force`; [`Error::Content`] if with `force` it is not
+    /// granum's; [`Error::Locked`] if another process works there; [`Error::File`] if it cannot be made.
+    pub fn create(path: impl AsRef<Path>, force: bool) -> Result<OutputFolder> {
+        let path = path.as_ref();
+        fs::create_dir_all(path).map_err(Error::file("make the folder", path))?;
+        // Looked at before there is a lock file, so that a foreign folder stays as it is.
+        let granum = path.join(LOCK).is_file();
+        if !granum && !is_empty(path)? {
+            return Err(if force {
+                Error::content(path, "holds files that granum did not write; choose another folder")
+            } else {
+                Error::Exists(path.to_path_buf())
+            });
+        }
+        let folder = OutputFolder::lock(path)?;
+        if !force && !is_empty(path)? {
+            return Err(Error::Exists(path.to_path_buf()));
+        }
+        Ok(folder)
+    }
+
+    /// Takes a folder that granum wrote before, to go on in it.
+    ///
+    /// # Errors
+    /// [`Error::Content`] if it is none of granum's; [`Error::Locked`] if another process works there.
+    pub fn open(path: impl AsRef<Path>) -> Result<OutputFolder> {
+        let path = path.as_ref();
+        if !path.is_dir() {
+            return Err(Error::content(path, "there is no such folder"));
+        }
+        if !path.join(LOCK).is_file() {
+            return Err(Error::content(path, "is not a folder that granum wrote"));
+        }
+        OutputFolder::lock(path)
+    }
+
+    /// Opens a folder of granum's to go on in it, or makes it.
+    ///
+    /// # Errors
+    /// As [`OutputFolder::open`] and [`OutputFolder::create`].
+    pub fn open_or_create(path: impl AsRef<Path>) -> Result<OutputFolder> {
+        let path = path.as_ref();
+        if path.join(LOCK).is_file() { OutputFolder::open(path) } else { OutputFolder::create(path, false) }
+    }
+
+    fn lock(path: &Path) -> Result<OutputFolder> {
+        let name = path.join(LOCK);
+        let mut file = OpenOptions::new()
+            .create(true)
+            .truncate(false)
+            .read(true)
+            .write(true)
+            .open(&name)
+            .map_err(Error::file("write", &name))?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                return Err(Error::Locked { path: path.to_path_buf(), holder: holder(&mut file) });
+            }
+            Err(TryLockError::Error(source)) => return Err(Error::file("lock", &name)(source)),
+        }
+        // Who holds it is only told to people; the lock itself is the operating system's.
+        let mut note = || -> std::io::Result<()> {
+            file.set_len(0)?;
+            file.rewind()?;
+            writeln!(file, "{}", std::process::id())?;
+            remove_unfinished(path)
+        };
+        note().map_err(Error::file("write", &name))?;
+        Ok(OutputFolder { path: path.to_path_buf(), _lock: file })
+    }
+
+    /// The folder.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// A file in the folder.
+    pub fn file(&self, name: &str) -> PathBuf {
+        self.path.join(name)
+    }
+
+    /// Makes a folder inside.
+    ///
+    /// # Errors
+    /// [`Error::File`] if it cannot be made.
+    pub fn subfolder(&self, name: &str) -> Result<PathBuf> {
+        let path = self.path.join(name);
+        fs::create_dir_all(&path).map_err(Error::file("make the folder", &path))?;
+        Ok(path)
+    }
+
+    /// Removes files and folders of these names, where they are there. Links are removed, not followed.
+    ///
+    /// # Errors
+    /// [`Error::File`] if one cannot be removed.
+    pub fn clear(&self, names: &[&str]) -> Result<()> {
+        for name in names {
+            let path = self.path.join(name);
+            let Ok(kind) = fs::symlink_metadata(&path) else { continue };
+            let removed = if kind.is_dir() { fs::remove_dir_all(&path) } else { fs::remove_file(&path) };
+            removed.map_err(Error::file("remove", &path))?;
+        }
+        Ok(())
+    }
+}
+
+/// Refuses to replace an output file unless `force` is given.
+///
+/// # Errors
+/// [`Error::Exists`], or [`Error::Content`] if it is a folder.
+pub fn check_output_file(path: impl AsRef<Path>, force: bool) -> Result<()> {
+    let path = path.as_ref();
+    if path.is_dir() {
+        return Err(Error::content(path, "is a folder; the output must be a file"));
+    }
+    if !force && path.exists() {
+        return Err(Error::Exists(path.to_path_buf()));
+    }
+    Ok(())
+}
+
+/// True if nothing but the lock and leftovers of a killed process are there.
+fn is_empty(path: &Path) -> Result<bool> {
+    for entry in fs::read_dir(path).map_err(Error::file("read", path))? {
+        let name = entry.map_err(Error::file("read", path))?.file_name();
+        let name = name.to_string_lossy();
+        if name != LOCK && !name.ends_with(UNFINISHED) {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
+/// " (process 4711)", if the lock file says so.
+fn holder(file: &mut File) -> String {
+    let mut text = String::new();
+    let read = file.take(32).read_to_string(&mut text);
+    match (read, text.trim().parse::<u32>()) {
+        (Ok(_), Ok(process)) => format!(" (process {process})"),
+        _ => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_new_or_empty_folder_is_taken_and_a_second_user_refused() {
+        let base = tempfile::tempdir().unwrap();
+        let path = base.path().join("deep").join("run");
+        let folder = OutputFolder::create(&path, false).unwrap();
+        let error = OutputFolder::create(&path, true).unwrap_err().to_string();
+        let process = std::process::id();
+        assert!(
+            error.contains(&format!("run is in use by another granum process (process {process})")),
+            "{error}"
+        );
+        assert!(matches!(OutputFolder::open(&path), Err(Error::Locked { .. })));
+        drop(folder);
+        OutputFolder::open(&path).unwrap();
+    }
+
+    #[test]
+    fn what_is_there_is_replaced_only_with_force() {
+        let base = tempfile::tempdir().unwrap();
+        let folder = OutputFolder::create(base.path().join("run"), false).unwrap();
+        fs::write(folder.file("run.json"), "{}").unwrap();
+        let path = folder.path().to_path_buf();
+        drop(folder);
+        let error = OutputFolder::create(&path, false).unwrap_err().to_string();
+        assert!(error.contains("run exists already; give --force to replace it"), "{error}");
+        let folder = OutputFolder::create(&path, true).unwrap();
+        assert!(folder.file("run.json").exists());
+        folder.clear(&["run.json", "snapshots"]).unwrap();
+        assert!(!folder.file("run.json").exists());
+    }
+
+    #[test]
+    fn a_foreign_folder_stays_as_it_is_even_with_force() {
+        let base = tempfile::tempdir().unwrap();
+        fs::write(base.path().join("thesis.tex"), "mine").unwrap();
+        assert!(matches!(OutputFolder::create(base.path(), false), Err(Error::Exists(_))));
+        let error = OutputFolder::create(base.path(), true).unwrap_err().to_string();
+        assert!(error.contains("holds files that granum did not write"), "{error}");
+        assert!(OutputFolder::open(base.path()).is_err());
+        assert!(OutputFolder::open_or_create(base.path()).is_err());
+        assert_eq!(fs::read_dir(base.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn leftovers_of_a_killed_process_do_not_count() {
+        let base = tempfile::tempdir().unwrap();
+        drop(OutputFolder::create(base.path(), false).unwrap());
+        let left = base.path().join(format!(".run.json.1-0{UNFINISHED}"));
+        fs::write(&left, "half").unwrap();
+        OutputFolder::create(base.path(), false).unwrap();
+        assert!(!left.exists());
+    }
+
+    #[test]
+    fn output_files_need_force_too() {
+        let base = tempfile::tempdir().unwrap();
+        let path = base.path().join("out.csv");
+        check_output_file(&path, false).unwrap();
+        fs::write(&path, "x").unwrap();
+        assert!(check_output_file(&path, false).is_err());
+        check_output_file(&path, true).unwrap();
+        assert!(check_output_file(base.path(), true).unwrap_err().to_string().contains("is a folder"));
+    }
+}

@@ -1,0 +1,344 @@
+//! Snapshots of an assembly: `NAME.grains.parquet`, `NAME.contacts.parquet`, and `NAME.json` with cell, strain, time and
+//! energy. The JSON file is written last, so that a snapshot is whole where it exists.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use granum_dem::assembly::{Assembly, Contact, Grain, Vector};
+use serde::{Deserialize, Serialize};
+
+use crate::atomic::write_atomically;
+use crate::error::{Error, Result};
+use crate::table::{Column, Table};
+
+/// Newest layout that this version reads and writes.
+const FORMAT: u32 = 1;
+
+/// Where a number or three stand in a `T`.
+enum Place<T> {
+    Scalar(fn(&mut T) -> &mut f64),
+    Vector(fn(&mut T) -> &mut Vector),
+}
+
+/// Name, unit and place of one column, or of three that end in `_x`, `_y` and `_z`.
+type Entry<T> = (&'static str, &'static str, Place<T>);
+
+/// Columns of the table of grains beside `id`.
+const GRAIN: [Entry<Grain>; 7] = [
+    ("position", "m", Place::Vector(|grain| &mut grain.position)),
+    ("velocity", "m/s", Place::Vector(|grain| &mut grain.velocity)),
+    ("spin", "rad/s", Place::Vector(|grain| &mut grain.spin)),
+    ("radius", "m", Place::Scalar(|grain| &mut grain.radius)),
+    ("mass", "kg", Place::Scalar(|grain| &mut grain.mass)),
+    ("force", "N", Place::Vector(|grain| &mut grain.force)),
+    ("torque", "N m", Place::Vector(|grain| &mut grain.torque)),
+];
+
+/// Columns of the table of contacts beside the ids of their grains and `sliding`.
+const CONTACT: [Entry<Contact>; 8] = [
+    ("branch", "m", Place::Vector(|contact| &mut contact.branch)),
+    ("normal", "", Place::Vector(|contact| &mut contact.normal)),
+    ("approach", "m", Place::Scalar(|contact| &mut contact.approach)),
+    ("normal_force", "N", Place::Scalar(|contact| &mut contact.normal_force)),
+    ("tangential_force", "N", Place::Vector(|contact| &mut contact.tangential_force)),
+    ("contact_radius", "m", Place::Scalar(|contact| &mut contact.radius)),
+    ("normal_energy", "J", Place::Scalar(|contact| &mut contact.normal_energy)),
+    ("tangential_energy", "J", Place::Scalar(|contact| &mut contact.tangential_energy)),
+];
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// The rows as columns.
+fn columns<T: Copy>(rows: &[T], entries: &[Entry<T>]) -> Vec<Column> {
+    let mut columns = Vec::new();
+    for (name, unit, place) in entries {
+        match place {
+            Place::Scalar(place) => {
+                let values = rows.iter().map(|row| *place(&mut { *row })).collect();
+                columns.push(Column::new(*name, *unit, values));
+            }
+            Place::Vector(place) => columns.extend((0..3).map(|a| {
+                let values = rows.iter().map(|row| place(&mut { *row })[a]).collect();
+                Column::new(format!("{name}_{}", AXES[a]), *unit, values)
+            })),
+        }
+    }
+    columns
+}
+
+/// Puts the columns of a table into rows.
+fn fill<T>(rows: &mut [T], entries: &[Entry<T>], table: &Table) -> Result<()> {
+    for (name, _, place) in entries {
+        match place {
+            Place::Scalar(place) => {
+                for (row, value) in rows.iter_mut().zip(table.column(name)?) {
+                    *place(row) = *value;
+                }
+            }
+            Place::Vector(place) => {
+                for (a, axis) in AXES.iter().enumerate() {
+                    for (row, value) in rows.iter_mut().zip(table.column(&format!("{name}_{axis}"))?) {
+                        place(row)[a] = *value;
+                    }
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The grains of an assembly: `id`, `position_x`... `torque_z`, in SI units.
+///
+/// # Errors
+/// None in practice: the columns fit by construction.
+pub fn grains_table(assembly: &Assembly) -> Result<Table> {
+    let ids = Column::new("id", "", assembly.grains.iter().map(|grain| grain.id as f64).collect());
+    Table::new(std::iter::once(ids).chain(columns(&assembly.grains, &GRAIN)).collect())
+}
+
+/// The contacts of an assembly: `first` and `second` (ids of the grains), `branch_x`... `tangential_energy`, and
+/// `sliding` (0 or 1), in SI units.
+///
+/// # Errors
+/// [`Error::Table`] if a contact names a grain that is not there.
+pub fn contacts_table(assembly: &Assembly) -> Result<Table> {
+    let id = |index: usize| {
+        let grain = assembly.grains.get(index);
+        grain
+            .map(|grain| grain.id as f64)
+            .ok_or_else(|| Error::Table(format!("a contact names grain index {index}")))
+    };
+    let contacts = &assembly.contacts;
+    let first = contacts.iter().map(|contact| id(contact.i)).collect::<Result<_>>()?;
+    let second = contacts.iter().map(|contact| id(contact.j)).collect::<Result<_>>()?;
+    let mut table = vec![Column::new("first", "", first), Column::new("second", "", second)];
+    table.extend(columns(contacts, &CONTACT));
+    let sliding = contacts.iter().map(|contact| f64::from(u8::from(contact.sliding))).collect();
+    table.push(Column::new("sliding", "", sliding));
+    Table::new(table)
+}
+
+/// What is neither grain nor contact: an assembly with empty lists, and their lengths.
+#[derive(Serialize, Deserialize)]
+struct State {
+    format: u32,
+    grains: usize,
+    contacts: usize,
+    assembly: Assembly,
+}
+
+fn part(folder: &Path, name: &str, end: &str) -> PathBuf {
+    folder.join(format!("{name}.{end}"))
+}
+
+/// Writes a snapshot into a folder, which is made if need be.
+///
+/// # Errors
+/// [`Error::File`] if a file cannot be written; [`Error::Table`] for an assembly without grains or with a contact of a
+/// grain that is not there.
+pub fn write_snapshot(folder: &Path, name: &str, assembly: &Assembly) -> Result<()> {
+    fs::create_dir_all(folder).map_err(Error::file("make the folder", folder))?;
+    crate::parquet::write(&part(folder, name, "grains.parquet"), &grains_table(assembly)?)?;
+    crate::parquet::write(&part(folder, name, "contacts.parquet"), &contacts_table(assembly)?)?;
+    let bare = Assembly {
+        time: assembly.time,
+        step: assembly.step,
+        time_step: assembly.time_step,
+        cell: assembly.cell,
+        velocity_gradient: assembly.velocity_gradient,
+        strain: assembly.strain,
+        target_mean_stress: assembly.target_mean_stress,
+        energy: assembly.energy,
+        ..Assembly::default()
+    };
+    let state = State {
+        format: FORMAT,
+        grains: assembly.grains.len(),
+        contacts: assembly.contacts.len(),
+        assembly: bare,
+    };
+    let path = part(folder, name, "json");
+    write_atomically(&path, |file| serde_json::to_writer_pretty(file, &state).map_err(std::io::Error::from))
+}
+
+/// Reads a snapshot; it is the assembly that was written, bit for bit.
+///
+/// # Errors
+/// If a file is missing, damaged, newer than this version, or the three do not belong together.
+pub fn read_snapshot(folder: &Path, name: &str) -> Result<Assembly> {
+    let path = part(folder, name, "json");
+    let text = crate::text::read_small(&path, 1 << 20)?;
+    crate::run::check_format(&path, &text, FORMAT)?;
+    let state: State = serde_json::from_str(&text).map_err(|error| crate::run::damaged(&path, &error))?;
+    let mut assembly = state.assembly;
+    assembly.grains = read_grains(&part(folder, name, "grains.parquet"), state.grains)?;
+    let contacts = part(folder, name, "contacts.parquet");
+    assembly.contacts = read_contacts(&contacts, state.contacts, &assembly.grains)?;
+    Ok(assembly)
+}
+
+fn read_rows(path: &Path, rows: usize) -> Result<Table> {
+    let table = crate::parquet::read(path, None)?;
+    if table.rows() == rows {
+        return Ok(table);
+    }
+    Err(Error::content(path, format!("has {} rows, but its snapshot says {rows}", table.rows())))
+}
+
+fn read_grains(path: &Path, rows: usize) -> Result<Vec<Grain>> {
+    let table = read_rows(path, rows)?;
+    let mut grains = vec![Grain::default(); rows];
+    let ids = table.column("id")?;
+    for (at, (grain, id)) in grains.iter_mut().zip(ids).enumerate() {
+        if !(*id >= 1.0 && id.fract() == 0.0) || (at > 0 && ids[at - 1] >= *id) {
+            return Err(Error::content(
+                path,
+                format!("row {}: id = {id} is not above the one before", at + 1),
+            ));
+        }
+        grain.id = *id as u64;
+    }
+    fill(&mut grains, &GRAIN, &table)?;
+    Ok(grains)
+}
+
+fn read_contacts(path: &Path, rows: usize, grains: &[Grain]) -> Result<Vec<Contact>> {
+    let table = read_rows(path, rows)?;
+    let mut contacts = vec![Contact::default(); rows];
+    let index = |row: usize, id: f64| {
+        grains
+            .binary_search_by(|grain| (grain.id as f64).total_cmp(&id))
+            .map_err(|_| Error::content(path, format!("row {}: there is no grain {id}", row + 1)))
+    };
+    let [first, second, sliding] = table.select(["first", "second", "sliding"])?;
+    for (row, contact) in contacts.iter_mut().enumerate() {
+        contact.i = index(row, first[row])?;
+        contact.j = index(row, second[row])?;
+        contact.sliding = sliding[row] != 0.0;
+    }
+    fill(&mut contacts, &CONTACT, &table)?;
+    Ok(contacts)
+}
+
+/// Names of the whole snapshots in a folder, sorted; none if the folder is not there.
+///
+/// # Errors
+/// [`Error::File`] if the folder cannot be read.
+pub fn list_snapshots(folder: &Path) -> Result<Vec<String>> {
+    if !folder.exists() {
+        return Ok(Vec::new());
+    }
+    let mut names = Vec::new();
+    for entry in fs::read_dir(folder).map_err(Error::file("read", folder))? {
+        let name = entry.map_err(Error::file("read", folder))?.file_name();
+        let name = name.to_string_lossy();
+        if let Some(name) = name.strip_suffix(".json").filter(|name| !name.starts_with('.')) {
+            names.push(name.to_string());
+        }
+    }
+    names.sort();
+    Ok(names)
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use granum_dem::assembly::EnergyLedger;
+
+    /// Three grains and two contacts with numbers that do not repeat.
+    pub(crate) fn assembly() -> Assembly {
+        let mut count = 0.0;
+        let mut next = || {
+            count += 1.0;
+            (count * 0.37_f64).sin() * 1e-5
+        };
+        let mut next3 = || [next(), next(), next()];
+        let grain = |id, next3: &mut dyn FnMut() -> [f64; 3]| Grain {
+            id,
+            position: next3(),
+            velocity: next3(),
+            spin: next3(),
+            radius: 5e-5,
+            mass: 1.3875e-9,
+            force: next3(),
+            torque: next3(),
+        };
+        let grains = vec![grain(1, &mut next3), grain(2, &mut next3), grain(4, &mut next3)];
+        let contact = |i, j, sliding, next3: &mut dyn FnMut() -> [f64; 3]| Contact {
+            i,
+            j,
+            branch: next3(),
+            normal: next3(),
+            approach: next3()[0],
+            normal_force: next3()[0],
+            tangential_force: next3(),
+            radius: next3()[0],
+            sliding,
+            normal_energy: next3()[0],
+            tangential_energy: next3()[0],
+        };
+        let contacts = vec![contact(0, 1, false, &mut next3), contact(0, 2, true, &mut next3)];
+        Assembly {
+            time: 0.1,
+            step: 12,
+            time_step: 1.0 / 3.0,
+            cell: [next3(), next3(), next3()],
+            velocity_gradient: [next3(), next3(), next3()],
+            strain: [next3(), next3(), next3()],
+            target_mean_stress: Some(2e4),
+            grains,
+            contacts,
+            energy: EnergyLedger { boundary_work: 0.1 + 0.2, ..EnergyLedger::default() },
+        }
+    }
+
+    #[test]
+    fn an_assembly_comes_back_bit_for_bit() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path().join("snapshots");
+        assert!(list_snapshots(&folder).unwrap().is_empty());
+        write_snapshot(&folder, "end", &assembly()).unwrap();
+        assert_eq!(read_snapshot(&folder, "end").unwrap(), assembly());
+        assert_eq!(list_snapshots(&folder).unwrap(), ["end"]);
+    }
+
+    #[test]
+    fn every_number_of_grains_and_contacts_has_a_column() {
+        fn numbers(value: &serde_json::Value) -> usize {
+            match value {
+                serde_json::Value::Object(map) => map.values().map(numbers).sum(),
+                serde_json::Value::Array(items) => items.iter().map(numbers).sum(),
+                _ => 1,
+            }
+        }
+        let of = |value: serde_json::Value| numbers(&value);
+        let assembly = assembly();
+        let grains = grains_table(&assembly).unwrap();
+        assert_eq!(grains.columns().len(), of(serde_json::to_value(assembly.grains[0]).unwrap()));
+        let contacts = contacts_table(&assembly).unwrap();
+        assert_eq!(contacts.columns().len(), of(serde_json::to_value(assembly.contacts[0]).unwrap()));
+        assert_eq!(contacts.column("second").unwrap(), [2.0, 4.0]);
+    }
+
+    #[test]
+    fn parts_that_do_not_belong_together_are_refused() {
+        let base = tempfile::tempdir().unwrap();
+        let folder = base.path();
+        let message = || read_snapshot(folder, "end").unwrap_err().to_string();
+        write_snapshot(folder, "end", &assembly()).unwrap();
+        let mut fewer = assembly();
+        fewer.grains.pop();
+        fewer.contacts.pop();
+        write_snapshot(folder, "other", &fewer).unwrap();
+        fs::copy(folder.join("other.grains.parquet"), folder.join("end.grains.parquet")).unwrap();
+        assert!(
+            message().contains("end.grains.parquet: has 2 rows, but its snapshot says 3"),
+            "{}",
+            message()
+        );
+        fs::remove_file(folder.join("end.grains.parquet")).unwrap();
+        assert!(message().contains("cannot read") && message().contains("end.grains.parquet"));
+        fs::write(folder.join("end.json"), "{\"format\": 7}").unwrap();
+        assert!(message().contains("was written by a newer granum"), "{}", message());
+    }
+}
