@@ -1,1 +1,40 @@
-//! granum-hybrid
+//! The hybrid method of Antony, Zhou and Wang (2006): networks that learn from soft sensors of DEM runs, judged
+//! against runs that none of them saw.
+//!
+//! ```text
+//! Record --> Dataset --> Study --> Evaluation --> Summary, Figures, reading
+//! ```
+//!
+//! [`Dataset`] draws states from records and splits them, [`Study`] trains the six [`mapping`]s with their three
+//! sub-models, each beside a twin that sees strain only, and [`Evaluation`] scores both on held-out states and on
+//! unseen runs, next to the scatter between runs of different seeds. [`SizeStudy`] and [`speed`] measure the paper's
+//! claims on size and speed.
+
+pub mod baseline;
+pub mod dataset;
+mod error;
+pub mod figures;
+pub mod files;
+pub mod mapping;
+mod pool;
+pub mod reading;
+pub mod score;
+pub mod size_study;
+pub mod speed;
+pub mod study;
+pub mod summary;
+mod surrogate;
+
+#[cfg(test)]
+mod synthetic;
+#[cfg(test)]
+mod tests;
+
+pub use dataset::{Dataset, DatasetOptions, NamedRecord, Run, State};
+pub use error::{HybridError, Result};
+pub use mapping::{Form, Mapping, Quantity, SubModel, paper_mappings};
+pub use score::Score;
+pub use size_study::{SizeStudy, SizeStudyOptions};
+pub use study::{Evaluation, Study, StudyObserver, StudyOptions, StudyProgress};
+pub use summary::Summary;
+pub use surrogate::{Answer, RowAnswer, Surrogate};

@@ -1,6 +1,6 @@
 //! Soft sensors: what can be measured on an assembly of grains at one moment, and the record of it over a test.
 //!
-//! A sensor reads an [`Assembly`](granum_dem::assembly::Assembly) and nothing else, so it cannot disturb a run
+//! A sensor reads an [`Assembly`] and nothing else, so it cannot disturb a run
 //! and works as well on another code's data. One sensor is one file with its formula and tests, and one line in
 //! [`all`]. Axis 1 is the axis of compression; axes 2 and 3 are averaged, as in Antony, Zhou and Wang (2006).
 //!

@@ -1,0 +1,201 @@
+//! Records and studies in files.
+//!
+//! A record is two tables, `series.parquet` and `forces.parquet`. A study is a folder: `study.json` says what was
+//! trained on what, and each network is a model file of its own, `F1-1.json` to `F6-3.json` and
+//! `F1-strain-only-1.json` to `F6-strain-only-3.json`.
+
+use std::io::Write;
+use std::path::Path;
+
+use granum_io::atomic::write_atomically;
+use granum_io::{Column, Error, Table, read_table, write_table};
+use granum_nets::Model;
+use granum_sensors::{NamedColumn, Record, Series};
+use serde::{Deserialize, Serialize};
+
+use crate::error::{HybridError, Result};
+use crate::mapping::{Form, Mapping};
+use crate::study::{Study, TrainedMapping, network_name};
+use crate::surrogate::Surrogate;
+
+/// File of the series of a record.
+pub const SERIES_FILE: &str = "series.parquet";
+/// File of the histograms of a record.
+pub const FORCES_FILE: &str = "forces.parquet";
+/// File that describes a study.
+pub const STUDY_FILE: &str = "study.json";
+
+const FORMAT: &str = "granum study";
+const VERSION: u64 = 1;
+
+/// A series as a table.
+///
+/// # Errors
+/// If two columns have one name or different lengths.
+pub fn table_of(series: &Series) -> Result<Table> {
+    let unit = |unit: &str| if unit == "1" { String::new() } else { unit.to_owned() };
+    let columns = series.columns.iter().map(|c| Column::new(&c.name, unit(&c.unit), c.values.clone()));
+    Ok(Table::new(columns.collect())?)
+}
+
+/// A table as a series.
+pub fn series_of(table: &Table) -> Series {
+    let unit = |unit: &str| if unit.is_empty() { "1".to_owned() } else { unit.to_owned() };
+    let column =
+        |c: &Column| NamedColumn { name: c.name.clone(), unit: unit(&c.unit), values: c.values.clone() };
+    Series { columns: table.columns().iter().map(column).collect() }
+}
+
+/// Writes a record into a folder that is there.
+///
+/// # Errors
+/// If a file cannot be written.
+pub fn write_record(folder: &Path, record: &Record) -> Result<()> {
+    write_table(folder.join(SERIES_FILE), &table_of(&record.series)?)?;
+    write_table(folder.join(FORCES_FILE), &table_of(&record.force_table())?)?;
+    Ok(())
+}
+
+/// Reads the record of a folder.
+///
+/// # Errors
+/// If a file is missing or damaged, or the two are no record; the message names the file.
+pub fn read_record(folder: &Path) -> Result<Record> {
+    let series_path = folder.join(SERIES_FILE);
+    let series = series_of(&read_table(&series_path)?);
+    let forces = series_of(&read_table(folder.join(FORCES_FILE))?);
+    Record::from_tables(series, &forces).map_err(|error| {
+        let message = format!("with {FORCES_FILE} this is no record: {error}");
+        Error::content(&series_path, message).into()
+    })
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StudyFile {
+    format: String,
+    version: u64,
+    form: Form,
+    trainer: String,
+    seed: u64,
+    dataset_hash: String,
+    /// Centres of the bins of f.
+    forces: Vec<f64>,
+    mappings: Vec<MappingFile>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MappingFile {
+    mapping: Mapping,
+    training_seconds: Vec<f64>,
+    strain_only_training_seconds: Vec<f64>,
+}
+
+/// File of a network in the folder of a study.
+pub fn network_file(network: &str) -> String {
+    format!("{network}.json")
+}
+
+/// Writes a study into a folder that is there.
+///
+/// # Errors
+/// If a file cannot be written.
+pub fn save_study(folder: &Path, study: &Study) -> Result<()> {
+    for trained in &study.mappings {
+        for (surrogate, strain_only) in [(&trained.surrogate, false), (&trained.strain_only, true)] {
+            for (k, model) in surrogate.networks().iter().enumerate() {
+                // The name without the twin's mark: both surrogates carry the name of the mapping.
+                let name = network_name(surrogate.mapping(), strain_only, k);
+                let failed = |error: granum_nets::ModelError| network_error(&name, &error);
+                model.save(&folder.join(network_file(&name))).map_err(failed)?;
+            }
+        }
+    }
+    let file = StudyFile {
+        format: FORMAT.to_owned(),
+        version: VERSION,
+        form: study.form,
+        trainer: study.trainer.clone(),
+        seed: study.seed,
+        dataset_hash: study.dataset_hash.clone(),
+        forces: study.mappings.first().map_or(Vec::new(), |m| m.surrogate.forces().to_vec()),
+        mappings: study
+            .mappings
+            .iter()
+            .map(|trained| MappingFile {
+                mapping: trained.surrogate.mapping().clone(),
+                training_seconds: trained.seconds.clone(),
+                strain_only_training_seconds: trained.strain_only_seconds.clone(),
+            })
+            .collect(),
+    };
+    write_json(&folder.join(STUDY_FILE), &file)
+}
+
+/// Writes a value as JSON that a person can read.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
+    write_atomically(path, |file| {
+        serde_json::to_writer_pretty(&mut *file, value)?;
+        file.write_all(b"\n")
+    })?;
+    Ok(())
+}
+
+/// Reads the study of a folder.
+///
+/// # Errors
+/// If a file is missing, damaged or of a newer version; the message names it.
+pub fn load_study(folder: &Path) -> Result<Study> {
+    let path = folder.join(STUDY_FILE);
+    let text = std::fs::read_to_string(&path).map_err(Error::file("read", &path))?;
+    let file: StudyFile = serde_json::from_str(&text)
+        .map_err(|error| Error::content(&path, format!("this is no study: {error}; train it again")))?;
+    if file.format != FORMAT || file.version != VERSION {
+        let found = format!("format \"{}\" version {}", file.format, file.version);
+        let wanted = format!("this program reads \"{FORMAT}\" version {VERSION}");
+        return Err(Error::content(&path, format!("{found}, but {wanted}")).into());
+    }
+    let mut mappings = Vec::new();
+    for entry in &file.mappings {
+        let name = &entry.mapping.name;
+        // A name becomes part of a file name: it must not lead out of the folder.
+        if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_') {
+            let message = format!("mapping name {name:?}: letters, digits, - and _ are possible");
+            return Err(Error::content(&path, message).into());
+        }
+        let load = |mapping: Mapping, strain_only: bool| -> Result<Surrogate> {
+            let models = (0..mapping.sub_models.len()).map(|k| {
+                let name = network_name(&mapping, strain_only, k);
+                Model::load(&folder.join(network_file(&name))).map_err(|error| network_error(&name, &error))
+            });
+            let models = models.collect::<Result<Vec<_>>>()?;
+            Surrogate::new(mapping, file.form, file.forces.clone(), models)
+        };
+        mappings.push(TrainedMapping {
+            surrogate: load(entry.mapping.clone(), false)?,
+            strain_only: load(entry.mapping.strain_only(), true)?,
+            seconds: padded(&entry.training_seconds, entry.mapping.sub_models.len()),
+            strain_only_seconds: padded(&entry.strain_only_training_seconds, entry.mapping.sub_models.len()),
+        });
+    }
+    Ok(Study {
+        form: file.form,
+        trainer: file.trainer,
+        seed: file.seed,
+        dataset_hash: file.dataset_hash,
+        mappings,
+    })
+}
+
+/// Seconds for every sub-model, 0 where the file has none.
+fn padded(seconds: &[f64], count: usize) -> Vec<f64> {
+    (0..count).map(|k| seconds.get(k).copied().unwrap_or(0.0)).collect()
+}
+
+fn network_error(name: &str, error: &granum_nets::ModelError) -> HybridError {
+    HybridError::Network { network: name.to_owned(), reason: error.to_string() }
+}
