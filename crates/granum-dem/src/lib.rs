@@ -7,3 +7,7 @@
 pub mod assembly;
 pub mod config;
 pub mod contact;
+
+mod pairs;
+mod team;
+pub mod cell;

@@ -1,0 +1,298 @@
+//! Everything that a simulation is at one moment: what a checkpoint holds and what sensors look at.
+
+use granum_simd::{LANES, Row4, Row8};
+
+use crate::assembly::{Assembly, Contact, EnergyLedger, Grain, Matrix};
+use crate::cell::Cell;
+use crate::contact::PairConstants;
+use crate::kernel::{ContactSums, NORMAL_COLUMNS};
+use crate::pairs::{Pairs, image_vector};
+use crate::servo::{Control, Servo};
+
+/// The state of a simulation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// Grains in spatial order, then two phantoms: x, y, z, R, v'_x, v'_y, v'_z, m.
+    pub(crate) place: Vec<Row8>,
+    /// Spins: x, y, z, unused.
+    pub(crate) spin: Vec<Row4>,
+    /// Number of each grain.
+    pub(crate) ids: Vec<u64>,
+    pub(crate) cell: Cell,
+    pub(crate) gradient: Matrix,
+    pub(crate) strain: Matrix,
+    pub(crate) time: f64,
+    pub(crate) step: u64,
+    pub(crate) dt: f64,
+    pub(crate) pairs: Pairs,
+    /// Margin of the pair list, m.
+    pub(crate) skin: f64,
+    /// Bound on how far any grain moved from affine motion since the list was made, m.
+    pub(crate) travel: f64,
+    /// Bound on the strain since the list was made.
+    pub(crate) distortion: f64,
+    pub(crate) steps_since_rebuild: u64,
+    pub(crate) rebuilds: u64,
+    /// Sums over the contacts in the last step.
+    pub(crate) sums: ContactSums,
+    /// Largest `k_t / m` since the time step was last raised.
+    pub(crate) fastest_peak: f64,
+    pub(crate) ledger: EnergyLedger,
+    pub(crate) servo: Servo,
+    pub(crate) control: Control,
+    /// Rate at which velocities fade, 1/s: global damping, used only while a sample is prepared.
+    pub(crate) fading: f64,
+    /// Sum of squares, count and largest of the relative errors of the mean stress, since [`State::reset_phase`].
+    pub(crate) servo_error: ServoError,
+}
+
+/// How well the mean stress was held.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ServoError {
+    /// Sum of squares of `(p - target) / target`.
+    pub squares: f64,
+    /// Steps counted.
+    pub steps: u64,
+    /// Largest `|p - target| / target`.
+    pub largest: f64,
+}
+
+impl ServoError {
+    /// Root mean square of the relative error.
+    pub fn rms(&self) -> f64 {
+        if self.steps == 0 { 0.0 } else { (self.squares / self.steps as f64).sqrt() }
+    }
+}
+
+impl State {
+    /// Number of grains.
+    pub fn grains(&self) -> usize {
+        self.ids.len()
+    }
+
+    /// Stress tensor from the elastic contact forces, Pa, compression positive.
+    pub fn stress(&self) -> Matrix {
+        let v = self.cell.volume();
+        std::array::from_fn(|r| std::array::from_fn(|c| self.sums.virial[3 * r + c] / v))
+    }
+
+    /// Mean stress p, Pa.
+    pub fn mean_stress(&self) -> f64 {
+        (self.sums.virial[0] + self.sums.virial[4] + self.sums.virial[8]) / (3.0 * self.cell.volume())
+    }
+
+    /// Affine bulk modulus of the contacts, Pa.
+    pub fn bulk_modulus(&self) -> f64 {
+        self.sums.stiffness / (9.0 * self.cell.volume())
+    }
+
+    /// Volume of the grains over that of the cell.
+    pub fn solid_fraction(&self) -> f64 {
+        let cubes: f64 = self.place[..self.grains()].iter().map(|row| row.0[3].powi(3)).sum();
+        4.0 / 3.0 * std::f64::consts::PI * cubes / self.cell.volume()
+    }
+
+    /// Logarithmic strain since the start of the phase, compression positive.
+    pub fn strain(&self) -> Matrix {
+        self.strain
+    }
+
+    /// Deviator strain `eps_1 - (eps_2 + eps_3) / 2` with axis 0 as 1.
+    pub fn deviator_strain(&self) -> f64 {
+        self.strain[0][0] - 0.5 * (self.strain[1][1] + self.strain[2][2])
+    }
+
+    /// The cell.
+    pub fn cell(&self) -> &Cell {
+        &self.cell
+    }
+
+    /// Time since the start of the phase, s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Time step, s.
+    pub fn time_step(&self) -> f64 {
+        self.dt
+    }
+
+    /// Steps since the start of the phase.
+    pub fn step(&self) -> u64 {
+        self.step
+    }
+
+    /// Energy by mechanism since the start of the phase.
+    pub fn energy(&self) -> EnergyLedger {
+        self.ledger
+    }
+
+    /// How well the mean stress was held since [`State::reset_servo_error`].
+    pub fn servo_error(&self) -> ServoError {
+        self.servo_error
+    }
+
+    /// Starts the statistics of the servo's error anew.
+    pub fn reset_servo_error(&mut self) {
+        self.servo_error = ServoError::default();
+    }
+
+    /// What drives the cell.
+    pub fn control(&self) -> &Control {
+        &self.control
+    }
+
+    /// Starts a phase: strain, time, steps and ledger count from here.
+    pub fn reset_phase(&mut self) {
+        self.strain = [[0.0; 3]; 3];
+        self.time = 0.0;
+        self.step = 0;
+        self.ledger = EnergyLedger::default();
+        self.servo_error = ServoError::default();
+    }
+
+    /// Force on grain g (entries 0..3) and torque over radius (4..7).
+    pub(crate) fn resultant(&self, g: usize) -> [f64; 8] {
+        let p = &self.pairs;
+        crate::kernel::resultant::<granum_simd::Portable>(&p.records, &p.offsets, &p.incident, g)
+    }
+
+    /// Mean resultant force on the grains that touch another, over the mean normal force of the contacts.
+    pub fn unbalanced_force(&self) -> f64 {
+        let (mut resultants, mut loaded) = (0.0, 0u64);
+        for g in 0..self.grains() {
+            let f = self.resultant(g);
+            let size = (f[0] * f[0] + f[1] * f[1] + f[2] * f[2]).sqrt();
+            if size > 0.0 {
+                resultants += size;
+                loaded += 1;
+            }
+        }
+        let (mut forces, mut contacts) = (0.0, 0u64);
+        for record in &self.pairs.records {
+            if record.0[7] != 0.0 {
+                forces += record.0[7].abs();
+                contacts += 1;
+            }
+        }
+        if loaded == 0 || contacts == 0 {
+            return 0.0;
+        }
+        (resultants / loaded as f64) / (forces / contacts as f64)
+    }
+
+    /// Number of contacts that touch.
+    pub fn contacts(&self) -> usize {
+        (0..self.pairs.batches() * LANES)
+            .filter(|&s| {
+                self.pairs.first[s / LANES][s % LANES] < self.grains() as u32 && self.pairs.touched(s)
+            })
+            .count()
+    }
+
+    /// A picture for sensors; `describe` gives contact radius and normal energy of a pair from its constants and approach.
+    pub(crate) fn assembly(
+        &self,
+        constants: impl Fn(usize) -> PairConstants<f64>,
+        describe: impl Fn(&PairConstants<f64>, f64) -> (f64, f64),
+    ) -> Assembly {
+        let n = self.grains();
+        let mut order: Vec<usize> = (0..n).collect();
+        order.sort_unstable_by_key(|&g| self.ids[g]);
+        let mut rank = vec![0usize; n];
+        for (r, &g) in order.iter().enumerate() {
+            rank[g] = r;
+        }
+        let mut inside = self.place[..n].to_vec();
+        crate::pairs::wrap(&self.cell, &mut inside);
+        let grains = order
+            .iter()
+            .map(|&g| {
+                let total = self.resultant(g);
+                let (p, w) = (&self.place[g].0, &self.spin[g].0);
+                Grain {
+                    id: self.ids[g],
+                    position: [inside[g].0[0], inside[g].0[1], inside[g].0[2]],
+                    velocity: [p[4], p[5], p[6]],
+                    spin: [w[0], w[1], w[2]],
+                    radius: p[3],
+                    mass: p[7],
+                    force: [total[0], total[1], total[2]],
+                    torque: [p[3] * total[4], p[3] * total[5], p[3] * total[6]],
+                }
+            })
+            .collect();
+        let mut contacts: Vec<Contact> = (0..self.pairs.batches() * LANES)
+            .filter(|&s| self.pairs.first[s / LANES][s % LANES] < n as u32 && self.pairs.touched(s))
+            .map(|s| self.contact(s, &rank, &constants, &describe))
+            .collect();
+        contacts.sort_unstable_by(|a, b| {
+            (a.i, a.j).cmp(&(b.i, b.j)).then(a.branch[0].total_cmp(&b.branch[0]))
+        });
+        Assembly {
+            time: self.time,
+            step: self.step,
+            time_step: self.dt,
+            cell: self.cell.edges,
+            velocity_gradient: self.gradient,
+            strain: self.strain,
+            target_mean_stress: self.target_mean_stress(),
+            grains,
+            contacts,
+            energy: self.ledger,
+        }
+    }
+
+    /// The mean stress that the control aims at, if it does.
+    pub fn target_mean_stress(&self) -> Option<f64> {
+        if let Some(mean) = self.control.mean_stress {
+            return Some(mean.target);
+        }
+        let diagonal = [0, 1, 2].map(|a| self.control.stress[a][a]);
+        match diagonal {
+            [Some(a), Some(b), Some(c)] => Some((a + b + c) / 3.0),
+            _ => None,
+        }
+    }
+
+    fn contact(
+        &self,
+        slot: usize,
+        rank: &[usize],
+        constants: impl Fn(usize) -> PairConstants<f64>,
+        describe: impl Fn(&PairConstants<f64>, f64) -> (f64, f64),
+    ) -> Contact {
+        let (b, l) = (slot / LANES, slot % LANES);
+        let (i, j) = (self.pairs.first[b][l] as usize, self.pairs.second[b][l] as usize);
+        let image = self.cell.image(image_vector(self.pairs.image[b][l]));
+        let branch: [f64; 3] =
+            std::array::from_fn(|k| self.place[j].0[k] + image[k] - self.place[i].0[k]);
+        let distance = (branch[0] * branch[0] + branch[1] * branch[1] + branch[2] * branch[2]).sqrt();
+        let pair = constants(slot);
+        let approach = pair.radius_sum - distance;
+        let (radius, normal_energy) = describe(&pair, approach);
+        let t: [f64; 3] = std::array::from_fn(|k| self.pairs.column(b, NORMAL_COLUMNS + k)[l]);
+        let t_square = t[0] * t[0] + t[1] * t[1] + t[2] * t[2];
+        let record = &self.pairs.records[slot].0;
+        // By rank, so that i < j holds for ids whatever the order in memory.
+        let sign = if rank[i] <= rank[j] { 1.0 } else { -1.0 };
+        let (first, second) = if sign > 0.0 { (i, j) } else { (j, i) };
+        Contact {
+            i: rank[first],
+            j: rank[second],
+            branch: branch.map(|x| sign * x),
+            normal: branch.map(|x| sign * x / distance),
+            approach,
+            normal_force: record[7],
+            tangential_force: t.map(|x| sign * x),
+            radius,
+            sliding: record[3] != 0.0,
+            normal_energy,
+            tangential_energy: if radius > 0.0 {
+                t_square / (pair.sixteen_shear_moduli * radius)
+            } else {
+                0.0
+            },
+        }
+    }
+}
