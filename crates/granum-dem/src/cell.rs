@@ -38,7 +38,9 @@ impl Cell {
     /// The cell after a step of length `dt` at velocity gradient `gradient`: `H + dt L H`.
     pub fn strained(&self, gradient: &Matrix, dt: f64) -> Cell {
         let rate = multiply(gradient, &self.edges);
-        Cell { edges: std::array::from_fn(|r| std::array::from_fn(|c| dt.mul_add(rate[r][c], self.edges[r][c]))) }
+        Cell {
+            edges: std::array::from_fn(|r| std::array::from_fn(|c| dt.mul_add(rate[r][c], self.edges[r][c]))),
+        }
     }
 
     /// `H s` for an integer image vector s, m.

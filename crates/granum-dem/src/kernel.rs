@@ -236,7 +236,13 @@ fn contact_batch<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource, co
     }
     let sliding = L::splat(1.0).keep(out.sliding);
     let columns = [
-        out.force[0], out.force[1], out.force[2], sliding, out.moment[0], out.moment[1], out.moment[2],
+        out.force[0],
+        out.force[1],
+        out.force[2],
+        sliding,
+        out.moment[0],
+        out.moment[1],
+        out.moment[2],
         out.normal_force,
     ];
     if let Ok(rows) = <&mut [Row8; LANES]>::try_from(records) {
@@ -251,7 +257,7 @@ fn contact_batch<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource, co
     sums[10] = sums[10] + out.friction_loss;
     sums[11] = sums[11] + out.damping_loss;
     sums[12] = sums[12] + out.adhesion_loss;
-    sums[13] = sums[13] - dot(out.force, affine);
+    sums[13] = sums[13] + dot(out.force, affine);
     let square = constants.radius_sum * constants.radius_sum;
     sums[14] = out.normal_stiffness.mul_add(square, sums[14]);
     let tangential = half * constants.sixteen_shear_moduli * out.radius;

@@ -5,9 +5,19 @@
 //! rate and normal force. SI units throughout.
 
 pub mod assembly;
+pub mod cell;
 pub mod config;
 pub mod contact;
+pub mod gas;
+pub mod path;
+pub mod preparation;
+pub mod servo;
+pub mod simulation;
+pub mod state;
 
+mod kernel;
 mod pairs;
+mod stepping;
 mod team;
-pub mod cell;
+
+pub use granum_simd::Isa;

@@ -112,8 +112,7 @@ impl Grid {
     fn new(cell: &Cell, place: &[Row8], cutoff: f64) -> Grid {
         let heights = cell.heights();
         let limit = (place.len() as f64).cbrt().ceil() as usize + 1;
-        let counts: [usize; 3] =
-            heights.map(|h| ((h / cutoff).floor() as usize).clamp(1, limit.max(1)));
+        let counts: [usize; 3] = heights.map(|h| ((h / cutoff).floor() as usize).clamp(1, limit.max(1)));
         let inverse = invert(&cell.edges);
         let of: Vec<[u32; 3]> = place
             .iter()
@@ -239,20 +238,15 @@ pub(crate) fn spatial_order(cell: &Cell, place: &[Row8], spacing: f64) -> Vec<u3
 /// Puts two zero bits between the lowest 21 bits.
 fn spread_bits(x: u64) -> u64 {
     let mut x = x & 0x1f_ffff;
-    x = (x | x << 32) & 0x1f00_0000_00ff_ff;
-    x = (x | x << 16) & 0x1f00_00ff_0000_ff;
+    x = (x | x << 32) & 0x001f_0000_0000_ffff;
+    x = (x | x << 16) & 0x001f_0000_ff00_00ff;
     x = (x | x << 8) & 0x100f_00f0_0f00_f00f;
     x = (x | x << 4) & 0x10c3_0c30_c30c_30c3;
     (x | x << 2) & 0x1249_2492_4924_9249
 }
 
 /// Where an old pair's memory goes: its key in the new order, and whether i and j changed sides.
-fn carried_key(
-    pairs: &Pairs,
-    slot: usize,
-    moved: &[[i32; 3]],
-    new_place: Option<&[u32]>,
-) -> (Near, bool) {
+fn carried_key(pairs: &Pairs, slot: usize, moved: &[[i32; 3]], new_place: Option<&[u32]>) -> (Near, bool) {
     let (b, l) = (slot / LANES, slot % LANES);
     let (i, j) = (pairs.first[b][l], pairs.second[b][l]);
     let old = image_vector(pairs.image[b][l]);

@@ -93,21 +93,22 @@ impl Servo {
         let stiffness = sample.bulk_modulus.max(100.0 * control.scale()).max(1.0);
         let sound = (1.5 * stiffness / sample.density).sqrt();
         let tau = (300.0 * sample.dt).max(2.0 * sample.height / sound);
+        let gain = |axes: f64| Gain {
+            gain: 1.0 / (axes * stiffness * tau),
+            tau,
+            dt: sample.dt,
+            limit: control.rate_limit,
+        };
+        // For a target of zero the present stress is the measure of what is near.
+        let scale = control.scale().max(sample.stress.iter().flatten().fold(0.0, |m, s| m.max(s.abs())));
         let mut rate = control.rate;
         let servoed = (0..3).filter(|&a| control.stress[a][a].is_some()).count().max(1) as f64;
         for r in 0..3 {
             for c in r..3 {
                 let Some(target) = control.stress[r][c] else { continue };
                 let stress = 0.5 * (sample.stress[r][c] + sample.stress[c][r]);
-                let gain = 1.0 / (servoed * stiffness * tau);
-                let part = proportional_integral(
-                    target - stress,
-                    gain,
-                    tau,
-                    sample.dt,
-                    control.rate_limit,
-                    &mut self.components[r][c],
-                );
+                let part =
+                    proportional_integral(target - stress, scale, &gain(servoed), &mut self.components[r][c]);
                 rate[r][c] += part;
                 if c > r {
                     rate[c][r] += part;
@@ -117,15 +118,7 @@ impl Servo {
         if let Some(mean) = control.mean_stress {
             let pressure = (sample.stress[0][0] + sample.stress[1][1] + sample.stress[2][2]) / 3.0;
             let moving = mean.axes.iter().filter(|&&a| a).count().max(1) as f64;
-            let gain = 1.0 / (moving * stiffness * tau);
-            let part = proportional_integral(
-                mean.target - pressure,
-                gain,
-                tau,
-                sample.dt,
-                control.rate_limit,
-                &mut self.mean,
-            );
+            let part = proportional_integral(mean.target - pressure, scale, &gain(moving), &mut self.mean);
             for a in 0..3 {
                 if mean.axes[a] {
                     rate[a][a] += part;
@@ -136,15 +129,27 @@ impl Servo {
     }
 }
 
-/// Rate from error and its integral; the integral stands still while the rate is at its limit, so it cannot wind up.
-fn proportional_integral(error: f64, gain: f64, tau: f64, dt: f64, limit: f64, integral: &mut f64) -> f64 {
-    let next = *integral + error * dt / (6.0 * tau);
-    let wanted = gain * (error + next);
-    if wanted.abs() <= limit {
+/// Rate from error and its integral. The integral stands still while the rate is at its limit or the stress still far
+/// from its target, so it cannot wind up on the way there.
+fn proportional_integral(error: f64, scale: f64, law: &Gain, integral: &mut f64) -> f64 {
+    let next = *integral + error * law.dt / (6.0 * law.tau);
+    let wanted = law.gain * (error + next);
+    if wanted.abs() <= law.limit && error.abs() <= NEAR * scale {
         *integral = next;
         return wanted;
     }
-    (gain * (error + *integral)).clamp(-limit, limit)
+    (law.gain * (error + *integral)).clamp(-law.limit, law.limit)
+}
+
+/// Relative error of the stress within which the integral works.
+const NEAR: f64 = 0.2;
+
+/// Gain, time constant, time step and rate limit of a servo.
+struct Gain {
+    gain: f64,
+    tau: f64,
+    dt: f64,
+    limit: f64,
 }
 
 #[cfg(test)]
@@ -161,9 +166,9 @@ mod tests {
             let dt = 1e-8;
             let mut tail: f64 = 0.0;
             for step in 0..40_000 {
-                let stress = std::array::from_fn(|r| std::array::from_fn(|c| if r == c { pressure } else { 0.0 }));
-                let sample =
-                    Sample { stress, bulk_modulus: modulus, density: 1600.0, height: 1e-4, dt };
+                let stress =
+                    std::array::from_fn(|r| std::array::from_fn(|c| if r == c { pressure } else { 0.0 }));
+                let sample = Sample { stress, bulk_modulus: modulus, density: 1600.0, height: 1e-4, dt };
                 let gradient = servo.gradient(&control, &sample);
                 pressure -= modulus * (gradient[0][0] + gradient[1][1] + gradient[2][2]) * dt;
                 if step > 30_000 {

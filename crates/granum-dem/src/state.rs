@@ -226,9 +226,8 @@ impl State {
             .filter(|&s| self.pairs.first[s / LANES][s % LANES] < n as u32 && self.pairs.touched(s))
             .map(|s| self.contact(s, &rank, &constants, &describe))
             .collect();
-        contacts.sort_unstable_by(|a, b| {
-            (a.i, a.j).cmp(&(b.i, b.j)).then(a.branch[0].total_cmp(&b.branch[0]))
-        });
+        contacts
+            .sort_unstable_by(|a, b| (a.i, a.j).cmp(&(b.i, b.j)).then(a.branch[0].total_cmp(&b.branch[0])));
         Assembly {
             time: self.time,
             step: self.step,
@@ -265,8 +264,7 @@ impl State {
         let (b, l) = (slot / LANES, slot % LANES);
         let (i, j) = (self.pairs.first[b][l] as usize, self.pairs.second[b][l] as usize);
         let image = self.cell.image(image_vector(self.pairs.image[b][l]));
-        let branch: [f64; 3] =
-            std::array::from_fn(|k| self.place[j].0[k] + image[k] - self.place[i].0[k]);
+        let branch: [f64; 3] = std::array::from_fn(|k| self.place[j].0[k] + image[k] - self.place[i].0[k]);
         let distance = (branch[0] * branch[0] + branch[1] * branch[1] + branch[2] * branch[2]).sqrt();
         let pair = constants(slot);
         let approach = pair.radius_sum - distance;

@@ -1,0 +1,363 @@
+//! A simulation: grains in a cell under control, advanced step by step.
+
+use std::collections::HashSet;
+
+use granum_simd::{Isa, LANES, Row4, Row8};
+
+use crate::assembly::{Assembly, EnergyLedger, Vector};
+use crate::cell::Cell;
+use crate::config::{Contact, Material};
+use crate::contact::registry::{LawError, LawVisitor, check, with_law};
+use crate::contact::{NormalLaw, PairConstants, PairProperties, TangentialLaw};
+use crate::kernel::{ContactSums, NORMAL_COLUMNS};
+use crate::pairs::{self, Pairs};
+use crate::servo::{Control, Servo};
+use crate::state::{ServoError, State};
+use crate::stepping::{self, Machine};
+
+/// Where a grain starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Site {
+    /// Its number.
+    pub id: u64,
+    /// Centre, m.
+    pub position: Vector,
+    /// Radius, m.
+    pub radius: f64,
+}
+
+/// What grains are made of and how they touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Properties {
+    /// Solid and surface.
+    pub material: Material,
+    /// Contact law.
+    pub contact: Contact,
+}
+
+/// What runs the simulation; none of it changes a result.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hardware {
+    /// Threads that share the work of a step.
+    pub threads: usize,
+    /// Instruction set.
+    pub isa: Isa,
+}
+
+impl Default for Hardware {
+    fn default() -> Self {
+        Hardware { threads: 1, isa: Isa::detect() }
+    }
+}
+
+/// Why a simulation cannot start or go on.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SimulationError {
+    /// There are no grains.
+    #[error("a simulation needs at least one grain")]
+    NoGrains,
+    /// A grain is not usable.
+    #[error("grain {id}: {what}")]
+    Grain {
+        /// Its number.
+        id: u64,
+        /// What is wrong and what would be right.
+        what: String,
+    },
+    /// The cell has no volume.
+    #[error("the cell's volume is {0} m3; it must be positive")]
+    Cell(f64),
+    /// The laws do not go together.
+    #[error(transparent)]
+    Law(#[from] LawError),
+    /// A position, force or stress is no longer a number.
+    #[error(
+        "the simulation diverged at step {step} (a force or position is not finite): the time step {time_step:e} s is \
+         probably too long; lower numerics.time_step_factor"
+    )]
+    Diverged {
+        /// Step at which it was noticed.
+        step: u64,
+        /// Time step, s.
+        time_step: f64,
+    },
+    /// The cell became too thin for the grains.
+    #[error("the cell is {height:e} m thin, less than half of a grain's diameter {diameter:e} m")]
+    Thin {
+        /// Smallest height of the cell, m.
+        height: f64,
+        /// Largest diameter, m.
+        diameter: f64,
+    },
+}
+
+/// What the engine needs of a pair of laws, compiled for it.
+#[derive(Clone, Copy)]
+pub(crate) struct LawTable {
+    pub(crate) history: usize,
+    pub(crate) vectors: usize,
+    pub(crate) constants: fn(&PairProperties) -> PairConstants<f64>,
+    pub(crate) describe: fn(&PairConstants<f64>, f64) -> (f64, f64),
+    pub(crate) breaking_approach: fn(&PairConstants<f64>) -> f64,
+    pub(crate) advance: fn(&mut Machine, u64) -> Result<(), SimulationError>,
+    pub(crate) forces: fn(&mut Machine),
+}
+
+struct MakeTable;
+impl LawVisitor for MakeTable {
+    type Output = LawTable;
+    fn visit<N: NormalLaw, T: TangentialLaw>(self) -> LawTable {
+        LawTable {
+            history: T::HISTORY,
+            vectors: T::VECTORS,
+            constants: PairConstants::new::<N, T>,
+            describe: |pair, approach| {
+                (N::evaluate(&pair.normal, approach, true).radius, N::energy(&pair.normal, approach))
+            },
+            breaking_approach: |pair| N::breaking_approach(&pair.normal),
+            advance: stepping::advance::<N, T>,
+            forces: stepping::forces::<N, T>,
+        }
+    }
+}
+
+/// A simulation.
+pub struct Simulation {
+    pub(crate) machine: Machine,
+    table: LawTable,
+}
+
+impl Simulation {
+    /// Grains at rest in a cell, under a control that holds the cell still. Forces are those of the geometry, with
+    /// no history.
+    pub fn new(cell: Cell, sites: &[Site], properties: Properties) -> Result<Simulation, SimulationError> {
+        check(&properties.contact)?;
+        check_sites(&cell, sites)?;
+        let mut place: Vec<Row8> = sites
+            .iter()
+            .map(|s| {
+                let mass = properties.material.density * 4.0 / 3.0 * std::f64::consts::PI * s.radius.powi(3);
+                let x = s.position;
+                Row8([x[0], x[1], x[2], s.radius, 0.0, 0.0, 0.0, mass])
+            })
+            .collect();
+        pairs::wrap(&cell, &mut place);
+        let largest = sites.iter().fold(0.0f64, |m, s| m.max(s.radius));
+        let far = 1e6 * largest;
+        place.push(Row8([0.0, 0.0, 0.0, largest, 0.0, 0.0, 0.0, 1.0]));
+        place.push(Row8([far, far, far, largest, 0.0, 0.0, 0.0, 1.0]));
+        let state = State {
+            spin: vec![Row4::default(); place.len()],
+            ids: sites.iter().map(|s| s.id).collect(),
+            place,
+            cell,
+            gradient: [[0.0; 3]; 3],
+            strain: [[0.0; 3]; 3],
+            time: 0.0,
+            step: 0,
+            dt: 0.0,
+            pairs: Pairs::default(),
+            skin: 0.02 * 2.0 * largest,
+            travel: f64::INFINITY,
+            distortion: 0.0,
+            steps_since_rebuild: 0,
+            rebuilds: 0,
+            sums: ContactSums::default(),
+            fastest_peak: 0.0,
+            ledger: EnergyLedger::default(),
+            servo: Servo::default(),
+            control: Control::fixed(),
+            fading: 0.0,
+            servo_error: ServoError::default(),
+        };
+        let table = with_law(properties.contact.normal, properties.contact.tangential, MakeTable);
+        let machine = Machine::new(state, properties, table);
+        let mut simulation = Simulation { machine, table };
+        simulation.machine.rebuild();
+        (table.forces)(&mut simulation.machine);
+        simulation.machine.reset_time_step();
+        Ok(simulation)
+    }
+
+    /// Sets threads and instruction set. Results do not depend on it.
+    pub fn set_hardware(&mut self, hardware: Hardware) {
+        self.machine.hardware = hardware;
+    }
+
+    /// Sets what drives the cell; the servo starts anew.
+    pub fn set_control(&mut self, control: Control) {
+        self.machine.state.control = control;
+        self.machine.state.servo = Servo::default();
+    }
+
+    /// Changes the bound on what the servo adds, leaving its memory.
+    pub fn set_rate_limit(&mut self, limit: f64) {
+        self.machine.state.control.rate_limit = limit;
+    }
+
+    /// Sets the rate at which velocities fade, 1/s (global damping, for preparation only; zero is none).
+    pub fn set_fading(&mut self, rate: f64) {
+        self.machine.state.fading = rate;
+    }
+
+    /// Sets the time step as a fraction of `sqrt(m / k_t)` of the stiffest contact.
+    pub fn set_time_step_factor(&mut self, factor: f64) {
+        self.machine.time_step_factor = factor;
+        self.machine.reset_time_step();
+    }
+
+    /// Fixes the time step, s, or lets it follow the stiffest contact again.
+    pub fn fix_time_step(&mut self, time_step: Option<f64>) {
+        self.machine.fixed_time_step = time_step;
+        self.machine.reset_time_step();
+    }
+
+    /// Sets the mean normal force, N, for which the time step is right from the start (`p d^2` for a sample at p).
+    pub fn expect_force(&mut self, force: f64) {
+        self.machine.expected_force = force;
+        self.machine.reset_time_step();
+    }
+
+    /// Changes material or law. Contacts keep their history if the tangential law stays, else tangential
+    /// forces start from zero. Masses follow the density.
+    pub fn set_properties(&mut self, properties: Properties) -> Result<(), SimulationError> {
+        check(&properties.contact)?;
+        let table = with_law(properties.contact.normal, properties.contact.tangential, MakeTable);
+        let same = self.machine.properties.contact.tangential == properties.contact.tangential;
+        let ratio = properties.material.density / self.machine.properties.material.density;
+        let grains = self.machine.state.grains();
+        for row in &mut self.machine.state.place[..grains] {
+            row.0[7] *= ratio;
+        }
+        self.table = table;
+        self.machine.properties = properties;
+        self.machine.table = table;
+        if !same {
+            self.machine.forget_history();
+        }
+        self.machine.rebuild();
+        Ok(())
+    }
+
+    /// Material and law.
+    pub fn properties(&self) -> &Properties {
+        &self.machine.properties
+    }
+
+    /// Advances by `steps` steps.
+    pub fn advance(&mut self, steps: u64) -> Result<(), SimulationError> {
+        (self.table.advance)(&mut self.machine, steps)
+    }
+
+    /// The state, for looking.
+    pub fn state(&self) -> &State {
+        &self.machine.state
+    }
+
+    /// Starts a phase: strain, time, steps and ledger count from here.
+    pub fn reset_phase(&mut self) {
+        self.machine.state.reset_phase();
+    }
+
+    /// Starts the statistics of the servo's error anew.
+    pub fn reset_servo_error(&mut self) {
+        self.machine.state.reset_servo_error();
+    }
+
+    /// A picture for sensors. It copies what it shows and changes nothing.
+    pub fn assembly(&self) -> Assembly {
+        self.machine.state.assembly(|slot| self.machine.pair_constants(slot), self.table.describe)
+    }
+
+    /// Mean diameter of the grains, m.
+    pub fn mean_diameter(&self) -> f64 {
+        self.machine.mean_diameter()
+    }
+
+    /// The strain rate, 1/s, that has this inertial number at a mean stress, Pa:
+    /// `I sqrt(p / rho) / d`.
+    pub fn strain_rate(&self, inertial_number: f64, mean_stress: f64) -> f64 {
+        inertial_number * (mean_stress / self.machine.properties.material.density).sqrt()
+            / self.mean_diameter()
+    }
+
+    /// Grains in a pair list slot order are an internal matter; this is how many near pairs are listed.
+    pub fn near_pairs(&self) -> usize {
+        self.machine.state.pairs.count
+    }
+
+    /// How often the pair list was made.
+    pub fn rebuilds(&self) -> u64 {
+        self.machine.state.rebuilds
+    }
+
+    /// Gives grains fluctuating velocities and spins, by rank of their ids.
+    pub fn set_velocities(&mut self, velocities: &[Vector], spins: &[Vector]) {
+        let state = &mut self.machine.state;
+        let mut order: Vec<usize> = (0..state.grains()).collect();
+        order.sort_unstable_by_key(|&g| state.ids[g]);
+        for (rank, g) in order.into_iter().enumerate() {
+            if let Some(v) = velocities.get(rank) {
+                state.place[g].0[4..7].copy_from_slice(v);
+            }
+            if let Some(w) = spins.get(rank) {
+                state.spin[g].0[..3].copy_from_slice(w);
+            }
+        }
+    }
+}
+
+fn check_sites(cell: &Cell, sites: &[Site]) -> Result<(), SimulationError> {
+    if sites.is_empty() {
+        return Err(SimulationError::NoGrains);
+    }
+    let volume = cell.volume();
+    if !(volume.is_finite() && volume > 0.0) {
+        return Err(SimulationError::Cell(volume));
+    }
+    let mut seen = HashSet::with_capacity(sites.len());
+    for s in sites {
+        let grain = |what: String| SimulationError::Grain { id: s.id, what };
+        if !(s.radius.is_finite() && s.radius > 0.0) {
+            return Err(grain(format!("its radius is {} m; it must be positive", s.radius)));
+        }
+        if s.position.iter().any(|x| !x.is_finite()) {
+            return Err(grain(format!("its position {:?} is not finite", s.position)));
+        }
+        if !seen.insert(s.id) {
+            return Err(grain("its id occurs twice; ids must differ".into()));
+        }
+    }
+    let largest = sites.iter().fold(0.0f64, |m, s| m.max(s.radius));
+    let height = cell.heights().into_iter().fold(f64::INFINITY, f64::min);
+    if height < largest {
+        return Err(SimulationError::Thin { height, diameter: 2.0 * largest });
+    }
+    Ok(())
+}
+
+impl Machine {
+    /// Constants of the pair in a slot.
+    pub(crate) fn pair_constants(&self, slot: usize) -> PairConstants<f64> {
+        if self.state.pairs.constants.is_empty() {
+            return self.alike;
+        }
+        let (b, l) = (slot / LANES, slot % LANES);
+        let count = PairConstants::COUNT;
+        PairConstants::from_columns(|c| self.state.pairs.constants[b * count + c].0[l])
+    }
+
+    /// Drops the memory of all contacts but for their normals.
+    fn forget_history(&mut self) {
+        let columns = NORMAL_COLUMNS + self.table.history;
+        let old = &self.state.pairs;
+        let mut memory = vec![Row8::default(); old.batches() * columns];
+        for b in 0..old.batches() {
+            for c in 0..NORMAL_COLUMNS {
+                memory[b * columns + c] = old.memory[b * old.columns + c];
+            }
+        }
+        self.state.pairs.memory = memory;
+        self.state.pairs.columns = columns;
+    }
+}

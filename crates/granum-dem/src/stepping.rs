@@ -1,0 +1,441 @@
+//! The loop over steps: serial work by one thread, two stages by all.
+
+use std::cell::UnsafeCell;
+use std::marker::PhantomData;
+
+use granum_simd::{LANES, Row4, Row8, dispatch};
+
+use crate::assembly::Matrix;
+use crate::contact::{NormalLaw, PairConstants, PairProperties, TangentialLaw};
+use crate::kernel::{
+    Alike, ByBatch, CONTACT_CHUNK, ConstantSource, ContactStage, ContactSums, GRAIN_CHUNK, GrainStage,
+    NORMAL_COLUMNS, Views,
+};
+use crate::pairs::{self, IMAGES, image_vector};
+use crate::servo::Sample;
+use crate::simulation::{Hardware, LawTable, Properties, SimulationError};
+use crate::state::State;
+use crate::team::{Barrier, RawSlice, share};
+
+/// Steps between two chances to raise the time step.
+const TIME_STEP_WINDOW: u64 = 256;
+/// The pair list should last this many steps; the skin follows.
+const WANTED_LIFE: std::ops::Range<u64> = 300..1200;
+/// The grains are put in spatial order again after this many rebuilds of the list.
+const REORDER_EVERY: u64 = 64;
+
+/// A state and what moves it on.
+pub(crate) struct Machine {
+    pub(crate) state: State,
+    pub(crate) properties: Properties,
+    pub(crate) table: LawTable,
+    pub(crate) hardware: Hardware,
+    pub(crate) time_step_factor: f64,
+    pub(crate) fixed_time_step: Option<f64>,
+    pub(crate) expected_force: f64,
+    /// Constants of all pairs, where grains are equal.
+    pub(crate) alike: PairConstants<f64>,
+    contact_sums: Vec<ContactSums>,
+    fastest_grain: Vec<f64>,
+    /// Largest and mean radius, m; smallest mass, kg.
+    largest_radius: f64,
+    mean_radius: f64,
+    total_mass: f64,
+}
+
+impl Machine {
+    pub(crate) fn new(state: State, properties: Properties, table: LawTable) -> Machine {
+        let mut machine = Machine {
+            state,
+            properties,
+            table,
+            hardware: Hardware::default(),
+            time_step_factor: 0.2,
+            fixed_time_step: None,
+            expected_force: 0.0,
+            alike: PairConstants::from_columns(|_| 0.0),
+            contact_sums: Vec::new(),
+            fastest_grain: Vec::new(),
+            largest_radius: 0.0,
+            mean_radius: 0.0,
+            total_mass: 0.0,
+        };
+        machine.measure_grains();
+        machine
+    }
+
+    fn measure_grains(&mut self) {
+        let n = self.state.grains();
+        let rows = &self.state.place[..n];
+        self.largest_radius = rows.iter().fold(0.0, |m, r| m.max(r.0[3]));
+        self.mean_radius = rows.iter().map(|r| r.0[3]).sum::<f64>() / n as f64;
+        self.total_mass = rows.iter().map(|r| r.0[7]).sum();
+    }
+
+    pub(crate) fn mean_diameter(&self) -> f64 {
+        2.0 * self.mean_radius
+    }
+
+    fn all_alike(&self) -> bool {
+        let n = self.state.grains();
+        let first = self.state.place[0].0;
+        self.state.place[..n].iter().all(|r| r.0[3] == first[3] && r.0[7] == first[7])
+    }
+
+    fn properties_of(&self, i: f64, j: f64) -> PairProperties {
+        let material = &self.properties.material;
+        PairProperties::new((material, i), (material, j), self.properties.contact.damping)
+    }
+
+    /// Makes the pair list anew: wraps the grains, now and then reorders them, searches, carries memory over.
+    pub(crate) fn rebuild(&mut self) {
+        let n = self.state.grains();
+        self.measure_grains();
+        adapt_skin(&mut self.state, 2.0 * self.largest_radius);
+        let state = &mut self.state;
+        let moved = pairs::wrap(&state.cell, &mut state.place[..n]);
+        let reorder = state.rebuilds.is_multiple_of(REORDER_EVERY);
+        let new_place = reorder.then(|| reorder_grains(state, 2.0 * self.largest_radius));
+        let near = pairs::find(&state.cell, &state.place[..n], state.skin);
+        let columns = NORMAL_COLUMNS + self.table.history;
+        let old = std::mem::take(&mut state.pairs);
+        state.pairs =
+            pairs::rebuild(&old, &near, &moved, new_place.as_deref(), columns, self.table.vectors, n);
+        state.travel = 0.0;
+        state.distortion = 0.0;
+        state.steps_since_rebuild = 0;
+        state.rebuilds += 1;
+        self.prepare_constants();
+    }
+
+    fn prepare_constants(&mut self) {
+        let radius = self.state.place[0].0[3];
+        self.alike = (self.table.constants)(&self.properties_of(radius, radius));
+        self.state.pairs.constants = Vec::new();
+        if self.all_alike() {
+            return;
+        }
+        let count = PairConstants::COUNT;
+        let batches = self.state.pairs.batches();
+        let mut rows = vec![Row8::default(); batches * count];
+        for b in 0..batches {
+            for l in 0..LANES {
+                let i = self.state.place[self.state.pairs.first[b][l] as usize].0[3];
+                let j = self.state.place[self.state.pairs.second[b][l] as usize].0[3];
+                let values = (self.table.constants)(&self.properties_of(i, j)).to_array();
+                for c in 0..count {
+                    rows[b * count + c].0[l] = values[c];
+                }
+            }
+        }
+        self.state.pairs.constants = rows;
+    }
+
+    /// `k_t / m` of a contact that carries the expected force (Hertz's radius), 1/s2: a floor for the time step's choice.
+    fn expected_fastest(&self) -> f64 {
+        let pair = self.properties_of(self.mean_radius, self.mean_radius);
+        let force = self.expected_force.max(1e-6 * pair.effective_modulus * pair.effective_radius.powi(2));
+        let radius = (0.75 * force * pair.effective_radius / pair.effective_modulus).cbrt();
+        8.0 * pair.effective_shear_modulus * radius / (2.0 * pair.effective_mass)
+    }
+
+    fn time_step_for(&self, fastest: f64) -> f64 {
+        self.time_step_factor / fastest.max(self.expected_fastest()).sqrt()
+    }
+
+    pub(crate) fn reset_time_step(&mut self) {
+        self.state.fastest_peak = self.state.sums.fastest;
+        self.state.dt = self.fixed_time_step.unwrap_or_else(|| self.time_step_for(self.state.sums.fastest));
+    }
+
+    /// Shortens the time step at once when a contact demands it; lengthens it slowly.
+    fn adapt_time_step(&mut self) {
+        if self.fixed_time_step.is_some() {
+            return;
+        }
+        let fastest = self.state.sums.fastest;
+        self.state.fastest_peak = self.state.fastest_peak.max(fastest);
+        let allowed = self.time_step_for(fastest);
+        if self.state.dt > allowed {
+            self.state.dt = allowed;
+        } else if self.state.step.is_multiple_of(TIME_STEP_WINDOW) {
+            self.state.dt = (1.02 * self.state.dt).min(self.time_step_for(self.state.fastest_peak));
+            self.state.fastest_peak = fastest;
+        }
+    }
+
+    /// Serial work before the grains move: servo, time step, cell, image vectors.
+    fn begin_step(&mut self, views: &mut Views) {
+        self.adapt_time_step();
+        let state = &mut self.state;
+        let volume = state.cell.volume();
+        let sample = Sample {
+            stress: state.stress(),
+            bulk_modulus: state.sums.stiffness / (9.0 * volume),
+            density: self.total_mass / volume,
+            height: state.cell.heights().into_iter().fold(0.0, f64::max),
+            dt: state.dt,
+        };
+        let control = state.control;
+        state.gradient = state.servo.gradient(&control, &sample);
+        if let Some(target) = state.target_mean_stress().filter(|t| *t != 0.0) {
+            let error = (state.mean_stress() - target) / target;
+            state.servo_error.squares += error * error;
+            state.servo_error.steps += 1;
+            state.servo_error.largest = state.servo_error.largest.max(error.abs());
+        }
+        let before = state.ledger.boundary_work;
+        state.ledger.boundary_work = before + 0.5 * state.dt * state.sums.boundary_power;
+        state.cell = state.cell.strained(&state.gradient, state.dt);
+        for r in 0..3 {
+            for c in 0..3 {
+                state.strain[r][c] -= state.dt * state.gradient[r][c];
+            }
+        }
+        views.gradient = state.gradient;
+        views.dt = state.dt;
+        views.retain = 1.0 - state.fading * state.dt;
+        views.images = image_table(state);
+    }
+
+    /// Serial work after the contacts: totals, ledger, list statistics.
+    fn end_step(&mut self, fastest_grain: f64, rebuilt: bool) -> Result<(), SimulationError> {
+        let state = &mut self.state;
+        state.sums = ContactSums::total(&self.contact_sums);
+        state.ledger.boundary_work += 0.5 * state.dt * state.sums.boundary_power;
+        state.ledger.tangential_work += state.sums.tangential_work;
+        state.ledger.friction += state.sums.friction_loss;
+        state.ledger.damping += state.sums.damping_loss;
+        state.ledger.adhesion += state.sums.adhesion_loss;
+        state.time += state.dt;
+        state.step += 1;
+        state.steps_since_rebuild += 1;
+        if !rebuilt {
+            state.travel += fastest_grain.sqrt() * state.dt;
+            state.distortion += norm(&state.gradient) * state.dt;
+        }
+        if !(fastest_grain.is_finite() && state.sums.virial.iter().all(|x| x.is_finite())) {
+            return Err(SimulationError::Diverged { step: state.step, time_step: state.dt });
+        }
+        Ok(())
+    }
+
+    fn views(&mut self) -> Views {
+        let s = &mut self.state;
+        let chunks = s.pairs.batches().div_ceil(CONTACT_CHUNK);
+        self.contact_sums.clear();
+        self.contact_sums.resize(chunks, ContactSums::default());
+        self.fastest_grain.clear();
+        self.fastest_grain.resize(s.ids.len().div_ceil(GRAIN_CHUNK), 0.0);
+        Views {
+            grains: s.ids.len(),
+            images: image_table(s),
+            place: RawSlice::new(&mut s.place),
+            spin: RawSlice::new(&mut s.spin),
+            first: RawSlice::new(&mut s.pairs.first),
+            second: RawSlice::new(&mut s.pairs.second),
+            image: RawSlice::new(&mut s.pairs.image),
+            memory: RawSlice::new(&mut s.pairs.memory),
+            records: RawSlice::new(&mut s.pairs.records),
+            constants: RawSlice::new(&mut s.pairs.constants),
+            offsets: RawSlice::new(&mut s.pairs.offsets),
+            incident: RawSlice::new(&mut s.pairs.incident),
+            contact_sums: RawSlice::new(&mut self.contact_sums),
+            fastest_grain: RawSlice::new(&mut self.fastest_grain),
+            inner_batches: s.pairs.inner_batches,
+            alike: self.alike,
+            gradient: s.gradient,
+            dt: s.dt,
+            retain: 1.0,
+        }
+    }
+
+    /// True if the list may miss a contact after grains moved by up to `step_travel` more.
+    fn list_is_stale(&self, views: &Views, fastest: f64) -> bool {
+        let state = &self.state;
+        let travel = state.travel + fastest.sqrt() * views.dt;
+        let distortion = state.distortion + norm(&views.gradient) * views.dt;
+        let reach = -(self.table.breaking_approach)(&self.alike);
+        let diameter = 2.0 * self.largest_radius + state.skin;
+        2.0 * travel + 1.01 * distortion * diameter + reach > state.skin
+    }
+}
+
+/// Frobenius norm: no vector is strained faster.
+fn norm(m: &Matrix) -> f64 {
+    m.iter().flatten().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+fn image_table(state: &State) -> [Row4; IMAGES] {
+    std::array::from_fn(|code| {
+        let v = state.cell.image(image_vector(code as u32));
+        Row4([v[0], v[1], v[2], 0.0])
+    })
+}
+
+/// A list that lasts long is too wide, one that does not last is too narrow.
+fn adapt_skin(state: &mut State, diameter: f64) {
+    if state.rebuilds == 0 {
+        return;
+    }
+    if state.steps_since_rebuild < WANTED_LIFE.start {
+        state.skin *= 1.25;
+    } else if state.steps_since_rebuild > WANTED_LIFE.end {
+        state.skin *= 0.9;
+    }
+    state.skin = state.skin.clamp(1e-3 * diameter, 0.3 * diameter);
+}
+
+/// Sorts the grains along a space-filling curve; returns the new place of each.
+fn reorder_grains(state: &mut State, spacing: f64) -> Vec<u32> {
+    let n = state.grains();
+    let order = pairs::spatial_order(&state.cell, &state.place[..n], spacing);
+    let mut new_place = vec![0u32; n];
+    for (new, &old) in order.iter().enumerate() {
+        new_place[old as usize] = new as u32;
+    }
+    let place: Vec<Row8> = order.iter().map(|&o| state.place[o as usize]).collect();
+    let spin: Vec<Row4> = order.iter().map(|&o| state.spin[o as usize]).collect();
+    let ids: Vec<u64> = order.iter().map(|&o| state.ids[o as usize]).collect();
+    state.place[..n].copy_from_slice(&place);
+    state.spin[..n].copy_from_slice(&spin);
+    state.ids = ids;
+    new_place
+}
+
+/// What the team shares.
+struct Team<'a> {
+    machine: UnsafeCell<&'a mut Machine>,
+    views: UnsafeCell<Views>,
+    failure: UnsafeCell<Option<SimulationError>>,
+    barrier: Barrier,
+    threads: usize,
+    by_batch: bool,
+    isa: granum_simd::Isa,
+}
+// SAFETY: thread 0 alone touches the cells mutably, between barriers, while the others wait or work on
+// what `Views` gives them; the others read the cells only between those times.
+unsafe impl Sync for Team<'_> {}
+
+impl Team<'_> {
+    /// One thread's part in `steps` steps.
+    fn work<N: NormalLaw, T: TangentialLaw>(&self, thread: usize, steps: u64) {
+        for _ in 0..steps {
+            if thread == 0 {
+                // SAFETY: see `Team`; the others wait at the next barrier.
+                unsafe { (*self.machine.get()).begin_step(&mut *self.views.get()) };
+            }
+            self.barrier.wait();
+            // SAFETY: thread 0 does not write the views before all have passed the next barrier.
+            let views = unsafe { &*self.views.get() };
+            let chunks = share(views.fastest_grain.len(), thread, self.threads);
+            dispatch(self.isa, GrainStage { views, chunks });
+            self.barrier.wait();
+            // SAFETY: written before the barrier, read after it; the machine is only read until the next one.
+            let fastest = unsafe { views.fastest_grain.read() }.iter().fold(0.0f64, |m, x| m.max(*x));
+            let stale = unsafe { (*self.machine.get()).list_is_stale(views, fastest) };
+            if stale {
+                self.barrier.wait();
+                if thread == 0 {
+                    // SAFETY: see `Team`.
+                    unsafe { self.renew() };
+                }
+                self.barrier.wait();
+            }
+            // SAFETY: as above; `renew` may have replaced the views.
+            let views = unsafe { &*self.views.get() };
+            let chunks = share(views.contact_sums.len(), thread, self.threads);
+            if self.by_batch {
+                contact_stage::<N, T, ByBatch>(self.isa, views, chunks);
+            } else {
+                contact_stage::<N, T, Alike>(self.isa, views, chunks);
+            }
+            self.barrier.wait();
+            if thread == 0 {
+                // SAFETY: see `Team`.
+                unsafe {
+                    if let Err(e) = (*self.machine.get()).end_step(fastest, stale) {
+                        *self.failure.get() = Some(e);
+                    }
+                }
+            }
+            if self.failed(thread) {
+                return;
+            }
+        }
+    }
+
+    /// True if the run must end. Threads other than 0 learn of a failure through the barrier.
+    fn failed(&self, thread: usize) -> bool {
+        if self.threads > 1 {
+            self.barrier.wait();
+        }
+        let _ = thread;
+        // SAFETY: written by thread 0 before the barrier.
+        unsafe { (*self.failure.get()).is_some() }
+    }
+
+    /// Makes the list and the views anew.
+    ///
+    /// # Safety
+    /// Only thread 0, while the others wait.
+    unsafe fn renew(&self) {
+        unsafe {
+            let machine = &mut *self.machine.get();
+            let old = *self.views.get();
+            machine.rebuild();
+            let mut views = machine.views();
+            views.gradient = old.gradient;
+            views.dt = old.dt;
+            views.retain = old.retain;
+            *self.views.get() = views;
+        }
+    }
+}
+
+fn contact_stage<N: NormalLaw, T: TangentialLaw, C: ConstantSource>(
+    isa: granum_simd::Isa,
+    views: &Views,
+    chunks: std::ops::Range<usize>,
+) {
+    dispatch(isa, ContactStage { views, chunks, laws: PhantomData::<(N, T, C)> });
+}
+
+/// Advances by `steps` steps with the threads of the machine's hardware.
+pub(crate) fn advance<N: NormalLaw, T: TangentialLaw>(
+    machine: &mut Machine,
+    steps: u64,
+) -> Result<(), SimulationError> {
+    let threads = machine.hardware.threads.max(1);
+    let views = machine.views();
+    let team = Team {
+        by_batch: !machine.state.pairs.constants.is_empty(),
+        isa: machine.hardware.isa,
+        machine: UnsafeCell::new(machine),
+        views: UnsafeCell::new(views),
+        failure: UnsafeCell::new(None),
+        barrier: Barrier::new(threads),
+        threads,
+    };
+    let shared = &team;
+    std::thread::scope(|scope| {
+        for thread in 1..threads {
+            scope.spawn(move || shared.work::<N, T>(thread, steps));
+        }
+        shared.work::<N, T>(0, steps);
+    });
+    team.failure.into_inner().map_or(Ok(()), Err)
+}
+
+/// Computes the forces of the present geometry without moving anything or letting time pass.
+pub(crate) fn forces<N: NormalLaw, T: TangentialLaw>(machine: &mut Machine) {
+    let mut views = machine.views();
+    views.dt = 0.0;
+    let chunks = 0..views.contact_sums.len();
+    if machine.state.pairs.constants.is_empty() {
+        contact_stage::<N, T, Alike>(machine.hardware.isa, &views, chunks);
+    } else {
+        contact_stage::<N, T, ByBatch>(machine.hardware.isa, &views, chunks);
+    }
+    machine.state.sums = ContactSums::total(&machine.contact_sums);
+}
