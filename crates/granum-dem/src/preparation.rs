@@ -150,7 +150,8 @@ pub fn prepare(
     };
     if let Some(friction) = p.friction {
         let mut sample = prepare_with(recipe, friction, 1, observer)?;
-        sample.solid_fraction_met = (sample.trials[0].solid_fraction - target).abs() <= p.solid_fraction_tolerance;
+        sample.solid_fraction_met =
+            (sample.trials[0].solid_fraction - target).abs() <= p.solid_fraction_tolerance;
         return Ok(sample);
     }
     let mut trials: Vec<Trial> = Vec::new();
@@ -184,8 +185,7 @@ fn next_friction(trials: &[Trial], target: f64) -> f64 {
         [] => usual(target),
         [only] => {
             // The usual curve, shifted to go through the first trial.
-            let shift = only.solid_fraction
-                - interpolate(&USUAL, only.friction);
+            let shift = only.solid_fraction - interpolate(&USUAL, only.friction);
             usual(target - shift)
         }
         _ => {

@@ -3,8 +3,10 @@
 //!
 //! A proportional-integral rule drives a servoed component at
 //! `rate = base + (e + integral(e dt) / (6 tau)) / (n K tau)` with the stress error `e = target - stress`. Its gain
-//! comes from the sample: K is the affine bulk modulus `sum(k_n D^2) / (9 V)` of the present contacts and tau the
-//! longer of 300 time steps and twice the time of sound across the cell, so that nothing is left to tune.
+//! comes from the sample: K is the affine bulk modulus `sum(k_n D^2) / (9 V)` of the present contacts, an upper bound
+//! of the true one, and tau is thirty time steps, so that nothing is left to tune. So short a time is sound because
+//! the cell strains all contacts at once: nothing has to travel from a wall. (With 300 steps p wanders by 3 % rms in a
+//! test of 1000 grains at I = 1e-3, with 100 by 1.1 %, with 50 by 0.5 %, with 20 by 0.2 %.)
 
 use serde::{Deserialize, Serialize};
 
@@ -18,6 +20,9 @@ pub struct MeanStress {
     /// The axes that move for it, all by the same rate on top of their base rate.
     pub axes: [bool; 3],
 }
+
+/// Time constant of the servo, in time steps.
+const RESPONSE: f64 = 30.0;
 
 /// What drives the cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -79,10 +84,6 @@ pub(crate) struct Sample {
     pub(crate) stress: Matrix,
     /// Affine bulk modulus, Pa.
     pub(crate) bulk_modulus: f64,
-    /// Bulk density of the assembly, kg/m3.
-    pub(crate) density: f64,
-    /// Longest height of the cell, m.
-    pub(crate) height: f64,
     pub(crate) dt: f64,
 }
 
@@ -91,8 +92,7 @@ impl Servo {
     pub(crate) fn gradient(&mut self, control: &Control, sample: &Sample) -> Matrix {
         // Without contacts there is no stiffness; the rate limit then decides, and this only keeps numbers finite.
         let stiffness = sample.bulk_modulus.max(100.0 * control.scale()).max(1.0);
-        let sound = (1.5 * stiffness / sample.density).sqrt();
-        let tau = (300.0 * sample.dt).max(2.0 * sample.height / sound);
+        let tau = RESPONSE * sample.dt;
         let gain = |axes: f64| Gain {
             gain: 1.0 / (axes * stiffness * tau),
             tau,
@@ -168,7 +168,7 @@ mod tests {
             for step in 0..40_000 {
                 let stress =
                     std::array::from_fn(|r| std::array::from_fn(|c| if r == c { pressure } else { 0.0 }));
-                let sample = Sample { stress, bulk_modulus: modulus, density: 1600.0, height: 1e-4, dt };
+                let sample = Sample { stress, bulk_modulus: modulus, dt };
                 let gradient = servo.gradient(&control, &sample);
                 pressure -= modulus * (gradient[0][0] + gradient[1][1] + gradient[2][2]) * dt;
                 if step > 30_000 {
@@ -184,7 +184,7 @@ mod tests {
         let control = Control::isotropic(0.0, 10.0);
         let mut stress = [[0.0; 3]; 3];
         stress[0][0] = 5e3;
-        let sample = Sample { stress, bulk_modulus: 1e8, density: 1600.0, height: 1e-3, dt: 1e-8 };
+        let sample = Sample { stress, bulk_modulus: 1e8, dt: 1e-8 };
         let gradient = Servo::default().gradient(&control, &sample);
         assert!(gradient[0][0] > 0.0 && gradient[1][1] == 0.0);
     }
@@ -195,8 +195,6 @@ mod tests {
         let sample = Sample {
             stress: [[20e3, 0.0, 0.0], [0.0, 20e3, 0.0], [0.0, 0.0, 20e3]],
             bulk_modulus: 1e8,
-            density: 1600.0,
-            height: 1e-3,
             dt: 1e-8,
         };
         let gradient = Servo::default().gradient(&control, &sample);

@@ -37,10 +37,9 @@ pub(crate) struct Machine {
     pub(crate) alike: PairConstants<f64>,
     contact_sums: Vec<ContactSums>,
     fastest_grain: Vec<f64>,
-    /// Largest and mean radius, m; smallest mass, kg.
+    /// Largest and mean radius, m.
     largest_radius: f64,
     mean_radius: f64,
-    total_mass: f64,
 }
 
 impl Machine {
@@ -58,7 +57,6 @@ impl Machine {
             fastest_grain: Vec::new(),
             largest_radius: 0.0,
             mean_radius: 0.0,
-            total_mass: 0.0,
         };
         machine.measure_grains();
         machine
@@ -69,7 +67,6 @@ impl Machine {
         let rows = &self.state.place[..n];
         self.largest_radius = rows.iter().fold(0.0, |m, r| m.max(r.0[3]));
         self.mean_radius = rows.iter().map(|r| r.0[3]).sum::<f64>() / n as f64;
-        self.total_mass = rows.iter().map(|r| r.0[7]).sum();
     }
 
     pub(crate) fn mean_diameter(&self) -> f64 {
@@ -172,8 +169,6 @@ impl Machine {
         let sample = Sample {
             stress: state.stress(),
             bulk_modulus: state.sums.stiffness / (9.0 * volume),
-            density: self.total_mass / volume,
-            height: state.cell.heights().into_iter().fold(0.0, f64::max),
             dt: state.dt,
         };
         let control = state.control;

@@ -35,7 +35,12 @@ impl AxisymmetricCompression {
 
 impl Path for AxisymmetricCompression {
     fn control(&self, _simulation: &Simulation) -> Control {
-        Control::constant_mean_stress(0, self.strain_rate, self.mean_stress, SERVO_LIMIT * self.strain_rate.abs())
+        Control::constant_mean_stress(
+            0,
+            self.strain_rate,
+            self.mean_stress,
+            SERVO_LIMIT * self.strain_rate.abs(),
+        )
     }
     fn coordinate(&self, state: &State) -> f64 {
         state.deviator_strain()

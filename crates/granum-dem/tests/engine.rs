@@ -1,0 +1,228 @@
+//! The engine as a whole: forces of lattices, conservation, and the same bits whatever runs it.
+
+use granum_dem::Isa;
+use granum_dem::cell::Cell;
+use granum_dem::config::{Contact, Grains, Material, NormalKind, Preparation, TangentialKind};
+use granum_dem::gas::gas;
+use granum_dem::path::axisymmetric::AxisymmetricCompression;
+use granum_dem::path::{Watcher, follow, start};
+use granum_dem::preparation::{Flow, Progress, Recipe, prepare};
+use granum_dem::servo::Control;
+use granum_dem::simulation::{Hardware, Properties, Simulation, SimulationError, Site};
+
+const DIAMETER: f64 = 1e-4;
+
+fn properties(normal: NormalKind, tangential: TangentialKind) -> Properties {
+    Properties { material: Material::default(), contact: Contact { normal, tangential, damping: 0.1 } }
+}
+
+fn lattice(sites: &[[f64; 3]], cell: Cell, normal: NormalKind) -> Simulation {
+    let sites: Vec<Site> = sites
+        .iter()
+        .enumerate()
+        .map(|(k, &position)| Site { id: k as u64 + 1, position, radius: 0.5 * DIAMETER })
+        .collect();
+    Simulation::new(cell, &sites, properties(normal, TangentialKind::NoSlip)).unwrap()
+}
+
+/// Physics table (vi): mean stress and affine bulk modulus of simple cubic and face-centred cubic lattices.
+#[test]
+fn lattices_have_their_stress() {
+    let table = [
+        (1e-5, NormalKind::Hertz, 810.8566, 2293.449),
+        (1e-4, NormalKind::Hertz, 25646.15, 72538.28),
+        (1e-3, NormalKind::Hertz, 812464.5, 2297997.0),
+    ];
+    for (strain, normal, simple, face_centred) in table {
+        let l = DIAMETER * (1.0 - strain);
+        let s = lattice(&[[0.0; 3]], Cell::cuboid([l; 3]), normal);
+        let p = s.state().mean_stress();
+        assert!((p / simple - 1.0).abs() < 2e-7, "simple cubic {strain}: {p} {simple}");
+        assert_eq!(s.state().contacts(), 3);
+        let h = l / 2f64.sqrt();
+        let cell = Cell { edges: [[0.0, h, h], [h, 0.0, h], [h, h, 0.0]] };
+        let s = lattice(&[[0.0; 3]], cell, normal);
+        let p = s.state().mean_stress();
+        assert!((p / face_centred - 1.0).abs() < 3e-7, "face-centred {strain}: {p} {face_centred}");
+        assert_eq!(s.state().contacts(), 6);
+    }
+    for (strain, simple) in [(1e-5, -5023.745), (1e-4, 20503.37), (1e-3, 807649.2)] {
+        let s = lattice(&[[0.0; 3]], Cell::cuboid([DIAMETER * (1.0 - strain); 3]), NormalKind::Jkr);
+        let p = s.state().mean_stress();
+        assert!((p / simple - 1.0).abs() < 2e-7, "adhesive {strain}: {p} {simple}");
+    }
+}
+
+fn small_sample(hardware: Hardware, spread: f64) -> Simulation {
+    let grains = Grains { count: 300, spread, ..Grains::default() };
+    let preparation = Preparation {
+        friction: Some(0.1),
+        solid_fraction: None,
+        inertial_number: 5e-3,
+        unbalanced_force: 1e-2,
+        ..Preparation::default()
+    };
+    let contact = Contact::default();
+    let recipe = Recipe {
+        grains: &grains,
+        contact: &contact,
+        preparation: &preparation,
+        time_step_factor: 0.2,
+        hardware,
+    };
+    prepare(&recipe, &mut |_: &Progress| Flow::Continue).unwrap().simulation
+}
+
+struct Nobody;
+impl Watcher for Nobody {
+    fn next_look(&self) -> f64 {
+        f64::INFINITY
+    }
+    fn look(&mut self, _: &Simulation) {}
+    fn progress(&mut self, _: &Progress) -> Flow {
+        Flow::Continue
+    }
+}
+
+/// A watcher that looks often and thoroughly.
+struct Everything(f64);
+impl Watcher for Everything {
+    fn next_look(&self) -> f64 {
+        self.0
+    }
+    fn look(&mut self, simulation: &Simulation) {
+        assert!(!simulation.assembly().contacts.is_empty());
+        self.0 += 1.7e-4;
+    }
+    fn progress(&mut self, _: &Progress) -> Flow {
+        Flow::Continue
+    }
+}
+
+fn sheared(hardware: Hardware, spread: f64, watcher: &mut dyn Watcher) -> String {
+    let mut s = small_sample(hardware, spread);
+    let path =
+        AxisymmetricCompression { strain_rate: 100.0, mean_stress: 20e3, deviator_strain: 0.01 };
+    start(&path, &mut s);
+    follow(&path, &mut s, watcher).unwrap();
+    // Debug formatting of floats is exact.
+    format!("{:?}", s.state())
+}
+
+#[test]
+fn same_bits_on_any_machine_and_whoever_looks() {
+    for spread in [0.0, 0.2] {
+        let reference = sheared(Hardware { threads: 1, isa: Isa::detect() }, spread, &mut Nobody);
+        for isa in Isa::ALL.into_iter().filter(|i| i.available()) {
+            for threads in [1, 2, 4] {
+                let other = sheared(Hardware { threads, isa }, spread, &mut Everything(0.0));
+                assert!(other == reference, "{} with {threads} threads, spread {spread}", isa.name());
+            }
+        }
+    }
+}
+
+#[test]
+fn momentum_and_energy_of_an_elastic_gas_are_kept() {
+    let grains = Grains { count: 100, ..Grains::default() };
+    let (cell, sites) = gas(&grains, 0.3, 5).unwrap();
+    let material = Material { friction: 0.0, interface_energy: 0.0, ..Material::default() };
+    let contact =
+        Contact { normal: NormalKind::Hertz, tangential: TangentialKind::NoSlip, damping: 0.0 };
+    let mut s = Simulation::new(cell, &sites, Properties { material, contact }).unwrap();
+    let velocities: Vec<[f64; 3]> =
+        (0..100).map(|k| [k as f64 * 0.7, k as f64 * 1.3, k as f64 * 2.1].map(f64::sin)).collect();
+    s.set_velocities(&velocities, &[]);
+    s.fix_time_step(Some(2e-9));
+    let energy = |s: &Simulation| {
+        let a = s.assembly();
+        let kinetic: f64 =
+            a.grains.iter().map(|g| 0.5 * g.mass * g.velocity.iter().map(|v| v * v).sum::<f64>()).sum();
+        kinetic + a.contacts.iter().map(|c| c.normal_energy).sum::<f64>()
+    };
+    let momentum = |s: &Simulation| -> [f64; 3] {
+        let a = s.assembly();
+        std::array::from_fn(|k| a.grains.iter().map(|g| g.mass * g.velocity[k]).sum())
+    };
+    let (start, push) = (energy(&s), momentum(&s));
+    let mut worst = 0.0f64;
+    for _ in 0..100 {
+        s.advance(1000).unwrap();
+        worst = worst.max((energy(&s) / start - 1.0).abs());
+    }
+    assert!(worst < 3e-3, "energy off by {worst}");
+    let scale = s.assembly().grains[0].mass * 10.0;
+    for (a, b) in momentum(&s).iter().zip(push) {
+        assert!((a - b).abs() < 1e-12 * scale, "{a} {b}");
+    }
+}
+
+#[test]
+fn forces_are_in_balance_with_torques() {
+    let s = small_sample(Hardware::default(), 0.1);
+    let a = s.assembly();
+    let mut force = vec![[0.0; 3]; a.grains.len()];
+    for c in &a.contacts {
+        let f = c.force();
+        for k in 0..3 {
+            force[c.i][k] += f[k];
+            force[c.j][k] -= f[k];
+        }
+    }
+    // The engine's resultants add dashpots, which are tiny at rest.
+    let mean = a.contacts.iter().map(|c| c.normal_force).sum::<f64>() / a.contacts.len() as f64;
+    for (g, f) in a.grains.iter().zip(&force) {
+        for k in 0..3 {
+            assert!((g.force[k] - f[k]).abs() < 0.05 * mean, "grain {}", g.id);
+        }
+    }
+    assert!((s.state().mean_stress() / 20e3 - 1.0).abs() < 0.02);
+}
+
+#[test]
+fn a_rigidly_rotating_cell_feels_nothing() {
+    let mut s = small_sample(Hardware::default(), 0.0);
+    s.set_control(Control::fixed());
+    s.advance(3000).unwrap();
+    let before = s.state().mean_stress();
+    assert!(before > 15e3);
+    let mut control = Control::fixed();
+    let rate = 50.0;
+    control.rate[0][1] = rate;
+    control.rate[1][0] = -rate;
+    // The gradient turns the cell; grains must turn along, or tangential forces would say they roll.
+    let spins = vec![[0.0, 0.0, rate]; 300];
+    s.set_velocities(&[], &spins);
+    s.set_control(control);
+    let work = s.state().energy().tangential_work;
+    s.advance(2000).unwrap();
+    let after = s.state().mean_stress();
+    assert!((after / before - 1.0).abs() < 0.02, "{before} {after}");
+    assert!((s.state().energy().tangential_work - work).abs() < 1e-9);
+}
+
+#[test]
+fn impossible_grains_are_refused_by_id() {
+    let site = |id, x: f64, radius| Site { id, position: [x, 0.0, 0.0], radius };
+    let p = properties(NormalKind::Hertz, TangentialKind::NoSlip);
+    let cell = Cell::cuboid([1e-3; 3]);
+    let message = |sites: &[Site]| match Simulation::new(cell, sites, p) {
+        Err(e @ SimulationError::Grain { .. }) => e.to_string(),
+        Err(e) => panic!("{e}"),
+        Ok(_) => panic!("accepted"),
+    };
+    assert!(message(&[site(7, f64::NAN, 5e-5)]).contains("grain 7"));
+    assert!(message(&[site(8, 0.0, -1.0)]).contains("grain 8"));
+    assert!(message(&[site(9, 0.0, 5e-5), site(9, 2e-4, 5e-5)]).contains("grain 9"));
+    assert!(matches!(Simulation::new(cell, &[], p), Err(SimulationError::NoGrains)));
+}
+
+#[test]
+fn divergence_is_reported() {
+    let mut s = small_sample(Hardware::default(), 0.0);
+    s.fix_time_step(Some(1e-2));
+    let mut control = Control::fixed();
+    control.rate[0][0] = 1e300;
+    s.set_control(control);
+    assert!(matches!(s.advance(10), Err(SimulationError::Diverged { .. })));
+}
