@@ -293,14 +293,18 @@ impl Kernel for GrainStage<'_> {
             for (n, g) in range.enumerate() {
                 let total = resultant::<L>(records, offsets, incident, g);
                 let square = advance_grain(v, &total, &mut place[n], &mut spin[n]);
-                if square > fastest {
-                    fastest = square;
-                }
+                fastest = larger(fastest, square);
             }
             // SAFETY: this thread alone works on this chunk.
             unsafe { v.fastest_grain.write(chunk..chunk + 1)[0] = fastest };
         }
     }
+}
+
+/// The larger of two numbers, or NaN once either is.
+#[inline(always)]
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
+    if b > a || b.is_nan() { b } else { a }
 }
 
 /// Sum of the records of a grain: force (entries 0..3) and torque over radius (4..7).

@@ -8,6 +8,9 @@
 use granum_simd::{LANES, Row8};
 
 use crate::cell::{Cell, apply, invert};
+use crate::contact::MAX_HISTORY;
+use crate::contact::interaction::Memory;
+use crate::kernel::NORMAL_COLUMNS;
 
 /// Largest number of cells by which an image may be displaced along an edge.
 const REACH: i32 = 2;
@@ -64,6 +67,26 @@ impl Pairs {
     /// Memory column `c` of batch `b`.
     pub(crate) fn column(&self, b: usize, c: usize) -> &[f64; LANES] {
         &self.memory[b * self.columns + c].0
+    }
+
+    /// The memory of a slot.
+    pub(crate) fn memory(&self, slot: usize) -> Memory<f64> {
+        let (b, l) = (slot / LANES, slot % LANES);
+        let mut history = [0.0; MAX_HISTORY];
+        for (c, value) in history.iter_mut().enumerate().take(self.columns - NORMAL_COLUMNS) {
+            *value = self.column(b, NORMAL_COLUMNS + c)[l];
+        }
+        Memory { normal: [0, 1, 2].map(|c| self.column(b, c)[l]), history }
+    }
+
+    fn set_memory(&mut self, slot: usize, memory: &Memory<f64>) {
+        let (b, l) = (slot / LANES, slot % LANES);
+        for c in 0..NORMAL_COLUMNS {
+            self.memory[b * self.columns + c].0[l] = memory.normal[c];
+        }
+        for c in 0..self.columns - NORMAL_COLUMNS {
+            self.memory[b * self.columns + NORMAL_COLUMNS + c].0[l] = memory.history[c];
+        }
     }
 
     /// True if the pair in this slot touched in the last step.
@@ -267,8 +290,8 @@ fn carried_key(pairs: &Pairs, slot: usize, moved: &[[i32; 3]], new_place: Option
 
 /// Makes the list anew from `near` (sorted), carrying over the memory and records of pairs that persist.
 ///
-/// `moved` and `new_place` say how the grains were wrapped and reordered since the old list; `vectors` is the number of
-/// leading vectors of the history, which change sign when i and j change sides. `grains` counts the real grains; the
+/// `moved` and `new_place` say how the grains were wrapped and reordered since the old list; `swap` rewrites
+/// a memory when i and j change sides. `grains` counts the real grains; the
 /// two phantoms follow them.
 pub(crate) fn rebuild(
     old: &Pairs,
@@ -276,7 +299,7 @@ pub(crate) fn rebuild(
     moved: &[[i32; 3]],
     new_place: Option<&[u32]>,
     columns: usize,
-    vectors: usize,
+    swap: fn(&mut Memory<f64>),
     grains: usize,
 ) -> Pairs {
     let phantoms = (grains as u32, grains as u32 + 1);
@@ -308,7 +331,7 @@ pub(crate) fn rebuild(
     pairs.memory = vec![Row8::default(); pairs.batches() * columns];
     pairs.records = vec![Row8::default(); pairs.batches() * LANES];
     list_incidents(&mut pairs, near, &slots, grains);
-    carry_memory(&mut pairs, old, near, &slots, moved, new_place, vectors);
+    carry_memory(&mut pairs, old, near, &slots, moved, new_place, swap);
     pairs
 }
 
@@ -340,23 +363,21 @@ fn carry_memory(
     slots: &[u32],
     moved: &[[i32; 3]],
     new_place: Option<&[u32]>,
-    vectors: usize,
+    swap: fn(&mut Memory<f64>),
 ) {
     let real = moved.len() as u32;
     for slot in 0..old.batches() * LANES {
-        let (b, l) = (slot / LANES, slot % LANES);
-        if old.first[b][l] >= real || !old.touched(slot) {
+        if old.first[slot / LANES][slot % LANES] >= real || !old.touched(slot) {
             continue;
         }
         let (key, flip) = carried_key(old, slot, moved, new_place);
         let Ok(n) = near.binary_search(&key) else { continue };
         let target = slots[n] as usize;
-        let (tb, tl) = (target / LANES, target % LANES);
-        for c in 0..old.columns.min(pairs.columns) {
-            let value = old.column(b, c)[l];
-            let signed = if flip && c < 3 + 3 * vectors { -value } else { value };
-            pairs.memory[tb * pairs.columns + c].0[tl] = signed;
+        let mut memory = old.memory(slot);
+        if flip {
+            swap(&mut memory);
         }
+        pairs.set_memory(target, &memory);
         let mut record = old.records[slot];
         if flip {
             // Force on the other grain; the moment serves both sides alike.
@@ -409,7 +430,14 @@ mod tests {
         let mut place = grains(200, &cell, 0.8);
         let near = find(&cell, &place, 0.05);
         let none = vec![[0; 3]; 200];
-        let mut pairs = rebuild(&Pairs::default(), &near, &none, None, 7, 1, 200);
+        // A memory whose first three columns are a vector in space.
+        let swap = |m: &mut Memory<f64>| {
+            m.normal = m.normal.map(|x| -x);
+            for c in 0..3 {
+                m.history[c] = -m.history[c];
+            }
+        };
+        let mut pairs = rebuild(&Pairs::default(), &near, &none, None, 7, swap, 200);
         let length = |pairs: &Pairs, place: &[Row8], slot: usize| {
             let (b, l) = (slot / LANES, slot % LANES);
             let s = cell.image(image_vector(pairs.image[b][l]));
@@ -442,7 +470,7 @@ mod tests {
         }
         let place: Vec<Row8> = order.iter().map(|&o| place[o as usize]).collect();
         let near = find(&cell, &place, 0.05);
-        let again = rebuild(&pairs, &near, &moved, Some(&new_place), 7, 1, 200);
+        let again = rebuild(&pairs, &near, &moved, Some(&new_place), 7, swap, 200);
         assert_eq!(again.count, pairs.count);
         let mut checked = 0;
         for slot in 0..again.batches() * LANES {

@@ -7,8 +7,9 @@ use granum_simd::{Isa, LANES, Row4, Row8};
 use crate::assembly::{Assembly, EnergyLedger, Vector};
 use crate::cell::Cell;
 use crate::config::{Contact, Material};
+use crate::contact::interaction::Memory;
 use crate::contact::registry::{LawError, LawVisitor, check, with_law};
-use crate::contact::{NormalLaw, PairConstants, PairProperties, TangentialLaw};
+use crate::contact::{MAX_HISTORY, NormalLaw, PairConstants, PairProperties, TangentialLaw};
 use crate::kernel::{ContactSums, NORMAL_COLUMNS};
 use crate::pairs::{self, Pairs};
 use crate::servo::{Control, Servo};
@@ -95,9 +96,10 @@ pub enum SimulationError {
 #[derive(Clone, Copy)]
 pub(crate) struct LawTable {
     pub(crate) history: usize,
-    pub(crate) vectors: usize,
+    pub(crate) swap_sides: fn(&mut Memory<f64>),
     pub(crate) constants: fn(&PairProperties) -> PairConstants<f64>,
     pub(crate) describe: fn(&PairConstants<f64>, f64) -> (f64, f64),
+    pub(crate) tangential_force: fn([f64; 3], &[f64; MAX_HISTORY]) -> [f64; 3],
     pub(crate) breaking_approach: fn(&PairConstants<f64>) -> f64,
     pub(crate) advance: fn(&mut Machine, u64) -> Result<(), SimulationError>,
     pub(crate) forces: fn(&mut Machine),
@@ -109,7 +111,8 @@ impl LawVisitor for MakeTable {
     fn visit<N: NormalLaw, T: TangentialLaw>(self) -> LawTable {
         LawTable {
             history: T::HISTORY,
-            vectors: T::VECTORS,
+            swap_sides: T::swap_sides,
+            tangential_force: T::force::<f64>,
             constants: PairConstants::new::<N, T>,
             describe: |pair, approach| {
                 (N::evaluate(&pair.normal, approach, true).radius, N::energy(&pair.normal, approach))
@@ -122,6 +125,7 @@ impl LawVisitor for MakeTable {
 }
 
 /// A simulation.
+#[derive(Clone)]
 pub struct Simulation {
     pub(crate) machine: Machine,
     table: LawTable,
@@ -266,7 +270,7 @@ impl Simulation {
 
     /// A picture for sensors. It copies what it shows and changes nothing.
     pub fn assembly(&self) -> Assembly {
-        self.machine.state.assembly(|slot| self.machine.pair_constants(slot), self.table.describe)
+        self.machine.state.assembly(|slot| self.machine.pair_constants(slot), &self.table)
     }
 
     /// Mean diameter of the grains, m.

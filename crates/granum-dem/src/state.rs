@@ -5,9 +5,10 @@ use granum_simd::{LANES, Row4, Row8};
 use crate::assembly::{Assembly, Contact, EnergyLedger, Grain, Matrix};
 use crate::cell::Cell;
 use crate::contact::PairConstants;
-use crate::kernel::{ContactSums, NORMAL_COLUMNS};
+use crate::kernel::ContactSums;
 use crate::pairs::{Pairs, image_vector};
 use crate::servo::{Control, Servo};
+use crate::simulation::LawTable;
 
 /// The state of a simulation.
 #[derive(Clone, Debug, PartialEq)]
@@ -190,11 +191,11 @@ impl State {
             .count()
     }
 
-    /// A picture for sensors; `describe` gives contact radius and normal energy of a pair from its constants and approach.
+    /// A picture for sensors.
     pub(crate) fn assembly(
         &self,
         constants: impl Fn(usize) -> PairConstants<f64>,
-        describe: impl Fn(&PairConstants<f64>, f64) -> (f64, f64),
+        table: &LawTable,
     ) -> Assembly {
         let n = self.grains();
         let mut order: Vec<usize> = (0..n).collect();
@@ -224,7 +225,7 @@ impl State {
             .collect();
         let mut contacts: Vec<Contact> = (0..self.pairs.batches() * LANES)
             .filter(|&s| self.pairs.first[s / LANES][s % LANES] < n as u32 && self.pairs.touched(s))
-            .map(|s| self.contact(s, &rank, &constants, &describe))
+            .map(|s| self.contact(s, &rank, &constants, table))
             .collect();
         contacts
             .sort_unstable_by(|a, b| (a.i, a.j).cmp(&(b.i, b.j)).then(a.branch[0].total_cmp(&b.branch[0])));
@@ -259,7 +260,7 @@ impl State {
         slot: usize,
         rank: &[usize],
         constants: impl Fn(usize) -> PairConstants<f64>,
-        describe: impl Fn(&PairConstants<f64>, f64) -> (f64, f64),
+        table: &LawTable,
     ) -> Contact {
         let (b, l) = (slot / LANES, slot % LANES);
         let (i, j) = (self.pairs.first[b][l] as usize, self.pairs.second[b][l] as usize);
@@ -268,8 +269,9 @@ impl State {
         let distance = (branch[0] * branch[0] + branch[1] * branch[1] + branch[2] * branch[2]).sqrt();
         let pair = constants(slot);
         let approach = pair.radius_sum - distance;
-        let (radius, normal_energy) = describe(&pair, approach);
-        let t: [f64; 3] = std::array::from_fn(|k| self.pairs.column(b, NORMAL_COLUMNS + k)[l]);
+        let (radius, normal_energy) = (table.describe)(&pair, approach);
+        let memory = self.pairs.memory(slot);
+        let t = (table.tangential_force)(memory.normal, &memory.history);
         let t_square = t[0] * t[0] + t[1] * t[1] + t[2] * t[2];
         let record = &self.pairs.records[slot].0;
         // By rank, so that i < j holds for ids whatever the order in memory.

@@ -9,7 +9,7 @@ use crate::assembly::Matrix;
 use crate::contact::{NormalLaw, PairConstants, PairProperties, TangentialLaw};
 use crate::kernel::{
     Alike, ByBatch, CONTACT_CHUNK, ConstantSource, ContactStage, ContactSums, GRAIN_CHUNK, GrainStage,
-    NORMAL_COLUMNS, Views,
+    NORMAL_COLUMNS, Views, larger,
 };
 use crate::pairs::{self, IMAGES, image_vector};
 use crate::servo::Sample;
@@ -25,6 +25,7 @@ const WANTED_LIFE: std::ops::Range<u64> = 300..1200;
 const REORDER_EVERY: u64 = 64;
 
 /// A state and what moves it on.
+#[derive(Clone)]
 pub(crate) struct Machine {
     pub(crate) state: State,
     pub(crate) properties: Properties,
@@ -97,7 +98,7 @@ impl Machine {
         let columns = NORMAL_COLUMNS + self.table.history;
         let old = std::mem::take(&mut state.pairs);
         state.pairs =
-            pairs::rebuild(&old, &near, &moved, new_place.as_deref(), columns, self.table.vectors, n);
+            pairs::rebuild(&old, &near, &moved, new_place.as_deref(), columns, self.table.swap_sides, n);
         state.travel = 0.0;
         state.distortion = 0.0;
         state.steps_since_rebuild = 0;
@@ -209,7 +210,9 @@ impl Machine {
             state.travel += fastest_grain.sqrt() * state.dt;
             state.distortion += norm(&state.gradient) * state.dt;
         }
-        if !(fastest_grain.is_finite() && state.sums.virial.iter().all(|x| x.is_finite())) {
+        let volume = state.cell.volume();
+        let finite = volume.is_finite() && volume > 0.0 && fastest_grain.is_finite();
+        if !(finite && state.sums.virial.iter().all(|x| x.is_finite())) {
             return Err(SimulationError::Diverged { step: state.step, time_step: state.dt });
         }
         Ok(())
@@ -252,7 +255,9 @@ impl Machine {
         let distortion = state.distortion + norm(&views.gradient) * views.dt;
         let reach = -(self.table.breaking_approach)(&self.alike);
         let diameter = 2.0 * self.largest_radius + state.skin;
-        2.0 * travel + 1.01 * distortion * diameter + reach > state.skin
+        // A NaN makes no list valid; the step that made it is reported at its end.
+        let bound = 2.0 * travel + 1.01 * distortion * diameter + reach;
+        bound > state.skin && bound.is_finite()
     }
 }
 
@@ -327,7 +332,7 @@ impl Team<'_> {
             dispatch(self.isa, GrainStage { views, chunks });
             self.barrier.wait();
             // SAFETY: written before the barrier, read after it; the machine is only read until the next one.
-            let fastest = unsafe { views.fastest_grain.read() }.iter().fold(0.0f64, |m, x| m.max(*x));
+            let fastest = unsafe { views.fastest_grain.read() }.iter().copied().fold(0.0, larger);
             let stale = unsafe { (*self.machine.get()).list_is_stale(views, fastest) };
             if stale {
                 self.barrier.wait();

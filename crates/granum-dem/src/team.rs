@@ -37,7 +37,7 @@ impl Barrier {
         while self.generation.load(Ordering::Acquire) == generation {
             spins += 1;
             // On a machine with fewer free cores than threads spinning on would starve the thread waited for.
-            if spins > 20_000 { std::thread::yield_now() } else { std::hint::spin_loop() }
+            if spins > 4_000 { std::thread::yield_now() } else { std::hint::spin_loop() }
         }
     }
 }
