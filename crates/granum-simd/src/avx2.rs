@@ -73,8 +73,8 @@ impl Mask for Avx2Mask {
         self.bits() == 0xff
     }
     #[inline(always)]
-    fn bits(self) -> u8 {
-        unsafe { (_mm256_movemask_pd(self.0) | (_mm256_movemask_pd(self.1) << 4)) as u8 }
+    fn bits(self) -> u16 {
+        unsafe { (_mm256_movemask_pd(self.0) | (_mm256_movemask_pd(self.1) << 4)) as u16 }
     }
 }
 

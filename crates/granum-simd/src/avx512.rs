@@ -53,8 +53,8 @@ impl Mask for Avx512Mask {
         self.0 == 0xff
     }
     #[inline(always)]
-    fn bits(self) -> u8 {
-        self.0
+    fn bits(self) -> u16 {
+        self.0 as u16
     }
 }
 

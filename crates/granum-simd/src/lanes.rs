@@ -12,8 +12,8 @@ pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output
     fn any(self) -> bool;
     /// True if every lane is true.
     fn all(self) -> bool;
-    /// One bit a lane, lane 0 in bit 0.
-    fn bits(self) -> u8;
+    /// One bit a lane, lane 0 in bit 0; the second half of [`crate::Twice`] from bit 8 on.
+    fn bits(self) -> u16;
 }
 
 /// A real number, or eight of them side by side.

@@ -13,6 +13,7 @@ mod lanes;
 mod math;
 mod portable;
 mod rows;
+mod twice;
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -27,6 +28,7 @@ pub use lanes::{Lanes, Mask, Real};
 pub use math::{cbrt, exp, sigmoid, tanh};
 pub use portable::Portable;
 pub use rows::{Row4, Row8};
+pub use twice::Twice;
 
 /// Number of lanes of every vector type of this crate.
 pub const LANES: usize = 8;

@@ -19,8 +19,8 @@ impl Mask for bool {
         self
     }
     #[inline(always)]
-    fn bits(self) -> u8 {
-        self as u8
+    fn bits(self) -> u16 {
+        self as u16
     }
 }
 
@@ -142,8 +142,8 @@ impl Mask for PortableMask {
         self.0.iter().all(|&a| a)
     }
     #[inline(always)]
-    fn bits(self) -> u8 {
-        self.0.iter().enumerate().fold(0, |bits, (l, &a)| bits | ((a as u8) << l))
+    fn bits(self) -> u16 {
+        self.0.iter().enumerate().fold(0, |bits, (l, &a)| bits | ((a as u16) << l))
     }
 }
 

@@ -113,3 +113,42 @@ fn elementary_functions_are_accurate() {
     }
     assert_eq!(cbrt(0.0), 0.0);
 }
+
+struct SideBySide<'a>(&'a [f64; 8], &'a [f64; 8]);
+
+impl Kernel for SideBySide<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        fn formula<R: Real>(a: R, b: R) -> (R, R::Mask) {
+            let s = (a.abs() + R::splat(0.5)).sqrt();
+            let m = a.lt(b) | !(a.le(s) & b.eq(s));
+            let x = cbrt(s) / (b.abs() + s) - (-a).mul_add(s, b).min(a).max(R::splat(-3.0));
+            (R::select(m, x, exp(a.min(R::splat(9.0)).max(R::splat(-9.0)))), m)
+        }
+        let (a, b) = (L::load(self.0), L::load(self.1));
+        let both = formula(Twice(a, b), Twice(b, a));
+        for (found, expected) in [(both.0.0, formula(a, b).0), (both.0.1, formula(b, a).0)] {
+            let (mut x, mut y) = ([0.0; 8], [0.0; 8]);
+            found.store(&mut x);
+            expected.store(&mut y);
+            assert_eq!(x.map(f64::to_bits), y.map(f64::to_bits));
+        }
+        assert_eq!(both.1.bits(), formula(a, b).1.bits() | (formula(b, a).1.bits() << 8));
+        assert_eq!(both.1.any(), both.1.bits() != 0);
+        assert_eq!(both.1.all(), both.1.bits() == 0xffff);
+        assert_eq!(both.0.reduce_add(), both.0.0.reduce_add() + both.0.1.reduce_add());
+        assert_eq!(both.0.reduce_max(), f64::max(both.0.0.reduce_max(), both.0.1.reduce_max()));
+    }
+}
+
+#[test]
+fn two_side_by_side_have_the_bits_of_one() {
+    for s in 0..SAMPLE.len() {
+        let a: [f64; 8] = std::array::from_fn(|l| SAMPLE[(s + l) % SAMPLE.len()]);
+        let b: [f64; 8] = std::array::from_fn(|l| SAMPLE[(s + 5 * l + 2) % SAMPLE.len()]);
+        for isa in Isa::ALL.into_iter().filter(|i| i.available()) {
+            dispatch(isa, SideBySide(&a, &b));
+        }
+    }
+}

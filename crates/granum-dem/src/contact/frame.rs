@@ -55,7 +55,8 @@ impl<R: Real> Frame<R> {
     /// The vector of given components.
     #[inline(always)]
     pub fn vector(&self, components: [R; 2]) -> [R; 3] {
-        std::array::from_fn(|a| components[0].mul_add(self.first[a], components[1] * self.second[a]))
+        let ([a, b], [f, s]) = (components, [self.first, self.second]);
+        [a.mul_add(f[0], b * s[0]), a.mul_add(f[1], b * s[1]), a.mul_add(f[2], b * s[2])]
     }
 }
 

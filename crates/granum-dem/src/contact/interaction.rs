@@ -102,10 +102,16 @@ pub fn scale<R: Real>(s: R, a: [R; 3]) -> [R; 3] {
     [s * a[0], s * a[1], s * a[2]]
 }
 
+/// One vector where the mask is true, else the other.
+#[inline(always)]
+pub fn select<R: Real>(mask: R::Mask, yes: [R; 3], no: [R; 3]) -> [R; 3] {
+    [R::select(mask, yes[0], no[0]), R::select(mask, yes[1], no[1]), R::select(mask, yes[2], no[2])]
+}
+
 /// Keeps a vector where the mask is true, else zero.
 #[inline(always)]
 pub fn keep<R: Real>(mask: R::Mask, a: [R; 3]) -> [R; 3] {
-    a.map(|x| x.keep(mask))
+    [a[0].keep(mask), a[1].keep(mask), a[2].keep(mask)]
 }
 
 /// Below this `1 - m.n` the middle normal comes from a series, exact to the last bits.
@@ -152,14 +158,15 @@ pub fn interact<R: Real, N: NormalLaw, T: TangentialLaw>(
 
     // A new contact starts in its own plane.
     let cosine = R::select(touched, cosine, one);
-    let old: [R; 3] = std::array::from_fn(|a| R::select(touched, memory.normal[a], normal[a]));
+    let old = select::<R>(touched, memory.normal, normal);
     let inverse = inverse_of_sum(one - cosine);
-    let middle: [R; 3] = std::array::from_fn(|a| inverse * (old[a] + normal[a]));
-    let spin = dt * dot(kinematics.mean_spin, middle);
+    let sum = [old[0] + normal[0], old[1] + normal[1], old[2] + normal[2]];
+    let middle = scale(inverse, sum);
+    let spin = dt * dot(kinematics.mean_spin, sum) * inverse;
     let turn = Turn::new(old, normal, cosine, spin);
     for v in 0..T::PLANE_VECTORS {
         let turned = turn.apply([memory.history[2 * v], memory.history[2 * v + 1]]);
-        memory.history[2 * v..2 * v + 2].copy_from_slice(&turned);
+        [memory.history[2 * v], memory.history[2 * v + 1]] = turned;
     }
     let before = [memory.history[0], memory.history[1]];
 
@@ -168,7 +175,7 @@ pub fn interact<R: Real, N: NormalLaw, T: TangentialLaw>(
     let in_plane = add_scaled(surface, -dot(surface, middle), middle);
     let frame = Frame::of(normal);
     let slip_velocity = frame.components(in_plane);
-    let slip = slip_velocity.map(|v| dt * v);
+    let slip = [dt * slip_velocity[0], dt * slip_velocity[1]];
     let tangential = T::update(&constants.tangential, &contact, slip, &mut memory.history);
 
     let work = slip[0].mul_add(before[0] + tangential.force[0], slip[1] * (before[1] + tangential.force[1]));
@@ -177,7 +184,10 @@ pub fn interact<R: Real, N: NormalLaw, T: TangentialLaw>(
     let opening = dot(kinematics.velocity, normal);
     // On i: elastic -N n + T, and the dashpots pull i along with j.
     let push = opening.mul_add(normal_dashpot, -contact.force);
-    let pull = [0, 1].map(|a| tangential_dashpot.mul_add(slip_velocity[a], tangential.force[a]));
+    let pull = [
+        tangential_dashpot.mul_add(slip_velocity[0], tangential.force[0]),
+        tangential_dashpot.mul_add(slip_velocity[1], tangential.force[1]),
+    ];
     // The normal turns the frame's first axis into its second, and the second into minus the first.
     let arm = distance / constants.radius_sum;
     let moment = frame.vector([-(arm * pull[1]), arm * pull[0]]);

@@ -34,68 +34,73 @@ const LEAST_LENGTH: f64 = 1e-30;
 /// Share of `2 E* a` below which the stiffness for the dashpot does not fall.
 const LEAST_STIFFNESS: f64 = 0.1;
 
-/// Largest approach over d_0 (about 2000 N_c) for which the rational start serves.
+/// Largest approach over d_0 (about 2000 N_c) for which the rational function serves.
 const RATIONAL_END: f64 = 64.0;
-/// Numerator and denominator, in `t = sqrt(h - BREAK)`, highest power first, of a start for x whose error after one
-/// Newton step is below 8e-14 in `N / max(N_c, |N|)`: weighted minimax fit, exact at t = 0.
-const NUMERATOR: [f64; 5] = [
-    0.006_008_103_922_465_774,
-    0.186_705_720_501_815_59,
-    1.053_386_806_717_663_5,
-    1.554_520_779_826_138_7,
+/// Numerator and denominator of `x(t)`, `t = sqrt(h - BREAK)`, lowest power first: a weighted minimax fit on
+/// `0 <= t <= 8`, exact at t = 0, all terms positive. Its error in `N / max(N_c, |N|)` and in `x / x` is below 2.7e-14.
+const NUMERATOR: [f64; 10] = [
     0.550_321_208_149_104_4,
+    3.292_020_144_824_188,
+    7.786_266_736_167_019,
+    9.327_960_368_558_183,
+    6.016_006_534_164_266,
+    2.071_357_405_024_300_7,
+    0.360_960_021_861_344_6,
+    0.028_704_746_505_087_463,
+    0.000_857_460_878_459_342_3,
+    6.109_080_065_594_707e-6,
 ];
-const DENOMINATOR: [f64; 5] = [
-    0.000_370_737_237_310_540_5,
-    0.043_515_931_290_787_42,
-    0.529_214_355_831_450_5,
-    1.476_746_165_410_828_8,
+const DENOMINATOR: [f64; 10] = [
     1.0,
+    4.633_991_442_585_774,
+    8.507_643_506_540_542,
+    7.812_223_829_428_341_5,
+    3.774_926_853_000_524_6,
+    0.941_897_207_505_705_8,
+    0.113_173_245_029_888_22,
+    0.005_709_923_724_856_943,
+    0.000_091_174_507_397_229_55,
+    1.936_640_987_988_116e-7,
 ];
-/// Series of g in `g^4 = 1 + e g`, highest power of e first: beyond the rational start
+/// Series of g in `g^4 = 1 + e g`, highest power of e first: beyond the rational function
 /// `x = h^(1/4) g(2/3 h^(-3/4))`, to the last bits.
 const SERIES: [f64; 7] =
     [0.000_595_092_773_437_5, -0.001_953_125, 0.003_417_968_75, 0.0, -0.031_25, 0.25, 1.0];
 
+/// A polynomial of degree nine, in the order that waits least for its own results.
 #[inline(always)]
-fn polynomial<R: Real, const N: usize>(coefficients: &[f64; N], x: R) -> R {
-    let mut sum = R::splat(coefficients[0]);
-    for c in &coefficients[1..] {
-        sum = sum.mul_add(x, R::splat(*c));
-    }
-    sum
+fn polynomial<R: Real>(c: &[f64; 10], t: R, t2: R, t4: R, t8: R) -> R {
+    let pair = |k: usize| t.mul_add(R::splat(c[k + 1]), R::splat(c[k]));
+    let low = t2.mul_add(pair(2), pair(0));
+    let high = t2.mul_add(pair(6), pair(4));
+    t8.mul_add(pair(8), t4.mul_add(high, low))
 }
 
-/// `x = sqrt(a / a_0)` on the stable branch and `1 / (6 x^3 - 1)`, at an approach h over d_0 from [`BREAK`] on.
+/// `x = sqrt(a / a_0)` on the stable branch, at an approach h over d_0 from [`BREAK`] on.
 ///
-/// The error of N over `max(N_c, |N|)` is below 1e-13 up to `h = 64` and a few bits beyond, except that x is
-/// ill-conditioned within 1e-3 of the break: there it grows as the root of the distance to it, to 2e-12 at 1e-9.
+/// The error of N over `max(N_c, |N|)` is below 4e-14 up to `h = 64` and a few bits beyond, except that x is
+/// ill-conditioned next to the break: the rounding of h there grows by `1 / (h - BREAK)^(1/2)`.
 #[inline(always)]
-fn invert<R: Real>(h: R) -> (R, R) {
-    let one = R::splat(1.0);
-    let t = (h - R::splat(BREAK)).sqrt();
-    let mut p = polynomial(&NUMERATOR, t);
-    let mut q = polynomial(&DENOMINATOR, t);
+fn invert<R: Real>(h: R) -> R {
+    let t2 = h - R::splat(BREAK);
+    let t = t2.sqrt();
+    let t4 = t2 * t2;
+    let t8 = t4 * t4;
+    let mut p = polynomial(&NUMERATOR, t, t2, t4, t8);
+    let mut q = polynomial(&DENOMINATOR, t, t2, t4, t8);
     let far = h.gt(R::splat(RATIONAL_END));
     if far.any() {
         let root = h.abs().sqrt();
         let fourth = root.sqrt();
-        let start = fourth * polynomial(&SERIES, R::splat(2.0 / 3.0) / (root * fourth));
-        p = R::select(far, start, p);
-        q = R::select(far, one, q);
+        let e = R::splat(2.0 / 3.0) / (root * fourth);
+        let mut series = R::splat(SERIES[0]);
+        for c in &SERIES[1..] {
+            series = series.mul_add(e, R::splat(*c));
+        }
+        p = R::select(far, fourth * series, p);
+        q = R::select(far, R::splat(1.0), q);
     }
-    // One division gives both p / q and the reciprocal of the slope there.
-    let (pp, qq) = (p * p, q * q);
-    let cube = qq * q;
-    let slope = (pp * p).mul_add(R::splat(6.0), -cube).max(R::splat(1e-7) * cube);
-    let inverse = one / (q * slope);
-    let start = (p * slope) * inverse;
-    let flatness = (qq * qq) * inverse;
-    // Newton on x^4 - 2/3 x = h, whose slope is 2/3 (6 x^3 - 1).
-    let rest = start.mul_add((start * start).mul_add(start, R::splat(-2.0 / 3.0)), -h);
-    let x = (flatness * R::splat(-1.5)).mul_add(rest, start);
-    let slope = (x * x * x).mul_add(R::splat(6.0), -one);
-    (x, flatness * flatness.mul_add(-slope, R::splat(2.0)))
+    p / q
 }
 
 impl NormalLaw for Jkr {
@@ -120,10 +125,11 @@ impl NormalLaw for Jkr {
         let one = R::splat(1.0);
         let h = approach * c[INVERSE_LENGTH];
         let touching = approach.gt(R::zero()) | (touched & h.ge(R::splat(BREAK)));
-        let (x, flatness) = invert(h.max(R::splat(BREAK)));
+        let x = invert(h.max(R::splat(BREAK)));
         let s = x * x * x;
         // (6 s - 3) / (6 s - 1), falling to minus infinity at the break.
-        let ratio = flatness.mul_add(R::splat(-2.0), one).max(R::splat(LEAST_STIFFNESS));
+        let slope = s.mul_add(R::splat(6.0), -one).max(R::splat(1e-12));
+        let ratio = (one - R::splat(2.0) / slope).max(R::splat(LEAST_STIFFNESS));
         let root_stiffness = (c[ROOT_STIFFNESS] * x * ratio.sqrt()).keep(touching);
         let root_radius = (c[ROOT_RADIUS] * x).keep(touching);
         let scaled = s.mul_add(s, -s);
@@ -145,7 +151,7 @@ impl NormalLaw for Jkr {
             s * x * (s * (1.6 * s - 8.0 / 3.0) + 2.0 / 3.0)
         };
         let unit = 0.25 * c[FOUR_FORCES] / c[INVERSE_LENGTH];
-        unit * (primitive(invert((approach * c[INVERSE_LENGTH]).max(BREAK)).0)
+        unit * (primitive(invert((approach * c[INVERSE_LENGTH]).max(BREAK)))
             - primitive(granum_simd::cbrt(2.0 / 3.0)))
     }
 

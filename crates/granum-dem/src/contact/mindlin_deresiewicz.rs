@@ -87,9 +87,10 @@ fn advance<R: Real>(
     // The force counted from the start of the present curve, and whether the step turns against it.
     let loading = state.stage.lt(R::splat(0.5));
     let unloading = state.stage.eq(one);
-    let origin = select::<R>(unloading, state.turning, state.returning).map(|v| v.keep(!loading));
+    let origin = select::<R>(unloading, state.turning, state.returning);
+    let origin = [origin[0].keep(!loading), origin[1].keep(!loading)];
     let counted = subtract(state.force, origin);
-    let scale = R::splat(NOTHING) * limit;
+    let scale = R::splat(NOTHING) * limit_before;
     let counted_square = square(counted);
     let directed = counted_square.gt(scale * scale);
     let turn = directed & dot(counted, step).lt(zero);
@@ -102,19 +103,15 @@ fn advance<R: Real>(
     let curve_limit = R::select(loading, limit, limit + limit);
     let curve_before = R::select(loading, limit_before, limit_before + limit_before);
 
-    // Direction along which slip spreads. One division serves three reciprocals.
+    // Direction along which slip spreads.
     let along = directed & !turn;
     let step_square = square(step);
     let vector = select::<R>(along, counted, step);
     let length = R::select(along, counted_square, step_square).sqrt();
-    let reach = R::select(reloading, square(state.turning).sqrt(), one);
-    let product = length * curve_limit;
-    let inverse = one / (product * reach).max(tiny);
-    let reach_inverse = reach * inverse;
-    let inverse_length = curve_limit * reach_inverse;
+    let inverse_length = one / length.max(tiny);
     let direction = [vector[0] * inverse_length, vector[1] * inverse_length];
 
-    let cube = (curve_before - length.keep(along)) * (length * reach_inverse);
+    let cube = (curve_before - length.keep(along)) * (one / curve_limit.max(tiny));
     let elastic_step = stiffness * stiffness * step_square;
     let stick = growth.gt(zero) & elastic_step.lt(growth * growth);
     let theta = R::select(stick, one, cbrt(cube.max(zero).min(one)));
@@ -122,8 +119,8 @@ fn advance<R: Real>(
     let force = add_scaled(add_scaled(state.force, stiffness, step), slip, direction);
 
     // Turning points move out with the limit and are forgotten when passed.
-    let outward = growth * (product * inverse);
-    let moved = select::<R>(reloading, state.turning, direction.map(|d| -d));
+    let outward = growth / square(state.turning).sqrt().max(tiny);
+    let moved = select::<R>(reloading, state.turning, [-direction[0], -direction[1]]);
     let by = R::select(reloading, outward, growth).keep(!loading);
     state.turning = add_scaled(state.turning, by, moved);
     state.returning = add_scaled(state.returning, -growth.keep(reloading), direction);
@@ -136,11 +133,10 @@ fn advance<R: Real>(
     let trial_square = square(force);
     let sliding = trial_square.ge(limit * limit);
     let trial = trial_square.sqrt();
-    let inverse = one / (trial * stiffness).max(tiny);
-    let factor = R::select(sliding, limit * stiffness * inverse, one);
-    state.force = force.map(|f| f * factor);
+    let factor = R::select(sliding, limit / trial.max(tiny), one);
+    state.force = [factor * force[0], factor * force[1]];
     state.stage = R::select(unloading, one, two).keep(!(loading | passed | sliding));
-    Outcome { sliding, slipped: ((trial - limit) * (trial * inverse)).max(zero).keep(sliding) }
+    Outcome { sliding, slipped: ((trial - limit) / stiffness.max(tiny)).max(zero).keep(sliding) }
 }
 
 impl TangentialLaw for MindlinDeresiewicz {
@@ -171,9 +167,9 @@ impl TangentialLaw for MindlinDeresiewicz {
             stage: history[STAGE],
         };
         let outcome = advance(&mut state, increment, stiffness, limit, c[FRICTION] * history[LOAD]);
-        history[..2].copy_from_slice(&state.force);
-        history[2..4].copy_from_slice(&state.turning);
-        history[4..6].copy_from_slice(&state.returning);
+        [history[0], history[1]] = state.force;
+        [history[2], history[3]] = state.turning;
+        [history[4], history[5]] = state.returning;
         history[STAGE] = state.stage;
         history[LOAD] = normal.friction_load;
         Tangential {

@@ -36,22 +36,23 @@ impl TangentialLaw for NoSlip {
         increment: [R; 2],
         history: &mut [R; MAX_HISTORY],
     ) -> Tangential<R> {
-        let (tiny, one) = (R::splat(1e-300), R::splat(1.0));
+        let (tiny, one) = (R::splat(1e-200), R::splat(1.0));
         let stiffness = c[EIGHT_MODULI] * normal.radius;
         let limit = c[FRICTION] * normal.friction_load;
         let before = history[RADIUS_BEFORE];
         let shrink = R::select(normal.radius.lt(before), normal.radius / before, one);
-        let trial: [R; 2] = std::array::from_fn(|a| stiffness.mul_add(increment[a], shrink * history[a]));
+        let trial = [
+            stiffness.mul_add(increment[0], shrink * history[0]),
+            stiffness.mul_add(increment[1], shrink * history[1]),
+        ];
         let square = trial[0].mul_add(trial[0], trial[1] * trial[1]);
         let sliding = square.ge(limit * limit);
         let length = square.sqrt();
-        // One division serves the return to the limit and the slip.
-        let inverse = one / (length * stiffness).max(tiny);
-        let factor = R::select(sliding, limit * stiffness * inverse, one);
-        let force = trial.map(|t| factor * t);
-        history[..2].copy_from_slice(&force);
+        let factor = R::select(sliding, limit / length.max(tiny), one);
+        let force = [factor * trial[0], factor * trial[1]];
+        [history[0], history[1]] = force;
         history[RADIUS_BEFORE] = normal.radius;
-        let slipped = ((length - limit) * (length * inverse)).max(R::zero()).keep(sliding);
+        let slipped = ((length - limit) / stiffness.max(tiny)).max(R::zero()).keep(sliding);
         Tangential {
             force,
             stiffness,
