@@ -93,6 +93,14 @@ pub struct Run {
 }
 
 impl Run {
+    /// Draws the states of a record, with the densities of the bins of f that have these centres and this width.
+    ///
+    /// # Errors
+    /// A missing column, a value that is not finite, strains that do not rise, histograms without those bins.
+    pub fn new(record: &NamedRecord, forces: &[f64], bin_width: f64) -> Result<Run> {
+        read_run(record, forces, bin_width)
+    }
+
     /// The state at a strain, linear between recorded states; the first or last state outside them.
     pub fn at(&self, strain: f64) -> Option<State> {
         let after = self.states.partition_point(|state| state.strain < strain);
@@ -278,9 +286,8 @@ fn read_run(record: &NamedRecord, forces: &[f64], bin_width: f64) -> Result<Run>
             .filter(|&bin| forces.iter().any(|f| (f - histogram.centre(bin)).abs() < 1e-6 * bin_width))
             .collect();
         if found.len() != forces.len() || (histogram.bin_width - bin_width).abs() > 1e-9 * bin_width {
-            let reason =
-                "its histogram has other bins than that of the first training run; record both alike";
-            return Err(bad(record, &format!("state {k}: {reason}")));
+            let reason = "its histogram does not have the bins of f that are learned";
+            return Err(bad(record, &format!("state {k}: {reason}; record with bins of width {bin_width}")));
         }
         let state = State {
             strain: strains[k],
@@ -398,7 +405,7 @@ mod tests {
         let text = message(&|record| record.series.columns.retain(|column| column.name != "deviator_fabric"));
         assert_eq!(text, "record `other`: the table has no column `deviator_fabric`");
         let text = message(&|record| record.forces[4].bin_width = 0.2);
-        assert!(text.starts_with("record `other`: state 4: its histogram has other bins"), "{text}");
+        assert!(text.starts_with("record `other`: state 4: its histogram does not have the bins"), "{text}");
         let text = message(&|record| {
             let column = record.series.columns.iter_mut().find(|c| c.name == "deviator_strain").unwrap();
             column.values[9] = column.values[3];

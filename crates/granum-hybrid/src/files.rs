@@ -1,6 +1,6 @@
 //! Records and studies in files.
 //!
-//! A record is two tables, `series.parquet` and `forces.parquet`. A study is a folder: `study.json` says what was
+//! A record is two tables of a run's folder, the series and the histograms of forces. A study is a folder: `study.json` says what was
 //! trained on what, and each network is a model file of its own, `F1-1.json` to `F6-3.json` and
 //! `F1-strain-only-1.json` to `F6-strain-only-3.json`.
 
@@ -8,7 +8,7 @@ use std::io::Write;
 use std::path::Path;
 
 use granum_io::atomic::write_atomically;
-use granum_io::{Column, Error, Table, read_table, write_table};
+use granum_io::{Column, Error, RunFolder, Table};
 use granum_nets::Model;
 use granum_sensors::{NamedColumn, Record, Series};
 use serde::{Deserialize, Serialize};
@@ -18,10 +18,6 @@ use crate::mapping::{Form, Mapping};
 use crate::study::{Study, TrainedMapping, network_name};
 use crate::surrogate::Surrogate;
 
-/// File of the series of a record.
-pub const SERIES_FILE: &str = "series.parquet";
-/// File of the histograms of a record.
-pub const FORCES_FILE: &str = "forces.parquet";
 /// File that describes a study.
 pub const STUDY_FILE: &str = "study.json";
 
@@ -46,27 +42,24 @@ pub fn series_of(table: &Table) -> Series {
     Series { columns: table.columns().iter().map(column).collect() }
 }
 
-/// Writes a record into a folder that is there.
+/// Writes a record into the folder of a run.
 ///
 /// # Errors
 /// If a file cannot be written.
-pub fn write_record(folder: &Path, record: &Record) -> Result<()> {
-    write_table(folder.join(SERIES_FILE), &table_of(&record.series)?)?;
-    write_table(folder.join(FORCES_FILE), &table_of(&record.force_table())?)?;
+pub fn write_record(folder: &RunFolder, record: &Record) -> Result<()> {
+    folder.write_series(&table_of(&record.series)?)?;
+    folder.write_forces(&table_of(&record.force_table())?)?;
     Ok(())
 }
 
-/// Reads the record of a folder.
+/// Reads the record of a run.
 ///
 /// # Errors
-/// If a file is missing or damaged, or the two are no record; the message names the file.
-pub fn read_record(folder: &Path) -> Result<Record> {
-    let series_path = folder.join(SERIES_FILE);
-    let series = series_of(&read_table(&series_path)?);
-    let forces = series_of(&read_table(folder.join(FORCES_FILE))?);
-    Record::from_tables(series, &forces).map_err(|error| {
-        let message = format!("with {FORCES_FILE} this is no record: {error}");
-        Error::content(&series_path, message).into()
+/// If a file is missing or damaged, or the two are no record; the message names the file or folder.
+pub fn read_record(run: &granum_io::Run) -> Result<Record> {
+    Record::from_tables(series_of(&run.series()?), &series_of(&run.forces()?)).map_err(|error| {
+        let message = format!("its series and forces are no record: {error}; run it again");
+        Error::content(run.path(), message).into()
     })
 }
 
@@ -81,6 +74,7 @@ struct StudyFile {
     dataset_hash: String,
     /// Centres of the bins of f.
     forces: Vec<f64>,
+    bin_width: f64,
     mappings: Vec<MappingFile>,
 }
 
@@ -119,7 +113,8 @@ pub fn save_study(folder: &Path, study: &Study) -> Result<()> {
         trainer: study.trainer.clone(),
         seed: study.seed,
         dataset_hash: study.dataset_hash.clone(),
-        forces: study.mappings.first().map_or(Vec::new(), |m| m.surrogate.forces().to_vec()),
+        forces: study.forces.clone(),
+        bin_width: study.bin_width,
         mappings: study
             .mappings
             .iter()
@@ -187,6 +182,8 @@ pub fn load_study(folder: &Path) -> Result<Study> {
         trainer: file.trainer,
         seed: file.seed,
         dataset_hash: file.dataset_hash,
+        forces: file.forces,
+        bin_width: file.bin_width,
         mappings,
     })
 }

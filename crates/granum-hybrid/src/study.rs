@@ -2,9 +2,10 @@
 
 use granum_nets::trainer::{self, Control, Options};
 use granum_nets::{Column, Data, Model, Recipe};
+use serde::Serialize;
 
 use crate::baseline::MeanCurve;
-use crate::dataset::{Dataset, Rows, Run, State};
+use crate::dataset::{Dataset, NamedRecord, Rows, Run, State};
 use crate::error::{HybridError, Result};
 use crate::mapping::{Form, Mapping, Quantity, paper_mappings};
 use crate::pool;
@@ -93,8 +94,25 @@ pub struct Study {
     pub seed: u64,
     /// Hash of the data set, see [`Dataset::hash`].
     pub dataset_hash: String,
+    /// Centres of the bins of f.
+    pub forces: Vec<f64>,
+    /// Width of a bin.
+    pub bin_width: f64,
     /// The mappings, each with its twin.
     pub mappings: Vec<TrainedMapping>,
+}
+
+/// Scores of one mapping on one run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RunScore {
+    /// Name of the mapping.
+    pub mapping: String,
+    /// Its networks.
+    pub network: Score,
+    /// Networks of the same sizes that see strain only.
+    pub strain_only: Score,
+    /// States of the run that lie, in strain or in an input, outside what the networks were trained on.
+    pub states_outside: usize,
 }
 
 /// A mapping, trained.
@@ -159,6 +177,8 @@ impl Study {
             trainer: options.trainer.clone(),
             seed: options.seed,
             dataset_hash: dataset.hash()?,
+            forces: dataset.forces.clone(),
+            bin_width: dataset.bin_width,
             mappings: mappings.collect(),
         })
     }
@@ -172,6 +192,31 @@ impl Study {
         self.mappings.iter().find(|m| m.surrogate.mapping().name == name).ok_or_else(|| {
             HybridError::Unknown { kind: "mapping", name: name.to_owned(), known: names().join(", ") }
         })
+    }
+
+    /// Draws from any record the states that the networks can answer.
+    ///
+    /// # Errors
+    /// As [`Run::new`].
+    pub fn read(&self, record: &NamedRecord) -> Result<Run> {
+        Run::new(record, &self.forces, self.bin_width)
+    }
+
+    /// Scores every mapping on any run.
+    ///
+    /// # Errors
+    /// If a state holds a value that is not finite.
+    pub fn score_run(&self, run: &Run) -> Result<Vec<RunScore>> {
+        let score = |trained: &TrainedMapping| -> Result<RunScore> {
+            let answers = trained.surrogate.answer(&run.states)?;
+            Ok(RunScore {
+                mapping: trained.surrogate.mapping().name.clone(),
+                network: trained.surrogate.evaluate(&run.states, None)?,
+                strain_only: trained.strain_only.evaluate(&run.states, None)?,
+                states_outside: answers.iter().filter(|answer| answer.outside).count(),
+            })
+        };
+        self.mappings.iter().map(score).collect()
     }
 
     /// Seconds of training of all networks that answer (twins left out).

@@ -210,6 +210,31 @@ fn a_study_survives_its_files_and_answers_rows() {
 }
 
 #[test]
+fn any_record_can_be_scored() {
+    let dataset = dataset(Law::Plain, 1, 1, 40);
+    let study = Study::train(&dataset, &small(&["F1", "F2"], 3, "traingdx", 1e-3), &Silent).unwrap();
+    let other = record(Law::Plain, 2, 40);
+    let run = study.read(&NamedRecord { name: "other", seed: 2, record: &other }).unwrap();
+    assert_eq!(run.states, dataset.unseen_runs[0].states);
+    let scores = study.score_run(&run).unwrap();
+    let evaluations = study.evaluate(&dataset).unwrap();
+    for (score, evaluation) in scores.iter().zip(&evaluations) {
+        assert_eq!(score.mapping, evaluation.mapping.name);
+        assert_eq!(score.network, evaluation.network.unseen);
+        assert_eq!(score.strain_only, evaluation.strain_only.unseen);
+        assert!(score.states_outside < run.states.len());
+    }
+    let mut finer = other;
+    for histogram in &mut finer.forces {
+        histogram.bin_width = 0.25 / 3.0;
+        histogram.counts =
+            [histogram.counts.clone(), histogram.counts.clone(), histogram.counts.clone()].concat();
+    }
+    let error = study.read(&NamedRecord { name: "finer", seed: 2, record: &finer }).unwrap_err().to_string();
+    assert!(error.contains("record with bins of width 0.25"), "{error}");
+}
+
+#[test]
 fn a_record_survives_its_files() {
     let record = record(Law::Plain, 1, 10);
     let mut record = record;
@@ -221,11 +246,15 @@ fn a_record_survives_its_files() {
             values,
         });
     }
-    let folder = tempfile::tempdir().unwrap();
-    files::write_record(folder.path(), &record).unwrap();
-    assert_eq!(files::read_record(folder.path()).unwrap(), record);
-    std::fs::remove_file(folder.path().join(files::FORCES_FILE)).unwrap();
-    assert!(files::read_record(folder.path()).unwrap_err().to_string().contains("forces.parquet"));
+    let parent = tempfile::tempdir().unwrap();
+    let folder = granum_io::RunFolder::create(parent.path().join("run"), false).unwrap();
+    files::write_record(&folder, &record).unwrap();
+    assert_eq!(files::read_record(&folder.run()).unwrap(), record);
+    let mut broken = record.clone();
+    broken.forces.pop();
+    files::write_record(&folder, &broken).unwrap();
+    let error = files::read_record(&folder.run()).unwrap_err().to_string();
+    assert!(error.contains("run: its series and forces are no record"), "{error}");
 }
 
 #[test]
