@@ -6,6 +6,8 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 
+use serde::{Deserialize, Serialize};
+
 use granum_simd::{Kernel, LANES, Lanes, Mask, Row4, Row8};
 
 use crate::assembly::Matrix;
@@ -22,7 +24,7 @@ pub(crate) const GRAIN_CHUNK: usize = 128;
 pub(crate) const NORMAL_COLUMNS: usize = 3;
 
 /// Sums over the contacts of a chunk (or of all).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[repr(align(64))]
 pub struct ContactSums {
     /// `- sum of (elastic force on i)_a (branch)_b`, J: the stress times the volume.

@@ -6,6 +6,7 @@
 
 pub mod assembly;
 pub mod cell;
+pub mod checkpoint;
 pub mod config;
 pub mod contact;
 pub mod gas;

@@ -6,8 +6,10 @@
 //! grains' places in memory.
 
 use granum_simd::{LANES, Row8};
+use serde::{Deserialize, Serialize};
 
 use crate::cell::{Cell, apply, invert};
+use crate::checkpoint::rows;
 use crate::contact::MAX_HISTORY;
 use crate::contact::interaction::Memory;
 use crate::kernel::NORMAL_COLUMNS;
@@ -31,7 +33,7 @@ pub(crate) fn image_vector(code: u32) -> [i32; 3] {
 }
 
 /// Pairs in batches, their memory and what they last did to their grains.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pairs {
     /// Number of pairs (the rest of the last batch of a group is filled up with the two phantom grains).
     pub(crate) count: usize,
@@ -44,12 +46,15 @@ pub struct Pairs {
     /// Code of the image of j.
     pub(crate) image: Vec<[u32; LANES]>,
     /// Columns of memory, by batch: the old normal (3), then the tangential law's history.
+    #[serde(with = "rows::eight")]
     pub(crate) memory: Vec<Row8>,
     /// Number of columns of memory.
     pub(crate) columns: usize,
     /// Constants by batch, where grains differ; empty where all pairs are alike.
+    #[serde(with = "rows::eight")]
     pub(crate) constants: Vec<Row8>,
     /// What each pair did in the last step: force on i and sliding flag, moment and normal force.
+    #[serde(with = "rows::eight")]
     pub(crate) records: Vec<Row8>,
     /// For grain g: records where it is i are `incident[offsets[2g]..offsets[2g+1]]`, where it is j
     /// `incident[offsets[2g+1]..offsets[2g+2]]`.

@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 
 use granum_simd::{Isa, LANES, Row4, Row8};
+use serde::{Deserialize, Serialize};
 
 use crate::assembly::{Assembly, EnergyLedger, Vector};
 use crate::cell::Cell;
@@ -28,7 +29,7 @@ pub struct Site {
 }
 
 /// What grains are made of and how they touch.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Properties {
     /// Solid and surface.
     pub material: Material,
@@ -181,6 +182,13 @@ impl Simulation {
         (table.forces)(&mut simulation.machine);
         simulation.machine.reset_time_step();
         Ok(simulation)
+    }
+
+    /// A simulation from its parts, as a checkpoint holds them.
+    pub(crate) fn from_parts(state: State, properties: Properties) -> Result<Simulation, SimulationError> {
+        check(&properties.contact)?;
+        let table = with_law(properties.contact.normal, properties.contact.tangential, MakeTable);
+        Ok(Simulation { machine: Machine::new(state, properties, table), table })
     }
 
     /// Sets threads and instruction set. Results do not depend on it.

@@ -1,9 +1,11 @@
 //! Everything that a simulation is at one moment: what a checkpoint holds and what sensors look at.
 
 use granum_simd::{LANES, Row4, Row8};
+use serde::{Deserialize, Serialize};
 
 use crate::assembly::{Assembly, Contact, EnergyLedger, Grain, Matrix};
 use crate::cell::Cell;
+use crate::checkpoint::rows;
 use crate::contact::PairConstants;
 use crate::kernel::ContactSums;
 use crate::pairs::{Pairs, image_vector};
@@ -11,11 +13,13 @@ use crate::servo::{Control, Servo};
 use crate::simulation::LawTable;
 
 /// The state of a simulation.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Grains in spatial order, then two phantoms: x, y, z, R, v'_x, v'_y, v'_z, m.
+    #[serde(with = "rows::eight")]
     pub(crate) place: Vec<Row8>,
     /// Spins: x, y, z, unused.
+    #[serde(with = "rows::four")]
     pub(crate) spin: Vec<Row4>,
     /// Number of each grain.
     pub(crate) ids: Vec<u64>,
@@ -48,7 +52,7 @@ pub struct State {
 }
 
 /// How well the mean stress was held.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ServoError {
     /// Sum of squares of `(p - target) / target`.
     pub squares: f64,

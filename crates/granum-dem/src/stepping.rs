@@ -106,7 +106,7 @@ impl Machine {
         self.prepare_constants();
     }
 
-    fn prepare_constants(&mut self) {
+    pub(crate) fn prepare_constants(&mut self) {
         let radius = self.state.place[0].0[3];
         self.alike = (self.table.constants)(&self.properties_of(radius, radius));
         self.state.pairs.constants = Vec::new();

@@ -1,0 +1,250 @@
+//! Everything of a simulation in bytes, so that a run can go on from where it was to the same bits as if it had
+//! never stopped: grains, pair list in its order, contact memory, records of the last step, servo, time step.
+//!
+//! Layout: `GRANUMCP`, version (u32), length of the body (u64), CRC-32 of the body (u32), body; little endian.
+
+use serde::{Deserialize, Serialize};
+
+use crate::kernel::NORMAL_COLUMNS;
+use crate::pairs::IMAGES;
+use crate::simulation::{Properties, Simulation, SimulationError};
+use crate::state::State;
+
+const MAGIC: &[u8; 8] = b"GRANUMCP";
+const HEADER: usize = 24;
+/// Version that this granum writes.
+pub const VERSION: u32 = 1;
+
+/// Why bytes are no usable checkpoint.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CheckpointError {
+    /// Something else.
+    #[error("this is not a granum checkpoint (it does not start with GRANUMCP)")]
+    NotACheckpoint,
+    /// Written by a newer granum.
+    #[error("the checkpoint has version {0}, this granum reads up to {VERSION}: use a newer granum")]
+    Newer(u32),
+    /// Cut short.
+    #[error("the checkpoint is truncated: {found} bytes of {expected}")]
+    Truncated {
+        /// Bytes there.
+        found: usize,
+        /// Bytes announced.
+        expected: u64,
+    },
+    /// Altered.
+    #[error("the checkpoint is damaged: its checksum does not fit its content")]
+    Damaged,
+    /// Right checksum, impossible content.
+    #[error("the checkpoint contradicts itself: {0}")]
+    Inconsistent(String),
+    /// The laws in it do not go together.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+}
+
+/// What a checkpoint holds.
+#[derive(Serialize, Deserialize)]
+struct Body {
+    properties: Properties,
+    time_step_factor: f64,
+    fixed_time_step: Option<f64>,
+    expected_force: f64,
+    state: State,
+    attachment: String,
+}
+
+impl Simulation {
+    /// The simulation in bytes, with a text of the caller's own (what its recorder remembers, say).
+    pub fn checkpoint(&self, attachment: &str) -> Result<Vec<u8>, CheckpointError> {
+        let body = Body {
+            properties: self.machine.properties,
+            time_step_factor: self.machine.time_step_factor,
+            fixed_time_step: self.machine.fixed_time_step,
+            expected_force: self.machine.expected_force,
+            state: self.machine.state.clone(),
+            attachment: attachment.to_string(),
+        };
+        let body = postcard::to_allocvec(&body).map_err(|e| CheckpointError::Inconsistent(e.to_string()))?;
+        let mut bytes = Vec::with_capacity(HEADER + body.len());
+        bytes.extend_from_slice(MAGIC);
+        bytes.extend_from_slice(&VERSION.to_le_bytes());
+        bytes.extend_from_slice(&(body.len() as u64).to_le_bytes());
+        bytes.extend_from_slice(&crc32fast::hash(&body).to_le_bytes());
+        bytes.extend_from_slice(&body);
+        Ok(bytes)
+    }
+
+    /// A simulation from its bytes, and the caller's text. Threads and instruction set are this machine's default.
+    pub fn restore(bytes: &[u8]) -> Result<(Simulation, String), CheckpointError> {
+        let body: Body = postcard::from_bytes(checked_body(bytes)?)
+            .map_err(|e| CheckpointError::Inconsistent(e.to_string()))?;
+        check_state(&body.state)?;
+        let mut simulation = Simulation::from_parts(body.state, body.properties)?;
+        let machine = &mut simulation.machine;
+        machine.time_step_factor = body.time_step_factor;
+        machine.fixed_time_step = body.fixed_time_step;
+        machine.expected_force = body.expected_force;
+        if machine.state.pairs.columns != NORMAL_COLUMNS + machine.table.history {
+            return Err(inconsistent("contact memory does not fit the tangential law"));
+        }
+        machine.prepare_constants();
+        Ok((simulation, body.attachment))
+    }
+}
+
+fn inconsistent(what: &str) -> CheckpointError {
+    CheckpointError::Inconsistent(what.to_string())
+}
+
+/// The body, once magic, version, length and checksum are right.
+fn checked_body(bytes: &[u8]) -> Result<&[u8], CheckpointError> {
+    if bytes.len() < HEADER {
+        let start = bytes.len().min(MAGIC.len());
+        if bytes[..start] != MAGIC[..start] {
+            return Err(CheckpointError::NotACheckpoint);
+        }
+        return Err(CheckpointError::Truncated { found: bytes.len(), expected: HEADER as u64 });
+    }
+    if &bytes[..8] != MAGIC {
+        return Err(CheckpointError::NotACheckpoint);
+    }
+    let number =
+        |from: usize, to: usize| bytes[from..to].iter().rev().fold(0u64, |n, &b| (n << 8) | u64::from(b));
+    let version = number(8, 12) as u32;
+    if version > VERSION {
+        return Err(CheckpointError::Newer(version));
+    }
+    let length = number(12, 20);
+    let body = &bytes[HEADER..];
+    if (body.len() as u64) != length {
+        let expected = length.saturating_add(HEADER as u64);
+        return Err(CheckpointError::Truncated { found: bytes.len(), expected });
+    }
+    if crc32fast::hash(body) != number(20, 24) as u32 {
+        return Err(CheckpointError::Damaged);
+    }
+    Ok(body)
+}
+
+/// A checksum can be forged; indices out of range must not reach the kernels.
+fn check_state(state: &State) -> Result<(), CheckpointError> {
+    let n = state.ids.len();
+    let p = &state.pairs;
+    let batches = p.first.len();
+    let require = |good: bool, what: &str| if good { Ok(()) } else { Err(inconsistent(what)) };
+    require(n > 0 && n < u32::MAX as usize / 8, "number of grains")?;
+    require(state.place.len() == n + 2 && state.spin.len() == n + 2, "grains and spins")?;
+    require(p.second.len() == batches && p.image.len() == batches, "lists of pairs")?;
+    require(p.inner_batches <= batches, "groups of pairs")?;
+    require(p.records.len() == 8 * batches, "records of pairs")?;
+    require((NORMAL_COLUMNS..64).contains(&p.columns), "columns of contact memory")?;
+    require(p.memory.len() == batches * p.columns, "contact memory")?;
+    require(p.offsets.len() == 2 * n + 1, "offsets of grains")?;
+    let ordered = p.offsets.windows(2).all(|w| w[0] <= w[1]);
+    require(ordered && p.offsets.last() == Some(&(p.incident.len() as u32)), "offsets of grains")?;
+    require(p.incident.iter().all(|&s| (s as usize) < 8 * batches), "contacts of grains")?;
+    let places = p.first.iter().chain(&p.second).flatten();
+    require(places.into_iter().all(|&g| (g as usize) < n + 2), "places of grains")?;
+    require(p.image.iter().flatten().all(|&c| (c as usize) < IMAGES), "images of grains")?;
+    let volume = state.cell.volume();
+    require(volume.is_finite() && volume > 0.0, "volume of the cell")?;
+    let finite = state.place.iter().flat_map(|r| r.0).all(f64::is_finite);
+    require(finite && state.place.iter().all(|r| r.0[3] > 0.0 && r.0[7] > 0.0), "grains")
+}
+
+/// Rows of doubles as one flat list.
+pub(crate) mod rows {
+    macro_rules! flat {
+        ($name:ident, $row:ident, $width:literal) => {
+            pub(crate) mod $name {
+                use granum_simd::$row;
+                use serde::{Deserialize, Deserializer, Serializer, de::Error};
+
+                pub(crate) fn serialize<S: Serializer>(rows: &[$row], to: S) -> Result<S::Ok, S::Error> {
+                    to.collect_seq(rows.iter().flat_map(|r| r.0))
+                }
+
+                pub(crate) fn deserialize<'d, D: Deserializer<'d>>(from: D) -> Result<Vec<$row>, D::Error> {
+                    let flat = Vec::<f64>::deserialize(from)?;
+                    let (rows, rest) = flat.as_chunks::<$width>();
+                    if !rest.is_empty() {
+                        return Err(D::Error::custom("rows are not whole"));
+                    }
+                    Ok(rows.iter().map(|r| $row(*r)).collect())
+                }
+            }
+        };
+    }
+    flat!(eight, Row8, 8);
+    flat!(four, Row4, 4);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::{Contact, Grains, Material, NormalKind, TangentialKind};
+    use crate::gas::gas;
+    use crate::servo::Control;
+
+    fn running(spread: f64) -> Simulation {
+        let grains = Grains { count: 150, spread, ..Grains::default() };
+        let (cell, sites) = gas(&grains, 0.3, 11).unwrap();
+        let contact =
+            Contact { normal: NormalKind::Jkr, tangential: TangentialKind::MindlinDeresiewicz, damping: 0.1 };
+        let mut s =
+            Simulation::new(cell, &sites, Properties { material: Material::default(), contact }).unwrap();
+        s.set_control(Control::isotropic(20e3, 8000.0));
+        s.advance(2500).unwrap();
+        s
+    }
+
+    #[test]
+    fn a_restored_run_goes_on_to_the_same_bits() {
+        for spread in [0.0, 0.3] {
+            let mut straight = running(spread);
+            let bytes = straight.checkpoint("note").unwrap();
+            let (mut restored, note) = Simulation::restore(&bytes).unwrap();
+            assert_eq!(note, "note");
+            assert_eq!(restored.state(), straight.state());
+            straight.advance(1777).unwrap();
+            restored.advance(1000).unwrap();
+            let (mut again, _) = Simulation::restore(&restored.checkpoint("").unwrap()).unwrap();
+            again.advance(777).unwrap();
+            assert_eq!(again.state(), straight.state());
+            assert!(straight.state().contacts() > 50);
+        }
+    }
+
+    #[test]
+    fn damaged_checkpoints_are_refused() {
+        let bytes = running(0.0).checkpoint("").unwrap();
+        assert_eq!(Simulation::restore(b"something").err(), Some(CheckpointError::NotACheckpoint));
+        for cut in [0, 5, 20, 24, 1000, bytes.len() - 1] {
+            assert!(
+                matches!(Simulation::restore(&bytes[..cut]), Err(CheckpointError::Truncated { .. })),
+                "cut at {cut}"
+            );
+        }
+        for at in (24..bytes.len()).step_by(997) {
+            let mut flipped = bytes.clone();
+            flipped[at] ^= 4;
+            assert_eq!(Simulation::restore(&flipped).err(), Some(CheckpointError::Damaged));
+        }
+        let mut newer = bytes.clone();
+        newer[8] = 99;
+        assert_eq!(Simulation::restore(&newer).err(), Some(CheckpointError::Newer(99)));
+    }
+
+    #[test]
+    fn forged_content_does_not_panic() {
+        let bytes = running(0.0).checkpoint("").unwrap();
+        for at in (24..bytes.len()).step_by(311) {
+            let mut forged = bytes.clone();
+            forged[at] = forged[at].wrapping_add(77);
+            let sum = crc32fast::hash(&forged[24..]);
+            forged[20..24].copy_from_slice(&sum.to_le_bytes());
+            let _ = Simulation::restore(&forged);
+        }
+    }
+}
