@@ -195,7 +195,7 @@ mod tests {
         let mut s =
             Simulation::new(cell, &sites, Properties { material: Material::default(), contact }).unwrap();
         s.set_control(Control::isotropic(20e3, 8000.0));
-        s.advance(2500).unwrap();
+        s.advance(6000).unwrap();
         s
     }
 
@@ -212,7 +212,12 @@ mod tests {
             let (mut again, _) = Simulation::restore(&restored.checkpoint("").unwrap()).unwrap();
             again.advance(777).unwrap();
             assert_eq!(again.state(), straight.state());
-            assert!(straight.state().contacts() > 50);
+            let contacts = straight.state().contacts();
+            assert!(
+                contacts > 50,
+                "{contacts} contacts at solid fraction {}",
+                straight.state().solid_fraction()
+            );
         }
     }
 
