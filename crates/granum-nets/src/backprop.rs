@@ -6,7 +6,7 @@ use granum_simd::{Isa, Kernel, LANES, Lanes, Row8, dispatch};
 
 use crate::data::Data;
 use crate::forward::{Layer, layer_panel};
-use crate::kernels::{Scalars, blocks, lane_dots, odd, panel, scalar_times_lanes};
+use crate::kernels::{Scalars, blocks, lane_dots, odd, panel, panels, scalar_times_lanes};
 use crate::network::Network;
 
 /// A table laid out for training, with room for what a pass over it produces.
@@ -126,18 +126,6 @@ impl Workspace {
     }
 }
 
-/// Splits the blocks into panels of nearly equal width, as wide as the registers allow.
-#[inline(always)]
-pub(crate) fn panels<L: Lanes>(count: usize, mut visit: impl FnMut(usize, usize)) {
-    let number = count.div_ceil(panel::<L>());
-    let mut first = 0;
-    for p in 0..number {
-        let end = count * (p + 1) / number;
-        visit(first, end - first);
-        first = end;
-    }
-}
-
 struct SquaredError<'a> {
     workspace: &'a mut Workspace,
     weights: &'a [f64],
@@ -148,8 +136,10 @@ impl Kernel for SquaredError<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> f64 {
         let w = self.workspace;
-        panels::<L>(
+        panels(
+            0,
             w.blocks,
+            panel::<L>(),
             #[inline(always)]
             |first, width| {
                 for (l, layer) in w.layers.iter().enumerate() {
@@ -194,8 +184,10 @@ impl Kernel for Back<'_> {
                 (start * w.layers[depth - 1].activation.slope(y)).store(&mut last[at].0);
             }
         }
-        panels::<L>(
+        panels(
+            0,
             w.blocks,
+            panel::<L>(),
             #[inline(always)]
             |first, width| {
                 for l in (1..depth).rev() {
@@ -204,7 +196,7 @@ impl Kernel for Back<'_> {
                     let (before, after) = w.deltas.split_at_mut(l);
                     let (target, outputs) = (&mut before[l - 1], &w.outputs[l]);
                     let stride = w.stride;
-                    scalar_times_lanes::<L>(
+                    scalar_times_lanes::<L, 5, 5>(
                         Scalars { values: layer.matrix(self.weights), by_k: layer.inputs + 1, by_j: 1 },
                         layer.inputs,
                         layer.neurons,
@@ -311,11 +303,13 @@ impl Kernel for JacobianTimes<'_> {
             let row = layer.inputs + 1;
             let (deltas, stride) = (&w.deltas[l], w.stride);
             let product = &mut *self.product;
-            panels::<L>(
+            panels(
+                0,
                 w.blocks,
+                panel::<L>(),
                 #[inline(always)]
                 |first, width| {
-                    scalar_times_lanes::<L>(
+                    scalar_times_lanes::<L, 5, 5>(
                         Scalars { values: layer.matrix(self.vector), by_k: 1, by_j: row },
                         layer.neurons,
                         row,

@@ -55,7 +55,7 @@ pub(crate) fn layer_panel<L: Lanes>(
 ) {
     let matrix = layer.matrix(weights);
     let row = layer.inputs + 1;
-    scalar_times_lanes::<L>(
+    scalar_times_lanes::<L, 5, 5>(
         Scalars { values: matrix, by_k: 1, by_j: row },
         layer.neurons,
         layer.inputs,

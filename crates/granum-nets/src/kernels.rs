@@ -17,10 +17,24 @@ pub(crate) fn blocks(rows: usize) -> usize {
     rows.div_ceil(LANES)
 }
 
-/// Widest tile of [`scalar_times_lanes`] in lane blocks.
+/// Widest panel of [`scalar_times_lanes`] with tiles five high, in lane blocks.
 #[inline(always)]
 pub(crate) fn panel<L: Lanes>() -> usize {
     if L::REGISTERS >= 32 { 5 } else { 1 }
+}
+
+/// Splits blocks `from..to` into panels of nearly equal width, at most `widest`, and visits each with its first block and
+/// its width.
+#[inline(always)]
+pub(crate) fn panels(from: usize, to: usize, widest: usize, mut visit: impl FnMut(usize, usize)) {
+    let count = to - from;
+    let number = count.div_ceil(widest);
+    let mut first = from;
+    for p in 0..number {
+        let end = from + count * (p + 1) / number;
+        visit(first, end - first);
+        first = end;
+    }
 }
 
 /// Where the scalars of a product lie: element (k, j) at `k * by_k + j * by_j`.
@@ -32,11 +46,12 @@ pub(crate) struct Scalars<'a> {
 }
 
 /// Calls `finish(j, b, start(j) + sum over k of scalar(k, j) * lanes(k, b))` for every `j < outputs` and the blocks `b` of
-/// `first..first + width`, with `width <= panel()`.
+/// `first..first + width`.
 ///
-/// `lanes` is the lane matrix with the given stride, of which rows `0..depth` are used.
+/// `lanes` is the lane matrix with the given stride, of which rows `0..depth` are used. Tiles are `J` outputs high and
+/// `width <= W` blocks wide, where `J * W` values should fit the registers.
 #[inline(always)]
-pub(crate) fn scalar_times_lanes<L: Lanes>(
+pub(crate) fn scalar_times_lanes<L: Lanes, const J: usize, const W: usize>(
     scalars: Scalars,
     outputs: usize,
     depth: usize,
@@ -47,22 +62,23 @@ pub(crate) fn scalar_times_lanes<L: Lanes>(
     start: impl Fn(usize) -> L,
     mut finish: impl FnMut(usize, usize, L),
 ) {
-    if L::REGISTERS >= 32 {
-        match width {
-            1 => columns::<L, 1>(scalars, outputs, depth, lanes, stride, first, &start, &mut finish),
-            2 => columns::<L, 2>(scalars, outputs, depth, lanes, stride, first, &start, &mut finish),
-            3 => columns::<L, 3>(scalars, outputs, depth, lanes, stride, first, &start, &mut finish),
-            4 => columns::<L, 4>(scalars, outputs, depth, lanes, stride, first, &start, &mut finish),
-            _ => columns::<L, 5>(scalars, outputs, depth, lanes, stride, first, &start, &mut finish),
+    let (start, finish) = (&start, &mut finish);
+    match width {
+        5 if W >= 5 => columns::<L, J, 5>(scalars, outputs, depth, lanes, stride, first, start, finish),
+        4 if W >= 4 => columns::<L, J, 4>(scalars, outputs, depth, lanes, stride, first, start, finish),
+        3 if W >= 3 => columns::<L, J, 3>(scalars, outputs, depth, lanes, stride, first, start, finish),
+        2 if W >= 2 => columns::<L, J, 2>(scalars, outputs, depth, lanes, stride, first, start, finish),
+        _ => {
+            for block in first..first + width {
+                columns::<L, J, 1>(scalars, outputs, depth, lanes, stride, block, start, finish);
+            }
         }
-    } else {
-        columns::<L, 1>(scalars, outputs, depth, lanes, stride, first, &start, &mut finish);
     }
 }
 
-/// All outputs for `R` lane blocks: tiles of five outputs, the rest one by one.
+/// All outputs for `R` lane blocks: tiles of `J` outputs, the rest one by one.
 #[inline(always)]
-fn columns<L: Lanes, const R: usize>(
+fn columns<L: Lanes, const J: usize, const R: usize>(
     scalars: Scalars,
     outputs: usize,
     depth: usize,
@@ -73,9 +89,9 @@ fn columns<L: Lanes, const R: usize>(
     finish: &mut impl FnMut(usize, usize, L),
 ) {
     let mut j = 0;
-    while j + 5 <= outputs {
-        tile::<L, 5, R>(scalars, j, depth, lanes, stride, first, start, finish);
-        j += 5;
+    while j + J <= outputs {
+        tile::<L, J, R>(scalars, j, depth, lanes, stride, first, start, finish);
+        j += J;
     }
     while j < outputs {
         tile::<L, 1, R>(scalars, j, depth, lanes, stride, first, start, finish);

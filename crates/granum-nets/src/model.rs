@@ -1,6 +1,7 @@
 //! A trained network with everything that its use needs: columns, scalers, ranges, provenance, uncertainty.
 
 use std::path::Path;
+use std::sync::OnceLock;
 
 use granum_simd::Isa;
 use serde::{Deserialize, Serialize};
@@ -13,6 +14,7 @@ use crate::scaler::Scaler;
 use crate::trainer::{
     Evidence, Observer, TerminationReason, Trainer, TrainerState, TrainingError, TrainingReport,
 };
+use crate::uncertainty::{Laplace, TrainingRows};
 
 /// Why a model cannot be fitted, used, saved or loaded.
 #[derive(Debug, thiserror::Error)]
@@ -161,7 +163,9 @@ pub struct Model {
     pub(crate) network: Network,
     pub(crate) provenance: Provenance,
     pub(crate) fit: Fit,
+    pub(crate) training_rows: Option<TrainingRows>,
     rows: RowNetwork,
+    laplace: OnceLock<Option<Laplace>>,
 }
 
 /// One predicted value.
@@ -247,7 +251,9 @@ impl Model {
             termination: report.termination,
         };
         let columns = (recipe.inputs.clone(), recipe.output.clone());
-        let model = Model::assemble(columns, input_scalers, output_scaler, network, provenance, fit);
+        // What the uncertainty of a prediction is computed from.
+        let rows = report.evidence.map(|_| TrainingRows { inputs: scaled.inputs, weights: scaled.weights });
+        let model = Model::assemble(columns, input_scalers, output_scaler, network, provenance, fit, rows);
         Ok((model, report))
     }
 
@@ -258,9 +264,22 @@ impl Model {
         network: Network,
         provenance: Provenance,
         fit: Fit,
+        training_rows: Option<TrainingRows>,
     ) -> Model {
         let rows = RowNetwork::new(&network);
-        Model { inputs, output, input_scalers, output_scaler, network, provenance, fit, rows }
+        let laplace = OnceLock::new();
+        Model {
+            inputs,
+            output,
+            input_scalers,
+            output_scaler,
+            network,
+            provenance,
+            fit,
+            training_rows,
+            rows,
+            laplace,
+        }
     }
 
     /// Input columns, in the order of a row.
@@ -304,7 +323,8 @@ impl Model {
     /// If the row has the wrong length or a value is not finite.
     pub fn predict(&self, row: &[f64]) -> Result<Prediction, ModelError> {
         let value = self.value(row)?;
-        Ok(Prediction { value, standard_deviation: None, outside: self.outside(row) })
+        let standard_deviation = self.standard_deviations(row)?.map(|d| d[0]);
+        Ok(Prediction { value, standard_deviation, outside: self.outside(row) })
     }
 
     /// The value of one row alone: what a control loop calls.
@@ -333,16 +353,33 @@ impl Model {
     /// If `rows` is no whole number of rows or a value is not finite.
     pub fn predict_batch(&self, rows: &[f64]) -> Result<BatchPrediction, ModelError> {
         let columns = self.inputs.len();
-        if !rows.len().is_multiple_of(columns) {
-            return Err(self.row_length(rows.len() % columns));
-        }
-        self.check_finite(rows)?;
+        self.check_rows(rows)?;
         let mut values = vec![0.0; rows.len() / columns];
         let scalers =
             Scalers { inputs: &self.input_scalers, outputs: std::slice::from_ref(&self.output_scaler) };
         forward::batch(Isa::detect(), &self.network, Some(scalers), rows, &mut values);
         let is_outside = |row: &[f64]| row.iter().zip(&self.input_scalers).any(|(v, s)| s.is_outside(*v));
         Ok(BatchPrediction { values, outside: rows.chunks_exact(columns).map(is_outside).collect() })
+    }
+
+    /// Standard deviations of observations around the predictions of many rows (flat, row by row), in the unit of the
+    /// output; none if the model was trained without Bayesian regularisation.
+    ///
+    /// The first call factorises the curvature over the training rows, later ones use it.
+    ///
+    /// # Errors
+    /// As [`Model::predict_batch`].
+    pub fn standard_deviations(&self, rows: &[f64]) -> Result<Option<Vec<f64>>, ModelError> {
+        self.check_rows(rows)?;
+        let laplace = self.laplace.get_or_init(|| {
+            let (rows, evidence) = (self.training_rows.as_ref()?, self.fit.evidence?);
+            Laplace::new(Isa::detect(), &self.network, rows, evidence)
+        });
+        let Some(laplace) = laplace else { return Ok(None) };
+        let scalers = &self.input_scalers;
+        let scaled = rows.iter().enumerate().map(|(i, v)| scalers[i % scalers.len()].scale(*v)).collect();
+        let unit = self.output_scaler.inverse_factor();
+        Ok(Some(laplace.variances(&self.network, scaled).into_iter().map(|v| v.sqrt() * unit).collect()))
     }
 
     /// Writes the model beside `path` and renames it there.
@@ -377,6 +414,14 @@ impl Model {
     fn row_length(&self, given: usize) -> ModelError {
         let names: Vec<&str> = self.inputs.iter().map(|c| c.name.as_str()).collect();
         ModelError::RowLength { expected: self.inputs.len(), names: names.join(", "), given }
+    }
+
+    fn check_rows(&self, rows: &[f64]) -> Result<(), ModelError> {
+        let columns = self.inputs.len();
+        if !rows.len().is_multiple_of(columns) {
+            return Err(self.row_length(rows.len() % columns));
+        }
+        self.check_finite(rows)
     }
 
     fn check_finite(&self, rows: &[f64]) -> Result<(), ModelError> {

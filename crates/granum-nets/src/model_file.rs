@@ -11,6 +11,8 @@ use crate::hash::Fnv;
 use crate::model::{Column, Fit, Model, ModelError, Provenance};
 use crate::network::Network;
 use crate::scaler::Scaler;
+use crate::trainer::Evidence;
+use crate::uncertainty::TrainingRows;
 
 const FORMAT: &str = "granum model";
 const VERSION: u64 = 1;
@@ -29,8 +31,10 @@ struct File {
     provenance: Provenance,
     fit: Fit,
     layers: Vec<FileLayer>,
-    #[serde(default, skip_serializing)]
-    checksum: String,
+    /// For the uncertainty of predictions.
+    training_rows: Option<TrainingRows>,
+    #[serde(default, skip_serializing, rename = "checksum")]
+    _checksum: String,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -77,7 +81,8 @@ pub(crate) fn to_json(model: &Model) -> String {
         provenance: model.provenance.clone(),
         fit: model.fit,
         layers: layers.collect(),
-        checksum: String::new(),
+        training_rows: model.training_rows.clone(),
+        _checksum: String::new(),
     };
     let mut bytes = Vec::new();
     let mut serializer = serde_json::Serializer::with_formatter(&mut bytes, Lines { depth: 0 });
@@ -159,10 +164,27 @@ fn assemble(file: File) -> Result<Model, String> {
     for column in file.inputs.iter().chain([&file.output]) {
         check_scaler(column)?;
     }
+    if let Some(rows) = &file.training_rows {
+        rows.check(&network)?;
+    }
+    if let Some(Evidence { alpha, beta, .. }) = file.fit.evidence
+        && !(alpha > 0.0 && beta > 0.0 && alpha.is_finite() && beta.is_finite())
+    {
+        return Err("the evidence needs a positive alpha and beta".into());
+    }
     let split = |c: FileColumn| (Column { name: c.name, unit: c.unit }, c.scaler);
     let (inputs, input_scalers) = file.inputs.into_iter().map(split).unzip();
     let (output, output_scaler) = split(file.output);
-    Ok(Model::assemble((inputs, output), input_scalers, output_scaler, network, file.provenance, file.fit))
+    let columns = (inputs, output);
+    Ok(Model::assemble(
+        columns,
+        input_scalers,
+        output_scaler,
+        network,
+        file.provenance,
+        file.fit,
+        file.training_rows,
+    ))
 }
 
 fn check_scaler(column: &FileColumn) -> Result<(), String> {

@@ -40,7 +40,7 @@ pub(super) enum Method {
     /// Gradient descent with momentum: the last step and the learning rate.
     Traingdx { step: Vec<f64>, rate: f64 },
     /// Damping, regularisation, and how long nothing has changed.
-    LevenbergMarquardt { damping: f64, evidence: Evidence, quiet: u64 },
+    LevenbergMarquardt { damping: f64, evidence: Evidence, settled: bool, quiet: u64 },
 }
 
 impl TrainerState {

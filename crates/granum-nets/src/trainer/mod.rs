@@ -1,6 +1,7 @@
 //! Trainers behind one trait, one file each.
 
 mod course;
+mod levenberg_marquardt;
 mod traingdx;
 
 use granum_simd::Isa;
@@ -10,10 +11,11 @@ use crate::data::Data;
 use crate::network::Network;
 
 pub use course::{HistoryPoint, TrainerState};
+pub use levenberg_marquardt::{LevenbergMarquardt, Regularisation};
 pub use traingdx::Traingdx;
 
 /// Names that [`by_name`] knows, the default first.
-pub const NAMES: [&str; 1] = [Traingdx::NAME];
+pub const NAMES: [&str; 2] = [LevenbergMarquardt::NAME, Traingdx::NAME];
 
 /// What every trainer can be told. A field left `None` takes the trainer's own default.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -243,6 +245,7 @@ pub fn by_name(name: &str, options: &Options) -> Result<Box<dyn Trainer>, Traini
     check("goal", options.goal, "a number that is zero or positive")?;
     check("minimum_gradient", options.minimum_gradient, "a number that is zero or positive")?;
     match name {
+        LevenbergMarquardt::NAME => Ok(Box::new(LevenbergMarquardt::with_options(options))),
         Traingdx::NAME => Ok(Box::new(Traingdx::with_options(options))),
         _ => Err(TrainingError::UnknownTrainer(name.to_string())),
     }
@@ -280,7 +283,10 @@ mod tests {
             assert_eq!(by_name(name, &Options::default()).unwrap().name(), name);
         }
         let error = by_name("trainlm", &Options::default()).err().unwrap();
-        assert_eq!(error.to_string(), "there is no trainer \"trainlm\"; known are traingdx");
+        assert_eq!(
+            error.to_string(),
+            "there is no trainer \"trainlm\"; known are levenberg-marquardt, traingdx"
+        );
         let options = Options { goal: Some(-1.0), ..Options::default() };
         assert!(by_name("traingdx", &options).err().unwrap().to_string().contains("goal = -1"));
     }

@@ -1,0 +1,160 @@
+//! Several networks from different seeds: their mean, and their scatter as a second opinion on the uncertainty.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use crate::data::Data;
+use crate::model::{BatchPrediction, Model, ModelError, Prediction, Recipe};
+use crate::trainer::{Silent, Trainer, TrainingReport};
+
+/// Models of one recipe that differ in their seed.
+#[derive(Clone, Debug)]
+pub struct Ensemble {
+    members: Vec<Model>,
+}
+
+impl Ensemble {
+    /// Trains one model for each seed on up to `threads` threads. Members are in the order of the seeds, and the bits do not
+    /// depend on the number of threads.
+    ///
+    /// # Errors
+    /// As [`Model::fit`], for the first seed that fails; and if there is no seed.
+    pub fn fit(
+        recipe: &Recipe,
+        data: &Data,
+        trainer: &dyn Trainer,
+        seeds: &[u64],
+        threads: usize,
+    ) -> Result<(Ensemble, Vec<TrainingReport>), ModelError> {
+        type Fitted = Result<(Model, TrainingReport), ModelError>;
+        let results: Mutex<Vec<Option<Fitted>>> = Mutex::new(seeds.iter().map(|_| None).collect());
+        let next = AtomicUsize::new(0);
+        let work = || {
+            loop {
+                let k = next.fetch_add(1, Ordering::Relaxed);
+                let Some(&seed) = seeds.get(k) else { return };
+                let fitted = Model::fit(&Recipe { seed, ..recipe.clone() }, data, trainer, &mut Silent);
+                results.lock().unwrap_or_else(PoisonError::into_inner)[k] = Some(fitted);
+            }
+        };
+        std::thread::scope(|scope| {
+            for _ in 1..threads.min(seeds.len()) {
+                scope.spawn(work);
+            }
+            work();
+        });
+        let results = results.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let (mut members, mut reports) = (Vec::new(), Vec::new());
+        for fitted in results.into_iter().flatten() {
+            let (model, report) = fitted?;
+            members.push(model);
+            reports.push(report);
+        }
+        Ok((Ensemble::from_models(members)?, reports))
+    }
+
+    /// An ensemble of given models.
+    ///
+    /// # Errors
+    /// If there is none, or their columns differ.
+    pub fn from_models(members: Vec<Model>) -> Result<Ensemble, ModelError> {
+        let Some(first) = members.first() else {
+            return Err(ModelError::Columns("an ensemble needs at least one model (one seed)".into()));
+        };
+        let alike = |m: &Model| (m.inputs(), m.output()) == (first.inputs(), first.output());
+        if !members.iter().all(alike) {
+            return Err(ModelError::Columns("the models of an ensemble need the same columns".into()));
+        }
+        Ok(Ensemble { members })
+    }
+
+    /// Its models.
+    pub fn members(&self) -> &[Model] {
+        &self.members
+    }
+
+    /// Mean over the members. The variance is that between the members plus the mean of what they say themselves (the variance
+    /// of a mixture); a single member without uncertainty gives none.
+    ///
+    /// # Errors
+    /// As [`Model::predict`].
+    pub fn predict(&self, row: &[f64]) -> Result<Prediction, ModelError> {
+        let predictions = self.members.iter().map(|m| m.predict(row)).collect::<Result<Vec<_>, _>>()?;
+        let count = predictions.len() as f64;
+        let value = predictions.iter().map(|p| p.value).sum::<f64>() / count;
+        let between = predictions.iter().map(|p| (p.value - value) * (p.value - value)).sum::<f64>();
+        let within: Option<f64> = predictions.iter().map(|p| p.standard_deviation.map(|d| d * d)).sum();
+        let variance = match (within.map(|w| w / count), predictions.len()) {
+            (within, 1) => within,
+            (within, _) => Some(between / (count - 1.0) + within.unwrap_or(0.0)),
+        };
+        let outside = self.members[0].outside(row);
+        Ok(Prediction { value, standard_deviation: variance.map(f64::sqrt), outside })
+    }
+
+    /// Mean over the members for many rows (flat, row by row).
+    ///
+    /// # Errors
+    /// As [`Model::predict_batch`].
+    pub fn predict_batch(&self, rows: &[f64]) -> Result<BatchPrediction, ModelError> {
+        let mut mean = self.members[0].predict_batch(rows)?;
+        for member in &self.members[1..] {
+            let values = member.predict_batch(rows)?.values;
+            mean.values.iter_mut().zip(values).for_each(|(m, v)| *m += v);
+        }
+        mean.values.iter_mut().for_each(|m| *m /= self.members.len() as f64);
+        Ok(mean)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Column;
+    use crate::trainer::LevenbergMarquardt;
+
+    fn recipe() -> Recipe {
+        Recipe {
+            inputs: vec![Column::new("x", "1")],
+            output: Column::new("y", "Pa"),
+            hidden: vec![6, 5],
+            seed: 0,
+        }
+    }
+
+    fn data() -> Data {
+        let x: Vec<f64> = (0..40).map(|k| k as f64 / 39.0).collect();
+        let y = x
+            .iter()
+            .enumerate()
+            .map(|(k, x)| 1e3 * ((4.0 * x).sin() + 0.05 * (k as f64 * 7.7).sin()))
+            .collect();
+        Data::new(x, 1, y).unwrap()
+    }
+
+    #[test]
+    fn the_number_of_threads_changes_no_bit() {
+        let trainer = LevenbergMarquardt { epochs: 30, ..Default::default() };
+        let one = Ensemble::fit(&recipe(), &data(), &trainer, &[1, 2, 3], 1).unwrap().0;
+        let three = Ensemble::fit(&recipe(), &data(), &trainer, &[1, 2, 3], 3).unwrap().0;
+        for (a, b) in one.members().iter().zip(three.members()) {
+            assert_eq!(a.network().weights(), b.network().weights());
+        }
+        assert_eq!(one.predict(&[0.3]).unwrap(), three.predict(&[0.3]).unwrap());
+    }
+
+    #[test]
+    fn mean_and_scatter() {
+        let trainer = LevenbergMarquardt::default();
+        let (ensemble, reports) = Ensemble::fit(&recipe(), &data(), &trainer, &[1, 2, 3, 4], 2).unwrap();
+        assert_eq!(reports.len(), 4);
+        let inside = ensemble.predict(&[0.5]).unwrap();
+        let outside = ensemble.predict(&[1.5]).unwrap();
+        assert!((inside.value - 1e3 * 2f64.sin()).abs() < 60.0, "{inside:?}");
+        assert!(inside.outside.is_empty() && outside.outside == ["x"]);
+        assert!(outside.standard_deviation > inside.standard_deviation);
+        let batch = ensemble.predict_batch(&[0.5, 1.5]).unwrap();
+        assert!((batch.values[0] - inside.value).abs() < 1e-9 && batch.outside == [false, true]);
+        assert!(Ensemble::fit(&recipe(), &data(), &trainer, &[], 2).is_err());
+    }
+}

@@ -1,0 +1,435 @@
+//! Symmetric positive definite matrices: Cholesky factor, solution, trace of the inverse.
+//!
+//! Only the upper triangle is kept, row by row with columns across the lanes. The factorisation works on eight rows at a
+//! time; every element is summed in one fixed order, so the bits are the same on each instruction set.
+
+use granum_simd::{Isa, Kernel, LANES, Lanes, Row8, dispatch};
+
+use crate::kernels::{Scalars, blocks, odd, panels, scalar_times_lanes};
+
+/// The upper triangle of a symmetric matrix, filled up with zeros to whole lane blocks.
+#[derive(Clone, Debug)]
+pub(crate) struct Symmetric {
+    pub size: usize,
+    pub blocks: usize,
+    /// Distance between rows in lane blocks.
+    pub stride: usize,
+    /// Entry (p, s), `s >= p`, in lane `s % 8` of `values[p * stride + s / 8]`.
+    pub values: Vec<Row8>,
+}
+
+impl Symmetric {
+    pub(crate) fn new(size: usize) -> Symmetric {
+        let (count, stride) = (blocks(size), odd(blocks(size)));
+        Symmetric { size, blocks: count, stride, values: vec![Row8::default(); count * LANES * stride] }
+    }
+
+    /// Bytes of a matrix of this size.
+    pub(crate) fn bytes(size: usize) -> usize {
+        blocks(size) * LANES * odd(blocks(size)) * size_of::<Row8>()
+    }
+}
+
+/// The factor `U` of `A + shift I = U^T U`.
+#[derive(Clone, Debug)]
+pub(crate) struct Cholesky {
+    isa: Isa,
+    upper: Symmetric,
+    /// One over the diagonal.
+    reciprocal: Vec<f64>,
+    /// Room for the inverse of the factor.
+    inverse: Vec<Row8>,
+}
+
+impl Cholesky {
+    pub(crate) fn new(isa: Isa, size: usize) -> Cholesky {
+        let upper = Symmetric::new(size);
+        let reciprocal = vec![0.0; upper.blocks * LANES];
+        Cholesky { isa, upper, reciprocal, inverse: Vec::new() }
+    }
+
+    /// Factorises `matrix + shift I`; false if it is not positive definite to working precision.
+    pub(crate) fn factorise(&mut self, matrix: &Symmetric, shift: f64) -> bool {
+        dispatch(self.isa, Factorise { factor: self, matrix, shift })
+    }
+
+    /// Solves `(A + shift I) x = b` in place.
+    pub(crate) fn solve(&self, vector: &mut [Row8]) {
+        dispatch(self.isa, Solve { factor: self, vector });
+    }
+
+    /// Solves `U^T y = b` in place: `y . y = b^T (A + shift I)^-1 b`.
+    pub(crate) fn solve_transposed(&self, vector: &mut [Row8]) {
+        dispatch(self.isa, SolveTransposed { factor: self, vector });
+    }
+
+    /// Trace of `(A + shift I)^-1`, as the sum of squares of the inverse of the factor.
+    pub(crate) fn trace_of_inverse(&mut self) -> f64 {
+        dispatch(self.isa, TraceOfInverse { factor: self })
+    }
+}
+
+/// Height and width of the tiles here.
+#[inline(always)]
+fn widest<L: Lanes>() -> usize {
+    if L::REGISTERS >= 32 { 3 } else { 1 }
+}
+
+/// As [`scalar_times_lanes`] for eight outputs and a start of zero.
+#[inline(always)]
+pub(crate) fn eight_rows<L: Lanes>(
+    scalars: Scalars,
+    depth: usize,
+    lanes: &[Row8],
+    stride: usize,
+    first: usize,
+    width: usize,
+    finish: impl FnMut(usize, usize, L),
+) {
+    if L::REGISTERS >= 32 {
+        scalar_times_lanes::<L, 8, 3>(
+            scalars,
+            LANES,
+            depth,
+            lanes,
+            stride,
+            first,
+            width,
+            zero::<L>(),
+            finish,
+        );
+    } else {
+        scalar_times_lanes::<L, 4, 1>(
+            scalars,
+            LANES,
+            depth,
+            lanes,
+            stride,
+            first,
+            width,
+            zero::<L>(),
+            finish,
+        );
+    }
+}
+
+/// Starts every sum from zero.
+#[inline(always)]
+fn zero<L: Lanes>() -> impl Fn(usize) -> L {
+    #[inline(always)]
+    |_| L::zero()
+}
+
+struct Factorise<'a> {
+    factor: &'a mut Cholesky,
+    matrix: &'a Symmetric,
+    shift: f64,
+}
+
+impl Kernel for Factorise<'_> {
+    type Output = bool;
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> bool {
+        let Symmetric { blocks, stride, .. } = self.factor.upper;
+        for q in 0..blocks {
+            let (above, rest) = self.factor.upper.values.split_at_mut(q * LANES * stride);
+            let rows = &mut rest[..LANES * stride];
+            let source = &self.matrix.values[q * LANES * stride..][..LANES * stride];
+            // What the rows above leave.
+            let scalars =
+                Scalars { values: &Row8::numbers(above)[q * LANES..], by_k: stride * LANES, by_j: 1 };
+            panels(
+                q,
+                blocks,
+                widest::<L>(),
+                #[inline(always)]
+                |first, width| {
+                    eight_rows::<L>(
+                        scalars,
+                        q * LANES,
+                        above,
+                        stride,
+                        first,
+                        width,
+                        #[inline(always)]
+                        |i, b, sum| {
+                            let at = i * stride + b;
+                            (L::load(&source[at].0) - sum).store(&mut rows[at].0);
+                        },
+                    );
+                },
+            );
+            let Some(diagonal) = diagonal_block(rows, stride, q, self.shift) else { return false };
+            let reciprocal = diagonal.map(|row| 1.0 / row.1);
+            self.factor.reciprocal[q * LANES..(q + 1) * LANES].copy_from_slice(&reciprocal);
+            // The eight rows themselves, column block after column block.
+            for b in q + 1..blocks {
+                let mut values = [L::zero(); LANES];
+                for i in 0..LANES {
+                    values[i] = L::load(&rows[i * stride + b].0);
+                }
+                for i in 0..LANES {
+                    values[i] = values[i] * L::splat(reciprocal[i]);
+                    for j in i + 1..LANES {
+                        values[j] = L::splat(-diagonal[i].0[j]).mul_add(values[i], values[j]);
+                    }
+                }
+                for i in 0..LANES {
+                    values[i].store(&mut rows[i * stride + b].0);
+                }
+            }
+            for i in 0..LANES {
+                rows[i * stride + q] = Row8(diagonal[i].0);
+            }
+        }
+        true
+    }
+}
+
+/// Factorises the block on the diagonal: its rows (zeros left of the diagonal) with their diagonal elements.
+#[inline(always)]
+fn diagonal_block(
+    rows: &[Row8],
+    stride: usize,
+    q: usize,
+    shift: f64,
+) -> Option<[([f64; LANES], f64); LANES]> {
+    let mut block = [([0.0; LANES], 0.0); LANES];
+    for i in 0..LANES {
+        block[i].0 = rows[i * stride + q].0;
+        block[i].0[i] += shift;
+    }
+    for i in 0..LANES {
+        let pivot = block[i].0[i];
+        if pivot.is_nan() || pivot <= 0.0 || pivot == f64::INFINITY {
+            return None;
+        }
+        let root = pivot.sqrt();
+        for j in 0..LANES {
+            block[i].0[j] = if j < i { 0.0 } else { block[i].0[j] * (1.0 / root) };
+        }
+        block[i].0[i] = root;
+        block[i].1 = root;
+        for k in i + 1..LANES {
+            let factor = -block[i].0[k];
+            for j in k..LANES {
+                block[k].0[j] = factor.mul_add(block[i].0[j], block[k].0[j]);
+            }
+        }
+    }
+    Some(block)
+}
+
+struct SolveTransposed<'a> {
+    factor: &'a Cholesky,
+    vector: &'a mut [Row8],
+}
+
+impl Kernel for SolveTransposed<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Symmetric { blocks, stride, ref values, .. } = self.factor.upper;
+        for p in 0..blocks * LANES {
+            let (b, lane) = (p / LANES, p % LANES);
+            let y = self.vector[b].0[lane] * self.factor.reciprocal[p];
+            self.vector[b].0[lane] = y;
+            let row = &values[p * stride..][..blocks];
+            // The rest of this block lane by lane, the later blocks whole.
+            for s in lane + 1..LANES {
+                self.vector[b].0[s] = (-y).mul_add(row[b].0[s], self.vector[b].0[s]);
+            }
+            let factor = L::splat(-y);
+            for s in b + 1..blocks {
+                factor.mul_add(L::load(&row[s].0), L::load(&self.vector[s].0)).store(&mut self.vector[s].0);
+            }
+        }
+    }
+}
+
+struct Solve<'a> {
+    factor: &'a Cholesky,
+    vector: &'a mut [Row8],
+}
+
+impl Kernel for Solve<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        SolveTransposed { factor: self.factor, vector: &mut *self.vector }.run::<L>();
+        let Symmetric { blocks, stride, ref values, .. } = self.factor.upper;
+        for p in (0..blocks * LANES).rev() {
+            let (b, lane) = (p / LANES, p % LANES);
+            let row = &values[p * stride..][..blocks];
+            let mut sum = L::zero();
+            for s in b + 1..blocks {
+                sum = L::load(&row[s].0).mul_add(L::load(&self.vector[s].0), sum);
+            }
+            let mut sum = sum.reduce_add();
+            for s in lane + 1..LANES {
+                sum = row[b].0[s].mul_add(self.vector[b].0[s], sum);
+            }
+            self.vector[b].0[lane] = (self.vector[b].0[lane] - sum) * self.factor.reciprocal[p];
+        }
+    }
+}
+
+struct TraceOfInverse<'a> {
+    factor: &'a mut Cholesky,
+}
+
+impl Kernel for TraceOfInverse<'_> {
+    type Output = f64;
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f64 {
+        let Cholesky { upper, reciprocal, inverse, .. } = self.factor;
+        let Symmetric { size, blocks, stride, ref values } = *upper;
+        // Rows of the transposed inverse, a lower triangle: U^T Y = I.
+        inverse.resize(values.len(), Row8::default());
+        let mut sum = L::zero();
+        for q in 0..blocks {
+            let (above, rest) = inverse.split_at_mut(q * LANES * stride);
+            let rows = &mut rest[..LANES * stride];
+            panels(
+                0,
+                q,
+                widest::<L>(),
+                #[inline(always)]
+                |first, width| {
+                    // Column block `first` begins with row `8 first`: above it are zeros.
+                    let from = first * LANES;
+                    let scalars = Scalars {
+                        values: &Row8::numbers(values)[from * stride * LANES + q * LANES..],
+                        by_k: stride * LANES,
+                        by_j: 1,
+                    };
+                    eight_rows::<L>(
+                        scalars,
+                        q * LANES - from,
+                        &above[from * stride..],
+                        stride,
+                        first,
+                        width,
+                        #[inline(always)]
+                        |i, b, sum| (-sum).store(&mut rows[i * stride + b].0),
+                    );
+                },
+            );
+            for i in 0..LANES {
+                rows[i * stride + q] = Row8::default();
+                rows[i * stride + q].0[i] = 1.0;
+            }
+            for b in 0..=q {
+                for i in 0..LANES {
+                    let p = q * LANES + i;
+                    let mut value = L::load(&rows[i * stride + b].0);
+                    for k in 0..i {
+                        let factor = L::splat(-values[(q * LANES + k) * stride + q].0[i]);
+                        value = factor.mul_add(L::load(&rows[k * stride + b].0), value);
+                    }
+                    value = value * L::splat(reciprocal[p]);
+                    value.store(&mut rows[i * stride + b].0);
+                    if p < size {
+                        sum = value.mul_add(value, sum);
+                    }
+                }
+            }
+            // Right of the diagonal the rows below read zeros.
+            for i in 0..LANES {
+                rows[i * stride + q + 1..(i + 1) * stride].fill(Row8::default());
+            }
+        }
+        sum.reduce_add()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// `B B^T` of a fixed pseudo-random square matrix: its upper triangle, and all of it row by row.
+    fn example(size: usize) -> (Symmetric, Vec<f64>) {
+        let entry = |i: usize, j: usize| ((i * 37 + j * 101 + i * j) as f64 * 0.7).sin();
+        let mut full = vec![0.0; size * size];
+        let mut matrix = Symmetric::new(size);
+        for p in 0..size {
+            for s in 0..size {
+                full[p * size + s] = (0..size).map(|k| entry(p, k) * entry(s, k)).sum();
+                if s >= p {
+                    matrix.values[p * matrix.stride + s / LANES].0[s % LANES] = full[p * size + s];
+                }
+            }
+        }
+        (matrix, full)
+    }
+
+    fn vector(size: usize) -> Vec<Row8> {
+        let mut vector = vec![Row8::default(); blocks(size)];
+        for i in 0..size {
+            vector[i / LANES].0[i % LANES] = 1.0 + (i as f64 * 1.3).cos();
+        }
+        vector
+    }
+
+    fn bits(isa: Isa, size: usize) -> Vec<u64> {
+        let (matrix, _) = example(size);
+        let mut factor = Cholesky::new(isa, size);
+        assert!(factor.factorise(&matrix, 0.5));
+        let mut x = vector(size);
+        factor.solve(&mut x);
+        let mut bits: Vec<u64> = Row8::numbers(&x).iter().map(|v| v.to_bits()).collect();
+        bits.push(factor.trace_of_inverse().to_bits());
+        bits
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+        #[test]
+        fn solves_its_equations(size in 1usize..70, shift in 0.1..3.0f64) {
+            let (matrix, full) = example(size);
+            let mut factor = Cholesky::new(Isa::detect(), size);
+            prop_assert!(factor.factorise(&matrix, shift));
+            let b = vector(size);
+            let mut x = b.clone();
+            factor.solve(&mut x);
+            let (x, b) = (Row8::numbers(&x), Row8::numbers(&b));
+            for p in 0..size {
+                let product: f64 = (0..size).map(|s| full[p * size + s] * x[s]).sum::<f64>() + shift * x[p];
+                prop_assert!((product - b[p]).abs() < 1e-8, "{p}: {product} {}", b[p]);
+            }
+        }
+
+        #[test]
+        fn trace_of_the_inverse_column_by_column(size in 1usize..40) {
+            let (matrix, _) = example(size);
+            let mut factor = Cholesky::new(Isa::detect(), size);
+            prop_assert!(factor.factorise(&matrix, 1.0));
+            let mut trace = 0.0;
+            for p in 0..size {
+                let mut unit = vec![Row8::default(); blocks(size)];
+                unit[p / LANES].0[p % LANES] = 1.0;
+                factor.solve(&mut unit);
+                trace += unit[p / LANES].0[p % LANES];
+            }
+            prop_assert!((factor.trace_of_inverse() / trace - 1.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn same_bits_on_every_instruction_set() {
+        for size in [1, 8, 19, 45] {
+            let reference = bits(Isa::Portable, size);
+            for isa in Isa::ALL.into_iter().filter(|i| i.available()) {
+                assert_eq!(bits(isa, size), reference, "{} {size}", isa.name());
+            }
+        }
+    }
+
+    #[test]
+    fn an_indefinite_matrix_is_told() {
+        let (matrix, _) = example(20);
+        assert!(!Cholesky::new(Isa::detect(), 20).factorise(&matrix, -1e3));
+        assert!(!Cholesky::new(Isa::detect(), 20).factorise(&matrix, f64::NAN));
+    }
+}

@@ -1,0 +1,249 @@
+//! How sure a trained network is: the Laplace approximation that Bayesian regularisation gives (MacKay 1992).
+//!
+//! With the precisions `alpha` of the weights and `beta` of the noise, the weights are normally distributed around the
+//! trained ones with covariance `(beta J^T J + alpha I)^-1`, and an observation at an input where the network's gradient with
+//! respect to its weights is `g` has the variance
+//!
+//! ```text
+//! 1 / beta + g^T (beta J^T J + alpha I)^-1 g  =  1 / beta + (g . g - k^T (K + a I)^-1 k) / alpha
+//! ```
+//!
+//! with `a = alpha / beta`, `K = J J^T` and `k = J g`, all from small Gram matrices (see `curvature.rs`).
+
+use granum_simd::{Isa, LANES, Row8};
+use serde::{Deserialize, Serialize};
+
+use crate::backprop::Workspace;
+use crate::curvature::{Curvature, Form, cross_kernel, jacobian_row};
+use crate::data::Data;
+use crate::network::Network;
+use crate::trainer::Evidence;
+
+/// Most memory for the curvature, in bytes.
+const MEMORY: usize = 2 << 30;
+/// Rows whose variance is computed at a time.
+const CHUNK: usize = 256;
+
+/// The rows that a network was trained on, in its own units, without their targets.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TrainingRows {
+    /// Row by row.
+    pub inputs: Vec<f64>,
+    /// Weight of each row.
+    pub weights: Option<Vec<f64>>,
+}
+
+impl TrainingRows {
+    /// Refuses rows that do not fit the network, or that would need too much memory.
+    pub(crate) fn check(&self, network: &Network) -> Result<(), String> {
+        let data = self.data(network).map_err(|e| format!("training rows: {e}"))?;
+        let bytes = needed(network, data.rows()).1;
+        if bytes > MEMORY {
+            return Err(format!(
+                "the uncertainty over {} training rows would need {bytes} bytes",
+                data.rows()
+            ));
+        }
+        Ok(())
+    }
+
+    fn data(&self, network: &Network) -> Result<Data, crate::data::DataError> {
+        let rows = self.inputs.len() / network.inputs();
+        let data = Data::new(self.inputs.clone(), network.inputs(), vec![0.0; rows])?;
+        match &self.weights {
+            Some(weights) => data.with_weights(weights.clone()),
+            None => Ok(data),
+        }
+    }
+}
+
+fn needed(network: &Network, rows: usize) -> (Form, usize) {
+    let weights = network.weights().len();
+    let form = Form::cheaper(rows, weights, network.layers().iter().sum());
+    (form, form.bytes(rows, weights).saturating_add(Workspace::bytes(network, rows)))
+}
+
+/// The factorised curvature of a trained network.
+#[derive(Clone)]
+pub(crate) struct Laplace {
+    isa: Isa,
+    /// Training rows with their sensitivities; used in kernel form.
+    training: Workspace,
+    curvature: Curvature,
+    alpha: f64,
+    beta: f64,
+}
+
+impl std::fmt::Debug for Laplace {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.debug_struct("Laplace")
+            .field("alpha", &self.alpha)
+            .field("beta", &self.beta)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Laplace {
+    /// Factorises the curvature at the network's weights; none if the rows do not fit, are too many, or if the curvature is
+    /// too ill-conditioned.
+    pub(crate) fn new(
+        isa: Isa,
+        network: &Network,
+        rows: &TrainingRows,
+        evidence: Evidence,
+    ) -> Option<Laplace> {
+        let data = rows.data(network).ok()?;
+        let (form, bytes) = needed(network, data.rows());
+        if bytes > MEMORY {
+            return None;
+        }
+        let mut training = Workspace::new(isa, network, &data);
+        training.squared_error(network.weights());
+        training.sensitivities(network.weights());
+        let mut curvature = Curvature::new(isa, form, data.rows(), network.weights().len());
+        curvature.form(&training);
+        // Data without noise leave next to no regularisation: a little more then makes the factor exist, and only adds
+        // to the certainty of what is certain already.
+        let mut shift = evidence.alpha / evidence.beta;
+        for _ in 0..16 {
+            if curvature.factorise(shift) {
+                return Some(Laplace {
+                    isa,
+                    training,
+                    curvature,
+                    alpha: shift * evidence.beta,
+                    beta: evidence.beta,
+                });
+            }
+            shift *= 10.0;
+        }
+        None
+    }
+
+    /// Variances of observations at rows in the network's units.
+    pub(crate) fn variances(&self, network: &Network, inputs: Vec<f64>) -> Vec<f64> {
+        let mut variances = Vec::new();
+        for chunk in inputs.chunks(CHUNK * network.inputs()) {
+            let rows = chunk.len() / network.inputs();
+            let Ok(data) = Data::new(chunk.to_vec(), network.inputs(), vec![0.0; rows]) else { continue };
+            let mut asked = Workspace::new(self.isa, network, &data);
+            asked.squared_error(network.weights());
+            asked.sensitivities(network.weights());
+            match self.curvature.form {
+                Form::Kernel => self.by_kernel(&asked, &mut variances),
+                Form::Normal => self.by_weights(&asked, network.weights().len(), &mut variances),
+            }
+        }
+        variances
+    }
+
+    fn by_kernel(&self, asked: &Workspace, variances: &mut Vec<f64>) {
+        for block in 0..asked.blocks {
+            let mut cross = cross_kernel(asked, block, &self.training, (0, self.training.blocks));
+            let own = cross_kernel(asked, block, asked, (block, block + 1));
+            for i in 0..LANES.min(asked.rows - block * LANES) {
+                let vector = &mut cross[i * self.training.blocks..][..self.training.blocks];
+                let squared = own[i * asked.blocks + block].0[i];
+                let known = self.curvature.quadratic_form(vector);
+                variances.push(1.0 / self.beta + (squared - known).max(0.0) / self.alpha);
+            }
+        }
+    }
+
+    fn by_weights(&self, asked: &Workspace, weights: usize, variances: &mut Vec<f64>) {
+        for row in 0..asked.rows {
+            let mut gradient = vec![Row8::default(); crate::kernels::blocks(weights)];
+            jacobian_row(asked, row, &mut gradient);
+            variances.push((1.0 + self.curvature.quadratic_form(&mut gradient)) / self.beta);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn network_and_rows() -> (Network, TrainingRows) {
+        let network = Network::new(&[2, 6, 5, 1], 9).unwrap();
+        let inputs = (0..60).map(|k| (k as f64 * 1.3).sin()).collect();
+        let weights = Some((0..30).map(|r| 0.5 + (r % 4) as f64).collect());
+        (network, TrainingRows { inputs, weights })
+    }
+
+    /// `1 / beta + g^T (beta J^T J + alpha I)^-1 g` with everything formed, by Gaussian elimination.
+    fn explicit(network: &Network, rows: &TrainingRows, evidence: Evidence, asked: [f64; 2]) -> f64 {
+        let count = network.weights().len();
+        let gradient = |input: &[f64]| -> Vec<f64> {
+            let mut changed = network.clone();
+            (0..count)
+                .map(|k| {
+                    let (h, before) = (1e-5, network.weights()[k]);
+                    changed.weights_mut()[k] = before + h;
+                    let up = changed.forward(input).unwrap()[0];
+                    changed.weights_mut()[k] = before - h;
+                    let down = changed.forward(input).unwrap()[0];
+                    changed.weights_mut()[k] = before;
+                    (up - down) / (2.0 * h)
+                })
+                .collect()
+        };
+        let data = rows.data(network).unwrap();
+        let mut a = vec![vec![0.0; count + 1]; count];
+        for (r, input) in data.inputs().chunks(2).enumerate() {
+            let g = gradient(input);
+            for p in 0..count {
+                for s in 0..count {
+                    a[p][s] += evidence.beta * data.weights().unwrap()[r] * g[p] * g[s];
+                }
+            }
+        }
+        let g = gradient(&asked);
+        for p in 0..count {
+            a[p][p] += evidence.alpha;
+            a[p][count] = g[p];
+        }
+        for p in 0..count {
+            for s in p + 1..count {
+                let factor = a[s][p] / a[p][p];
+                for k in p..=count {
+                    a[s][k] -= factor * a[p][k];
+                }
+            }
+        }
+        for p in (0..count).rev() {
+            let sum: f64 = (p + 1..count).map(|k| a[p][k] * a[k][count]).sum();
+            a[p][count] = (a[p][count] - sum) / a[p][p];
+        }
+        1.0 / evidence.beta + (0..count).map(|p| g[p] * a[p][count]).sum::<f64>()
+    }
+
+    #[test]
+    fn both_forms_are_the_explicit_formula() {
+        let (network, rows) = network_and_rows();
+        let evidence = Evidence { alpha: 0.3, beta: 50.0, gamma: 10.0 };
+        let mut laplace = Laplace::new(Isa::detect(), &network, &rows, evidence).unwrap();
+        assert_eq!(laplace.curvature.form, Form::Kernel);
+        let asked = vec![0.2, -0.4, 1.5, 0.9, -2.0, 3.0];
+        let kernel = laplace.variances(&network, asked.clone());
+        laplace.curvature = Curvature::new(Isa::detect(), Form::Normal, 30, network.weights().len());
+        laplace.curvature.form(&laplace.training);
+        assert!(laplace.curvature.factorise(evidence.alpha / evidence.beta));
+        let normal = laplace.variances(&network, asked.clone());
+        for (r, input) in asked.chunks(2).enumerate() {
+            let expected = explicit(&network, &rows, evidence, [input[0], input[1]]);
+            assert!((kernel[r] / expected - 1.0).abs() < 1e-7, "{} {expected}", kernel[r]);
+            assert!((normal[r] / expected - 1.0).abs() < 1e-7, "{} {expected}", normal[r]);
+        }
+    }
+
+    #[test]
+    fn rows_that_do_not_fit_are_refused() {
+        let (network, mut rows) = network_and_rows();
+        assert!(rows.check(&network).is_ok());
+        rows.inputs.pop();
+        assert!(rows.check(&network).is_err());
+        rows.inputs.push(f64::INFINITY);
+        assert!(rows.check(&network).unwrap_err().contains("not a finite number"));
+    }
+}
