@@ -1,2 +1,57 @@
 //! The granum program.
-fn main() {}
+
+mod command;
+mod context;
+mod failure;
+mod interrupt;
+mod output;
+mod progress;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use command::Command;
+use context::Context;
+
+/// A discrete element laboratory for granular materials, with neural surrogates that say how sure they are.
+#[derive(Parser)]
+#[command(name = "granum", version, arg_required_else_help = true, max_term_width = 110)]
+struct Arguments {
+    /// Print results and errors as JSON, for machines; no progress is shown.
+    #[arg(long, global = true, help_heading = "Everywhere")]
+    json: bool,
+    /// Replace files and folders that are there already.
+    #[arg(long, global = true, help_heading = "Everywhere")]
+    force: bool,
+    /// Say more about what is done.
+    #[arg(short, long, global = true, help_heading = "Everywhere")]
+    verbose: bool,
+    #[command(subcommand)]
+    command: Command,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let context = Context::new(arguments.json, arguments.force, arguments.verbose, interrupt::install());
+    match arguments.command.run(&context) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.print(&context),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_arguments_are_consistent_and_every_subcommand_shows_an_example() {
+        let mut command = Arguments::command();
+        command.clone().debug_assert();
+        for sub in command.get_subcommands_mut() {
+            let help = sub.render_long_help().to_string();
+            assert!(help.contains("Example") && help.contains("granum "), "{help}");
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! What every subcommand needs to know of how it was called.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::failure::{Failure, Interrupted};
+use crate::progress::Progress;
+
+/// The options that hold everywhere, and the wish of the user to stop.
+pub struct Context {
+    /// Results and errors as JSON.
+    pub json: bool,
+    /// Replace what is there.
+    pub force: bool,
+    /// Say more.
+    #[allow(dead_code, reason = "read by `say`")]
+    pub verbose: bool,
+    stop: Arc<AtomicBool>,
+}
+
+impl Context {
+    pub fn new(json: bool, force: bool, verbose: bool, stop: Arc<AtomicBool>) -> Self {
+        Context { json, force, verbose, stop }
+    }
+
+    /// True once Ctrl-C or SIGTERM came: finish in good order and soon.
+    pub fn stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// The flag itself, for long computations that poll it.
+    #[allow(dead_code, reason = "taken by the commands that run a simulation")]
+    pub fn stop_flag(&self) -> Arc<AtomicBool> {
+        self.stop.clone()
+    }
+
+    /// An error if the user wants to stop; `left` says what stands where.
+    #[allow(dead_code, reason = "taken by the commands that run a simulation")]
+    pub fn check_stopped(&self, left: impl FnOnce() -> String) -> Result<(), Failure> {
+        if self.stopped() { Err(Interrupted { left: left() }.into()) } else { Ok(()) }
+    }
+
+    /// A display of progress that suits the terminal and the options.
+    #[allow(dead_code, reason = "taken by the commands that run a simulation")]
+    pub fn progress(&self) -> Progress {
+        Progress::new(self.json)
+    }
+
+    #[allow(dead_code, reason = "taken by the commands that run a simulation")]
+    /// A line for people on what is done, with `--verbose`.
+    pub fn say(&self, text: impl FnOnce() -> String) {
+        if self.verbose && !self.json {
+            eprintln!("{}", text());
+        }
+    }
+}

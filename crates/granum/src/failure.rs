@@ -1,0 +1,166 @@
+//! Why a command failed, and how that is told: with the place in the file for people, as JSON for machines.
+
+use std::error::Error;
+use std::fmt;
+use std::process::ExitCode;
+
+use granum_io::InputError;
+use miette::{
+    Diagnostic, GraphicalReportHandler, LabeledSpan, MietteError, MietteSpanContents, SourceCode, SourceSpan,
+    SpanContents,
+};
+
+use crate::context::Context;
+use crate::interrupt::INTERRUPTED;
+
+/// Any error that ends a command. `?` makes it of every error type.
+pub struct Failure(Box<dyn Error + Send + Sync>);
+
+impl<E: Error + Send + Sync + 'static> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Failure(Box::new(error))
+    }
+}
+
+/// The user stopped the command.
+#[derive(Debug, thiserror::Error)]
+#[error("interrupted; {left}")]
+pub struct Interrupted {
+    /// What stands where, and how to go on.
+    pub left: String,
+}
+
+/// A failure that is only a sentence.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+struct Sentence(String);
+
+impl Failure {
+    /// A failure that is only a sentence.
+    pub fn new(message: impl Into<String>) -> Failure {
+        Sentence(message.into()).into()
+    }
+
+    /// Tells the failure on the standard error and gives the status to exit with.
+    pub fn print(&self, context: &Context) -> ExitCode {
+        if context.json {
+            eprintln!("{}", self.json());
+        } else {
+            eprint!("{}", self.text());
+        }
+        let status = if self.0.is::<Interrupted>() { INTERRUPTED } else { 1 };
+        ExitCode::from(status)
+    }
+
+    /// Places in files that the error, or one that caused it, is about.
+    fn places(&self) -> &[InputError] {
+        let mut error: Option<&(dyn Error + 'static)> = Some(self.0.as_ref());
+        while let Some(current) = error {
+            if let Some(ours) = current.downcast_ref::<granum_io::Error>() {
+                return ours.inputs();
+            }
+            error = current.source();
+        }
+        &[]
+    }
+
+    /// The message with those of its causes that it does not repeat.
+    fn message(&self) -> String {
+        let mut text = self.0.to_string();
+        let mut cause = self.0.source();
+        while let Some(error) = cause {
+            let more = error.to_string();
+            if !text.contains(&more) {
+                text = format!("{text}: {more}");
+            }
+            cause = error.source();
+        }
+        text
+    }
+
+    fn text(&self) -> String {
+        let places = self.places();
+        if places.is_empty() {
+            return format!("error: {}\n", self.message());
+        }
+        let handler = GraphicalReportHandler::new();
+        let mut text = String::new();
+        for place in places {
+            let drawn = handler.render_report(&mut text, &Drawn(place));
+            if drawn.is_err() {
+                text.push_str(&format!("error: {place}\n"));
+            }
+        }
+        // The place in one line, for people and editors that look for it.
+        for place in places {
+            text.push_str(&format!("error: {place}\n"));
+        }
+        text
+    }
+
+    fn json(&self) -> serde_json::Value {
+        let place = |place: &InputError| {
+            serde_json::json!({
+                "file": place.file,
+                "line": place.line,
+                "column": place.column,
+                "message": place.message,
+                "help": place.help,
+            })
+        };
+        let places: Vec<_> = self.places().iter().map(place).collect();
+        serde_json::json!({ "error": { "message": self.message(), "places": places } })
+    }
+}
+
+/// A place in a file as miette draws it.
+#[derive(Debug)]
+struct Drawn<'a>(&'a InputError);
+
+impl fmt::Display for Drawn<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0.message)
+    }
+}
+
+impl Error for Drawn<'_> {}
+
+impl Diagnostic for Drawn<'_> {
+    fn help(&self) -> Option<Box<dyn fmt::Display + '_>> {
+        let help = self.0.help.as_ref()?;
+        Some(Box::new(help))
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        (!self.0.source_text.is_empty()).then_some(self)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        if self.0.source_text.is_empty() {
+            return None;
+        }
+        let span = self.0.span.clone();
+        Some(Box::new(std::iter::once(LabeledSpan::new(Some("here".into()), span.start, span.len()))))
+    }
+}
+
+impl SourceCode for Drawn<'_> {
+    fn read_span<'a>(
+        &'a self,
+        span: &SourceSpan,
+        before: usize,
+        after: usize,
+    ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
+        let text: &str = &self.0.source_text;
+        let contents = text.read_span(span, before, after)?;
+        // The text may be one line from the middle of a large file.
+        Ok(Box::new(MietteSpanContents::new_named(
+            self.0.file.clone(),
+            contents.data(),
+            *contents.span(),
+            contents.line() + self.0.first_line - 1,
+            contents.column(),
+            contents.line_count(),
+        )))
+    }
+}

@@ -1,0 +1,152 @@
+//! Progress on the standard error: a bar on a terminal, a plain line every few seconds elsewhere, nothing with
+//! `--json`.
+#![allow(dead_code, reason = "taken by the commands that run a simulation")]
+
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Time between plain lines.
+const LINE_EVERY: Duration = Duration::from_secs(5);
+/// Steps of the bar.
+const LENGTH: u64 = 1000;
+
+/// A display of progress through phases.
+pub struct Progress {
+    display: Display,
+    phase: String,
+    started: Instant,
+}
+
+enum Display {
+    Silent,
+    Bar(ProgressBar),
+    Lines { last: Option<Instant> },
+}
+
+impl Progress {
+    /// For the standard error as it is; silent if `silent`.
+    pub fn new(silent: bool) -> Progress {
+        let display = if silent {
+            Display::Silent
+        } else if std::io::stderr().is_terminal() {
+            Display::Bar(bar())
+        } else {
+            Display::Lines { last: None }
+        };
+        Progress { display, phase: String::new(), started: Instant::now() }
+    }
+
+    /// Starts a phase, e.g. "compress", "shear", "train F1".
+    pub fn phase(&mut self, name: impl Into<String>) {
+        self.phase = name.into();
+        self.started = Instant::now();
+        match &mut self.display {
+            Display::Silent => {}
+            Display::Bar(bar) => {
+                bar.reset();
+                bar.set_prefix(self.phase.clone());
+                bar.set_message("");
+            }
+            Display::Lines { last } => *last = None,
+        }
+    }
+
+    /// Where the phase stands: the fraction done (if it can be told) and what to show, e.g.
+    /// "strain 0.120  q/p 0.61  p 20.0 kPa". Cheap to call often.
+    pub fn update(&mut self, fraction: Option<f64>, text: impl FnOnce() -> String) {
+        let elapsed = self.started.elapsed();
+        let left = fraction.and_then(|fraction| time_left(fraction, elapsed));
+        let done = fraction.unwrap_or(0.0).clamp(0.0, 1.0);
+        match &mut self.display {
+            Display::Silent => {}
+            Display::Bar(bar) => {
+                bar.set_position((done * LENGTH as f64) as u64);
+                bar.set_message(format!(
+                    "{}{}",
+                    text(),
+                    left.map_or(String::new(), |t| format!("  {t} left"))
+                ));
+            }
+            Display::Lines { last } => {
+                if last.is_some_and(|last| last.elapsed() < LINE_EVERY) {
+                    return;
+                }
+                *last = Some(Instant::now());
+                let percent = fraction.map_or(String::new(), |_| format!(" {:.0} %", 100.0 * done));
+                let left = left.map_or(String::new(), |left| format!("  {left} left"));
+                eprintln!("{}{percent}: {}{left}", self.phase, text());
+            }
+        }
+    }
+
+    /// Ends a phase with a line that stays.
+    pub fn end(&mut self, text: impl FnOnce() -> String) {
+        let line = |phase: &str, text: String, elapsed| format!("{phase}: {text} ({})", readable(elapsed));
+        match &self.display {
+            Display::Silent => {}
+            Display::Bar(bar) => bar.println(line(&self.phase, text(), self.started.elapsed())),
+            Display::Lines { .. } => eprintln!("{}", line(&self.phase, text(), self.started.elapsed())),
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Display::Bar(bar) = &self.display {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+fn bar() -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(LENGTH), ProgressDrawTarget::stderr_with_hz(5));
+    // The template is constant; a bad one would only cost the looks.
+    if let Ok(style) = ProgressStyle::with_template("{prefix:>12} [{bar:24}] {percent:>3} %  {wide_msg}") {
+        bar.set_style(style.progress_chars("=> "));
+    }
+    bar
+}
+
+/// Time left at the mean rate so far; nothing before there is a rate.
+fn time_left(fraction: f64, elapsed: Duration) -> Option<String> {
+    if !(fraction > 0.005 && fraction <= 1.0) || elapsed < Duration::from_millis(500) {
+        return None;
+    }
+    Some(readable(elapsed.mul_f64((1.0 - fraction) / fraction)))
+}
+
+/// "48 s", "3 min 20 s", "2 h 05 min".
+pub fn readable(time: Duration) -> String {
+    let seconds = time.as_secs_f64();
+    let whole = seconds.round() as u64;
+    match whole {
+        0..10 => format!("{seconds:.1} s"),
+        10..60 => format!("{whole} s"),
+        60..3600 => format!("{} min {:02} s", whole / 60, whole % 60),
+        _ => format!("{} h {:02} min", whole / 3600, whole % 3600 / 60),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_readable() {
+        let shown = |seconds| readable(Duration::from_secs_f64(seconds));
+        assert_eq!(
+            [shown(0.26), shown(59.4), shown(200.0), shown(7500.0)],
+            ["0.3 s", "59 s", "3 min 20 s", "2 h 05 min"]
+        );
+    }
+
+    #[test]
+    fn time_left_follows_the_mean_rate() {
+        assert_eq!(time_left(0.25, Duration::from_secs(10)).as_deref(), Some("30 s"));
+        assert_eq!(time_left(0.0, Duration::from_secs(10)), None);
+        assert_eq!(time_left(f64::NAN, Duration::from_secs(10)), None);
+        assert_eq!(time_left(0.5, Duration::ZERO), None);
+    }
+}

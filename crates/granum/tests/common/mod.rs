@@ -1,0 +1,26 @@
+//! Running the program in a folder.
+#![allow(dead_code, reason = "not every test file takes every helper")]
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// Runs granum in a folder and waits for its end.
+pub fn run(folder: &Path, arguments: &[&str]) -> Output {
+    let program = env!("CARGO_BIN_EXE_granum");
+    Command::new(program).args(arguments).current_dir(folder).output().unwrap()
+}
+
+/// What it printed.
+pub fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+/// What it said on the standard error.
+pub fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// Text as JSON.
+pub fn json(text: &str) -> serde_json::Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
