@@ -40,7 +40,13 @@ pub(super) enum Method {
     /// Gradient descent with momentum: the last step and the learning rate.
     Traingdx { step: Vec<f64>, rate: f64 },
     /// Damping, regularisation, and how long nothing has changed.
-    LevenbergMarquardt { damping: f64, evidence: Evidence, settled: bool, quiet: u64 },
+    LevenbergMarquardt {
+        damping: f64,
+        evidence: Evidence,
+        start: Option<Vec<f64>>,
+        settled: bool,
+        quiet: u64,
+    },
 }
 
 impl TrainerState {
@@ -57,7 +63,10 @@ impl TrainerState {
             return Err(TrainingError::State(text));
         }
         let best = self.course.best.as_ref().map_or(count, |b| b.weights.len());
-        let step = if let Method::Traingdx { step, .. } = &self.method { step.len() } else { count };
+        let step = match &self.method {
+            Method::Traingdx { step, .. } => step.len(),
+            Method::LevenbergMarquardt { start, .. } => start.as_ref().map_or(count, Vec::len),
+        };
         if best != count || step != count {
             return Err(TrainingError::State("its parts have different lengths".into()));
         }

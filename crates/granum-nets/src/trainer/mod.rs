@@ -274,20 +274,4 @@ fn check_columns(network: &Network, data: &Data) -> Result<(), TrainingError> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_and_options_are_checked() {
-        for name in NAMES {
-            assert_eq!(by_name(name, &Options::default()).unwrap().name(), name);
-        }
-        let error = by_name("trainlm", &Options::default()).err().unwrap();
-        assert_eq!(
-            error.to_string(),
-            "there is no trainer \"trainlm\"; known are levenberg-marquardt, traingdx"
-        );
-        let options = Options { goal: Some(-1.0), ..Options::default() };
-        assert!(by_name("traingdx", &options).err().unwrap().to_string().contains("goal = -1"));
-    }
-}
+mod tests;
