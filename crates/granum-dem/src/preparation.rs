@@ -83,6 +83,8 @@ pub struct Sample {
     pub simulation: Simulation,
     /// Every trial of the preparation friction; the last one made the sample.
     pub trials: Vec<Trial>,
+    /// Steps of all trials together.
+    pub steps: u64,
     /// Unbalanced force at the end.
     pub unbalanced_force: f64,
     /// True if the unbalanced force and the stress came within their bounds before the limit of steps.
@@ -155,15 +157,18 @@ pub fn prepare(
         return Ok(sample);
     }
     let mut trials: Vec<Trial> = Vec::new();
+    let mut steps = 0;
     loop {
         let friction = next_friction(&trials, target);
         let mut sample = prepare_with(recipe, friction, trials.len() + 1, observer)?;
         let trial = sample.trials[0];
         trials.push(trial);
+        steps += sample.steps;
         let met = (trial.solid_fraction - target).abs() <= p.solid_fraction_tolerance;
         let exhausted = trials.len() >= MOST_TRIALS || (trials.len() >= 2 && repeats(&trials));
         if met || exhausted {
             sample.trials = trials;
+            sample.steps = steps;
             sample.solid_fraction_met = met;
             return Ok(sample);
         }
@@ -234,22 +239,55 @@ fn prepare_with(
     s.set_hardware(recipe.hardware);
     s.set_time_step_factor(recipe.time_step_factor);
     s.expect_force(p.mean_stress * recipe.grains.diameter.powi(2));
-    s.set_fading(FADING * recipe.time_step_factor / s.state().time_step());
+    fade(&mut s, recipe);
     compact(&mut s, p, trial, observer)?;
+    let compaction = s.state().step();
     s.set_properties(Properties { material, contact: *recipe.contact })?;
     let settled = relax(&mut s, p, trial, observer)?;
+    let steps = compaction + s.state().step();
     let unbalanced_force = s.state().unbalanced_force();
     let solid_fraction = s.state().solid_fraction();
-    s.set_fading(0.0);
-    s.set_control(Control::isotropic(p.mean_stress, s.strain_rate(p.inertial_number, p.mean_stress)));
-    s.reset_phase();
+    finish(&mut s, p);
     Ok(Sample {
         simulation: s,
         trials: vec![Trial { friction, solid_fraction }],
+        steps,
         unbalanced_force,
         settled,
         solid_fraction_met: true,
     })
+}
+
+/// Global damping, slow against the vibrations of a contact.
+fn fade(s: &mut Simulation, recipe: &Recipe) {
+    s.set_fading(FADING * recipe.time_step_factor / s.state().time_step());
+}
+
+/// The sample stands by for a test: no global damping, the servo holds its stress.
+fn finish(s: &mut Simulation, p: &Preparation) {
+    s.set_fading(0.0);
+    s.set_control(Control::isotropic(p.mean_stress, s.strain_rate(p.inertial_number, p.mean_stress)));
+    s.reset_phase(0.0);
+}
+
+/// Brings a packing that another program made, or another law, to rest at the recipe's mean stress with the recipe's
+/// properties. No friction is searched and no gas made.
+pub fn settle(
+    mut simulation: Simulation,
+    recipe: &Recipe,
+    observer: &mut dyn FnMut(&Progress) -> Flow,
+) -> Result<Sample, PreparationError> {
+    let p = recipe.preparation;
+    let s = &mut simulation;
+    s.set_hardware(recipe.hardware);
+    s.set_time_step_factor(recipe.time_step_factor);
+    s.expect_force(p.mean_stress * s.mean_diameter().powi(2));
+    fade(s, recipe);
+    let settled = relax(s, p, 1, observer)?;
+    let steps = s.state().step();
+    let unbalanced_force = s.state().unbalanced_force();
+    finish(s, p);
+    Ok(Sample { simulation, trials: Vec::new(), steps, unbalanced_force, settled, solid_fraction_met: true })
 }
 
 /// Compresses until the stress is met and calm.
@@ -297,7 +335,7 @@ fn relax(
     const LIMIT: u64 = 400_000;
     let slow = s.strain_rate(p.inertial_number, p.mean_stress);
     s.set_control(Control::isotropic(p.mean_stress, slow));
-    s.reset_phase();
+    s.reset_phase(0.0);
     let mut calm = 0;
     while s.state().step() < LIMIT {
         s.advance(LOOK_EVERY)?;

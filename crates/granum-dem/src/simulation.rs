@@ -174,6 +174,7 @@ impl Simulation {
             control: Control::fixed(),
             fading: 0.0,
             servo_error: ServoError::default(),
+            judge_from: 0.0,
         };
         let table = with_law(properties.contact.normal, properties.contact.tangential, MakeTable);
         let machine = Machine::new(state, properties, table);
@@ -231,16 +232,14 @@ impl Simulation {
     }
 
     /// Changes material or law. Contacts keep their history if the tangential law stays, else tangential
-    /// forces start from zero. Masses follow the density.
+    /// forces start from zero. Masses follow the density, velocities and spins its inverse root: without gravity that
+    /// only rescales time, and the kinetic energy stays.
     pub fn set_properties(&mut self, properties: Properties) -> Result<(), SimulationError> {
         check(&properties.contact)?;
         let table = with_law(properties.contact.normal, properties.contact.tangential, MakeTable);
         let same = self.machine.properties.contact.tangential == properties.contact.tangential;
         let ratio = properties.material.density / self.machine.properties.material.density;
-        let grains = self.machine.state.grains();
-        for row in &mut self.machine.state.place[..grains] {
-            row.0[7] *= ratio;
-        }
+        self.machine.scale_density(ratio);
         self.table = table;
         self.machine.properties = properties;
         self.machine.table = table;
@@ -266,14 +265,10 @@ impl Simulation {
         &self.machine.state
     }
 
-    /// Starts a phase: strain, time, steps and ledger count from here.
-    pub fn reset_phase(&mut self) {
-        self.machine.state.reset_phase();
-    }
-
-    /// Starts the statistics of the servo's error anew.
-    pub fn reset_servo_error(&mut self) {
-        self.machine.state.reset_servo_error();
+    /// Starts a phase: strain, time, steps, ledger and servo statistics count from here, the last once the deviator
+    /// strain exceeds `judge_from`.
+    pub fn reset_phase(&mut self, judge_from: f64) {
+        self.machine.state.reset_phase(judge_from);
     }
 
     /// A picture for sensors. It copies what it shows and changes nothing.
@@ -357,6 +352,25 @@ impl Machine {
         let (b, l) = (slot / LANES, slot % LANES);
         let count = PairConstants::COUNT;
         PairConstants::from_columns(|c| self.state.pairs.constants[b * count + c].0[l])
+    }
+
+    fn scale_density(&mut self, ratio: f64) {
+        if ratio == 1.0 {
+            return;
+        }
+        let state = &mut self.state;
+        let grains = state.grains();
+        let slower = 1.0 / ratio.sqrt();
+        for (place, spin) in state.place[..grains].iter_mut().zip(&mut state.spin) {
+            place.0[7] *= ratio;
+            for k in 0..3 {
+                place.0[4 + k] *= slower;
+                spin.0[k] *= slower;
+            }
+        }
+        state.sums.fastest /= ratio;
+        state.fastest_peak /= ratio;
+        state.dt /= slower;
     }
 
     /// Drops the memory of all contacts but for their normals.

@@ -174,7 +174,8 @@ impl Machine {
         };
         let control = state.control;
         state.gradient = state.servo.gradient(&control, &sample);
-        if let Some(target) = state.target_mean_stress().filter(|t| *t != 0.0) {
+        let started = state.deviator_strain() >= state.judge_from;
+        if let Some(target) = state.target_mean_stress().filter(|t| started && *t != 0.0) {
             let error = (state.mean_stress() - target) / target;
             state.servo_error.squares += error * error;
             state.servo_error.steps += 1;

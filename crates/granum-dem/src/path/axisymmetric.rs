@@ -1,6 +1,8 @@
 //! Axisymmetric compression at constant mean stress, the test of Antony, Zhou and Wang (2006): axis 1 is strained
 //! at a constant rate, axes 2 and 3 move together so that p = (sigma_1 + sigma_2 + sigma_3)/3 keeps its target.
 
+use serde::{Deserialize, Serialize};
+
 use super::{Path, strain_rate};
 use crate::config::Shear;
 use crate::servo::Control;
@@ -11,7 +13,7 @@ use crate::state::State;
 const SERVO_LIMIT: f64 = 30.0;
 
 /// Axisymmetric compression at constant mean stress.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AxisymmetricCompression {
     /// Axial strain rate, 1/s.
     pub strain_rate: f64,

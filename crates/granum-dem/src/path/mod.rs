@@ -11,6 +11,9 @@ pub mod axisymmetric;
 /// Most steps between two calls of the watcher.
 const STRIDE: u64 = 500;
 
+/// Deviator strain after which the servo is judged.
+const START_UP: f64 = 0.005;
+
 /// A loading path: a control of the cell, and a coordinate that grows along it.
 pub trait Path {
     /// What drives the cell.
@@ -44,7 +47,7 @@ pub enum Ending {
 
 /// Sets a path's control and starts its phase.
 pub fn start(path: &dyn Path, simulation: &mut Simulation) {
-    simulation.reset_phase();
+    simulation.reset_phase(START_UP);
     let control = path.control(simulation);
     simulation.set_control(control);
 }

@@ -1,0 +1,129 @@
+//! The run's judgement on itself: measures against thresholds, and what to change where one is exceeded.
+
+use granum_dem::assembly::Assembly;
+use granum_dem::simulation::Simulation;
+use granum_io::run::QualityFlag;
+use granum_sensors::Record;
+use serde::{Deserialize, Serialize};
+
+/// Energy that an assembly holds, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Stored {
+    kinetic: f64,
+    elastic_normal: f64,
+}
+
+impl Stored {
+    pub(super) fn of(assembly: &Assembly) -> Stored {
+        let square = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>();
+        Stored {
+            kinetic: assembly
+                .grains
+                .iter()
+                .map(|g| 0.5 * g.mass * (square(&g.velocity) + 0.4 * g.radius * g.radius * square(&g.spin)))
+                .sum(),
+            elastic_normal: assembly.contacts.iter().map(|c| c.normal_energy).sum(),
+        }
+    }
+}
+
+/// Relative gap of the energy ledger: what the boundary put in against what was stored, slid, damped and broken.
+fn energy_gap(before: &Stored, end: &Assembly) -> f64 {
+    let after = Stored::of(end);
+    let e = &end.energy;
+    let stored = after.kinetic - before.kinetic + after.elastic_normal - before.elastic_normal;
+    // The work of the tangential forces is stored, slipped and slid; what is stored needs no taking apart here.
+    let accounted = stored + e.tangential_work + e.damping + e.adhesion;
+    if e.boundary_work == 0.0 { 0.0 } else { ((e.boundary_work - accounted) / e.boundary_work).abs() }
+}
+
+/// Net momentum over the sum of the grains' momenta.
+fn momentum_drift(assembly: &Assembly) -> f64 {
+    let mut net = [0.0; 3];
+    let mut sum = 0.0;
+    for g in &assembly.grains {
+        let mut square = 0.0;
+        for k in 0..3 {
+            net[k] += g.mass * g.velocity[k];
+            square += g.velocity[k] * g.velocity[k];
+        }
+        sum += g.mass * square.sqrt();
+    }
+    if sum == 0.0 { 0.0 } else { net.iter().map(|x| x * x).sum::<f64>().sqrt() / sum }
+}
+
+/// The flags of a finished test.
+pub(super) fn judge(
+    simulation: &Simulation,
+    end: &Assembly,
+    record: &Record,
+    before: &Stored,
+) -> Vec<QualityFlag> {
+    let state = simulation.state();
+    let column = |name: &str| record.series.values(name).unwrap_or(&[]).to_vec();
+    let largest = |name: &str| column(name).into_iter().fold(0.0, f64::max);
+    // The first state holds the start-up of the test.
+    let mean = |name: &str| {
+        let values = column(name);
+        let rest = values.get(1..).unwrap_or(&[]);
+        rest.iter().sum::<f64>() / rest.len().max(1) as f64
+    };
+    let servo = state.servo_error();
+    let lost = state.target_mean_stress().map_or(0.0, |t| 1.0 - state.mean_stress() / t);
+    vec![
+        QualityFlag::at_most(
+            "inertial_number",
+            mean("inertial_number"),
+            1e-3,
+            "the test is too fast to be quasi-static; lower shear.inertial_number",
+        ),
+        QualityFlag::at_most(
+            "unbalanced_force",
+            mean("unbalanced_force"),
+            0.05,
+            "grains are far from equilibrium; lower shear.inertial_number",
+        ),
+        QualityFlag::at_most(
+            "servo_error_rms",
+            servo.rms(),
+            0.01,
+            "the mean stress wanders; lower shear.inertial_number or take more grains",
+        ),
+        QualityFlag::at_most(
+            "servo_error_largest",
+            servo.largest,
+            0.03,
+            "the mean stress strayed at least once; lower shear.inertial_number or take more grains",
+        ),
+        QualityFlag::at_most(
+            "largest_overlap",
+            largest("largest_overlap"),
+            0.02,
+            "contacts are too deep for the theory of small contacts; lower the stress or raise Young's modulus",
+        ),
+        QualityFlag::at_most(
+            "energy_gap",
+            energy_gap(before, end),
+            1e-3,
+            "the energy ledger does not close; lower numerics.time_step_factor",
+        ),
+        QualityFlag::at_most(
+            "momentum_drift",
+            momentum_drift(end),
+            1e-6,
+            "momentum is not conserved; lower numerics.time_step_factor",
+        ),
+        QualityFlag::at_most(
+            "time_step_fraction",
+            state.time_step_fraction(),
+            0.316,
+            "the time step is beyond the stability of twelve stiff contacts; lower numerics.time_step_factor",
+        ),
+        QualityFlag::at_most(
+            "mean_stress_lost",
+            lost,
+            0.1,
+            "the sample lost its pressure; lower shear.inertial_number or numerics.time_step_factor",
+        ),
+    ]
+}
