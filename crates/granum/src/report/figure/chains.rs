@@ -1,0 +1,438 @@
+//! A picture of the forces in an assembly: grains as faint circles, contacts as lines from centre to centre with the
+//! width and colour of their normal force.
+//!
+//! The picture is an orthographic projection of the periodic cell or of a slice of it. A contact across the boundary
+//! is drawn at both of its images, each cut off where it leaves the cell, so that no chain runs across the picture.
+
+use granum_dem::assembly::{Assembly, Contact, Matrix, Vector, determinant};
+
+use super::clip::{self, Rect};
+use super::palette::{GREY, INK, TICK_SIZE, sequential};
+use super::plot::plain;
+use super::rich::text;
+use super::svg::{Anchor, Point, Stroke, Svg, path_data};
+use std::collections::BTreeMap;
+
+/// How to look at an assembly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Axis of the cell that points up, 0 to 2.
+    pub up: usize,
+    /// Axis of the cell that points right.
+    pub right: usize,
+    /// Range of depth shown, as fractions of the cell along the remaining axis; `None`: all of it.
+    pub slice: Option<[f64; 2]>,
+    /// Smallest f = N/<N> that is drawn; tension is drawn in slices only.
+    pub smallest_force: f64,
+}
+
+impl View {
+    /// A slice about `thickness` grain diameters thick through the middle, axis 1 up and axis 2 right.
+    pub fn slice(assembly: &Assembly, thickness: f64) -> Self {
+        let radii: f64 = assembly.grains.iter().map(|grain| grain.radius).sum();
+        let diameter = 2.0 * radii / assembly.grains.len().max(1) as f64;
+        let depth = edge_length(&assembly.cell, 2);
+        let half = if depth > 0.0 { (0.5 * thickness * diameter / depth).clamp(0.0, 0.5) } else { 0.5 };
+        View { up: 0, right: 1, slice: Some([0.5 - half, 0.5 + half]), smallest_force: f64::NEG_INFINITY }
+    }
+
+    /// The whole cell with its strong contacts alone (f > 1).
+    pub fn strong() -> Self {
+        View { up: 0, right: 1, slice: None, smallest_force: 1.0 }
+    }
+}
+
+/// Largest f that has a colour and width of its own.
+const LARGEST_FORCE: f64 = 4.0;
+/// Width of a class of forces.
+const CLASS: f64 = 0.25;
+/// Number of layers of depth.
+const LAYERS: usize = 6;
+/// Contacts in tension.
+const TENSION: &str = "#3d8fb8";
+
+/// A picture of force chains, ready to be drawn at any size. Lengths are in m, x to the right and y up.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ForceChains {
+    outline: Vec<Point>,
+    grains: Vec<Disc>,
+    lines: Vec<Line>,
+    /// Whether it is a slice: its grains are drawn full, those of a whole cell as shadows.
+    slice: bool,
+    mean_radius: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Disc {
+    at: Point,
+    radius: f64,
+    depth: f64,
+    loaded: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Line {
+    from: Point,
+    to: Point,
+    force: f64,
+    depth: f64,
+}
+
+impl ForceChains {
+    /// Takes the picture.
+    pub fn new(assembly: &Assembly, view: View) -> Self {
+        let (up, right) = (view.up.min(2), view.right.min(2));
+        let (Some(inverse), Some(depth)) =
+            (inverse(&assembly.cell), (0..3).find(|k| *k != up && *k != right))
+        else {
+            return ForceChains::default();
+        };
+        let project = |s: Vector| -> Point {
+            let x = product(&assembly.cell, &s);
+            [x[right], x[up]]
+        };
+        let inside = |s: &Vector| view.slice.is_none_or(|[low, high]| s[depth] >= low && s[depth] <= high);
+        let places: Vec<Option<Vector>> = (assembly.grains.iter())
+            .map(|grain| {
+                let s = product(&inverse, &grain.position).map(|s| s - s.floor());
+                s.iter().all(|s| s.is_finite()).then_some(s)
+            })
+            .collect();
+        let mut degree = vec![0u32; assembly.grains.len()];
+        let mean = mean_force(&assembly.contacts);
+        let mut picture = ForceChains {
+            outline: [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+                .map(|corner: [f64; 2]| {
+                    let mut s = [0.0; 3];
+                    (s[right], s[up]) = (corner[0], corner[1]);
+                    project(s)
+                })
+                .to_vec(),
+            slice: view.slice.is_some(),
+            mean_radius: mean_radius(assembly),
+            ..Default::default()
+        };
+        for contact in &assembly.contacts {
+            let (Some(Some(i)), Some(Some(j))) = (places.get(contact.i), places.get(contact.j)) else {
+                continue;
+            };
+            let force = if mean > 0.0 { contact.normal_force / mean } else { 0.0 };
+            degree[contact.i] += 1;
+            degree[contact.j] += 1;
+            let shown = inside(i) && inside(j) && force.is_finite() && force >= view.smallest_force;
+            let branch = product(&inverse, &contact.branch);
+            if !shown || !branch.iter().all(|b| b.is_finite()) {
+                continue;
+            }
+            let end: Vector = std::array::from_fn(|k| i[k] + branch[k]);
+            let begin: Vector = std::array::from_fn(|k| j[k] - branch[k]);
+            let crosses = end.iter().any(|s| !(0.0..=1.0).contains(s));
+            let images = [(*i, end), (begin, *j)];
+            for (a, b) in images.into_iter().take(if crosses { 2 } else { 1 }) {
+                let Some((enter, leave)) = clip::segment(a, b, [0.0; 3], [1.0; 3]) else { continue };
+                let at = |t: f64| -> Vector { std::array::from_fn(|k| a[k] + t * (b[k] - a[k])) };
+                let middle = 0.5 * (at(enter)[depth] + at(leave)[depth]);
+                picture.lines.push(Line {
+                    from: project(at(enter)),
+                    to: project(at(leave)),
+                    force,
+                    depth: middle,
+                });
+            }
+        }
+        for ((grain, place), degree) in assembly.grains.iter().zip(&places).zip(&degree) {
+            if let Some(s) = place.as_ref().filter(|s| inside(s)) {
+                picture.add_grain(
+                    *s,
+                    grain.radius,
+                    *degree >= 2,
+                    [right, up, depth],
+                    &assembly.cell,
+                    &project,
+                );
+            }
+        }
+        picture.grains.sort_by(|a, b| b.depth.total_cmp(&a.depth));
+        picture
+    }
+
+    /// Adds a grain and the images of it that reach into the picture.
+    fn add_grain(
+        &mut self,
+        s: Vector,
+        radius: f64,
+        loaded: bool,
+        [right, up, depth]: [usize; 3],
+        cell: &Matrix,
+        project: &impl Fn(Vector) -> Point,
+    ) {
+        let margin = |axis: usize| radius / edge_length(cell, axis).max(f64::MIN_POSITIVE);
+        let offsets = |axis: usize| {
+            let near_low = (s[axis] < margin(axis)).then_some(1.0);
+            let near_high = (s[axis] > 1.0 - margin(axis)).then_some(-1.0);
+            [Some(0.0), near_low, near_high].into_iter().flatten()
+        };
+        for a in offsets(right) {
+            for b in offsets(up) {
+                let mut image = s;
+                image[right] += a;
+                image[up] += b;
+                self.grains.push(Disc { at: project(image), radius, depth: s[depth], loaded });
+            }
+        }
+    }
+
+    /// Number of lines drawn: contacts, those across the boundary twice.
+    pub fn lines(&self) -> usize {
+        self.lines.len()
+    }
+
+    /// Draws it in a frame, with a scale of forces below.
+    pub fn draw(&self, svg: &mut Svg, frame: &Rect) {
+        let frame = &Rect { bottom: frame.bottom - 44.0, ..*frame };
+        let Some(page) = Page::new(&self.outline, frame) else {
+            let centre = [0.5 * (frame.left + frame.right), 0.5 * (frame.top + frame.bottom)];
+            text(svg, centre, "nothing to show", plain(GREY, Anchor::Middle, TICK_SIZE));
+            return;
+        };
+        let widest = (1.15 * self.mean_radius * page.scale).clamp(1.5, 14.0);
+        let corners: Vec<Point> = self.outline.iter().map(|p| page.at(*p)).collect();
+        let upright = is_upright(&corners);
+        if upright {
+            let (corner, size) = bounds(&corners);
+            svg.begin_window(corner, size);
+        }
+        if self.slice {
+            self.draw_grains(svg, &page, 0..LAYERS);
+            self.draw_lines(svg, &page, widest, 0..LAYERS);
+        } else {
+            for layer in (0..LAYERS).rev() {
+                self.draw_grains(svg, &page, layer..layer + 1);
+                self.draw_lines(svg, &page, widest, layer..layer + 1);
+            }
+        }
+        if upright {
+            svg.end_window();
+        }
+        svg.path(&corners, true, None, Some(&Stroke::new(INK, 1.0)));
+        let bottom = corners.iter().map(|p| p[1]).fold(f64::MIN, f64::max);
+        self.draw_scale(svg, [0.5 * (frame.left + frame.right), bottom + 14.0], widest);
+    }
+
+    fn draw_grains(&self, svg: &mut Svg, page: &Page, layers: std::ops::Range<usize>) {
+        for loaded in [false, true] {
+            let fill = match (self.slice, loaded) {
+                (true, true) => "fill=\"#eeece7\" stroke=\"#c4bfb4\" stroke-width=\"0.7\"",
+                (true, false) => "fill=\"#ffffff\" stroke=\"#c4bfb4\" stroke-width=\"0.7\"",
+                // Shadows, which add up where many lie behind each other.
+                (false, true) => "fill=\"#8c8574\" fill-opacity=\"0.035\"",
+                (false, false) => continue,
+            };
+            svg.begin_group(fill);
+            for disc in self.grains.iter().filter(|disc| disc.loaded == loaded) {
+                if layers.contains(&layer_of(disc.depth)) {
+                    let at = page.at(disc.at);
+                    let [x, y, r] = [at[0], at[1], disc.radius * page.scale].map(one_decimal);
+                    svg.raw(&format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"/>\n"));
+                }
+            }
+            svg.end_group();
+        }
+    }
+
+    /// Lines by class of force, weak ones below, far ones paler.
+    fn draw_lines(&self, svg: &mut Svg, page: &Page, widest: f64, layers: std::ops::Range<usize>) {
+        let mut classes: BTreeMap<(usize, i64), String> = BTreeMap::new();
+        for line in &self.lines {
+            let layer = layer_of(line.depth);
+            if layers.contains(&layer) {
+                let layer = if self.slice { 0 } else { layer };
+                let class = (line.force.clamp(-1.0, LARGEST_FORCE) / CLASS).floor() as i64;
+                let data = path_data(&[page.at(line.from), page.at(line.to)].map(|p| p.map(tenth)));
+                classes.entry((layer, class.max(-1))).or_default().push_str(&data);
+            }
+        }
+        svg.begin_group("stroke-linecap=\"round\"");
+        for ((layer, class), data) in classes {
+            let white = 0.8 * layer as f64 / LAYERS as f64;
+            let force = (class as f64 + 0.5) * CLASS;
+            let stroke =
+                if class < 0 { Stroke::new(TENSION, 1.0) } else { line_stroke(force, widest, white) };
+            svg.path_of(&data, None, Some(&stroke));
+        }
+        svg.end_group();
+    }
+
+    /// A wedge that shows width and colour at each force.
+    fn draw_scale(&self, svg: &mut Svg, top_middle: Point, widest: f64) {
+        let (length, steps) = (200.0, 40);
+        let from = if self.slice { 0.0 } else { 1.0 };
+        let (left, middle) = (top_middle[0] - 0.5 * length, top_middle[1] + 0.5 * widest.max(6.0));
+        for k in 0..steps {
+            let force = from + (LARGEST_FORCE - from) * (k as f64 + 0.5) / steps as f64;
+            let stroke = line_stroke(force, widest, 0.0);
+            let corner = [left + length * k as f64 / steps as f64, middle - 0.5 * stroke.width];
+            svg.rectangle(
+                corner,
+                [length / steps as f64 + 0.3, stroke.width],
+                Some((&stroke.color, 1.0)),
+                None,
+            );
+        }
+        let base = middle + 0.5 * widest.max(6.0) + TICK_SIZE + 1.0;
+        for k in from as usize..=LARGEST_FORCE as usize {
+            let x = left + length * (k as f64 - from) / (LARGEST_FORCE - from);
+            let label = if k == LARGEST_FORCE as usize { format!("≥ {k}") } else { k.to_string() };
+            text(svg, [x, base], &label, plain(INK, Anchor::Middle, TICK_SIZE));
+        }
+        let x = left + length + 22.0;
+        text(svg, [x, middle + 4.0], "*N*/⟨*N*⟩", plain(INK, Anchor::Start, TICK_SIZE));
+        if self.lines.iter().any(|line| line.force < 0.0) {
+            svg.line([left - 88.0, middle], [left - 68.0, middle], &Stroke::new(TENSION, 1.4));
+            text(svg, [left - 63.0, middle + 4.0], "tension", plain(INK, Anchor::Start, TICK_SIZE));
+        }
+    }
+}
+
+/// Width in proportion to the force, colour darker with the force.
+fn line_stroke(force: f64, widest: f64, white: f64) -> Stroke {
+    let share = (force / LARGEST_FORCE).clamp(0.0, 1.0);
+    Stroke::new(&sequential(share, white), (widest * share).max(0.35))
+}
+
+/// How the picture lies on the page.
+struct Page {
+    scale: f64,
+    origin: Point,
+}
+
+impl Page {
+    fn new(outline: &[Point], frame: &Rect) -> Option<Self> {
+        let (corner, size) = bounds(outline);
+        let scale = (frame.width() / size[0]).min(frame.height() / size[1]);
+        if !(scale.is_finite() && scale > 0.0 && size[0] > 0.0 && size[1] > 0.0) {
+            return None;
+        }
+        let left = 0.5 * (frame.left + frame.right) - 0.5 * scale * size[0];
+        Some(Page { scale, origin: [left - scale * corner[0], frame.top + scale * (corner[1] + size[1])] })
+    }
+
+    fn at(&self, p: Point) -> Point {
+        [self.origin[0] + self.scale * p[0], self.origin[1] - self.scale * p[1]]
+    }
+}
+
+/// Lower corner and size of what points span.
+fn bounds(points: &[Point]) -> (Point, [f64; 2]) {
+    let end =
+        |axis: usize, pick: fn(f64, f64) -> f64, start: f64| points.iter().map(|p| p[axis]).fold(start, pick);
+    let low = [0, 1].map(|axis| end(axis, f64::min, f64::INFINITY));
+    let high = [0, 1].map(|axis| end(axis, f64::max, f64::NEG_INFINITY));
+    (low, [high[0] - low[0], high[1] - low[1]])
+}
+
+/// True if the outline is a rectangle with upright sides, so that a window can cut at it.
+fn is_upright(corners: &[Point]) -> bool {
+    corners.len() == 4
+        && (corners[0][1] - corners[1][1]).abs() < 0.01
+        && (corners[1][0] - corners[2][0]).abs() < 0.01
+        && (corners[2][1] - corners[3][1]).abs() < 0.01
+}
+
+fn layer_of(depth: f64) -> usize {
+    // Axes 1 up and 2 right make axis 3 point away from the reader.
+    ((depth * LAYERS as f64) as usize).min(LAYERS - 1)
+}
+
+fn tenth(value: f64) -> f64 {
+    (10.0 * value).round() / 10.0
+}
+
+fn one_decimal(value: f64) -> String {
+    super::svg::number(tenth(value))
+}
+
+fn mean_force(contacts: &[Contact]) -> f64 {
+    contacts.iter().map(|contact| contact.normal_force).sum::<f64>() / contacts.len().max(1) as f64
+}
+
+fn mean_radius(assembly: &Assembly) -> f64 {
+    assembly.grains.iter().map(|grain| grain.radius).sum::<f64>() / assembly.grains.len().max(1) as f64
+}
+
+fn product(m: &Matrix, v: &Vector) -> Vector {
+    std::array::from_fn(|i| m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2])
+}
+
+fn edge_length(cell: &Matrix, edge: usize) -> f64 {
+    (0..3).map(|i| cell[i][edge] * cell[i][edge]).sum::<f64>().sqrt()
+}
+
+/// Inverse of a 3 x 3 matrix; `None` if it has none.
+fn inverse(m: &Matrix) -> Option<Matrix> {
+    let d = determinant(m);
+    if !d.is_finite() || d == 0.0 {
+        return None;
+    }
+    let cofactor = |i: usize, j: usize| {
+        let (a, b, c, e) = ((i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3);
+        m[a][c] * m[b][e] - m[a][e] * m[b][c]
+    };
+    Some(std::array::from_fn(|i| std::array::from_fn(|j| cofactor(j, i) / d)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use granum_dem::assembly::Grain;
+
+    fn two_grains(x: f64, y: f64, branch: Vector) -> Assembly {
+        let grain = |id, x| Grain { id, position: [x, 0.5, 0.5], radius: 0.1, ..Default::default() };
+        Assembly {
+            cell: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            grains: vec![grain(1, x), grain(2, y)],
+            contacts: vec![Contact { i: 0, j: 1, branch, normal_force: 1.0, ..Default::default() }],
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn a_contact_across_the_boundary_is_drawn_at_both_images_and_cut_off() {
+        let inner = ForceChains::new(&two_grains(0.4, 0.6, [0.2, 0.0, 0.0]), View::strong());
+        assert_eq!(inner.lines(), 1);
+        let outer = ForceChains::new(&two_grains(0.95, 0.15, [0.2, 0.0, 0.0]), View::strong());
+        assert_eq!(outer.lines(), 2);
+        let close = |p: Point, q: Point| (p[0] - q[0]).abs() < 1e-12 && (p[1] - q[1]).abs() < 1e-12;
+        assert!(close(outer.lines[0].from, [0.5, 0.95]) && close(outer.lines[0].to, [0.5, 1.0]));
+        assert!(close(outer.lines[1].from, [0.5, 0.0]) && close(outer.lines[1].to, [0.5, 0.15]));
+    }
+
+    #[test]
+    fn positions_outside_the_cell_are_wrapped_and_images_of_grains_added() {
+        let picture = ForceChains::new(&two_grains(-0.6, 1.6, [0.2, 0.0, 0.0]), View::strong());
+        assert_eq!(picture.lines(), 1);
+        let edge = ForceChains::new(&two_grains(0.95, 0.5, [0.2, 0.0, 0.0]), View::strong());
+        assert_eq!(edge.grains.len(), 3);
+    }
+
+    #[test]
+    fn a_sheared_cell_is_projected_along_its_edges() {
+        let mut assembly = two_grains(0.4, 0.6, [0.2, 0.0, 0.0]);
+        assembly.cell[1][0] = 0.3;
+        let picture = ForceChains::new(&assembly, View::strong());
+        assert_eq!(picture.outline, [[0.0, 0.0], [1.0, 0.0], [1.3, 1.0], [0.3, 1.0]]);
+        let identity = product(&inverse(&assembly.cell).unwrap(), &product(&assembly.cell, &[0.1, 0.2, 0.3]));
+        assert!((0..3).all(|k| (identity[k] - [0.1, 0.2, 0.3][k]).abs() < 1e-12));
+    }
+
+    #[test]
+    fn broken_assemblies_give_an_empty_picture() {
+        let mut assembly = two_grains(f64::NAN, 0.6, [0.2, 0.0, 0.0]);
+        assert_eq!(ForceChains::new(&assembly, View::strong()).lines(), 0);
+        assembly.contacts[0].i = 99;
+        assert_eq!(ForceChains::new(&assembly, View::strong()).lines(), 0);
+        assembly.cell = [[0.0; 3]; 3];
+        assert_eq!(ForceChains::new(&assembly, View::slice(&assembly, 2.0)), ForceChains::default());
+        assert_eq!(ForceChains::new(&Assembly::default(), View::strong()), ForceChains::default());
+    }
+}

@@ -1,0 +1,277 @@
+//! Figures as SVG: drawn for print and screen, with no font files, no scripts and nothing that lies elsewhere.
+//!
+//! A [`Figure`] is a grid of [`Panel`]s: plots, roses and pictures of force chains. Text is set in fonts that every
+//! system has and measured by the widths of Helvetica. The same data always give the same bytes.
+
+pub mod axis;
+pub mod chains;
+pub mod clip;
+pub mod layer;
+pub mod legend;
+pub mod marks;
+pub mod palette;
+pub mod plot;
+pub mod rich;
+pub mod rose;
+pub mod svg;
+pub mod ticks;
+
+#[cfg(test)]
+mod tests;
+
+pub use axis::Axis;
+pub use chains::ForceChains;
+pub use layer::Layer;
+pub use marks::Shape;
+pub use plot::{Note, Plot};
+pub use rich::Rich;
+pub use rose::Rose;
+pub use svg::{Anchor, Stroke};
+
+use clip::Rect;
+use palette::{INK, LABEL_SIZE, TAG_SIZE};
+use plot::Insets;
+use rich::TextStyle;
+use svg::{Svg, escape, number};
+
+/// Width of a figure across the page, px.
+pub const FULL_WIDTH: f64 = 720.0;
+/// Width of a figure in half of the page, px.
+pub const HALF_WIDTH: f64 = 400.0;
+
+/// Space between panels, px.
+const GUTTER: f64 = 14.0;
+
+/// A figure: a grid of panels with one legend, or one legend in each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// What it shows, for those who cannot see it.
+    pub description: String,
+    /// Width, px.
+    pub width: f64,
+    /// Height of a row of panels, px.
+    pub row_height: f64,
+    /// Panels in a row.
+    pub columns: usize,
+    /// The panels, row by row.
+    pub panels: Vec<Panel>,
+    /// Where the legend stands.
+    pub legend: Legend,
+}
+
+/// Where the legend stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Legend {
+    /// In each panel that has new entries, where it hides nothing; if that is impossible, above all.
+    #[default]
+    Inside,
+    /// Above all panels.
+    Above,
+    /// Nowhere.
+    Hidden,
+}
+
+/// A panel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Panel {
+    /// Marked-up title above it; empty: none.
+    pub title: String,
+    /// What is in it.
+    pub content: Content,
+}
+
+/// What is in a panel.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Content {
+    /// A plot.
+    Plot(Plot),
+    /// A rose.
+    Rose(Rose),
+    /// A picture of force chains.
+    Chains(ForceChains),
+}
+
+impl Panel {
+    /// A plot.
+    pub fn plot(plot: Plot) -> Self {
+        Panel { title: String::new(), content: Content::Plot(plot) }
+    }
+
+    /// A rose.
+    pub fn rose(rose: Rose) -> Self {
+        Panel { title: String::new(), content: Content::Rose(rose) }
+    }
+
+    /// A picture of force chains.
+    pub fn chains(chains: ForceChains) -> Self {
+        Panel { title: String::new(), content: Content::Chains(chains) }
+    }
+
+    /// With a title.
+    pub fn titled(mut self, title: &str) -> Self {
+        self.title = title.to_owned();
+        self
+    }
+
+    fn insets(&self, height: f64) -> Insets {
+        match &self.content {
+            Content::Plot(plot) => plot.insets(height),
+            Content::Rose(_) | Content::Chains(_) => Insets { left: 4.0, right: 4.0, top: 4.0, bottom: 4.0 },
+        }
+    }
+
+    fn layers(&self) -> Vec<Layer> {
+        match &self.content {
+            Content::Plot(plot) => plot.layers.clone(),
+            Content::Rose(rose) => rose.legend_layers(),
+            Content::Chains(_) => Vec::new(),
+        }
+    }
+}
+
+impl Figure {
+    /// A figure across the page with `columns` panels in a row.
+    pub fn new(description: &str, columns: usize, panels: Vec<Panel>) -> Self {
+        Figure {
+            description: description.to_owned(),
+            width: if panels.len() == 1 { 480.0 } else { FULL_WIDTH },
+            row_height: 270.0,
+            columns: columns.max(1),
+            panels,
+            legend: Legend::Inside,
+        }
+    }
+
+    /// With another width and height of a row, px.
+    pub fn sized(mut self, width: f64, row_height: f64) -> Self {
+        (self.width, self.row_height) = (width, row_height);
+        self
+    }
+
+    /// With the legend elsewhere.
+    pub fn legend(mut self, legend: Legend) -> Self {
+        self.legend = legend;
+        self
+    }
+
+    /// The SVG as a file of its own, on white.
+    pub fn to_svg(&self) -> String {
+        format!("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n{}", self.render(true))
+    }
+
+    /// The SVG as a part of an HTML page.
+    pub fn to_inline_svg(&self) -> String {
+        self.render(false)
+    }
+
+    fn render(&self, own_file: bool) -> String {
+        let entries = legend::entries(self.panels.iter().flat_map(Panel::layers).collect::<Vec<_>>().iter());
+        let inside = match self.legend {
+            Legend::Inside => self.inside_legends(),
+            Legend::Above | Legend::Hidden => None,
+        };
+        let above = self.legend == Legend::Above || (self.legend == Legend::Inside && inside.is_none());
+        let legend_rows = if above { legend::lines(&entries, self.width - 20.0).len() } else { 0 };
+        let top = if legend_rows > 0 { legend::ROW * legend_rows as f64 + 8.0 } else { 0.0 };
+
+        let mut svg = Svg::new();
+        if legend_rows > 0 {
+            legend::draw_rows(&mut svg, 10.0, 4.0, self.width - 20.0, &entries);
+        }
+        svg.begin_group(&format!("transform=\"translate(0 {})\"", number(top)));
+        for (k, (panel, frame)) in self.panels.iter().zip(self.frames()).enumerate() {
+            self.draw_panel(&mut svg, k, panel, &frame);
+            if let Some((entries, Some(place))) = inside.as_ref().and_then(|places| places.get(k)) {
+                legend::draw_column(&mut svg, *place, entries);
+            }
+        }
+        svg.end_group();
+        self.envelope(svg, top + self.height(), own_file)
+    }
+
+    fn envelope(&self, svg: Svg, height: f64, own_file: bool) -> String {
+        let (w, h) = (number(self.width), number(height));
+        let space = if own_file { " xmlns=\"http://www.w3.org/2000/svg\"" } else { "" };
+        let label = escape(&Rich::new(&self.description).plain());
+        let white = format!("<rect width=\"{w}\" height=\"{h}\" fill=\"#ffffff\"/>\n");
+        format!(
+            "<svg{space} width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" role=\"img\" aria-label=\"{label}\" \
+             font-family=\"{}\">\n<title>{label}</title>\n{}{}</svg>\n",
+            escape(rich::FONT),
+            if own_file { &white } else { "" },
+            svg.into_body()
+        )
+    }
+
+    fn rows(&self) -> usize {
+        self.panels.len().div_ceil(self.columns)
+    }
+
+    fn height(&self) -> f64 {
+        self.rows() as f64 * (self.row_height + GUTTER) - GUTTER
+    }
+
+    /// The frames of the panels. Panels in a column share their left edge, those in a row their lower edge.
+    fn frames(&self) -> Vec<Rect> {
+        let insets: Vec<Insets> = self.panels.iter().map(|panel| panel.insets(self.row_height)).collect();
+        let cell = (self.width + GUTTER) / self.columns as f64 - GUTTER;
+        (0..self.panels.len())
+            .map(|k| {
+                let (row, column) = (k / self.columns, k % self.columns);
+                let in_column = || insets.iter().skip(column).step_by(self.columns);
+                let in_row = || insets.iter().skip(row * self.columns).take(self.columns);
+                let mut of_row = self.panels.iter().skip(row * self.columns).take(self.columns);
+                let titled = self.panels.len() > 1 || of_row.any(|panel| !panel.title.is_empty());
+                let title = if titled { 20.0 } else { 0.0 };
+                let x = column as f64 * (cell + GUTTER);
+                let y = row as f64 * (self.row_height + GUTTER);
+                Rect::new(
+                    x + in_column().map(|i| i.left).fold(0.0, f64::max),
+                    y + title + in_row().map(|i| i.top).fold(0.0, f64::max),
+                    x + cell - in_column().map(|i| i.right).fold(0.0, f64::max),
+                    y + self.row_height - in_row().map(|i| i.bottom).fold(0.0, f64::max),
+                )
+            })
+            .collect()
+    }
+
+    fn tag(&self, k: usize) -> Option<String> {
+        let letter = char::from_u32('a' as u32 + k as u32).filter(char::is_ascii_lowercase)?;
+        (self.panels.len() > 1).then(|| format!("({letter})"))
+    }
+
+    /// The legend of each panel and its place; `None` if one finds no place.
+    fn inside_legends(&self) -> Option<Vec<(Vec<legend::Entry>, Option<[f64; 2]>)>> {
+        let mut seen: Vec<legend::Entry> = Vec::new();
+        let mut places = Vec::new();
+        for (panel, frame) in self.panels.iter().zip(self.frames()) {
+            let mut entries = legend::entries(panel.layers().iter());
+            entries.retain(|entry| !seen.contains(entry));
+            seen.extend(entries.iter().cloned());
+            let place = match &panel.content {
+                Content::Plot(plot) if !entries.is_empty() => Some(plot.legend_place(&frame, &entries)?),
+                _ if entries.is_empty() => None,
+                _ => return None,
+            };
+            places.push((entries, place));
+        }
+        Some(places)
+    }
+
+    fn draw_panel(&self, svg: &mut Svg, k: usize, panel: &Panel, frame: &Rect) {
+        match &panel.content {
+            Content::Plot(plot) => plot.draw(svg, frame),
+            Content::Rose(rose) => rose.draw(svg, frame),
+            Content::Chains(chains) => chains.draw(svg, frame),
+        }
+        // Above the frame, where they hide nothing.
+        let base = frame.top - 9.0;
+        let mut x = frame.left;
+        if let Some(tag) = self.tag(k) {
+            let style = TextStyle { bold: true, ..plot::plain(INK, Anchor::Start, TAG_SIZE) };
+            rich::text(svg, [x, base], &tag, style);
+            x += Rich::new(&tag).width(TAG_SIZE) + 7.0;
+        }
+        rich::text(svg, [x, base], &panel.title, plot::plain(INK, Anchor::Start, LABEL_SIZE));
+    }
+}

@@ -1,0 +1,304 @@
+//! A plot: a frame with two axes and layers in it.
+
+use super::axis::{Axis, Scale};
+use super::clip::Rect;
+use super::layer::{Kind, Layer};
+use super::legend;
+use super::palette::{GREY, INK, LABEL_SIZE, TICK_SIZE};
+use super::rich::{Rich, TextStyle, text};
+use super::svg::{Anchor, Point, Stroke, Svg};
+use super::ticks::Tick;
+
+/// A plot.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Plot {
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// What is drawn, from back to front.
+    pub layers: Vec<Layer>,
+    /// Words in the frame.
+    pub notes: Vec<Note>,
+}
+
+/// Words in the frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Note {
+    /// Marked-up text.
+    pub text: String,
+    /// Where, in data.
+    pub at: Point,
+    /// Which end of the text is there.
+    pub anchor: Anchor,
+    /// Colour.
+    pub color: String,
+    /// Moved by so much, px.
+    pub shift: Point,
+}
+
+impl Note {
+    /// A note that begins at a point.
+    pub fn new(text: &str, at: Point) -> Self {
+        Note { text: text.to_owned(), at, anchor: Anchor::Start, color: GREY.to_owned(), shift: [0.0, 0.0] }
+    }
+
+    /// In a colour.
+    pub fn color(mut self, color: &str) -> Self {
+        self.color = color.to_owned();
+        self
+    }
+
+    /// Anchored elsewhere.
+    pub fn anchored(mut self, anchor: Anchor) -> Self {
+        self.anchor = anchor;
+        self
+    }
+
+    /// Moved on the page.
+    pub fn shifted(mut self, shift: Point) -> Self {
+        self.shift = shift;
+        self
+    }
+}
+
+/// Space that a plot needs around its frame, px: left, top, right, bottom.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Insets {
+    /// Left.
+    pub left: f64,
+    /// Right.
+    pub right: f64,
+    /// Top.
+    pub top: f64,
+    /// Bottom.
+    pub bottom: f64,
+}
+
+impl Plot {
+    /// A plot with two axes.
+    pub fn new(x: Axis, y: Axis) -> Self {
+        Plot { x, y, ..Plot::default() }
+    }
+
+    /// With one more layer on top.
+    pub fn with(mut self, layer: Layer) -> Self {
+        self.layers.push(layer);
+        self
+    }
+
+    /// With several more layers on top.
+    pub fn with_all(mut self, layers: impl IntoIterator<Item = Layer>) -> Self {
+        self.layers.extend(layers);
+        self
+    }
+
+    /// With a note.
+    pub fn note(mut self, note: Note) -> Self {
+        self.notes.push(note);
+        self
+    }
+
+    fn scales(&self) -> [Scale; 2] {
+        let mut extent: [Option<[f64; 2]>; 2] = [None, None];
+        for layer in &self.layers {
+            layer.visit([self.x.log, self.y.log], |values| {
+                for (extent, value) in extent.iter_mut().zip(values) {
+                    if let Some(value) = value {
+                        *extent = Some(extent.map_or([value, value], |[a, b]| [a.min(value), b.max(value)]));
+                    }
+                }
+            });
+        }
+        [self.x.resolve(extent[0]), self.y.resolve(extent[1])]
+    }
+
+    /// True if no layer has a point to show.
+    pub fn is_empty(&self) -> bool {
+        let mut empty = true;
+        for layer in &self.layers {
+            if !matches!(layer.kind, Kind::Horizontal { .. } | Kind::Vertical { .. }) {
+                layer.visit([self.x.log, self.y.log], |_| empty = false);
+            }
+        }
+        empty
+    }
+
+    /// Space needed around the frame for ticks and labels, for a frame about `height` high.
+    pub fn insets(&self, height: f64) -> Insets {
+        let y = self.scales()[1];
+        let labels = self.y.ticks(&y, tick_target(height, 44.0));
+        let widest = labels
+            .iter()
+            .filter_map(|tick| tick.label.as_ref())
+            .map(|label| Rich::new(label).width(TICK_SIZE))
+            .fold(0.0, f64::max);
+        let title = if self.y.label.is_empty() { 0.0 } else { LABEL_SIZE + 9.0 };
+        let below = if self.x.label.is_empty() { 0.0 } else { LABEL_SIZE + 7.0 };
+        Insets { left: widest + 7.0 + title, right: 10.0, top: 6.0, bottom: TICK_SIZE + 8.0 + below }
+    }
+
+    /// Position of the data on the page when the frame is `frame`.
+    fn laid(&self, frame: &Rect) -> [Scale; 2] {
+        let [x, y] = self.scales();
+        [x.laid(frame.left, frame.right), y.laid(frame.bottom, frame.top)]
+    }
+
+    /// A place in the frame where the legend hides nothing, if there is one.
+    pub fn legend_place(&self, frame: &Rect, entries: &[legend::Entry]) -> Option<Point> {
+        let [x, y] = self.laid(frame);
+        let mut lines: Vec<Vec<Point>> = self.layers.iter().flat_map(|layer| layer.runs(&x, &y)).collect();
+        for layer in &self.layers {
+            match &layer.kind {
+                Kind::Horizontal { at, .. } => {
+                    lines.extend(y.at(*at).map(|at| vec![[frame.left, at], [frame.right, at]]));
+                }
+                Kind::Vertical { at, .. } => {
+                    lines.extend(x.at(*at).map(|at| vec![[at, frame.top], [at, frame.bottom]]));
+                }
+                Kind::Band { points, .. } => {
+                    // The inside of a band, too.
+                    lines.extend(points.iter().filter_map(|p| {
+                        let x = x.at(p[0])?;
+                        Some(vec![[x, y.at(p[1].max(y.low))?], [x, y.at(p[2])?]])
+                    }));
+                }
+                _ => {}
+            }
+        }
+        let mut marks = legend::covered(&lines);
+        for note in &self.notes {
+            if let (Some(x), Some(y)) = (x.at(note.at[0]), y.at(note.at[1])) {
+                let width = Rich::new(&note.text).width(TICK_SIZE);
+                let start = match note.anchor {
+                    Anchor::Start => x,
+                    Anchor::Middle => x - 0.5 * width,
+                    Anchor::End => x - width,
+                } + note.shift[0];
+                let steps = (width / 5.0).ceil() as usize;
+                marks.extend((0..=steps).map(|k| [start + 5.0 * k as f64, y + note.shift[1] - 4.0]));
+            }
+        }
+        legend::free_place(legend::size(entries), frame, &marks)
+    }
+
+    /// Draws the plot in a frame.
+    pub fn draw(&self, svg: &mut Svg, frame: &Rect) {
+        let [x, y] = self.laid(frame);
+        for layer in &self.layers {
+            layer.draw(svg, frame, &x, &y);
+        }
+        self.draw_x_axis(svg, frame, &x);
+        self.draw_y_axis(svg, frame, &y);
+        svg.rectangle(
+            [frame.left, frame.top],
+            [frame.width(), frame.height()],
+            None,
+            Some(&Stroke::new(INK, 1.0)),
+        );
+        for note in &self.notes {
+            if let (Some(x), Some(y)) = (x.at(note.at[0]), y.at(note.at[1])) {
+                let style = TextStyle {
+                    size: TICK_SIZE,
+                    color: &note.color,
+                    anchor: note.anchor,
+                    bold: false,
+                    vertical: false,
+                };
+                text(svg, [x + note.shift[0], y + note.shift[1]], &note.text, style);
+            }
+        }
+        if self.is_empty() {
+            let centre = [0.5 * (frame.left + frame.right), 0.5 * (frame.top + frame.bottom)];
+            text(svg, centre, "nothing to show", plain(GREY, Anchor::Middle, TICK_SIZE));
+        }
+    }
+
+    fn draw_x_axis(&self, svg: &mut Svg, frame: &Rect, scale: &Scale) {
+        let ticks = self.x.ticks(scale, tick_target(frame.width(), 58.0));
+        let named = !self.x.categories.is_empty();
+        let mut lines = [String::new(), String::new()];
+        let mut free_from = f64::NEG_INFINITY;
+        for tick in &ticks {
+            let Some(at) = inside(scale, tick, frame.left, frame.right) else { continue };
+            if !named {
+                let length = tick_length(tick);
+                push_vertical(&mut lines, tick, at, frame.bottom, -length);
+                push_vertical(&mut lines, tick, at, frame.top, length);
+            }
+            if let Some(label) = &tick.label {
+                let half = 0.5 * Rich::new(label).width(TICK_SIZE);
+                if at - half < free_from {
+                    continue;
+                }
+                free_from = at + half + 4.0;
+                text(svg, [at, frame.bottom + TICK_SIZE + 5.0], label, plain(INK, Anchor::Middle, TICK_SIZE));
+            }
+        }
+        draw_ticks(svg, &lines);
+        let middle = 0.5 * (frame.left + frame.right);
+        let base = frame.bottom + TICK_SIZE + 8.0 + LABEL_SIZE;
+        text(svg, [middle, base + 2.0], &self.x.title(scale), plain(INK, Anchor::Middle, LABEL_SIZE));
+    }
+
+    fn draw_y_axis(&self, svg: &mut Svg, frame: &Rect, scale: &Scale) {
+        let ticks = self.y.ticks(scale, tick_target(frame.height(), 44.0));
+        let named = !self.y.categories.is_empty();
+        let mut lines = [String::new(), String::new()];
+        let mut widest = 0.0f64;
+        for tick in &ticks {
+            let Some(at) = inside(scale, tick, frame.top, frame.bottom) else { continue };
+            if !named {
+                let length = tick_length(tick);
+                push_horizontal(&mut lines, tick, frame.left, at, length);
+                push_horizontal(&mut lines, tick, frame.right, at, -length);
+            }
+            if let Some(label) = &tick.label {
+                widest = widest.max(Rich::new(label).width(TICK_SIZE));
+                let place = [frame.left - 6.0, at + 0.36 * TICK_SIZE];
+                text(svg, place, label, plain(INK, Anchor::End, TICK_SIZE));
+            }
+        }
+        draw_ticks(svg, &lines);
+        let middle = 0.5 * (frame.top + frame.bottom);
+        let base = frame.left - widest - 14.0;
+        let style = TextStyle { vertical: true, ..plain(INK, Anchor::Middle, LABEL_SIZE) };
+        text(svg, [base, middle], &self.y.title(scale), style);
+    }
+}
+
+/// Text that stands upright.
+pub fn plain(color: &str, anchor: Anchor, size: f64) -> TextStyle<'_> {
+    TextStyle { size, color, anchor, bold: false, vertical: false }
+}
+
+/// How many labelled ticks suit an axis of a length, with `spacing` px for each.
+fn tick_target(length: f64, spacing: f64) -> f64 {
+    (length / spacing).clamp(2.0, 7.0)
+}
+
+fn inside(scale: &Scale, tick: &Tick, low: f64, high: f64) -> Option<f64> {
+    scale.at(tick.value).filter(|at| (low - 0.5..=high + 0.5).contains(at))
+}
+
+fn tick_length(tick: &Tick) -> f64 {
+    if tick.label.is_some() { 5.0 } else { 2.6 }
+}
+
+fn push_vertical(lines: &mut [String; 2], tick: &Tick, x: f64, y: f64, length: f64) {
+    let line = &mut lines[tick.label.is_none() as usize];
+    line.push_str(&super::svg::path_data(&[[x, y], [x, y + length]]));
+}
+
+fn push_horizontal(lines: &mut [String; 2], tick: &Tick, x: f64, y: f64, length: f64) {
+    let line = &mut lines[tick.label.is_none() as usize];
+    line.push_str(&super::svg::path_data(&[[x, y], [x + length, y]]));
+}
+
+fn draw_ticks(svg: &mut Svg, lines: &[String; 2]) {
+    for (data, width) in lines.iter().zip([1.0, 0.7]) {
+        if !data.is_empty() {
+            svg.path_of(data, None, Some(&Stroke::new(INK, width)));
+        }
+    }
+}

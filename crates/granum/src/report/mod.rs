@@ -1,0 +1,3 @@
+//! Reports of runs and studies, and their figures.
+
+pub mod figure;
