@@ -1,3 +1,19 @@
-//! Reports of runs and studies, and their figures.
+//! Reports of runs and studies: one HTML file that needs nothing beside it, and its figures as SVG files.
+//!
+//! [`run_report`] draws one run. What a record does not hold is left out; nothing is made up.
 
+pub mod data;
+mod energy;
 pub mod figure;
+mod forces;
+mod material;
+mod numbers;
+mod page;
+pub mod quality;
+mod run;
+mod sample;
+mod trust;
+
+pub use data::{Environment, Role, RunReport};
+pub use page::Document;
+pub use run::report as run_report;

@@ -47,7 +47,7 @@ const LARGEST_FORCE: f64 = 4.0;
 /// Width of a class of forces.
 const CLASS: f64 = 0.25;
 /// Number of layers of depth.
-const LAYERS: usize = 6;
+const LAYERS: usize = 8;
 /// Contacts in tension.
 const TENSION: &str = "#3d8fb8";
 
@@ -57,7 +57,7 @@ pub struct ForceChains {
     outline: Vec<Point>,
     grains: Vec<Disc>,
     lines: Vec<Line>,
-    /// Whether it is a slice: its grains are drawn full, those of a whole cell as shadows.
+    /// Whether it is a slice: only then are grains drawn, which else would hide everything.
     slice: bool,
     mean_radius: f64,
 }
@@ -141,7 +141,7 @@ impl ForceChains {
             }
         }
         for ((grain, place), degree) in assembly.grains.iter().zip(&places).zip(&degree) {
-            if let Some(s) = place.as_ref().filter(|s| inside(s)) {
+            if let Some(s) = place.as_ref().filter(|s| picture.slice && inside(s)) {
                 picture.add_grain(
                     *s,
                     grain.radius,
@@ -195,7 +195,8 @@ impl ForceChains {
             text(svg, centre, "nothing to show", plain(GREY, Anchor::Middle, TICK_SIZE));
             return;
         };
-        let widest = (1.15 * self.mean_radius * page.scale).clamp(1.5, 14.0);
+        let share = if self.slice { 0.95 } else { 0.6 };
+        let widest = (share * self.mean_radius * page.scale).clamp(1.5, 14.0);
         let corners: Vec<Point> = self.outline.iter().map(|p| page.at(*p)).collect();
         let upright = is_upright(&corners);
         if upright {
@@ -203,11 +204,10 @@ impl ForceChains {
             svg.begin_window(corner, size);
         }
         if self.slice {
-            self.draw_grains(svg, &page, 0..LAYERS);
+            self.draw_grains(svg, &page);
             self.draw_lines(svg, &page, widest, 0..LAYERS);
         } else {
             for layer in (0..LAYERS).rev() {
-                self.draw_grains(svg, &page, layer..layer + 1);
                 self.draw_lines(svg, &page, widest, layer..layer + 1);
             }
         }
@@ -219,22 +219,14 @@ impl ForceChains {
         self.draw_scale(svg, [0.5 * (frame.left + frame.right), bottom + 14.0], widest);
     }
 
-    fn draw_grains(&self, svg: &mut Svg, page: &Page, layers: std::ops::Range<usize>) {
+    fn draw_grains(&self, svg: &mut Svg, page: &Page) {
         for loaded in [false, true] {
-            let fill = match (self.slice, loaded) {
-                (true, true) => "fill=\"#eeece7\" stroke=\"#c4bfb4\" stroke-width=\"0.7\"",
-                (true, false) => "fill=\"#ffffff\" stroke=\"#c4bfb4\" stroke-width=\"0.7\"",
-                // Shadows, which add up where many lie behind each other.
-                (false, true) => "fill=\"#8c8574\" fill-opacity=\"0.035\"",
-                (false, false) => continue,
-            };
-            svg.begin_group(fill);
+            let fill = if loaded { "#eeece7" } else { "#ffffff" };
+            svg.begin_group(&format!("fill=\"{fill}\" stroke=\"#c4bfb4\" stroke-width=\"0.7\""));
             for disc in self.grains.iter().filter(|disc| disc.loaded == loaded) {
-                if layers.contains(&layer_of(disc.depth)) {
-                    let at = page.at(disc.at);
-                    let [x, y, r] = [at[0], at[1], disc.radius * page.scale].map(one_decimal);
-                    svg.raw(&format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"/>\n"));
-                }
+                let at = page.at(disc.at);
+                let [x, y, r] = [at[0], at[1], disc.radius * page.scale].map(one_decimal);
+                svg.raw(&format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"/>\n"));
             }
             svg.end_group();
         }
@@ -254,10 +246,15 @@ impl ForceChains {
         }
         svg.begin_group("stroke-linecap=\"round\"");
         for ((layer, class), data) in classes {
-            let white = 0.8 * layer as f64 / LAYERS as f64;
+            // Most of the fading happens in the first layers, so that the eye finds the front.
+            let white = 0.93 * (layer as f64 / (LAYERS - 1) as f64).powf(0.6);
             let force = (class as f64 + 0.5) * CLASS;
             let stroke =
                 if class < 0 { Stroke::new(TENSION, 1.0) } else { line_stroke(force, widest, white) };
+            if !self.slice {
+                // A thin white edge keeps what lies in front apart from what lies behind.
+                svg.path_of(&data, None, Some(&Stroke::new("#ffffff", stroke.width + 1.2)));
+            }
             svg.path_of(&data, None, Some(&stroke));
         }
         svg.end_group();
@@ -411,7 +408,8 @@ mod tests {
     fn positions_outside_the_cell_are_wrapped_and_images_of_grains_added() {
         let picture = ForceChains::new(&two_grains(-0.6, 1.6, [0.2, 0.0, 0.0]), View::strong());
         assert_eq!(picture.lines(), 1);
-        let edge = ForceChains::new(&two_grains(0.95, 0.5, [0.2, 0.0, 0.0]), View::strong());
+        let slice = View { slice: Some([0.0, 1.0]), ..View::strong() };
+        let edge = ForceChains::new(&two_grains(0.95, 0.5, [0.2, 0.0, 0.0]), slice);
         assert_eq!(edge.grains.len(), 3);
     }
 

@@ -22,7 +22,7 @@ mod tests;
 pub use axis::Axis;
 pub use chains::ForceChains;
 pub use layer::Layer;
-pub use marks::Shape;
+pub use marks::{SHAPES, Shape};
 pub use plot::{Note, Plot};
 pub use rich::Rich;
 pub use rose::Rose;
@@ -79,6 +79,9 @@ pub struct Panel {
     /// What is in it.
     pub content: Content,
 }
+
+/// Entries of a legend and where it stands.
+type InsideLegend = (Vec<legend::Entry>, Option<[f64; 2]>);
 
 /// What is in a panel.
 #[derive(Clone, Debug, PartialEq)]
@@ -165,23 +168,32 @@ impl Figure {
     }
 
     fn render(&self, own_file: bool) -> String {
-        let entries = legend::entries(self.panels.iter().flat_map(Panel::layers).collect::<Vec<_>>().iter());
-        let inside = match self.legend {
-            Legend::Inside => self.inside_legends(),
-            Legend::Above | Legend::Hidden => None,
-        };
-        let above = self.legend == Legend::Above || (self.legend == Legend::Inside && inside.is_none());
-        let legend_rows = if above { legend::lines(&entries, self.width - 20.0).len() } else { 0 };
-        let top = if legend_rows > 0 { legend::ROW * legend_rows as f64 + 8.0 } else { 0.0 };
-
-        let mut svg = Svg::new();
-        if legend_rows > 0 {
-            legend::draw_rows(&mut svg, 10.0, 4.0, self.width - 20.0, &entries);
+        match self.legend {
+            Legend::Inside => {
+                let mut roomy = self.clone();
+                match roomy.inside_legends() {
+                    Some(places) => roomy.draw(&[], &places, own_file),
+                    None => self.draw(&self.entries(), &[], own_file),
+                }
+            }
+            Legend::Above => self.draw(&self.entries(), &[], own_file),
+            Legend::Hidden => self.draw(&[], &[], own_file),
         }
+    }
+
+    fn entries(&self) -> Vec<legend::Entry> {
+        legend::entries(self.panels.iter().flat_map(Panel::layers).collect::<Vec<_>>().iter())
+    }
+
+    fn draw(&self, above: &[legend::Entry], inside: &[InsideLegend], own_file: bool) -> String {
+        let rows = legend::lines(above, self.width - 20.0).len();
+        let top = if rows > 0 { legend::ROW * rows as f64 + 8.0 } else { 0.0 };
+        let mut svg = Svg::new();
+        legend::draw_rows(&mut svg, 10.0, 4.0, self.width - 20.0, above);
         svg.begin_group(&format!("transform=\"translate(0 {})\"", number(top)));
         for (k, (panel, frame)) in self.panels.iter().zip(self.frames()).enumerate() {
             self.draw_panel(&mut svg, k, panel, &frame);
-            if let Some((entries, Some(place))) = inside.as_ref().and_then(|places| places.get(k)) {
+            if let Some((entries, Some(place))) = inside.get(k) {
                 legend::draw_column(&mut svg, *place, entries);
             }
         }
@@ -240,22 +252,33 @@ impl Figure {
         (self.panels.len() > 1).then(|| format!("({letter})"))
     }
 
-    /// The legend of each panel and its place; `None` if one finds no place.
-    fn inside_legends(&self) -> Option<Vec<(Vec<legend::Entry>, Option<[f64; 2]>)>> {
+    /// The legend of each panel and its place, axes made longer where that makes room; `None` if one finds no place.
+    fn inside_legends(&mut self) -> Option<Vec<InsideLegend>> {
         let mut seen: Vec<legend::Entry> = Vec::new();
         let mut places = Vec::new();
-        for (panel, frame) in self.panels.iter().zip(self.frames()) {
-            let mut entries = legend::entries(panel.layers().iter());
+        for k in 0..self.panels.len() {
+            let mut entries = legend::entries(self.panels[k].layers().iter());
             entries.retain(|entry| !seen.contains(entry));
             seen.extend(entries.iter().cloned());
-            let place = match &panel.content {
-                Content::Plot(plot) if !entries.is_empty() => Some(plot.legend_place(&frame, &entries)?),
-                _ if entries.is_empty() => None,
-                _ => return None,
-            };
+            let place = if entries.is_empty() { None } else { Some(self.place_inside(k, &entries)?) };
             places.push((entries, place));
         }
         Some(places)
+    }
+
+    /// A place in panel k where the entries hide nothing, with as little headroom as is needed.
+    fn place_inside(&mut self, k: usize, entries: &[legend::Entry]) -> Option<[f64; 2]> {
+        for headroom in [0.0, 0.15, 0.3, 0.45, 0.6] {
+            let Content::Plot(plot) = &mut self.panels[k].content else { return None };
+            plot.headroom = headroom;
+            let frame = self.frames()[k];
+            if let Content::Plot(plot) = &self.panels[k].content
+                && let Some(place) = plot.legend_place(&frame, entries)
+            {
+                return Some(place);
+            }
+        }
+        None
     }
 
     fn draw_panel(&self, svg: &mut Svg, k: usize, panel: &Panel, frame: &Rect) {

@@ -20,6 +20,8 @@ pub struct Plot {
     pub layers: Vec<Layer>,
     /// Words in the frame.
     pub notes: Vec<Note>,
+    /// Share of the vertical axis that is added above the data, as room for a legend.
+    pub headroom: f64,
 }
 
 /// Words in the frame.
@@ -110,7 +112,13 @@ impl Plot {
                 }
             });
         }
-        [self.x.resolve(extent[0]), self.y.resolve(extent[1])]
+        let mut y = self.y.resolve(extent[1]);
+        if y.log {
+            y.high *= (y.high / y.low).powf(self.headroom);
+        } else {
+            y.high += self.headroom * (y.high - y.low);
+        }
+        [self.x.resolve(extent[0]), y]
     }
 
     /// True if no layer has a point to show.
@@ -127,7 +135,7 @@ impl Plot {
     /// Space needed around the frame for ticks and labels, for a frame about `height` high.
     pub fn insets(&self, height: f64) -> Insets {
         let y = self.scales()[1];
-        let labels = self.y.ticks(&y, tick_target(height, 44.0));
+        let labels = self.y.ticks(&y, self.vertical_target(height));
         let widest = labels
             .iter()
             .filter_map(|tick| tick.label.as_ref())
@@ -136,6 +144,10 @@ impl Plot {
         let title = if self.y.label.is_empty() { 0.0 } else { LABEL_SIZE + 9.0 };
         let below = if self.x.label.is_empty() { 0.0 } else { LABEL_SIZE + 7.0 };
         Insets { left: widest + 7.0 + title, right: 10.0, top: 6.0, bottom: TICK_SIZE + 8.0 + below }
+    }
+
+    fn vertical_target(&self, height: f64) -> f64 {
+        if self.y.log { (height / 24.0).clamp(2.0, 12.0) } else { tick_target(height, 44.0) }
     }
 
     /// Position of the data on the page when the frame is `frame`.
@@ -242,7 +254,7 @@ impl Plot {
     }
 
     fn draw_y_axis(&self, svg: &mut Svg, frame: &Rect, scale: &Scale) {
-        let ticks = self.y.ticks(scale, tick_target(frame.height(), 44.0));
+        let ticks = self.y.ticks(scale, self.vertical_target(frame.height()));
         let named = !self.y.categories.is_empty();
         let mut lines = [String::new(), String::new()];
         let mut widest = 0.0f64;

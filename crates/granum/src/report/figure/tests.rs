@@ -103,19 +103,24 @@ fn labels_are_escaped_and_described() {
 }
 
 #[test]
-fn a_legend_that_would_hide_data_goes_above() {
+fn a_legend_gets_room_above_the_data_or_goes_above_the_frame() {
     let full: Vec<[f64; 2]> = (0..4000).map(|k| [(k % 63) as f64, (k / 63) as f64]).collect();
-    let crowded = Plot::new(Axis::new("x"), Axis::new("y"))
-        .with(Layer::points(full, Shape::Circle, "#000").named("everywhere"));
-    let roomy = Plot::new(Axis::new("x"), Axis::new("y"))
-        .with(Layer::line(vec![[0.0, 0.0], [1.0, 1.0]], "#000").named("a line"));
+    let crowded = |name: &str| {
+        Plot::new(Axis::new("x"), Axis::new("y"))
+            .with(Layer::points(full.clone(), Shape::Circle, "#000").named(name))
+    };
     let shift = |plot: Plot| {
         let svg = Figure::new("f", 1, vec![Panel::plot(plot)]).to_svg();
         let at = svg.find("translate(0 ").unwrap() + 12;
         svg[at..].split(')').next().unwrap().parse::<f64>().unwrap()
     };
-    assert!(shift(crowded) > 10.0);
-    assert_eq!(shift(roomy), 0.0);
+    assert!(shift(crowded(&"too long for the frame ".repeat(6))) > 10.0);
+    assert_eq!(shift(crowded("short")), 0.0);
+    let frame = clip::Rect::new(60.0, 10.0, 460.0, 220.0);
+    let entries = legend::entries(crowded("short").layers.iter());
+    assert_eq!(crowded("short").legend_place(&frame, &entries), None);
+    let roomy = Plot { headroom: 0.3, ..crowded("short") };
+    assert!(roomy.legend_place(&frame, &entries).is_some_and(|place| place[1] < 60.0));
 }
 
 proptest! {

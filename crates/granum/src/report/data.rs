@@ -1,0 +1,135 @@
+//! What a report is made from.
+
+use granum_dem::assembly::Assembly;
+use granum_io::Case;
+use granum_sensors::Record;
+use serde::{Deserialize, Serialize};
+
+/// One DEM run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RunReport {
+    /// Its name, as of its folder.
+    pub name: String,
+    /// What it was for.
+    pub role: Role,
+    /// Everything that decided it.
+    pub case: Case,
+    /// What the sensors saw.
+    pub record: Record,
+    /// The sample before shear, for pictures.
+    pub start: Option<Assembly>,
+    /// The assembly at the end, for pictures.
+    pub end: Option<Assembly>,
+    /// Wall time of preparation and shear, s.
+    pub wall_seconds: f64,
+    /// Grains times steps.
+    pub grain_steps: f64,
+    /// Where and by what it was computed.
+    pub environment: Environment,
+    /// Whether the test reached its end.
+    pub complete: bool,
+}
+
+/// What a run was for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Role {
+    /// A run for itself.
+    #[default]
+    Single,
+    /// Networks were trained on it.
+    Training,
+    /// No network saw it.
+    Unseen,
+}
+
+impl Role {
+    /// As a word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Role::Single => "run",
+            Role::Training => "training",
+            Role::Unseen => "unseen",
+        }
+    }
+}
+
+/// Where and by what something was computed.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Environment {
+    /// Version of granum.
+    pub version: String,
+    /// Processor.
+    pub processor: String,
+    /// Instruction set of the kernels.
+    pub instruction_set: String,
+    /// Threads.
+    pub threads: usize,
+}
+
+impl RunReport {
+    /// A column of the record; empty where there is none.
+    pub fn column(&self, name: &str) -> &[f64] {
+        self.record.series.values(name).unwrap_or(&[])
+    }
+
+    /// Two columns as points.
+    pub fn points(&self, x: &str, y: &str) -> Vec<[f64; 2]> {
+        self.column(x).iter().zip(self.column(y)).map(|(&x, &y)| [x, y]).collect()
+    }
+
+    /// A column against the deviator strain.
+    pub fn against_strain(&self, y: &str) -> Vec<[f64; 2]> {
+        self.points("deviator_strain", y)
+    }
+
+    /// The first value of a column: the sample before shear.
+    pub fn first(&self, name: &str) -> Option<f64> {
+        self.column(name).first().copied()
+    }
+
+    /// The row where a column is largest.
+    pub fn peak_row(&self, name: &str) -> Option<usize> {
+        let values = self.column(name);
+        (0..values.len()).filter(|&k| values[k].is_finite()).max_by(|&a, &b| values[a].total_cmp(&values[b]))
+    }
+
+    /// Mean of a column over the last fifth of the strain.
+    pub fn late_mean(&self, name: &str) -> Option<f64> {
+        let strain = self.column("deviator_strain");
+        let end = *strain.last()?;
+        let late: Vec<f64> = (strain.iter().zip(self.column(name)))
+            .filter(|(strain, value)| **strain >= 0.8 * end && value.is_finite())
+            .map(|(_, value)| *value)
+            .collect();
+        (!late.is_empty()).then(|| late.iter().sum::<f64>() / late.len() as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use granum_sensors::{NamedColumn, Series};
+
+    #[test]
+    fn columns_are_found_or_empty() {
+        let column = |name: &str, values: &[f64]| NamedColumn {
+            name: name.to_owned(),
+            unit: "1".to_owned(),
+            values: values.to_vec(),
+        };
+        let series = Series {
+            columns: vec![
+                column("deviator_strain", &[0.0, 0.1, 0.2, 0.3]),
+                column("stress_ratio", &[0.0, 0.9, f64::NAN, 0.7]),
+            ],
+        };
+        let run = RunReport { record: Record { series, forces: Vec::new() }, ..Default::default() };
+        assert_eq!(run.against_strain("stress_ratio").len(), 4);
+        assert_eq!(run.peak_row("stress_ratio"), Some(1));
+        assert_eq!(run.late_mean("stress_ratio"), Some(0.7));
+        assert_eq!(run.first("stress_ratio"), Some(0.0));
+        assert!(run.column("nothing").is_empty() && run.peak_row("nothing").is_none());
+        assert_eq!(RunReport::default().late_mean("stress_ratio"), None);
+    }
+}

@@ -1,0 +1,130 @@
+//! Where the work went: the energy ledger by mechanism.
+
+use super::data::RunReport;
+use super::figure::palette::{GREY, INK, color};
+use super::figure::{Axis, Figure, Layer, Panel, Plot, Stroke};
+use super::material::strain_axis;
+
+/// What the boundary work became, each since the first recorded state, J.
+struct Ledger {
+    strain: Vec<f64>,
+    work: Vec<f64>,
+    parts: Vec<(&'static str, Vec<f64>)>,
+}
+
+impl Ledger {
+    fn of(run: &RunReport) -> Option<Ledger> {
+        let rows = run.column("deviator_strain").len();
+        let since_start = |name: &str| -> Option<Vec<f64>> {
+            let values = run.column(name);
+            let first = *values.first()?;
+            (values.len() == rows).then(|| values.iter().map(|value| value - first).collect())
+        };
+        let elastic_normal = since_start("elastic_normal_energy")?;
+        let elastic_tangential = since_start("elastic_tangential_energy")?;
+        let tangential = since_start("tangential_work")?;
+        let friction = since_start("friction_loss")?;
+        let elastic: Vec<f64> = elastic_normal.iter().zip(&elastic_tangential).map(|(n, t)| n + t).collect();
+        let slip = (0..rows).map(|k| tangential[k] - elastic_tangential[k] - friction[k]).collect();
+        Some(Ledger {
+            strain: run.column("deviator_strain").to_vec(),
+            work: since_start("boundary_work")?,
+            parts: vec![
+                ("sliding friction", friction),
+                ("micro-slip", slip),
+                ("contact damping", since_start("damping_loss")?),
+                ("adhesion broken", since_start("adhesion_loss")?),
+                ("stored elastically", elastic),
+                ("kinetic", since_start("kinetic_energy")?),
+            ],
+        })
+    }
+
+    /// Boundary work that no mechanism accounts for.
+    fn residual(&self) -> Vec<f64> {
+        (0..self.work.len())
+            .map(|k| self.work[k] - self.parts.iter().map(|(_, values)| values[k]).sum::<f64>())
+            .collect()
+    }
+}
+
+/// Largest error of the ledger over the whole boundary work; `None` where it was not recorded.
+pub fn closure(run: &RunReport) -> Option<f64> {
+    let ledger = Ledger::of(run)?;
+    let work = ledger.work.last().copied().filter(|work| work.abs() > 0.0)?;
+    let residual = ledger.residual();
+    let all_finite = residual.iter().all(|r| r.is_finite());
+    all_finite.then(|| residual.iter().fold(0.0f64, |largest, r| largest.max(r.abs())) / work.abs())
+}
+
+/// Shares of the boundary work at the end by mechanism, largest first.
+pub fn shares(run: &RunReport) -> Vec<(&'static str, f64)> {
+    let Some(ledger) = Ledger::of(run) else { return Vec::new() };
+    let Some(work) = ledger.work.last().copied().filter(|work| *work > 0.0) else { return Vec::new() };
+    let mut shares: Vec<(&str, f64)> = (ledger.parts.iter())
+        .filter_map(|(name, values)| Some((*name, values.last()? / work)))
+        .filter(|(_, share)| share.is_finite())
+        .collect();
+    shares.sort_by(|a, b| b.1.total_cmp(&a.1));
+    shares
+}
+
+/// Energy by mechanism, and how well the ledger closes.
+pub fn figure(run: &RunReport) -> Option<(Figure, String)> {
+    let ledger = Ledger::of(run)?;
+    let axis = || strain_axis(std::slice::from_ref(run));
+    let points = |values: &[f64]| -> Vec<[f64; 2]> {
+        ledger.strain.iter().zip(values).map(|(&x, &y)| [x, y]).collect()
+    };
+    let mut energies = Plot::new(axis(), Axis::new("Energy").unit("J").including(0.0))
+        .with(Layer::stroked(points(&ledger.work), Stroke::new(INK, 1.6)).named("boundary work"));
+    for (k, (name, values)) in ledger.parts.iter().enumerate().take(5) {
+        energies = energies.with(Layer::line(points(values), color(k)).named(name));
+    }
+    let work = ledger.work.last().copied().filter(|work| *work != 0.0).unwrap_or(f64::NAN);
+    let error: Vec<f64> = ledger.residual().iter().map(|r| r / work).collect();
+    let closing = Plot::new(axis(), Axis::new("Error of the ledger over final work").including(0.0))
+        .with(Layer::stroked(vec![[0.0, 0.0], [1.0, 0.0]], Stroke::new(GREY, 0.8)))
+        .with(Layer::line(points(&error), color(0)));
+    let panels = vec![Panel::plot(energies), Panel::plot(closing)];
+    let caption = "(a) Work of the boundary since the first recorded state, and what became of it; kinetic energy is too \
+                   small to see. (b) Boundary work that no mechanism accounts for, over the whole boundary work.";
+    Some((Figure::new("Energy by mechanism against deviator strain", 2, panels), caption.to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use granum_sensors::{NamedColumn, Record, Series};
+
+    #[test]
+    fn what_no_mechanism_accounts_for_is_the_error() {
+        let columns: [(&str, [f64; 2]); 9] = [
+            ("deviator_strain", [0.0, 0.1]),
+            ("boundary_work", [1.0, 11.0]),
+            ("tangential_work", [0.0, 6.0]),
+            ("friction_loss", [0.0, 4.0]),
+            ("damping_loss", [0.0, 1.0]),
+            ("adhesion_loss", [0.0, 0.5]),
+            ("kinetic_energy", [0.0, 0.1]),
+            ("elastic_normal_energy", [5.0, 7.0]),
+            ("elastic_tangential_energy", [1.0, 2.0]),
+        ];
+        let columns = columns
+            .map(|(name, values)| NamedColumn {
+                name: name.into(),
+                unit: "J".into(),
+                values: values.to_vec(),
+            })
+            .to_vec();
+        let record = Record { series: Series { columns }, forces: Vec::new() };
+        let run = RunReport { record, ..Default::default() };
+        // 10 of work: 6 tangential, 1 damping, 0.5 adhesion, 0.1 kinetic, 2 elastic normal; 0.4 unaccounted for.
+        assert!((closure(&run).unwrap() - 0.04).abs() < 1e-12);
+        let shares = shares(&run);
+        assert_eq!(shares[0].0, "sliding friction");
+        let slip = shares.iter().find(|(name, _)| *name == "micro-slip").unwrap().1;
+        assert!((slip - 0.1).abs() < 1e-12, "6 - 1 - 4 of 10");
+        assert!(closure(&RunReport::default()).is_none() && figure(&RunReport::default()).is_none());
+    }
+}

@@ -1,0 +1,207 @@
+//! The page: sections, numbered figures and tables, and what makes it one file that opens anywhere.
+
+use std::io::Write;
+use std::path::Path;
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::figure::{Figure, Rich};
+
+/// A finished report: one HTML file, and each of its figures as a file of its own.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Document {
+    /// The page; it needs nothing beside it.
+    pub html: String,
+    /// Names and contents of the figures.
+    pub figures: Vec<(String, String)>,
+}
+
+impl Document {
+    /// Writes `report.html` and the folder `figures`, each file beside and then renamed.
+    ///
+    /// # Errors
+    /// If a file cannot be written, with its name.
+    pub fn write(&self, folder: &Path) -> granum_io::Result<()> {
+        let write = |path: &Path, text: &str| {
+            granum_io::atomic::write_atomically(path, |file| file.write_all(text.as_bytes()))
+        };
+        let figures = folder.join("figures");
+        std::fs::create_dir_all(&figures).map_err(granum_io::Error::file("make", &figures))?;
+        for (name, svg) in &self.figures {
+            write(&figures.join(name), svg)?;
+        }
+        write(&folder.join("report.html"), &self.html)
+    }
+}
+
+/// A page being written.
+#[derive(Debug, Default)]
+pub struct Page {
+    sections: Vec<Section>,
+    files: Vec<(String, String)>,
+    figures: usize,
+    tables: usize,
+}
+
+#[derive(Debug)]
+struct Section {
+    id: String,
+    title: String,
+    body: Markup,
+}
+
+/// Marked-up text as HTML.
+pub fn rich(markup: &str) -> Markup {
+    PreEscaped(Rich::new(markup).html())
+}
+
+/// Paragraphs of marked-up text.
+pub fn paragraphs<S: AsRef<str>>(texts: &[S]) -> Markup {
+    html! { @for text in texts { p { (rich(text.as_ref())) } } }
+}
+
+impl Page {
+    /// Adds a section.
+    pub fn section(&mut self, id: &str, title: &str, body: Markup) {
+        self.sections.push(Section { id: id.to_owned(), title: title.to_owned(), body });
+    }
+
+    /// A figure with the label of the paper's, as `Figure 3`.
+    pub fn figure(&mut self, label: &str, file: &str, caption: &str, figure: &Figure) -> Markup {
+        self.files.push((file.to_owned(), figure.to_svg()));
+        html! {
+            figure {
+                div class="canvas" { (PreEscaped(figure.to_inline_svg())) }
+                figcaption { b { (label) "." } " " (rich(caption)) }
+            }
+        }
+    }
+
+    /// A figure that the paper does not have: `Figure S1`, `Figure S2`...
+    pub fn own_figure(&mut self, file: &str, caption: &str, figure: &Figure) -> Markup {
+        self.figures += 1;
+        let label = format!("Figure S{}", self.figures);
+        self.figure(&label, &format!("figure-s{}-{file}.svg", self.figures), caption, figure)
+    }
+
+    /// The label of the next table that the paper does not have: `Table S1`...
+    pub fn own_table_label(&mut self) -> String {
+        self.tables += 1;
+        format!("Table S{}", self.tables)
+    }
+
+    /// The page in one file.
+    pub fn finish(self, title: &str, subtitle: &str, head: Markup) -> Document {
+        let markup = html! {
+            (DOCTYPE)
+            html lang="en" {
+                head {
+                    meta charset="utf-8";
+                    meta name="viewport" content="width=device-width, initial-scale=1";
+                    meta name="generator" content="granum";
+                    title { (Rich::new(title).plain()) }
+                    style { (PreEscaped(include_str!("style.css"))) }
+                }
+                body {
+                    nav {
+                        p class="brand" { "granum" }
+                        ol { @for section in &self.sections {
+                            li { a href={ "#" (section.id) } { (section.title) } }
+                        } }
+                    }
+                    main {
+                        header {
+                            h1 { (rich(title)) }
+                            p class="subtitle" { (rich(subtitle)) }
+                        }
+                        (head)
+                        @for section in &self.sections {
+                            section id=(section.id) {
+                                h2 { (section.title) }
+                                (section.body)
+                            }
+                        }
+                    }
+                }
+            }
+        };
+        Document { html: markup.into_string(), figures: self.files }
+    }
+}
+
+/// A table: a caption, columns and rows of marked-up text. Cells of columns named in `numeric` are aligned right.
+#[derive(Clone, Debug, Default)]
+pub struct Table {
+    /// Label, as `Table 1`.
+    pub label: String,
+    /// Caption.
+    pub caption: String,
+    /// Heads of groups of columns and how many columns each spans; empty: none.
+    pub groups: Vec<(String, usize)>,
+    /// Heads of columns.
+    pub columns: Vec<String>,
+    /// Cells, row by row.
+    pub rows: Vec<Vec<String>>,
+    /// Number of columns at the left that hold words.
+    pub words: usize,
+    /// Note below.
+    pub note: String,
+}
+
+impl Table {
+    /// A table with a caption and columns, the first of which holds words.
+    pub fn new(label: &str, caption: &str, columns: &[&str]) -> Self {
+        Table {
+            label: label.to_owned(),
+            caption: caption.to_owned(),
+            columns: columns.iter().map(|&column| column.to_owned()).collect(),
+            words: 1,
+            ..Table::default()
+        }
+    }
+
+    /// Adds a row.
+    pub fn row(&mut self, cells: Vec<String>) {
+        self.rows.push(cells);
+    }
+
+    /// As HTML.
+    pub fn html(&self) -> Markup {
+        html! {
+            div class="table" {
+                table {
+                    caption { b { (self.label) "." } " " (rich(&self.caption)) }
+                    thead {
+                        @if !self.groups.is_empty() {
+                            tr class="groups" { @for (head, span) in &self.groups {
+                                th colspan=(span) class=[(!head.is_empty()).then_some("group")] { (rich(head)) }
+                            } }
+                        }
+                        tr { @for (k, head) in self.columns.iter().enumerate() {
+                            th class=[(k < self.words).then_some("word")] { (rich(head)) }
+                        } }
+                    }
+                    tbody { @for row in &self.rows {
+                        tr { @for (k, cell) in row.iter().enumerate() {
+                            td class=[(k < self.words).then_some("word")] { (rich(cell)) }
+                        } }
+                    } }
+                }
+                @if !self.note.is_empty() { p class="note" { (rich(&self.note)) } }
+            }
+        }
+    }
+}
+
+/// Headline numbers side by side: value, what it is, and one line about it.
+pub fn tiles(tiles: &[[String; 3]]) -> Markup {
+    html! {
+        div class="tiles" { @for [value, name, remark] in tiles {
+            div class="tile" {
+                div class="value" { (rich(value)) }
+                div class="name" { (rich(name)) }
+                div class="remark" { (rich(remark)) }
+            }
+        } }
+    }
+}

@@ -1,0 +1,146 @@
+//! The report of one run.
+
+use maud::{Markup, html};
+
+use super::data::RunReport;
+use super::forces;
+use super::material;
+use super::numbers::{duration, factor, quantity, significant, whole};
+use super::page::{Document, Page, paragraphs, rich, tiles};
+use super::{quality, sample, trust};
+
+/// How signs and axes are meant; said once in every report.
+pub const SIGNS: &str = "Compression is positive, for stress, strain and normal force. Axis 1 is the axis of compression, \
+                         axes 2 and 3 are averaged: *q* = *σ*_{1} − *σ*_{3}, *p* = (*σ*_{1} + *σ*_{2} + *σ*_{3})/3, \
+                         *ε*_{d} = *ε*_{1} − *ε*_{3}, *φ*_{d} = *φ*_{1} − *φ*_{3}. Strains are logarithmic.";
+
+/// Writes the report of a run.
+pub fn report(run: &RunReport) -> Document {
+    let mut page = Page::default();
+    let runs = std::slice::from_ref(run);
+    let behaviour = behaviour(&mut page, runs);
+    page.section("behaviour", "Stress, volume and contacts", behaviour);
+    let spread = force_section(&mut page, run);
+    page.section("forces", "How the forces are spread", spread);
+    let trust = trust::section(&mut page, runs);
+    page.section("quality", "Can it be trusted?", trust);
+    let label = page.own_table_label();
+    page.section(
+        "case",
+        "The sample and the case",
+        html! {
+            @if let Some(table) = sample::table(&label, runs) { (table.html()) }
+            (paragraphs(&sample::reading(runs)))
+            (case_details(run))
+        },
+    );
+    let head = html! {
+        (tiles(&headline(run)))
+        p { (rich(SIGNS)) }
+        @if !run.complete { p class="callout" { "The test was stopped before its end; what was recorded until then is shown." } }
+    };
+    page.finish(&run.name, &subtitle(run), head)
+}
+
+fn subtitle(run: &RunReport) -> String {
+    let case = &run.case;
+    let mut parts = vec![
+        format!("{} grains", whole(case.grains.count as f64)),
+        sample::law(case.contact.normal, case.contact.tangential),
+        format!(
+            "axisymmetric compression at *p* = {}",
+            quantity(case.shear.mean_stress.unwrap_or(case.preparation.mean_stress), "Pa")
+        ),
+    ];
+    if !run.environment.version.is_empty() {
+        parts.push(format!("granum {}", run.environment.version));
+    }
+    parts.join(" · ")
+}
+
+fn headline(run: &RunReport) -> Vec<[String; 3]> {
+    let mut out = Vec::new();
+    let mut tile = |value: Option<f64>, digits: usize, name: &str, remark: String| {
+        if let Some(value) = value {
+            out.push([significant(value, digits), name.to_owned(), remark]);
+        }
+    };
+    let peak = run.peak_row("stress_ratio");
+    let at = |column: &str| peak.and_then(|k| run.column(column).get(k).copied());
+    let where_peak =
+        at("deviator_strain").map_or(String::new(), |e| format!("at *ε*_{{d}} = {}", significant(e, 2)));
+    tile(at("stress_ratio"), 3, "peak *q*/*p*", where_peak);
+    tile(run.late_mean("stress_ratio"), 3, "late *q*/*p*", "mean over the last fifth of the strain".into());
+    tile(run.first("solid_fraction"), 3, "solid fraction before shear", String::new());
+    let z = run
+        .first("coordination_number")
+        .map_or(String::new(), |z| format!("*Z* = {} over all grains", significant(z, 3)));
+    tile(run.first("mechanical_coordination_number"), 3, "mechanical coordination number before shear", z);
+    let flags = quality::flags(run);
+    let held = flags.iter().filter(|flag| flag.held).count();
+    if !flags.is_empty() {
+        out.push([
+            format!("{held} of {}", flags.len()),
+            "quality limits kept".into(),
+            "servo, rate, overlap, energy".into(),
+        ]);
+    }
+    if run.wall_seconds > 0.0 {
+        let rate = run.grain_steps / run.wall_seconds;
+        out.push([
+            duration(run.wall_seconds),
+            "wall time".into(),
+            format!("{} million grain-steps a second", factor(1e-6 * rate)),
+        ]);
+    }
+    out
+}
+
+/// Stress, volume, contacts and fabric of one or several runs.
+pub fn behaviour(page: &mut Page, runs: &[RunReport]) -> Markup {
+    let Some(first) = runs.first() else { return html! {} };
+    let (stress, stress_caption) = material::stress_and_volume(runs);
+    let (shares, shares_caption) = material::stress_shares(first);
+    let (coordination, coordination_caption) = material::coordination(first);
+    let (fabric, fabric_caption) = material::fabric(runs);
+    html! {
+        (page.own_figure("stress", &stress_caption, &stress))
+        (page.own_figure("stress-parts", &shares_caption, &shares))
+        (page.own_figure("coordination", &coordination_caption, &coordination))
+        (page.own_figure("fabric", &fabric_caption, &fabric))
+    }
+}
+
+/// P(f), roses and force chains of a run.
+pub fn force_section(page: &mut Page, run: &RunReport) -> Markup {
+    let (distribution, caption) = forces::distribution(run);
+    let distribution = page.own_figure("forces", &caption, &distribution);
+    let (roses, caption) = forces::roses(run);
+    let roses = page.own_figure("roses", &caption, &roses);
+    let slices = forces::slices(run.start.as_ref(), run.end.as_ref())
+        .map(|(figure, caption)| page.own_figure("force-chains", &caption, &figure));
+    let network = run.end.as_ref().map(|end| {
+        let (figure, caption) = forces::strong_network(end);
+        page.own_figure("strong-network", &caption, &figure)
+    });
+    html! { (distribution) (roses) @if let Some(slices) = slices { (slices) } @if let Some(network) = network { (network) } }
+}
+
+/// The whole case, its digest and the machine.
+pub fn case_details(run: &RunReport) -> Markup {
+    let environment = &run.environment;
+    let mut facts = vec![format!("Case digest {}; seed {}.", run.case.digest(), run.case.preparation.seed)];
+    if !environment.processor.is_empty() {
+        facts.push(format!(
+            "Computed on {} with {} and {} thread{}.",
+            environment.processor,
+            environment.instruction_set,
+            environment.threads,
+            if environment.threads == 1 { "" } else { "s" }
+        ));
+    }
+    html! {
+        (paragraphs(&facts))
+        details { summary { "The case in full" } pre { (run.case.resolved_toml()) } }
+    }
+}

@@ -1,0 +1,188 @@
+//! The sample against the paper's.
+
+use super::data::RunReport;
+use super::numbers::{quantity, significant, whole};
+use super::page::Table;
+use granum_dem::config::{NormalKind, Rate, TangentialKind};
+
+/// Solid fraction of the paper's sample.
+pub const SOLID_FRACTION: f64 = 0.61;
+/// Coordination number of the paper's sample, "average number of load bearing contacts".
+pub const COORDINATION: f64 = 4.8;
+/// How near counts as met: the paper's own digits.
+const SOLID_FRACTION_NEAR: f64 = 0.005;
+const COORDINATION_NEAR: f64 = 0.1;
+
+/// Definitions of the coordination number: column and name.
+const DEFINITIONS: [(&str, &str); 4] = [
+    ("mechanical_coordination_number", "mechanical coordination number (grains with two contacts or more)"),
+    ("coordination_number", "coordination number of all grains"),
+    ("compressive_coordination_number", "coordination number of contacts in compression"),
+    ("backbone_coordination_number", "coordination number of the backbone (rattlers taken out repeatedly)"),
+];
+
+/// Mean over the runs of the first value of a column.
+pub fn mean_start(runs: &[RunReport], column: &str) -> Option<f64> {
+    let values: Vec<f64> =
+        runs.iter().filter_map(|run| run.first(column)).filter(|v| v.is_finite()).collect();
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// The definition whose value is nearest to the paper's: name and value.
+pub fn nearest_definition(runs: &[RunReport]) -> Option<(&'static str, f64)> {
+    DEFINITIONS
+        .into_iter()
+        .filter_map(|(column, name)| Some((name, mean_start(runs, column)?)))
+        .min_by(|a, b| (a.1 - COORDINATION).abs().total_cmp(&(b.1 - COORDINATION).abs()))
+}
+
+/// Which definition comes nearest, and what cannot be met together, in sentences.
+pub fn reading(runs: &[RunReport]) -> Vec<String> {
+    let (Some(solid), Some((name, nearest))) = (mean_start(runs, "solid_fraction"), nearest_definition(runs))
+    else {
+        return Vec::new();
+    };
+    let mut sentences = vec![format!(
+        "The paper calls its {COORDINATION} the mechanical coordination number, \u{201c}average number of load bearing \
+         contacts\u{201d}. Of the usual definitions the {name} comes nearest here: {}.",
+        significant(nearest, 3)
+    )];
+    let solid_met = (solid - SOLID_FRACTION).abs() <= SOLID_FRACTION_NEAR;
+    let coordination_met = (nearest - COORDINATION).abs() <= COORDINATION_NEAR;
+    let by = |value: f64, target: f64| {
+        let side = if value > target { "above" } else { "below" };
+        format!("{} {side}", significant((value - target).abs(), 2))
+    };
+    sentences.push(match (solid_met, coordination_met) {
+        (true, true) => {
+            format!("Solid fraction ({}) and coordination number are both met.", significant(solid, 3))
+        }
+        (true, false) => format!(
+            "The solid fraction is met ({}), the coordination number is not ({} the paper's): with this law and stress \
+             the two were not reached together, since any preparation that changes the one moves the other. We kept the \
+             solid fraction, which has one definition.",
+            significant(solid, 3),
+            by(nearest, COORDINATION)
+        ),
+        (false, true) => format!(
+            "The coordination number is met, the solid fraction is not ({}, {} the paper's).",
+            significant(solid, 3),
+            by(solid, SOLID_FRACTION)
+        ),
+        (false, false) => format!(
+            "Neither is met: the solid fraction is {} ({} the paper's), the coordination number {} the paper's.",
+            significant(solid, 3),
+            by(solid, SOLID_FRACTION),
+            by(nearest, COORDINATION)
+        ),
+    });
+    sentences
+}
+
+/// The sample beside the paper's; without runs nothing.
+pub fn table(label: &str, runs: &[RunReport]) -> Option<Table> {
+    let case = &runs.first()?.case;
+    let grains = &case.grains;
+    let material = &grains.material;
+    let caption = "The sample and the test beside the paper's. A dash: the paper does not say.";
+    let mut table = Table::new(label, caption, &["Quantity", "Paper", "Here"]);
+    let mut row = |name: &str, paper: &str, here: String| table.row(vec![name.into(), paper.into(), here]);
+    row("Grains", "5000", whole(grains.count as f64));
+    row("Diameter", "0.1 mm", format!("{} mm", significant(1e3 * grains.diameter, 3).trim_end_matches('0')));
+    row("Young\u{2019}s modulus *E*", "70 GPa", quantity(material.youngs_modulus, "Pa"));
+    row("Poisson\u{2019}s ratio *ν*", "0.3", trimmed(material.poissons_ratio));
+    row("Friction *μ*", "0.3", trimmed(material.friction));
+    row("Interface energy *Γ*", "0.6 J/m^{2}", format!("{} J/m^{{2}}", trimmed(material.interface_energy)));
+    row("Density", "–", format!("{} kg/m^{{3}}", whole(material.density)));
+    row(
+        "Contact law",
+        "theoretical contact mechanics (Thornton and Yin 1991)",
+        law(case.contact.normal, case.contact.tangential),
+    );
+    row("Contact damping", "–", format!("{} of critical", trimmed(case.contact.damping)));
+    row(
+        "Mean stress *p*",
+        "20 kPa",
+        quantity(case.shear.mean_stress.unwrap_or(case.preparation.mean_stress), "Pa"),
+    );
+    row("Rate of strain", "10^{−5} s^{−1}", rate(&case.shear.rate));
+    row("Deviator strain at the end", "0.3", trimmed(case.shear.deviator_strain));
+    let start =
+        |column: &str| mean_start(runs, column).map_or("–".to_owned(), |value| significant(value, 3));
+    row("Solid fraction", "0.61", start("solid_fraction"));
+    for (column, name) in DEFINITIONS {
+        let mut name = name.to_owned();
+        name[..1].make_ascii_uppercase();
+        let paper = if column == "mechanical_coordination_number" { "4.8" } else { "–" };
+        row(&name, paper, start(column));
+    }
+    if runs.len() > 1 {
+        table.note =
+            format!("Values of the sample are means over {} samples that differ in their seed.", runs.len());
+    }
+    Some(table)
+}
+
+fn trimmed(value: f64) -> String {
+    super::numbers::trimmed(value)
+}
+
+/// The contact law in words.
+pub fn law(normal: NormalKind, tangential: TangentialKind) -> String {
+    let normal = match normal {
+        NormalKind::Hertz => "Hertz",
+        NormalKind::Jkr => "JKR",
+    };
+    let tangential = match tangential {
+        TangentialKind::MindlinDeresiewicz => "Mindlin–Deresiewicz",
+        TangentialKind::NoSlip => "no-slip Mindlin",
+        TangentialKind::Peeling => "Savkoor–Briggs peeling, then Mindlin–Deresiewicz",
+    };
+    format!("{normal}, {tangential}")
+}
+
+fn rate(rate: &Rate) -> String {
+    match rate {
+        Rate::InertialNumber(number) => format!("*I* = {}", significant(*number, 3)),
+        Rate::StrainRate { strain_rate, density_scaling } => {
+            format!(
+                "{} s^{{−1}}, density × {}",
+                significant(*strain_rate, 2),
+                significant(*density_scaling, 2)
+            )
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use granum_sensors::{NamedColumn, Record, Series};
+
+    fn run(solid: f64, mechanical: f64, all: f64) -> RunReport {
+        let column =
+            |name: &str, value| NamedColumn { name: name.into(), unit: "1".into(), values: vec![value] };
+        let series = Series {
+            columns: vec![
+                column("solid_fraction", solid),
+                column("mechanical_coordination_number", mechanical),
+                column("coordination_number", all),
+            ],
+        };
+        RunReport { record: Record { series, forces: Vec::new() }, ..Default::default() }
+    }
+
+    #[test]
+    fn the_nearest_definition_is_named_and_the_rest_said() {
+        let runs = [run(0.610, 5.2, 4.83)];
+        assert_eq!(nearest_definition(&runs).unwrap().1, 4.83);
+        assert!(reading(&runs)[1].contains("both met"));
+        let runs = [run(0.608, 5.4, 5.1), run(0.612, 5.4, 5.1)];
+        assert!(
+            reading(&runs)[1].contains("not reached together") && reading(&runs)[1].contains("0.30 above")
+        );
+        assert!(reading(&[run(0.58, 4.8, 4.0)])[1].contains("0.030 below"));
+        assert!(reading(&[run(0.58, 4.0, 3.0)])[1].starts_with("Neither"));
+        assert!(reading(&[]).is_empty() && table("T", &[]).is_none());
+    }
+}
