@@ -1,7 +1,9 @@
 //! What a report is made from.
 
 use granum_dem::assembly::Assembly;
-use granum_io::Case;
+use granum_hybrid::HybridError;
+use granum_io::run::{RunRecord, RunStatus};
+use granum_io::{Case, Run};
 use granum_sensors::Record;
 use serde::{Deserialize, Serialize};
 
@@ -14,20 +16,14 @@ pub struct RunReport {
     pub role: Role,
     /// Everything that decided it.
     pub case: Case,
+    /// What its `run.json` says.
+    pub run: RunRecord,
     /// What the sensors saw.
     pub record: Record,
     /// The sample before shear, for pictures.
     pub start: Option<Assembly>,
     /// The assembly at the end, for pictures.
     pub end: Option<Assembly>,
-    /// Wall time of preparation and shear, s.
-    pub wall_seconds: f64,
-    /// Grains times steps.
-    pub grain_steps: f64,
-    /// Where and by what it was computed.
-    pub environment: Environment,
-    /// Whether the test reached its end.
-    pub complete: bool,
 }
 
 /// What a run was for.
@@ -54,23 +50,47 @@ impl Role {
     }
 }
 
-/// Where and by what something was computed.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Environment {
-    /// Version of granum.
-    pub version: String,
-    /// Processor.
-    pub processor: String,
-    /// Instruction set of the kernels.
-    pub instruction_set: String,
-    /// Threads.
-    pub threads: usize,
+/// A column of a record; empty where there is none.
+pub fn column<'a>(record: &'a Record, name: &str) -> &'a [f64] {
+    record.series.values(name).unwrap_or(&[])
 }
 
 impl RunReport {
+    /// Reads the folder of a run. The pictures are of the snapshots named `start` and `end`, or else of the first and
+    /// the last.
+    ///
+    /// # Errors
+    /// If the case, the record or a snapshot is missing or damaged; the message names the file.
+    pub fn read(run: &Run, role: Role) -> Result<Self, HybridError> {
+        let names = run.snapshots()?;
+        let pick = |name: &str, other: Option<&String>| {
+            names.iter().find(|found| *found == name).or(other).map(|name| run.snapshot(name)).transpose()
+        };
+        let several = names.len() > 1;
+        Ok(RunReport {
+            name: run.path().file_name().map_or("run".to_owned(), |name| name.to_string_lossy().into_owned()),
+            role,
+            case: run.case()?,
+            run: run.record()?,
+            record: granum_hybrid::files::read_record(run)?,
+            start: pick("start", names.first().filter(|_| several))?,
+            end: pick("end", names.last())?,
+        })
+    }
+
+    /// Whether the test reached its end.
+    pub fn is_complete(&self) -> bool {
+        self.run.status == RunStatus::Finished
+    }
+
+    /// Wall time of all phases, s.
+    pub fn wall_seconds(&self) -> f64 {
+        self.run.wall_seconds.values().sum()
+    }
+
     /// A column of the record; empty where there is none.
     pub fn column(&self, name: &str) -> &[f64] {
-        self.record.series.values(name).unwrap_or(&[])
+        column(&self.record, name)
     }
 
     /// Two columns as points.

@@ -1,6 +1,8 @@
 //! Where the work went: the energy ledger by mechanism.
 
-use super::data::RunReport;
+use granum_sensors::Record;
+
+use super::data::{RunReport, column};
 use super::figure::palette::{GREY, INK, color};
 use super::figure::{Axis, Figure, Layer, Panel, Plot, Stroke};
 use super::material::strain_axis;
@@ -13,10 +15,10 @@ struct Ledger {
 }
 
 impl Ledger {
-    fn of(run: &RunReport) -> Option<Ledger> {
-        let rows = run.column("deviator_strain").len();
+    fn of(record: &Record) -> Option<Ledger> {
+        let rows = column(record, "deviator_strain").len();
         let since_start = |name: &str| -> Option<Vec<f64>> {
-            let values = run.column(name);
+            let values = column(record, name);
             let first = *values.first()?;
             (values.len() == rows).then(|| values.iter().map(|value| value - first).collect())
         };
@@ -27,7 +29,7 @@ impl Ledger {
         let elastic: Vec<f64> = elastic_normal.iter().zip(&elastic_tangential).map(|(n, t)| n + t).collect();
         let slip = (0..rows).map(|k| tangential[k] - elastic_tangential[k] - friction[k]).collect();
         Some(Ledger {
-            strain: run.column("deviator_strain").to_vec(),
+            strain: column(record, "deviator_strain").to_vec(),
             work: since_start("boundary_work")?,
             parts: vec![
                 ("sliding friction", friction),
@@ -49,8 +51,8 @@ impl Ledger {
 }
 
 /// Largest error of the ledger over the whole boundary work; `None` where it was not recorded.
-pub fn closure(run: &RunReport) -> Option<f64> {
-    let ledger = Ledger::of(run)?;
+pub fn closure(record: &Record) -> Option<f64> {
+    let ledger = Ledger::of(record)?;
     let work = ledger.work.last().copied().filter(|work| work.abs() > 0.0)?;
     let residual = ledger.residual();
     let all_finite = residual.iter().all(|r| r.is_finite());
@@ -58,8 +60,8 @@ pub fn closure(run: &RunReport) -> Option<f64> {
 }
 
 /// Shares of the boundary work at the end by mechanism, largest first.
-pub fn shares(run: &RunReport) -> Vec<(&'static str, f64)> {
-    let Some(ledger) = Ledger::of(run) else { return Vec::new() };
+pub fn shares(record: &Record) -> Vec<(&'static str, f64)> {
+    let Some(ledger) = Ledger::of(record) else { return Vec::new() };
     let Some(work) = ledger.work.last().copied().filter(|work| *work > 0.0) else { return Vec::new() };
     let mut shares: Vec<(&str, f64)> = (ledger.parts.iter())
         .filter_map(|(name, values)| Some((*name, values.last()? / work)))
@@ -71,7 +73,7 @@ pub fn shares(run: &RunReport) -> Vec<(&'static str, f64)> {
 
 /// Energy by mechanism, and how well the ledger closes.
 pub fn figure(run: &RunReport) -> Option<(Figure, String)> {
-    let ledger = Ledger::of(run)?;
+    let ledger = Ledger::of(&run.record)?;
     let axis = || strain_axis(std::slice::from_ref(run));
     let points = |values: &[f64]| -> Vec<[f64; 2]> {
         ledger.strain.iter().zip(values).map(|(&x, &y)| [x, y]).collect()
@@ -95,7 +97,7 @@ pub fn figure(run: &RunReport) -> Option<(Figure, String)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use granum_sensors::{NamedColumn, Record, Series};
+    use granum_sensors::{NamedColumn, Series};
 
     #[test]
     fn what_no_mechanism_accounts_for_is_the_error() {
@@ -118,13 +120,12 @@ mod tests {
             })
             .to_vec();
         let record = Record { series: Series { columns }, forces: Vec::new() };
-        let run = RunReport { record, ..Default::default() };
         // 10 of work: 6 tangential, 1 damping, 0.5 adhesion, 0.1 kinetic, 2 elastic normal; 0.4 unaccounted for.
-        assert!((closure(&run).unwrap() - 0.04).abs() < 1e-12);
-        let shares = shares(&run);
+        assert!((closure(&record).unwrap() - 0.04).abs() < 1e-12);
+        let shares = shares(&record);
         assert_eq!(shares[0].0, "sliding friction");
         let slip = shares.iter().find(|(name, _)| *name == "micro-slip").unwrap().1;
         assert!((slip - 0.1).abs() < 1e-12, "6 - 1 - 4 of 10");
-        assert!(closure(&RunReport::default()).is_none() && figure(&RunReport::default()).is_none());
+        assert!(closure(&Record::default()).is_none() && figure(&RunReport::default()).is_none());
     }
 }

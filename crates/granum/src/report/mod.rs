@@ -14,6 +14,6 @@ mod run;
 mod sample;
 mod trust;
 
-pub use data::{Environment, Role, RunReport};
+pub use data::{Role, RunReport};
 pub use page::Document;
 pub use run::report as run_report;

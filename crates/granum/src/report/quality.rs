@@ -1,23 +1,10 @@
 //! Whether a run can be trusted: its own limits, and what to change where one is broken.
 
-use super::data::RunReport;
-use super::energy;
-use super::numbers::{percent, significant};
+use granum_io::run::QualityFlag;
+use granum_sensors::Record;
 
-/// One thing that a run must keep.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Flag {
-    /// What is looked at.
-    pub name: &'static str,
-    /// What was found, marked up.
-    pub found: String,
-    /// What is asked, marked up.
-    pub limit: String,
-    /// Whether it is kept.
-    pub held: bool,
-    /// What to change if it is not.
-    pub advice: &'static str,
-}
+use super::data::column;
+use super::energy;
 
 /// Strain after which the servo must hold its target; before, the sample answers the start of loading.
 pub const SETTLED_STRAIN: f64 = 0.005;
@@ -35,9 +22,9 @@ pub const OVERLAP: f64 = 0.01;
 pub const CLOSURE: f64 = 1e-3;
 
 /// Errors of the servo after [`SETTLED_STRAIN`]: root mean square and worst.
-pub fn servo_errors(run: &RunReport) -> Option<[f64; 2]> {
-    let settled = |column: &str| -> Vec<f64> {
-        (run.column("deviator_strain").iter().zip(run.column(column)))
+pub fn servo_errors(record: &Record) -> Option<[f64; 2]> {
+    let settled = |name: &str| -> Vec<f64> {
+        (column(record, "deviator_strain").iter().zip(column(record, name)))
             .filter(|(strain, error)| **strain > SETTLED_STRAIN && error.is_finite())
             .map(|(_, error)| *error)
             .collect()
@@ -55,59 +42,51 @@ fn largest(values: &[f64]) -> Option<f64> {
 }
 
 /// Judges a run by what its record holds; what it does not hold is not judged.
-pub fn flags(run: &RunReport) -> Vec<Flag> {
-    let mut flags = Vec::new();
-    let mut judge = |name, found: Option<f64>, limit: f64, share: bool, advice| {
-        let Some(found) = found else { return };
-        let text = |value: f64| if share { percent(value) } else { significant(value, 2) };
-        let held = found <= limit;
-        flags.push(Flag {
-            name,
-            found: text(found),
-            limit: format!("at most {}", text(limit)),
-            held,
-            advice,
-        });
-    };
-    let servo = servo_errors(run);
-    let servo_advice = "Shear more slowly or use more grains: the servo cannot follow the sample.";
-    judge("Error of the mean stress, rms", servo.map(|e| e[0]), SERVO_RMS, true, servo_advice);
-    judge("Error of the mean stress, worst", servo.map(|e| e[1]), SERVO_WORST, true, servo_advice);
-    let inertial = "Shear more slowly: lower the inertial number of the case.";
-    judge("Inertial number", largest(run.column("inertial_number")), INERTIAL_NUMBER, false, inertial);
+pub fn flags(record: &Record) -> Vec<QualityFlag> {
+    let servo = servo_errors(record);
+    let unbalanced = column(record, "unbalanced_force");
     // The mean over the test: single rearrangements push grains for a moment.
-    let unbalanced = run.column("unbalanced_force");
     let mean = unbalanced.iter().filter(|u| u.is_finite()).sum::<f64>() / unbalanced.len().max(1) as f64;
-    judge(
-        "Unbalanced force, mean over the test",
-        (!unbalanced.is_empty()).then_some(mean),
-        UNBALANCED_FORCE,
-        false,
-        "Shear more slowly or raise the damping of the contacts.",
-    );
-    judge(
-        "Largest overlap over the sum of the radii",
-        largest(run.column("largest_overlap")),
-        OVERLAP,
-        true,
-        "Use stiffer grains or a lower stress: contacts of one grain are no longer independent.",
-    );
-    judge(
-        "Energy ledger, error over boundary work",
-        energy::closure(run),
-        CLOSURE,
-        true,
-        "Shorten the time step: energy is made or lost by the integration.",
-    );
-    flags
+    let servo_advice = "shear more slowly or use more grains: the servo cannot follow the sample";
+    let checks: [(&str, Option<f64>, f64, &str); 6] = [
+        ("servo_error_rms", servo.map(|errors| errors[0]), SERVO_RMS, servo_advice),
+        ("servo_error_largest", servo.map(|errors| errors[1]), SERVO_WORST, servo_advice),
+        (
+            "inertial_number",
+            largest(column(record, "inertial_number")),
+            INERTIAL_NUMBER,
+            "shear more slowly: lower the inertial number of the case",
+        ),
+        (
+            "unbalanced_force_mean",
+            (!unbalanced.is_empty()).then_some(mean),
+            UNBALANCED_FORCE,
+            "shear more slowly or raise the damping of the contacts",
+        ),
+        (
+            "largest_overlap",
+            largest(column(record, "largest_overlap")),
+            OVERLAP,
+            "use stiffer grains or a lower stress: contacts of one grain are no longer independent",
+        ),
+        (
+            "energy_closure",
+            energy::closure(record),
+            CLOSURE,
+            "shorten the time step: energy is made or lost by the integration",
+        ),
+    ];
+    (checks.into_iter())
+        .filter_map(|(name, found, limit, advice)| Some(QualityFlag::at_most(name, found?, limit, advice)))
+        .collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use granum_sensors::{NamedColumn, Record, Series};
+    use granum_sensors::{NamedColumn, Series};
 
-    fn run(columns: &[(&str, &[f64])]) -> RunReport {
+    fn record(columns: &[(&str, &[f64])]) -> Record {
         let columns = columns
             .iter()
             .map(|(name, values)| NamedColumn {
@@ -116,27 +95,27 @@ mod tests {
                 values: values.to_vec(),
             })
             .collect();
-        RunReport { record: Record { series: Series { columns }, forces: Vec::new() }, ..Default::default() }
+        Record { series: Series { columns }, forces: Vec::new() }
     }
 
     #[test]
     fn the_start_of_loading_does_not_count_for_the_servo() {
-        let run = run(&[
+        let record = record(&[
             ("deviator_strain", &[0.001, 0.01, 0.02]),
             ("servo_error_rms", &[0.5, 0.003, 0.004]),
             ("servo_error_largest", &[0.5, 0.01, 0.04]),
         ]);
-        let [rms, worst] = servo_errors(&run).unwrap();
+        let [rms, worst] = servo_errors(&record).unwrap();
         assert!((rms - 12.5e-6f64.sqrt()).abs() < 1e-12);
         assert_eq!(worst, 0.04);
-        let flags = flags(&run);
-        assert_eq!(flags.iter().map(|flag| flag.held).collect::<Vec<_>>(), [true, false]);
+        let flags = flags(&record);
+        assert_eq!(flags.iter().map(|flag| flag.passed).collect::<Vec<_>>(), [true, false]);
     }
 
     #[test]
     fn what_is_not_recorded_is_not_judged_and_nan_does_not_hold_by_chance() {
-        assert!(flags(&RunReport::default()).is_empty());
-        let run = run(&[("inertial_number", &[1e-4, f64::NAN, 2e-3])]);
-        assert!(!flags(&run)[0].held);
+        assert!(flags(&Record::default()).is_empty());
+        let record = record(&[("inertial_number", &[1e-4, f64::NAN, 2e-3])]);
+        assert!(!flags(&record)[0].passed);
     }
 }

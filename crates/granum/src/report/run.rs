@@ -7,7 +7,7 @@ use super::forces;
 use super::material;
 use super::numbers::{duration, factor, quantity, significant, whole};
 use super::page::{Document, Page, paragraphs, rich, tiles};
-use super::{quality, sample, trust};
+use super::{sample, trust};
 
 /// How signs and axes are meant; said once in every report.
 pub const SIGNS: &str = "Compression is positive, for stress, strain and normal force. Axis 1 is the axis of compression, \
@@ -37,7 +37,7 @@ pub fn report(run: &RunReport) -> Document {
     let head = html! {
         (tiles(&headline(run)))
         p { (rich(SIGNS)) }
-        @if !run.complete { p class="callout" { "The test was stopped before its end; what was recorded until then is shown." } }
+        @if !run.is_complete() { p class="callout" { "The test was stopped before its end; what was recorded until then is shown." } }
     };
     page.finish(&run.name, &subtitle(run), head)
 }
@@ -52,8 +52,8 @@ fn subtitle(run: &RunReport) -> String {
             quantity(case.shear.mean_stress.unwrap_or(case.preparation.mean_stress), "Pa")
         ),
     ];
-    if !run.environment.version.is_empty() {
-        parts.push(format!("granum {}", run.environment.version));
+    if !run.run.granum_version.is_empty() {
+        parts.push(format!("granum {}", run.run.granum_version));
     }
     parts.join(" · ")
 }
@@ -76,8 +76,8 @@ fn headline(run: &RunReport) -> Vec<[String; 3]> {
         .first("coordination_number")
         .map_or(String::new(), |z| format!("*Z* = {} over all grains", significant(z, 3)));
     tile(run.first("mechanical_coordination_number"), 3, "mechanical coordination number before shear", z);
-    let flags = quality::flags(run);
-    let held = flags.iter().filter(|flag| flag.held).count();
+    let flags = trust::flags(run);
+    let held = flags.iter().filter(|flag| flag.passed).count();
     if !flags.is_empty() {
         out.push([
             format!("{held} of {}", flags.len()),
@@ -85,10 +85,11 @@ fn headline(run: &RunReport) -> Vec<[String; 3]> {
             "servo, rate, overlap, energy".into(),
         ]);
     }
-    if run.wall_seconds > 0.0 {
-        let rate = run.grain_steps / run.wall_seconds;
+    let seconds = run.wall_seconds();
+    if seconds > 0.0 {
+        let rate = run.run.grain_steps() as f64 / seconds;
         out.push([
-            duration(run.wall_seconds),
+            duration(seconds),
             "wall time".into(),
             format!("{} million grain-steps a second", factor(1e-6 * rate)),
         ]);
@@ -128,17 +129,15 @@ pub fn force_section(page: &mut Page, run: &RunReport) -> Markup {
 
 /// The whole case, its digest and the machine.
 pub fn case_details(run: &RunReport) -> Markup {
-    let environment = &run.environment;
     let mut facts = vec![format!("Case digest {}; seed {}.", run.case.digest(), run.case.preparation.seed)];
-    if !environment.processor.is_empty() {
+    let machine = &run.run.machine;
+    if !machine.system.is_empty() {
         facts.push(format!(
-            "Computed on {} with {} and {} thread{}.",
-            environment.processor,
-            environment.instruction_set,
-            environment.threads,
-            if environment.threads == 1 { "" } else { "s" }
+            "Computed on {} with {} and {} of {} threads.",
+            machine.system, machine.instruction_set, machine.threads, machine.available_threads
         ));
     }
+    facts.extend(run.run.notes.iter().cloned());
     html! {
         (paragraphs(&facts))
         details { summary { "The case in full" } pre { (run.case.resolved_toml()) } }

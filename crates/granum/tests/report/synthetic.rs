@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use granum::report::{Environment, Role, RunReport};
+use granum::report::{Role, RunReport};
 use granum_dem::assembly::{Assembly, Contact, Grain};
 use granum_io::packing::Packing;
+use granum_io::run::{Machine, RunRecord, RunStatus};
 use granum_sensors::force_distribution::ForceHistogram;
 use granum_sensors::{NamedColumn, Record, Series};
 
@@ -186,15 +187,15 @@ pub fn run(role: Role, seed: u64) -> RunReport {
         name: format!("{}-{seed}", role.word()),
         role,
         record: record(seed, 120),
-        wall_seconds: 211.0,
-        grain_steps: 2.1e9,
-        environment: Environment {
-            version: "0.1.0".into(),
-            processor: "an example processor".into(),
-            instruction_set: "AVX2 and FMA".into(),
-            threads: 2,
+        run: RunRecord {
+            granum_version: "0.1.0".into(),
+            status: RunStatus::Finished,
+            grains: 5000,
+            steps: [("shear".to_owned(), 420_000)].into(),
+            wall_seconds: [("shear".to_owned(), 211.0)].into(),
+            machine: Machine::here("AVX2", 2),
+            ..Default::default()
         },
-        complete: true,
         ..Default::default()
     };
     run.case.preparation.seed = seed;

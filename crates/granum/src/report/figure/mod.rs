@@ -87,7 +87,7 @@ type InsideLegend = (Vec<legend::Entry>, Option<[f64; 2]>);
 #[derive(Clone, Debug, PartialEq)]
 pub enum Content {
     /// A plot.
-    Plot(Plot),
+    Plot(Box<Plot>),
     /// A rose.
     Rose(Rose),
     /// A picture of force chains.
@@ -97,7 +97,7 @@ pub enum Content {
 impl Panel {
     /// A plot.
     pub fn plot(plot: Plot) -> Self {
-        Panel { title: String::new(), content: Content::Plot(plot) }
+        Panel { title: String::new(), content: Content::Plot(Box::new(plot)) }
     }
 
     /// A rose.
