@@ -11,10 +11,8 @@ pub struct MeanCurve {
 impl MeanCurve {
     /// The mean curve of a data set.
     pub fn new(dataset: &Dataset) -> Self {
-        let stride = dataset.stride as u64;
         let runs = dataset.training_runs.iter().map(|run| {
-            let chosen =
-                run.numbers.iter().zip(&run.states).filter(|(number, _)| number.is_multiple_of(stride));
+            let chosen = run.numbers.iter().zip(&run.states).filter(|(number, _)| dataset.trains(**number));
             let (numbers, states): (Vec<u64>, Vec<State>) =
                 chosen.map(|(&number, s)| (number, s.clone())).unzip();
             Run { states, numbers, ..run.clone() }

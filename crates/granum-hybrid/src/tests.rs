@@ -39,12 +39,12 @@ fn evaluate(dataset: &Dataset, options: &StudyOptions) -> Vec<Evaluation> {
     Study::train(dataset, options, &Silent).unwrap().evaluate(dataset).unwrap()
 }
 
-const DEFAULT: &str = "traingdx";
+const DEFAULT: &str = "levenberg-marquardt";
 
 #[test]
 fn smooth_curves_are_learned_down_to_their_noise() {
     let dataset = dataset(Law::Plain, 1, 2, 120);
-    for evaluation in evaluate(&dataset, &small(&["F1", "F2", "F3", "F4", "F5", "F6"], 6, DEFAULT, 0.1)) {
+    for evaluation in evaluate(&dataset, &small(&["F1", "F2", "F3", "F4", "F5", "F6"], 6, DEFAULT, 1.0)) {
         let name = &evaluation.mapping.name;
         let scatter = evaluation.seed_scatter.unwrap();
         assert!(evaluation.network.held_out.relative_rmse < 3.0 * scatter, "{name}: {evaluation:?}");
@@ -58,10 +58,11 @@ fn smooth_curves_are_learned_down_to_their_noise() {
 #[test]
 fn inputs_without_information_do_not_help() {
     let dataset = dataset(Law::Blind, 1, 2, 120);
-    for evaluation in evaluate(&dataset, &small(&["F1", "F3"], 4, DEFAULT, 0.1)) {
+    for evaluation in evaluate(&dataset, &small(&["F1", "F3"], 4, DEFAULT, 1.0)) {
         let (own, twin) =
             (evaluation.network.unseen.relative_rmse, evaluation.strain_only.unseen.relative_rmse);
-        assert!(own > 0.9 * twin, "{own} {twin}");
+        assert!(own > 0.97 * twin, "{own} {twin}");
+        assert_ne!(reading::verdict(&evaluation), Verdict::Helps);
     }
 }
 
@@ -69,14 +70,14 @@ fn inputs_without_information_do_not_help() {
 #[test]
 fn inputs_with_information_help() {
     let dataset = dataset(Law::Hidden, 1, 2, 120);
-    let mut options = small(&["F1", "F3", "F5"], 4, DEFAULT, 0.1);
+    let mut options = small(&["F1", "F3", "F5"], 4, DEFAULT, 1.0);
     options.form = Form::Histogram;
     for evaluation in evaluate(&dataset, &options) {
         let name = &evaluation.mapping.name;
         let (own, twin) =
             (evaluation.network.unseen.relative_rmse, evaluation.strain_only.unseen.relative_rmse);
-        assert!(own < 0.75 * twin, "{name}: {own} {twin}");
-        assert!(own < 0.75 * evaluation.best_without_sensors().unwrap(), "{name}");
+        assert!(own < 0.6 * twin, "{name}: {own} {twin}");
+        assert!(own < 0.6 * evaluation.best_without_sensors().unwrap(), "{name}");
         assert_eq!(reading::verdict(&evaluation), Verdict::Helps);
         assert!(reading::read_mapping(&evaluation).contains("do use what they are told"), "{name}");
     }
@@ -85,7 +86,7 @@ fn inputs_with_information_help() {
 #[test]
 fn the_point_form_finds_the_information_too() {
     let dataset = dataset(Law::Hidden, 1, 1, 120);
-    for evaluation in evaluate(&dataset, &small(&["F3"], 4, DEFAULT, 0.1)) {
+    for evaluation in evaluate(&dataset, &small(&["F3"], 4, DEFAULT, 1.0)) {
         let (own, twin) =
             (evaluation.network.unseen.relative_rmse, evaluation.strain_only.unseen.relative_rmse);
         assert!(own < 0.6 * twin, "{own} {twin}");
@@ -171,7 +172,7 @@ fn too_few_states_and_unknown_trainers_are_refused() {
         Study::train(&coarse, &small(&["F2"], 3, "traingdx", 1e-3), &Silent).unwrap_err().to_string();
     assert_eq!(
         message,
-        "F2 sub-model 1 (deviator strain 0 to 0.05) has 2 training states, needs 3; record more states or widen its range"
+        "F2 sub-model 1 (deviator strain 0 to 0.05) has 1 training states, needs 3; record more states or widen its range"
     );
     let fine = dataset(Law::Plain, 1, 0, 60);
     let message = Study::train(&fine, &small(&["F1"], 3, "adam", 1.0), &Silent).unwrap_err().to_string();
@@ -293,7 +294,7 @@ fn the_size_study_sees_that_one_neuron_is_too_few() {
     let options = SizeStudyOptions {
         neurons: vec![1, 5],
         seeds: 2,
-        study: StudyOptions { trainer: DEFAULT.into(), epoch_factor: 0.1, ..Default::default() },
+        study: StudyOptions { trainer: DEFAULT.into(), ..Default::default() },
         ..Default::default()
     };
     let study = SizeStudy::run(&dataset, &options, &Silent).unwrap();
@@ -321,7 +322,7 @@ fn summary_and_speed_come_from_the_evaluation() {
     let (scatter, best) = (summary.seed_scatter.unwrap(), summary.best_without_sensors.unwrap());
     assert!((best / scatter - 2f64.sqrt()).abs() < 1e-12);
     let speed = crate::speed::measure(&study, &dataset.unseen_runs[0], 60.0, 5).unwrap();
-    assert!(speed.network_seconds > 0.0 && speed.states == 41 && speed.training_seconds > 0.0);
+    assert!(speed.network_seconds > 0.0 && speed.states == 40 && speed.training_seconds > 0.0);
     assert!((speed.factor * speed.network_seconds / 60.0 - 1.0).abs() < 1e-12);
     assert!(reading::read(&study.evaluate(&dataset).unwrap(), None, Some(&speed)).len() == 2);
 }
