@@ -4,6 +4,7 @@
 
 use granum_simd::{Isa, Kernel, LANES, Lanes, Row8, dispatch};
 
+use crate::activation::Activation;
 use crate::data::Data;
 use crate::forward::{Layer, layer_panel};
 use crate::kernels::{Scalars, blocks, lane_dots, odd, panel, panels, scalar_times_lanes};
@@ -184,19 +185,18 @@ impl Kernel for Back<'_> {
                 (start * w.layers[depth - 1].activation.slope(y)).store(&mut last[at].0);
             }
         }
+        // One block narrower than on the way forward: the compiler then keeps all sums in registers.
         panels(
             0,
             w.blocks,
-            panel::<L>(),
+            if L::REGISTERS >= 32 { 4 } else { 1 },
             #[inline(always)]
             |first, width| {
                 for l in (1..depth).rev() {
                     let layer = &w.layers[l];
-                    let activation = w.layers[l - 1].activation;
                     let (before, after) = w.deltas.split_at_mut(l);
-                    let (target, outputs) = (&mut before[l - 1], &w.outputs[l]);
-                    let stride = w.stride;
-                    scalar_times_lanes::<L, 5, 5>(
+                    let (target, stride) = (&mut before[l - 1], w.stride);
+                    scalar_times_lanes::<L, 5, 4>(
                         Scalars { values: layer.matrix(self.weights), by_k: layer.inputs + 1, by_j: 1 },
                         layer.inputs,
                         layer.neurons,
@@ -207,14 +207,54 @@ impl Kernel for Back<'_> {
                         #[inline(always)]
                         |_| L::zero(),
                         #[inline(always)]
-                        |i, b, sum| {
-                            let y = L::load(&outputs[i * stride + b].0);
-                            (sum * activation.slope(y)).store(&mut target[i * stride + b].0);
-                        },
+                        |i, b, sum| sum.store(&mut target[i * stride + b].0),
                     );
+                    let outputs = &w.outputs[l];
+                    match w.layers[l - 1].activation {
+                        Activation::Tanh => times_slope::<L>(
+                            target,
+                            outputs,
+                            layer.inputs,
+                            stride,
+                            first,
+                            width,
+                            #[inline(always)]
+                            |y| Activation::Tanh.slope(y),
+                        ),
+                        Activation::Sigmoid => times_slope::<L>(
+                            target,
+                            outputs,
+                            layer.inputs,
+                            stride,
+                            first,
+                            width,
+                            #[inline(always)]
+                            |y| Activation::Sigmoid.slope(y),
+                        ),
+                        Activation::Linear => {}
+                    }
                 }
             },
         );
+    }
+}
+
+/// Multiplies what came back to the outputs of neurons by the slope of their activation.
+#[inline(always)]
+fn times_slope<L: Lanes>(
+    deltas: &mut [Row8],
+    outputs: &[Row8],
+    neurons: usize,
+    stride: usize,
+    first: usize,
+    width: usize,
+    slope: impl Fn(L) -> L,
+) {
+    for j in 0..neurons {
+        let at = j * stride + first;
+        for (delta, y) in deltas[at..at + width].iter_mut().zip(&outputs[at..at + width]) {
+            (L::load(&delta.0) * slope(L::load(&y.0))).store(&mut delta.0);
+        }
     }
 }
 

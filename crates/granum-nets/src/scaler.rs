@@ -39,17 +39,23 @@ impl Scaler {
         (0..columns).map(|c| Scaler::fit(table.iter().skip(c).step_by(columns).copied(), range)).collect()
     }
 
+    /// True if all values are equal, or so close that their span has no reciprocal (or so far apart that they have no span).
+    #[inline]
+    pub fn is_constant(&self) -> bool {
+        let span = self.maximum - self.minimum;
+        !(span > 0.0 && span.is_finite() && (1.0 / span).is_finite())
+    }
+
     /// Scaled units per unit of the column; zero for a constant column.
     #[inline]
     pub fn factor(&self) -> f64 {
-        let span = self.maximum - self.minimum;
-        if span > 0.0 { (self.high - self.low) / span } else { 0.0 }
+        if self.is_constant() { 0.0 } else { (self.high - self.low) / (self.maximum - self.minimum) }
     }
 
     /// What the smallest value becomes, or the middle of the range for a constant column.
     #[inline]
     pub(crate) fn offset(&self) -> f64 {
-        if self.maximum > self.minimum { self.low } else { 0.5 * (self.low + self.high) }
+        if self.is_constant() { 0.5 * (self.low + self.high) } else { self.low }
     }
 
     /// Into the network's range.
@@ -61,7 +67,7 @@ impl Scaler {
     /// Units of the column per scaled unit; zero for a constant column.
     #[inline]
     pub(crate) fn inverse_factor(&self) -> f64 {
-        (self.maximum - self.minimum) / (self.high - self.low)
+        if self.is_constant() { 0.0 } else { (self.maximum - self.minimum) / (self.high - self.low) }
     }
 
     /// Back into the column's unit.
@@ -96,6 +102,10 @@ mod tests {
         assert_eq!(scaler.scale(7.0), 0.0);
         assert_eq!(scaler.unscale(0.3), 5.0);
         assert!(scaler.is_outside(7.0));
+        for (a, b) in [(0.0, 5e-324), (-1e308, 1e308)] {
+            let scaler = Scaler::fit([a, b].into_iter(), (-1.0, 1.0));
+            assert_eq!((scaler.scale(a), scaler.unscale(0.5)), (0.0, a), "no infinity appears");
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@
 //! bit operations, so that the result does not depend on which of them ran. A fused operation
 //! happens only where [`Real::mul_add`] is called: the compiler never contracts on its own.
 //!
-//! All `unsafe` of the arithmetic lives in [`mod@avx2`] and [`mod@avx512`] (x86-64 only).
+//! All `unsafe` of the arithmetic lives in `avx2.rs` and `avx512.rs` (x86-64 only); [`Row8::numbers`] has one more.
 
 mod dispatch;
 mod lanes;
