@@ -102,7 +102,7 @@ pub enum Error {
     #[error("{}", join(.0))]
     Inputs(Vec<InputError>),
     /// A value given outside a file (a flag) is wrong.
-    #[error("{name} = {value:?}: {message}")]
+    #[error("{name} = {value:?} {message}")]
     Value {
         /// Name of the flag or key.
         name: String,
@@ -111,6 +111,9 @@ pub enum Error {
         /// What is wrong and what would be right.
         message: String,
     },
+    /// Values that are right on their own and wrong together.
+    #[error("{0}")]
+    Rule(String),
     /// A file that is not what its name says, damaged, or from another version.
     #[error("{}: {message}", path.display())]
     Content {

@@ -70,13 +70,7 @@ impl Case {
         }
         for rule in RULES {
             if let Some(message) = (rule.broken)(self) {
-                return Err(Error::Value {
-                    name: rule.fields[0].to_string(),
-                    value: super::field(rule.fields[0])
-                        .and_then(|field| Some(field.toml(&field.value(self)?)))
-                        .unwrap_or_default(),
-                    message,
-                });
+                return Err(Error::Rule(message));
             }
         }
         Ok(())

@@ -1,6 +1,8 @@
 //! The subcommands, one file each.
 
 mod init;
+#[allow(dead_code, reason = "taken by the commands forces, pair and impact")]
+mod law;
 
 use clap::Subcommand;
 

@@ -1,0 +1,80 @@
+//! The contact law and the grains of a command, from a case file, from flags, or from both (flags win).
+
+use std::path::PathBuf;
+
+use clap::Args;
+use granum_io::Case;
+
+use crate::failure::Failure;
+
+/// Where no case file and no flag says otherwise: grains and law of Antony, Zhou and Wang (2006).
+#[derive(Args)]
+#[command(next_help_heading = "Law and grains (quantities with units, as \"70 GPa\", or SI numbers)")]
+pub struct LawFlags {
+    /// Case file that gives law and grains.
+    #[arg(long, value_name = "FILE")]
+    pub case: Option<PathBuf>,
+    /// Normal law: hertz or jkr.
+    #[arg(long, value_name = "LAW")]
+    normal: Option<String>,
+    /// Tangential law: mindlin-deresiewicz, no-slip or peeling.
+    #[arg(long, value_name = "LAW")]
+    tangential: Option<String>,
+    /// Diameter d of a grain.
+    #[arg(long, value_name = "LENGTH")]
+    diameter: Option<String>,
+    /// Density rho of the solid.
+    #[arg(long, value_name = "DENSITY")]
+    density: Option<String>,
+    /// Young's modulus E.
+    #[arg(long, value_name = "STRESS")]
+    youngs_modulus: Option<String>,
+    /// Poisson's ratio nu.
+    #[arg(long, value_name = "NUMBER")]
+    poissons_ratio: Option<String>,
+    /// Coefficient of friction mu.
+    #[arg(long, value_name = "NUMBER")]
+    friction: Option<String>,
+    /// Interface energy Gamma.
+    #[arg(long, value_name = "ENERGY/AREA")]
+    interface_energy: Option<String>,
+    /// Fraction zeta of critical damping.
+    #[arg(long, value_name = "NUMBER")]
+    damping: Option<String>,
+}
+
+impl LawFlags {
+    /// The case that file and flags make together.
+    pub fn case(&self) -> Result<Case, Failure> {
+        let mut case = match &self.case {
+            Some(path) => Case::read(path)?,
+            None => Case::default(),
+        };
+        for (flag, path, value) in [
+            ("--normal", "contact.normal", &self.normal),
+            ("--tangential", "contact.tangential", &self.tangential),
+            ("--diameter", "grains.diameter", &self.diameter),
+            ("--density", "grains.material.density", &self.density),
+            ("--youngs-modulus", "grains.material.youngs_modulus", &self.youngs_modulus),
+            ("--poissons-ratio", "grains.material.poissons_ratio", &self.poissons_ratio),
+            ("--friction", "grains.material.friction", &self.friction),
+            ("--interface-energy", "grains.material.interface_energy", &self.interface_energy),
+            ("--damping", "contact.damping", &self.damping),
+        ] {
+            let Some(value) = value else { continue };
+            case.set(path, value).map_err(|error| named(flag, error))?;
+        }
+        case.check()?;
+        Ok(case)
+    }
+}
+
+/// The same error with the flag in place of the key.
+fn named(flag: &str, error: granum_io::Error) -> granum_io::Error {
+    match error {
+        granum_io::Error::Value { value, message, .. } => {
+            granum_io::Error::Value { name: flag.to_string(), value, message }
+        }
+        other => other,
+    }
+}
