@@ -99,6 +99,6 @@ fn density_scaling_says_the_same_physics() {
     };
     for (a, b) in ratio(&number).iter().zip(ratio(&scaled)) {
         // Rounding differs, and grains are chaotic; a wrong scaling would be off by orders.
-        assert!((a - b).abs() < 1e-2, "{a} {b}");
+        assert!((a - b).abs() < 5e-2, "{a} {b}");
     }
 }
