@@ -1,8 +1,12 @@
 //! The subcommands, one file each.
 
+mod hardware;
 mod init;
-#[allow(dead_code, reason = "taken by the commands forces, pair and impact")]
 mod law;
+mod prepare;
+mod resume;
+mod run_report;
+mod shear;
 
 use clap::Subcommand;
 
@@ -13,12 +17,18 @@ use crate::failure::Failure;
 #[derive(Subcommand)]
 pub enum Command {
     Init(init::Init),
+    Prepare(prepare::Prepare),
+    Shear(shear::Shear),
+    Resume(resume::Resume),
 }
 
 impl Command {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         match self {
             Command::Init(command) => command.run(context),
+            Command::Prepare(command) => command.run(context),
+            Command::Shear(command) => command.run(context),
+            Command::Resume(command) => command.run(context),
         }
     }
 }

@@ -1,0 +1,86 @@
+//! `granum forces`: contact forces of a given packing.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use granum_dem::simulation::{Properties, Simulation};
+use granum_hybrid::laboratory::{cell, sites};
+use granum_io::{Column, Packing, Table};
+use serde_json::json;
+
+use super::law::LawFlags;
+use crate::context::Context;
+use crate::failure::Failure;
+use crate::output;
+
+/// Forces on every grain of a packing, with no history and no motion, and its stress tensor.
+///
+/// The table has the columns id, fx, fy, fz (N), tx, ty, tz (N m). The stress tensor (Pa, compression positive) is
+/// printed, or stands in the JSON.
+#[derive(Args)]
+#[command(after_help = "Example:\n  granum forces packing.csv --normal hertz -o forces.csv")]
+pub struct Forces {
+    /// The packing (CSV: a comment line with the box, then id,x,y,z,radius).
+    packing: PathBuf,
+    #[command(flatten)]
+    law: LawFlags,
+    /// Where to write the table (CSV or Parquet by extension); the standard output by default.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+impl Forces {
+    pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        let case = self.law.case()?;
+        let (material, contact) = (case.grains.material, case.contact);
+        let packing = Packing::read(&self.packing)?;
+        let simulation =
+            Simulation::new(cell(&packing), &sites(&packing), Properties { material, contact })?;
+        let assembly = simulation.assembly();
+        let mut columns = vec![Column::new(
+            "id",
+            "1",
+            assembly.grains.iter().map(|g| g.id as f64).collect::<Vec<_>>(),
+        )];
+        for (k, name) in ["fx", "fy", "fz"].into_iter().enumerate() {
+            columns.push(Column::new(name, "N", assembly.grains.iter().map(|g| g.force[k]).collect::<Vec<_>>()));
+        }
+        for (k, name) in ["tx", "ty", "tz"].into_iter().enumerate() {
+            columns.push(Column::new(name, "N m", assembly.grains.iter().map(|g| g.torque[k]).collect::<Vec<_>>()));
+        }
+        let table = Table::new(columns)?;
+        let stress = simulation.state().stress();
+        if let Some(path) = &self.output {
+            granum_io::check_output_file(path, context.force)?;
+            granum_io::write_table(path, &table)?;
+        } else if !context.json {
+            output::put_table(context, None, &table)?;
+        }
+        let result = json!({
+            "output": self.output,
+            "grains": assembly.grains.len(),
+            "contacts": assembly.contacts.len(),
+            "stress": stress,
+            "mean_stress": simulation.state().mean_stress(),
+        });
+        if context.json || self.output.is_some() {
+            return output::say(context, &result, || {
+                let rows: Vec<String> = stress
+                    .iter()
+                    .map(|row| row.iter().map(|x| format!("{x:14.4}")).collect::<Vec<_>>().join(" "))
+                    .collect();
+                format!(
+                    "{} grains, {} contacts, mean stress {:.4} Pa\nstress tensor, Pa (compression positive):\n{}",
+                    assembly.grains.len(),
+                    assembly.contacts.len(),
+                    simulation.state().mean_stress(),
+                    rows.join("\n")
+                )
+            });
+        }
+        for row in stress {
+            eprintln!("# stress, Pa: {:e} {:e} {:e}", row[0], row[1], row[2]);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,87 @@
+//! Flags that say what runs a simulation; results do not depend on them.
+
+use clap::Args;
+use granum_dem::Isa;
+use granum_dem::simulation::Hardware;
+use granum_hybrid::laboratory::{Laboratory, RunObserver, Status};
+
+use crate::context::Context;
+use crate::failure::Failure;
+use crate::progress::Progress;
+
+/// Threads and instruction set.
+#[derive(Args, Clone, Debug)]
+pub struct HardwareFlags {
+    /// Threads that share the work of a step; all processors by default. Results do not depend on it.
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+    /// Instruction set: portable, avx2 or avx512; the widest by default. Results do not depend on it.
+    #[arg(long, value_name = "NAME")]
+    isa: Option<String>,
+}
+
+/// Processors of this machine.
+pub fn processors() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+impl HardwareFlags {
+    pub fn hardware(&self) -> Result<Hardware, Failure> {
+        let threads = match self.threads {
+            Some(0) => return Err(Failure::new("--threads 0: at least one thread is needed")),
+            Some(n) if n > 1024 => {
+                return Err(Failure::new(format!(
+                    "--threads {n}: at most 1024 threads; a machine's cores are best"
+                )));
+            }
+            Some(n) => n,
+            None => processors(),
+        };
+        let isa = match &self.isa {
+            None => Isa::detect(),
+            Some(name) => {
+                let known = Isa::ALL.map(Isa::name).join(", ");
+                let isa = Isa::from_name(name)
+                    .ok_or_else(|| Failure::new(format!("--isa {name}: there is {known}")))?;
+                if !isa.available() {
+                    return Err(Failure::new(format!(
+                        "--isa {name}: this machine does not have it; it has {}",
+                        Isa::detect().name()
+                    )));
+                }
+                isa
+            }
+        };
+        Ok(Hardware { threads, isa })
+    }
+
+    pub fn laboratory(&self) -> Result<Laboratory, Failure> {
+        Ok(Laboratory { hardware: self.hardware()?, version: env!("CARGO_PKG_VERSION").to_string() })
+    }
+}
+
+/// Shows a run's progress and passes on the user's wish to stop.
+pub struct Show<'a> {
+    context: &'a Context,
+    progress: Progress,
+    phase: String,
+}
+
+impl<'a> Show<'a> {
+    pub fn new(context: &'a Context) -> Show<'a> {
+        Show { context, progress: context.progress(), phase: String::new() }
+    }
+}
+
+impl RunObserver for Show<'_> {
+    fn status(&mut self, status: &Status) {
+        if self.phase != status.phase.name() {
+            self.phase = status.phase.name().to_string();
+            self.progress.phase(self.phase.clone());
+        }
+        self.progress.update(status.fraction, || status.line());
+    }
+    fn stop(&self) -> bool {
+        self.context.stopped()
+    }
+}

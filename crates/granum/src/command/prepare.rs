@@ -1,0 +1,41 @@
+//! `granum prepare`: make a sample.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use granum_hybrid::laboratory::Source;
+use granum_io::{Case, RunFolder};
+
+use super::hardware::{HardwareFlags, Show};
+use super::run_report;
+use crate::context::Context;
+use crate::failure::Failure;
+
+/// Make a sample: a gas from a seed, compressed isotropically, relaxed with the final properties.
+#[derive(Args)]
+#[command(
+    after_help = "Example:\n  granum prepare my-sand.toml --out sample\n  granum shear my-sand.toml --sample sample"
+)]
+pub struct Prepare {
+    /// The case file.
+    case: PathBuf,
+    /// Folder to make.
+    #[arg(short, long, default_value = "sample", value_name = "DIR")]
+    out: PathBuf,
+    /// Take the grains of a packing file (CSV: id,x,y,z,radius) instead of a gas.
+    #[arg(long, value_name = "FILE")]
+    packing: Option<PathBuf>,
+    #[command(flatten)]
+    hardware: HardwareFlags,
+}
+
+impl Prepare {
+    pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        let case = Case::read(&self.case)?;
+        let laboratory = self.hardware.laboratory()?;
+        let source = self.packing.clone().map_or(Source::Case, Source::Packing);
+        let folder = RunFolder::create(&self.out, context.force)?;
+        let record = laboratory.prepare(&case, &source, &folder, &mut Show::new(context))?;
+        run_report::tell(context, &self.out, &record)
+    }
+}
