@@ -12,6 +12,8 @@ mod sample;
 mod test;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use granum_dem::preparation::{Phase, PreparationError};
@@ -27,7 +29,7 @@ pub use sample::Source;
 /// Name of the checkpoint in a run folder.
 pub const CHECKPOINT: &str = "checkpoint";
 /// Name of the snapshot of a sample.
-pub const SAMPLE: &str = "sample";
+pub const SAMPLE: &str = "start";
 /// Name of the snapshot at the end of a test.
 pub const END: &str = "end";
 
@@ -112,16 +114,51 @@ impl RunObserver for Nobody {
     fn status(&mut self, _: &Status) {}
 }
 
+/// Processors that several runs share: a run that is alone gets all of them, many get one each.
+#[derive(Debug, Default)]
+pub struct Shared {
+    running: AtomicUsize,
+}
+
+impl Shared {
+    /// Counts a run in until the value returned is dropped.
+    pub fn enter(self: &Arc<Self>) -> Entered {
+        self.running.fetch_add(1, Ordering::Relaxed);
+        Entered(self.clone())
+    }
+}
+
+/// A run that counts.
+pub struct Entered(Arc<Shared>);
+
+impl Drop for Entered {
+    fn drop(&mut self) {
+        self.0.running.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+/// Fewest grains that are worth a thread of their own.
+const GRAINS_PER_THREAD: usize = 1500;
+
 /// Makes samples and tests them.
 #[derive(Clone, Debug)]
 pub struct Laboratory {
     /// What runs the simulations; results do not depend on it.
     pub hardware: Hardware,
+    /// Set where several runs share the processors.
+    pub shared: Option<Arc<Shared>>,
     /// Version to write into records.
     pub version: String,
 }
 
 impl Laboratory {
+    /// What to run a simulation of so many grains on just now.
+    pub(crate) fn hardware_for(&self, grains: usize) -> Hardware {
+        let running = self.shared.as_ref().map_or(1, |s| s.running.load(Ordering::Relaxed).max(1));
+        let threads = (self.hardware.threads / running).min(grains / GRAINS_PER_THREAD).max(1);
+        Hardware { threads, ..self.hardware }
+    }
+
     /// Makes a sample and leaves it in a folder: case, snapshot, checkpoint, record. The record's status tells whether it
     /// was interrupted.
     ///

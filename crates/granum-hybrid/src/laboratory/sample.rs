@@ -76,7 +76,7 @@ impl Laboratory {
             contact: &case.contact,
             preparation: &case.preparation,
             time_step_factor: case.numerics.time_step_factor,
-            hardware: self.hardware,
+            hardware: self.hardware_for(case.grains.count),
         };
         let mut speedometer = Speedometer::new();
         let mut watch = |p: &Progress| {
@@ -110,7 +110,7 @@ impl Laboratory {
         record: &mut RunRecord,
     ) -> Result<Simulation, LaboratoryError> {
         let other = Run::at(path)?.record()?;
-        let (mut simulation, mark) = read_checkpoint(path)?;
+        let (simulation, mark) = read_checkpoint(path)?;
         let bad = |what: &str| LaboratoryError::Checkpoint {
             path: path.join(super::CHECKPOINT),
             what: what.to_string(),
@@ -125,7 +125,6 @@ impl Laboratory {
                 "the sample was prepared for other grains, contact law or preparation than this case asks for; prepare it anew",
             ));
         }
-        simulation.set_hardware(self.hardware);
         record.grains = other.grains;
         record.steps.extend(other.steps);
         record.wall_seconds.extend(other.wall_seconds);

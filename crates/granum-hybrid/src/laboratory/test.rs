@@ -18,7 +18,7 @@ use super::{
 use crate::files::write_record;
 
 /// Wall time between two checkpoints.
-const CHECKPOINT_EVERY: Duration = Duration::from_secs(60);
+const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
 
 /// What a test remembers beside the state of the simulation.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -96,7 +96,6 @@ impl Laboratory {
         observer: &mut dyn RunObserver,
     ) -> Result<(), LaboratoryError> {
         let (mut simulation, text) = read_checkpoint(folder.path())?;
-        simulation.set_hardware(self.hardware);
         if text == super::sample::SAMPLE_MARK {
             // It was killed before the first checkpoint of the test; the sample is there.
             return self.run_test(case, simulation, folder, record, observer);
@@ -117,6 +116,7 @@ impl Laboratory {
         observer: &mut dyn RunObserver,
     ) -> Result<(), LaboratoryError> {
         loop {
+            simulation.set_hardware(self.hardware_for(simulation.state().grains()));
             let started = Instant::now();
             let mut watch = Watch {
                 recorder: &mut memory.recorder,

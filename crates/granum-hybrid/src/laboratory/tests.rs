@@ -19,7 +19,7 @@ fn small() -> Case {
 }
 
 fn laboratory() -> Laboratory {
-    Laboratory { hardware: Hardware::default(), version: "test".into() }
+    Laboratory { hardware: Hardware::default(), shared: None, version: "test".into() }
 }
 
 /// Stops after so many calls.

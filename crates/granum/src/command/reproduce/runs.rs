@@ -1,0 +1,135 @@
+//! The DEM runs of a reproduction, one a core, those that are finished used again.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use granum_dem::preparation::Phase;
+use granum_hybrid::laboratory::{Laboratory, LaboratoryError, RunObserver, Shared, Source, Status};
+use granum_io::{Case, Run, RunFolder, RunRecord, RunStatus};
+
+use crate::context::Context;
+use crate::failure::{Failure, Interrupted};
+use crate::progress::Progress;
+
+/// Seeds and roles of the runs.
+const RUNS: [(&str, u64); 3] = [("training", 1), ("unseen", 2), ("unseen", 3)];
+/// Share of the work that the preparation is of a whole run, for the bar.
+const PREPARATION_SHARE: f64 = 0.15;
+
+/// A finished run.
+pub struct Done {
+    pub role: &'static str,
+    pub seed: u64,
+    pub folder: PathBuf,
+}
+
+/// Where each run stands.
+struct Board<'a> {
+    context: &'a Context,
+    progress: Mutex<(Progress, Vec<f64>)>,
+}
+
+/// One run's eyes.
+struct Eyes<'a> {
+    board: &'a Board<'a>,
+    number: usize,
+}
+
+impl RunObserver for Eyes<'_> {
+    fn status(&mut self, status: &Status) {
+        let mut held = self.board.progress.lock().unwrap_or_else(PoisonError::into_inner);
+        let (progress, done) = &mut *held;
+        done[self.number] = match status.phase {
+            Phase::Shear => PREPARATION_SHARE + (1.0 - PREPARATION_SHARE) * status.fraction.unwrap_or(0.0),
+            _ => done[self.number].max(PREPARATION_SHARE * status.simulation.state().solid_fraction()),
+        };
+        let all = done.iter().sum::<f64>() / done.len() as f64;
+        let name = format!("seed {} {}", RUNS[self.number].1, status.phase.name());
+        progress.update(Some(all), || format!("{name}  {}", status.line()));
+    }
+    fn stop(&self) -> bool {
+        self.board.context.stopped()
+    }
+}
+
+/// Makes all runs that are not there yet.
+pub fn all(
+    context: &Context,
+    laboratory: &Laboratory,
+    case: &Case,
+    folder: &Path,
+) -> Result<Vec<Done>, Failure> {
+    let shared = Arc::new(Shared::default());
+    let laboratory = Laboratory { shared: Some(shared.clone()), ..laboratory.clone() };
+    let jobs: Vec<(Case, PathBuf)> = RUNS
+        .iter()
+        .map(|&(role, seed)| {
+            let mut case = case.clone();
+            case.preparation.seed = seed;
+            (case, folder.join("runs").join(format!("{role}-{seed}")))
+        })
+        .collect();
+    let mut progress = context.progress();
+    progress.phase("DEM");
+    let board = Board { context, progress: Mutex::new((progress, vec![0.0; jobs.len()])) };
+    let next = AtomicUsize::new(0);
+    let results: Mutex<Vec<(usize, Result<RunRecord, Failure>)>> = Mutex::new(Vec::new());
+    let work = || {
+        loop {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            let Some((case, path)) = jobs.get(number) else { return };
+            let _entered = shared.enter();
+            let mut eyes = Eyes { board: &board, number };
+            let result = one(&laboratory, case, path, &mut eyes);
+            board.progress.lock().unwrap_or_else(PoisonError::into_inner).1[number] = 1.0;
+            results.lock().unwrap_or_else(PoisonError::into_inner).push((number, result));
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 1..laboratory.hardware.threads.min(jobs.len()) {
+            scope.spawn(work);
+        }
+        work();
+    });
+    let mut results = results.into_inner().unwrap_or_else(PoisonError::into_inner);
+    results.sort_by_key(|(number, _)| *number);
+    for (_, result) in results {
+        if result?.status == RunStatus::Interrupted {
+            let left = format!("{} holds what was done; the same command goes on from there", folder.display());
+            return Err(Interrupted { left }.into());
+        }
+    }
+    let (mut progress, _) = board.progress.into_inner().unwrap_or_else(PoisonError::into_inner);
+    progress.end(|| format!("{} runs of {} grains", jobs.len(), case.grains.count));
+    Ok(RUNS
+        .iter()
+        .zip(jobs)
+        .map(|(&(role, seed), (_, folder))| Done { role, seed, folder })
+        .collect())
+}
+
+/// One run: used again if finished, gone on with if interrupted in its test, else made anew.
+fn one(
+    laboratory: &Laboratory,
+    case: &Case,
+    path: &Path,
+    eyes: &mut Eyes,
+) -> Result<RunRecord, Failure> {
+    if let Ok(record) = Run::at(path).and_then(|run| run.record()) {
+        if record.answers(case, &laboratory.version) {
+            return Ok(record);
+        }
+        let same = record.case_digest == case.digest() && record.granum_version == laboratory.version;
+        if same && record.steps.contains_key("shear") {
+            let folder = RunFolder::open(path)?;
+            match laboratory.resume(&folder, eyes) {
+                // A damaged checkpoint costs time, not the study: the run is made anew.
+                Err(LaboratoryError::Checkpoint { .. }) => {}
+                other => return Ok(other?),
+            }
+        }
+    }
+    let folder = RunFolder::create(path, true)?;
+    Ok(laboratory.shear(case, &Source::Case, &folder, eyes)?)
+}

@@ -1,0 +1,139 @@
+//! The networks of a reproduction: trained, judged, written down.
+
+use std::sync::{Mutex, PoisonError};
+
+use granum::report::{Role, RunReport, StudyReport, study_report};
+use granum_hybrid::figures::figures;
+use granum_hybrid::files::{save_study, write_json};
+use granum_hybrid::summary::{DemSummary, MappingSummary, RunSummary};
+use granum_hybrid::{
+    Dataset, DatasetOptions, NamedRecord, SizeStudy, SizeStudyOptions, Study, StudyObserver, StudyOptions,
+    StudyProgress, Summary, reading, speed,
+};
+use granum_io::{OutputFolder, Run};
+
+use super::Reproduce;
+use super::runs::Done;
+use crate::context::Context;
+use crate::failure::Failure;
+use crate::progress::Progress;
+
+/// Times the networks' answer so often.
+const REPETITIONS: usize = 50;
+
+/// Shows training, and passes on the wish to stop.
+struct Show<'a> {
+    context: &'a Context,
+    progress: Mutex<Progress>,
+}
+
+impl<'a> Show<'a> {
+    fn new(context: &'a Context, phase: &str) -> Self {
+        let mut progress = context.progress();
+        progress.phase(phase);
+        Show { context, progress: Mutex::new(progress) }
+    }
+}
+
+impl StudyObserver for Show<'_> {
+    fn progress(&self, p: &StudyProgress) {
+        let mut progress = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
+        progress.update(None, || format!("{} epoch {} error {:.2e}", p.network, p.epoch, p.error));
+    }
+    fn stop(&self) -> bool {
+        self.context.stopped()
+    }
+}
+
+/// Trains, judges, writes models, figures, report and summary.
+pub fn all(
+    context: &Context,
+    folder: &OutputFolder,
+    runs: &[Done],
+    arguments: &Reproduce,
+) -> Result<Summary, Failure> {
+    let reports: Vec<RunReport> = runs
+        .iter()
+        .map(|run| {
+            let role = if run.role == "training" { Role::Training } else { Role::Unseen };
+            Ok(RunReport::read(&Run::at(&run.folder)?, role)?)
+        })
+        .collect::<Result<_, Failure>>()?;
+    let named: Vec<NamedRecord> = reports
+        .iter()
+        .zip(runs)
+        .map(|(report, run)| NamedRecord { name: &report.name, seed: run.seed, record: &report.record })
+        .collect();
+    let count = runs.iter().filter(|run| run.role == "training").count();
+    let dataset = Dataset::new(&named[..count], &named[count..], &DatasetOptions::default())?;
+    let threads = arguments.hardware.hardware()?.threads;
+    let options = StudyOptions { trainer: arguments.trainer.clone(), threads, ..StudyOptions::default() };
+
+    let show = Show::new(context, "networks");
+    let study = Study::train(&dataset, &options, &show)?;
+    let networks: usize = study.mappings.iter().map(|m| m.surrogate.networks().len()).sum();
+    let mut progress = show.progress.into_inner().unwrap_or_else(PoisonError::into_inner);
+    progress.end(|| format!("{networks} networks and as many that see strain only"));
+    drop(progress);
+    save_study(&folder.subfolder("models")?, &study)?;
+
+    let show = Show::new(context, "sizes");
+    // Sizes are compared with the default trainer: the paper's would take an hour and end in the same place.
+    let sizes = SizeStudyOptions {
+        study: StudyOptions { threads, ..StudyOptions::default() },
+        neurons: if arguments.quick { vec![1, 2, 4, 8, 20] } else { SizeStudyOptions::default().neurons },
+        seeds: if arguments.quick { 3 } else { SizeStudyOptions::default().seeds },
+        ..SizeStudyOptions::default()
+    };
+    let size_study = SizeStudy::run(&dataset, &sizes, &show)?;
+    let mut progress = show.progress.into_inner().unwrap_or_else(PoisonError::into_inner);
+    progress.end(|| format!("F1 and F3 at {} sizes from {} seeds", sizes.neurons.len(), sizes.seeds));
+    drop(progress);
+
+    let judged = dataset.unseen_runs.first().or(dataset.training_runs.first());
+    let dem_seconds = reports.get(count).and_then(|r| r.run.wall_seconds.get("shear")).copied().unwrap_or(0.0);
+    let speed = match judged {
+        Some(run) => speed::measure(&study, run, dem_seconds, REPETITIONS)?,
+        None => Default::default(),
+    };
+    let evaluations = study.evaluate(&dataset)?;
+    let summary = Summary {
+        dem: dem_summary(&reports, runs),
+        mappings: evaluations.iter().map(|e| (e.mapping.name.clone(), MappingSummary::new(e))).collect(),
+        reading: reading::read(&evaluations, Some(&size_study), Some(&speed)),
+        speed,
+        size_study: Some(size_study),
+    };
+    let report = StudyReport {
+        summary,
+        figures: figures(&study, &dataset)?,
+        runs: reports,
+        command: arguments.command(),
+        dataset_hash: dataset.hash()?,
+        network_seed: options.seed,
+    };
+    study_report(&report).write(folder.path())?;
+    write_json(&folder.file("summary.json"), &report.summary)?;
+    Ok(report.summary)
+}
+
+fn dem_summary(reports: &[RunReport], runs: &[Done]) -> DemSummary {
+    let sample = reports.first().map(|r| &r.run);
+    let measure = |name: &str| sample.and_then(|s| s.measures.get(name)).copied().unwrap_or(f64::NAN);
+    DemSummary {
+        grains: sample.map_or(0, |s| s.grains),
+        solid_fraction: measure("solid_fraction"),
+        coordination_number: measure("coordination_number"),
+        mechanical_coordination_number: measure("mechanical_coordination_number"),
+        runs: reports
+            .iter()
+            .zip(runs)
+            .map(|(report, run)| RunSummary {
+                role: run.role.to_string(),
+                seed: run.seed,
+                wall_seconds: report.wall_seconds(),
+                grain_steps: report.run.grain_steps() as f64,
+            })
+            .collect(),
+    }
+}
