@@ -24,7 +24,7 @@ use thiserror::Error;
 
 use crate::error::HybridError;
 
-pub use sample::Source;
+pub use sample::{Source, cell, sites};
 
 /// Name of the checkpoint in a run folder.
 pub const CHECKPOINT: &str = "checkpoint";

@@ -34,19 +34,23 @@ impl Forces {
         let case = self.law.case()?;
         let (material, contact) = (case.grains.material, case.contact);
         let packing = Packing::read(&self.packing)?;
-        let simulation =
-            Simulation::new(cell(&packing), &sites(&packing), Properties { material, contact })?;
+        let simulation = Simulation::new(cell(&packing), &sites(&packing), Properties { material, contact })?;
         let assembly = simulation.assembly();
-        let mut columns = vec![Column::new(
-            "id",
-            "1",
-            assembly.grains.iter().map(|g| g.id as f64).collect::<Vec<_>>(),
-        )];
+        let mut columns =
+            vec![Column::new("id", "1", assembly.grains.iter().map(|g| g.id as f64).collect::<Vec<_>>())];
         for (k, name) in ["fx", "fy", "fz"].into_iter().enumerate() {
-            columns.push(Column::new(name, "N", assembly.grains.iter().map(|g| g.force[k]).collect::<Vec<_>>()));
+            columns.push(Column::new(
+                name,
+                "N",
+                assembly.grains.iter().map(|g| g.force[k]).collect::<Vec<_>>(),
+            ));
         }
         for (k, name) in ["tx", "ty", "tz"].into_iter().enumerate() {
-            columns.push(Column::new(name, "N m", assembly.grains.iter().map(|g| g.torque[k]).collect::<Vec<_>>()));
+            columns.push(Column::new(
+                name,
+                "N m",
+                assembly.grains.iter().map(|g| g.torque[k]).collect::<Vec<_>>(),
+            ));
         }
         let table = Table::new(columns)?;
         let stress = simulation.state().stress();

@@ -56,7 +56,11 @@ impl HardwareFlags {
     }
 
     pub fn laboratory(&self) -> Result<Laboratory, Failure> {
-        Ok(Laboratory { hardware: self.hardware()?, shared: None, version: env!("CARGO_PKG_VERSION").to_string() })
+        Ok(Laboratory {
+            hardware: self.hardware()?,
+            shared: None,
+            version: env!("CARGO_PKG_VERSION").to_string(),
+        })
     }
 }
 

@@ -1,9 +1,11 @@
 //! The subcommands, one file each.
 
+mod forces;
 mod hardware;
 mod init;
 mod law;
 mod prepare;
+mod reproduce;
 mod resume;
 mod run_report;
 mod shear;
@@ -20,6 +22,8 @@ pub enum Command {
     Prepare(prepare::Prepare),
     Shear(shear::Shear),
     Resume(resume::Resume),
+    Forces(forces::Forces),
+    Reproduce(reproduce::Reproduce),
 }
 
 impl Command {
@@ -29,6 +33,8 @@ impl Command {
             Command::Prepare(command) => command.run(context),
             Command::Shear(command) => command.run(context),
             Command::Resume(command) => command.run(context),
+            Command::Forces(command) => command.run(context),
+            Command::Reproduce(command) => command.run(context),
         }
     }
 }

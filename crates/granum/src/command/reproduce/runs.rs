@@ -96,26 +96,18 @@ pub fn all(
     results.sort_by_key(|(number, _)| *number);
     for (_, result) in results {
         if result?.status == RunStatus::Interrupted {
-            let left = format!("{} holds what was done; the same command goes on from there", folder.display());
+            let left =
+                format!("{} holds what was done; the same command goes on from there", folder.display());
             return Err(Interrupted { left }.into());
         }
     }
     let (mut progress, _) = board.progress.into_inner().unwrap_or_else(PoisonError::into_inner);
     progress.end(|| format!("{} runs of {} grains", jobs.len(), case.grains.count));
-    Ok(RUNS
-        .iter()
-        .zip(jobs)
-        .map(|(&(role, seed), (_, folder))| Done { role, seed, folder })
-        .collect())
+    Ok(RUNS.iter().zip(jobs).map(|(&(role, seed), (_, folder))| Done { role, seed, folder }).collect())
 }
 
 /// One run: used again if finished, gone on with if interrupted in its test, else made anew.
-fn one(
-    laboratory: &Laboratory,
-    case: &Case,
-    path: &Path,
-    eyes: &mut Eyes,
-) -> Result<RunRecord, Failure> {
+fn one(laboratory: &Laboratory, case: &Case, path: &Path, eyes: &mut Eyes) -> Result<RunRecord, Failure> {
     if let Ok(record) = Run::at(path).and_then(|run| run.record()) {
         if record.answers(case, &laboratory.version) {
             return Ok(record);

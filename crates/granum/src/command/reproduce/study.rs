@@ -91,7 +91,8 @@ pub fn all(
     drop(progress);
 
     let judged = dataset.unseen_runs.first().or(dataset.training_runs.first());
-    let dem_seconds = reports.get(count).and_then(|r| r.run.wall_seconds.get("shear")).copied().unwrap_or(0.0);
+    let dem_seconds =
+        reports.get(count).and_then(|r| r.run.wall_seconds.get("shear")).copied().unwrap_or(0.0);
     let speed = match judged {
         Some(run) => speed::measure(&study, run, dem_seconds, REPETITIONS)?,
         None => Default::default(),
