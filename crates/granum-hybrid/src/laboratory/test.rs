@@ -95,7 +95,7 @@ impl Laboratory {
         record: &mut RunRecord,
         observer: &mut dyn RunObserver,
     ) -> Result<(), LaboratoryError> {
-        let (mut simulation, text) = read_checkpoint(folder.path())?;
+        let (simulation, text) = read_checkpoint(folder.path())?;
         if text == super::sample::SAMPLE_MARK {
             // It was killed before the first checkpoint of the test; the sample is there.
             return self.run_test(case, simulation, folder, record, observer);

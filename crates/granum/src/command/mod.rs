@@ -5,7 +5,6 @@ mod hardware;
 mod init;
 mod law;
 mod prepare;
-mod reproduce;
 mod resume;
 mod run_report;
 mod shear;
@@ -23,7 +22,6 @@ pub enum Command {
     Shear(shear::Shear),
     Resume(resume::Resume),
     Forces(forces::Forces),
-    Reproduce(reproduce::Reproduce),
 }
 
 impl Command {
@@ -34,7 +32,6 @@ impl Command {
             Command::Shear(command) => command.run(context),
             Command::Resume(command) => command.run(context),
             Command::Forces(command) => command.run(context),
-            Command::Reproduce(command) => command.run(context),
         }
     }
 }
