@@ -1,19 +1,25 @@
 //! Reports of runs and studies: one HTML file that needs nothing beside it, and its figures as SVG files.
 //!
-//! [`run_report`] draws one run. What a record does not hold is left out; nothing is made up.
+//! [`run_report`] draws one run, [`study_report`] the whole paper. What a record does not hold is left out; nothing is made up.
 
 pub mod data;
 mod energy;
 pub mod figure;
 mod forces;
+mod headline;
 mod material;
+mod networks;
 mod numbers;
 mod page;
 pub mod quality;
 mod run;
 mod sample;
+mod study;
+mod symbols;
+mod tables;
 mod trust;
 
 pub use data::{Role, RunReport};
 pub use page::Document;
 pub use run::report as run_report;
+pub use study::{StudyReport, report as study_report};

@@ -129,7 +129,7 @@ impl Page {
     }
 }
 
-/// A table: a caption, columns and rows of marked-up text. Cells of columns named in `numeric` are aligned right.
+/// A table: a caption, columns and rows of marked-up text.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
     /// Label, as `Table 1`.

@@ -199,7 +199,8 @@ impl Layer {
 /// Draws marks whose path is given.
 pub fn mark(svg: &mut Svg, data: &str, shape: Shape, color: &str, filled: bool) {
     if shape.is_open() {
-        svg.path_of(data, None, Some(&Stroke::new(color, 1.3)));
+        let width = if shape == Shape::Bar { 2.0 } else { 1.3 };
+        svg.path_of(data, None, Some(&Stroke::new(color, width)));
     } else if filled {
         svg.path_of(data, Some((color, 1.0)), Some(&Stroke::new("#ffffff", 0.6)));
     } else {

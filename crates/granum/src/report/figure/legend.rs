@@ -100,6 +100,8 @@ pub fn covered(lines: &[Vec<Point>]) -> Vec<Point> {
 
 /// Draws entries below each other.
 pub fn draw_column(svg: &mut Svg, corner: Point, entries: &[Entry]) {
+    // Nothing but an upright reference line may lie below.
+    svg.rectangle(corner, size(entries), Some(("#ffffff", 1.0)), None);
     for (k, entry) in entries.iter().enumerate() {
         draw_entry(svg, [corner[0] + PAD, corner[1] + PAD + ROW * k as f64], entry);
     }

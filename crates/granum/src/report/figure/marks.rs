@@ -20,6 +20,8 @@ pub enum Shape {
     Plus,
     /// A cross.
     Cross,
+    /// An upright bar.
+    Bar,
 }
 
 /// Shapes in the order in which a figure uses them.
@@ -28,7 +30,7 @@ pub const SHAPES: [Shape; 5] = [Shape::Circle, Shape::Square, Shape::Triangle, S
 impl Shape {
     /// True for shapes without an inside.
     pub fn is_open(self) -> bool {
-        matches!(self, Shape::Plus | Shape::Cross)
+        matches!(self, Shape::Plus | Shape::Cross | Shape::Bar)
     }
 
     /// Path data of a mark about `radius` large; all shapes cover about the same area.
@@ -54,6 +56,10 @@ impl Shape {
             Shape::Triangle => polygon(1.3, &[[0.0, -1.0], [0.9, 0.56], [-0.9, 0.56]]),
             Shape::Down => polygon(1.3, &[[0.0, 1.0], [0.9, -0.56], [-0.9, -0.56]]),
             Shape::Diamond => polygon(1.25, &[[0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]]),
+            Shape::Bar => {
+                let [x, top, bottom] = [centre[0], centre[1] - r, centre[1] + r].map(number);
+                format!("M{x} {top}L{x} {bottom}")
+            }
             Shape::Plus | Shape::Cross => {
                 let arm =
                     if self == Shape::Plus { [[1.0, 0.0], [0.0, 1.0]] } else { [[0.8, 0.8], [0.8, -0.8]] };
@@ -75,7 +81,7 @@ mod tests {
 
     #[test]
     fn every_shape_has_a_path() {
-        for shape in SHAPES.into_iter().chain([Shape::Plus, Shape::Cross]) {
+        for shape in SHAPES.into_iter().chain([Shape::Plus, Shape::Cross, Shape::Bar]) {
             let path = shape.path([10.0, 10.0], 3.0);
             assert!(path.starts_with('M') && !path.contains("NaN"), "{path}");
             assert_eq!(path.ends_with('Z'), !shape.is_open());

@@ -223,26 +223,33 @@ impl Figure {
         self.rows() as f64 * (self.row_height + GUTTER) - GUTTER
     }
 
-    /// The frames of the panels. Panels in a column share their left edge, those in a row their lower edge.
+    /// The frames of the panels. Panels in a column share their left edge, those in a row their lower edge, and all
+    /// are equally wide.
     fn frames(&self) -> Vec<Rect> {
         let insets: Vec<Insets> = self.panels.iter().map(|panel| panel.insets(self.row_height)).collect();
-        let cell = (self.width + GUTTER) / self.columns as f64 - GUTTER;
+        let largest = |start: usize, step: usize, count: usize, part: fn(&Insets) -> f64| {
+            insets.iter().skip(start).step_by(step).take(count).map(part).fold(0.0, f64::max)
+        };
+        let sides: Vec<[f64; 2]> = (0..self.columns)
+            .map(|c| {
+                [|i: &Insets| i.left, |i: &Insets| i.right]
+                    .map(|part| largest(c, self.columns, usize::MAX, part))
+            })
+            .collect();
+        let taken: f64 = sides.iter().flatten().sum::<f64>() + GUTTER * (self.columns - 1) as f64;
+        let width = ((self.width - taken) / self.columns as f64).max(10.0);
         (0..self.panels.len())
             .map(|k| {
                 let (row, column) = (k / self.columns, k % self.columns);
-                let in_column = || insets.iter().skip(column).step_by(self.columns);
-                let in_row = || insets.iter().skip(row * self.columns).take(self.columns);
+                let in_row = |part| largest(row * self.columns, 1, self.columns, part);
                 let mut of_row = self.panels.iter().skip(row * self.columns).take(self.columns);
                 let titled = self.panels.len() > 1 || of_row.any(|panel| !panel.title.is_empty());
                 let title = if titled { 20.0 } else { 0.0 };
-                let x = column as f64 * (cell + GUTTER);
+                let before: f64 = sides[..column].iter().flatten().sum();
+                let left = before + column as f64 * (width + GUTTER) + sides[column][0];
                 let y = row as f64 * (self.row_height + GUTTER);
-                Rect::new(
-                    x + in_column().map(|i| i.left).fold(0.0, f64::max),
-                    y + title + in_row().map(|i| i.top).fold(0.0, f64::max),
-                    x + cell - in_column().map(|i| i.right).fold(0.0, f64::max),
-                    y + self.row_height - in_row().map(|i| i.bottom).fold(0.0, f64::max),
-                )
+                let bottom = y + self.row_height - in_row(|i| i.bottom);
+                Rect::new(left, y + title + in_row(|i| i.top), left + width, bottom)
             })
             .collect()
     }

@@ -156,7 +156,7 @@ impl Plot {
         [x.laid(frame.left, frame.right), y.laid(frame.bottom, frame.top)]
     }
 
-    /// A place in the frame where the legend hides nothing, if there is one.
+    /// A place in the frame where the legend hides nothing but upright reference lines, if there is one.
     pub fn legend_place(&self, frame: &Rect, entries: &[legend::Entry]) -> Option<Point> {
         let [x, y] = self.laid(frame);
         let mut lines: Vec<Vec<Point>> = self.layers.iter().flat_map(|layer| layer.runs(&x, &y)).collect();
@@ -164,9 +164,6 @@ impl Plot {
             match &layer.kind {
                 Kind::Horizontal { at, .. } => {
                     lines.extend(y.at(*at).map(|at| vec![[frame.left, at], [frame.right, at]]));
-                }
-                Kind::Vertical { at, .. } => {
-                    lines.extend(x.at(*at).map(|at| vec![[at, frame.top], [at, frame.bottom]]));
                 }
                 Kind::Band { points, .. } => {
                     // The inside of a band, too.

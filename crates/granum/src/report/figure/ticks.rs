@@ -61,8 +61,8 @@ pub fn linear(low: f64, high: f64, target: f64) -> Vec<Tick> {
         .collect()
 }
 
-/// Major ticks at powers of ten and minor ticks between them, from `low` to `high` (both positive). Over less than
-/// a decade and a half 2 and 5 are labelled too; over many decades only some are.
+/// Major ticks at powers of ten and minor ticks between them, from `low` to `high` (both positive). Over about two
+/// decades 2 and 5 are labelled too; over many decades only some are.
 pub fn logarithmic(low: f64, high: f64, target: f64) -> Vec<Tick> {
     if !(low > 0.0 && high > low && high.is_finite()) {
         return Vec::new();
@@ -78,8 +78,12 @@ pub fn logarithmic(low: f64, high: f64, target: f64) -> Vec<Tick> {
                 continue;
             }
             let label = if digit == 1 && exponent.rem_euclid(stride) == 0 {
-                Some(power_of_ten(exponent))
-            } else if decades < 1.5 && (digit == 2 || digit == 5) {
+                Some(if decades < 2.5 && (-3..4).contains(&exponent) {
+                    fixed(value, (-exponent).max(0) as usize)
+                } else {
+                    power_of_ten(exponent)
+                })
+            } else if decades < 2.2 && (digit == 2 || digit == 5) {
                 Some(small_power(digit, exponent))
             } else {
                 None
@@ -136,7 +140,7 @@ mod tests {
     #[test]
     fn logarithmic_ticks_are_powers() {
         assert_eq!(labels(&logarithmic(1e-3, 1.0, 5.0)), ["10^{−3}", "10^{−2}", "10^{−1}", "1"]);
-        assert_eq!(labels(&logarithmic(0.1, 1.0, 5.0)), ["10^{−1}", "0.2", "0.5", "1"]);
+        assert_eq!(labels(&logarithmic(0.1, 1.0, 5.0)), ["0.1", "0.2", "0.5", "1"]);
         assert!(labels(&logarithmic(1e-30, 1e30, 6.0)).len() < 9);
     }
 
