@@ -56,25 +56,22 @@ pub fn column<'a>(record: &'a Record, name: &str) -> &'a [f64] {
 }
 
 impl RunReport {
-    /// Reads the folder of a run. The pictures are of the snapshots named `start` and `end`, or else of the first and
-    /// the last.
+    /// Reads the folder of a run, its pictures from the snapshots of the sample and of the end, where they are there.
     ///
     /// # Errors
     /// If the case, the record or a snapshot is missing or damaged; the message names the file.
     pub fn read(run: &Run, role: Role) -> Result<Self, HybridError> {
         let names = run.snapshots()?;
-        let pick = |name: &str, other: Option<&String>| {
-            names.iter().find(|found| *found == name).or(other).map(|name| run.snapshot(name)).transpose()
-        };
-        let several = names.len() > 1;
+        let snapshot =
+            |name: &str| names.iter().find(|found| *found == name).map(|name| run.snapshot(name)).transpose();
         Ok(RunReport {
             name: run.path().file_name().map_or("run".to_owned(), |name| name.to_string_lossy().into_owned()),
             role,
             case: run.case()?,
             run: run.record()?,
             record: granum_hybrid::files::read_record(run)?,
-            start: pick("start", names.first().filter(|_| several))?,
-            end: pick("end", names.last())?,
+            start: snapshot(granum_hybrid::laboratory::SAMPLE)?,
+            end: snapshot(granum_hybrid::laboratory::END)?,
         })
     }
 

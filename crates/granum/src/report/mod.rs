@@ -11,7 +11,6 @@ mod material;
 mod networks;
 mod numbers;
 mod page;
-pub mod quality;
 mod run;
 mod sample;
 mod study;

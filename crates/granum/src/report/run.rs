@@ -76,7 +76,7 @@ fn headline(run: &RunReport) -> Vec<[String; 3]> {
         .first("coordination_number")
         .map_or(String::new(), |z| format!("*Z* = {} over all grains", significant(z, 3)));
     tile(run.first("mechanical_coordination_number"), 3, "mechanical coordination number before shear", z);
-    let flags = trust::flags(run);
+    let flags = &run.run.quality;
     let held = flags.iter().filter(|flag| flag.passed).count();
     if !flags.is_empty() {
         out.push([

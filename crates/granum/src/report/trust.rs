@@ -10,7 +10,6 @@ use super::figure::{Axis, Figure, Layer, Panel, Plot};
 use super::material::strain_axis;
 use super::numbers::{listed, percent, significant};
 use super::page::{Page, Table, rich};
-use super::quality;
 
 /// Servo, rate and balance.
 fn figure(run: &RunReport) -> (Figure, String) {
@@ -18,9 +17,12 @@ fn figure(run: &RunReport) -> (Figure, String) {
     let percentage = |column: &str| -> Vec<[f64; 2]> {
         run.against_strain(column).into_iter().map(|[x, y]| [x, 100.0 * y]).collect()
     };
+    let limits = ["servo_error_rms", "servo_error_largest"].into_iter().filter_map(|name| {
+        let limit = run.run.quality.iter().find(|flag| flag.name == name)?.limit;
+        Some(Layer::horizontal(100.0 * limit, GREY).named("limits, rms and worst"))
+    });
     let servo = Plot::new(axis(), Axis::new("Error of the mean stress (%)").including(0.0))
-        .with(Layer::horizontal(100.0 * quality::SERVO_RMS, GREY).named("limits, rms and worst"))
-        .with(Layer::horizontal(100.0 * quality::SERVO_WORST, GREY).named("limits, rms and worst"))
+        .with_all(limits)
         .with(Layer::line(percentage("servo_error_largest"), color(1)).named("worst"))
         .with(Layer::line(percentage("servo_error_rms"), color(0)).named("rms"));
     let rate = Plot::new(axis(), Axis::new("Dimensionless number").logarithmic())
@@ -33,13 +35,16 @@ fn figure(run: &RunReport) -> (Figure, String) {
 }
 
 /// Names of judgements for people, and whether they are shares.
-const NAMES: [(&str, &str, bool); 6] = [
+const NAMES: [(&str, &str, bool); 9] = [
     ("servo_error_rms", "Error of the mean stress, rms", true),
     ("servo_error_largest", "Error of the mean stress, worst", true),
-    ("inertial_number", "Inertial number, largest", false),
-    ("unbalanced_force_mean", "Unbalanced force, mean over the test", false),
+    ("inertial_number", "Inertial number", false),
+    ("unbalanced_force", "Unbalanced force over the mean contact force", false),
     ("largest_overlap", "Largest overlap over the sum of the radii", true),
-    ("energy_closure", "Energy ledger, error over boundary work", true),
+    ("energy_gap", "Energy ledger, gap over boundary work", true),
+    ("momentum_drift", "Net momentum over the sum of momenta", false),
+    ("time_step_fraction", "Time step over √(*m*/*k*) of the stiffest contact", false),
+    ("mean_stress_lost", "Mean stress lost at the end", true),
 ];
 
 fn name(flag: &QualityFlag) -> String {
@@ -52,17 +57,12 @@ fn number(flag: &QualityFlag, value: f64) -> String {
     if is_share { percent(value) } else { significant(value, 2) }
 }
 
-/// What a run says of itself, or, where it says nothing, what its record says.
-pub fn flags(run: &RunReport) -> Vec<QualityFlag> {
-    if run.run.quality.is_empty() { quality::flags(&run.record) } else { run.run.quality.clone() }
-}
-
 /// A list of flags.
 fn list(flags: &[QualityFlag]) -> Markup {
     html! {
         ul class="flags" { @for flag in flags {
             li class=(if flag.passed { "held" } else { "broken" }) {
-                (name(flag)) ": " b { (rich(&number(flag, flag.value))) }
+                (rich(&name(flag))) ": " b { (rich(&number(flag, flag.value))) }
                 " (at most " (rich(&number(flag, flag.limit))) ")"
                 @if !flag.passed { " What to do: " span class="advice" { (flag.advice) "." } }
             }
@@ -75,11 +75,11 @@ fn table(label: &str, runs: &[RunReport]) -> Table {
     let mut heads = vec!["Check".to_owned(), "Limit".to_owned()];
     heads.extend(runs.iter().map(|run| run.name.clone()));
     let mut table = Table { columns: heads, ..Table::new(label, "Checks on each run.", &[]) };
-    let all: Vec<Vec<QualityFlag>> = runs.iter().map(flags).collect();
-    for flag in all.first().into_iter().flatten() {
+    let mut seen = std::collections::BTreeSet::new();
+    for flag in runs.iter().flat_map(|run| &run.run.quality).filter(|flag| seen.insert(flag.name.clone())) {
         let mut cells = vec![name(flag), number(flag, flag.limit)];
-        for flags in &all {
-            cells.push(match flags.iter().find(|other| other.name == flag.name) {
+        for run in runs {
+            cells.push(match run.run.quality.iter().find(|other| other.name == flag.name) {
                 Some(other) if other.passed => number(other, other.value),
                 Some(other) => format!("{} !", number(other, other.value)),
                 None => "–".to_owned(),
@@ -109,16 +109,17 @@ fn energy_sentence(run: &RunReport) -> Option<String> {
 /// The section, with figures of the first run.
 pub fn section(page: &mut Page, runs: &[RunReport]) -> Markup {
     let Some(run) = runs.first() else { return html! {} };
-    let broken: Vec<&str> =
-        runs.iter().filter(|r| flags(r).iter().any(|f| !f.passed)).map(|r| r.name.as_str()).collect();
+    let broken: Vec<&str> = runs.iter().filter(|r| !r.run.is_good()).map(|r| r.name.as_str()).collect();
+    let unjudged = runs.iter().any(|r| r.run.quality.is_empty());
     let verdict = match (runs.len(), broken.len()) {
+        (_, 0) if unjudged => "A run judges itself when it ends; this one has not.".to_owned(),
         (1, 0) => "The run keeps every limit.".to_owned(),
         (_, 0) => "All runs keep every limit.".to_owned(),
         (1, _) => "The run breaks a limit: read its results with care.".to_owned(),
         _ => format!("Limits are broken by {}: read them with care.", broken.join(", ")),
     };
     let judged = if runs.len() == 1 {
-        list(&flags(run))
+        list(&run.run.quality)
     } else {
         let label = page.own_table_label();
         table(&label, runs).html()

@@ -5,7 +5,7 @@ use std::path::Path;
 use granum::report::{Role, RunReport};
 use granum_dem::assembly::{Assembly, Contact, Grain};
 use granum_io::packing::Packing;
-use granum_io::run::{Machine, RunRecord, RunStatus};
+use granum_io::run::{Machine, QualityFlag, RunRecord, RunStatus};
 use granum_sensors::force_distribution::ForceHistogram;
 use granum_sensors::{NamedColumn, Record, Series};
 
@@ -194,6 +194,12 @@ pub fn run(role: Role, seed: u64) -> RunReport {
             steps: [("shear".to_owned(), 420_000)].into(),
             wall_seconds: [("shear".to_owned(), 211.0)].into(),
             machine: Machine::here("AVX2", 2),
+            quality: vec![
+                QualityFlag::at_most("servo_error_rms", 0.0026, 0.01, "shear more slowly"),
+                QualityFlag::at_most("servo_error_largest", 0.0097, 0.03, "shear more slowly"),
+                QualityFlag::at_most("inertial_number", 3.7e-4, 1e-3, "shear more slowly"),
+                QualityFlag::at_most("energy_gap", 0.022, 1e-3, "shorten the time step"),
+            ],
             ..Default::default()
         },
         ..Default::default()
