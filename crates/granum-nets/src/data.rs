@@ -31,6 +31,9 @@ pub enum DataError {
         /// The value.
         value: f64,
     },
+    /// The number of independent observations makes no sense.
+    #[error("{0} independent observations: a positive number is possible")]
+    Observations(f64),
 }
 
 /// Rows of inputs with their targets, each table flat and row by row.
@@ -42,6 +45,7 @@ pub struct Data {
     pub(crate) inputs: Vec<f64>,
     pub(crate) targets: Vec<f64>,
     pub(crate) weights: Option<Vec<f64>>,
+    pub(crate) observations: f64,
     pub(crate) validation: Option<Box<Data>>,
 }
 
@@ -88,7 +92,9 @@ impl Data {
         }
         all_finite("input", &inputs, input_columns)?;
         all_finite("target", &targets, target_columns)?;
-        Ok(Data { rows, input_columns, target_columns, inputs, targets, weights: None, validation: None })
+        let observations = rows as f64;
+        let (weights, validation) = (None, None);
+        Ok(Data { rows, input_columns, target_columns, inputs, targets, weights, observations, validation })
     }
 
     /// The same rows with a weight each: the squared error of a row counts that many times. They are scaled to a mean
@@ -113,6 +119,24 @@ impl Data {
             return Err(DataError::Weight { row: 0, value: 0.0 });
         }
         self.weights = Some(weights.into_iter().map(|w| w / mean).collect());
+        self.observations = self.rows as f64;
+        Ok(self)
+    }
+
+    /// The same rows, said to be worth no more than so many independent observations: rows that share their noise, as
+    /// those of one state of a test do, would else pass for as many witnesses, and Bayesian regularisation would take the
+    /// noise for structure. Weights are scaled so that they sum to it; the mean squared error does not change.
+    ///
+    /// # Errors
+    /// If it is not a positive number.
+    pub fn with_observations(mut self, observations: f64) -> Result<Data, DataError> {
+        if !(observations > 0.0 && observations.is_finite()) {
+            return Err(DataError::Observations(observations));
+        }
+        let factor = observations / self.observations;
+        let weights = self.weights.unwrap_or_else(|| vec![1.0; self.rows]);
+        self.weights = Some(weights.into_iter().map(|w| w * factor).collect());
+        self.observations = observations;
         Ok(self)
     }
 
@@ -157,7 +181,12 @@ impl Data {
         &self.targets
     }
 
-    /// Weight of each row, mean one, if they were given.
+    /// How many independent observations the rows are worth: their number, unless it was given.
+    pub fn observations(&self) -> f64 {
+        self.observations
+    }
+
+    /// Weight of each row, if they were given: they sum to [`Data::observations`].
     pub fn weights(&self) -> Option<&[f64]> {
         self.weights.as_deref()
     }
@@ -213,7 +242,14 @@ mod tests {
         assert!(data.clone().with_weights(vec![1.0, -1.0]).is_err());
         assert!(data.clone().with_weights(vec![0.0, 0.0]).is_err());
         assert!(data.clone().with_validation(Data::new(vec![1.0], 1, vec![0.0]).unwrap()).is_err());
-        assert_eq!(data.with_weights(vec![1.0, 3.0]).unwrap().weights(), Some(&[0.5, 1.5][..]));
+        let weighted = data.clone().with_weights(vec![1.0, 3.0]).unwrap();
+        assert_eq!(weighted.weights(), Some(&[0.5, 1.5][..]));
+        assert!(
+            data.clone().with_observations(0.0).is_err() && data.clone().with_observations(f64::NAN).is_err()
+        );
+        assert_eq!(data.observations(), 2.0);
+        let fewer = weighted.with_observations(1.0).unwrap();
+        assert_eq!((fewer.weights(), fewer.observations()), (Some(&[0.25, 0.75][..]), 1.0));
     }
 
     #[test]

@@ -52,7 +52,7 @@ impl TrainingRows {
         let rows = self.inputs.len() / network.inputs();
         let data = Data::new(self.inputs.clone(), network.inputs(), vec![0.0; rows])?;
         match &self.weights {
-            Some(weights) => data.with_weights(weights.clone()),
+            Some(weights) => data.with_weights(weights.clone())?.with_observations(weights.iter().sum()),
             None => Ok(data),
         }
     }

@@ -140,7 +140,7 @@ pub(super) struct Validation {
 impl Validation {
     pub(super) fn new(isa: Isa, network: &Network, data: &Data) -> Option<Validation> {
         let rows = data.validation()?;
-        let values = (rows.rows() * rows.target_columns()) as f64;
+        let values = rows.observations() * rows.target_columns() as f64;
         Some(Validation { workspace: Workspace::new(isa, network, rows), values })
     }
 

@@ -15,6 +15,8 @@
 //! ```
 //!
 //! `exp(-beta E_D / 2)` is the likelihood and `exp(-alpha E_W / 2)` the prior, so `1 / beta` is the variance of the noise.
+//! Rows that share their noise count as fewer errors, see [`Data::with_observations`].
+//!
 //! These estimates hold at a minimum only. Used from the first step on, as `trainbr` does, they run away to rough functions
 //! that go through noisy rows; so training starts with a firm ratio `alpha / beta`, waits for the weights to settle, and lets
 //! the ratio fall by no more than a factor of ten at a time.
@@ -137,7 +139,7 @@ fn deviation(data: &Data) -> f64 {
     let mut total = 0.0;
     for c in 0..m {
         let values = || data.targets().iter().skip(c).step_by(m).enumerate();
-        let mean = values().map(|(r, t)| weight(r) * t).sum::<f64>() / data.rows() as f64;
+        let mean = values().map(|(r, t)| weight(r) * t).sum::<f64>() / data.observations();
         total += values().map(|(r, t)| weight(r) * (t - mean) * (t - mean)).sum::<f64>();
     }
     total.max(f64::MIN_POSITIVE)
@@ -187,7 +189,7 @@ struct Search<'a> {
     workspace: Workspace,
     curvature: Curvature,
     validation: Option<Validation>,
-    /// Number of errors, rows times targets.
+    /// Number of independent errors: observations times targets.
     values: f64,
     weights: Vec<f64>,
     trial: Vec<f64>,
@@ -247,7 +249,7 @@ impl<'a> Search<'a> {
             rule,
             curvature: Curvature::new(rule.isa, form, rows, count),
             validation: Validation::new(rule.isa, network, data),
-            values: rows as f64,
+            values: data.observations() * data.target_columns() as f64,
             trial: state.weights.clone(),
             weights: state.weights,
             gradient: vec![0.0; count],

@@ -340,6 +340,25 @@ fn row_weights_count_as_repeated_rows() {
     assert!(weighted.weights().iter().zip(repeated.weights()).all(|(a, b)| (a - b).abs() < 1e-9));
 }
 
+/// Five copies of every row tell nothing new: said to be worth the rows that they are copies of, they train the same
+/// network with the same evidence; taken for witnesses of their own, they do not.
+#[test]
+fn copies_of_rows_are_not_taken_for_witnesses() {
+    let data = surface(40);
+    let copies = Data::new(data.inputs().repeat(5), 2, data.targets().repeat(5)).unwrap();
+    let told = copies.clone().with_observations(40.0).unwrap();
+    let evidence = |data: &Data| {
+        let mut network = Network::new(&[2, 4, 1], 6).unwrap();
+        let rule = LevenbergMarquardt { epochs: 30, ..Default::default() };
+        rule.train(&mut network, data, &mut Silent).unwrap().evidence.unwrap()
+    };
+    let (once, five, copied) = (evidence(&data), evidence(&told), evidence(&copies));
+    for (a, b) in [(once.alpha, five.alpha), (once.beta, five.beta), (once.gamma, five.gamma)] {
+        assert!((a / b - 1.0).abs() < 1e-5, "{once:?} {five:?}");
+    }
+    assert!((once.alpha / copied.alpha - 1.0).abs() > 1e-2, "{once:?} {copied:?}");
+}
+
 fn trainers(isa: Isa) -> [(Box<dyn Trainer>, u64); 2] {
     let options = |epochs| Options { epochs: Some(epochs), isa: Some(isa), ..Options::default() };
     [

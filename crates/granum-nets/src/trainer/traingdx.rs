@@ -161,7 +161,7 @@ impl<'a> Descent<'a> {
             rule,
             workspace: Workspace::new(rule.isa, network, data),
             validation: Validation::new(rule.isa, network, data),
-            values: (data.rows() * data.target_columns()) as f64,
+            values: data.observations() * data.target_columns() as f64,
             trial: state.weights.clone(),
             weights: state.weights,
             step,
