@@ -17,7 +17,7 @@ use crate::pairs::IMAGES;
 use crate::team::RawSlice;
 
 /// Batches of contacts in a chunk.
-pub(crate) const CONTACT_CHUNK: usize = 16;
+pub(crate) const CONTACT_CHUNK: usize = 32;
 /// Grains in a chunk.
 pub(crate) const GRAIN_CHUNK: usize = 128;
 /// Columns of memory before the tangential law's own: the old normal.
@@ -147,7 +147,10 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
                     contact_batch::<L, N, T, C, true>(v, b, &common, &mut sums, &mut fastest);
                 }
             }
-            let s = sums.map(|x| x.reduce_add());
+            let mut s = [0.0; SUMS];
+            for k in 0..SUMS {
+                s[k] = sums[k].reduce_add();
+            }
             // SAFETY: this thread alone works on this chunk in this stage.
             let target = unsafe { &mut v.contact_sums.write(chunk..chunk + 1)[0] };
             *target = ContactSums {
