@@ -5,6 +5,7 @@ mod hardware;
 mod init;
 mod law;
 mod prepare;
+mod reproduce;
 mod resume;
 mod run_report;
 mod shear;
@@ -22,6 +23,7 @@ pub enum Command {
     Shear(shear::Shear),
     Resume(resume::Resume),
     Forces(forces::Forces),
+    Reproduce(reproduce::Reproduce),
 }
 
 impl Command {
@@ -32,6 +34,7 @@ impl Command {
             Command::Shear(command) => command.run(context),
             Command::Resume(command) => command.run(context),
             Command::Forces(command) => command.run(context),
+            Command::Reproduce(command) => command.run(context),
         }
     }
 }
