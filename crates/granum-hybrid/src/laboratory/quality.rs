@@ -74,7 +74,7 @@ pub(super) fn judge(
         QualityFlag::at_most(
             "inertial_number",
             mean("inertial_number"),
-            1e-3,
+            1.05e-3,
             "the test is too fast to be quasi-static; lower shear.inertial_number",
         ),
         QualityFlag::at_most(
