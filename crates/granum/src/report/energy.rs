@@ -85,7 +85,7 @@ pub fn figure(run: &RunReport) -> Option<(Figure, String)> {
     }
     let work = ledger.work.last().copied().filter(|work| *work != 0.0).unwrap_or(f64::NAN);
     let error: Vec<f64> = ledger.residual().iter().map(|r| r / work).collect();
-    let closing = Plot::new(axis(), Axis::new("Error of the ledger over final work").including(0.0))
+    let closing = Plot::new(axis(), Axis::new("Gap of the ledger over final work").including(0.0))
         .with(Layer::stroked(vec![[0.0, 0.0], [1.0, 0.0]], Stroke::new(GREY, 0.8)))
         .with(Layer::line(points(&error), color(0)));
     let panels = vec![Panel::plot(energies), Panel::plot(closing)];

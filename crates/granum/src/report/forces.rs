@@ -10,9 +10,7 @@ use super::figure::chains::View;
 use super::figure::palette::{COLORS, GREY, color};
 use super::figure::rose::Series;
 use super::figure::ticks::fixed;
-use super::figure::{
-    Anchor, Axis, Figure, ForceChains, Layer, Legend, Note, Panel, Plot, Rose, SHAPES, Stroke,
-};
+use super::figure::{Axis, Figure, ForceChains, Layer, Legend, Panel, Plot, Rose, SHAPES, Stroke};
 use super::material::strain_axis;
 
 /// Rows that stand for a run: the start, the peak of the stress ratio and the end.
@@ -39,9 +37,9 @@ pub fn density(histogram: &ForceHistogram) -> Vec<[f64; 2]> {
         .collect()
 }
 
-fn at_strain(run: &RunReport, row: usize) -> String {
+fn at_strain(run: &RunReport, row: usize, name: &str) -> String {
     let strain = run.column("deviator_strain").get(row).copied().unwrap_or(f64::NAN);
-    format!("*ε*_{{d}} = {}", fixed(strain, if strain < 0.01 { 3 } else { 2 }))
+    if strain.abs() < 5e-4 { name.to_owned() } else { format!("{name}, *ε*_{{d}} = {}", fixed(strain, 2)) }
 }
 
 /// P(f) on a logarithmic scale at three states, with fits to the tail, and what the tail does with strain.
@@ -50,7 +48,7 @@ pub fn distribution(run: &RunReport) -> (Figure, String) {
     let mut plot = Plot::new(Axis::new(force), Axis::new("Probability density *P*(*f*)").logarithmic());
     for (k, (row, name)) in telling_rows(run).into_iter().enumerate() {
         let Some(histogram) = run.record.forces.get(row) else { continue };
-        let label = format!("{name}, {}", at_strain(run, row));
+        let label = at_strain(run, row, name);
         plot = plot.with(Layer::points(density(histogram), SHAPES[k], color(k)).named(&label));
     }
     if let Some(&(row, _)) = telling_rows(run).last() {
@@ -61,12 +59,9 @@ pub fn distribution(run: &RunReport) -> (Figure, String) {
         }
     }
     let axis = || strain_axis(std::slice::from_ref(run));
-    let advantage = run.against_strain("exponential_advantage");
-    let tail = Plot::new(axis(), Axis::new("Log-likelihood per strong contact").including(0.0))
+    let tail = Plot::new(axis(), Axis::new("Log-likelihood ratio per strong contact").including(0.0))
         .with(Layer::horizontal(0.0, GREY))
-        .with(Layer::line(advantage.clone(), color(0)))
-        .note(edge_note(&advantage, true, "exponential nearer"))
-        .note(edge_note(&advantage, false, "half-Gaussian nearer"));
+        .with(Layer::line(run.against_strain("exponential_advantage"), color(0)));
     let panels = vec![Panel::plot(plot), Panel::plot(tail)];
     let caption = "(a) Distribution of normal contact forces (adhesive contacts in tension have *f* < 0) and, for the end \
                    of the test, the exponential and the half-Gaussian fitted to *f* > 1 by maximum likelihood. (b) \
@@ -75,13 +70,6 @@ pub fn distribution(run: &RunReport) -> (Figure, String) {
         .to_owned();
     let figure = Figure::new("Distribution of normal forces on a logarithmic scale", 2, panels);
     (figure.sized(720.0, 310.0), caption)
-}
-
-/// Words at the right end of the zero line, above or below it.
-fn edge_note(points: &[[f64; 2]], above: bool, text: &str) -> Note {
-    let right = points.last().map_or(0.5, |p| 0.97 * p[0]);
-    let shift = if above { [0.0, -5.0] } else { [0.0, 13.0] };
-    Note::new(text, [right, 0.0]).anchored(Anchor::End).shifted(shift)
 }
 
 type Fit = (Vec<[f64; 2]>, &'static str, &'static [f64]);
@@ -145,7 +133,7 @@ pub fn roses(run: &RunReport) -> (Figure, String) {
             right: "3".into(),
             ..Default::default()
         };
-        roses.push((rose, format!("{name}, {}", at_strain(run, row))));
+        roses.push((rose, at_strain(run, row, name)));
     }
     let rim = roses.iter().map(|(rose, _)| rose.largest()).fold(1.0, f64::max);
     let panels: Vec<Panel> = (roses.into_iter())
@@ -158,33 +146,42 @@ pub fn roses(run: &RunReport) -> (Figure, String) {
     (figure.sized(720.0, 246.0).legend(Legend::Above), caption.to_owned())
 }
 
-/// Slices through the sample before and after, contacts drawn by their force.
+/// Slices through the sample before and after, contacts drawn by their force, at one scale.
 pub fn slices(start: Option<&Assembly>, end: Option<&Assembly>) -> Option<(Figure, String)> {
-    let panel = |assembly: &Assembly, title: &str| {
-        Panel::chains(ForceChains::new(assembly, View::slice(assembly, 1.6))).titled(title)
-    };
-    let mut panels = Vec::new();
-    panels.extend(start.map(|assembly| panel(assembly, "before shear")));
-    panels.extend(end.map(|assembly| panel(assembly, "at the end")));
-    if panels.is_empty() {
+    let titled = [(start, "before shear"), (end, "at the end")];
+    let pictures: Vec<(ForceChains, &str)> = (titled.into_iter())
+        .filter_map(|(assembly, title)| Some((assembly?, title)))
+        .map(|(assembly, title)| (ForceChains::new(assembly, View::slice(assembly, 1.6)), title))
+        .collect();
+    if pictures.is_empty() {
         return None;
     }
-    let columns = panels.len();
+    let extent = pictures.iter().fold([0.0f64; 2], |largest, (picture, _)| {
+        std::array::from_fn(|k| largest[k].max(picture.extent()[k]))
+    });
+    let columns = pictures.len();
+    let width = if columns == 1 { 440.0 } else { 720.0 };
+    let height = ForceChains::height_for(extent, width / columns as f64 - 16.0) + 30.0;
+    let panels = (pictures.into_iter())
+        .map(|(picture, title)| Panel::chains(picture.with_extent(extent)).titled(title))
+        .collect();
     let caption = "Force chains in a slice 1.6 diameters thick through the middle of the cell, axis 1 up. Grains are faint \
                    circles (white: fewer than two contacts); each contact between grains of the slice is a line from \
                    centre to centre, as wide and dark as its normal force. Contacts across the periodic boundary are \
                    drawn at both sides and end at it.";
     let figure = Figure::new("Force chains in a slice of the sample", columns, panels);
-    Some((figure.sized(if columns == 1 { 480.0 } else { 720.0 }, 420.0), caption.to_owned()))
+    Some((figure.sized(width, height), caption.to_owned()))
 }
 
 /// The strong contacts of a whole cell.
 pub fn strong_network(assembly: &Assembly) -> (Figure, String) {
-    let panel = Panel::chains(ForceChains::new(assembly, View::strong()));
+    let picture = ForceChains::new(assembly, View::strong());
+    let height = ForceChains::height_for(picture.extent(), 632.0) + 8.0;
     let caption = "Strong contacts (*N* > ⟨*N*⟩) of the whole cell at the end, seen along axis 3; the farther away, the \
                    paler."
         .to_owned();
-    (Figure::new("Strong contacts of the whole cell", 1, vec![panel]).sized(640.0, 640.0), caption)
+    let figure = Figure::new("Strong contacts of the whole cell", 1, vec![Panel::chains(picture)]);
+    (figure.sized(640.0, height), caption)
 }
 
 #[cfg(test)]

@@ -163,12 +163,13 @@ fn distributions(data: &Data, formula: &str) -> (Figure, String) {
         Layer::points(Vec::new(), SHAPES[1], INK).named("DEM, unseen run 2"),
         Layer::line(Vec::new(), INK).named("networks"),
     ];
+    let range = density_range(&data.panels);
     let shown = data.panels.iter().map(|panel| runs(panel).len()).max().unwrap_or(0);
     let panels: Vec<Panel> = (data.panels.iter().enumerate())
         .map(|(k, panel)| {
             let [low, high] = panel.strain_range;
             let title = format!("{} ≤ *ε*_{{d}} < {}", short(low), short(high));
-            let mut plot = distribution_panel(panel, k == 0);
+            let mut plot = distribution_panel(panel, k == 0, range);
             if k == 0 {
                 let kept = legend.iter().enumerate().filter(|(at, _)| *at != 1 + shown.max(1) || shown >= 2);
                 plot = plot.with_all(kept.map(|(_, layer)| layer.clone()));
@@ -184,6 +185,18 @@ fn distributions(data: &Data, formula: &str) -> (Figure, String) {
     );
     let figure = Figure::new(&format!("Networks and DEM: {}", data.formula), columns, panels);
     (figure.sized(720.0, 400.0).legend(Legend::Above), caption)
+}
+
+/// The vertical range of all panels: that of DEM, two decades of shift included. A network that strays far from it
+/// leaves the frame.
+fn density_range(panels: &[DataPanel]) -> Option<[f64; 2]> {
+    let values = panels.iter().flat_map(|panel| &panel.points).flat_map(|curve| &curve.y).copied();
+    let shown = values.filter(|y| y.is_finite() && *y > 0.0);
+    let [low, high] = shown.fold([f64::INFINITY, 0.0f64], |[low, high], y| [low.min(y), high.max(y)]);
+    let decades = 10f64.powf(low.log10().floor()) * 0.01;
+    (low <= high).then(|| {
+        [if low < 3e2 * decades { 0.3 * decades } else { decades }, 10f64.powf((1.05 * high).log10().ceil())]
+    })
 }
 
 fn short(value: f64) -> String {
@@ -203,9 +216,12 @@ fn strains(panel: &DataPanel) -> Vec<f64> {
     }
 }
 
-fn distribution_panel(panel: &DataPanel, labelled: bool) -> Plot {
+fn distribution_panel(panel: &DataPanel, labelled: bool, range: Option<[f64; 2]>) -> Plot {
     let density = if labelled { "Probability density *P*(*f*), shifted" } else { "" };
-    let mut plot = Plot::new(Axis::new("Normal force *f* = *N*/⟨*N*⟩"), Axis::new(density).logarithmic());
+    let mut plot = Plot::new(
+        Axis::new("Normal force *f* = *N*/⟨*N*⟩"),
+        Axis { range, ..Axis::new(density).logarithmic() },
+    );
     let strains = strains(panel);
     let names = runs(panel);
     let nearest = |strain: Option<f64>| {

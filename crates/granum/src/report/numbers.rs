@@ -32,6 +32,9 @@ pub fn percent(share: f64) -> String {
         return "–".to_owned();
     }
     let value = 100.0 * share;
+    if value != 0.0 && value.abs() < 0.0095 {
+        return format!("{}{THIN}%", significant(value, 1));
+    }
     let decimals = match value.abs() {
         v if v >= 9.95 => 0,
         v if v >= 0.995 => 1,
@@ -138,6 +141,8 @@ mod tests {
         assert_eq!(significant(123456.0, 3), "123\u{202f}456");
         assert_eq!(significant(f64::NAN, 3), "–");
         assert_eq!(percent(0.01234), "1.2\u{202f}%");
+        assert_eq!(percent(1.6e-7), "2 × 10^{−5}\u{202f}%");
+        assert_eq!(percent(0.0), "0.00\u{202f}%");
         assert_eq!(percent(0.5), "50\u{202f}%");
         assert_eq!(whole(150000.0), "150\u{202f}000");
         assert_eq!(whole(5000.0), "5000");

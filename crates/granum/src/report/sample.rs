@@ -58,19 +58,19 @@ pub fn reading(runs: &[RunReport]) -> Vec<String> {
             format!("Solid fraction ({}) and coordination number are both met.", significant(solid, 3))
         }
         (true, false) => format!(
-            "The solid fraction is met ({}), the coordination number is not ({} the paper's): with this law and stress \
+            "The solid fraction is met ({}), the coordination number is not ({} the paper\u{2019}s): with this law and stress \
              the two were not reached together, since any preparation that changes the one moves the other. We kept the \
              solid fraction, which has one definition.",
             significant(solid, 3),
             by(nearest, COORDINATION)
         ),
         (false, true) => format!(
-            "The coordination number is met, the solid fraction is not ({}, {} the paper's).",
+            "The coordination number is met, the solid fraction is not ({}, {} the paper\u{2019}s).",
             significant(solid, 3),
             by(solid, SOLID_FRACTION)
         ),
         (false, false) => format!(
-            "Neither is met: the solid fraction is {} ({} the paper's), the coordination number {} the paper's.",
+            "Neither is met: the solid fraction is {} ({} the paper\u{2019}s), the coordination number {} the paper\u{2019}s.",
             significant(solid, 3),
             by(solid, SOLID_FRACTION),
             by(nearest, COORDINATION)
@@ -84,7 +84,7 @@ pub fn table(label: &str, runs: &[RunReport]) -> Option<Table> {
     let case = &runs.first()?.case;
     let grains = &case.grains;
     let material = &grains.material;
-    let caption = "The sample and the test beside the paper's. A dash: the paper does not say.";
+    let caption = "The sample and the test beside the paper\u{2019}s. A dash: the paper does not say.";
     let mut table = Table::new(label, caption, &["Quantity", "Paper", "Here"]);
     let mut row = |name: &str, paper: &str, here: String| table.row(vec![name.into(), paper.into(), here]);
     row("Grains", "5000", whole(grains.count as f64));

@@ -25,9 +25,13 @@ fn figure(run: &RunReport) -> (Figure, String) {
         .with_all(limits)
         .with(Layer::line(percentage("servo_error_largest"), color(1)).named("worst"))
         .with(Layer::line(percentage("servo_error_rms"), color(0)).named("rms"));
+    // The sample at rest, where both vanish, is no part of the test.
+    let sheared = |column: &str| -> Vec<[f64; 2]> {
+        run.against_strain(column).into_iter().filter(|[strain, _]| *strain > 1e-9).collect()
+    };
     let rate = Plot::new(axis(), Axis::new("Dimensionless number").logarithmic())
-        .with(Layer::line(run.against_strain("unbalanced_force"), color(1)).named("unbalanced force"))
-        .with(Layer::line(run.against_strain("inertial_number"), color(0)).named("inertial number"));
+        .with(Layer::line(sheared("unbalanced_force"), color(1)).named("unbalanced force"))
+        .with(Layer::line(sheared("inertial_number"), color(0)).named("inertial number"));
     let panels = vec![Panel::plot(servo), Panel::plot(rate)];
     let caption = "Was the test quasi-static and on its path? (a) Distance of the mean stress from its target around each \
                    state; (b) inertial number of the strain rate and mean unbalanced force over the mean contact force.";
@@ -35,7 +39,9 @@ fn figure(run: &RunReport) -> (Figure, String) {
 }
 
 /// Names of judgements for people, and whether they are shares.
-const NAMES: [(&str, &str, bool); 9] = [
+const NAMES: [(&str, &str, bool); 11] = [
+    ("sample_unbalanced_force", "Unbalanced force of the sample at rest", false),
+    ("solid_fraction_missed_by", "Solid fraction less its target", false),
     ("servo_error_rms", "Error of the mean stress, rms", true),
     ("servo_error_largest", "Error of the mean stress, worst", true),
     ("inertial_number", "Inertial number", false),

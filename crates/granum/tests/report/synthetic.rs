@@ -58,7 +58,7 @@ pub fn record(seed: u64, states: usize) -> Record {
     columns.push(simple("state", &|k| k as f64));
     columns.push(simple("looks", &|_| 20.0));
     columns.push(simple("forces_below", &|_| 0.0));
-    columns.push(simple("forces_above", &|_| 12.0));
+    columns.push(simple("forces_above", &|_| 40.0));
     let forces = strain.iter().map(|&e| histogram(e, &mut noise)).collect();
     Record { series: Series { columns }, forces }
 }

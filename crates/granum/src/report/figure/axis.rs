@@ -74,7 +74,13 @@ impl Axis {
         for &value in self.include.iter().filter(|value| usable(**value, false)) {
             ends = Some(ends.map_or([value, value], |[low, high]| [low.min(value), high.max(value)]));
         }
-        let Some([low, high]) = ends else { return [0.0, 1.0] };
+        let Some([mut low, mut high]) = ends else { return [0.0, 1.0] };
+        // Noise about an end that is asked for does not move it.
+        let noise = 0.015 * (high - low);
+        for &end in &self.include {
+            low = if low < end && end - low < noise { end } else { low };
+            high = if high > end && high - end < noise { end } else { high };
+        }
         // A constant gets room on both sides, so that it is drawn as a line in the middle.
         let least = 1e-9 * low.abs().max(high.abs());
         let span = if high - low > least { high - low } else { 2.0 * (0.1 * low.abs()).max(0.5e-3) };
@@ -219,6 +225,7 @@ mod tests {
     #[test]
     fn ranges_end_at_round_numbers_and_keep_to_zero() {
         assert_eq!(resolved(&Axis::new("").including(0.0), 0.0, 0.83), [0.0, 0.9]);
+        assert_eq!(resolved(&Axis::new("").including(0.0), -0.003, 0.83), [0.0, 0.9]);
         assert_eq!(resolved(&Axis::new(""), 0.002, 0.83), [0.0, 0.9]);
         assert_eq!(resolved(&Axis::new("").between(0.0, 0.3), 0.5, 0.6), [0.0, 0.3]);
         assert_eq!(resolved(&Axis::new("").logarithmic(), 1e-4, 1.2), [1e-5, 10.0]);

@@ -46,6 +46,8 @@ impl View {
 const LARGEST_FORCE: f64 = 4.0;
 /// Width of a class of forces.
 const CLASS: f64 = 0.25;
+/// Height of the scale of forces below a picture, px.
+const SCALE_HEIGHT: f64 = 44.0;
 /// Number of layers of depth.
 const LAYERS: usize = 8;
 /// Contacts in tension.
@@ -60,6 +62,9 @@ pub struct ForceChains {
     /// Whether it is a slice: only then are grains drawn, which else would hide everything.
     slice: bool,
     mean_radius: f64,
+    /// Width and height that are to fit into a frame, m: those of the picture, or larger ones, so that several pictures
+    /// share a scale.
+    extent: [f64; 2],
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -152,6 +157,7 @@ impl ForceChains {
                 );
             }
         }
+        picture.extent = bounds(&picture.outline).1;
         picture.grains.sort_by(|a, b| b.depth.total_cmp(&a.depth));
         picture
     }
@@ -182,6 +188,23 @@ impl ForceChains {
         }
     }
 
+    /// Width and height of what fits into a frame, m.
+    pub fn extent(&self) -> [f64; 2] {
+        self.extent
+    }
+
+    /// The same picture at a scale at which a width and height would fit into the frame.
+    pub fn with_extent(mut self, extent: [f64; 2]) -> Self {
+        self.extent = extent;
+        self
+    }
+
+    /// Height of a frame of a width in which a picture of an extent and its scale of forces leave nothing empty, px.
+    pub fn height_for(extent: [f64; 2], width: f64) -> f64 {
+        let ratio = extent[1] / extent[0];
+        width * if ratio.is_finite() { ratio.clamp(0.2, 2.0) } else { 1.0 } + SCALE_HEIGHT
+    }
+
     /// Number of lines drawn: contacts, those across the boundary twice.
     pub fn lines(&self) -> usize {
         self.lines.len()
@@ -189,8 +212,8 @@ impl ForceChains {
 
     /// Draws it in a frame, with a scale of forces below.
     pub fn draw(&self, svg: &mut Svg, frame: &Rect) {
-        let frame = &Rect { bottom: frame.bottom - 44.0, ..*frame };
-        let Some(page) = Page::new(&self.outline, frame) else {
+        let frame = &Rect { bottom: frame.bottom - SCALE_HEIGHT, ..*frame };
+        let Some(page) = Page::new(&self.outline, self.extent, frame) else {
             let centre = [0.5 * (frame.left + frame.right), 0.5 * (frame.top + frame.bottom)];
             text(svg, centre, "nothing to show", plain(GREY, Anchor::Middle, TICK_SIZE));
             return;
@@ -215,8 +238,7 @@ impl ForceChains {
             svg.end_window();
         }
         svg.path(&corners, true, None, Some(&Stroke::new(INK, 1.0)));
-        let bottom = corners.iter().map(|p| p[1]).fold(f64::MIN, f64::max);
-        self.draw_scale(svg, [0.5 * (frame.left + frame.right), bottom + 14.0], widest);
+        self.draw_scale(svg, [0.5 * (frame.left + frame.right), frame.bottom + 14.0], widest);
     }
 
     fn draw_grains(&self, svg: &mut Svg, page: &Page) {
@@ -260,11 +282,14 @@ impl ForceChains {
         svg.end_group();
     }
 
-    /// A wedge that shows width and colour at each force.
+    /// A wedge that shows width and colour at each force, and a line for tension where there is any.
     fn draw_scale(&self, svg: &mut Svg, top_middle: Point, widest: f64) {
-        let (length, steps) = (200.0, 40);
+        let (length, steps) = (160.0, 40);
+        let tension = self.lines.iter().any(|line| line.force < 0.0);
+        let [before, after] = [if tension { 84.0 } else { 0.0 }, 56.0];
+        let left = top_middle[0] - 0.5 * (before + length + after) + before;
         let from = if self.slice { 0.0 } else { 1.0 };
-        let (left, middle) = (top_middle[0] - 0.5 * length, top_middle[1] + 0.5 * widest.max(6.0));
+        let middle = top_middle[1] + 0.5 * widest.max(6.0);
         for k in 0..steps {
             let force = from + (LARGEST_FORCE - from) * (k as f64 + 0.5) / steps as f64;
             let stroke = line_stroke(force, widest, 0.0);
@@ -282,11 +307,10 @@ impl ForceChains {
             let label = if k == LARGEST_FORCE as usize { format!("≥ {k}") } else { k.to_string() };
             text(svg, [x, base], &label, plain(INK, Anchor::Middle, TICK_SIZE));
         }
-        let x = left + length + 22.0;
-        text(svg, [x, middle + 4.0], "*N*/⟨*N*⟩", plain(INK, Anchor::Start, TICK_SIZE));
-        if self.lines.iter().any(|line| line.force < 0.0) {
-            svg.line([left - 88.0, middle], [left - 68.0, middle], &Stroke::new(TENSION, 1.4));
-            text(svg, [left - 63.0, middle + 4.0], "tension", plain(INK, Anchor::Start, TICK_SIZE));
+        text(svg, [left + length + 18.0, middle + 4.0], "*N*/⟨*N*⟩", plain(INK, Anchor::Start, TICK_SIZE));
+        if tension {
+            svg.line([left - 84.0, middle], [left - 64.0, middle], &Stroke::new(TENSION, 1.4));
+            text(svg, [left - 59.0, middle + 4.0], "tension", plain(INK, Anchor::Start, TICK_SIZE));
         }
     }
 }
@@ -304,14 +328,16 @@ struct Page {
 }
 
 impl Page {
-    fn new(outline: &[Point], frame: &Rect) -> Option<Self> {
+    /// The outline in the middle of a frame, at the scale at which `extent` would fit.
+    fn new(outline: &[Point], extent: [f64; 2], frame: &Rect) -> Option<Self> {
         let (corner, size) = bounds(outline);
-        let scale = (frame.width() / size[0]).min(frame.height() / size[1]);
+        let scale = (frame.width() / extent[0]).min(frame.height() / extent[1]);
         if !(scale.is_finite() && scale > 0.0 && size[0] > 0.0 && size[1] > 0.0) {
             return None;
         }
         let left = 0.5 * (frame.left + frame.right) - 0.5 * scale * size[0];
-        Some(Page { scale, origin: [left - scale * corner[0], frame.top + scale * (corner[1] + size[1])] })
+        let top = 0.5 * (frame.top + frame.bottom) - 0.5 * scale * size[1];
+        Some(Page { scale, origin: [left - scale * corner[0], top + scale * (corner[1] + size[1])] })
     }
 
     fn at(&self, p: Point) -> Point {

@@ -78,7 +78,7 @@ pub fn logarithmic(low: f64, high: f64, target: f64) -> Vec<Tick> {
                 continue;
             }
             let label = if digit == 1 && exponent.rem_euclid(stride) == 0 {
-                Some(if decades < 2.5 && (-3..4).contains(&exponent) {
+                Some(if decades < 2.5 && (-4..4).contains(&exponent) {
                     fixed(value, (-exponent).max(0) as usize)
                 } else {
                     power_of_ten(exponent)
@@ -103,7 +103,7 @@ fn power_of_ten(exponent: i32) -> String {
 }
 
 fn small_power(digit: i32, exponent: i32) -> String {
-    if (-3..4).contains(&exponent) {
+    if (-4..4).contains(&exponent) {
         fixed(digit as f64 * 10f64.powi(exponent), (-exponent).max(0) as usize)
     } else {
         format!("{digit} × {}", power_of_ten(exponent))
