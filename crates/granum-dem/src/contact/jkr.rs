@@ -56,11 +56,11 @@ const DENOMINATOR: [f64; 10] = [
     8.507_643_506_540_542,
     7.812_223_829_428_341_5,
     3.774_926_853_000_524_6,
-    0.941_897_207_505_705_8,
+    0.941_897_207_505_706,
     0.113_173_245_029_888_22,
     0.005_709_923_724_856_943,
     0.000_091_174_507_397_229_55,
-    1.936_640_987_988_116e-7,
+    1.936_640_979_881_158e-7,
 ];
 /// Series of g in `g^4 = 1 + e g`, highest power of e first: beyond the rational function
 /// `x = h^(1/4) g(2/3 h^(-3/4))`, to the last bits.
@@ -179,43 +179,4 @@ fn friction_load<R: Real>(s: R, scaled: R, touching: R::Mask) -> R {
     }
     let core = (s - R::splat(1.0 / 3.0)).max(R::zero());
     R::select(tensile, core * (s * core).sqrt(), load)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::config::Material;
-
-    /// Approach over d_0, contact radius over a_0, force over N_c: 40-digit roots of the equations.
-    #[allow(clippy::excessive_precision)]
-    const TABLE: [(f64, f64, f64); 12] = [
-        (-0.27, 0.362384558497366075, -0.682241526588583842),
-        (-0.2, 0.537268343598665388, -0.954894842218966163),
-        (-0.132283420997349956, 0.629960524947436582, -1.0),
-        (-0.1, 0.66654407488631669, -0.99219218622140964),
-        (0.0, 0.763142828368887912, -0.888888888888888889),
-        (0.1, 0.844095943140854638, -0.69637571125091343),
-        (1.0 / 3.0, 1.0, 0.0),
-        (0.5, 1.09424624133001203, 0.662292895022718152),
-        (1.0, 1.3299736417598827, 3.27484759556083434),
-        (5.0, 2.45873056413851008, 44.0341138513440469),
-        (20.0, 4.62973592590624544, 357.096580751186898),
-        (100.0, 10.1054078066621161, 3999.33100932636162),
-    ];
-
-    #[test]
-    fn follows_the_table() {
-        let material = Material::default();
-        let pair = PairProperties::new((&material, 5e-5), (&material, 5e-5), 0.0);
-        let c = Jkr::prepare(&pair);
-        for (h, radius, force) in TABLE {
-            let n = Jkr::evaluate(&c, h / c[INVERSE_LENGTH], true);
-            assert!(
-                (n.radius / (c[ROOT_RADIUS] * c[ROOT_RADIUS]) / radius - 1.0).abs() < 1e-12,
-                "radius at {h}"
-            );
-            let error = 4.0 * n.force / c[FOUR_FORCES] - force;
-            assert!(error.abs() < 1e-12 * force.abs().max(1.0), "force at {h}: {error}");
-        }
-    }
 }

@@ -29,31 +29,33 @@ const LOAD: usize = 7;
 
 /// A force counted from the start of the present curve is nothing below this share of the limit.
 const NOTHING: f64 = 1e-12;
+/// On the loading curve a force whose square is at least this share of the limit's slides.
+const AT_LIMIT: f64 = 1.0 - 1e-10;
 /// Keeps reciprocals finite; what it touches is multiplied by zero or discarded.
 const TINY: f64 = 1e-200;
 
 /// What the law remembers, in the frame of the contact.
-struct State<R> {
-    force: [R; 2],
-    turning: [R; 2],
-    returning: [R; 2],
-    stage: R,
+pub(super) struct State<R> {
+    pub(super) force: [R; 2],
+    pub(super) turning: [R; 2],
+    pub(super) returning: [R; 2],
+    pub(super) stage: R,
 }
 
 /// What a step gave besides the new state.
-struct Outcome<R: Real> {
-    sliding: R::Mask,
+pub(super) struct Outcome<R: Real> {
+    pub(super) sliding: R::Mask,
     /// Distance slid at the limit, m.
-    slipped: R,
+    pub(super) slipped: R,
 }
 
 #[inline(always)]
-fn dot<R: Real>(a: [R; 2], b: [R; 2]) -> R {
+pub(super) fn dot<R: Real>(a: [R; 2], b: [R; 2]) -> R {
     a[0].mul_add(b[0], a[1] * b[1])
 }
 
 #[inline(always)]
-fn square<R: Real>(a: [R; 2]) -> R {
+pub(super) fn square<R: Real>(a: [R; 2]) -> R {
     dot(a, a)
 }
 
@@ -63,18 +65,18 @@ fn subtract<R: Real>(a: [R; 2], b: [R; 2]) -> [R; 2] {
 }
 
 #[inline(always)]
-fn add_scaled<R: Real>(a: [R; 2], s: R, b: [R; 2]) -> [R; 2] {
+pub(super) fn add_scaled<R: Real>(a: [R; 2], s: R, b: [R; 2]) -> [R; 2] {
     [s.mul_add(b[0], a[0]), s.mul_add(b[1], a[1])]
 }
 
 #[inline(always)]
-fn select<R: Real>(mask: R::Mask, yes: [R; 2], no: [R; 2]) -> [R; 2] {
+pub(super) fn select<R: Real>(mask: R::Mask, yes: [R; 2], no: [R; 2]) -> [R; 2] {
     [R::select(mask, yes[0], no[0]), R::select(mask, yes[1], no[1])]
 }
 
 /// One step of the law: `step` in m, `stiffness` 8 G* a, `limit` mu F now and before.
 #[inline(always)]
-fn advance<R: Real>(
+pub(super) fn advance<R: Real>(
     state: &mut State<R>,
     step: [R; 2],
     stiffness: R,
@@ -116,7 +118,8 @@ fn advance<R: Real>(
     let stick = growth.gt(zero) & elastic_step.lt(growth * growth);
     let theta = R::select(stick, one, cbrt(cube.max(zero).min(one)));
     let slip = (one - theta) * stiffness.mul_add(-dot(direction, step), growth);
-    let force = add_scaled(add_scaled(state.force, stiffness, step), slip, direction);
+    let elastic = add_scaled(state.force, stiffness, step);
+    let force = add_scaled(elastic, slip, direction);
 
     // Turning points move out with the limit and are forgotten when passed.
     let outward = growth / square(state.turning).sqrt().max(tiny);
@@ -131,12 +134,16 @@ fn advance<R: Real>(
     let passed = square(subtract(force, base)).ge(span);
 
     let trial_square = square(force);
-    let sliding = trial_square.ge(limit * limit);
-    let trial = trial_square.sqrt();
-    let factor = R::select(sliding, limit / trial.max(tiny), one);
+    // A force that stays at the limit may fall short of it by rounding.
+    let limit_square = limit * limit;
+    let at_limit = loading & trial_square.ge(R::splat(AT_LIMIT) * limit_square);
+    let sliding = at_limit | trial_square.ge(limit_square);
+    let factor = R::select(sliding, limit / trial_square.sqrt().max(tiny), one);
+    // What the step would have loaded without slip, less the limit, is what slid.
+    let excess = square(elastic).sqrt() - limit;
     state.force = [factor * force[0], factor * force[1]];
     state.stage = R::select(unloading, one, two).keep(!(loading | passed | sliding));
-    Outcome { sliding, slipped: ((trial - limit) / stiffness.max(tiny)).max(zero).keep(sliding) }
+    Outcome { sliding, slipped: (excess / stiffness.max(tiny)).max(zero).keep(sliding) }
 }
 
 impl TangentialLaw for MindlinDeresiewicz {

@@ -10,11 +10,17 @@ use crate::config::Material;
 
 pub mod frame;
 pub mod hertz;
+pub mod impact;
 pub mod interaction;
 pub mod jkr;
 pub mod mindlin_deresiewicz;
 pub mod no_slip;
+pub mod pair;
+pub mod peeling;
 pub mod registry;
+
+#[cfg(test)]
+mod tests;
 
 use interaction::Memory;
 

@@ -7,7 +7,17 @@ use super::hertz::Hertz;
 use super::jkr::Jkr;
 use super::mindlin_deresiewicz::MindlinDeresiewicz;
 use super::no_slip::NoSlip;
+use super::peeling::Peeling;
 use super::{NormalLaw, TangentialLaw};
+
+/// Every pair of laws that can be used together.
+pub const ALL: [(NormalKind, TangentialKind); 5] = [
+    (NormalKind::Hertz, TangentialKind::MindlinDeresiewicz),
+    (NormalKind::Hertz, TangentialKind::NoSlip),
+    (NormalKind::Jkr, TangentialKind::MindlinDeresiewicz),
+    (NormalKind::Jkr, TangentialKind::NoSlip),
+    (NormalKind::Jkr, TangentialKind::Peeling),
+];
 
 /// Something to be done with a pair of laws, compiled for each pair.
 pub trait LawVisitor {
@@ -29,7 +39,7 @@ fn with_tangential<V: LawVisitor, N: NormalLaw>(tangential: TangentialKind, visi
     match tangential {
         TangentialKind::MindlinDeresiewicz => visitor.visit::<N, MindlinDeresiewicz>(),
         TangentialKind::NoSlip => visitor.visit::<N, NoSlip>(),
-        TangentialKind::Peeling => visitor.visit::<N, MindlinDeresiewicz>(),
+        TangentialKind::Peeling => visitor.visit::<N, Peeling>(),
     }
 }
 

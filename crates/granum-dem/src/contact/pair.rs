@@ -1,0 +1,217 @@
+//! Two grains through a prescribed path: the contact law by itself, through the same function as the engine.
+//!
+//! The centres keep a fixed direction n, at the distance `R_i + R_j - normal_approach`. Grain j is translated along a
+//! fixed direction t across n, without rolling and without spin; the tangential displacement of its surface against
+//! that of grain i is counted from zero before the first row. Each row is one step from the row before.
+//! Internally n is oblique to all axes, so that no error hides behind them.
+
+use granum_simd::{Isa, Kernel, Lanes, dispatch};
+use serde::{Deserialize, Serialize};
+
+use super::interaction::{Kinematics, Memory, dot, interact};
+use super::registry::{LawError, LawVisitor, check, with_law};
+use super::{NormalLaw, PairConstants, PairProperties, TangentialLaw};
+use crate::config::Contact;
+
+/// One row of a path: where the pair stands at the end of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PathRow {
+    /// Approach alpha of the grains, m; negative apart.
+    pub normal_approach: f64,
+    /// Tangential displacement of grain j against grain i, m.
+    pub tangential_displacement: f64,
+}
+
+/// What the contact answers at the end of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PairRow {
+    /// Elastic normal force N, compression positive, N.
+    pub normal_force: f64,
+    /// Elastic tangential force against the direction of the path, N: positive when it resists a growing displacement.
+    pub tangential_force: f64,
+    /// Radius a of the contact area, m; zero apart.
+    pub contact_radius: f64,
+}
+
+/// Why a path cannot be run.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PairError {
+    /// The laws do not go together.
+    #[error(transparent)]
+    Law(#[from] LawError),
+    /// A number of the path is not finite.
+    #[error("row {row}: {column} is {value}; it must be a finite number of metres")]
+    NotFinite {
+        /// Row, from 1.
+        row: usize,
+        /// Column.
+        column: &'static str,
+        /// What stands there.
+        value: f64,
+    },
+    /// The grains would pass through each other.
+    #[error(
+        "row {row}: normal_approach is {value} m; it must stay below half the sum of the radii, {limit} m"
+    )]
+    TooDeep {
+        /// Row, from 1.
+        row: usize,
+        /// What stands there.
+        value: f64,
+        /// Half of R_i + R_j, m.
+        limit: f64,
+    },
+}
+
+/// Runs a path with the laws of `contact` (its damping does not matter: the answers are the elastic forces).
+pub fn drive_pair(
+    contact: &Contact,
+    pair: &PairProperties,
+    path: &[PathRow],
+) -> Result<Vec<PairRow>, PairError> {
+    check(contact)?;
+    let limit = 0.5 * pair.radius_sum;
+    for (n, row) in path.iter().enumerate() {
+        let columns = [
+            ("normal_approach", row.normal_approach),
+            ("tangential_displacement", row.tangential_displacement),
+        ];
+        for (column, value) in columns {
+            if !value.is_finite() {
+                return Err(PairError::NotFinite { row: n + 1, column, value });
+            }
+        }
+        if row.normal_approach >= limit {
+            return Err(PairError::TooDeep { row: n + 1, value: row.normal_approach, limit });
+        }
+    }
+    Ok(with_law(contact.normal, contact.tangential, Drive { pair, path }))
+}
+
+struct Drive<'a> {
+    pair: &'a PairProperties,
+    path: &'a [PathRow],
+}
+
+impl LawVisitor for Drive<'_> {
+    type Output = Vec<PairRow>;
+    fn visit<N: NormalLaw, T: TangentialLaw>(self) -> Vec<PairRow> {
+        let constants = PairConstants::new::<N, T>(self.pair);
+        let steps = Steps { constants, path: self.path, laws: std::marker::PhantomData::<(N, T)> };
+        dispatch(Isa::detect(), steps)
+    }
+}
+
+/// The steps of a path on plain numbers, compiled for the machine's fused operations.
+struct Steps<'a, N, T> {
+    constants: PairConstants<f64>,
+    path: &'a [PathRow],
+    laws: std::marker::PhantomData<(N, T)>,
+}
+
+/// Unit normal `(1, 2, 3) / sqrt 14` and the direction of the path, across it.
+fn directions() -> ([f64; 3], [f64; 3]) {
+    let normal = [1.0, 2.0, 3.0].map(|x| x / 14f64.sqrt());
+    let along = [4.0, 1.0, -2.0].map(|x| x / 21f64.sqrt());
+    (normal, along)
+}
+
+impl<N: NormalLaw, T: TangentialLaw> Kernel for Steps<'_, N, T> {
+    type Output = Vec<PairRow>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Vec<PairRow> {
+        let (normal, along) = directions();
+        let mut memory = Memory::<f64>::new();
+        let mut before = PathRow::default();
+        let mut answers = Vec::with_capacity(self.path.len());
+        for row in self.path {
+            let distance = self.constants.radius_sum - row.normal_approach;
+            let slip = row.tangential_displacement - before.tangential_displacement;
+            let opening = before.normal_approach - row.normal_approach;
+            let kinematics = Kinematics {
+                branch: [distance * normal[0], distance * normal[1], distance * normal[2]],
+                velocity: [
+                    slip.mul_add(along[0], opening * normal[0]),
+                    slip.mul_add(along[1], opening * normal[1]),
+                    slip.mul_add(along[2], opening * normal[2]),
+                ],
+                rolling: [0.0; 3],
+                mean_spin: [0.0; 3],
+            };
+            // One step takes one second: the path has no rate.
+            let out = interact::<f64, N, T>(&self.constants, &kinematics, 1.0, &mut memory);
+            answers.push(PairRow {
+                normal_force: out.normal_force,
+                tangential_force: dot(out.elastic, along),
+                contact_radius: out.radius,
+            });
+            before = *row;
+        }
+        answers
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::{Material, NormalKind, TangentialKind};
+
+    fn pair() -> PairProperties {
+        let material = Material { interface_energy: 0.0, ..Material::default() };
+        PairProperties::new((&material, 5e-5), (&material, 5e-5), 0.0)
+    }
+
+    fn contact(tangential: TangentialKind) -> Contact {
+        Contact { normal: NormalKind::Hertz, tangential, damping: 0.1 }
+    }
+
+    #[test]
+    fn answers_hertz_and_no_slip_by_hand() {
+        let p = pair();
+        let approach = 1e-8;
+        let path = [(approach, 0.0), (approach, 1e-10), (approach, 3e-10), (-1e-9, 3e-10)].map(
+            |(normal_approach, tangential_displacement)| PathRow { normal_approach, tangential_displacement },
+        );
+        let rows = drive_pair(&contact(TangentialKind::NoSlip), &p, &path).unwrap();
+        let radius = (p.effective_radius * approach).sqrt();
+        let force = 4.0 / 3.0 * p.effective_modulus * radius * approach;
+        let stiffness = 8.0 * p.effective_shear_modulus * radius;
+        for (row, displacement) in rows.iter().zip([0.0, 1e-10, 3e-10]) {
+            assert!((row.normal_force / force - 1.0).abs() < 1e-11);
+            assert!((row.contact_radius / radius - 1.0).abs() < 1e-11);
+            assert!((row.tangential_force - stiffness * displacement).abs() < 1e-11 * stiffness * 1e-9);
+        }
+        assert_eq!(rows[3], PairRow::default());
+    }
+
+    #[test]
+    fn slides_in_both_directions() {
+        let p = pair();
+        let path: Vec<PathRow> = (0..400)
+            .map(|k| PathRow {
+                normal_approach: 1e-8,
+                tangential_displacement: 1e-10 * if k < 100 { k } else { 200 - k } as f64,
+            })
+            .collect();
+        for tangential in [TangentialKind::NoSlip, TangentialKind::MindlinDeresiewicz] {
+            let rows = drive_pair(&contact(tangential), &p, &path).unwrap();
+            let limit = p.friction * rows[99].normal_force;
+            assert!((rows[99].tangential_force / limit - 1.0).abs() < 1e-12);
+            assert!((rows[399].tangential_force / limit + 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn refuses_what_cannot_be_run() {
+        let bad = |normal_approach, tangential_displacement| {
+            let path = [PathRow::default(), PathRow { normal_approach, tangential_displacement }];
+            drive_pair(&contact(TangentialKind::NoSlip), &pair(), &path).unwrap_err().to_string()
+        };
+        assert!(bad(f64::NAN, 0.0).starts_with("row 2: normal_approach is NaN"));
+        assert!(bad(0.0, f64::INFINITY).starts_with("row 2: tangential_displacement is inf"));
+        assert!(bad(6e-5, 0.0).contains("below half the sum of the radii"));
+        let peeling = drive_pair(&contact(TangentialKind::Peeling), &pair(), &[]);
+        assert_eq!(peeling, Err(PairError::Law(LawError::PeelingWithoutAdhesion)));
+    }
+}

@@ -1,0 +1,133 @@
+//! Tangential contact of adhesive spheres that peel before they slip (Savkoor and Briggs 1977), as Thornton and Yin
+//! (1991) put it in front of the Mindlin-Deresiewicz law. For the normal law of Johnson, Kendall and Roberts.
+//!
+//! With `N_1 = 4 E* a^3 / 3 R*` of the normal law and `D = N_1 - (N + 2 N_c)`, which is
+//! `(4 N N_c + 4 N_c^2)^(1/2)` on the stable branch:
+//!
+//! - *not yet peeled*: the tangential force shrinks the contact, `a^3 = 3 R* (N + 2 N_c + (D^2 - T^2 E*/4 G*)^(1/2)) / 4 E*`,
+//!   and there is no slip, `T += 8 G* a ddelta`. It peels at `T_c = 2 |D| (G*/E*)^(1/2)`.
+//! - *at the end of peeling* `a^3 = 3 R* (N + 2 N_c) / 4 E*`. With `T_c` at or above the sliding force `T_s = mu F` the
+//!   force drops to `T_s`: the contact slides. With `T_c` below it the force is held at `T_c` while the
+//!   Mindlin-Deresiewicz loading curve of that contact has less at the displacement gone through so far.
+//! - *peeled*: Mindlin-Deresiewicz with that radius and the limit `T_s`, until the contact breaks. A step back during
+//!   the hold leads here at once.
+//!
+//! `F` is the friction load of the normal law (Thornton 1991): `N + 2 N_c` above `-0.3 N_c`.
+
+use granum_simd::{Real, cbrt};
+
+use super::mindlin_deresiewicz::{Outcome, State, add_scaled, advance, dot, select, square};
+use super::{LAW_CONSTANTS, MAX_HISTORY, Normal, PairProperties, Tangential, TangentialLaw};
+
+/// Savkoor and Briggs (1977), then Mindlin and Deresiewicz (1953).
+#[derive(Clone, Copy, Debug)]
+pub struct Peeling;
+
+const EIGHT_MODULI: usize = 0;
+const FRICTION: usize = 1;
+const ROOT_MODULI: usize = 2;
+/// `4 E* / 3 R*`: times a^3 it is a load.
+const LOAD_OF_CUBE: usize = 3;
+const TWICE_PULL_OFF: usize = 4;
+/// `E* / 4 G*`.
+const COMPLIANCE_RATIO: usize = 5;
+
+/// While peeling, the column of the turning point keeps the displacement gone through, m.
+const DISPLACEMENT: usize = 2;
+const STAGE: usize = 6;
+const LOAD: usize = 7;
+/// 0 not peeled, 1 held at the peeling force, 2 peeled.
+const STATUS: usize = 8;
+const TINY: f64 = 1e-200;
+
+/// Force of the Mindlin-Deresiewicz loading curve at a displacement, N.
+#[inline(always)]
+fn loading_curve<R: Real>(displacement: R, stiffness: R, limit: R) -> R {
+    let one = R::splat(1.0);
+    // delta / C with C = 3 mu N / 16 G* a = 3/2 limit / stiffness.
+    let share = displacement * stiffness * R::splat(2.0 / 3.0) / limit.max(R::splat(TINY));
+    let rest = (one - share).max(R::zero());
+    limit * (one - rest * rest.sqrt())
+}
+
+impl TangentialLaw for Peeling {
+    const HISTORY: usize = 9;
+    const PLANE_VECTORS: usize = 3;
+
+    fn prepare(pair: &PairProperties) -> [f64; LAW_CONSTANTS] {
+        let mut c = [0.0; LAW_CONSTANTS];
+        c[EIGHT_MODULI] = 8.0 * pair.effective_shear_modulus;
+        c[FRICTION] = pair.friction;
+        c[ROOT_MODULI] = c[EIGHT_MODULI].sqrt();
+        c[LOAD_OF_CUBE] = 4.0 / 3.0 * pair.effective_modulus / pair.effective_radius;
+        c[TWICE_PULL_OFF] = 3.0 * std::f64::consts::PI * pair.interface_energy * pair.effective_radius;
+        c[COMPLIANCE_RATIO] = 0.25 * pair.effective_modulus / pair.effective_shear_modulus;
+        c
+    }
+
+    #[inline(always)]
+    fn update<R: Real>(
+        c: &[R; LAW_CONSTANTS],
+        normal: &Normal<R>,
+        increment: [R; 2],
+        history: &mut [R; MAX_HISTORY],
+    ) -> Tangential<R> {
+        let (zero, one, two, tiny) = (R::zero(), R::splat(1.0), R::splat(2.0), R::splat(TINY));
+        let force = [history[0], history[1]];
+        let limit = c[FRICTION] * normal.friction_load;
+        let fresh = history[STATUS].lt(R::splat(0.5));
+        let held = history[STATUS].eq(one);
+
+        // Radius of the contact: shrunk by the force while it peels, that of N + 2 N_c afterwards.
+        let cube = normal.radius * normal.radius * normal.radius;
+        let core = normal.force + c[TWICE_PULL_OFF];
+        let rim = c[LOAD_OF_CUBE].mul_add(cube, -core);
+        let rim_square = rim * rim;
+        let reduced = square(force).mul_add(-c[COMPLIANCE_RATIO], rim_square).max(zero).sqrt();
+        let signed = R::select(rim.lt(zero), -reduced, reduced);
+        let radius = cbrt(((core + signed.keep(fresh)) / c[LOAD_OF_CUBE]).max(zero));
+        let stiffness = c[EIGHT_MODULI] * radius;
+        let root_stiffness = c[ROOT_MODULI] * radius.sqrt();
+
+        // Peeling: no slip up to T_c, then the drop or the hold.
+        let trial = add_scaled(force, stiffness, increment);
+        let trial_length = square(trial).sqrt();
+        let critical = (rim_square / c[COMPLIANCE_RATIO].max(tiny)).sqrt();
+        let gone = add_scaled([history[DISPLACEMENT], history[DISPLACEMENT + 1]], one, increment);
+        let peels = trial_length.ge(critical);
+        let peeling = fresh & !peels;
+        let backward = dot(trial, increment).lt(zero);
+        let low = critical.lt(limit);
+        let behind = loading_curve(square(gone).sqrt(), stiffness, limit).lt(critical);
+        let holds = ((fresh & peels) | (held & !backward)) & low & behind;
+        let drops = ((fresh & peels) | (held & !backward)) & !low;
+        let reached = critical.min(limit) / trial_length.max(tiny);
+        let factor = R::select(peeling, one, reached);
+        let stuck = [trial[0] * factor, trial[1] * factor];
+
+        // Peeled: Mindlin-Deresiewicz. What leaves the hold starts there from the loading curve.
+        let old = !(fresh | held);
+        let mut state = State {
+            force,
+            turning: select::<R>(old, [history[2], history[3]], [zero; 2]),
+            returning: select::<R>(old, [history[4], history[5]], [zero; 2]),
+            stage: history[STAGE].keep(old),
+        };
+        let Outcome { sliding, slipped } =
+            advance(&mut state, increment, stiffness, limit, c[FRICTION] * history[LOAD]);
+
+        let before = peeling | holds | drops;
+        let force = select::<R>(before, stuck, state.force);
+        let turning = select::<R>(peeling | holds, gone, state.turning);
+        [history[0], history[1]] = force;
+        [history[2], history[3]] = [turning[0].keep(!drops), turning[1].keep(!drops)];
+        [history[4], history[5]] = [state.returning[0].keep(!before), state.returning[1].keep(!before)];
+        history[STAGE] = state.stage.keep(!before);
+        history[LOAD] = normal.friction_load;
+        history[STATUS] = R::select(peeling, zero, R::select(holds, one, two));
+        let sliding = drops | (sliding & !before);
+        let dropped = ((trial_length - limit) / stiffness.max(tiny)).max(zero);
+        let slipped = R::select(drops, dropped, slipped.keep(!before));
+        Tangential { force, stiffness, root_stiffness, sliding, friction_loss: limit * slipped }
+    }
+}

@@ -1,0 +1,206 @@
+//! The same bits alone, in lanes, side by side, on every instruction set, and after a restart.
+
+use std::marker::PhantomData;
+
+use super::*;
+use crate::contact::registry::LawVisitor;
+use granum_simd::{Isa, Kernel, LANES, Lanes, Twice, dispatch};
+
+const STEPS: usize = 400;
+/// Columns of motion: branch, velocity, rolling, mean spin.
+const MOTION: usize = 12;
+/// Columns of an answer.
+const ANSWER: usize = 18;
+
+type Motion = [f64; MOTION];
+type Answer = [u64; ANSWER];
+
+/// A generator that needs nothing.
+struct Sequence(u64);
+impl Sequence {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
+    }
+}
+
+/// Pairs that touch and part, turn, roll, slip back and forth, some across the equator of normals, some head-on to an axis.
+fn motions(lane: usize) -> Vec<Motion> {
+    let mut sequence = Sequence(17 + lane as u64);
+    let mut n = [sequence.next(), sequence.next(), 0.02 * sequence.next()];
+    if lane == 3 {
+        n = [0.0, 0.0, -1.0];
+    }
+    let mut drift = [0.0; 3];
+    (0..STEPS)
+        .map(|step| {
+            if step % 29 == 0 {
+                drift = [0; 3].map(|_| 4e-3 * sequence.next());
+            }
+            n = std::array::from_fn(|a| n[a] + if lane == 3 && step < 100 { 0.0 } else { drift[a] });
+            let size = dot(n, n).sqrt();
+            n = n.map(|x| x / size);
+            let overlap = 1.5e-8 * (0.02 * step as f64 + lane as f64).sin() + 8e-9;
+            // Once a turn too large for the series.
+            if step == 250 && lane == 5 {
+                n = [n[1], n[2], n[0]];
+            }
+            let d = 1e-4 - overlap;
+            let mut motion = [0.0; MOTION];
+            for a in 0..3 {
+                motion[a] = n[a] * d;
+                motion[3 + a] = 2e-2 * (sequence.next() + if step % 60 < 30 { 0.5 } else { -0.5 });
+                motion[6 + a] = 200.0 * sequence.next();
+                motion[9 + a] = 200.0 * sequence.next();
+            }
+            motion
+        })
+        .collect()
+}
+
+fn kinematics<R: Real>(column: impl Fn(usize) -> R) -> Kinematics<R> {
+    Kinematics {
+        branch: [column(0), column(1), column(2)],
+        velocity: [column(3), column(4), column(5)],
+        rolling: [column(6), column(7), column(8)],
+        mean_spin: [column(9), column(10), column(11)],
+    }
+}
+
+fn columns<R: Real>(out: &Interaction<R>) -> [R; ANSWER] {
+    let one = R::splat(1.0);
+    [
+        out.force[0],
+        out.force[1],
+        out.force[2],
+        out.moment[0],
+        out.moment[1],
+        out.moment[2],
+        out.elastic[0],
+        out.elastic[1],
+        out.elastic[2],
+        out.normal_force,
+        out.radius,
+        out.normal_stiffness,
+        out.tangential_stiffness,
+        one.keep(out.touching),
+        one.keep(out.sliding),
+        out.tangential_work,
+        out.friction_loss,
+        out.damping_loss + out.adhesion_loss,
+    ]
+}
+use granum_simd::Real;
+
+fn alone<N: NormalLaw, T: TangentialLaw>(
+    constants: &PairConstants<f64>,
+    motions: &[Motion],
+    restart: bool,
+) -> Vec<Answer> {
+    let mut memory = Memory::<f64>::new();
+    motions
+        .iter()
+        .enumerate()
+        .map(|(step, motion)| {
+            if restart && step % 37 == 0 {
+                // Through the bytes of a checkpoint.
+                let normal = memory.normal.map(|x| x.to_le_bytes());
+                let history = memory.history.map(|x| x.to_le_bytes());
+                memory = Memory {
+                    normal: normal.map(f64::from_le_bytes),
+                    history: history.map(f64::from_le_bytes),
+                };
+                for kept in &memory.history[T::HISTORY..] {
+                    assert_eq!(*kept, 0.0);
+                }
+            }
+            let out = interact::<f64, N, T>(constants, &kinematics(|c| motion[c]), 1e-8, &mut memory);
+            columns(&out).map(f64::to_bits)
+        })
+        .collect()
+}
+
+struct InLanes<'a, N, T>(&'a PairConstants<f64>, &'a [Vec<Motion>], PhantomData<(N, T)>);
+impl<N: NormalLaw, T: TangentialLaw> Kernel for InLanes<'_, N, T> {
+    type Output = Vec<Vec<Answer>>;
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Vec<Vec<Answer>> {
+        let mut answers = vec![vec![[0; ANSWER]; STEPS]; LANES];
+        let mut memory = Memory::<L>::new();
+        for step in 0..STEPS {
+            let motion = kinematics(|c| L::load(&std::array::from_fn(|l| self.1[l][step][c])));
+            let out = interact::<L, N, T>(&self.0.splat(), &motion, L::splat(1e-8), &mut memory);
+            for (c, column) in columns(&out).into_iter().enumerate() {
+                let mut values = [0.0; LANES];
+                column.store(&mut values);
+                (0..LANES).for_each(|l| answers[l][step][c] = values[l].to_bits());
+            }
+        }
+        answers
+    }
+}
+
+struct SideBySide<'a, N, T>(&'a PairConstants<f64>, &'a [Vec<Motion>], PhantomData<(N, T)>);
+impl<N: NormalLaw, T: TangentialLaw> Kernel for SideBySide<'_, N, T> {
+    type Output = Vec<Vec<Answer>>;
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Vec<Vec<Answer>> {
+        let mut answers = vec![vec![[0; ANSWER]; STEPS]; 2 * LANES];
+        let mut memory = Memory::<Twice<L>>::new();
+        for step in 0..STEPS {
+            let load = |c: usize, first: usize| L::load(&std::array::from_fn(|l| self.1[first + l][step][c]));
+            let motion = kinematics(|c| Twice(load(c, 0), load(c, LANES)));
+            let out = interact::<Twice<L>, N, T>(&self.0.splat(), &motion, Twice::splat(1e-8), &mut memory);
+            for (c, column) in columns(&out).into_iter().enumerate() {
+                for (half, first) in [(column.0, 0), (column.1, LANES)] {
+                    let mut values = [0.0; LANES];
+                    half.store(&mut values);
+                    (0..LANES).for_each(|l| answers[first + l][step][c] = values[l].to_bits());
+                }
+            }
+        }
+        answers
+    }
+}
+
+struct SameBits(f64);
+impl LawVisitor for SameBits {
+    type Output = [usize; 2];
+    fn visit<N: NormalLaw, T: TangentialLaw>(self) -> [usize; 2] {
+        let pair = PairProperties { damping: 0.1, ..spheres(self.0) };
+        let constants = PairConstants::new::<N, T>(&pair);
+        let motions: Vec<Vec<Motion>> = (0..2 * LANES).map(motions).collect();
+        let reference: Vec<Vec<Answer>> =
+            motions.iter().map(|m| alone::<N, T>(&constants, m, false)).collect();
+        for (motion, expected) in motions.iter().zip(&reference) {
+            assert_eq!(&alone::<N, T>(&constants, motion, true), expected, "restart");
+        }
+        for isa in Isa::ALL.into_iter().filter(|i| i.available()) {
+            let lanes = dispatch(isa, InLanes::<N, T>(&constants, &motions, PhantomData));
+            assert!(lanes == reference[..LANES], "{}", isa.name());
+            let both = dispatch(isa, SideBySide::<N, T>(&constants, &motions, PhantomData));
+            assert!(both == reference, "{} side by side", isa.name());
+        }
+        let finite = reference.iter().flatten().flatten().all(|b| f64::from_bits(*b).is_finite());
+        assert!(finite);
+        let count = |c: usize| reference.iter().flatten().filter(|a| f64::from_bits(a[c]) == 1.0).count();
+        [count(13), count(14)]
+    }
+}
+
+#[test]
+fn every_law_has_the_same_bits_everywhere() {
+    for energy in [0.6, 0.0] {
+        for (normal, tangential) in crate::contact::registry::ALL {
+            let [touching, sliding] =
+                crate::contact::registry::with_law(normal, tangential, SameBits(energy));
+            let all = 2 * LANES * STEPS;
+            // The motions do visit contact and its absence, sticking and sliding.
+            assert!(touching > all / 3 && touching < all, "{normal:?} {tangential:?}: {touching}");
+            assert!(
+                sliding > 50 && sliding < touching - 50,
+                "{normal:?} {tangential:?}: {sliding} {touching}"
+            );
+        }
+    }
+}
