@@ -2,8 +2,10 @@
 
 mod forces;
 mod hardware;
+mod impact;
 mod init;
 mod law;
+mod pair;
 mod prepare;
 mod reproduce;
 mod resume;
@@ -23,6 +25,8 @@ pub enum Command {
     Shear(shear::Shear),
     Resume(resume::Resume),
     Forces(forces::Forces),
+    Pair(pair::Pair),
+    Impact(impact::Impact),
     Reproduce(reproduce::Reproduce),
 }
 
@@ -34,6 +38,8 @@ impl Command {
             Command::Shear(command) => command.run(context),
             Command::Resume(command) => command.run(context),
             Command::Forces(command) => command.run(context),
+            Command::Pair(command) => command.run(context),
+            Command::Impact(command) => command.run(context),
             Command::Reproduce(command) => command.run(context),
         }
     }
