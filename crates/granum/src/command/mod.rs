@@ -1,16 +1,22 @@
 //! The subcommands, one file each.
 
+mod digest;
+mod evaluate;
 mod forces;
 mod hardware;
-mod impact;
 mod init;
 mod law;
-mod pair;
+mod predict;
 mod prepare;
+mod records;
+mod report;
 mod reproduce;
 mod resume;
 mod run_report;
+mod scores;
 mod shear;
+mod status;
+mod train;
 
 use clap::Subcommand;
 
@@ -24,9 +30,13 @@ pub enum Command {
     Prepare(prepare::Prepare),
     Shear(shear::Shear),
     Resume(resume::Resume),
+    Status(status::Status),
+    Digest(digest::Digest),
+    Report(report::Report),
+    Train(train::Train),
+    Predict(predict::Predict),
+    Evaluate(evaluate::Evaluate),
     Forces(forces::Forces),
-    Pair(pair::Pair),
-    Impact(impact::Impact),
     Reproduce(reproduce::Reproduce),
 }
 
@@ -37,9 +47,13 @@ impl Command {
             Command::Prepare(command) => command.run(context),
             Command::Shear(command) => command.run(context),
             Command::Resume(command) => command.run(context),
+            Command::Status(command) => command.run(context),
+            Command::Digest(command) => command.run(context),
+            Command::Report(command) => command.run(context),
+            Command::Train(command) => command.run(context),
+            Command::Predict(command) => command.run(context),
+            Command::Evaluate(command) => command.run(context),
             Command::Forces(command) => command.run(context),
-            Command::Pair(command) => command.run(context),
-            Command::Impact(command) => command.run(context),
             Command::Reproduce(command) => command.run(context),
         }
     }

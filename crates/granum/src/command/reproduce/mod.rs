@@ -13,6 +13,7 @@ use granum_io::{Case, OutputFolder};
 use serde_json::json;
 
 use super::hardware::HardwareFlags;
+use super::scores;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -65,16 +66,18 @@ impl Reproduce {
             )
         })
     }
+}
 
-    /// The command line that does the same again.
-    fn command(&self) -> String {
-        let quick = if self.quick { " --quick" } else { "" };
-        let trainer = match self.trainer.as_str() {
-            "levenberg-marquardt" => String::new(),
-            other => format!(" --trainer {other}"),
-        };
-        format!("granum reproduce{quick}{trainer}")
-    }
+/// The command line that makes runs of a case and networks of a trainer again.
+pub(super) fn command_line(of: &Case, trainer: &str) -> String {
+    let mut quick_case = case(true);
+    quick_case.preparation.seed = of.preparation.seed;
+    let quick = if *of == quick_case { " --quick" } else { "" };
+    let trainer = match trainer {
+        "levenberg-marquardt" => String::new(),
+        other => format!(" --trainer {other}"),
+    };
+    format!("granum reproduce{quick}{trainer}")
 }
 
 /// The paper's case, or a small and fast one like it.
@@ -93,21 +96,7 @@ fn case(quick: bool) -> Case {
 
 /// The mappings with their errors, for the terminal.
 fn table(summary: &Summary) -> String {
-    let percent = |x: Option<f64>| x.map_or("      -".to_string(), |x| format!("{:6.2} %", 100.0 * x));
-    let mut lines = vec![format!(
-        "{:<34} {:>8} {:>8} {:>11} {:>12}",
-        "relative RMSE", "held out", "unseen", "strain only", "seed scatter"
-    )];
-    for (name, m) in &summary.mappings {
-        lines.push(format!(
-            "{name} {:<31} {} {} {:>11} {:>12}",
-            m.formula,
-            percent(Some(m.relative_rmse.held_out)),
-            percent(m.relative_rmse.unseen),
-            percent(Some(m.relative_rmse.strain_only)),
-            percent(m.seed_scatter),
-        ));
-    }
+    let mut lines = scores::lines(&summary.mappings);
     lines.push(format!(
         "networks answer {:.0} times faster than DEM ({:.0} s against {:.2e} s)",
         summary.speed.factor, summary.speed.dem_seconds, summary.speed.network_seconds

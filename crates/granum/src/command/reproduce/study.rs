@@ -108,8 +108,10 @@ pub fn all(
     let report = StudyReport {
         summary,
         figures: figures(&study, &dataset)?,
+        command: reports
+            .first()
+            .map_or(String::new(), |run| super::command_line(&run.case, &arguments.trainer)),
         runs: reports,
-        command: arguments.command(),
         dataset_hash: dataset.hash()?,
         network_seed: options.seed,
     };

@@ -1,0 +1,93 @@
+//! `granum digest`: one hash of what a run found.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use granum_io::snapshot::{contacts_table, grains_table};
+use granum_io::{Run, RunStatus, Table};
+use serde_json::{Value, json};
+use sha2::{Digest as _, Sha256};
+
+use crate::context::Context;
+use crate::failure::Failure;
+use crate::output;
+
+/// One SHA-256 of a run's physical content: case, series, force histograms and snapshots, bit by bit.
+///
+/// It leaves out timings and the machine: two people with one case get one digest, on any number of threads and any
+/// instruction set.
+#[derive(Args)]
+#[command(after_help = "Example:\n  granum digest run-1 run-2")]
+pub struct Digest {
+    /// Run folders.
+    #[arg(required = true, value_name = "DIR")]
+    folders: Vec<PathBuf>,
+}
+
+impl Digest {
+    pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        let found = self.folders.iter().map(|folder| digest(folder)).collect::<Result<Vec<_>, _>>()?;
+        let rows: Vec<Value> = self
+            .folders
+            .iter()
+            .zip(&found)
+            .map(|(folder, (digest, status))| json!({ "folder": folder, "sha256": digest, "status": status }))
+            .collect();
+        let line = |(folder, (digest, status)): (&PathBuf, &(String, RunStatus))| {
+            let part = if *status == RunStatus::Finished { "" } else { "  (of the part that is done)" };
+            format!("{digest}  {}{part}", folder.display())
+        };
+        output::say(context, &json!({ "digests": rows }), || {
+            self.folders.iter().zip(&found).map(line).collect::<Vec<_>>().join("\n")
+        })
+    }
+}
+
+/// Digest and status of a run folder.
+fn digest(folder: &Path) -> Result<(String, RunStatus), Failure> {
+    let run = Run::at(folder)?;
+    let record = run.record()?;
+    let mut hash = Sha256::new();
+    text(&mut hash, "granum digest 1");
+    text(&mut hash, &run.case()?.digest());
+    // A sample has no tables of a test; a run that began has both.
+    if record.kind != "prepare" {
+        table(&mut hash, "series", &run.series()?);
+        table(&mut hash, "forces", &run.forces()?);
+    }
+    for name in run.snapshots()? {
+        let assembly = run.snapshot(&name)?;
+        text(&mut hash, &name);
+        table(&mut hash, "grains", &grains_table(&assembly)?);
+        table(&mut hash, "contacts", &contacts_table(&assembly)?);
+        numbers(&mut hash, &[assembly.cell, assembly.velocity_gradient, assembly.strain].concat().concat());
+        numbers(&mut hash, &[assembly.time, assembly.time_step, assembly.step as f64]);
+        text(&mut hash, &serde_json::to_string(&assembly.energy)?);
+    }
+    let hexadecimal = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    Ok((hexadecimal, record.status))
+}
+
+/// Text with its length, so that no two lists of texts hash alike.
+fn text(hash: &mut Sha256, text: &str) {
+    hash.update((text.len() as u64).to_le_bytes());
+    hash.update(text);
+}
+
+/// The bits of numbers; every NaN counts as the same, for machines differ in its payload.
+fn numbers(hash: &mut Sha256, values: &[f64]) {
+    hash.update((values.len() as u64).to_le_bytes());
+    for value in values {
+        let bits = if value.is_nan() { 0x7ff8_0000_0000_0000 } else { value.to_bits() };
+        hash.update(bits.to_le_bytes());
+    }
+}
+
+fn table(hash: &mut Sha256, name: &str, table: &Table) {
+    text(hash, name);
+    for column in table.columns() {
+        text(hash, &column.name);
+        text(hash, &column.unit);
+        numbers(hash, &column.values);
+    }
+}

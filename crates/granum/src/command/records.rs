@@ -1,0 +1,73 @@
+//! Run folders as records, for the commands that train or judge networks.
+
+use std::path::{Path, PathBuf};
+
+use granum_hybrid::{NamedRecord, files::read_record};
+use granum_io::{Run, RunStatus};
+use granum_sensors::Record;
+
+use crate::context::Context;
+use crate::failure::Failure;
+
+/// What a run folder holds.
+pub struct Recorded {
+    /// Its folder, as the user named it.
+    pub name: String,
+    /// Seed of its sample.
+    pub seed: u64,
+    /// Deviator strain at the end of its case.
+    pub end: f64,
+    /// What the sensors saw.
+    pub record: Record,
+}
+
+impl Recorded {
+    pub fn named(&self) -> NamedRecord<'_> {
+        NamedRecord { name: &self.name, seed: self.seed, record: &self.record }
+    }
+}
+
+/// Runs as a data set takes them.
+pub fn named(runs: &[Recorded]) -> Vec<NamedRecord<'_>> {
+    runs.iter().map(Recorded::named).collect()
+}
+
+/// Reads run folders; one that did not reach its end is taken with a warning.
+pub fn read(context: &Context, folders: &[PathBuf]) -> Result<Vec<Recorded>, Failure> {
+    folders.iter().map(|folder| read_one(context, folder)).collect()
+}
+
+fn read_one(context: &Context, folder: &Path) -> Result<Recorded, Failure> {
+    let run = Run::at(folder)?;
+    let (case, about) = (run.case()?, run.record()?);
+    if about.kind == "prepare" {
+        return Err(Failure::new(format!(
+            "{}: is a sample, not a test; shear it first: granum shear CASE --sample {}",
+            folder.display(),
+            folder.display()
+        )));
+    }
+    let record = read_record(&run)?;
+    if about.status != RunStatus::Finished && !context.json {
+        eprintln!("warning: {} did not reach its end; the states that it has are taken", folder.display());
+    }
+    Ok(Recorded {
+        name: folder.display().to_string(),
+        seed: about.seed,
+        end: case.shear.deviator_strain,
+        record,
+    })
+}
+
+/// Refuses runs that hold the same states: what was learned from one would be judged by itself.
+pub fn check_different(runs: &[&Recorded]) -> Result<(), Failure> {
+    for (k, run) in runs.iter().enumerate() {
+        if let Some(same) = runs[..k].iter().find(|other| other.record == run.record) {
+            let (a, b) = (&same.name, &run.name);
+            return Err(Failure::new(format!(
+                "{a} and {b} are the same run; training and unseen runs must differ in the seed at least"
+            )));
+        }
+    }
+    Ok(())
+}

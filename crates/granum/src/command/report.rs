@@ -1,0 +1,117 @@
+//! `granum report`: the report of a run or of a whole reproduction, from its folder.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use granum::report::{Document, Role, RunReport, StudyReport, run_report, study_report};
+use granum_hybrid::figures::figures;
+use granum_hybrid::files::load_study;
+use granum_hybrid::{Dataset, DatasetOptions, NamedRecord, Summary};
+use granum_io::{Run, atomic::write_atomically, check_output_file};
+use serde_json::json;
+
+use super::reproduce::command_line;
+use crate::context::Context;
+use crate::failure::Failure;
+use crate::output;
+
+/// Write the report of a run folder, or of a reproduction, again from what is in it.
+///
+/// Leaves report.html, which opens offline and holds its figures, and the figures as SVG in the folder figures.
+#[derive(Args)]
+#[command(
+    after_help = "Example:\n  granum report run-1\n  granum report run-1 --out run-1.html\n  granum report reproduction --force"
+)]
+pub struct Report {
+    /// Folder of a run or of a reproduction.
+    folder: PathBuf,
+    /// Folder for report.html and figures, or a file that ends in .html for the page alone; the folder itself by
+    /// default.
+    #[arg(short, long, value_name = "FILE/DIR")]
+    out: Option<PathBuf>,
+}
+
+impl Report {
+    pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        let out = self.out.as_deref().unwrap_or(&self.folder);
+        let page = out.extension().is_some_and(|extension| extension == "html") && !out.is_dir();
+        let file = if page { out.to_path_buf() } else { out.join("report.html") };
+        check_output_file(&file, context.force)?;
+        let document = document(&self.folder)?;
+        if page {
+            write_atomically(out, |file| file.write_all(document.html.as_bytes()))?;
+        } else {
+            for (name, _) in &document.figures {
+                check_output_file(out.join("figures").join(name), context.force)?;
+            }
+            document.write(out)?;
+        }
+        let figures = if page { 0 } else { document.figures.len() };
+        output::say(context, &json!({ "report": file, "figure_files": figures }), || match figures {
+            0 => format!("wrote {}", file.display()),
+            _ => format!("wrote {} and {figures} figures beside it", file.display()),
+        })
+    }
+}
+
+fn document(folder: &Path) -> Result<Document, Failure> {
+    let (runs, models) = (folder.join("runs"), folder.join("models"));
+    if folder.join("summary.json").is_file() && runs.is_dir() && models.is_dir() {
+        return Ok(study_report(&study(folder, &runs, &models)?));
+    }
+    if folder.join(granum_hybrid::files::STUDY_FILE).is_file() {
+        return Err(Failure::new(format!(
+            "{}: holds networks but no runs to draw; `granum evaluate {0} RUN...` scores them on runs",
+            folder.display()
+        )));
+    }
+    Ok(run_report(&RunReport::read(&Run::at(folder)?, Role::Single)?))
+}
+
+/// Everything in the folder of a reproduction, put together again.
+fn study(folder: &Path, runs: &Path, models: &Path) -> Result<StudyReport, Failure> {
+    let path = folder.join("summary.json");
+    let text = std::fs::read_to_string(&path).map_err(granum_io::Error::file("read", &path))?;
+    let summary: Summary = serde_json::from_str(&text)
+        .map_err(|error| Failure::new(format!("{}: is no summary of a study ({error})", path.display())))?;
+    let reports: Vec<RunReport> = summary
+        .dem
+        .runs
+        .iter()
+        .map(|run| {
+            let role = match run.role.as_str() {
+                "training" => Role::Training,
+                "unseen" => Role::Unseen,
+                other => {
+                    let message =
+                        format!("{}: role {other:?} is neither training nor unseen", path.display());
+                    return Err(Failure::new(message));
+                }
+            };
+            Ok(RunReport::read(&Run::at(runs.join(format!("{}-{}", role.word(), run.seed)))?, role)?)
+        })
+        .collect::<Result<_, Failure>>()?;
+    let of = |role: Role| -> Vec<NamedRecord> {
+        let own = reports.iter().filter(|report| report.role == role);
+        own.map(|r| NamedRecord { name: &r.name, seed: r.run.seed, record: &r.record }).collect()
+    };
+    let dataset = Dataset::new(&of(Role::Training), &of(Role::Unseen), &DatasetOptions::default())?;
+    let study = load_study(models)?;
+    let dataset_hash = dataset.hash()?;
+    if dataset_hash != study.dataset_hash {
+        return Err(Failure::new(format!(
+            "{}: the networks were trained on other runs than those in {}; run `granum reproduce` again",
+            models.display(),
+            runs.display()
+        )));
+    }
+    Ok(StudyReport {
+        figures: figures(&study, &dataset)?,
+        command: reports.first().map_or(String::new(), |run| command_line(&run.case, &study.trainer)),
+        runs: reports,
+        summary,
+        dataset_hash,
+        network_seed: study.seed,
+    })
+}

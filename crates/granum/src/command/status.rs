@@ -1,0 +1,148 @@
+//! `granum status`: how far a run is.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use clap::Args;
+use granum_hybrid::laboratory::CHECKPOINT;
+use granum_io::{Error, Run, RunFolder, RunStatus};
+use serde_json::{Value, json};
+
+use crate::context::Context;
+use crate::failure::Failure;
+use crate::output;
+use crate::progress::readable;
+
+/// Tell how far a run is, or every run of a reproduction, and what to do next.
+#[derive(Args)]
+#[command(after_help = "Example:\n  granum status run-1\n  granum status reproduction")]
+pub struct Status {
+    /// Folder of a run or of a reproduction.
+    folder: PathBuf,
+}
+
+impl Status {
+    pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        let runs = self.folder.join("runs");
+        if !runs.is_dir() {
+            let found = Found::of(&self.folder)?;
+            return output::say(context, &found.json(), || found.text());
+        }
+        let read = std::fs::read_dir(&runs).map_err(Error::file("read", &runs))?;
+        let mut folders: Vec<PathBuf> =
+            read.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
+        folders.sort();
+        let found = folders.iter().map(|folder| Found::of(folder)).collect::<Result<Vec<_>, _>>()?;
+        let done = self.folder.join("summary.json").is_file();
+        let next = if done { "done; see report.html" } else { "`granum reproduce` again goes on from here" };
+        let all: Vec<Value> = found.iter().map(Found::json).collect();
+        let result = json!({ "folder": self.folder, "runs": all, "finished": done, "next": next });
+        output::say(context, &result, || {
+            let mut lines: Vec<String> = found.iter().map(Found::text).collect();
+            lines.push(format!("{}: {next}", self.folder.display()));
+            lines.join("\n")
+        })
+    }
+}
+
+/// What a run folder says of itself.
+struct Found {
+    folder: PathBuf,
+    kind: String,
+    status: RunStatus,
+    /// A process works in it.
+    at_work: bool,
+    steps: Value,
+    seconds: f64,
+    /// Deviator strain recorded, and of the end of the test.
+    strain: Option<f64>,
+    end: f64,
+    checkpoint: Option<Duration>,
+    failed_checks: Vec<String>,
+    next: String,
+}
+
+impl Found {
+    fn of(folder: &Path) -> Result<Found, Failure> {
+        let run = Run::at(folder)?;
+        let (case, record) = (run.case()?, run.record()?);
+        let at_work = matches!(RunFolder::open(folder), Err(Error::Locked { .. }));
+        let strain = run.series().ok().and_then(|t| t.column("deviator_strain").ok()?.last().copied());
+        let checkpoint = std::fs::metadata(folder.join(CHECKPOINT))
+            .and_then(|file| file.modified())
+            .ok()
+            .map(|time| time.elapsed().unwrap_or_default());
+        let name = folder.display();
+        let next = match record.status {
+            _ if at_work => "a process is at work in it; wait".to_string(),
+            RunStatus::Finished if record.kind == "prepare" => {
+                format!("shear it: granum shear CASE --sample {name}")
+            }
+            RunStatus::Finished => format!("look at it: granum report {name}"),
+            _ if record.kind != "prepare" && checkpoint.is_some() => {
+                format!("go on with it: granum resume {name}")
+            }
+            RunStatus::Failed => format!(
+                "{}; change the case and run it again with --force",
+                record.notes.last().map_or("it failed", String::as_str)
+            ),
+            _ => format!("there is no checkpoint yet: granum {} again with --force", record.kind),
+        };
+        Ok(Found {
+            folder: folder.to_path_buf(),
+            status: record.status,
+            at_work,
+            steps: json!(record.steps),
+            seconds: record.wall_seconds.values().sum(),
+            strain: if record.kind == "prepare" { None } else { strain },
+            end: case.shear.deviator_strain,
+            checkpoint,
+            failed_checks: record.quality.iter().filter(|q| !q.passed).map(|q| q.name.clone()).collect(),
+            kind: record.kind,
+            next,
+        })
+    }
+
+    /// One word on where it is; a run that is "running" with no process at work was killed.
+    fn word(&self) -> &'static str {
+        match self.status {
+            _ if self.at_work => "running",
+            RunStatus::Running => "killed",
+            RunStatus::Interrupted => "interrupted",
+            RunStatus::Finished => "finished",
+            RunStatus::Failed => "failed",
+        }
+    }
+
+    fn json(&self) -> Value {
+        json!({
+            "folder": self.folder,
+            "kind": self.kind,
+            "status": self.word(),
+            "steps": self.steps,
+            "wall_seconds": self.seconds,
+            "deviator_strain": self.strain,
+            "deviator_strain_end": self.end,
+            "checkpoint_age_seconds": self.checkpoint.map(|age| age.as_secs_f64()),
+            "failed_checks": self.failed_checks,
+            "next": self.next,
+        })
+    }
+
+    fn text(&self) -> String {
+        let mut text = format!("{}: {} {}", self.folder.display(), self.kind, self.word());
+        if let Some(strain) = self.strain {
+            text += &format!(", recorded to deviator strain {strain:.4} of {}", self.end);
+        }
+        if self.seconds > 0.0 {
+            text += &format!(", {} of work", readable(Duration::from_secs_f64(self.seconds)));
+        }
+        if let Some(age) = self.checkpoint {
+            text += &format!(", checkpoint {} old", readable(age));
+        }
+        if !self.failed_checks.is_empty() {
+            text += &format!("\n  quality checks not passed: {}", self.failed_checks.join(", "));
+        }
+        text + &format!("\n  {}", self.next)
+    }
+}

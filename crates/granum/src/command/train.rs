@@ -1,0 +1,210 @@
+//! `granum train`: the networks of the six mappings from run folders.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use clap::{Args, ValueEnum};
+use granum_hybrid::files::{STUDY_FILE, network_file, save_study};
+use granum_hybrid::mapping::{PAPER_STRAIN, paper_mappings_to};
+use granum_hybrid::study::network_name;
+use granum_hybrid::summary::MappingSummary;
+use granum_hybrid::{
+    Dataset, DatasetOptions, Form, HybridError, Mapping, Study, StudyObserver, StudyOptions, StudyProgress,
+};
+use granum_io::OutputFolder;
+use granum_nets::Model;
+use serde_json::json;
+
+use super::records;
+use super::scores;
+use crate::context::Context;
+use crate::failure::{Failure, Interrupted};
+use crate::output;
+use crate::progress::Progress;
+
+/// The trainer whose epochs are those of the paper's tables.
+const PAPER_TRAINER: &str = "traingdx";
+
+/// Train the eighteen networks of the paper's six mappings, and a twin of each that sees strain only.
+///
+/// Every second state of the runs trains, the others are held out and judge; unseen runs only judge. An interrupted
+/// training goes on with the same command.
+#[derive(Args)]
+#[command(
+    after_help = "Example:\n  granum train run-1 --unseen run-2 run-3 --out study\n  granum train run-1 --trainer traingdx \
+                  --epoch-factor 0.1 --out quick-study"
+)]
+pub struct Train {
+    /// Run folders to learn from.
+    #[arg(required = true, value_name = "RUN")]
+    runs: Vec<PathBuf>,
+    /// Folder of the study.
+    #[arg(short, long, default_value = "study", value_name = "DIR")]
+    out: PathBuf,
+    /// Run folders that no network sees, to judge by.
+    #[arg(long, num_args = 1.., value_name = "RUN")]
+    unseen: Vec<PathBuf>,
+    /// Trainer: levenberg-marquardt (with Bayesian regularisation) or traingdx (the paper's, with its epochs).
+    #[arg(long, default_value = "levenberg-marquardt", value_name = "NAME")]
+    trainer: String,
+    /// How P(f) enters a network: as points f, P (the paper), or every bin at once.
+    #[arg(long, value_enum, default_value_t = FormName::Point)]
+    form: FormName,
+    /// Seed of the initial weights.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    seed: u64,
+    /// Factor on the epochs of the paper's tables, for traingdx; other trainers end by their own rule.
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    epoch_factor: Option<f64>,
+    /// Threads, a network each; all processors by default. Results do not depend on it.
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+}
+
+/// [`Form`] as a flag.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum FormName {
+    Point,
+    Histogram,
+}
+
+/// Shows training, keeps networks as they come, and passes on the wish to stop.
+struct Keeper<'a> {
+    context: &'a Context,
+    folder: &'a Path,
+    progress: Mutex<Progress>,
+}
+
+impl StudyObserver for Keeper<'_> {
+    fn progress(&self, p: &StudyProgress) {
+        let mut progress = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
+        progress.update(None, || format!("{} epoch {} error {:.2e}", p.network, p.epoch, p.error));
+    }
+    fn trained(&self, network: &str, model: &Model) {
+        // A disk that is full is told when the whole study is written; until then only time is at stake.
+        let _ = model.save(&self.folder.join(network_file(network)));
+    }
+    fn finished(&self, network: &str) -> Option<Model> {
+        Model::load(&self.folder.join(network_file(network))).ok()
+    }
+    fn stop(&self) -> bool {
+        self.context.stopped()
+    }
+}
+
+impl Train {
+    pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        let mut options = self.options()?;
+        let training = records::read(context, &self.runs)?;
+        let unseen = records::read(context, &self.unseen)?;
+        records::check_different(&training.iter().chain(&unseen).collect::<Vec<_>>())?;
+        let end = training.iter().map(|run| run.end).fold(f64::INFINITY, f64::min);
+        options.mappings = paper_mappings_to(end);
+        if end != PAPER_STRAIN && !context.json {
+            eprintln!(
+                "note: the tests end at {end}; strain ranges of the paper's tables shrink or grow to fit"
+            );
+        }
+        let dataset =
+            Dataset::new(&records::named(&training), &records::named(&unseen), &DatasetOptions::default())?;
+        let folder = self.folder(context, &options.mappings)?;
+        let study = self.train(context, &folder, &dataset, &options)?;
+        save_study(folder.path(), &study)?;
+        self.tell(context, &study, &dataset)
+    }
+
+    fn options(&self) -> Result<StudyOptions, Failure> {
+        granum_nets::trainer::by_name(&self.trainer, &Default::default())?;
+        if let Some(factor) = self.epoch_factor {
+            if self.trainer != PAPER_TRAINER {
+                return Err(Failure::new(format!(
+                    "--epoch-factor {factor}: only {PAPER_TRAINER} has the epochs of the tables; {} ends by its own rule",
+                    self.trainer
+                )));
+            }
+            if !(factor > 0.0 && factor <= 1e3) {
+                return Err(Failure::new(format!("--epoch-factor {factor}: more than 0 and up to 1000")));
+            }
+        }
+        if let Some(threads @ (0 | 1025..)) = self.threads {
+            return Err(Failure::new(format!("--threads {threads}: from 1 to 1024")));
+        }
+        Ok(StudyOptions {
+            form: match self.form {
+                FormName::Point => Form::Point,
+                FormName::Histogram => Form::Histogram,
+            },
+            trainer: self.trainer.clone(),
+            epoch_factor: self.epoch_factor.unwrap_or(1.0),
+            seed: self.seed,
+            threads: self.threads.unwrap_or(0),
+            ..StudyOptions::default()
+        })
+    }
+
+    /// The folder: new, that of an unfinished training to go on with, or with `--force` any study's.
+    fn folder(&self, context: &Context, mappings: &[Mapping]) -> Result<OutputFolder, Failure> {
+        let names: Vec<String> = mappings
+            .iter()
+            .flat_map(|mapping| {
+                (0..mapping.sub_models.len())
+                    .flat_map(|k| [false, true].map(|twin| network_file(&network_name(mapping, twin, k))))
+            })
+            .collect();
+        let unfinished =
+            !self.out.join(STUDY_FILE).exists() && names.iter().any(|name| self.out.join(name).is_file());
+        if unfinished && !context.force {
+            return Ok(OutputFolder::open(&self.out)?);
+        }
+        let folder = OutputFolder::create(&self.out, context.force)?;
+        let names: Vec<&str> = names.iter().map(String::as_str).chain([STUDY_FILE]).collect();
+        folder.clear(&names)?;
+        Ok(folder)
+    }
+
+    fn train(
+        &self,
+        context: &Context,
+        folder: &OutputFolder,
+        dataset: &Dataset,
+        options: &StudyOptions,
+    ) -> Result<Study, Failure> {
+        let mut progress = context.progress();
+        progress.phase("networks");
+        let keeper = Keeper { context, folder: folder.path(), progress: Mutex::new(progress) };
+        let study = Study::train(dataset, options, &keeper).map_err(|error| match error {
+            HybridError::Stopped { done, total } => Interrupted {
+                left: format!(
+                    "{done} of {total} networks are in {}; the same command goes on from there",
+                    folder.path().display()
+                ),
+            }
+            .into(),
+            other => Failure::from(other),
+        })?;
+        let networks: usize = study.mappings.iter().map(|m| m.surrogate.networks().len()).sum();
+        let mut progress = keeper.progress.into_inner().unwrap_or_else(PoisonError::into_inner);
+        progress.end(|| format!("{networks} networks and as many that see strain only"));
+        Ok(study)
+    }
+
+    fn tell(&self, context: &Context, study: &Study, dataset: &Dataset) -> Result<(), Failure> {
+        let mappings: BTreeMap<String, MappingSummary> = study
+            .evaluate(dataset)?
+            .iter()
+            .map(|evaluation| (evaluation.mapping.name.clone(), MappingSummary::new(evaluation)))
+            .collect();
+        let result = json!({
+            "study": self.out,
+            "dataset_hash": study.dataset_hash,
+            "training_seconds": study.training_seconds(),
+            "mappings": mappings,
+        });
+        output::say(context, &result, || {
+            let mut lines = scores::lines(&mappings);
+            lines.push(format!("wrote {}", self.out.display()));
+            lines.join("\n")
+        })
+    }
+}

@@ -1,0 +1,59 @@
+//! The program from end to end, as a user runs it: small tests of grains, networks trained on them, and what is
+//! refused.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod networks;
+mod refusals;
+mod tests_of_grains;
+
+use std::path::Path;
+
+use common::{json, run, stderr, stdout};
+use serde_json::Value;
+
+/// A case that prepares and shears in a second or two.
+pub const SMALL: &str = r#"
+[grains]
+count = 150
+[preparation]
+friction = 0.1
+solid_fraction = "none"
+inertial_number = 5e-3
+unbalanced_force = 1e-2
+[shear]
+deviator_strain = 0.02
+inertial_number = 3e-3
+[recording]
+states = 8
+looks = 3
+"#;
+
+/// Runs granum, which must succeed, and gives what it printed.
+pub fn done(folder: &Path, arguments: &[&str]) -> String {
+    let output = run(folder, arguments);
+    assert!(output.status.success(), "granum {}: {}", arguments.join(" "), stderr(&output));
+    stdout(&output)
+}
+
+/// Runs granum with `--json`, which must succeed, and gives what it printed.
+pub fn done_json(folder: &Path, arguments: &[&str]) -> Value {
+    let mut all = vec!["--json"];
+    all.extend(arguments);
+    json(&done(folder, &all))
+}
+
+/// Runs granum, which must fail with that status, and gives what it said.
+pub fn refused(folder: &Path, status: i32, arguments: &[&str]) -> String {
+    let output = run(folder, arguments);
+    assert_eq!(output.status.code(), Some(status), "granum {}: {}", arguments.join(" "), stderr(&output));
+    stderr(&output)
+}
+
+/// The digest of a run folder.
+pub fn digest(folder: &Path, name: &str) -> String {
+    let digests = done_json(folder, &["digest", name]);
+    let digest = digests["digests"][0]["sha256"].as_str().unwrap().to_string();
+    assert_eq!(digest.len(), 64);
+    digest
+}

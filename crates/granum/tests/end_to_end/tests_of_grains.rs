@@ -1,0 +1,114 @@
+//! Samples and tests: prepare, shear, report, digest, status, interrupt, resume; forces of the shipped packing.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use crate::common::{run, stderr};
+use crate::{SMALL, digest, done, done_json, refused};
+
+#[test]
+fn a_small_case_from_sample_to_report_and_one_digest_on_any_hardware() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    std::fs::write(here.join("case.toml"), SMALL).unwrap();
+    let sample = done_json(here, &["prepare", "case.toml", "--out", "sample"]);
+    assert_eq!(sample["status"], "finished");
+    let solid_fraction = sample["measures"]["solid_fraction"].as_f64().unwrap();
+    assert!((0.55..0.66).contains(&solid_fraction), "{solid_fraction}");
+    assert!(done(here, &["status", "sample"]).contains("granum shear CASE --sample sample"));
+
+    done(here, &["shear", "case.toml", "--sample", "sample", "--out", "two"]);
+    done(here, &["shear", "case.toml", "--out", "one", "--isa", "portable", "--threads", "2"]);
+    assert_eq!(digest(here, "one"), digest(here, "two"));
+    assert_ne!(digest(here, "sample"), digest(here, "two"));
+    let status = done_json(here, &["status", "one"]);
+    assert_eq!(status["status"], "finished");
+    assert!((status["deviator_strain"].as_f64().unwrap() - 0.02).abs() < 2e-3, "{status}");
+
+    let message = refused(here, 1, &["shear", "case.toml", "--out", "one"]);
+    assert!(message.contains("one exists already; give --force"), "{message}");
+    let message = refused(here, 1, &["train", "sample", "--out", "study"]);
+    assert!(message.contains("sample: is a sample, not a test"), "{message}");
+
+    reports(here);
+}
+
+/// Reports of a run: in its folder, as one page elsewhere, never over an older one.
+fn reports(here: &Path) {
+    let told = done_json(here, &["report", "one"]);
+    let figures = std::fs::read_dir(here.join("one/figures")).unwrap().count();
+    assert!(figures >= 6 && told["figure_files"] == figures, "{told}");
+    let page = std::fs::read_to_string(here.join("one/report.html")).unwrap();
+    assert!(page.contains("150 grains") && page.contains("<svg"), "{}", page.len());
+    let message = refused(here, 1, &["report", "one"]);
+    assert!(message.contains("report.html exists already"), "{message}");
+    done(here, &["report", "one", "--force"]);
+    done(here, &["report", "two", "--out", "two.html"]);
+    assert!(here.join("two.html").is_file() && !here.join("two/report.html").exists());
+    let message = refused(here, 1, &["report", "nowhere"]);
+    assert!(message.contains("nowhere: there is no such folder"), "{message}");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_tells_how_to_go_on_and_ends_in_the_same_bits() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    std::fs::write(here.join("case.toml"), SMALL.replace("deviator_strain = 0.02", "deviator_strain = 0.06"))
+        .unwrap();
+    done(here, &["prepare", "case.toml", "--out", "sample"]);
+    let shear = |out| ["shear", "case.toml", "--sample", "sample", "--out", out];
+    let child = Command::new(env!("CARGO_BIN_EXE_granum"))
+        .args(shear("broken"))
+        .current_dir(here)
+        .stderr(Stdio::piped())
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    let started = Instant::now();
+    while !here.join("broken/checkpoint").exists() {
+        assert!(started.elapsed() < Duration::from_secs(30), "the test did not begin");
+        sleep(Duration::from_millis(2));
+    }
+    assert_eq!(done_json(here, &["status", "broken"])["status"], "running");
+    let message = refused(here, 1, &["resume", "broken"]);
+    assert!(message.contains("in use by another granum process"), "{message}");
+    let signalled = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(signalled.success());
+    let ended = child.wait_with_output().unwrap();
+    assert_eq!(ended.status.code(), Some(130), "{}", stderr(&ended));
+    assert!(stderr(&ended).contains("go on with `granum resume broken`"), "{}", stderr(&ended));
+
+    let status = done_json(here, &["status", "broken"]);
+    assert_eq!(status["status"], "interrupted");
+    assert_eq!(status["next"], "go on with it: granum resume broken");
+    let half = run(here, &["digest", "broken"]);
+    assert!(String::from_utf8_lossy(&half.stdout).contains("of the part that is done"));
+    done(here, &["resume", "broken"]);
+    done(here, &shear("straight"));
+    assert_eq!(digest(here, "broken"), digest(here, "straight"));
+}
+
+#[test]
+fn forces_of_the_shipped_packing_are_those_known() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    let packing = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/packing-5000.csv");
+    let told = done_json(here, &["forces", packing, "--normal", "hertz", "-o", "forces.csv"]);
+    let mean_stress = told["mean_stress"].as_f64().unwrap();
+    assert!((mean_stress - 20000.025).abs() < 0.01, "{mean_stress}");
+    let table = granum_io::read_table(here.join("forces.csv")).unwrap();
+    assert_eq!(table.rows(), 5000);
+    for name in ["tx", "ty", "tz"] {
+        assert!(table.column(name).unwrap().iter().all(|torque| *torque == 0.0), "{name}");
+    }
+    // Typical contact forces are 1e-4 N; action and reaction cancel.
+    for name in ["fx", "fy", "fz"] {
+        let sum: f64 = table.column(name).unwrap().iter().sum();
+        assert!(sum.abs() < 1e-15, "{name} {sum}");
+    }
+    let message = refused(here, 1, &["forces", packing, "--normal", "hertz", "-o", "forces.csv"]);
+    assert!(message.contains("forces.csv exists already"), "{message}");
+}
