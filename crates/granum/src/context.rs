@@ -13,7 +13,6 @@ pub struct Context {
     /// Replace what is there.
     pub force: bool,
     /// Say more.
-    #[allow(dead_code, reason = "read by `say`")]
     pub verbose: bool,
     stop: Arc<AtomicBool>,
 }
@@ -28,29 +27,29 @@ impl Context {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// The flag itself, for long computations that poll it.
-    #[allow(dead_code, reason = "taken by the commands that run a simulation")]
-    pub fn stop_flag(&self) -> Arc<AtomicBool> {
-        self.stop.clone()
-    }
-
     /// An error if the user wants to stop; `left` says what stands where.
-    #[allow(dead_code, reason = "taken by the commands that run a simulation")]
     pub fn check_stopped(&self, left: impl FnOnce() -> String) -> Result<(), Failure> {
         if self.stopped() { Err(Interrupted { left: left() }.into()) } else { Ok(()) }
     }
 
     /// A display of progress that suits the terminal and the options.
-    #[allow(dead_code, reason = "taken by the commands that run a simulation")]
     pub fn progress(&self) -> Progress {
         Progress::new(self.json)
     }
 
-    #[allow(dead_code, reason = "taken by the commands that run a simulation")]
     /// A line for people on what is done, with `--verbose`.
     pub fn say(&self, text: impl FnOnce() -> String) {
         if self.verbose && !self.json {
             eprintln!("{}", text());
+        }
+    }
+
+    /// A warning that does not end the command.
+    pub fn warn(&self, text: &str) {
+        if self.json {
+            eprintln!("{}", serde_json::json!({ "warning": text }));
+        } else {
+            eprintln!("warning: {text}");
         }
     }
 }

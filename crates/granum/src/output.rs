@@ -9,7 +9,6 @@ use serde_json::{Map, Value, json};
 use crate::context::Context;
 use crate::failure::Failure;
 
-#[allow(dead_code, reason = "taken by the commands that make tables")]
 /// Writes a table to a file, or to the standard output (CSV, or columns as JSON).
 pub fn put_table(context: &Context, output: Option<&Path>, table: &Table) -> Result<(), Failure> {
     if let Some(path) = output {

@@ -1,6 +1,5 @@
 //! Progress on the standard error: a bar on a terminal, a plain line every few seconds elsewhere, nothing with
 //! `--json`.
-#![allow(dead_code, reason = "taken by the commands that run a simulation")]
 
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};

@@ -4,8 +4,10 @@ mod digest;
 mod evaluate;
 mod forces;
 mod hardware;
+mod impact;
 mod init;
 mod law;
+mod pair;
 mod predict;
 mod prepare;
 mod records;
@@ -37,6 +39,8 @@ pub enum Command {
     Predict(predict::Predict),
     Evaluate(evaluate::Evaluate),
     Forces(forces::Forces),
+    Pair(pair::Pair),
+    Impact(impact::Impact),
     Reproduce(reproduce::Reproduce),
 }
 
@@ -54,6 +58,8 @@ impl Command {
             Command::Predict(command) => command.run(context),
             Command::Evaluate(command) => command.run(context),
             Command::Forces(command) => command.run(context),
+            Command::Pair(command) => command.run(context),
+            Command::Impact(command) => command.run(context),
             Command::Reproduce(command) => command.run(context),
         }
     }

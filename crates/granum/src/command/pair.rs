@@ -1,0 +1,68 @@
+//! `granum pair`: two grains through a prescribed path.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use granum_dem::contact::PairProperties;
+use granum_dem::contact::pair::{PairRow, PathRow, drive_pair};
+use granum_io::{Column, read_table};
+
+use super::law::LawFlags;
+use crate::context::Context;
+use crate::failure::Failure;
+use crate::output::put_table;
+
+/// Lead two equal grains through a path and tell the forces between them.
+///
+/// The path is a table (CSV or Parquet) with the columns `normal_approach` (how deep the grains are pressed together) and
+/// `tangential_displacement` (of one grain against the other), both in m, one row a step, from grains that never
+/// touched. The answer is the same table with `normal_force` (N, compression positive), `tangential_force` (N, positive
+/// where it resists a growing displacement) and `contact_radius` (m). Between rows the grains move in a straight line,
+/// so the steps should be small against the displacement at which the contact slides.
+#[derive(Args)]
+#[command(after_help = "\
+Example:
+  printf 'normal_approach,tangential_displacement\\n1e-8,0\\n1e-8,1e-9\\n1e-8,0\\n' > path.csv
+  granum pair path.csv --normal hertz --tangential mindlin-deresiewicz --friction 0.3 -o forces.csv")]
+pub struct Pair {
+    /// The path: CSV or Parquet.
+    #[arg(value_name = "PATH.csv")]
+    path: PathBuf,
+    /// Where to write the answer (.csv or .parquet); the standard output if left out.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    law: LawFlags,
+}
+
+impl Pair {
+    pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        let case = self.law.case()?;
+        let mut table = read_table(&self.path)?;
+        let in_file =
+            |error: &dyn std::fmt::Display| Failure::new(format!("{}: {error}", self.path.display()));
+        let [approach, displacement] =
+            table.select(["normal_approach", "tangential_displacement"]).map_err(|error| in_file(&error))?;
+        let path: Vec<PathRow> = approach
+            .iter()
+            .zip(displacement)
+            .map(|(approach, displacement)| PathRow {
+                normal_approach: *approach,
+                tangential_displacement: *displacement,
+            })
+            .collect();
+        let side = (&case.grains.material, 0.5 * case.grains.diameter);
+        let pair = PairProperties::new(side, side, case.contact.damping);
+        let rows = drive_pair(&case.contact, &pair, &path).map_err(|error| in_file(&error))?;
+        let column = |name: &str, unit: &str, value: fn(&PairRow) -> f64| {
+            Column::new(name, unit, rows.iter().map(value).collect())
+        };
+        table.set(column("normal_force", "N", |row| row.normal_force))?;
+        table.set(column("tangential_force", "N", |row| row.tangential_force))?;
+        table.set(column("contact_radius", "m", |row| row.contact_radius))?;
+        context.say(|| {
+            format!("{} steps with {:?} and {:?}", path.len(), case.contact.normal, case.contact.tangential)
+        });
+        put_table(context, self.output.as_deref(), &table)
+    }
+}
