@@ -120,7 +120,7 @@ impl Default for Preparation {
             friction: None,
             interface_energy: 0.0,
             solid_fraction: Some(0.61),
-            solid_fraction_tolerance: 0.003,
+            solid_fraction_tolerance: 0.005,
             inertial_number: 1e-3,
             unbalanced_force: 1e-3,
         }

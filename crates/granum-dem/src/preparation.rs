@@ -184,7 +184,7 @@ fn repeats(trials: &[Trial]) -> bool {
 /// The next friction to try: from what monodisperse Hertz spheres usually do at first, then a secant through the two nearest trials.
 fn next_friction(trials: &[Trial], target: f64) -> f64 {
     const USUAL: [(f64, f64); 6] =
-        [(0.0, 0.633), (0.06, 0.61), (0.1, 0.602), (0.2, 0.588), (0.3, 0.578), (1.0, 0.55)];
+        [(0.0, 0.633), (0.06, 0.613), (0.1, 0.605), (0.2, 0.588), (0.3, 0.578), (1.0, 0.55)];
     let usual = |x: f64| interpolate(&USUAL.map(|(f, s)| (s, f)), x);
     match trials {
         [] => usual(target),

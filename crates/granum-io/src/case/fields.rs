@@ -140,7 +140,7 @@ pub const FIELDS: &[Field] = &[
         number!(SURFACE_ENERGY, "0 J/m2"..="100 J/m2", preparation.interface_energy)),
     entry("preparation", "solid_fraction", "Target solid fraction of the sample.", "0.61",
         optional!(NUMBER, "0.3"..="0.8", "none": "whatever comes out", preparation.solid_fraction)),
-    entry("preparation", "solid_fraction_tolerance", "How near to the target solid fraction is near enough.", "0.003",
+    entry("preparation", "solid_fraction_tolerance", "How near to the target solid fraction is near enough.", "0.005",
         number!(NUMBER, "0.0001"..="0.1", preparation.solid_fraction_tolerance)),
     entry("preparation", "inertial_number", "Highest inertial number I while compressing, once grains carry load.", "1e-3",
         number!(NUMBER, "1e-7"..="0.1", preparation.inertial_number)),

@@ -87,7 +87,7 @@ fn case(quick: bool) -> Case {
         case.grains.count = 1000;
         case.shear.rate = Rate::InertialNumber(1e-3);
         case.preparation.inertial_number = 2e-3;
-        case.preparation.solid_fraction_tolerance = 0.006;
+        case.preparation.solid_fraction_tolerance = 0.008;
         case.recording.states = 60;
         case.recording.looks = 10;
     }
