@@ -167,7 +167,7 @@ pub struct Recording {
     pub states: usize,
     /// Looks averaged for one state, spread evenly over one interval around it.
     pub looks: usize,
-    /// Width of a bin of f = N/<N>.
+    /// Width of a bin of `f = N/<N>`.
     pub bin_width: f64,
     /// Largest f with a bin of its own; what lies above is counted apart.
     pub largest_force: f64,

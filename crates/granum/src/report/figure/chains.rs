@@ -22,7 +22,7 @@ pub struct View {
     pub right: usize,
     /// Range of depth shown, as fractions of the cell along the remaining axis; `None`: all of it.
     pub slice: Option<[f64; 2]>,
-    /// Smallest f = N/<N> that is drawn; tension is drawn in slices only.
+    /// Smallest `f = N/<N>` that is drawn; tension is drawn in slices only.
     pub smallest_force: f64,
 }
 
