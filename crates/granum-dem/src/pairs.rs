@@ -279,7 +279,9 @@ fn carried_key(pairs: &Pairs, slot: usize, moved: &[[i32; 3]], new_place: Option
     let (i, j) = (pairs.first[b][l], pairs.second[b][l]);
     let old = image_vector(pairs.image[b][l]);
     // x_j + H s - x_i stays as it was when both positions jump by whole cells.
-    let mut s: [i32; 3] = std::array::from_fn(|a| old[a] + moved[j as usize][a] - moved[i as usize][a]);
+    let mut s: [i32; 3] = std::array::from_fn(|a| {
+        old[a].saturating_add(moved[j as usize][a]).saturating_sub(moved[i as usize][a])
+    });
     let (mut i, mut j) = match new_place {
         Some(new) => (new[i as usize], new[j as usize]),
         None => (i, j),
@@ -287,9 +289,9 @@ fn carried_key(pairs: &Pairs, slot: usize, moved: &[[i32; 3]], new_place: Option
     let flip = i > j || (i == j && s < [0; 3]);
     if flip {
         std::mem::swap(&mut i, &mut j);
-        s = s.map(|x| -x);
+        s = s.map(i32::saturating_neg);
     }
-    let image = if s.iter().all(|x| x.abs() <= REACH) { image_code(s) } else { u32::MAX };
+    let image = if s.iter().all(|x| (-REACH..=REACH).contains(x)) { image_code(s) } else { u32::MAX };
     (Near { i, j, image }, flip)
 }
 
