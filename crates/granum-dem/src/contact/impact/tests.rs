@@ -1,0 +1,119 @@
+//! Collisions against analysis.
+
+use super::*;
+use crate::config::{NormalKind, TangentialKind};
+
+const DIAMETER: f64 = 1e-4;
+
+fn contact(normal: NormalKind, tangential: TangentialKind, damping: f64) -> Contact {
+    Contact { normal, tangential, damping }
+}
+
+fn smooth() -> Material {
+    Material { interface_energy: 0.0, ..Material::default() }
+}
+
+#[test]
+fn hertz_contact_time_is_analytic() {
+    let hertz = contact(NormalKind::Hertz, TangentialKind::MindlinDeresiewicz, 0.0);
+    let impact = collide(&hertz, &smooth(), DIAMETER, 0.1, 0.0).unwrap();
+    // 2.86826569919533 (m*^2 / R* E*^2 v)^(1/5) for the glass spheres of the default material.
+    assert!((impact.contact_time / 4.791886436e-7 - 1.0).abs() < 1e-9, "{}", impact.contact_time);
+    assert!((impact.restitution - 1.0).abs() < 1e-9);
+    assert!(impact.spin_out.abs() * DIAMETER < 1e-12 && impact.psi1 == 0.0 && !impact.sticks);
+}
+
+/// Thornton and Ning (1998): `e = (1 - (v_s / v)^2)^(1/2)` above the sticking velocity.
+#[test]
+fn adhesive_grains_rebound_or_stick() {
+    let material = Material::default();
+    let jkr = contact(NormalKind::Jkr, TangentialKind::MindlinDeresiewicz, 0.0);
+    let pair = PairProperties::new((&material, 5e-5), (&material, 5e-5), 0.0);
+    let force = 1.5 * std::f64::consts::PI * pair.interface_energy * pair.effective_radius;
+    let radius = (3.0 * force * pair.effective_radius / pair.effective_modulus).cbrt();
+    let length = radius * radius / pair.effective_radius;
+    let sticking = 0.7175144750575 * (force * length / pair.effective_mass).sqrt();
+    let table = [
+        (1.0005, 0.0316109),
+        (1.01, 0.1403708),
+        (1.1, 0.4165978),
+        (1.25, 0.6),
+        (1.5, 0.7453560),
+        (2.0, 0.8660254),
+        (3.0, 0.9428090),
+        (5.0, 0.9797959),
+        (10.0, 0.9949874),
+    ];
+    for (ratio, printed) in table {
+        let impact = collide(&jkr, &material, DIAMETER, ratio * sticking, 0.0).unwrap();
+        let exact = (1.0 - 1.0 / (ratio * ratio) as f64).sqrt();
+        assert!((exact - printed).abs() < 6e-8);
+        let error = impact.restitution - exact;
+        println!(
+            "v/v_s {ratio}: e {:.10}, off by {error:.1e}, {:.1e} s a step",
+            impact.restitution, impact.time_step
+        );
+        // An error of energy counts 1 / e times.
+        assert!(error.abs() * exact < 1e-9, "{ratio}: {} {exact}", impact.restitution);
+    }
+    let stuck = collide(&jkr, &material, DIAMETER, 0.999 * sticking, 0.0).unwrap();
+    assert!(stuck.sticks && stuck.restitution == 0.0 && stuck.contact_time.is_infinite());
+}
+
+#[test]
+fn adhesive_contact_times() {
+    let material = Material::default();
+    let pair = PairProperties::new((&material, 5e-5), (&material, 5e-5), 0.0);
+    let jkr = contact(NormalKind::Jkr, TangentialKind::NoSlip, 0.0);
+    let unit = (pair.effective_mass * 1.067344605e-8 / 7.068583471e-5).sqrt();
+    for (ratio, time) in [(1.5, 2.327835), (2.0, 2.080056), (5.0, 1.557234)] {
+        let impact = collide(&jkr, &material, DIAMETER, ratio * 2.366148196e-2, 0.0).unwrap();
+        assert!((impact.contact_time / unit / time - 1.0).abs() < 2e-6, "{}", impact.contact_time / unit);
+    }
+}
+
+/// Restitution of Hertz spheres with `zeta = (5/6)^(1/2) beta`, `beta = -ln e / (pi^2 + ln^2 e)^(1/2)`.
+#[test]
+fn damping_gives_the_restitution() {
+    for restitution in [0.9f64, 0.7, 0.5, 0.3] {
+        let log = restitution.ln();
+        let beta = -log / (std::f64::consts::PI.powi(2) + log * log).sqrt();
+        let hertz = contact(NormalKind::Hertz, TangentialKind::NoSlip, (5.0f64 / 6.0).sqrt() * beta);
+        let impact = collide(&hertz, &smooth(), DIAMETER, 0.1, 0.0).unwrap();
+        println!("e {restitution}: {:.7}", impact.restitution);
+        assert!((impact.restitution - restitution).abs() < 1e-6, "{}", impact.restitution);
+    }
+}
+
+#[test]
+fn gross_slip_does_not_depend_on_the_law() {
+    let material = smooth();
+    for tangential in [TangentialKind::MindlinDeresiewicz, TangentialKind::NoSlip] {
+        let law = contact(NormalKind::Hertz, tangential, 0.0);
+        let impact = collide(&law, &material, DIAMETER, 1e-4, 75.0).unwrap();
+        assert!((impact.psi2 - (impact.psi1 - 4.0 * 1.441_176_470_588)).abs() < 1e-4);
+        // Impulse mu J_n turns both: 2.5 mu (1 + e) m* v_n / (m R).
+        let spin = 2.5 * 0.3 * impact.normal_velocity_in / 5e-5;
+        assert!((impact.spin_out / spin - 1.0).abs() < 1e-4, "{} {spin}", impact.spin_out);
+    }
+}
+
+#[test]
+fn an_impact_that_no_step_settles_is_answered_with_its_uncertainty() {
+    // Barely apart after many swings in the bond: the paper's grains near their sticking velocity.
+    let law = Contact::default();
+    let impact = collide(&law, &Material::default(), DIAMETER, 0.09, 5.0).unwrap();
+    assert!(impact.uncertainty > AGREEMENT, "{}", impact.uncertainty);
+    let clear = collide(&law, &Material::default(), DIAMETER, 1.0, 30.0).unwrap();
+    assert!(clear.uncertainty < AGREEMENT, "{}", clear.uncertainty);
+}
+
+#[test]
+fn refuses_what_is_no_collision() {
+    let hertz = contact(NormalKind::Hertz, TangentialKind::NoSlip, 0.0);
+    let run = |speed, angle| collide(&hertz, &smooth(), DIAMETER, speed, angle).unwrap_err().to_string();
+    assert!(run(0.0, 10.0).starts_with("speed is 0 m/s"));
+    assert!(run(f64::NAN, 10.0).starts_with("speed is NaN"));
+    assert!(run(0.1, 90.0).starts_with("angle is 90 degrees"));
+    assert!(run(0.1, -1.0).starts_with("angle is -1 degrees"));
+}
