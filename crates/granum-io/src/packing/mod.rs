@@ -12,6 +12,7 @@
 
 mod cell;
 mod overlap;
+mod repeat;
 
 use std::io::{BufRead, Write};
 use std::path::Path;

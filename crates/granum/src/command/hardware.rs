@@ -25,6 +25,19 @@ pub fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
+/// An instruction set that this machine has, by its name.
+pub fn instruction_set(name: &str) -> Result<Isa, Failure> {
+    let known = Isa::ALL.map(Isa::name).join(", ");
+    let isa = Isa::from_name(name).ok_or_else(|| Failure::new(format!("--isa {name}: there is {known}")))?;
+    if !isa.available() {
+        return Err(Failure::new(format!(
+            "--isa {name}: this machine does not have it; it has {}",
+            Isa::detect().name()
+        )));
+    }
+    Ok(isa)
+}
+
 impl HardwareFlags {
     pub fn hardware(&self) -> Result<Hardware, Failure> {
         let threads = match self.threads {
@@ -39,18 +52,7 @@ impl HardwareFlags {
         };
         let isa = match &self.isa {
             None => Isa::detect(),
-            Some(name) => {
-                let known = Isa::ALL.map(Isa::name).join(", ");
-                let isa = Isa::from_name(name)
-                    .ok_or_else(|| Failure::new(format!("--isa {name}: there is {known}")))?;
-                if !isa.available() {
-                    return Err(Failure::new(format!(
-                        "--isa {name}: this machine does not have it; it has {}",
-                        Isa::detect().name()
-                    )));
-                }
-                isa
-            }
+            Some(name) => instruction_set(name)?,
         };
         Ok(Hardware { threads, isa })
     }

@@ -1,5 +1,6 @@
 //! The subcommands, one file each.
 
+mod bench;
 mod digest;
 mod evaluate;
 mod forces;
@@ -42,6 +43,7 @@ pub enum Command {
     Pair(pair::Pair),
     Impact(impact::Impact),
     Reproduce(reproduce::Reproduce),
+    Bench(bench::Bench),
 }
 
 impl Command {
@@ -61,6 +63,7 @@ impl Command {
             Command::Pair(command) => command.run(context),
             Command::Impact(command) => command.run(context),
             Command::Reproduce(command) => command.run(context),
+            Command::Bench(command) => command.run(context),
         }
     }
 }

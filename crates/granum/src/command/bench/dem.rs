@@ -1,0 +1,213 @@
+//! Grain-steps per second of the engine.
+
+use std::time::Instant;
+
+use granum_dem::Isa;
+use granum_dem::config::{Contact, Material, NormalKind, TangentialKind};
+use granum_dem::servo::Control;
+use granum_dem::simulation::{Hardware, Properties, Simulation};
+use granum_hybrid::laboratory::{cell, sites};
+use granum_io::{Case, Packing};
+use serde::Serialize;
+
+use crate::context::Context;
+use crate::failure::Failure;
+
+/// Steps between list rebuilds that a figure should see, so that it holds their share.
+const FEWEST_STEPS: u64 = 400;
+/// But no longer than this many times the time of a figure.
+const PATIENCE: f64 = 6.0;
+/// A fraction of critical damping, as a test has it.
+const DAMPING: f64 = 0.1;
+/// Inertial number and mean stress, Pa, of the shear.
+const INERTIAL_NUMBER: f64 = 1e-3;
+const MEAN_STRESS: f64 = 20e3;
+
+/// A pair of laws and its names.
+#[derive(Clone, Copy)]
+pub struct Law {
+    names: (&'static str, &'static str),
+    kinds: (NormalKind, TangentialKind),
+}
+
+/// The three pairs of laws that other programs are compared with.
+pub const LAWS: [Law; 3] = [
+    Law { names: ("hertz", "no-slip"), kinds: (NormalKind::Hertz, TangentialKind::NoSlip) },
+    Law {
+        names: ("hertz", "mindlin-deresiewicz"),
+        kinds: (NormalKind::Hertz, TangentialKind::MindlinDeresiewicz),
+    },
+    Law {
+        names: ("jkr", "mindlin-deresiewicz"),
+        kinds: (NormalKind::Jkr, TangentialKind::MindlinDeresiewicz),
+    },
+];
+
+/// A pair of laws from its names.
+pub fn law(text: &str) -> Result<Law, Failure> {
+    let Some((normal, tangential)) = text.split_once(',') else {
+        return Err(Failure::new(format!("--law {text}: two names are needed, as jkr,mindlin-deresiewicz")));
+    };
+    let mut case = Case::default();
+    case.set("contact.normal", normal)?;
+    case.set("contact.tangential", tangential)?;
+    case.check()?;
+    let normal_name = match case.contact.normal {
+        NormalKind::Hertz => "hertz",
+        NormalKind::Jkr => "jkr",
+    };
+    let tangential_name = match case.contact.tangential {
+        TangentialKind::MindlinDeresiewicz => "mindlin-deresiewicz",
+        TangentialKind::NoSlip => "no-slip",
+        TangentialKind::Peeling => "peeling",
+    };
+    Ok(Law { names: (normal_name, tangential_name), kinds: (case.contact.normal, case.contact.tangential) })
+}
+
+/// What to measure.
+pub struct Course {
+    pub laws: Vec<Law>,
+    pub grains: Vec<usize>,
+    pub threads: Vec<usize>,
+    pub isa: Isa,
+    /// The instruction sets beside `isa` too, for the last law at the first size.
+    pub others: bool,
+    pub seconds: f64,
+    pub time_step: Option<f64>,
+    pub strain_rate: Option<f64>,
+}
+
+/// A figure.
+#[derive(Serialize)]
+pub struct Figure {
+    normal: &'static str,
+    tangential: &'static str,
+    grains: usize,
+    threads: usize,
+    isa: &'static str,
+    grain_steps_per_second: f64,
+    steps: u64,
+}
+
+/// All figures, printed as they come. All laws are measured at the first size, the last law at the others.
+pub fn measure(context: &Context, packing: &Packing, course: &Course) -> Result<Vec<Figure>, Failure> {
+    let mut figures = Vec::new();
+    if !context.json {
+        println!(
+            "{:<7} {:<20} {:>9} {:>8} {:>9} {:>18}",
+            "normal", "tangential", "grains", "threads", "isa", "M grain-steps/s"
+        );
+    }
+    let mut take = |law: Law, packing: &Packing, hardware: Hardware| -> Result<(), Failure> {
+        let figure = figure(context, law, packing, hardware, course)?;
+        if !context.json {
+            let rate = figure.grain_steps_per_second / 1e6;
+            println!(
+                "{:<7} {:<20} {:>9} {:>8} {:>9} {rate:>18.2}",
+                figure.normal, figure.tangential, figure.grains, figure.threads, figure.isa
+            );
+        }
+        figures.push(figure);
+        Ok(())
+    };
+    for (k, &size) in course.grains.iter().enumerate() {
+        let packing = enlarged(packing, size)?;
+        let laws = if k == 0 { &course.laws[..] } else { &course.laws[course.laws.len() - 1..] };
+        for &law in laws {
+            for &threads in &course.threads {
+                take(law, &packing, Hardware { threads, isa: course.isa })?;
+            }
+        }
+        if k == 0 && course.others {
+            let law = course.laws[course.laws.len() - 1];
+            for isa in Isa::ALL.into_iter().filter(|isa| isa.available() && *isa != course.isa) {
+                take(law, &packing, Hardware { threads: 1, isa })?;
+            }
+        }
+    }
+    Ok(figures)
+}
+
+/// The packing beside itself until it has about so many grains, as near a cube as it comes.
+fn enlarged(packing: &Packing, grains: usize) -> Result<Packing, Failure> {
+    let mut copies = (grains as f64 / packing.grains.len() as f64).round().max(1.0) as usize;
+    let mut counts = [1usize; 3];
+    let mut factor = 2;
+    let mut factors = Vec::new();
+    while copies > 1 {
+        if copies.is_multiple_of(factor) {
+            factors.push(factor);
+            copies /= factor;
+        } else {
+            factor += 1;
+        }
+    }
+    for f in factors.into_iter().rev() {
+        let shortest = (0..3).min_by_key(|&k| counts[k]).unwrap_or(0);
+        counts[shortest] *= f;
+    }
+    Ok(packing.repeated(counts)?)
+}
+
+/// Shears the packing and measures stretches of steps; the best counts.
+fn figure(
+    context: &Context,
+    law: Law,
+    packing: &Packing,
+    hardware: Hardware,
+    course: &Course,
+) -> Result<Figure, Failure> {
+    let (normal, tangential) = law.kinds;
+    let contact = Contact { normal, tangential, damping: DAMPING };
+    let properties = Properties { material: Material::default(), contact };
+    let mut simulation = Simulation::new(cell(packing), &sites(packing), properties)?;
+    simulation.set_hardware(hardware);
+    simulation.fix_time_step(course.time_step);
+    let rate = course.strain_rate.unwrap_or_else(|| simulation.strain_rate(INERTIAL_NUMBER, MEAN_STRESS));
+    let mut control = Control::fixed();
+    control.rate[0][0] = rate;
+    control.rate[1][1] = -0.5 * rate;
+    control.rate[2][2] = -0.5 * rate;
+    simulation.set_control(control);
+    let (warm, _) = stretch(context, &mut simulation, 1, 0.2 * course.seconds)?;
+    // At most about the patience: slow machines and instruction sets see fewer steps than a list lives.
+    let enough = FEWEST_STEPS.min((PATIENCE * course.seconds / warm) as u64);
+    let (mut best, mut steps) = (f64::INFINITY, 0);
+    let clock = Instant::now();
+    while steps == 0 || clock.elapsed().as_secs_f64() < 0.9 * course.seconds {
+        let (each, made) = stretch(context, &mut simulation, enough, course.seconds / 3.0)?;
+        best = best.min(each);
+        steps += made;
+    }
+    Ok(Figure {
+        normal: law.names.0,
+        tangential: law.names.1,
+        grains: packing.grains.len(),
+        threads: hardware.threads,
+        isa: hardware.isa.name(),
+        grain_steps_per_second: packing.grains.len() as f64 / best,
+        steps,
+    })
+}
+
+/// Advances by at least so many steps and seconds; returns the time of a step, s, and the steps made.
+fn stretch(
+    context: &Context,
+    simulation: &mut Simulation,
+    steps: u64,
+    seconds: f64,
+) -> Result<(f64, u64), Failure> {
+    let clock = Instant::now();
+    let (mut made, mut next) = (0, 1);
+    loop {
+        context.check_stopped(|| "nothing was written".into())?;
+        simulation.advance(next)?;
+        made += next;
+        let spent = clock.elapsed().as_secs_f64();
+        if made >= steps && spent >= seconds {
+            return Ok((spent / made as f64, made));
+        }
+        // Calls of about a hundredth of the time: threads start anew with each.
+        next = ((0.03 * seconds.max(0.1) * made as f64 / spent) as u64).clamp(1, 1000);
+    }
+}

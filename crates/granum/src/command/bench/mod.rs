@@ -1,0 +1,139 @@
+//! `granum bench`: the yardsticks of BENCHMARKS.md on the user's machine.
+
+mod dem;
+mod nets;
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use granum_dem::Isa;
+use granum_io::Packing;
+use serde_json::json;
+
+use super::hardware::{instruction_set, processors};
+use crate::context::Context;
+use crate::failure::Failure;
+use crate::output;
+
+/// The packing that every figure of BENCHMARKS.md stands on.
+const PACKING: &str = include_str!("../../../../../data/packing-5000.csv");
+
+/// Measure speed on this machine: grain-steps per second by law, size, threads and instruction set, and the networks.
+///
+/// The packing is sheared at constant volume at an inertial number of 1e-3; larger samples are copies of it side by side.
+/// Every figure is the best of several stretches. About a minute on two cores.
+#[derive(Args)]
+#[command(
+    after_help = "Example:\n  granum bench\n  granum bench --threads 1,8 --grains 5000,1000000 --json > bench.json\n  granum bench \
+                  --only dem --law jkr,mindlin-deresiewicz --time-step 3e-8 --strain-rate 27.5"
+)]
+pub struct Bench {
+    /// The packing (CSV); 5000 equal spheres of 0.1 mm at 20 kPa by default.
+    #[arg(long, value_name = "FILE")]
+    packing: Option<PathBuf>,
+    /// Numbers of threads; one and all processors by default.
+    #[arg(long, value_name = "N,...", value_delimiter = ',')]
+    threads: Vec<usize>,
+    /// Instruction set: portable, avx2 or avx512; the widest for every figure and the others for one by default.
+    #[arg(long, value_name = "NAME")]
+    isa: Option<String>,
+    /// Sizes, met by whole copies of the packing; the packing itself and 20 copies by default.
+    #[arg(long, value_name = "N,...", value_delimiter = ',')]
+    grains: Vec<usize>,
+    /// One pair of laws, as jkr,mindlin-deresiewicz; three pairs by default.
+    #[arg(long, value_name = "NORMAL,TANGENTIAL")]
+    law: Option<String>,
+    /// Time for each figure, s.
+    #[arg(long, value_name = "S", default_value_t = 1.0)]
+    seconds: f64,
+    /// Time step of the engine's figures, s; a fraction of the stiffest contact's period by default.
+    #[arg(long, value_name = "S")]
+    time_step: Option<f64>,
+    /// Strain rate of the engine's figures, 1/s; that of an inertial number of 1e-3 by default.
+    #[arg(long, value_name = "RATE")]
+    strain_rate: Option<f64>,
+    /// Measure only the engine (dem) or the networks (nets).
+    #[arg(long, value_name = "WHAT", value_parser = ["dem", "nets"])]
+    only: Option<String>,
+}
+
+impl Bench {
+    pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        if !(self.seconds > 0.0 && self.seconds <= 3600.0) {
+            return Err(Failure::new(format!("--seconds {}: between 0 and 3600, e.g. 1", self.seconds)));
+        }
+        let wanted = |part: &str| self.only.as_deref().is_none_or(|only| only == part);
+        let isa = self.isa.as_deref().map(instruction_set).transpose()?;
+        let mut answer = json!({
+            "granum": env!("CARGO_PKG_VERSION"),
+            "processors": processors(),
+            "isa": isa.unwrap_or_else(Isa::detect).name(),
+            "dem": [],
+            "nets": [],
+        });
+        if wanted("dem") {
+            let packing = match &self.packing {
+                Some(path) => Packing::read(path)?,
+                None => Packing::read_from(PACKING.as_bytes(), "the shipped packing")?,
+            };
+            answer["dem"] = json!(dem::measure(context, &packing, &self.course(isa, packing.grains.len())?)?);
+        }
+        if wanted("nets") {
+            let threads = self.threads.iter().copied().max().unwrap_or_else(processors);
+            answer["nets"] = json!(nets::measure(context, isa, self.seconds, threads)?);
+        }
+        if context.json { output::say(context, &answer, String::new) } else { Ok(()) }
+    }
+
+    /// What to measure of the engine.
+    fn course(&self, isa: Option<Isa>, base: usize) -> Result<dem::Course, Failure> {
+        for threads in &self.threads {
+            if !(1..=1024).contains(threads) {
+                return Err(Failure::new(format!("--threads {threads}: from 1 to 1024")));
+            }
+        }
+        for (flag, value) in [("--time-step", self.time_step), ("--strain-rate", self.strain_rate)] {
+            if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
+                return Err(Failure::new(format!("{flag} {value}: a positive number is needed")));
+            }
+        }
+        let mut threads = self.threads.clone();
+        if threads.is_empty() {
+            threads = vec![1];
+            threads.extend(Some(processors()).filter(|n| *n > 1));
+        }
+        let grains = if self.grains.is_empty() { vec![base, 20 * base] } else { self.grains.clone() };
+        let laws = match &self.law {
+            None => dem::LAWS.to_vec(),
+            Some(text) => vec![dem::law(text)?],
+        };
+        Ok(dem::Course {
+            laws,
+            grains,
+            threads,
+            isa: isa.unwrap_or_else(Isa::detect),
+            others: isa.is_none() && self.law.is_none(),
+            seconds: self.seconds,
+            time_step: self.time_step,
+            strain_rate: self.strain_rate,
+        })
+    }
+}
+
+/// Best time of one call, s, over about `seconds`.
+fn best(
+    context: &Context,
+    seconds: f64,
+    mut call: impl FnMut() -> Result<(), Failure>,
+) -> Result<f64, Failure> {
+    let clock = Instant::now();
+    let mut least = f64::INFINITY;
+    while least.is_infinite() || clock.elapsed().as_secs_f64() < seconds {
+        context.check_stopped(|| "nothing was written".into())?;
+        let start = Instant::now();
+        call()?;
+        least = least.min(start.elapsed().as_secs_f64());
+    }
+    Ok(least)
+}

@@ -1,0 +1,159 @@
+//! Speed of training and prediction, on synthetic rows of the size of Antony, Zhou and Wang (2006).
+
+use std::hint::black_box;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use granum_dem::Isa;
+use granum_nets::trainer::{LevenbergMarquardt, Silent, Trainer, Traingdx};
+use granum_nets::{Column, Data, Model, Network, Recipe};
+use serde::Serialize;
+
+use super::best;
+use crate::context::Context;
+use crate::failure::Failure;
+
+/// Rows of one of the paper's sub-models.
+const ROWS: usize = 280;
+/// Hidden neurons of its largest class of network.
+const HIDDEN: usize = 60;
+/// Rows of a large table.
+const TABLE: usize = 1_000_000;
+/// Inputs and neurons of the eighteen networks of Tables 1 to 6.
+const PAPER: [(usize, [usize; 3]); 6] = [
+    (3, [60, 55, 50]),
+    (3, [25, 40, 65]),
+    (4, [50, 50, 50]),
+    (3, [25, 40, 55]),
+    (4, [25, 40, 55]),
+    (3, [50, 60, 65]),
+];
+
+/// A figure.
+#[derive(Serialize)]
+pub struct Figure {
+    name: &'static str,
+    value: f64,
+    unit: &'static str,
+    threads: usize,
+    isa: &'static str,
+}
+
+/// Rows like (strain, f, P(f), ...) with a smooth target between 0.1 and 0.9.
+fn rows(columns: usize) -> Result<Data, Failure> {
+    let mut inputs = Vec::new();
+    let mut targets = Vec::new();
+    for r in 0..ROWS {
+        let strain = (r / 7) as f64 / (ROWS / 7) as f64;
+        let f = (r % 7) as f64 / 6.0;
+        let all = [2.0 * strain - 1.0, 2.0 * f - 1.0, (1.0 - f) * (3.0 * strain).cos(), (5.0 * strain).sin()];
+        inputs.extend_from_slice(&all[..columns]);
+        targets.push(0.5 + 0.35 * (4.0 * strain).sin() * (1.0 - f) + 0.01 * (97.0 * r as f64).sin());
+    }
+    Ok(Data::new(inputs, columns, targets)?)
+}
+
+/// All figures, printed as they come.
+pub fn measure(
+    context: &Context,
+    isa: Option<Isa>,
+    seconds: f64,
+    threads: usize,
+) -> Result<Vec<Figure>, Failure> {
+    let isa = isa.unwrap_or_else(Isa::detect);
+    let mut figures = Vec::new();
+    let mut tell = |name, value, unit, threads| {
+        if !context.json {
+            println!("{name:<62} {threads} threads {:>9} {value:>12.3} {unit}", isa.name());
+        }
+        figures.push(Figure { name, value, unit, threads, isa: isa.name() });
+    };
+    if !context.json {
+        println!();
+    }
+    tell("traingdx, 280 rows, 3-60-60-1", descent(context, isa, seconds)?, "epochs/s", 1);
+    tell("Levenberg-Marquardt, 280 rows, 3-60-60-1", second_order(context, isa, seconds)?, "epochs/s", 1);
+    tell("the paper's eighteen networks, default trainer", eighteen(context, isa, threads)?, "s", threads);
+    let model = model(isa)?;
+    let value = best(context, 0.3 * seconds, || {
+        for k in 0..1000 {
+            black_box(model.value(black_box(&[1e-3 * k as f64, 0.3, 0.4]))?);
+        }
+        Ok(())
+    })?;
+    tell("one prediction, 3-60-60-1", 1e3 * value, "microseconds", 1);
+    let both = best(context, 0.3 * seconds, || {
+        for k in 0..1000 {
+            black_box(model.predict(black_box(&[1e-3 * k as f64, 0.3, 0.4]))?);
+        }
+        Ok(())
+    })?;
+    tell("one prediction with its standard deviation, 3-60-60-1", 1e3 * both, "microseconds", 1);
+    let table: Vec<f64> = (0..3 * TABLE).map(|k| (k as f64 * 0.37).sin()).collect();
+    let batch = best(context, seconds, || {
+        black_box(model.predict_batch(&table)?);
+        Ok(())
+    })?;
+    tell("a million rows in one call, 3-60-60-1", 1e-6 * TABLE as f64 / batch, "M rows/s", 1);
+    Ok(figures)
+}
+
+fn descent(context: &Context, isa: Isa, seconds: f64) -> Result<f64, Failure> {
+    let data = rows(3)?;
+    let epochs = if isa == Isa::Portable { 10 } else { 500 };
+    let rule = Traingdx { epochs, isa, minimum_gradient: 0.0, ..Default::default() };
+    let each = best(context, seconds, || {
+        let mut network = Network::new(&[3, HIDDEN, HIDDEN, 1], 1)?;
+        black_box(rule.train(&mut network, &data, &mut Silent)?);
+        Ok(())
+    })?;
+    Ok(epochs as f64 / each)
+}
+
+fn second_order(context: &Context, isa: Isa, seconds: f64) -> Result<f64, Failure> {
+    let data = rows(3)?;
+    let rule = LevenbergMarquardt { isa, epochs: 20, tolerance: 0.0, ..Default::default() };
+    let mut epochs = 1;
+    let each = best(context, seconds, || {
+        let mut network = Network::new(&[3, HIDDEN, HIDDEN, 1], 1)?;
+        epochs = rule.train(&mut network, &data, &mut Silent)?.epochs;
+        Ok(())
+    })?;
+    Ok(epochs as f64 / each)
+}
+
+/// Seconds to train all eighteen, a network a thread.
+fn eighteen(context: &Context, isa: Isa, threads: usize) -> Result<f64, Failure> {
+    let jobs: Vec<(usize, usize)> = PAPER.iter().flat_map(|(c, h)| h.map(|h| (*c, h))).collect();
+    let data = [rows(3)?, rows(4)?];
+    let next = AtomicUsize::new(0);
+    let work = || -> Result<(), Failure> {
+        while let Some(&(columns, hidden)) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let mut network = Network::new(&[columns, hidden, hidden, 1], 1)?;
+            let rule = LevenbergMarquardt { isa, ..Default::default() };
+            rule.train(&mut network, &data[columns - 3], &mut Silent)?;
+        }
+        Ok(())
+    };
+    best(context, 0.0, || {
+        next.store(0, Ordering::Relaxed);
+        std::thread::scope(|scope| {
+            let others: Vec<_> = (1..threads.min(jobs.len())).map(|_| scope.spawn(work)).collect();
+            let mine = work();
+            others.into_iter().try_fold((), |(), other| {
+                other.join().unwrap_or_else(|_| Err(Failure::new("a thread of the bench died")))
+            })?;
+            mine
+        })
+    })
+}
+
+fn model(isa: Isa) -> Result<Model, Failure> {
+    let recipe = Recipe {
+        inputs: ["strain", "f", "probability"].map(|n| Column::new(n, "1")).to_vec(),
+        output: Column::new("stress_ratio", "1"),
+        hidden: vec![HIDDEN, HIDDEN],
+        seed: 1,
+    };
+    let rule = LevenbergMarquardt { isa, epochs: 20, ..Default::default() };
+    Ok(Model::fit(&recipe, &rows(3)?, &rule, &mut Silent)?.0)
+}
