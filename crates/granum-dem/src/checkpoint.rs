@@ -1,19 +1,19 @@
 //! Everything of a simulation in bytes, so that a run can go on from where it was to the same bits as if it had
-//! never stopped: grains, pair list in its order, contact memory, records of the last step, servo, time step.
+//! never stopped: grains, pair list in its order, contact memory, forces of the last step, servo, time step.
 //!
 //! Layout: `GRANUMCP`, version (u32), length of the body (u64), CRC-32 of the body (u32), body; little endian.
 
 use serde::{Deserialize, Serialize};
 
 use crate::kernel::NORMAL_COLUMNS;
-use crate::pairs::IMAGES;
+use crate::pairs::{IMAGES, Pairs};
 use crate::simulation::{Properties, Simulation, SimulationError};
 use crate::state::State;
 
 const MAGIC: &[u8; 8] = b"GRANUMCP";
 const HEADER: usize = 24;
 /// Version that this granum writes.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// Why bytes are no usable checkpoint.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -24,6 +24,11 @@ pub enum CheckpointError {
     /// Written by a newer granum.
     #[error("the checkpoint has version {0}, this granum reads up to {VERSION}: use a newer granum")]
     Newer(u32),
+    /// Written by an older granum.
+    #[error(
+        "the checkpoint has version {0}, this granum reads version {VERSION}: run the case again, or use the granum that wrote it"
+    )]
+    Older(u32),
     /// Cut short.
     #[error("the checkpoint is truncated: {found} bytes of {expected}")]
     Truncated {
@@ -115,6 +120,9 @@ fn checked_body(bytes: &[u8]) -> Result<&[u8], CheckpointError> {
     if version > VERSION {
         return Err(CheckpointError::Newer(version));
     }
+    if version < VERSION {
+        return Err(CheckpointError::Older(version));
+    }
     let length = number(12, 20);
     let body = &bytes[HEADER..];
     if (body.len() as u64) != length {
@@ -135,22 +143,38 @@ fn check_state(state: &State) -> Result<(), CheckpointError> {
     let require = |good: bool, what: &str| if good { Ok(()) } else { Err(inconsistent(what)) };
     require(n > 0 && n < u32::MAX as usize / 8, "number of grains")?;
     require(state.place.len() == n + 2 && state.spin.len() == n + 2, "grains and spins")?;
-    require(p.second.len() == batches && p.image.len() == batches, "lists of pairs")?;
-    require(p.inner_batches <= batches, "groups of pairs")?;
-    require(p.records.len() == 8 * batches, "records of pairs")?;
+    let lists = [p.second.len(), p.target.len(), p.image.len(), p.marks.len()];
+    require(lists == [batches; 4], "lists of pairs")?;
     require((NORMAL_COLUMNS..64).contains(&p.columns), "columns of contact memory")?;
     require(p.memory.len() == batches * p.columns, "contact memory")?;
-    require(p.offsets.len() == 2 * n + 1, "offsets of grains")?;
-    let ordered = p.offsets.windows(2).all(|w| w[0] <= w[1]);
-    require(ordered && p.offsets.last() == Some(&(p.incident.len() as u32)), "offsets of grains")?;
-    require(p.incident.iter().all(|&s| (s as usize) < 8 * batches), "contacts of grains")?;
-    let places = p.first.iter().chain(&p.second).flatten();
-    require(places.into_iter().all(|&g| (g as usize) < n + 2), "places of grains")?;
+    require(p.outer_offsets.len() == n + 1, "offsets of grains")?;
+    let ordered = p.outer_offsets.windows(2).all(|w| w[0] <= w[1]);
+    require(ordered && p.outer_offsets.last() == Some(&(p.outer.len() as u32)), "offsets of grains")?;
+    require(p.outer.iter().all(|&row| (row as usize) < p.forces.len()), "forces of grains")?;
+    check_blocks(p, n)?;
+    require(p.second.iter().flatten().all(|&g| (g as usize) < n + 2), "places of grains")?;
     require(p.image.iter().flatten().all(|&c| (c as usize) < IMAGES), "images of grains")?;
     let volume = state.cell.volume();
     require(volume.is_finite() && volume > 0.0, "volume of the cell")?;
     let finite = state.place.iter().flat_map(|r| r.0).all(f64::is_finite);
     require(finite && state.place.iter().all(|r| r.0[3] > 0.0 && r.0[7] > 0.0), "grains")
+}
+
+/// Blocks follow each other without gap, and no two of them write one row: threads work on them at once.
+fn check_blocks(p: &Pairs, grains: usize) -> Result<(), CheckpointError> {
+    let require = |good: bool| if good { Ok(()) } else { Err(inconsistent("blocks of pairs")) };
+    let (mut grain, mut batch, mut row) = (0, 0, grains as u32);
+    for block in &p.blocks {
+        let ([from, to], [start, inner, end], [first, last]) = (block.grains, block.batches, block.outer);
+        require(from == grain && from < to && start == batch && first == row)?;
+        require(start <= inner && inner <= end && end as usize <= p.first.len() && first <= last)?;
+        let own = |g: u32| (from..to).contains(&g);
+        let batches = start as usize..end as usize;
+        require(p.first[batches.clone()].iter().flatten().all(|&g| own(g)))?;
+        require(p.target[batches].iter().flatten().all(|&g| own(g) || (first..last).contains(&g)))?;
+        (grain, batch, row) = (to, end, last);
+    }
+    require(grain as usize == grains && batch as usize == p.first.len() && row as usize == p.forces.len())
 }
 
 /// Rows of doubles as one flat list.

@@ -1,6 +1,6 @@
-//! The two stages of a step: every contact writes one record, every grain sums its records and moves.
+//! The two stages of a step: every contact adds to the force rows of its grains, every grain sums its rows and moves.
 //!
-//! Both stages work on fixed chunks, so that their sums do not depend on who computed them. [`Views`] is what all
+//! Both stages work on the blocks of the pair list, so that their sums do not depend on who computed them. [`Views`] is what all
 //! threads see of the state during a stage; its `unsafe` follows the rules of [`crate::team::RawSlice`].
 
 use std::marker::PhantomData;
@@ -13,17 +13,13 @@ use granum_simd::{Kernel, LANES, Lanes, Mask, Row4, Row8};
 use crate::assembly::Matrix;
 use crate::contact::interaction::{Kinematics, Memory, dot, interact};
 use crate::contact::{NormalLaw, PairConstants, TangentialLaw};
-use crate::pairs::IMAGES;
+use crate::pairs::{Block, IMAGES, Marks};
 use crate::team::RawSlice;
 
-/// Batches of contacts in a chunk.
-pub(crate) const CONTACT_CHUNK: usize = 32;
-/// Grains in a chunk.
-pub(crate) const GRAIN_CHUNK: usize = 128;
 /// Columns of memory before the tangential law's own: the old normal.
 pub(crate) const NORMAL_COLUMNS: usize = 3;
 
-/// Sums over the contacts of a chunk (or of all).
+/// Sums over the contacts of a block (or of all).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[repr(align(64))]
 pub struct ContactSums {
@@ -41,17 +37,19 @@ pub struct ContactSums {
     pub boundary_power: f64,
     /// `sum of k_n D^2`, J.
     pub stiffness: f64,
+    /// `sum of |N|` of the elastic normal forces, N.
+    pub normal_force: f64,
     /// Largest `k_t / m` of a contact, with the smaller mass of the two, 1/s2.
     pub fastest: f64,
 }
 
-const SUMS: usize = 15;
+const SUMS: usize = 16;
 
 impl ContactSums {
-    /// The sums of chunks, in their order.
-    pub(crate) fn total(chunks: &[ContactSums]) -> ContactSums {
+    /// The sums of blocks, in their order.
+    pub(crate) fn total(blocks: &[ContactSums]) -> ContactSums {
         let mut t = ContactSums::default();
-        for c in chunks {
+        for c in blocks {
             for a in 0..9 {
                 t.virial[a] += c.virial[a];
             }
@@ -61,6 +59,7 @@ impl ContactSums {
             t.adhesion_loss += c.adhesion_loss;
             t.boundary_power += c.boundary_power;
             t.stiffness += c.stiffness;
+            t.normal_force += c.normal_force;
             t.fastest = t.fastest.max(c.fastest);
         }
         t
@@ -73,17 +72,21 @@ pub(crate) struct Views {
     pub(crate) grains: usize,
     pub(crate) place: RawSlice<Row8>,
     pub(crate) spin: RawSlice<Row4>,
+    pub(crate) blocks: RawSlice<Block>,
     pub(crate) first: RawSlice<[u32; LANES]>,
     pub(crate) second: RawSlice<[u32; LANES]>,
+    pub(crate) target: RawSlice<[u32; LANES]>,
     pub(crate) image: RawSlice<[u32; LANES]>,
     pub(crate) memory: RawSlice<Row8>,
-    pub(crate) records: RawSlice<Row8>,
+    pub(crate) marks: RawSlice<Marks>,
     pub(crate) constants: RawSlice<Row8>,
-    pub(crate) offsets: RawSlice<u32>,
-    pub(crate) incident: RawSlice<u32>,
+    pub(crate) forces: RawSlice<Row8>,
+    pub(crate) outer_offsets: RawSlice<u32>,
+    pub(crate) outer: RawSlice<u32>,
     pub(crate) contact_sums: RawSlice<ContactSums>,
     pub(crate) fastest_grain: RawSlice<f64>,
-    pub(crate) inner_batches: usize,
+    /// True where the memory of the contacts does not fit into the caches.
+    pub(crate) far: bool,
     pub(crate) alike: PairConstants<f64>,
     pub(crate) images: [Row4; IMAGES],
     pub(crate) gradient: Matrix,
@@ -111,10 +114,10 @@ impl ConstantSource for ByBatch {
     const BY_BATCH: bool = true;
 }
 
-/// The contact stage for a range of chunks.
+/// The contact stage for a range of blocks.
 pub(crate) struct ContactStage<'a, N, T, C> {
     pub(crate) views: &'a Views,
-    pub(crate) chunks: Range<usize>,
+    pub(crate) blocks: Range<usize>,
     pub(crate) laws: PhantomData<(N, T, C)>,
 }
 
@@ -136,23 +139,27 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
             dt: L::splat(v.dt),
             alike: v.alike.splat(),
         };
-        for chunk in self.chunks {
-            let batches = chunk * CONTACT_CHUNK..((chunk + 1) * CONTACT_CHUNK).min(v.first.len());
+        for k in self.blocks {
+            // SAFETY: blocks are only read; their rows of forces belong to the thread that works on the block.
+            let block = unsafe { &v.blocks.read()[k] };
+            for [from, to] in [block.grains, block.outer] {
+                unsafe { v.forces.write(from as usize..to as usize) }.fill(Row8::default());
+            }
+            let [start, inner, end] = block.batches.map(|b| b as usize);
             let mut sums = [L::zero(); SUMS];
             let mut fastest = L::zero();
-            for b in batches {
-                if b < v.inner_batches {
-                    contact_batch::<L, N, T, C, false>(v, b, &common, &mut sums, &mut fastest);
-                } else {
-                    contact_batch::<L, N, T, C, true>(v, b, &common, &mut sums, &mut fastest);
-                }
+            for b in start..inner {
+                contact_batch::<L, N, T, C, false>(v, b, &common, &mut sums, &mut fastest);
+            }
+            for b in inner..end {
+                contact_batch::<L, N, T, C, true>(v, b, &common, &mut sums, &mut fastest);
             }
             let mut s = [0.0; SUMS];
-            for k in 0..SUMS {
-                s[k] = sums[k].reduce_add();
+            for (sum, lanes) in s.iter_mut().zip(sums) {
+                *sum = lanes.reduce_add();
             }
-            // SAFETY: this thread alone works on this chunk in this stage.
-            let target = unsafe { &mut v.contact_sums.write(chunk..chunk + 1)[0] };
+            // SAFETY: this thread alone works on this block in this stage.
+            let target = unsafe { &mut v.contact_sums.write(k..k + 1)[0] };
             *target = ContactSums {
                 virial: std::array::from_fn(|a| s[a]),
                 tangential_work: s[9],
@@ -161,6 +168,7 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
                 adhesion_loss: s[12],
                 boundary_power: s[13],
                 stiffness: s[14],
+                normal_force: s[15],
                 fastest: fastest.reduce_max(),
             };
         }
@@ -176,18 +184,21 @@ fn contact_batch<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource, co
     fastest: &mut L,
 ) {
     let columns = NORMAL_COLUMNS + T::HISTORY;
-    // SAFETY: grains and lists are only read in this stage; memory and records of a batch belong to the thread
-    // that works on its chunk.
-    let (place, spin, i, j, memory_rows, records) = unsafe {
+    // SAFETY: grains and lists are only read in this stage; memory and marks of a batch belong to the thread that
+    // works on its block.
+    let (place, spin, i, j, memory_rows, marks) = unsafe {
         (
             &v.place.read()[..v.grains + 2],
             &v.spin.read()[..v.grains + 2],
             &v.first.read()[b],
             &v.second.read()[b],
             v.memory.write(b * columns..(b + 1) * columns),
-            v.records.write(b * LANES..(b + 1) * LANES),
+            &mut v.marks.write(b..b + 1)[0],
         )
     };
+    if v.far {
+        fetch_ahead(v, b, columns);
+    }
     let constants = if C::BY_BATCH {
         // SAFETY: constants are only read.
         let rows = unsafe { &v.constants.read()[b * PairConstants::COUNT..(b + 1) * PairConstants::COUNT] };
@@ -203,15 +214,13 @@ fn contact_batch<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource, co
         let image = L::gather4(&v.images, unsafe { &v.image.read()[b] });
         branch = std::array::from_fn(|k| branch[k] + image[k]);
     }
-    let mut memory = Memory::<L>::new();
-    for k in 0..3 {
-        memory.normal[k] = L::load(&memory_rows[k].0);
-    }
     let near = dot(branch, branch).lt(constants.radius_sum * constants.radius_sum);
-    let touched = dot(memory.normal, memory.normal).gt(L::splat(0.5));
-    if !(near | touched).any() {
-        records.fill(Row8::default());
+    if !near.any() && marks.touched == 0 {
         return;
+    }
+    let mut memory = Memory::<L>::new();
+    for k in 0..NORMAL_COLUMNS {
+        memory.normal[k] = L::load(&memory_rows[k].0);
     }
     for k in 0..T::HISTORY {
         memory.history[k] = L::load(&memory_rows[NORMAL_COLUMNS + k].0);
@@ -239,20 +248,10 @@ fn contact_batch<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource, co
     for k in 0..T::HISTORY {
         memory.history[k].store(&mut memory_rows[NORMAL_COLUMNS + k].0);
     }
-    let sliding = L::splat(1.0).keep(out.sliding);
-    let columns = [
-        out.force[0],
-        out.force[1],
-        out.force[2],
-        sliding,
-        out.moment[0],
-        out.moment[1],
-        out.moment[2],
-        out.normal_force,
-    ];
-    if let Ok(rows) = <&mut [Row8; LANES]>::try_from(records) {
-        L::scatter8(columns, rows);
-    }
+    *marks = Marks { touched: out.touching.bits() as u8, sliding: out.sliding.bits() as u8 };
+    // SAFETY: only read in this stage.
+    let target = unsafe { &v.target.read()[b] };
+    add_forces(v, i, target, out.force, out.moment);
     for r in 0..3 {
         for k in 0..3 {
             sums[3 * r + k] = (-out.elastic[r]).mul_add(branch[k], sums[3 * r + k]);
@@ -265,14 +264,53 @@ fn contact_batch<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource, co
     sums[13] = sums[13] + dot(out.force, affine);
     let square = constants.radius_sum * constants.radius_sum;
     sums[14] = out.normal_stiffness.mul_add(square, sums[14]);
+    sums[15] = sums[15] + out.normal_force.abs();
     let tangential = half * constants.sixteen_shear_moduli * out.radius;
     *fastest = fastest.max(tangential / a[7].min(c[7]));
 }
 
-/// The grain stage for a range of chunks: sums the records, kicks, drifts.
+/// Batches between asking for memory and using it.
+const AHEAD: usize = 3;
+
+/// Asks for what a later batch will read: the processor foresees neither the places of grains nor the next page.
+#[inline(always)]
+fn fetch_ahead(v: &Views, b: usize, columns: usize) {
+    let later = b + AHEAD;
+    for c in 0..columns {
+        v.memory.prefetch(later * columns + c);
+    }
+    // SAFETY: lists are only read in this stage.
+    let (first, second) = unsafe { (v.first.read(), v.second.read()) };
+    if let (Some(i), Some(j)) = (first.get(later), second.get(later)) {
+        for &grain in j.iter().chain(&i[LANES - 1..]) {
+            v.place.prefetch(grain as usize);
+            v.spin.prefetch(grain as usize);
+        }
+    }
+}
+
+/// Adds what eight pairs do to the force rows of their grains.
+#[inline(always)]
+fn add_forces<L: Lanes>(v: &Views, i: &[u32; LANES], target: &[u32; LANES], force: [L; 3], moment: [L; 3]) {
+    let mut rows = [Row8::default(); LANES];
+    let zero = L::zero();
+    L::scatter8([force[0], force[1], force[2], zero, moment[0], moment[1], moment[2], zero], &mut rows);
+    // The force on j is the opposite of that on i; the moments are alike.
+    let sign = L::load(&[-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
+    for l in 0..LANES {
+        let row = L::load(&rows[l].0);
+        // SAFETY: the rows that the pairs of a block point at belong to the thread that works on it.
+        let on_i = unsafe { v.forces.at(i[l] as usize) };
+        (L::load(&on_i.0) + row).store(&mut on_i.0);
+        let on_j = unsafe { v.forces.at(target[l] as usize) };
+        row.mul_add(sign, L::load(&on_j.0)).store(&mut on_j.0);
+    }
+}
+
+/// The grain stage for a range of blocks: sums the forces, kicks, drifts.
 pub(crate) struct GrainStage<'a> {
     pub(crate) views: &'a Views,
-    pub(crate) chunks: Range<usize>,
+    pub(crate) blocks: Range<usize>,
 }
 
 impl Kernel for GrainStage<'_> {
@@ -281,27 +319,28 @@ impl Kernel for GrainStage<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let v = self.views;
-        for chunk in self.chunks {
-            let range = chunk * GRAIN_CHUNK..((chunk + 1) * GRAIN_CHUNK).min(v.grains);
-            // SAFETY: records and lists are only read in this stage; the grains of a chunk belong to the thread
-            // that works on it.
-            let (records, offsets, incident, place, spin) = unsafe {
+        for k in self.blocks {
+            // SAFETY: forces and lists are only read in this stage; the grains of a block belong to the thread that
+            // works on it.
+            let [start, end] = unsafe { v.blocks.read()[k] }.grains;
+            let range = start as usize..end as usize;
+            let (forces, offsets, outer, place, spin) = unsafe {
                 (
-                    v.records.read(),
-                    v.offsets.read(),
-                    v.incident.read(),
+                    v.forces.read(),
+                    v.outer_offsets.read(),
+                    v.outer.read(),
                     v.place.write(range.clone()),
                     v.spin.write(range.clone()),
                 )
             };
             let mut fastest = 0.0f64;
             for (n, g) in range.enumerate() {
-                let total = resultant::<L>(records, offsets, incident, g);
+                let total = resultant::<L>(forces, offsets, outer, g);
                 let square = advance_grain(v, &total, &mut place[n], &mut spin[n]);
                 fastest = larger(fastest, square);
             }
-            // SAFETY: this thread alone works on this chunk.
-            unsafe { v.fastest_grain.write(chunk..chunk + 1)[0] = fastest };
+            // SAFETY: this thread alone works on this block.
+            unsafe { v.fastest_grain.write(k..k + 1)[0] = fastest };
         }
     }
 }
@@ -312,23 +351,15 @@ pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if b > a || b.is_nan() { b } else { a }
 }
 
-/// Sum of the records of a grain: force (entries 0..3) and torque over radius (4..7).
+/// Sum of the force rows of a grain: force (entries 0..3) and torque over radius (4..7).
 #[inline(always)]
-pub(crate) fn resultant<L: Lanes>(records: &[Row8], offsets: &[u32], incident: &[u32], g: usize) -> [f64; 8] {
-    let (start, middle, end) =
-        (offsets[2 * g] as usize, offsets[2 * g + 1] as usize, offsets[2 * g + 2] as usize);
-    let mut as_first = L::zero();
-    for &slot in &incident[start..middle] {
-        as_first = as_first + L::load(&records[slot as usize].0);
+pub(crate) fn resultant<L: Lanes>(forces: &[Row8], offsets: &[u32], outer: &[u32], g: usize) -> [f64; 8] {
+    let mut sum = L::load(&forces[g].0);
+    for &row in &outer[offsets[g] as usize..offsets[g + 1] as usize] {
+        sum = sum + L::load(&forces[row as usize].0);
     }
-    let mut as_second = L::zero();
-    for &slot in &incident[middle..end] {
-        as_second = as_second + L::load(&records[slot as usize].0);
-    }
-    // The force on j is the opposite of that on i; the moments are alike.
-    let sign = L::load(&[-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
     let mut total = [0.0; 8];
-    as_second.mul_add(sign, as_first).store(&mut total);
+    sum.store(&mut total);
     total
 }
 

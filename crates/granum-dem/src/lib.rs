@@ -16,6 +16,7 @@ pub mod servo;
 pub mod simulation;
 pub mod state;
 
+mod blocks;
 mod kernel;
 mod pairs;
 mod stepping;

@@ -1,9 +1,7 @@
 //! The list of near pairs, in batches of eight, with the memory of their contacts.
 //!
 //! Pairs within `R_i + R_j + skin` are listed. The list is valid while no pair outside it can have come to touch
-//! ([`crate::simulation`] watches that), and is then made anew; memory travels with its pair. Order: pairs within
-//! the cell first, pairs across a face after them (only these look up an image vector), each group sorted by the
-//! grains' places in memory.
+//! ([`crate::simulation`] watches that), and is then made anew by [`crate::blocks`]; memory travels with its pair.
 
 use granum_simd::{LANES, Row8};
 use serde::{Deserialize, Serialize};
@@ -15,14 +13,14 @@ use crate::contact::interaction::Memory;
 use crate::kernel::NORMAL_COLUMNS;
 
 /// Largest number of cells by which an image may be displaced along an edge.
-const REACH: i32 = 2;
+pub(crate) const REACH: i32 = 2;
 /// Number of different image vectors.
 pub(crate) const IMAGES: usize = 125;
 /// Code of the image vector (0, 0, 0).
 pub(crate) const NO_IMAGE: u32 = 62;
 
 /// Code of an image vector with entries from -2 to 2.
-fn image_code(s: [i32; 3]) -> u32 {
+pub(crate) fn image_code(s: [i32; 3]) -> u32 {
     (((s[0] + REACH) * 5 + (s[1] + REACH)) * 5 + (s[2] + REACH)) as u32
 }
 
@@ -32,17 +30,43 @@ pub(crate) fn image_vector(code: u32) -> [i32; 3] {
     [c / 25 - REACH, (c / 5) % 5 - REACH, c % 5 - REACH]
 }
 
+/// A run of grains and the pairs whose first grain is among them: what one thread works on at a time.
+///
+/// A pair adds its force straight to the rows of its two grains. A block has rows of its own for grains of other blocks,
+/// and those grains sum what the blocks hold for them, in the order of the blocks: no two threads write one row, and no
+/// sum depends on who made it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Block {
+    /// First grain, and one past the last.
+    pub(crate) grains: [u32; 2],
+    /// First batch, one past the last within the cell, one past the last (the later ones have images).
+    pub(crate) batches: [u32; 3],
+    /// First row of forces on grains of other blocks, and one past the last.
+    pub(crate) outer: [u32; 2],
+}
+
+/// Bits by lane of what a batch did in its last step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Marks {
+    /// Which pairs touched.
+    pub(crate) touched: u8,
+    /// Which of them slid.
+    pub(crate) sliding: u8,
+}
+
 /// Pairs in batches, their memory and what they last did to their grains.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pairs {
-    /// Number of pairs (the rest of the last batch of a group is filled up with the two phantom grains).
+    /// Number of pairs. The rest of the last batch of a group pairs a grain of the block with the far phantom.
     pub(crate) count: usize,
-    /// Batches without images; the later ones have images.
-    pub(crate) inner_batches: usize,
-    /// Place of grain i, by batch and lane.
+    /// Blocks, in the order of the grains.
+    pub(crate) blocks: Vec<Block>,
+    /// Place of grain i, by batch and lane; its force row is the same.
     pub(crate) first: Vec<[u32; LANES]>,
     /// Place of grain j.
     pub(crate) second: Vec<[u32; LANES]>,
+    /// Force row of grain j.
+    pub(crate) target: Vec<[u32; LANES]>,
     /// Code of the image of j.
     pub(crate) image: Vec<[u32; LANES]>,
     /// Columns of memory, by batch: the old normal (3), then the tangential law's history.
@@ -50,17 +74,19 @@ pub struct Pairs {
     pub(crate) memory: Vec<Row8>,
     /// Number of columns of memory.
     pub(crate) columns: usize,
+    /// What the lanes of a batch did in the last step.
+    pub(crate) marks: Vec<Marks>,
     /// Constants by batch, where grains differ; empty where all pairs are alike.
     #[serde(with = "rows::eight")]
     pub(crate) constants: Vec<Row8>,
-    /// What each pair did in the last step: force on i and sliding flag, moment and normal force.
+    /// Force (entries 0..3) and torque over radius (4..7) of the last step: a row for every grain with what its own block
+    /// did to it, then the rows of the blocks for grains of others.
     #[serde(with = "rows::eight")]
-    pub(crate) records: Vec<Row8>,
-    /// For grain g: records where it is i are `incident[offsets[2g]..offsets[2g+1]]`, where it is j
-    /// `incident[offsets[2g+1]..offsets[2g+2]]`.
-    pub(crate) offsets: Vec<u32>,
-    /// Slots of records.
-    pub(crate) incident: Vec<u32>,
+    pub(crate) forces: Vec<Row8>,
+    /// For grain g: other blocks' rows for it are `outer[outer_offsets[g]..outer_offsets[g + 1]]`.
+    pub(crate) outer_offsets: Vec<u32>,
+    /// Rows of forces.
+    pub(crate) outer: Vec<u32>,
 }
 
 impl Pairs {
@@ -84,7 +110,7 @@ impl Pairs {
         Memory { normal: [0, 1, 2].map(|c| self.column(b, c)[l]), history }
     }
 
-    fn set_memory(&mut self, slot: usize, memory: &Memory<f64>) {
+    pub(crate) fn set_memory(&mut self, slot: usize, memory: &Memory<f64>) {
         let (b, l) = (slot / LANES, slot % LANES);
         for c in 0..NORMAL_COLUMNS {
             self.memory[b * self.columns + c].0[l] = memory.normal[c];
@@ -96,8 +122,22 @@ impl Pairs {
 
     /// True if the pair in this slot touched in the last step.
     pub(crate) fn touched(&self, slot: usize) -> bool {
-        let (b, l) = (slot / LANES, slot % LANES);
-        (0..3).map(|c| self.column(b, c)[l].powi(2)).sum::<f64>() > 0.5
+        self.marks[slot / LANES].touched >> (slot % LANES) & 1 != 0
+    }
+
+    /// True if it slid.
+    pub(crate) fn sliding(&self, slot: usize) -> bool {
+        self.marks[slot / LANES].sliding >> (slot % LANES) & 1 != 0
+    }
+
+    /// Number of contacts in the last step.
+    pub(crate) fn contacts(&self) -> usize {
+        self.marks.iter().map(|m| m.touched.count_ones() as usize).sum()
+    }
+
+    /// Slots of the pairs that touched in the last step.
+    pub(crate) fn touching(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.batches() * LANES).filter(|&slot| self.touched(slot))
     }
 }
 
@@ -189,7 +229,7 @@ pub(crate) fn find(cell: &Cell, place: &[Row8], skin: f64) -> Vec<Near> {
     found
 }
 
-fn is_near(a: &Row8, b: &Row8, image: &[f64; 3], skin: f64) -> bool {
+pub(crate) fn is_near(a: &Row8, b: &Row8, image: &[f64; 3], skin: f64) -> bool {
     let reach = a.0[3] + b.0[3] + skin;
     let d: [f64; 3] = std::array::from_fn(|k| b.0[k] + image[k] - a.0[k]);
     d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < reach * reach
@@ -273,134 +313,11 @@ fn spread_bits(x: u64) -> u64 {
     (x | x << 2) & 0x1249_2492_4924_9249
 }
 
-/// Where an old pair's memory goes: its key in the new order, and whether i and j changed sides.
-fn carried_key(pairs: &Pairs, slot: usize, moved: &[[i32; 3]], new_place: Option<&[u32]>) -> (Near, bool) {
-    let (b, l) = (slot / LANES, slot % LANES);
-    let (i, j) = (pairs.first[b][l], pairs.second[b][l]);
-    let old = image_vector(pairs.image[b][l]);
-    // x_j + H s - x_i stays as it was when both positions jump by whole cells.
-    let mut s: [i32; 3] = std::array::from_fn(|a| {
-        old[a].saturating_add(moved[j as usize][a]).saturating_sub(moved[i as usize][a])
-    });
-    let (mut i, mut j) = match new_place {
-        Some(new) => (new[i as usize], new[j as usize]),
-        None => (i, j),
-    };
-    let flip = i > j || (i == j && s < [0; 3]);
-    if flip {
-        std::mem::swap(&mut i, &mut j);
-        s = s.map(i32::saturating_neg);
-    }
-    let image = if s.iter().all(|x| (-REACH..=REACH).contains(x)) { image_code(s) } else { u32::MAX };
-    (Near { i, j, image }, flip)
-}
-
-/// Makes the list anew from `near` (sorted), carrying over the memory and records of pairs that persist.
-///
-/// `moved` and `new_place` say how the grains were wrapped and reordered since the old list; `swap` rewrites
-/// a memory when i and j change sides. `grains` counts the real grains; the
-/// two phantoms follow them.
-pub(crate) fn rebuild(
-    old: &Pairs,
-    near: &[Near],
-    moved: &[[i32; 3]],
-    new_place: Option<&[u32]>,
-    columns: usize,
-    swap: fn(&mut Memory<f64>),
-    grains: usize,
-) -> Pairs {
-    let phantoms = (grains as u32, grains as u32 + 1);
-    let mut pairs = Pairs { count: near.len(), columns, ..Pairs::default() };
-    let mut slots: Vec<u32> = vec![0; near.len()];
-    for crossing in [false, true] {
-        let mut lane = LANES;
-        for (n, pair) in near.iter().enumerate() {
-            if (pair.image != NO_IMAGE) != crossing {
-                continue;
-            }
-            if lane == LANES {
-                pairs.first.push([phantoms.0; LANES]);
-                pairs.second.push([phantoms.1; LANES]);
-                pairs.image.push([NO_IMAGE; LANES]);
-                lane = 0;
-            }
-            let b = pairs.first.len() - 1;
-            pairs.first[b][lane] = pair.i;
-            pairs.second[b][lane] = pair.j;
-            pairs.image[b][lane] = pair.image;
-            slots[n] = (b * LANES + lane) as u32;
-            lane += 1;
-        }
-        if !crossing {
-            pairs.inner_batches = pairs.first.len();
-        }
-    }
-    pairs.memory = vec![Row8::default(); pairs.batches() * columns];
-    pairs.records = vec![Row8::default(); pairs.batches() * LANES];
-    list_incidents(&mut pairs, near, &slots, grains);
-    carry_memory(&mut pairs, old, near, &slots, moved, new_place, swap);
-    pairs
-}
-
-fn list_incidents(pairs: &mut Pairs, near: &[Near], slots: &[u32], grains: usize) {
-    let mut offsets = vec![0u32; 2 * grains + 1];
-    for pair in near {
-        offsets[2 * pair.i as usize + 1] += 1;
-        offsets[2 * pair.j as usize + 2] += 1;
-    }
-    for k in 0..2 * grains {
-        offsets[k + 1] += offsets[k];
-    }
-    let mut fill = offsets.clone();
-    let mut incident = vec![0u32; 2 * near.len()];
-    for (pair, &slot) in near.iter().zip(slots) {
-        for side in [2 * pair.i as usize, 2 * pair.j as usize + 1] {
-            incident[fill[side] as usize] = slot;
-            fill[side] += 1;
-        }
-    }
-    pairs.offsets = offsets;
-    pairs.incident = incident;
-}
-
-fn carry_memory(
-    pairs: &mut Pairs,
-    old: &Pairs,
-    near: &[Near],
-    slots: &[u32],
-    moved: &[[i32; 3]],
-    new_place: Option<&[u32]>,
-    swap: fn(&mut Memory<f64>),
-) {
-    let real = moved.len() as u32;
-    for slot in 0..old.batches() * LANES {
-        if old.first[slot / LANES][slot % LANES] >= real || !old.touched(slot) {
-            continue;
-        }
-        let (key, flip) = carried_key(old, slot, moved, new_place);
-        let Ok(n) = near.binary_search(&key) else { continue };
-        let target = slots[n] as usize;
-        let mut memory = old.memory(slot);
-        if flip {
-            swap(&mut memory);
-        }
-        pairs.set_memory(target, &memory);
-        let mut record = old.records[slot];
-        if flip {
-            // Force on the other grain; the moment serves both sides alike.
-            for a in 0..3 {
-                record.0[a] = -record.0[a];
-            }
-        }
-        pairs.records[target] = record;
-    }
-}
-
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
-    fn grains(n: usize, cell: &Cell, radius: f64) -> Vec<Row8> {
+    pub(crate) fn grains(n: usize, cell: &Cell, radius: f64) -> Vec<Row8> {
         let mut x = 0.123_456_789f64;
         let mut next = || {
             x = (x * 997.0 + 0.618).fract();
@@ -429,79 +346,5 @@ mod tests {
         let cell = Cell::cuboid([1.0; 3]);
         let place = [Row8([0.5, 0.5, 0.5, 0.5, 0.0, 0.0, 0.0, 1.0])];
         assert_eq!(find(&cell, &place, 1e-3).len(), 3);
-    }
-
-    #[test]
-    fn memory_survives_wrapping_and_reordering() {
-        let cell = Cell::cuboid([10.0; 3]);
-        let mut place = grains(200, &cell, 0.8);
-        let near = find(&cell, &place, 0.05);
-        let none = vec![[0; 3]; 200];
-        // A memory whose first three columns are a vector in space.
-        let swap = |m: &mut Memory<f64>| {
-            m.normal = m.normal.map(|x| -x);
-            for c in 0..3 {
-                m.history[c] = -m.history[c];
-            }
-        };
-        let mut pairs = rebuild(&Pairs::default(), &near, &none, None, 7, swap, 200);
-        let length = |pairs: &Pairs, place: &[Row8], slot: usize| {
-            let (b, l) = (slot / LANES, slot % LANES);
-            let s = cell.image(image_vector(pairs.image[b][l]));
-            let (i, j) = (pairs.first[b][l] as usize, pairs.second[b][l] as usize);
-            let r: [f64; 3] = std::array::from_fn(|a| place[j].0[a] + s[a] - place[i].0[a]);
-            (r, r.iter().map(|x| x * x).sum::<f64>().sqrt())
-        };
-        // Remember the direction and the branch itself.
-        for slot in 0..pairs.batches() * LANES {
-            let (b, l) = (slot / LANES, slot % LANES);
-            if pairs.first[b][l] < 200 {
-                let (r, d) = length(&pairs, &place, slot);
-                for a in 0..3 {
-                    pairs.memory[b * 7 + a].0[l] = r[a] / d;
-                    pairs.memory[b * 7 + 3 + a].0[l] = r[a];
-                    pairs.records[slot].0[a] = r[a];
-                }
-                pairs.memory[b * 7 + 6].0[l] = d;
-            }
-        }
-        for row in &mut place {
-            row.0[0] += 4.0;
-            row.0[2] -= 7.0;
-        }
-        let moved = wrap(&cell, &mut place);
-        let order = spatial_order(&cell, &place, 1.7);
-        let mut new_place = vec![0; 200];
-        for (new, &old) in order.iter().enumerate() {
-            new_place[old as usize] = new as u32;
-        }
-        let place: Vec<Row8> = order.iter().map(|&o| place[o as usize]).collect();
-        let near = find(&cell, &place, 0.05);
-        let again = rebuild(&pairs, &near, &moved, Some(&new_place), 7, swap, 200);
-        assert_eq!(again.count, pairs.count);
-        let mut checked = 0;
-        for slot in 0..again.batches() * LANES {
-            let (b, l) = (slot / LANES, slot % LANES);
-            if again.first[b][l] >= 200 {
-                continue;
-            }
-            let (r, d) = length(&again, &place, slot);
-            for a in 0..3 {
-                assert!((again.column(b, 3 + a)[l] - r[a]).abs() < 1e-12);
-                assert!((again.records[slot].0[a] - r[a]).abs() < 1e-12);
-            }
-            assert!((again.column(b, 6)[l] - d).abs() < 1e-12);
-            checked += 1;
-        }
-        assert_eq!(checked, again.count);
-        for g in 0..200 {
-            for side in 0..2 {
-                let range = again.offsets[2 * g + side] as usize..again.offsets[2 * g + side + 1] as usize;
-                for &slot in &again.incident[range] {
-                    let list = if side == 0 { &again.first } else { &again.second };
-                    assert_eq!(list[slot as usize / LANES][slot as usize % LANES], g as u32);
-                }
-            }
-        }
     }
 }

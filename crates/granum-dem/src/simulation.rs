@@ -99,7 +99,8 @@ pub(crate) struct LawTable {
     pub(crate) history: usize,
     pub(crate) swap_sides: fn(&mut Memory<f64>),
     pub(crate) constants: fn(&PairProperties) -> PairConstants<f64>,
-    pub(crate) describe: fn(&PairConstants<f64>, f64) -> (f64, f64),
+    /// Radius of a contact with some approach, its normal force and the energy of that.
+    pub(crate) describe: fn(&PairConstants<f64>, f64) -> [f64; 3],
     pub(crate) tangential_force: fn([f64; 3], &[f64; MAX_HISTORY]) -> [f64; 3],
     pub(crate) breaking_approach: fn(&PairConstants<f64>) -> f64,
     pub(crate) advance: fn(&mut Machine, u64) -> Result<(), SimulationError>,
@@ -116,7 +117,8 @@ impl LawVisitor for MakeTable {
             tangential_force: T::force::<f64>,
             constants: PairConstants::new::<N, T>,
             describe: |pair, approach| {
-                (N::evaluate(&pair.normal, approach, true).radius, N::energy(&pair.normal, approach))
+                let normal = N::evaluate(&pair.normal, approach, true);
+                [normal.radius, normal.force, N::energy(&pair.normal, approach)]
             },
             breaking_approach: |pair| N::breaking_approach(&pair.normal),
             advance: stepping::advance::<N, T>,

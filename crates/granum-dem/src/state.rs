@@ -162,7 +162,7 @@ impl State {
     /// Force on grain g (entries 0..3) and torque over radius (4..7).
     pub(crate) fn resultant(&self, g: usize) -> [f64; 8] {
         let p = &self.pairs;
-        crate::kernel::resultant::<granum_simd::Portable>(&p.records, &p.offsets, &p.incident, g)
+        crate::kernel::resultant::<granum_simd::Portable>(&p.forces, &p.outer_offsets, &p.outer, g)
     }
 
     /// Mean resultant force on the grains that touch another, over the mean normal force of the contacts.
@@ -176,26 +176,16 @@ impl State {
                 loaded += 1;
             }
         }
-        let (mut forces, mut contacts) = (0.0, 0u64);
-        for record in &self.pairs.records {
-            if record.0[7] != 0.0 {
-                forces += record.0[7].abs();
-                contacts += 1;
-            }
-        }
-        if loaded == 0 || contacts == 0 {
+        let contacts = self.contacts();
+        if loaded == 0 || contacts == 0 || self.sums.normal_force == 0.0 {
             return 0.0;
         }
-        (resultants / loaded as f64) / (forces / contacts as f64)
+        (resultants / loaded as f64) / (self.sums.normal_force / contacts as f64)
     }
 
     /// Number of contacts that touch.
     pub fn contacts(&self) -> usize {
-        (0..self.pairs.batches() * LANES)
-            .filter(|&s| {
-                self.pairs.first[s / LANES][s % LANES] < self.grains() as u32 && self.pairs.touched(s)
-            })
-            .count()
+        self.pairs.contacts()
     }
 
     /// A picture for sensors.
@@ -230,10 +220,8 @@ impl State {
                 }
             })
             .collect();
-        let mut contacts: Vec<Contact> = (0..self.pairs.batches() * LANES)
-            .filter(|&s| self.pairs.first[s / LANES][s % LANES] < n as u32 && self.pairs.touched(s))
-            .map(|s| self.contact(s, &rank, &constants, table))
-            .collect();
+        let mut contacts: Vec<Contact> =
+            self.pairs.touching().map(|s| self.contact(s, &rank, &constants, table)).collect();
         contacts
             .sort_unstable_by(|a, b| (a.i, a.j).cmp(&(b.i, b.j)).then(a.branch[0].total_cmp(&b.branch[0])));
         Assembly {
@@ -276,11 +264,10 @@ impl State {
         let distance = (branch[0] * branch[0] + branch[1] * branch[1] + branch[2] * branch[2]).sqrt();
         let pair = constants(slot);
         let approach = pair.radius_sum - distance;
-        let (radius, normal_energy) = (table.describe)(&pair, approach);
+        let [radius, normal_force, normal_energy] = (table.describe)(&pair, approach);
         let memory = self.pairs.memory(slot);
         let t = (table.tangential_force)(memory.normal, &memory.history);
         let t_square = t[0] * t[0] + t[1] * t[1] + t[2] * t[2];
-        let record = &self.pairs.records[slot].0;
         // By rank, so that i < j holds for ids whatever the order in memory.
         let sign = if rank[i] <= rank[j] { 1.0 } else { -1.0 };
         let (first, second) = if sign > 0.0 { (i, j) } else { (j, i) };
@@ -290,10 +277,10 @@ impl State {
             branch: branch.map(|x| sign * x),
             normal: branch.map(|x| sign * x / distance),
             approach,
-            normal_force: record[7],
+            normal_force,
             tangential_force: t.map(|x| sign * x),
             radius,
-            sliding: record[3] != 0.0,
+            sliding: self.pairs.sliding(slot),
             normal_energy,
             tangential_energy: if radius > 0.0 {
                 t_square / (pair.sixteen_shear_moduli * radius)

@@ -6,10 +6,10 @@ use std::marker::PhantomData;
 use granum_simd::{LANES, Row4, Row8, dispatch};
 
 use crate::assembly::Matrix;
+use crate::blocks::{self, Change};
 use crate::contact::{NormalLaw, PairConstants, PairProperties, TangentialLaw};
 use crate::kernel::{
-    Alike, ByBatch, CONTACT_CHUNK, ConstantSource, ContactStage, ContactSums, GRAIN_CHUNK, GrainStage,
-    NORMAL_COLUMNS, Views, larger,
+    Alike, ByBatch, ConstantSource, ContactStage, ContactSums, GrainStage, NORMAL_COLUMNS, Views, larger,
 };
 use crate::pairs::{self, IMAGES, image_vector};
 use crate::servo::Sample;
@@ -23,6 +23,9 @@ const TIME_STEP_WINDOW: u64 = 256;
 const WANTED_LIFE: std::ops::Range<u64> = 300..1200;
 /// The grains are put in spatial order again after this many rebuilds of the list.
 const REORDER_EVERY: u64 = 64;
+
+/// Bytes of contact memory from which it is asked for ahead of time.
+const FAR: usize = 8 << 20;
 
 /// A state and what moves it on.
 #[derive(Clone)]
@@ -97,8 +100,8 @@ impl Machine {
         let near = pairs::find(&state.cell, &state.place[..n], state.skin);
         let columns = NORMAL_COLUMNS + self.table.history;
         let old = std::mem::take(&mut state.pairs);
-        state.pairs =
-            pairs::rebuild(&old, &near, &moved, new_place.as_deref(), columns, self.table.swap_sides, n);
+        let change = Change { moved: &moved, new_place: new_place.as_deref(), swap: self.table.swap_sides };
+        state.pairs = blocks::rebuild(&old, &near, &state.cell, &state.place[..n], &change, columns);
         state.travel = 0.0;
         state.distortion = 0.0;
         state.steps_since_rebuild = 0;
@@ -221,27 +224,30 @@ impl Machine {
 
     fn views(&mut self) -> Views {
         let s = &mut self.state;
-        let chunks = s.pairs.batches().div_ceil(CONTACT_CHUNK);
+        let blocks = s.pairs.blocks.len();
         self.contact_sums.clear();
-        self.contact_sums.resize(chunks, ContactSums::default());
+        self.contact_sums.resize(blocks, ContactSums::default());
         self.fastest_grain.clear();
-        self.fastest_grain.resize(s.ids.len().div_ceil(GRAIN_CHUNK), 0.0);
+        self.fastest_grain.resize(blocks, 0.0);
         Views {
             grains: s.ids.len(),
             images: image_table(s),
             place: RawSlice::new(&mut s.place),
             spin: RawSlice::new(&mut s.spin),
+            blocks: RawSlice::new(&mut s.pairs.blocks),
             first: RawSlice::new(&mut s.pairs.first),
             second: RawSlice::new(&mut s.pairs.second),
+            target: RawSlice::new(&mut s.pairs.target),
             image: RawSlice::new(&mut s.pairs.image),
             memory: RawSlice::new(&mut s.pairs.memory),
-            records: RawSlice::new(&mut s.pairs.records),
+            marks: RawSlice::new(&mut s.pairs.marks),
             constants: RawSlice::new(&mut s.pairs.constants),
-            offsets: RawSlice::new(&mut s.pairs.offsets),
-            incident: RawSlice::new(&mut s.pairs.incident),
+            forces: RawSlice::new(&mut s.pairs.forces),
+            outer_offsets: RawSlice::new(&mut s.pairs.outer_offsets),
+            outer: RawSlice::new(&mut s.pairs.outer),
             contact_sums: RawSlice::new(&mut self.contact_sums),
             fastest_grain: RawSlice::new(&mut self.fastest_grain),
-            inner_batches: s.pairs.inner_batches,
+            far: s.pairs.memory.len() * size_of::<Row8>() > FAR,
             alike: self.alike,
             gradient: s.gradient,
             dt: s.dt,
@@ -321,16 +327,20 @@ unsafe impl Sync for Team<'_> {}
 impl Team<'_> {
     /// One thread's part in `steps` steps.
     fn work<N: NormalLaw, T: TangentialLaw>(&self, thread: usize, steps: u64) {
-        for _ in 0..steps {
-            if thread == 0 {
-                // SAFETY: see `Team`; the others wait at the next barrier.
-                unsafe { (*self.machine.get()).begin_step(&mut *self.views.get()) };
-            }
+        if thread == 0 {
+            // SAFETY: see `Team`; the others wait at the next barrier.
+            unsafe { (*self.machine.get()).begin_step(&mut *self.views.get()) };
+        }
+        for step in 0..steps {
             self.barrier.wait();
+            // SAFETY: written by thread 0 before the barrier.
+            if unsafe { (*self.failure.get()).is_some() } {
+                return;
+            }
             // SAFETY: thread 0 does not write the views before all have passed the next barrier.
             let views = unsafe { &*self.views.get() };
-            let chunks = share(views.fastest_grain.len(), thread, self.threads);
-            dispatch(self.isa, GrainStage { views, chunks });
+            let blocks = share(views.blocks.len(), thread, self.threads);
+            dispatch(self.isa, GrainStage { views, blocks });
             self.barrier.wait();
             // SAFETY: written before the barrier, read after it; the machine is only read until the next one.
             let fastest = unsafe { views.fastest_grain.read() }.iter().copied().fold(0.0, larger);
@@ -345,35 +355,33 @@ impl Team<'_> {
             }
             // SAFETY: as above; `renew` may have replaced the views.
             let views = unsafe { &*self.views.get() };
-            let chunks = share(views.contact_sums.len(), thread, self.threads);
+            let blocks = share(views.blocks.len(), thread, self.threads);
             if self.by_batch {
-                contact_stage::<N, T, ByBatch>(self.isa, views, chunks);
+                contact_stage::<N, T, ByBatch>(self.isa, views, blocks);
             } else {
-                contact_stage::<N, T, Alike>(self.isa, views, chunks);
+                contact_stage::<N, T, Alike>(self.isa, views, blocks);
             }
             self.barrier.wait();
             if thread == 0 {
-                // SAFETY: see `Team`.
-                unsafe {
-                    if let Err(e) = (*self.machine.get()).end_step(fastest, stale) {
-                        *self.failure.get() = Some(e);
-                    }
-                }
-            }
-            if self.failed(thread) {
-                return;
+                // SAFETY: see `Team`; the others wait at the next barrier or are done.
+                unsafe { self.turn(fastest, stale, step + 1 < steps) };
             }
         }
     }
 
-    /// True if the run must end. Threads other than 0 learn of a failure through the barrier.
-    fn failed(&self, thread: usize) -> bool {
-        if self.threads > 1 {
-            self.barrier.wait();
+    /// What is serial between two steps.
+    ///
+    /// # Safety
+    /// Only thread 0, while the others wait.
+    unsafe fn turn(&self, fastest: f64, stale: bool, more: bool) {
+        unsafe {
+            let machine = &mut *self.machine.get();
+            match machine.end_step(fastest, stale) {
+                Err(e) => *self.failure.get() = Some(e),
+                Ok(()) if more => machine.begin_step(&mut *self.views.get()),
+                Ok(()) => {}
+            }
         }
-        let _ = thread;
-        // SAFETY: written by thread 0 before the barrier.
-        unsafe { (*self.failure.get()).is_some() }
     }
 
     /// Makes the list and the views anew.
@@ -397,9 +405,9 @@ impl Team<'_> {
 fn contact_stage<N: NormalLaw, T: TangentialLaw, C: ConstantSource>(
     isa: granum_simd::Isa,
     views: &Views,
-    chunks: std::ops::Range<usize>,
+    blocks: std::ops::Range<usize>,
 ) {
-    dispatch(isa, ContactStage { views, chunks, laws: PhantomData::<(N, T, C)> });
+    dispatch(isa, ContactStage { views, blocks, laws: PhantomData::<(N, T, C)> });
 }
 
 /// Advances by `steps` steps with the threads of the machine's hardware.
@@ -432,11 +440,11 @@ pub(crate) fn advance<N: NormalLaw, T: TangentialLaw>(
 pub(crate) fn forces<N: NormalLaw, T: TangentialLaw>(machine: &mut Machine) {
     let mut views = machine.views();
     views.dt = 0.0;
-    let chunks = 0..views.contact_sums.len();
+    let blocks = 0..views.blocks.len();
     if machine.state.pairs.constants.is_empty() {
-        contact_stage::<N, T, Alike>(machine.hardware.isa, &views, chunks);
+        contact_stage::<N, T, Alike>(machine.hardware.isa, &views, blocks);
     } else {
-        contact_stage::<N, T, ByBatch>(machine.hardware.isa, &views, chunks);
+        contact_stage::<N, T, ByBatch>(machine.hardware.isa, &views, blocks);
     }
     machine.state.sums = ContactSums::total(&machine.contact_sums);
 }

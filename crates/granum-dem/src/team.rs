@@ -87,6 +87,26 @@ impl<T> RawSlice<T> {
     }
 }
 
+impl<T> RawSlice<T> {
+    /// Asks for the cache line of an element; a hint that reads nothing.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, index: usize) {
+        if index < self.len {
+            granum_simd::prefetch(self.start.wrapping_add(index));
+        }
+    }
+
+    /// One element for writing.
+    ///
+    /// # Safety
+    /// As for [`RawSlice::write`], and no other reference to this element is alive.
+    #[inline(always)]
+    pub(crate) unsafe fn at<'a>(&self, index: usize) -> &'a mut T {
+        assert!(index < self.len);
+        unsafe { &mut *self.start.add(index) }
+    }
+}
+
 /// The share of thread `t` of `threads` in `count` chunks: contiguous, sizes differing by one at most.
 pub(crate) fn share(count: usize, t: usize, threads: usize) -> Range<usize> {
     count * t / threads..count * (t + 1) / threads

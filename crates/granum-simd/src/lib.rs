@@ -12,6 +12,7 @@ mod dispatch;
 mod lanes;
 mod math;
 mod portable;
+mod prefetch;
 mod rows;
 mod twice;
 
@@ -27,6 +28,7 @@ pub use dispatch::{Isa, Kernel, dispatch};
 pub use lanes::{Lanes, Mask, Real};
 pub use math::{cbrt, exp, sigmoid, tanh};
 pub use portable::Portable;
+pub use prefetch::prefetch;
 pub use rows::{Row4, Row8};
 pub use twice::Twice;
 

@@ -1,0 +1,369 @@
+//! Making the pair list: blocks of grains, batches of pairs, rows for forces, memory carried over.
+//!
+//! Order: blocks of grains as they lie in memory; within a block the pairs inside the cell first, pairs across a face after
+//! them (only these look up an image vector); within those the pairs that touch first, so that batches are full of
+//! contacts or hold none; within those by the grains' places.
+
+use std::ops::Range;
+
+use granum_simd::{LANES, Row8};
+
+use crate::cell::Cell;
+use crate::contact::interaction::Memory;
+use crate::kernel::resultant;
+use crate::pairs::{Block, Marks, NO_IMAGE, Near, Pairs, REACH, image_code, image_vector, is_near};
+
+/// Blocks that a small sample should have, so that several threads find work.
+const WANTED_BLOCKS: usize = 24;
+/// Grains of a block: enough that few pairs leave it, few enough that its forces stay in the fast memory of a core.
+const BLOCK_GRAINS: Range<usize> = 128..1024;
+
+/// What happened to the grains since the old list.
+pub(crate) struct Change<'a> {
+    /// Image vector that was subtracted from each grain's position, by old place.
+    pub(crate) moved: &'a [[i32; 3]],
+    /// New place of each grain, if they were put in another order.
+    pub(crate) new_place: Option<&'a [u32]>,
+    /// Rewrites a memory when i and j change sides.
+    pub(crate) swap: fn(&mut Memory<f64>),
+}
+
+/// Makes the list anew from `near` (sorted). `place` holds the grains in their new order, inside the cell; the two phantoms
+/// follow them in memory.
+pub(crate) fn rebuild(
+    old: &Pairs,
+    near: &[Near],
+    cell: &Cell,
+    place: &[Row8],
+    change: &Change,
+    columns: usize,
+) -> Pairs {
+    let grains = place.len();
+    let carried = carried(old, near, change);
+    let images: Vec<[f64; 3]> =
+        (0..crate::pairs::IMAGES as u32).map(|code| cell.image(image_vector(code))).collect();
+    let touches = |(pair, &from): (&Near, &u32)| {
+        let (a, b) = (&place[pair.i as usize], &place[pair.j as usize]);
+        from != 0 || is_near(a, b, &images[pair.image as usize], 0.0)
+    };
+    let touch: Vec<bool> = near.iter().zip(&carried).map(touches).collect();
+    let mut list = List {
+        pairs: Pairs { count: near.len(), columns, ..Pairs::default() },
+        slots: vec![0; near.len()],
+        halo: Vec::new(),
+        near,
+        grains,
+    };
+    let mut begin = 0;
+    for range in partition(grains) {
+        let end = begin + near[begin..].partition_point(|pair| (pair.i as usize) < range.end);
+        list.append(range, begin..end, &touch);
+        begin = end;
+    }
+    let List { mut pairs, slots, halo, .. } = list;
+    pairs.forces = carried_forces(old, change, grains, halo.len());
+    list_outer(&mut pairs, &halo, grains);
+    pairs.memory = vec![Row8::default(); pairs.batches() * columns];
+    pairs.marks = vec![Marks::default(); pairs.batches()];
+    for (n, &from) in carried.iter().enumerate().filter(|(_, from)| **from != 0) {
+        let (from, flip) = ((from - 1) / 2, (from - 1) % 2 != 0);
+        let mut memory = old.memory(from as usize);
+        if flip {
+            (change.swap)(&mut memory);
+        }
+        let slot = slots[n] as usize;
+        pairs.set_memory(slot, &memory);
+        pairs.marks[slot / LANES].touched |= 1 << (slot % LANES);
+        if old.sliding(from as usize) {
+            pairs.marks[slot / LANES].sliding |= 1 << (slot % LANES);
+        }
+    }
+    pairs
+}
+
+/// Runs of grains of nearly equal length.
+fn partition(grains: usize) -> impl Iterator<Item = Range<usize>> {
+    let size = grains.div_ceil(WANTED_BLOCKS).clamp(BLOCK_GRAINS.start, BLOCK_GRAINS.end);
+    let count = grains.div_ceil(size);
+    (0..count).map(move |k| k * grains / count..(k + 1) * grains / count)
+}
+
+/// A list in the making.
+struct List<'a> {
+    pairs: Pairs,
+    /// Slot of each near pair.
+    slots: Vec<u32>,
+    /// Grain of each force row after those of the grains.
+    halo: Vec<u32>,
+    near: &'a [Near],
+    grains: usize,
+}
+
+impl List<'_> {
+    /// Appends the block of the grains in `range`, whose pairs are `near[members]`.
+    fn append(&mut self, range: Range<usize>, members: Range<usize>, touch: &[bool]) {
+        let start = self.halo.len();
+        let outside = self.near[members.clone()].iter().map(|pair| pair.j);
+        self.halo.extend(outside.filter(|&j| j as usize >= range.end));
+        self.halo[start..].sort_unstable();
+        let mut kept = start;
+        for k in start..self.halo.len() {
+            if kept == start || self.halo[kept - 1] != self.halo[k] {
+                self.halo[kept] = self.halo[k];
+                kept += 1;
+            }
+        }
+        self.halo.truncate(kept);
+        let begin = self.pairs.first.len() as u32;
+        self.group(&range, members.clone(), start, false, touch);
+        let inner = self.pairs.first.len() as u32;
+        self.group(&range, members, start, true, touch);
+        let row = |k: usize| (self.grains + k) as u32;
+        self.pairs.blocks.push(Block {
+            grains: [range.start as u32, range.end as u32],
+            batches: [begin, inner, self.pairs.first.len() as u32],
+            outer: [row(start), row(kept)],
+        });
+    }
+
+    /// Appends batches of the pairs across a face, or of the others; those that touch come first.
+    fn group(
+        &mut self,
+        range: &Range<usize>,
+        members: Range<usize>,
+        halo_start: usize,
+        crossing: bool,
+        touch: &[bool],
+    ) {
+        let pairs = &mut self.pairs;
+        let mut lane = LANES;
+        for touching in [true, false] {
+            for n in members.clone() {
+                let pair = &self.near[n];
+                if (pair.image != NO_IMAGE) != crossing || touch[n] != touching {
+                    continue;
+                }
+                if lane == LANES {
+                    // Lanes that stay empty pair a grain of the block with the far phantom.
+                    pairs.first.push([range.start as u32; LANES]);
+                    pairs.second.push([self.grains as u32 + 1; LANES]);
+                    pairs.target.push([range.start as u32; LANES]);
+                    pairs.image.push([NO_IMAGE; LANES]);
+                    lane = 0;
+                }
+                let b = pairs.first.len() - 1;
+                pairs.first[b][lane] = pair.i;
+                pairs.second[b][lane] = pair.j;
+                pairs.image[b][lane] = pair.image;
+                pairs.target[b][lane] = if (pair.j as usize) < range.end {
+                    pair.j
+                } else {
+                    let at = self.halo[halo_start..].partition_point(|&g| g < pair.j);
+                    (self.grains + halo_start + at) as u32
+                };
+                self.slots[n] = (b * LANES + lane) as u32;
+                lane += 1;
+            }
+        }
+    }
+}
+
+/// For each grain, which rows of other blocks are its own.
+fn list_outer(pairs: &mut Pairs, halo: &[u32], grains: usize) {
+    let mut offsets = vec![0u32; grains + 1];
+    for &g in halo {
+        offsets[g as usize + 1] += 1;
+    }
+    for g in 0..grains {
+        offsets[g + 1] += offsets[g];
+    }
+    let mut fill = offsets.clone();
+    pairs.outer = vec![0; halo.len()];
+    for (k, &g) in halo.iter().enumerate() {
+        let at = &mut fill[g as usize];
+        pairs.outer[*at as usize] = (grains + k) as u32;
+        *at += 1;
+    }
+    pairs.outer_offsets = offsets;
+}
+
+/// Where each near pair's memory comes from: 0 if it did not touch, else `1 + 2 slot`, plus one if i and j changed sides.
+fn carried(old: &Pairs, near: &[Near], change: &Change) -> Vec<u32> {
+    let mut from = vec![0u32; near.len()];
+    for slot in old.touching() {
+        let (key, flip) = carried_key(old, slot, change);
+        if let Ok(n) = near.binary_search(&key) {
+            from[n] = 1 + 2 * slot as u32 + u32::from(flip);
+        }
+    }
+    from
+}
+
+/// Where an old pair's memory goes: its key in the new order, and whether i and j changed sides.
+fn carried_key(pairs: &Pairs, slot: usize, change: &Change) -> (Near, bool) {
+    let (b, l) = (slot / LANES, slot % LANES);
+    let (mut i, mut j) = (pairs.first[b][l], pairs.second[b][l]);
+    let old = image_vector(pairs.image[b][l]);
+    // x_j + H s - x_i stays as it was when both positions jump by whole cells.
+    let mut s: [i32; 3] = std::array::from_fn(|a| {
+        let moved = |g: u32| change.moved.get(g as usize).map_or(0, |m| m[a]);
+        old[a].saturating_add(moved(j)).saturating_sub(moved(i))
+    });
+    if let Some(new) = change.new_place {
+        let place = |g: u32| new.get(g as usize).copied().unwrap_or(g);
+        (i, j) = (place(i), place(j));
+    }
+    let flip = i > j || (i == j && s < [0; 3]);
+    if flip {
+        std::mem::swap(&mut i, &mut j);
+        s = s.map(i32::saturating_neg);
+    }
+    let image = if s.iter().all(|x| (-REACH..=REACH).contains(x)) { image_code(s) } else { u32::MAX };
+    (Near { i, j, image }, flip)
+}
+
+/// Force rows of the new list: the resultants of the last step in the rows of the grains, zero in the others.
+fn carried_forces(old: &Pairs, change: &Change, grains: usize, outer: usize) -> Vec<Row8> {
+    let mut forces = vec![Row8::default(); grains + outer];
+    if old.outer_offsets.len() == grains + 1 {
+        for g in 0..grains {
+            let new = change.new_place.map_or(g, |new| new[g] as usize);
+            forces[new] =
+                Row8(resultant::<granum_simd::Portable>(&old.forces, &old.outer_offsets, &old.outer, g));
+        }
+    }
+    forces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pairs::tests::grains;
+    use crate::pairs::{find, spatial_order, wrap};
+
+    const COUNT: usize = 700;
+
+    fn negate(m: &mut Memory<f64>) {
+        m.normal = m.normal.map(|x| -x);
+        for c in 0..3 {
+            m.history[c] = -m.history[c];
+        }
+    }
+
+    fn branch(pairs: &Pairs, cell: &Cell, place: &[Row8], slot: usize) -> ([f64; 3], f64) {
+        let (b, l) = (slot / LANES, slot % LANES);
+        let s = cell.image(image_vector(pairs.image[b][l]));
+        let (i, j) = (pairs.first[b][l] as usize, pairs.second[b][l] as usize);
+        let r: [f64; 3] = std::array::from_fn(|a| place[j].0[a] + s[a] - place[i].0[a]);
+        (r, r.iter().map(|x| x * x).sum::<f64>().sqrt())
+    }
+
+    fn real(pairs: &Pairs) -> impl Iterator<Item = usize> + '_ {
+        (0..pairs.batches() * LANES).filter(|s| (pairs.second[s / LANES][s % LANES] as usize) < COUNT)
+    }
+
+    #[test]
+    fn memory_and_forces_survive_wrapping_and_reordering() {
+        let cell = Cell::cuboid([14.0; 3]);
+        let mut place = grains(COUNT, &cell, 0.8);
+        let near = find(&cell, &place, 0.05);
+        let none = vec![[0; 3]; COUNT];
+        let change = Change { moved: &none, new_place: None, swap: negate };
+        let mut pairs = rebuild(&Pairs::default(), &near, &cell, &place, &change, 7);
+        assert!(pairs.blocks.len() > 3 && pairs.forces.len() > COUNT);
+        // Remember the direction and the branch itself, and let every pair pull with its branch.
+        let slots: Vec<usize> = real(&pairs).collect();
+        for slot in slots {
+            let (r, d) = branch(&pairs, &cell, &place, slot);
+            let (b, l) = (slot / LANES, slot % LANES);
+            for a in 0..3 {
+                pairs.memory[b * 7 + a].0[l] = r[a] / d;
+                pairs.memory[b * 7 + 3 + a].0[l] = r[a];
+                let (i, j) = (pairs.first[b][l] as usize, pairs.target[b][l] as usize);
+                pairs.forces[i].0[a] += r[a];
+                pairs.forces[j].0[a] -= r[a];
+            }
+            pairs.memory[b * 7 + 6].0[l] = d;
+            pairs.marks[b].touched |= 1 << l;
+            pairs.marks[b].sliding |= ((slot % 3 == 0) as u8) << l;
+        }
+        let sum = |pairs: &Pairs, g: usize| {
+            resultant::<granum_simd::Portable>(&pairs.forces, &pairs.outer_offsets, &pairs.outer, g)
+        };
+        let before: Vec<[f64; 8]> = (0..COUNT).map(|g| sum(&pairs, g)).collect();
+        for row in &mut place {
+            row.0[0] += 4.0;
+            row.0[2] -= 7.0;
+        }
+        let moved = wrap(&cell, &mut place);
+        let order = spatial_order(&cell, &place, 1.7);
+        let mut new_place = vec![0; COUNT];
+        for (new, &old) in order.iter().enumerate() {
+            new_place[old as usize] = new as u32;
+        }
+        let place: Vec<Row8> = order.iter().map(|&o| place[o as usize]).collect();
+        let near = find(&cell, &place, 0.05);
+        let change = Change { moved: &moved, new_place: Some(&new_place), swap: negate };
+        let again = rebuild(&pairs, &near, &cell, &place, &change, 7);
+        assert_eq!((again.count, again.contacts()), (pairs.count, pairs.count));
+        assert_eq!(real(&again).count(), again.count);
+        let slid = |pairs: &Pairs| real(pairs).filter(|&s| pairs.sliding(s)).count();
+        assert_eq!(slid(&again), slid(&pairs));
+        for slot in real(&again) {
+            let (r, d) = branch(&again, &cell, &place, slot);
+            let (b, l) = (slot / LANES, slot % LANES);
+            for a in 0..3 {
+                assert!((again.column(b, a)[l] - r[a] / d).abs() < 1e-12);
+                assert!((again.column(b, 3 + a)[l] - r[a]).abs() < 1e-12);
+            }
+            assert!((again.column(b, 6)[l] - d).abs() < 1e-12);
+        }
+        for g in 0..COUNT {
+            assert_eq!(sum(&again, new_place[g] as usize), before[g]);
+        }
+    }
+
+    #[test]
+    fn blocks_share_no_row_and_touching_pairs_come_first() {
+        let cell = Cell::cuboid([12.0; 3]);
+        let place = grains(COUNT, &cell, 0.8);
+        let near = find(&cell, &place, 0.3);
+        let none = vec![[0; 3]; COUNT];
+        let change = Change { moved: &none, new_place: None, swap: negate };
+        let pairs = rebuild(&Pairs::default(), &near, &cell, &place, &change, 5);
+        let mut owner = vec![usize::MAX; pairs.forces.len()];
+        for (k, block) in pairs.blocks.iter().enumerate() {
+            for [from, to] in [block.grains, block.outer] {
+                for row in from..to {
+                    assert_eq!(std::mem::replace(&mut owner[row as usize], k), usize::MAX);
+                }
+            }
+        }
+        assert!(owner.iter().all(|&k| k < pairs.blocks.len()));
+        for (k, block) in pairs.blocks.iter().enumerate() {
+            let [start, inner, end] = block.batches;
+            for group in [start..inner, inner..end] {
+                let mut over = false;
+                for slot in group.flat_map(|b| (0..LANES).map(move |l| b as usize * LANES + l)) {
+                    let (b, l) = (slot / LANES, slot % LANES);
+                    let rows = [pairs.first[b][l], pairs.target[b][l]];
+                    assert!(rows.iter().all(|&row| owner[row as usize] == k));
+                    let phantom = pairs.second[b][l] as usize >= COUNT;
+                    let apart = phantom || branch(&pairs, &cell, &place, slot).1 > 1.6;
+                    assert!(apart || !over, "a touching pair after one that is apart");
+                    over |= apart;
+                }
+            }
+        }
+        // Every row beyond the grains belongs to the grain that sums it.
+        for g in 0..COUNT {
+            for &row in &pairs.outer[pairs.outer_offsets[g] as usize..pairs.outer_offsets[g + 1] as usize] {
+                let used = real(&pairs).any(|s| {
+                    pairs.target[s / LANES][s % LANES] == row
+                        && pairs.second[s / LANES][s % LANES] as usize == g
+                });
+                assert!(used);
+            }
+        }
+    }
+}

@@ -1,0 +1,23 @@
+//! A hint to the memory system; it changes no result.
+
+/// Asks for the cache line at an address, which may be any: nothing is read, and a bad address is passed over.
+#[inline(always)]
+pub fn prefetch<T>(address: *const T) {
+    // SAFETY: every x86-64 processor has this instruction, and it cannot fault.
+    #[cfg(all(target_arch = "x86_64", not(miri)))]
+    unsafe {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        _mm_prefetch::<_MM_HINT_T0>(address.cast::<i8>());
+    }
+    #[cfg(not(all(target_arch = "x86_64", not(miri))))]
+    let _ = address;
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn any_address_will_do() {
+        super::prefetch(&1.0);
+        super::prefetch(std::ptr::null::<u8>());
+    }
+}
