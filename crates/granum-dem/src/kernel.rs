@@ -85,6 +85,8 @@ pub(crate) struct Views {
     pub(crate) outer: RawSlice<u32>,
     pub(crate) contact_sums: RawSlice<ContactSums>,
     pub(crate) fastest_grain: RawSlice<f64>,
+    /// True where all grains have one mass and radius.
+    pub(crate) equal: bool,
     /// True where the memory of the contacts does not fit into the caches.
     pub(crate) far: bool,
     pub(crate) alike: PairConstants<f64>,
@@ -139,6 +141,8 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
             dt: L::splat(v.dt),
             alike: v.alike.splat(),
         };
+        // SAFETY: grains are only read in this stage.
+        let mass = unsafe { v.place.read()[0].0[7] };
         for k in self.blocks {
             // SAFETY: blocks are only read; their rows of forces belong to the thread that works on the block.
             let block = unsafe { &v.blocks.read()[k] };
@@ -169,7 +173,8 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
                 boundary_power: s[13],
                 stiffness: s[14],
                 normal_force: s[15],
-                fastest: fastest.reduce_max(),
+                // Equal grains have one mass to divide by.
+                fastest: fastest.reduce_max() / if C::BY_BATCH { 1.0 } else { mass },
             };
         }
     }
@@ -266,7 +271,7 @@ fn contact_batch<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource, co
     sums[14] = out.normal_stiffness.mul_add(square, sums[14]);
     sums[15] = sums[15] + out.normal_force.abs();
     let tangential = half * constants.sixteen_shear_moduli * out.radius;
-    *fastest = fastest.max(tangential / a[7].min(c[7]));
+    *fastest = fastest.max(if C::BY_BATCH { tangential / a[7].min(c[7]) } else { tangential });
 }
 
 /// Batches between asking for memory and using it.
@@ -292,18 +297,20 @@ fn fetch_ahead(v: &Views, b: usize, columns: usize) {
 /// Adds what eight pairs do to the force rows of their grains.
 #[inline(always)]
 fn add_forces<L: Lanes>(v: &Views, i: &[u32; LANES], target: &[u32; LANES], force: [L; 3], moment: [L; 3]) {
-    let mut rows = [Row8::default(); LANES];
     let zero = L::zero();
-    L::scatter8([force[0], force[1], force[2], zero, moment[0], moment[1], moment[2], zero], &mut rows);
+    let rows = L::transpose([force[0], force[1], force[2], zero, moment[0], moment[1], moment[2], zero]);
     // The force on j is the opposite of that on i; the moments are alike.
     let sign = L::load(&[-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
+    v.forces.check(i);
+    v.forces.check(target);
     for l in 0..LANES {
-        let row = L::load(&rows[l].0);
-        // SAFETY: the rows that the pairs of a block point at belong to the thread that works on it.
-        let on_i = unsafe { v.forces.at(i[l] as usize) };
-        (L::load(&on_i.0) + row).store(&mut on_i.0);
-        let on_j = unsafe { v.forces.at(target[l] as usize) };
-        row.mul_add(sign, L::load(&on_j.0)).store(&mut on_j.0);
+        // SAFETY: checked to be rows; those that the pairs of a block point at belong to the thread that works on it.
+        unsafe {
+            let on_i = v.forces.at(i[l]);
+            (L::load(&on_i.0) + rows[l]).store(&mut on_i.0);
+            let on_j = v.forces.at(target[l]);
+            rows[l].mul_add(sign, L::load(&on_j.0)).store(&mut on_j.0);
+        }
     }
 }
 
@@ -334,9 +341,14 @@ impl Kernel for GrainStage<'_> {
                 )
             };
             let mut fastest = 0.0f64;
+            let equal = v.equal.then(|| kicks(v, &place[0]));
             for (n, g) in range.enumerate() {
                 let total = resultant::<L>(forces, offsets, outer, g);
-                let square = advance_grain(v, &total, &mut place[n], &mut spin[n]);
+                let [kick, turn] = equal.unwrap_or_else(
+                    #[inline(always)]
+                    || kicks(v, &place[n]),
+                );
+                let square = advance_grain(v, kick, turn, &total, &mut place[n], &mut spin[n]);
                 fastest = larger(fastest, square);
             }
             // SAFETY: this thread alone works on this block.
@@ -363,13 +375,25 @@ pub(crate) fn resultant<L: Lanes>(forces: &[Row8], offsets: &[u32], outer: &[u32
     total
 }
 
+/// What turns the force on a grain into a change of its velocity, and torque over radius into one of its spin.
+#[inline(always)]
+fn kicks(v: &Views, place: &Row8) -> [f64; 2] {
+    let kick = v.dt / place.0[7];
+    // Torque = R * moment and inertia = 2/5 m R^2.
+    [kick, 2.5 * kick / place.0[3]]
+}
+
 /// Kick and drift; returns the square of the fluctuating velocity.
 #[inline(always)]
-fn advance_grain(v: &Views, total: &[f64; 8], place: &mut Row8, spin: &mut Row4) -> f64 {
+fn advance_grain(
+    v: &Views,
+    kick: f64,
+    turn: f64,
+    total: &[f64; 8],
+    place: &mut Row8,
+    spin: &mut Row4,
+) -> f64 {
     let p = &mut place.0;
-    let kick = v.dt / p[7];
-    // Torque = R * moment and inertia = 2/5 m R^2.
-    let turn = 2.5 * kick / p[3];
     let x = [p[0], p[1], p[2]];
     let mut square = 0.0;
     for k in 0..3 {

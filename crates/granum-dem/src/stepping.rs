@@ -11,7 +11,7 @@ use crate::contact::{NormalLaw, PairConstants, PairProperties, TangentialLaw};
 use crate::kernel::{
     Alike, ByBatch, ConstantSource, ContactStage, ContactSums, GrainStage, NORMAL_COLUMNS, Views, larger,
 };
-use crate::pairs::{self, IMAGES, image_vector};
+use crate::pairs::{self, Block, IMAGES, image_vector};
 use crate::servo::Sample;
 use crate::simulation::{Hardware, LawTable, Properties, SimulationError};
 use crate::state::State;
@@ -247,6 +247,7 @@ impl Machine {
             outer: RawSlice::new(&mut s.pairs.outer),
             contact_sums: RawSlice::new(&mut self.contact_sums),
             fastest_grain: RawSlice::new(&mut self.fastest_grain),
+            equal: s.pairs.constants.is_empty(),
             far: s.pairs.memory.len() * size_of::<Row8>() > FAR,
             alike: self.alike,
             gradient: s.gradient,
@@ -355,7 +356,8 @@ impl Team<'_> {
             }
             // SAFETY: as above; `renew` may have replaced the views.
             let views = unsafe { &*self.views.get() };
-            let blocks = share(views.blocks.len(), thread, self.threads);
+            // SAFETY: blocks change only in `renew`.
+            let blocks = share_batches(unsafe { views.blocks.read() }, thread, self.threads);
             if self.by_batch {
                 contact_stage::<N, T, ByBatch>(self.isa, views, blocks);
             } else {
@@ -400,6 +402,16 @@ impl Team<'_> {
             *self.views.get() = views;
         }
     }
+}
+
+/// The share of a thread in the blocks, by their batches: the first grains have more pairs than the last.
+fn share_batches(blocks: &[Block], thread: usize, threads: usize) -> std::ops::Range<usize> {
+    let all = blocks.last().map_or(0, |b| b.batches[2] as usize);
+    // A block belongs to the thread in whose share its middle lies.
+    let before =
+        |t: usize| blocks.partition_point(|b| (b.batches[0] + b.batches[2]) as usize * threads < 2 * all * t);
+    let end = if thread + 1 == threads { blocks.len() } else { before(thread + 1) };
+    before(thread)..end
 }
 
 fn contact_stage<N: NormalLaw, T: TangentialLaw, C: ConstantSource>(

@@ -96,14 +96,20 @@ impl<T> RawSlice<T> {
         }
     }
 
+    /// Panics unless all these are indices of the array.
+    #[inline(always)]
+    pub(crate) fn check(&self, index: &[u32; 8]) {
+        let largest = index.iter().fold(0, |most, &i| if i > most { i } else { most });
+        assert!((largest as usize) < self.len, "row {largest} of {}", self.len);
+    }
+
     /// One element for writing.
     ///
     /// # Safety
-    /// As for [`RawSlice::write`], and no other reference to this element is alive.
+    /// As for [`RawSlice::write`], the index is within the array, and no other reference to this element is alive.
     #[inline(always)]
-    pub(crate) unsafe fn at<'a>(&self, index: usize) -> &'a mut T {
-        assert!(index < self.len);
-        unsafe { &mut *self.start.add(index) }
+    pub(crate) unsafe fn at<'a>(&self, index: u32) -> &'a mut T {
+        unsafe { &mut *self.start.add(index as usize) }
     }
 }
 

@@ -6,7 +6,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use crate::lanes::{Lanes, Mask, Real};
+use crate::lanes::{Lanes, Mask, Real, check_rows};
 use crate::portable::{EXPONENT_MAGIC, RECIPROCAL_CBRT_MAGIC, THIRD};
 use crate::rows::{Row4, Row8};
 
@@ -211,9 +211,11 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn gather8(rows: &[Row8], index: &[u32; 8]) -> [Self; 8] {
+        check_rows(index, rows.len());
         let block = |first: usize, offset: usize| {
+            // SAFETY: just checked.
             transpose4(std::array::from_fn(|l| unsafe {
-                _mm256_load_pd(rows[index[first + l] as usize].0.as_ptr().add(offset))
+                _mm256_load_pd(rows.get_unchecked(index[first + l] as usize).0.as_ptr().add(offset))
             }))
         };
         let (a, b, c, d) = (block(0, 0), block(4, 0), block(0, 4), block(4, 4));
@@ -221,28 +223,23 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn gather4(rows: &[Row4], index: &[u32; 8]) -> [Self; 4] {
+        check_rows(index, rows.len());
         let block = |first: usize| {
+            // SAFETY: just checked.
             transpose4(std::array::from_fn(|l| unsafe {
-                _mm256_load_pd(rows[index[first + l] as usize].0.as_ptr())
+                _mm256_load_pd(rows.get_unchecked(index[first + l] as usize).0.as_ptr())
             }))
         };
         let (a, b) = (block(0), block(4));
         std::array::from_fn(|i| Avx2(a[i], b[i]))
     }
     #[inline(always)]
-    fn scatter8(columns: [Self; 8], rows: &mut [Row8; 8]) {
-        let c = columns;
-        let blocks = [
-            (0, 0, transpose4([c[0].0, c[1].0, c[2].0, c[3].0])),
-            (4, 0, transpose4([c[0].1, c[1].1, c[2].1, c[3].1])),
-            (0, 4, transpose4([c[4].0, c[5].0, c[6].0, c[7].0])),
-            (4, 4, transpose4([c[4].1, c[5].1, c[6].1, c[7].1])),
-        ];
-        for (first, offset, block) in blocks {
-            for l in 0..4 {
-                unsafe { _mm256_store_pd(rows[first + l].0.as_mut_ptr().add(offset), block[l]) };
-            }
-        }
+    fn transpose(c: [Self; 8]) -> [Self; 8] {
+        let upper = |half: fn(&Avx2) -> __m256d| transpose4(std::array::from_fn(|k| half(&c[k])));
+        let lower = |half: fn(&Avx2) -> __m256d| transpose4(std::array::from_fn(|k| half(&c[4 + k])));
+        let (a, b) = (upper(|x| x.0), upper(|x| x.1));
+        let (p, q) = (lower(|x| x.0), lower(|x| x.1));
+        std::array::from_fn(|l| if l < 4 { Avx2(a[l], p[l]) } else { Avx2(b[l - 4], q[l - 4]) })
     }
     #[inline(always)]
     fn reduce_add8(columns: [Self; 8]) -> Self {

@@ -6,7 +6,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use crate::lanes::{Lanes, Mask, Real};
+use crate::lanes::{Lanes, Mask, Real, check_rows};
 use crate::portable::{EXPONENT_MAGIC, RECIPROCAL_CBRT_MAGIC, THIRD};
 use crate::rows::{Row4, Row8};
 
@@ -206,17 +206,22 @@ impl Lanes for Avx512 {
     }
     #[inline(always)]
     fn gather8(rows: &[Row8], index: &[u32; 8]) -> [Self; 8] {
-        let r: [__m512d; 8] =
-            std::array::from_fn(|l| unsafe { _mm512_load_pd(rows[index[l] as usize].0.as_ptr()) });
+        check_rows(index, rows.len());
+        // SAFETY: just checked.
+        let r: [__m512d; 8] = std::array::from_fn(|l| unsafe {
+            _mm512_load_pd(rows.get_unchecked(index[l] as usize).0.as_ptr())
+        });
         transpose8(r).map(Avx512)
     }
     #[inline(always)]
     fn gather4(rows: &[Row4], index: &[u32; 8]) -> [Self; 4] {
+        check_rows(index, rows.len());
+        // SAFETY: just checked.
         unsafe {
             // Rows l and l + 4 side by side in one register, then a 4 x 4 transpose of pairs.
             let pair = |l: usize| {
-                let low = _mm256_load_pd(rows[index[l] as usize].0.as_ptr());
-                let high = _mm256_load_pd(rows[index[l + 4] as usize].0.as_ptr());
+                let low = _mm256_load_pd(rows.get_unchecked(index[l] as usize).0.as_ptr());
+                let high = _mm256_load_pd(rows.get_unchecked(index[l + 4] as usize).0.as_ptr());
                 _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low), high)
             };
             let (r0, r1, r2, r3) = (pair(0), pair(1), pair(2), pair(3));
@@ -235,11 +240,8 @@ impl Lanes for Avx512 {
         }
     }
     #[inline(always)]
-    fn scatter8(columns: [Self; 8], rows: &mut [Row8; 8]) {
-        let t = transpose8(columns.map(|c| c.0));
-        for l in 0..8 {
-            unsafe { _mm512_store_pd(rows[l].0.as_mut_ptr(), t[l]) };
-        }
+    fn transpose(columns: [Self; 8]) -> [Self; 8] {
+        transpose8(columns.map(|c| c.0)).map(Avx512)
     }
     #[inline(always)]
     fn reduce_add8(columns: [Self; 8]) -> Self {

@@ -88,8 +88,23 @@ pub trait Lanes: Real {
     fn gather8(rows: &[Row8], index: &[u32; 8]) -> [Self; 8];
     /// As [`Lanes::gather8`] for rows of four.
     fn gather4(rows: &[Row4], index: &[u32; 8]) -> [Self; 4];
+    /// Lane `c` of the result's `l` is lane `l` of `columns[c]`.
+    fn transpose(columns: [Self; 8]) -> [Self; 8];
     /// Row `l` entry `c` becomes lane `l` of `columns[c]`.
-    fn scatter8(columns: [Self; 8], rows: &mut [Row8; 8]);
+    #[inline(always)]
+    fn scatter8(columns: [Self; 8], rows: &mut [Row8; 8]) {
+        let turned = Self::transpose(columns);
+        for l in 0..8 {
+            turned[l].store(&mut rows[l].0);
+        }
+    }
     /// Lane `l` of the result is `columns[l].reduce_add()`, with its bits.
     fn reduce_add8(columns: [Self; 8]) -> Self;
+}
+
+/// Panics unless every index is below `bound`: one check for eight rows.
+#[inline(always)]
+pub(crate) fn check_rows(index: &[u32; 8], bound: usize) {
+    let largest = index.iter().fold(0, |most, &i| if i > most { i } else { most });
+    assert!((largest as usize) < bound, "row {largest} of {bound}");
 }

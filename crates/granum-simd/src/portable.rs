@@ -268,12 +268,8 @@ impl Lanes for Portable {
         std::array::from_fn(|c| Portable(std::array::from_fn(|l| row[l].0[c])))
     }
     #[inline(always)]
-    fn scatter8(columns: [Self; 8], rows: &mut [Row8; 8]) {
-        for l in 0..8 {
-            for c in 0..8 {
-                rows[l].0[c] = columns[c].0[l];
-            }
-        }
+    fn transpose(columns: [Self; 8]) -> [Self; 8] {
+        std::array::from_fn(|l| Portable(std::array::from_fn(|c| columns[c].0[l])))
     }
     #[inline(always)]
     fn reduce_add8(columns: [Self; 8]) -> Self {

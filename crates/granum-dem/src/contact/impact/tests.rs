@@ -46,7 +46,7 @@ fn adhesive_grains_rebound_or_stick() {
     ];
     for (ratio, printed) in table {
         let impact = collide(&jkr, &material, DIAMETER, ratio * sticking, 0.0).unwrap();
-        let exact = (1.0 - 1.0 / (ratio * ratio) as f64).sqrt();
+        let exact = (1.0f64 - 1.0 / (ratio * ratio)).sqrt();
         assert!((exact - printed).abs() < 6e-8);
         let error = impact.restitution - exact;
         println!(
