@@ -16,7 +16,7 @@ const TRIES: usize = 200_000;
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "no room for grain {placed} of {count} at an initial solid fraction of {solid_fraction}: random placement reaches about \
-     0.38; choose preparation.initial_solid_fraction between 0.05 and 0.36"
+     0.38; choose preparation.initial_solid_fraction from 0.01 to 0.36"
 )]
 pub struct GasError {
     placed: usize,

@@ -66,11 +66,16 @@ impl Machine {
         machine
     }
 
+    /// Radii never change. The sum runs in the order of the ids: places are exchanged now and then, and a sum in their order
+    /// would come out otherwise after a checkpoint.
     fn measure_grains(&mut self) {
-        let n = self.state.grains();
-        let rows = &self.state.place[..n];
-        self.largest_radius = rows.iter().fold(0.0, |m, r| m.max(r.0[3]));
-        self.mean_radius = rows.iter().map(|r| r.0[3]).sum::<f64>() / n as f64;
+        let state = &self.state;
+        let n = state.grains();
+        let mut order: Vec<usize> = (0..n).collect();
+        order.sort_unstable_by_key(|&g| state.ids[g]);
+        let radius = |&g: &usize| state.place[g].0[3];
+        self.largest_radius = order.iter().map(radius).fold(0.0, f64::max);
+        self.mean_radius = order.iter().map(radius).sum::<f64>() / n as f64;
     }
 
     pub(crate) fn mean_diameter(&self) -> f64 {
@@ -91,7 +96,6 @@ impl Machine {
     /// Makes the pair list anew: wraps the grains, now and then reorders them, searches, carries memory over.
     pub(crate) fn rebuild(&mut self) {
         let n = self.state.grains();
-        self.measure_grains();
         adapt_skin(&mut self.state, 2.0 * self.largest_radius);
         let state = &mut self.state;
         let moved = pairs::wrap(&state.cell, &mut state.place[..n]);

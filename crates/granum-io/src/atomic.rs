@@ -23,8 +23,41 @@ pub fn write_atomically(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
 ) -> Result<()> {
+    write_beside(path, fill, |beside| fs::rename(beside, path))
+}
+
+/// As [`write_atomically`], and what was there before stays under another name in the same folder. Killed at any instant it
+/// leaves the old or the new file whole under one of the two names.
+///
+/// # Errors
+/// As [`write_atomically`].
+pub fn write_keeping_previous(
+    path: &Path,
+    previous: &Path,
+    fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
+) -> Result<()> {
+    write_beside(path, fill, |beside| {
+        match fs::rename(path, previous) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => {}
+        }
+        fs::rename(beside, path)
+    })
+}
+
+/// Fills a file beside, brings it to the disk and then to its place.
+fn write_beside(
+    path: &Path,
+    fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
+    place: impl FnOnce(&Path) -> io::Result<()>,
+) -> Result<()> {
     let beside = name_beside(path)?;
-    let result = fill_and_rename(path, &beside, fill);
+    let write = || {
+        fill_and_sync(&beside, fill)?;
+        place(&beside)?;
+        sync_folder(path)
+    };
+    let result = write();
     if result.is_err() {
         // The first error is the one to tell; a file that was never made cannot be removed either.
         let _ = fs::remove_file(&beside);
@@ -32,8 +65,7 @@ pub fn write_atomically(
     result.map_err(Error::file("write", path))
 }
 
-fn fill_and_rename(
-    path: &Path,
+fn fill_and_sync(
     beside: &Path,
     fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
 ) -> io::Result<()> {
@@ -42,10 +74,7 @@ fn fill_and_rename(
     fill(&mut writer)?;
     writer.flush()?;
     drop(writer);
-    file.sync_all()?;
-    drop(file);
-    fs::rename(beside, path)?;
-    sync_folder(path)
+    file.sync_all()
 }
 
 /// A name in the same folder, so that the rename stays on one file system.
@@ -101,6 +130,26 @@ mod tests {
         assert!(error.unwrap_err().to_string().ends_with("run.json: the disk is full"));
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn the_previous_file_is_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, previous) = (folder.path().join("checkpoint"), folder.path().join("checkpoint.previous"));
+        for text in ["one", "two", "three"] {
+            write_keeping_previous(&path, &previous, |file| file.write_all(text.as_bytes())).unwrap();
+        }
+        assert_eq!(
+            (fs::read(&path).unwrap(), fs::read(&previous).unwrap()),
+            (b"three".into(), b"two".into())
+        );
+        let full = |_: &mut BufWriter<&File>| Err(io::Error::other("the disk is full"));
+        assert!(write_keeping_previous(&path, &previous, full).is_err());
+        assert_eq!(
+            (fs::read(&path).unwrap(), fs::read(&previous).unwrap()),
+            (b"three".into(), b"two".into())
+        );
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
     }
 
     #[test]

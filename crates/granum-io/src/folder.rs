@@ -129,6 +129,42 @@ impl OutputFolder {
         }
         Ok(())
     }
+
+    /// Removes files that a killed process left unfinished in a folder inside.
+    ///
+    /// # Errors
+    /// [`Error::File`] if one cannot be removed.
+    pub fn remove_unfinished_inside(&self, name: &str) -> Result<()> {
+        let path = self.path.join(name);
+        if !fs::symlink_metadata(&path).is_ok_and(|kind| kind.is_dir()) {
+            return Ok(());
+        }
+        remove_unfinished(&path).map_err(Error::file("tidy", &path))
+    }
+
+    /// Removes the files of a folder inside whose names end so, and the folder if nothing is left in it. A link in its place stays.
+    ///
+    /// # Errors
+    /// [`Error::File`] if one cannot be removed.
+    pub fn clear_inside(&self, name: &str, ends: &[&str]) -> Result<()> {
+        let path = self.path.join(name);
+        if !fs::symlink_metadata(&path).is_ok_and(|kind| kind.is_dir()) {
+            return Ok(());
+        }
+        let mut left = false;
+        for entry in fs::read_dir(&path).map_err(Error::file("read", &path))? {
+            let entry = entry.map_err(Error::file("read", &path))?;
+            let name = entry.file_name();
+            let name = name.to_string_lossy();
+            let ours = ends.iter().any(|end| name.ends_with(end)) || name.ends_with(UNFINISHED);
+            if ours && entry.file_type().is_ok_and(|kind| !kind.is_dir()) {
+                fs::remove_file(entry.path()).map_err(Error::file("remove", &entry.path()))?;
+            } else {
+                left = true;
+            }
+        }
+        if left { Ok(()) } else { fs::remove_dir(&path).map_err(Error::file("remove", &path)) }
+    }
 }
 
 /// Refuses to replace an output file unless `force` is given.

@@ -21,5 +21,5 @@ pub use case::Case;
 pub use error::{Error, InputError, Result, nearest};
 pub use folder::{OutputFolder, check_output_file};
 pub use packing::Packing;
-pub use run::{Machine, QualityFlag, Run, RunFolder, RunRecord, RunStatus};
+pub use run::{Machine, QualityFlag, Run, RunFolder, RunRecord, RunSource, RunStatus};
 pub use table::{Column, Table, TableFormat, read_columns, read_table, write_table};

@@ -1,21 +1,24 @@
 //! The folder of a run: `case.toml` (resolved), `series.parquet`, `forces.parquet`, `snapshots/`, and `run.json`
 //! ([`RunRecord`]). Nothing else is needed to measure, train or draw again.
 
-use std::collections::BTreeMap;
+mod record;
+
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use granum_dem::assembly::Assembly;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::Deserialize;
 use sha2::{Digest, Sha256};
 
-use crate::atomic::write_atomically;
+use crate::atomic::{write_atomically, write_keeping_previous};
 use crate::case::Case;
 use crate::error::{Error, Result};
 use crate::folder::OutputFolder;
 use crate::snapshot;
 use crate::table::Table;
+
+pub use record::{Machine, QualityFlag, RunRecord, RunSource, RunStatus};
 
 /// Newest layout of `run.json` that this version reads and writes.
 pub const RUN_FORMAT: u32 = 1;
@@ -25,162 +28,22 @@ const SERIES: &str = "series.parquet";
 const FORCES: &str = "forces.parquet";
 const SNAPSHOTS: &str = "snapshots";
 const RECORD: &str = "run.json";
-/// Everything that a run puts into its folder.
-const CONTENTS: [&str; 6] = [CASE, SERIES, FORCES, SNAPSHOTS, RECORD, "checkpoint"];
+const REPORT: &str = "report.html";
+const FIGURES: &str = "figures";
+/// Files that a run puts into its folder, and a report into it. The record goes first: what is left of a folder without one is no
+/// run.
+const CONTENTS: [&str; 8] =
+    [RECORD, CASE, SERIES, FORCES, CHECKPOINT, PREVIOUS_CHECKPOINT, REFUSED_CHECKPOINT, REPORT];
+/// Folders inside, and the ends of the names of granum's files in them.
+const FOLDERS: [(&str, &[&str]); 2] =
+    [(SNAPSHOTS, &[".json", ".grains.parquet", ".contacts.parquet"]), (FIGURES, &[".svg"])];
 
-/// How far a run got.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum RunStatus {
-    /// It goes on, or was killed.
-    #[default]
-    Running,
-    /// It was stopped in good order (Ctrl-C) before its end.
-    Interrupted,
-    /// It reached its end.
-    Finished,
-    /// It ended with an error.
-    Failed,
-}
-
-/// One judgement of a run on itself: a measure against its threshold.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct QualityFlag {
-    /// What is judged, e.g. `servo_error_rms`.
-    pub name: String,
-    /// The measured value (a null in the file is NaN).
-    #[serde(deserialize_with = "null_is_nan")]
-    pub value: f64,
-    /// The largest value that is good.
-    pub limit: f64,
-    /// True if the value is good.
-    pub passed: bool,
-    /// What to change if it is not.
-    pub advice: String,
-}
-
-impl QualityFlag {
-    /// Judges a measure that is good up to `limit`; NaN is not good.
-    pub fn at_most(name: impl Into<String>, value: f64, limit: f64, advice: impl Into<String>) -> Self {
-        QualityFlag { name: name.into(), value, limit, passed: value <= limit, advice: advice.into() }
-    }
-}
-
-/// The machine that a run ran on. It decides times, never results.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Machine {
-    /// Operating system and processor family, e.g. `linux x86_64`.
-    pub system: String,
-    /// Instruction set in use, e.g. `avx512`.
-    pub instruction_set: String,
-    /// Threads in use.
-    pub threads: usize,
-    /// Threads that the machine offers.
-    pub available_threads: usize,
-}
-
-impl Machine {
-    /// This machine, with the instruction set and threads in use.
-    pub fn here(instruction_set: impl Into<String>, threads: usize) -> Machine {
-        Machine {
-            system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
-            instruction_set: instruction_set.into(),
-            threads,
-            available_threads: std::thread::available_parallelism().map_or(1, usize::from),
-        }
-    }
-}
-
-/// What `run.json` says of a run.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct RunRecord {
-    /// Layout of this file, [`RUN_FORMAT`].
-    pub format: u32,
-    /// Version of granum that ran.
-    pub granum_version: String,
-    /// What was run, e.g. `prepare`, `shear`.
-    pub kind: String,
-    /// How far it got.
-    pub status: RunStatus,
-    /// Seed of the sample.
-    pub seed: u64,
-    /// [`Case::digest`] of the case.
-    pub case_digest: String,
-    /// [`Case::preparation_digest`] of the case.
-    pub preparation_digest: String,
-    /// Number of grains.
-    pub grains: usize,
-    /// Steps by phase.
-    #[serde(default)]
-    pub steps: BTreeMap<String, u64>,
-    /// Seconds of wall time by phase.
-    #[serde(default)]
-    pub wall_seconds: BTreeMap<String, f64>,
-    /// What the run measured once, by name, in SI units: solid fraction, coordination numbers...
-    #[serde(default, deserialize_with = "nulls_are_nan")]
-    pub measures: BTreeMap<String, f64>,
-    /// The machine.
-    pub machine: Machine,
-    /// The run's judgement on itself.
-    #[serde(default)]
-    pub quality: Vec<QualityFlag>,
-    /// SHA-256 of the files with physical content, by name.
-    #[serde(default)]
-    pub content: BTreeMap<String, String>,
-    /// Remarks for people.
-    #[serde(default)]
-    pub notes: Vec<String>,
-}
-
-impl RunRecord {
-    /// The start of a record for a case.
-    pub fn new(
-        kind: impl Into<String>,
-        granum_version: impl Into<String>,
-        case: &Case,
-        machine: Machine,
-    ) -> Self {
-        RunRecord {
-            format: RUN_FORMAT,
-            granum_version: granum_version.into(),
-            kind: kind.into(),
-            seed: case.preparation.seed,
-            case_digest: case.digest(),
-            preparation_digest: case.preparation_digest(),
-            grains: case.grains.count,
-            machine,
-            ..RunRecord::default()
-        }
-    }
-
-    /// Product of grains and steps over all phases.
-    pub fn grain_steps(&self) -> u64 {
-        self.steps.values().sum::<u64>().saturating_mul(self.grains as u64)
-    }
-
-    /// True if every judgement is good.
-    pub fn is_good(&self) -> bool {
-        self.quality.iter().all(|flag| flag.passed)
-    }
-
-    /// True if the run is finished, was of this whole case, and by this version: then it need not be run again.
-    pub fn answers(&self, case: &Case, granum_version: &str) -> bool {
-        self.status == RunStatus::Finished
-            && self.case_digest == case.digest()
-            && self.granum_version == granum_version
-    }
-}
-
-fn null_is_nan<'de, D: Deserializer<'de>>(input: D) -> std::result::Result<f64, D::Error> {
-    Ok(Option::<f64>::deserialize(input)?.unwrap_or(f64::NAN))
-}
-
-fn nulls_are_nan<'de, D: Deserializer<'de>>(
-    input: D,
-) -> std::result::Result<BTreeMap<String, f64>, D::Error> {
-    let map = BTreeMap::<String, Option<f64>>::deserialize(input)?;
-    Ok(map.into_iter().map(|(name, value)| (name, value.unwrap_or(f64::NAN))).collect())
-}
+/// Name of the checkpoint in a run folder.
+pub const CHECKPOINT: &str = "checkpoint";
+/// Name of the checkpoint before it.
+pub const PREVIOUS_CHECKPOINT: &str = "checkpoint.previous";
+/// Name that a checkpoint gets which could not be used, so that it does not take the place of the good one before it.
+pub const REFUSED_CHECKPOINT: &str = "checkpoint.refused";
 
 /// The folder of a run, for reading; nothing is locked and nothing changed.
 #[derive(Clone, Debug, PartialEq)]
@@ -214,7 +77,13 @@ impl Run {
     /// # Errors
     /// As [`Case::read`].
     pub fn case(&self) -> Result<Case> {
-        Case::read(self.path.join(CASE))
+        let path = self.path.join(CASE);
+        if !path.is_file() {
+            if let Some(text) = self.record().ok().and_then(|record| record.unwritten_case) {
+                return Case::parse(&text, &path.display().to_string());
+            }
+        }
+        Case::read(path)
     }
 
     /// The record.
@@ -223,6 +92,13 @@ impl Run {
     /// If `run.json` is missing, damaged or of a newer version.
     pub fn record(&self) -> Result<RunRecord> {
         let path = self.path.join(RECORD);
+        if !path.is_file() {
+            let message = format!(
+                "holds a case but no {RECORD}: the run was ended before it began, or the file was removed; call the command that made \
+                 it again, with --force"
+            );
+            return Err(Error::content(&self.path, message));
+        }
         let text = crate::text::read_small(&path, 1 << 24)?;
         check_format(&path, &text, RUN_FORMAT)?;
         serde_json::from_str(&text).map_err(|error| damaged(&path, &error))
@@ -275,6 +151,9 @@ impl RunFolder {
     pub fn create(path: impl AsRef<Path>, force: bool) -> Result<RunFolder> {
         let folder = OutputFolder::create(path, force)?;
         folder.clear(&CONTENTS)?;
+        for (name, ends) in FOLDERS {
+            folder.clear_inside(name, ends)?;
+        }
         Ok(RunFolder { folder })
     }
 
@@ -283,7 +162,34 @@ impl RunFolder {
     /// # Errors
     /// As [`OutputFolder::open`].
     pub fn open(path: impl AsRef<Path>) -> Result<RunFolder> {
-        Ok(RunFolder { folder: OutputFolder::open(path)? })
+        let folder = OutputFolder::open(path)?;
+        for (name, _) in FOLDERS {
+            folder.remove_unfinished_inside(name)?;
+        }
+        Ok(RunFolder { folder })
+    }
+
+    /// Writes the checkpoint; the one before stays as [`PREVIOUS_CHECKPOINT`].
+    ///
+    /// # Errors
+    /// [`Error::File`] if it cannot be written; both that were there are then untouched.
+    pub fn write_checkpoint(&self, bytes: &[u8]) -> Result<()> {
+        let previous = self.folder.file(PREVIOUS_CHECKPOINT);
+        write_keeping_previous(&self.folder.file(CHECKPOINT), &previous, |file| {
+            io::Write::write_all(file, bytes)
+        })
+    }
+
+    /// Puts a checkpoint that cannot be used aside as [`REFUSED_CHECKPOINT`].
+    ///
+    /// # Errors
+    /// [`Error::File`] if it cannot be renamed.
+    pub fn put_checkpoint_aside(&self) -> Result<()> {
+        let path = self.folder.file(CHECKPOINT);
+        if !path.exists() {
+            return Ok(());
+        }
+        std::fs::rename(&path, self.folder.file(REFUSED_CHECKPOINT)).map_err(Error::file("rename", &path))
     }
 
     /// The folder.
@@ -398,6 +304,7 @@ pub(crate) fn damaged(path: &Path, error: &serde_json::Error) -> Error {
 mod tests {
     use super::*;
     use crate::table::Column;
+    use std::collections::BTreeMap;
     use std::fs;
 
     fn record() -> RunRecord {
@@ -444,11 +351,37 @@ mod tests {
         let path = base.path().join("run");
         let folder = RunFolder::create(&path, false).unwrap();
         folder.write_series(&table()).unwrap();
-        fs::write(path.join("notes.txt"), "mine").unwrap();
+        folder.write_checkpoint(b"one").unwrap();
+        folder.write_checkpoint(b"two").unwrap();
+        folder.write_snapshot("end", &crate::snapshot::tests::assembly()).unwrap();
         drop(folder);
+        fs::create_dir(path.join("figures")).unwrap();
+        for name in ["report.html", "figures/stress.svg", "snapshots/.end.json.1-0.granum-unfinished"] {
+            fs::write(path.join(name), "old").unwrap();
+        }
+        for name in ["notes.txt", "figures/mine.png"] {
+            fs::write(path.join(name), "mine").unwrap();
+        }
         assert!(matches!(RunFolder::create(&path, false), Err(Error::Exists(_))));
         drop(RunFolder::create(&path, true).unwrap());
-        assert!(!path.join("series.parquet").exists() && path.join("notes.txt").exists());
+        let mut left: Vec<_> = fs::read_dir(&path).unwrap().map(|e| e.unwrap().file_name()).collect();
+        left.sort();
+        assert_eq!(left, [".granum-lock", "figures", "notes.txt"]);
+        assert_eq!(fs::read_dir(path.join("figures")).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_run_without_its_case_file_has_the_case_of_its_record() {
+        let base = tempfile::tempdir().unwrap();
+        let folder = RunFolder::create(base.path(), false).unwrap();
+        let mut record = record();
+        record.unwritten_case = Some(Case::default().resolved_toml());
+        folder.write_record(&record).unwrap();
+        assert_eq!(folder.run().case().unwrap(), Case::default());
+        folder.write_case(&Case::default()).unwrap();
+        fs::remove_file(base.path().join("run.json")).unwrap();
+        let message = folder.run().record().unwrap_err().to_string();
+        assert!(message.contains("holds a case but no run.json"), "{message}");
     }
 
     #[test]

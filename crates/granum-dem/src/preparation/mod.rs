@@ -1,0 +1,446 @@
+//! Making a sample: a gas from a seed, isotropic compression, relaxation with the final properties.
+//!
+//! 1. **Gas**: grains at random without overlap ([`crate::gas`]).
+//! 2. **Compaction**: all axes servoed to the target mean stress with the preparation's friction and interface energy;
+//!    the strain rate is bounded by an inertial number, a tenfold one while hardly any load is carried.
+//! 3. **Relaxation**: the final friction and interface energy take over (contacts keep their history), the servo
+//!    holds the stress until the unbalanced force is small.
+//!
+//! A little global damping of the fluctuating velocities works in all three and is off in every test after them.
+//!
+//! A target solid fraction is met by searching the preparation friction: less friction packs denser. Each trial
+//! is a whole preparation from the same seed.
+//!
+//! A preparation is a [`Preparing`] that goes stride by stride: nothing of it lives on the stack, so that it can be written down
+//! at any look and taken up again.
+
+mod friction_search;
+
+use serde::{Deserialize, Serialize};
+
+use self::friction_search::{next_friction, repeats};
+use crate::config::{Contact, Grains, Material, Preparation};
+use crate::gas::{GasError, gas};
+use crate::servo::Control;
+use crate::simulation::{Hardware, Properties, Simulation, SimulationError};
+
+/// Steps between two looks at a phase's end, and between two calls of the observer.
+const LOOK_EVERY: u64 = 500;
+/// Fraction of the target stress below which grains hardly carry load.
+const LOADED: f64 = 0.02;
+/// Rate limit before load is carried, as a multiple of the one after.
+const GAS_SPEED: f64 = 10.0;
+/// Rate of global damping over the frequency sqrt(k/m) of a contact at the target stress.
+const FADING: f64 = 0.005;
+/// Most trials of the preparation friction.
+const MOST_TRIALS: usize = 8;
+/// Looks in a row that must find a phase's aim met.
+const CALM: u32 = 3;
+/// Most steps of the relaxation.
+const MOST_RELAXATION_STEPS: u64 = 400_000;
+
+/// Which part of a preparation or test runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Isotropic compression.
+    Compaction,
+    /// Coming to rest with the final properties.
+    Relaxation,
+    /// The loading path.
+    Shear,
+}
+
+impl Phase {
+    /// Its name for people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Phase::Compaction => "compaction",
+            Phase::Relaxation => "relaxation",
+            Phase::Shear => "shear",
+        }
+    }
+}
+
+/// What an observer may do: go on or stop cleanly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flow {
+    /// Go on.
+    Continue,
+    /// Stop here.
+    Stop,
+}
+
+/// What a running phase tells its observer. Looking cannot disturb: everything is by shared reference.
+pub struct Progress<'a> {
+    /// Which phase.
+    pub phase: Phase,
+    /// Which trial of the preparation friction, from 1.
+    pub trial: usize,
+    /// The simulation.
+    pub simulation: &'a Simulation,
+}
+
+/// One trial of the preparation friction.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Trial {
+    /// Coefficient of friction while compacting.
+    pub friction: f64,
+    /// Solid fraction that came of it.
+    pub solid_fraction: f64,
+}
+
+/// A sample and how it was come by.
+pub struct Sample {
+    /// The simulation, at rest at the target stress with the final properties.
+    pub simulation: Simulation,
+    /// Every trial of the preparation friction; the last one made the sample.
+    pub trials: Vec<Trial>,
+    /// Steps of all trials together.
+    pub steps: u64,
+    /// Unbalanced force at the end.
+    pub unbalanced_force: f64,
+    /// True if the unbalanced force and the stress came within their bounds before the limit of steps.
+    pub settled: bool,
+    /// True if the target solid fraction was met (also when none was asked for).
+    pub solid_fraction_met: bool,
+}
+
+/// Why there is no sample.
+#[derive(Debug, thiserror::Error)]
+pub enum PreparationError {
+    /// The gas is too dense.
+    #[error(transparent)]
+    Gas(#[from] GasError),
+    /// The engine failed.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// The observer stopped it.
+    #[error("stopped during {}", phase.name())]
+    Stopped {
+        /// Where.
+        phase: Phase,
+    },
+    /// The stress was never reached.
+    #[error(
+        "compaction stalled after {steps} steps at p = {mean_stress:.1} Pa and solid fraction {solid_fraction:.4}, target {target} Pa; \
+         a lower preparation.inertial_number or a shorter numerics.time_step_factor may help"
+    )]
+    Stalled {
+        /// Steps made.
+        steps: u64,
+        /// Mean stress reached, Pa.
+        mean_stress: f64,
+        /// Solid fraction reached.
+        solid_fraction: f64,
+        /// Target, Pa.
+        target: f64,
+    },
+}
+
+/// What a preparation needs to know.
+#[derive(Clone, Debug)]
+pub struct Recipe<'a> {
+    /// Grains with their final properties.
+    pub grains: &'a Grains,
+    /// Contact law.
+    pub contact: &'a Contact,
+    /// How to prepare.
+    pub preparation: &'a Preparation,
+    /// Time step factor.
+    pub time_step_factor: f64,
+    /// What runs it.
+    pub hardware: Hardware,
+}
+
+/// A preparation under way: the simulation, and where in the recipe it stands. Both can be written down
+/// ([`Simulation::checkpoint`], serde) and taken up again; it ends with the same bits as in one go.
+pub struct Preparing {
+    /// The grains.
+    pub simulation: Simulation,
+    /// Where it stands.
+    pub course: Course,
+}
+
+/// Where a preparation stands.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Course {
+    /// Trials that are over.
+    trials: Vec<Trial>,
+    /// Steps of phases that are over.
+    steps: u64,
+    /// Coefficient of friction of this trial; `None` where a packing is only brought to rest.
+    friction: Option<f64>,
+    stage: Stage,
+    /// How many looks in a row found the phase's aim met.
+    calm: u32,
+}
+
+/// A phase, with what it has to remember.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+enum Stage {
+    /// Isotropic compression.
+    Compaction {
+        /// Rate limit once load is carried, 1/s.
+        slow: f64,
+        /// Most steps.
+        limit: u64,
+        /// True once load is carried.
+        loaded: bool,
+    },
+    /// Coming to rest.
+    Relaxation,
+}
+
+/// How [`Preparing::go_on`] ended.
+pub enum Outcome {
+    /// There is a sample.
+    Sample(Box<Sample>),
+    /// The observer stopped it; it can go on from here.
+    Stopped(Box<Preparing>),
+}
+
+impl Course {
+    /// The phase.
+    pub fn phase(&self) -> Phase {
+        match self.stage {
+            Stage::Compaction { .. } => Phase::Compaction,
+            Stage::Relaxation => Phase::Relaxation,
+        }
+    }
+
+    /// Which trial of the preparation friction runs, from 1.
+    pub fn trial(&self) -> usize {
+        self.trials.len() + 1
+    }
+
+    /// Steps of the phases that are over, in all trials.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+}
+
+/// Makes a sample; the observer is called every few hundred steps.
+///
+/// # Errors
+/// As [`Preparing::go_on`], and [`PreparationError::Stopped`] if the observer stops it.
+pub fn prepare(
+    recipe: &Recipe,
+    observer: &mut dyn FnMut(&Progress) -> Flow,
+) -> Result<Sample, PreparationError> {
+    complete(Preparing::new(recipe)?, recipe, observer)
+}
+
+/// Brings a packing that another program made, or another law, to rest at the recipe's mean stress with the recipe's
+/// properties. No friction is searched and no gas made.
+///
+/// # Errors
+/// As [`prepare`].
+pub fn settle(
+    simulation: Simulation,
+    recipe: &Recipe,
+    observer: &mut dyn FnMut(&Progress) -> Flow,
+) -> Result<Sample, PreparationError> {
+    complete(Preparing::settling(simulation, recipe), recipe, observer)
+}
+
+fn complete(
+    preparing: Preparing,
+    recipe: &Recipe,
+    observer: &mut dyn FnMut(&Progress) -> Flow,
+) -> Result<Sample, PreparationError> {
+    match preparing.go_on(recipe, observer)? {
+        Outcome::Sample(sample) => Ok(*sample),
+        Outcome::Stopped(at) => Err(PreparationError::Stopped { phase: at.course.phase() }),
+    }
+}
+
+impl Preparing {
+    /// The start: a gas, and the first friction to compact it with.
+    ///
+    /// # Errors
+    /// If the gas is too dense, or the laws do not go together.
+    pub fn new(recipe: &Recipe) -> Result<Preparing, PreparationError> {
+        let p = recipe.preparation;
+        let friction = match (p.friction, p.solid_fraction) {
+            (Some(friction), _) => friction,
+            (None, Some(target)) => next_friction(&[], target),
+            (None, None) => recipe.grains.material.friction,
+        };
+        Preparing::trial(recipe, friction, Vec::new(), 0)
+    }
+
+    /// The start of bringing a packing to rest, see [`settle`].
+    pub fn settling(mut simulation: Simulation, recipe: &Recipe) -> Preparing {
+        let p = recipe.preparation;
+        let s = &mut simulation;
+        s.set_time_step_factor(recipe.time_step_factor);
+        s.expect_force(p.mean_stress * s.mean_diameter().powi(2));
+        fade(s, recipe);
+        begin_relaxation(s, p);
+        let course =
+            Course { trials: Vec::new(), steps: 0, friction: None, stage: Stage::Relaxation, calm: 0 };
+        Preparing { simulation, course }
+    }
+
+    /// The gas of a trial, about to be compacted.
+    fn trial(
+        recipe: &Recipe,
+        friction: f64,
+        trials: Vec<Trial>,
+        steps: u64,
+    ) -> Result<Preparing, PreparationError> {
+        let p = recipe.preparation;
+        let material = Material { friction, interface_energy: p.interface_energy, ..recipe.grains.material };
+        let (cell, sites) = gas(recipe.grains, p.initial_solid_fraction, p.seed)?;
+        let mut s = Simulation::new(cell, &sites, Properties { material, contact: *recipe.contact })?;
+        s.set_time_step_factor(recipe.time_step_factor);
+        s.expect_force(p.mean_stress * recipe.grains.diameter.powi(2));
+        fade(&mut s, recipe);
+        let slow = s.strain_rate(p.inertial_number, p.mean_stress);
+        s.set_control(Control::isotropic(p.mean_stress, GAS_SPEED * slow));
+        // Twenty times the strain from the gas to a dense packing at the slow rate.
+        let limit = (20.0 * 0.3 / (slow * s.state().time_step())) as u64 + 200_000;
+        let stage = Stage::Compaction { slow, limit, loaded: false };
+        let course = Course { trials, steps, friction: Some(friction), stage, calm: 0 };
+        Ok(Preparing { simulation: s, course })
+    }
+
+    /// Goes on from where it stands until there is a sample or the observer stops it. The recipe must be the one that
+    /// it was begun with, but for the hardware.
+    ///
+    /// # Errors
+    /// [`PreparationError`], but never [`PreparationError::Stopped`].
+    pub fn go_on(
+        mut self,
+        recipe: &Recipe,
+        observer: &mut dyn FnMut(&Progress) -> Flow,
+    ) -> Result<Outcome, PreparationError> {
+        self.simulation.set_hardware(recipe.hardware);
+        loop {
+            let (phase, trial) = (self.course.phase(), self.course.trial());
+            if observer(&Progress { phase, trial, simulation: &self.simulation }) == Flow::Stop {
+                return Ok(Outcome::Stopped(Box::new(self)));
+            }
+            self.simulation.advance(LOOK_EVERY)?;
+            let settled = match self.course.stage {
+                Stage::Compaction { .. } => {
+                    self.look_at_compaction(recipe)?;
+                    None
+                }
+                Stage::Relaxation => self.look_at_relaxation(recipe.preparation),
+            };
+            let Some(settled) = settled else { continue };
+            match self.end_trial(recipe, settled) {
+                Ended::Sample(sample) => return Ok(Outcome::Sample(sample)),
+                Ended::Again { friction, trials, steps } => {
+                    self = Preparing::trial(recipe, friction, trials, steps)?;
+                    self.simulation.set_hardware(recipe.hardware);
+                }
+            }
+        }
+    }
+
+    /// Slows down once load is carried; goes over to relaxation once the stress is met and calm.
+    fn look_at_compaction(&mut self, recipe: &Recipe) -> Result<(), PreparationError> {
+        let p = recipe.preparation;
+        let (s, course) = (&mut self.simulation, &mut self.course);
+        let Stage::Compaction { slow, limit, loaded } = &mut course.stage else { return Ok(()) };
+        let ratio = s.state().mean_stress() / p.mean_stress;
+        if !*loaded && ratio > LOADED {
+            *loaded = true;
+            s.set_rate_limit(*slow);
+        }
+        let near = (ratio - 1.0).abs() < 0.02 && s.state().unbalanced_force() < 10.0 * p.unbalanced_force;
+        course.calm = if near { course.calm + 1 } else { 0 };
+        let step = s.state().step();
+        if course.calm < CALM {
+            if step < *limit {
+                return Ok(());
+            }
+            return Err(PreparationError::Stalled {
+                steps: step,
+                mean_stress: s.state().mean_stress(),
+                solid_fraction: s.state().solid_fraction(),
+                target: p.mean_stress,
+            });
+        }
+        course.steps += step;
+        s.set_properties(Properties { material: recipe.grains.material, contact: *recipe.contact })?;
+        begin_relaxation(s, p);
+        course.stage = Stage::Relaxation;
+        course.calm = 0;
+        Ok(())
+    }
+
+    /// Whether the sample came to rest, once that is decided.
+    fn look_at_relaxation(&mut self, p: &Preparation) -> Option<bool> {
+        let state = self.simulation.state();
+        let ratio = state.mean_stress() / p.mean_stress;
+        let near = (ratio - 1.0).abs() < 0.005 && state.unbalanced_force() < p.unbalanced_force;
+        self.course.calm = if near { self.course.calm + 1 } else { 0 };
+        if self.course.calm >= CALM {
+            return Some(true);
+        }
+        (state.step() >= MOST_RELAXATION_STEPS).then_some(false)
+    }
+
+    /// Takes the sample, or the next friction to try. Leaves `self` spent.
+    fn end_trial(&mut self, recipe: &Recipe, settled: bool) -> Ended {
+        let p = recipe.preparation;
+        let state = self.simulation.state();
+        let solid_fraction = state.solid_fraction();
+        let unbalanced_force = state.unbalanced_force();
+        let steps = self.course.steps + state.step();
+        let mut trials = std::mem::take(&mut self.course.trials);
+        let mut solid_fraction_met = true;
+        if let Some(friction) = self.course.friction {
+            trials.push(Trial { friction, solid_fraction });
+            if let Some(target) = p.solid_fraction {
+                solid_fraction_met = (solid_fraction - target).abs() <= p.solid_fraction_tolerance;
+                let over = p.friction.is_some() || trials.len() >= MOST_TRIALS || repeats(&trials);
+                if !solid_fraction_met && !over {
+                    return Ended::Again { friction: next_friction(&trials, target), trials, steps };
+                }
+            }
+        }
+        let mut simulation = self.simulation.clone();
+        finish(&mut simulation, p);
+        Ended::Sample(Box::new(Sample {
+            simulation,
+            trials,
+            steps,
+            unbalanced_force,
+            settled,
+            solid_fraction_met,
+        }))
+    }
+}
+
+/// How a trial ended.
+enum Ended {
+    Sample(Box<Sample>),
+    Again { friction: f64, trials: Vec<Trial>, steps: u64 },
+}
+
+/// Global damping, slow against the vibrations of a contact.
+fn fade(s: &mut Simulation, recipe: &Recipe) {
+    s.set_fading(FADING * recipe.time_step_factor / s.state().time_step());
+}
+
+/// The servo holds the stress while the sample comes to rest with its final properties.
+fn begin_relaxation(s: &mut Simulation, p: &Preparation) {
+    s.set_control(Control::isotropic(p.mean_stress, s.strain_rate(p.inertial_number, p.mean_stress)));
+    s.reset_phase(0.0);
+}
+
+/// The sample stands by for a test: no global damping, the servo holds its stress.
+fn finish(s: &mut Simulation, p: &Preparation) {
+    s.set_fading(0.0);
+    begin_relaxation(s, p);
+}
+
+#[cfg(test)]
+mod tests;

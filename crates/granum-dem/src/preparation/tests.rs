@@ -1,0 +1,98 @@
+use super::*;
+use crate::config::{NormalKind, TangentialKind};
+
+fn grains(spread: f64) -> Grains {
+    Grains { count: 80, spread, ..Grains::default() }
+}
+
+fn quick() -> Preparation {
+    Preparation {
+        initial_solid_fraction: 0.3,
+        inertial_number: 1e-2,
+        unbalanced_force: 2e-2,
+        ..Preparation::default()
+    }
+}
+
+fn recipe<'a>(grains: &'a Grains, contact: &'a Contact, preparation: &'a Preparation) -> Recipe<'a> {
+    Recipe { grains, contact, preparation, time_step_factor: 0.2, hardware: Hardware::default() }
+}
+
+/// Both parts through their written form.
+fn written_and_read(preparing: &Preparing) -> Preparing {
+    let bytes = preparing.simulation.checkpoint("").unwrap();
+    let course = postcard::to_allocvec(&preparing.course).unwrap();
+    Preparing {
+        simulation: Simulation::restore(&bytes).unwrap().0,
+        course: postcard::from_bytes(&course).unwrap(),
+    }
+}
+
+/// Goes on to the end, stopping and reading back every `strides` looks; gives the sample and how often it was stopped.
+fn in_pieces(mut preparing: Preparing, recipe: &Recipe, strides: u32) -> (Sample, u32, Vec<(usize, Phase)>) {
+    let (mut stops, mut seen) = (0, Vec::new());
+    loop {
+        preparing = written_and_read(&preparing);
+        let mut left = strides;
+        let mut observer = |p: &Progress| {
+            if seen.last() != Some(&(p.trial, p.phase)) {
+                seen.push((p.trial, p.phase));
+            }
+            left -= 1;
+            if left == 0 { Flow::Stop } else { Flow::Continue }
+        };
+        match preparing.go_on(recipe, &mut observer).unwrap() {
+            Outcome::Sample(sample) => return (*sample, stops, seen),
+            Outcome::Stopped(at) => preparing = *at,
+        }
+        stops += 1;
+    }
+}
+
+fn assert_same(a: &Sample, b: &Sample) {
+    assert!(a.simulation.state() == b.simulation.state());
+    assert_eq!(a.simulation.checkpoint("").unwrap(), b.simulation.checkpoint("").unwrap());
+    assert_eq!((&a.trials, a.steps, a.settled), (&b.trials, b.steps, b.settled));
+    assert_eq!((a.unbalanced_force, a.solid_fraction_met), (b.unbalanced_force, b.solid_fraction_met));
+}
+
+#[test]
+fn a_preparation_in_pieces_makes_the_same_sample() {
+    let contact = Contact::default();
+    for spread in [0.0, 0.2] {
+        let grains = grains(spread);
+        // Out of reach, so that the search tries several frictions.
+        let preparation =
+            Preparation { solid_fraction: Some(0.52), solid_fraction_tolerance: 1e-4, ..quick() };
+        let recipe = recipe(&grains, &contact, &preparation);
+        let straight = prepare(&recipe, &mut |_: &Progress| Flow::Continue).unwrap();
+        assert!(straight.trials.len() >= 2 && !straight.solid_fraction_met, "{:?}", straight.trials);
+        let (pieces, stops, seen) = in_pieces(Preparing::new(&recipe).unwrap(), &recipe, 3);
+        assert!(stops > 20, "{stops}");
+        assert!(seen.contains(&(2, Phase::Compaction)) && seen.contains(&(2, Phase::Relaxation)), "{seen:?}");
+        assert_same(&straight, &pieces);
+    }
+}
+
+#[test]
+fn a_packing_settles_in_pieces_to_the_same_sample() {
+    let contact = Contact { normal: NormalKind::Hertz, tangential: TangentialKind::NoSlip, damping: 0.1 };
+    let grains = grains(0.0);
+    let preparation = Preparation { solid_fraction: None, friction: Some(0.1), ..quick() };
+    let first = recipe(&grains, &contact, &preparation);
+    let packing = prepare(&first, &mut |_: &Progress| Flow::Continue).unwrap().simulation;
+    let denser = Preparation { mean_stress: 40e3, unbalanced_force: 1e-3, ..preparation.clone() };
+    let second = recipe(&grains, &contact, &denser);
+    let straight = settle(packing.clone(), &second, &mut |_: &Progress| Flow::Continue).unwrap();
+    let (pieces, stops, _) = in_pieces(Preparing::settling(packing, &second), &second, 2);
+    assert!(stops >= 3 && straight.trials.is_empty(), "{stops}");
+    assert_same(&straight, &pieces);
+}
+
+#[test]
+fn an_observer_ends_a_preparation() {
+    let (grains, contact, preparation) = (grains(0.0), Contact::default(), quick());
+    let recipe = recipe(&grains, &contact, &preparation);
+    let error = prepare(&recipe, &mut |_: &Progress| Flow::Stop).err().unwrap();
+    assert!(matches!(error, PreparationError::Stopped { phase: Phase::Compaction }), "{error}");
+}

@@ -1,0 +1,187 @@
+//! What `run.json` says of a run.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use serde::{Deserialize, Deserializer, Serialize};
+
+use super::RUN_FORMAT;
+use crate::case::Case;
+
+/// How far a run got.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RunStatus {
+    /// It goes on, or was killed.
+    #[default]
+    Running,
+    /// It was stopped in good order (Ctrl-C) before its end.
+    Interrupted,
+    /// It reached its end.
+    Finished,
+    /// It ended with an error.
+    Failed,
+}
+
+/// One judgement of a run on itself: a measure against its threshold.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct QualityFlag {
+    /// What is judged, e.g. `servo_error_rms`.
+    pub name: String,
+    /// The measured value (a null in the file is NaN).
+    #[serde(deserialize_with = "null_is_nan")]
+    pub value: f64,
+    /// The largest value that is good.
+    pub limit: f64,
+    /// True if the value is good.
+    pub passed: bool,
+    /// What to change if it is not.
+    pub advice: String,
+}
+
+impl QualityFlag {
+    /// Judges a measure that is good up to `limit`; NaN is not good.
+    pub fn at_most(name: impl Into<String>, value: f64, limit: f64, advice: impl Into<String>) -> Self {
+        QualityFlag { name: name.into(), value, limit, passed: value <= limit, advice: advice.into() }
+    }
+}
+
+/// Where the sample of a run came from.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RunSource {
+    /// It was prepared as the case says.
+    #[default]
+    Case,
+    /// It is the one that was left in this folder.
+    Sample(PathBuf),
+    /// A packing file.
+    Packing {
+        /// The file.
+        file: PathBuf,
+        /// SHA-256 of its bytes.
+        sha256: String,
+    },
+}
+
+/// The machine that a run ran on. It decides times, never results.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Machine {
+    /// Operating system and processor family, e.g. `linux x86_64`.
+    pub system: String,
+    /// Instruction set in use, e.g. `avx512`.
+    pub instruction_set: String,
+    /// Threads in use.
+    pub threads: usize,
+    /// Threads that the machine offers.
+    pub available_threads: usize,
+}
+
+impl Machine {
+    /// This machine, with the instruction set and threads in use.
+    pub fn here(instruction_set: impl Into<String>, threads: usize) -> Machine {
+        Machine {
+            system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+            instruction_set: instruction_set.into(),
+            threads,
+            available_threads: std::thread::available_parallelism().map_or(1, usize::from),
+        }
+    }
+}
+
+/// What `run.json` says of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RunRecord {
+    /// Layout of this file, [`RUN_FORMAT`].
+    pub format: u32,
+    /// Version of granum that ran.
+    pub granum_version: String,
+    /// What was run, e.g. `prepare`, `shear`.
+    pub kind: String,
+    /// How far it got.
+    pub status: RunStatus,
+    /// Seed of the sample.
+    pub seed: u64,
+    /// [`Case::digest`] of the case.
+    pub case_digest: String,
+    /// [`Case::preparation_digest`] of the case.
+    pub preparation_digest: String,
+    /// Where the sample came from.
+    #[serde(default)]
+    pub source: RunSource,
+    /// The resolved case until `case.toml` is written: a run that is killed in between can be begun again.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unwritten_case: Option<String>,
+    /// Number of grains.
+    pub grains: usize,
+    /// Steps by phase.
+    #[serde(default)]
+    pub steps: BTreeMap<String, u64>,
+    /// Seconds of wall time by phase.
+    #[serde(default)]
+    pub wall_seconds: BTreeMap<String, f64>,
+    /// What the run measured once, by name, in SI units: solid fraction, coordination numbers...
+    #[serde(default, deserialize_with = "nulls_are_nan")]
+    pub measures: BTreeMap<String, f64>,
+    /// The machine.
+    pub machine: Machine,
+    /// The run's judgement on itself.
+    #[serde(default)]
+    pub quality: Vec<QualityFlag>,
+    /// SHA-256 of the files with physical content, by name.
+    #[serde(default)]
+    pub content: BTreeMap<String, String>,
+    /// Remarks for people.
+    #[serde(default)]
+    pub notes: Vec<String>,
+}
+
+impl RunRecord {
+    /// The start of a record for a case.
+    pub fn new(
+        kind: impl Into<String>,
+        granum_version: impl Into<String>,
+        case: &Case,
+        machine: Machine,
+    ) -> Self {
+        RunRecord {
+            format: RUN_FORMAT,
+            granum_version: granum_version.into(),
+            kind: kind.into(),
+            seed: case.preparation.seed,
+            case_digest: case.digest(),
+            preparation_digest: case.preparation_digest(),
+            grains: case.grains.count,
+            machine,
+            ..RunRecord::default()
+        }
+    }
+
+    /// Product of grains and steps over all phases.
+    pub fn grain_steps(&self) -> u64 {
+        self.steps.values().sum::<u64>().saturating_mul(self.grains as u64)
+    }
+
+    /// True if every judgement is good.
+    pub fn is_good(&self) -> bool {
+        self.quality.iter().all(|flag| flag.passed)
+    }
+
+    /// True if the run is finished, was of this whole case, and by this version: then it need not be run again.
+    pub fn answers(&self, case: &Case, granum_version: &str) -> bool {
+        self.status == RunStatus::Finished
+            && self.case_digest == case.digest()
+            && self.granum_version == granum_version
+    }
+}
+
+fn null_is_nan<'de, D: Deserializer<'de>>(input: D) -> std::result::Result<f64, D::Error> {
+    Ok(Option::<f64>::deserialize(input)?.unwrap_or(f64::NAN))
+}
+
+fn nulls_are_nan<'de, D: Deserializer<'de>>(
+    input: D,
+) -> std::result::Result<BTreeMap<String, f64>, D::Error> {
+    let map = BTreeMap::<String, Option<f64>>::deserialize(input)?;
+    Ok(map.into_iter().map(|(name, value)| (name, value.unwrap_or(f64::NAN))).collect())
+}
