@@ -4,30 +4,34 @@
 //! Case --> prepare --> sample folder --> shear --> run folder
 //! ```
 //!
-//! A folder is usable at any moment: the case is written first, the record of the run says how far it got, and what the
-//! sensors saw so far is there after an interruption.
+//! A run is a [`Standing`](standing::Standing) that goes from stage to stage: preparation, sample, test. It is written down as a
+//! checkpoint at an interval of wall time and when the user stops it, and everything that decides what comes next is in
+//! it: a run that is killed at any instant goes on to the same bits. Before the first checkpoint there are the case and
+//! where the sample comes from.
 
 mod quality;
 mod sample;
+mod standing;
 mod test;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use granum_dem::preparation::{Phase, PreparationError};
 use granum_dem::simulation::{Hardware, Simulation, SimulationError};
 use granum_io::run::{Machine, RunFolder, RunRecord, RunStatus};
-use granum_io::{Case, atomic::write_atomically};
+use granum_io::{Case, Error as FileError};
 use thiserror::Error;
 
+use self::standing::{Stage, Standing};
 use crate::error::HybridError;
+use crate::files::write_record;
 
+pub use granum_io::run::{CHECKPOINT, PREVIOUS_CHECKPOINT};
 pub use sample::{Source, cell, sites};
 
-/// Name of the checkpoint in a run folder.
-pub const CHECKPOINT: &str = "checkpoint";
 /// Name of the snapshot of a sample.
 pub const SAMPLE: &str = "start";
 /// Name of the snapshot at the end of a test.
@@ -55,6 +59,17 @@ pub enum LaboratoryError {
         /// Its file.
         path: PathBuf,
         /// What is wrong, and what would be right.
+        what: String,
+    },
+    /// No checkpoint of a folder can be used.
+    #[error(
+        "{what}: nothing is left to go on from; run it again, e.g. `granum shear {0}/case.toml --out OTHER`",
+        folder.display()
+    )]
+    Unusable {
+        /// The folder.
+        folder: PathBuf,
+        /// What is wrong with each.
         what: String,
     },
 }
@@ -105,6 +120,8 @@ pub trait RunObserver {
     fn stop(&self) -> bool {
         false
     }
+    /// Something that the user should know and that does not end the run.
+    fn warn(&mut self, _text: &str) {}
 }
 
 /// An observer that looks away.
@@ -138,25 +155,52 @@ impl Drop for Entered {
 }
 
 /// Fewest grains that are worth a thread of their own.
-const GRAINS_PER_THREAD: usize = 1500;
+pub const GRAINS_PER_THREAD: usize = 1500;
+/// Wall time between two checkpoints, where nothing else is asked for.
+pub const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
 
 /// Makes samples and tests them.
 #[derive(Clone, Debug)]
 pub struct Laboratory {
     /// What runs the simulations; results do not depend on it.
     pub hardware: Hardware,
+    /// Fewest grains for each thread; 1 to take as many threads as `hardware` says.
+    pub grains_per_thread: usize,
     /// Set where several runs share the processors.
     pub shared: Option<Arc<Shared>>,
+    /// Wall time between two checkpoints; results do not depend on it.
+    pub checkpoint_every: Duration,
     /// Version to write into records.
     pub version: String,
 }
 
+/// How a stretch of a run ended.
+enum Stretch {
+    /// There is more to do.
+    GoOn,
+    /// The observer wants to stop.
+    Stop,
+    /// The run is complete.
+    Complete,
+}
+
 impl Laboratory {
+    /// A laboratory of its own, with checkpoints at the usual interval.
+    pub fn new(hardware: Hardware, version: impl Into<String>) -> Laboratory {
+        Laboratory {
+            hardware,
+            grains_per_thread: GRAINS_PER_THREAD,
+            shared: None,
+            checkpoint_every: CHECKPOINT_EVERY,
+            version: version.into(),
+        }
+    }
+
     /// What to run a simulation of so many grains on just now.
     pub(crate) fn hardware_for(&self, grains: usize) -> Hardware {
         let running = self.shared.as_ref().map_or(1, |s| s.running.load(Ordering::Relaxed).max(1));
-        let threads = (self.hardware.threads / running).min(grains / GRAINS_PER_THREAD).max(1);
-        Hardware { threads, ..self.hardware }
+        let useful = grains / self.grains_per_thread.max(1);
+        Hardware { threads: (self.hardware.threads / running).min(useful).max(1), ..self.hardware }
     }
 
     /// Makes a sample and leaves it in a folder: case, snapshot, checkpoint, record. The record's status tells whether it
@@ -171,11 +215,7 @@ impl Laboratory {
         folder: &RunFolder,
         observer: &mut dyn RunObserver,
     ) -> Result<RunRecord, LaboratoryError> {
-        let mut record = self.begin("prepare", case, folder)?;
-        self.finish(folder, &mut record, |record| {
-            self.make_sample(case, source, folder, record, observer)?;
-            Ok(())
-        })
+        self.begin("prepare", case, source, folder, observer)
     }
 
     /// Makes or takes a sample and shears it as the case says; leaves a run folder.
@@ -189,19 +229,14 @@ impl Laboratory {
         folder: &RunFolder,
         observer: &mut dyn RunObserver,
     ) -> Result<RunRecord, LaboratoryError> {
-        let mut record = self.begin("shear", case, folder)?;
-        self.finish(folder, &mut record, |record| {
-            if let Some(sample) = self.make_sample(case, source, folder, record, observer)? {
-                self.run_test(case, sample, folder, record, observer)?;
-            }
-            Ok(())
-        })
+        self.begin("shear", case, source, folder, observer)
     }
 
-    /// Goes on with a test that was interrupted or killed, from its last checkpoint.
+    /// Goes on with a preparation or test that was interrupted, killed or failed: from its last good checkpoint, or from
+    /// the case if there is none yet.
     ///
     /// # Errors
-    /// [`LaboratoryError`] if there is no checkpoint of a test, or it fails again.
+    /// [`LaboratoryError`] if what is there cannot be used, or it fails again.
     pub fn resume(
         &self,
         folder: &RunFolder,
@@ -210,19 +245,94 @@ impl Laboratory {
         let run = folder.run();
         let case = run.case()?;
         let mut record = run.record()?;
-        if record.status == RunStatus::Finished {
+        if case.digest() != record.case_digest {
+            let message =
+                "the case was changed since the run began; run the changed case anew in another folder";
+            return Err(FileError::content(&folder.path().join("case.toml"), message).into());
+        }
+        let standing = standing::last_good(folder, observer)?;
+        if record.status == RunStatus::Finished && standing.as_ref().is_none_or(|s| !s.older) {
             return Ok(record);
         }
+        if record.granum_version != self.version {
+            let (old, new) = (&record.granum_version, &self.version);
+            let text = format!("begun by granum {old}, resumed by {new}: bits may differ from either");
+            observer.warn(&text);
+            record.notes.push(text);
+        }
         record.status = RunStatus::Running;
-        self.finish(folder, &mut record, |record| self.resume_test(&case, folder, record, observer))
+        self.finish(folder, &mut record, |record| {
+            if record.unwritten_case.take().is_some() {
+                folder.write_case(&case)?;
+            }
+            let standing = match standing {
+                Some(standing) => standing,
+                None => {
+                    let source = Source::recorded(&record.source)?;
+                    self.start(&case, &source, record)?
+                }
+            };
+            self.go_on(&case, standing, folder, record, observer)
+        })
     }
 
-    fn begin(&self, kind: &str, case: &Case, folder: &RunFolder) -> Result<RunRecord, LaboratoryError> {
-        folder.write_case(case)?;
+    /// Begins a run. The record goes first and holds the case until that has its own file: from then on the run can be
+    /// resumed.
+    fn begin(
+        &self,
+        kind: &str,
+        case: &Case,
+        source: &Source,
+        folder: &RunFolder,
+        observer: &mut dyn RunObserver,
+    ) -> Result<RunRecord, LaboratoryError> {
         let machine = Machine::here(self.hardware.isa.name(), self.hardware.threads);
-        let record = RunRecord::new(kind, &self.version, case, machine);
+        let mut record = RunRecord::new(kind, &self.version, case, machine);
+        record.source = source.record()?;
+        record.unwritten_case = Some(case.resolved_toml());
         folder.write_record(&record)?;
-        Ok(record)
+        folder.write_case(case)?;
+        record.unwritten_case = None;
+        self.finish(folder, &mut record, |record| {
+            let standing = self.start(case, source, record)?;
+            self.go_on(case, standing, folder, record, observer)
+        })
+    }
+
+    /// Goes from stage to stage until the run is complete or the observer stops it.
+    fn go_on(
+        &self,
+        case: &Case,
+        mut standing: Standing,
+        folder: &RunFolder,
+        record: &mut RunRecord,
+        observer: &mut dyn RunObserver,
+    ) -> Result<(), LaboratoryError> {
+        // At once, so that nothing outside the folder is needed from here on.
+        save(folder, &standing, record)?;
+        loop {
+            let started = Instant::now();
+            let phase = standing.phase();
+            let stretch = match &standing.stage {
+                Stage::Preparation(_) => self.prepare_on(case, &mut standing, folder, observer)?,
+                Stage::Sample if record.kind == "prepare" => return Ok(()),
+                Stage::Sample => self.begin_test(case, &mut standing)?,
+                Stage::Test(_) => self.test_on(&mut standing, observer)?,
+            };
+            if let Some(phase) = phase {
+                *record.wall_seconds.entry(phase.into()).or_default() += started.elapsed().as_secs_f64();
+            }
+            match stretch {
+                Stretch::Complete => return complete(&standing, folder, record),
+                Stretch::GoOn if phase.is_none() => {}
+                Stretch::GoOn => save(folder, &standing, record)?,
+                Stretch::Stop => {
+                    save(folder, &standing, record)?;
+                    record.status = RunStatus::Interrupted;
+                    return Ok(());
+                }
+            }
+        }
     }
 
     /// Does the work and writes the record with the status that it came to.
@@ -241,62 +351,91 @@ impl Laboratory {
                 record.notes.push(format!("failed: {error}"));
             }
         }
-        folder.write_record(record)?;
-        result.map(|()| record.clone())
+        let written = folder.write_record(record);
+        // Of two errors the first is the one to tell: a full disk fails twice.
+        result?;
+        written?;
+        Ok(record.clone())
     }
 }
 
-/// Writes a checkpoint into a run folder.
-pub(crate) fn write_checkpoint(
-    folder: &Path,
-    simulation: &Simulation,
-    attachment: &str,
-) -> Result<(), LaboratoryError> {
-    let path = folder.join(CHECKPOINT);
-    let bytes = simulation
-        .checkpoint(attachment)
-        .map_err(|e| LaboratoryError::Checkpoint { path: path.clone(), what: e.to_string() })?;
-    write_atomically(&path, |file| std::io::Write::write_all(file, &bytes))?;
+/// Writes down where a run stands: checkpoint, what the sensors saw, record.
+fn save(folder: &RunFolder, standing: &Standing, record: &mut RunRecord) -> Result<(), LaboratoryError> {
+    standing.write(folder)?;
+    if let Stage::Test(test) = &standing.stage {
+        write_record(folder, &test.recorder.record())?;
+    }
+    standing.tell(record);
+    folder.write_record(record)?;
     Ok(())
 }
 
-/// Reads the checkpoint of a run folder.
-pub(crate) fn read_checkpoint(folder: &Path) -> Result<(Simulation, String), LaboratoryError> {
-    let path = folder.join(CHECKPOINT);
-    let bad = |what: String| LaboratoryError::Checkpoint { path: path.clone(), what };
-    let bytes = std::fs::read(&path).map_err(|e| {
-        bad(format!(
-            "cannot be read ({e}); a folder that `granum prepare` or `granum shear` made has a checkpoint"
-        ))
-    })?;
-    Simulation::restore(&bytes).map_err(|e| bad(e.to_string()))
+/// The end of a test: last snapshot, judgement.
+fn complete(standing: &Standing, folder: &RunFolder, record: &mut RunRecord) -> Result<(), LaboratoryError> {
+    let Stage::Test(test) = &standing.stage else { return Ok(()) };
+    let end = standing.simulation.assembly();
+    folder.write_snapshot(END, &end)?;
+    save(folder, standing, record)?;
+    let seen = test.recorder.record();
+    record.quality.extend(quality::judge(&standing.simulation, &end, &seen, &test.before));
+    record.phase.clear();
+    Ok(())
+}
+
+/// Says when a checkpoint is due. Never at the first look of a stretch: a stretch must get on, however short the interval.
+pub(crate) struct Interval {
+    since: Option<Instant>,
+    every: Duration,
+}
+
+impl Interval {
+    pub(crate) fn new(every: Duration) -> Interval {
+        Interval { since: None, every }
+    }
+
+    pub(crate) fn is_over(&mut self) -> bool {
+        match self.since {
+            Some(since) => since.elapsed() > self.every,
+            None => {
+                self.since = Some(Instant::now());
+                false
+            }
+        }
+    }
 }
 
 /// Grain-steps per second, from stretch to stretch.
 pub(crate) struct Speedometer {
     since: Instant,
-    step: u64,
+    /// Step at that time; none before the first look.
+    step: Option<u64>,
     rate: f64,
 }
 
 impl Speedometer {
     pub(crate) fn new() -> Self {
-        Speedometer { since: Instant::now(), step: 0, rate: 0.0 }
+        Speedometer { since: Instant::now(), step: None, rate: 0.0 }
     }
 
     pub(crate) fn rate(&mut self, simulation: &Simulation) -> f64 {
         let step = simulation.state().step();
         let seconds = self.since.elapsed().as_secs_f64();
-        if step < self.step {
-            *self = Speedometer { step, rate: self.rate, since: Instant::now() };
-        } else if seconds > 0.5 {
-            self.rate = (step - self.step) as f64 * simulation.state().grains() as f64 / seconds;
-            self.since = Instant::now();
-            self.step = step;
+        match self.step {
+            Some(before) if before <= step => {
+                if seconds > 0.5 {
+                    let steps = (step - before) as f64;
+                    let rate = steps * simulation.state().grains() as f64 / seconds;
+                    *self = Speedometer { step: Some(step), rate, since: Instant::now() };
+                }
+            }
+            // Another phase has begun.
+            _ => *self = Speedometer { step: Some(step), rate: self.rate, since: Instant::now() },
         }
         self.rate
     }
 }
 
+#[cfg(test)]
+mod interruption_tests;
 #[cfg(test)]
 mod tests;

@@ -1,21 +1,18 @@
 //! Samples: prepared from a gas, taken from a folder, or made of another program's packing.
 
-use std::path::PathBuf;
-use std::time::Instant;
+use std::path::{Path, PathBuf};
 
 use granum_dem::cell::Cell;
-use granum_dem::preparation::{Flow, PreparationError, Progress, Recipe, Sample, prepare, settle};
+use granum_dem::preparation::{Flow, Outcome, Preparing, Progress, Recipe, Sample};
 use granum_dem::simulation::{Properties, Simulation, Site};
-use granum_io::Case;
-use granum_io::run::{Run, RunFolder, RunRecord, RunStatus};
-use granum_io::{Packing, run};
+use granum_io::run::{Run, RunFolder, RunRecord, RunSource};
+use granum_io::{Case, Packing, run};
 
+use super::standing::{Found, Stage, Standing};
 use super::{
-    Laboratory, LaboratoryError, RunObserver, SAMPLE, Speedometer, Status, read_checkpoint, write_checkpoint,
+    CHECKPOINT, Interval, Laboratory, LaboratoryError, PREVIOUS_CHECKPOINT, RunObserver, SAMPLE, Speedometer,
+    Status, Stretch,
 };
-
-/// Text beside the state in the checkpoint of a sample.
-pub(super) const SAMPLE_MARK: &str = "sample";
 
 /// Where a sample comes from.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,57 +25,84 @@ pub enum Source {
     Packing(PathBuf),
 }
 
-impl Laboratory {
-    /// A sample at rest; `None` if the observer stopped it.
-    pub(super) fn make_sample(
-        &self,
-        case: &Case,
-        source: &Source,
-        folder: &RunFolder,
-        record: &mut RunRecord,
-        observer: &mut dyn RunObserver,
-    ) -> Result<Option<Simulation>, LaboratoryError> {
-        let started = Instant::now();
-        let simulation = match source {
-            Source::Folder(path) => self.take_sample(case, path, record)?,
-            Source::Case | Source::Packing(_) => {
-                let made = self.make(case, source, observer);
-                record.wall_seconds.insert("prepare".into(), started.elapsed().as_secs_f64());
-                match made {
-                    Err(LaboratoryError::Preparation(PreparationError::Stopped { phase })) => {
-                        record.status = RunStatus::Interrupted;
-                        record.notes.push(format!("interrupted during {}; run it again", phase.name()));
-                        return Ok(None);
-                    }
-                    Err(error) => return Err(error),
-                    Ok(sample) => {
-                        note_sample(case, &sample, record);
-                        sample.simulation
-                    }
-                }
-            }
+impl Source {
+    /// For the record of a run: with paths that hold wherever it is resumed from.
+    pub(super) fn record(&self) -> Result<RunSource, LaboratoryError> {
+        let absolute = |path: &PathBuf| {
+            std::path::absolute(path).map_err(granum_io::Error::file("find the folder of", path))
         };
-        measure_sample(&simulation, record);
-        folder.write_snapshot(SAMPLE, &simulation.assembly())?;
-        write_checkpoint(folder.path(), &simulation, SAMPLE_MARK)?;
-        folder.write_record(record)?;
-        Ok(Some(simulation))
+        Ok(match self {
+            Source::Case => RunSource::Case,
+            Source::Folder(path) => RunSource::Sample(absolute(path)?),
+            Source::Packing(path) => {
+                RunSource::Packing { file: absolute(path)?, sha256: run::file_digest(path)? }
+            }
+        })
     }
 
-    fn make(
+    /// As a record has it. A packing file that is gone or was changed is refused: another sample would come of it.
+    pub(super) fn recorded(source: &RunSource) -> Result<Source, LaboratoryError> {
+        match source {
+            RunSource::Case => Ok(Source::Case),
+            RunSource::Sample(path) => Ok(Source::Folder(path.clone())),
+            RunSource::Packing { file, sha256 } => {
+                if run::file_digest(file)? != *sha256 {
+                    let message =
+                        "was changed since the run began, and there is no checkpoint of it yet; run it anew";
+                    return Err(granum_io::Error::content(file, message).into());
+                }
+                Ok(Source::Packing(file.clone()))
+            }
+        }
+    }
+}
+
+impl Laboratory {
+    /// The start of a run.
+    pub(super) fn start(
         &self,
         case: &Case,
         source: &Source,
-        observer: &mut dyn RunObserver,
-    ) -> Result<Sample, LaboratoryError> {
-        let recipe = Recipe {
+        record: &mut RunRecord,
+    ) -> Result<Standing, LaboratoryError> {
+        let recipe = self.recipe(case, case.grains.count);
+        let preparing = match source {
+            Source::Folder(path) => return take_sample(case, path, record),
+            Source::Case => Preparing::new(&recipe)?,
+            Source::Packing(path) => {
+                let packing = Packing::read(path)?;
+                let properties = Properties { material: case.grains.material, contact: case.contact };
+                let simulation = Simulation::new(cell(&packing), &sites(&packing), properties)?;
+                Preparing::settling(simulation, &recipe)
+            }
+        };
+        Ok(Standing::new(preparing.simulation, Stage::Preparation(preparing.course)))
+    }
+
+    fn recipe<'a>(&self, case: &'a Case, grains: usize) -> Recipe<'a> {
+        Recipe {
             grains: &case.grains,
             contact: &case.contact,
             preparation: &case.preparation,
             time_step_factor: case.numerics.time_step_factor,
-            hardware: self.hardware_for(case.grains.count),
-        };
+            hardware: self.hardware_for(grains),
+        }
+    }
+
+    /// Goes on with a preparation until the sample is there, a checkpoint is due or the observer stops it.
+    pub(super) fn prepare_on(
+        &self,
+        case: &Case,
+        standing: &mut Standing,
+        folder: &RunFolder,
+        observer: &mut dyn RunObserver,
+    ) -> Result<Stretch, LaboratoryError> {
+        let Stage::Preparation(course) = &standing.stage else { return Ok(Stretch::GoOn) };
+        let preparing = Preparing { simulation: standing.simulation.clone(), course: course.clone() };
+        let recipe = self.recipe(case, standing.found.grains);
         let mut speedometer = Speedometer::new();
+        let mut interval = Interval::new(self.checkpoint_every);
+        let mut stopped = false;
         let mut watch = |p: &Progress| {
             let grain_steps_per_second = speedometer.rate(p.simulation);
             let fraction = None;
@@ -89,48 +113,58 @@ impl Laboratory {
                 grain_steps_per_second,
                 simulation: p.simulation,
             });
-            if observer.stop() { Flow::Stop } else { Flow::Continue }
+            stopped = observer.stop();
+            if stopped || interval.is_over() { Flow::Stop } else { Flow::Continue }
         };
-        match source {
-            Source::Packing(path) => {
-                let packing = Packing::read(path)?;
-                let properties = Properties { material: case.grains.material, contact: case.contact };
-                let simulation = Simulation::new(cell(&packing), &sites(&packing), properties)?;
-                Ok(settle(simulation, &recipe, &mut watch)?)
+        match preparing.go_on(&recipe, &mut watch)? {
+            Outcome::Stopped(at) => {
+                standing.simulation = at.simulation;
+                standing.stage = Stage::Preparation(at.course);
+                Ok(if stopped { Stretch::Stop } else { Stretch::GoOn })
             }
-            _ => Ok(prepare(&recipe, &mut watch)?),
+            Outcome::Sample(sample) => {
+                note_sample(case, &sample, &mut standing.found);
+                standing.simulation = sample.simulation;
+                standing.stage = Stage::Sample;
+                measure_sample(&standing.simulation, &mut standing.found);
+                folder.write_snapshot(SAMPLE, &standing.simulation.assembly())?;
+                Ok(Stretch::GoOn)
+            }
         }
     }
+}
 
-    /// The sample of another folder.
-    fn take_sample(
-        &self,
-        case: &Case,
-        path: &PathBuf,
-        record: &mut RunRecord,
-    ) -> Result<Simulation, LaboratoryError> {
-        let other = Run::at(path)?.record()?;
-        let (simulation, mark) = read_checkpoint(path)?;
-        let bad = |what: &str| LaboratoryError::Checkpoint {
-            path: path.join(super::CHECKPOINT),
-            what: what.to_string(),
-        };
-        if mark != SAMPLE_MARK {
-            return Err(bad(
-                "it is a test in progress, not a sample; give a folder made by `granum prepare`",
-            ));
+/// The sample of another folder.
+fn take_sample(case: &Case, path: &Path, record: &mut RunRecord) -> Result<Standing, LaboratoryError> {
+    let other = Run::at(path)?.record()?;
+    let checkpoint = path.join(CHECKPOINT);
+    let bad = |what: String| LaboratoryError::Checkpoint { path: checkpoint.clone(), what };
+    let name = path.display();
+    if other.preparation_digest != case.preparation_digest() {
+        return Err(bad(
+            "the sample was prepared for other grains, contact law or preparation than this case asks for; prepare it anew".into(),
+        ));
+    }
+    let standing = match Standing::read(&checkpoint) {
+        Ok(Some(standing)) => standing,
+        Ok(None) => return Err(bad(format!("there is none; `granum resume {name}` makes the sample"))),
+        Err(LaboratoryError::Checkpoint { what, .. }) if path.join(PREVIOUS_CHECKPOINT).is_file() => {
+            return Err(bad(format!("{what}; `granum resume {name}` makes it again from the one before")));
         }
-        if other.preparation_digest != case.preparation_digest() {
-            return Err(bad(
-                "the sample was prepared for other grains, contact law or preparation than this case asks for; prepare it anew",
-            ));
+        Err(error) => return Err(error),
+    };
+    match standing.stage {
+        Stage::Sample => {
+            record.wall_seconds.extend(other.wall_seconds);
+            record.notes.extend(other.notes);
+            Ok(standing)
         }
-        record.grains = other.grains;
-        record.steps.extend(other.steps);
-        record.wall_seconds.extend(other.wall_seconds);
-        record.measures.extend(other.measures);
-        record.notes.extend(other.notes);
-        Ok(simulation)
+        Stage::Preparation(_) => {
+            Err(bad(format!("its preparation is not finished; go on with `granum resume {name}`")))
+        }
+        Stage::Test(_) => {
+            Err(bad("it is a test in progress, not a sample; give a folder made by `granum prepare`".into()))
+        }
     }
 }
 
@@ -149,16 +183,15 @@ pub fn sites(packing: &Packing) -> Vec<Site> {
 }
 
 /// How the sample was come by.
-fn note_sample(case: &Case, sample: &Sample, record: &mut RunRecord) {
+fn note_sample(case: &Case, sample: &Sample, found: &mut Found) {
     let p = &case.preparation;
-    record.grains = sample.simulation.state().grains();
-    record.steps.insert("prepare".into(), sample.steps);
-    record.measures.insert("sample_unbalanced_force".into(), sample.unbalanced_force);
+    found.steps.insert("prepare".into(), sample.steps);
+    found.measures.insert("sample_unbalanced_force".into(), sample.unbalanced_force);
     if let Some(trial) = sample.trials.last() {
-        record.measures.insert("preparation_friction".into(), trial.friction);
-        record.measures.insert("preparation_trials".into(), sample.trials.len() as f64);
+        found.measures.insert("preparation_friction".into(), trial.friction);
+        found.measures.insert("preparation_trials".into(), sample.trials.len() as f64);
     }
-    record.quality.push(run::QualityFlag::at_most(
+    found.quality.push(run::QualityFlag::at_most(
         "sample_unbalanced_force",
         sample.unbalanced_force,
         p.unbalanced_force,
@@ -166,7 +199,7 @@ fn note_sample(case: &Case, sample: &Sample, record: &mut RunRecord) {
     ));
     if let Some(target) = p.solid_fraction {
         let missed = (sample.simulation.state().solid_fraction() - target).abs();
-        record.quality.push(run::QualityFlag::at_most(
+        found.quality.push(run::QualityFlag::at_most(
             "solid_fraction_missed_by",
             missed,
             p.solid_fraction_tolerance,
@@ -176,7 +209,7 @@ fn note_sample(case: &Case, sample: &Sample, record: &mut RunRecord) {
 }
 
 /// The sample as it stands before the test.
-fn measure_sample(simulation: &Simulation, record: &mut RunRecord) {
+fn measure_sample(simulation: &Simulation, found: &mut Found) {
     let row = granum_sensors::measure_row(&simulation.assembly());
     for name in [
         "solid_fraction",
@@ -190,7 +223,7 @@ fn measure_sample(simulation: &Simulation, record: &mut RunRecord) {
         "deviator_fabric",
     ] {
         if let Some(k) = granum_sensors::column_index(name) {
-            record.measures.insert(name.to_string(), row[k]);
+            found.measures.insert(name.to_string(), row[k]);
         }
     }
 }

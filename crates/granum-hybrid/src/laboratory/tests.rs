@@ -5,7 +5,7 @@ use super::*;
 use crate::files::read_record;
 
 /// A case that runs in a second or two.
-fn small() -> Case {
+pub(super) fn small() -> Case {
     let mut case = Case::default();
     case.grains.count = 150;
     case.preparation.friction = Some(0.1);
@@ -18,8 +18,8 @@ fn small() -> Case {
     case
 }
 
-fn laboratory() -> Laboratory {
-    Laboratory { hardware: Hardware::default(), shared: None, version: "test".into() }
+pub(super) fn laboratory() -> Laboratory {
+    Laboratory::new(Hardware::default(), "test")
 }
 
 /// Stops after so many calls.

@@ -18,7 +18,7 @@ use crate::folder::OutputFolder;
 use crate::snapshot;
 use crate::table::Table;
 
-pub use record::{Machine, QualityFlag, RunRecord, RunSource, RunStatus};
+pub use record::{Machine, QualityFlag, RunRecord, RunSource, RunStatus, nulls_are_nan};
 
 /// Newest layout of `run.json` that this version reads and writes.
 pub const RUN_FORMAT: u32 = 1;
@@ -78,12 +78,11 @@ impl Run {
     /// As [`Case::read`].
     pub fn case(&self) -> Result<Case> {
         let path = self.path.join(CASE);
-        if !path.is_file() {
-            if let Some(text) = self.record().ok().and_then(|record| record.unwritten_case) {
-                return Case::parse(&text, &path.display().to_string());
-            }
+        let pending = || self.record().ok().and_then(|record| record.unwritten_case);
+        match pending().filter(|_| !path.is_file()) {
+            Some(text) => Case::parse(&text, &path.display().to_string()),
+            None => Case::read(path),
         }
-        Case::read(path)
     }
 
     /// The record.
@@ -102,6 +101,11 @@ impl Run {
         let text = crate::text::read_small(&path, 1 << 24)?;
         check_format(&path, &text, RUN_FORMAT)?;
         serde_json::from_str(&text).map_err(|error| damaged(&path, &error))
+    }
+
+    /// Where the table of states is, once a test has begun.
+    pub fn series_path(&self) -> PathBuf {
+        self.path.join(SERIES)
     }
 
     /// The table of states.

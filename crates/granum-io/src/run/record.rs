@@ -112,6 +112,9 @@ pub struct RunRecord {
     /// The resolved case until `case.toml` is written: a run that is killed in between can be begun again.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unwritten_case: Option<String>,
+    /// What is under way in a run that did not reach its end, e.g. `compaction, trial 2`.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub phase: String,
     /// Number of grains.
     pub grains: usize,
     /// Steps by phase.
@@ -179,7 +182,11 @@ fn null_is_nan<'de, D: Deserializer<'de>>(input: D) -> std::result::Result<f64, 
     Ok(Option::<f64>::deserialize(input)?.unwrap_or(f64::NAN))
 }
 
-fn nulls_are_nan<'de, D: Deserializer<'de>>(
+/// Numbers by name where a null is NaN: JSON has no other way to say it.
+///
+/// # Errors
+/// If a value is neither.
+pub fn nulls_are_nan<'de, D: Deserializer<'de>>(
     input: D,
 ) -> std::result::Result<BTreeMap<String, f64>, D::Error> {
     let map = BTreeMap::<String, Option<f64>>::deserialize(input)?;

@@ -8,6 +8,7 @@ use granum_io::{Run, RunStatus, Table};
 use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
 
+use super::records;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -47,6 +48,7 @@ impl Digest {
 fn digest(folder: &Path) -> Result<(String, RunStatus), Failure> {
     let run = Run::at(folder)?;
     let record = run.record()?;
+    records::check_begun(&run, &record)?;
     let mut hash = Sha256::new();
     text(&mut hash, "granum digest 1");
     text(&mut hash, &run.case()?.digest());

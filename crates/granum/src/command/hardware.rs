@@ -5,6 +5,7 @@ use granum_dem::Isa;
 use granum_dem::simulation::Hardware;
 use granum_hybrid::laboratory::{Laboratory, RunObserver, Status};
 
+use super::checkpoints::CheckpointFlags;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -57,12 +58,14 @@ impl HardwareFlags {
         Ok(Hardware { threads, isa })
     }
 
-    pub fn laboratory(&self) -> Result<Laboratory, Failure> {
-        Ok(Laboratory {
-            hardware: self.hardware()?,
-            shared: None,
-            version: env!("CARGO_PKG_VERSION").to_string(),
-        })
+    pub fn laboratory(&self, checkpoints: &CheckpointFlags) -> Result<Laboratory, Failure> {
+        let mut laboratory = Laboratory::new(self.hardware()?, env!("CARGO_PKG_VERSION"));
+        laboratory.checkpoint_every = checkpoints.every()?;
+        if self.threads.is_some() {
+            // Who asks for a number gets it, also where fewer would do better.
+            laboratory.grains_per_thread = 1;
+        }
+        Ok(laboratory)
     }
 }
 
@@ -89,5 +92,8 @@ impl RunObserver for Show<'_> {
     }
     fn stop(&self) -> bool {
         self.context.stopped()
+    }
+    fn warn(&mut self, text: &str) {
+        self.context.warn(text);
     }
 }

@@ -6,6 +6,7 @@ use clap::Args;
 use granum_hybrid::laboratory::Source;
 use granum_io::{Case, RunFolder};
 
+use super::checkpoints::CheckpointFlags;
 use super::hardware::{HardwareFlags, Show};
 use super::run_report;
 use crate::context::Context;
@@ -26,13 +27,15 @@ pub struct Prepare {
     #[arg(long, value_name = "FILE")]
     packing: Option<PathBuf>,
     #[command(flatten)]
+    checkpoints: CheckpointFlags,
+    #[command(flatten)]
     hardware: HardwareFlags,
 }
 
 impl Prepare {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let case = Case::read(&self.case)?;
-        let laboratory = self.hardware.laboratory()?;
+        let laboratory = self.hardware.laboratory(&self.checkpoints)?;
         let source = self.packing.clone().map_or(Source::Case, Source::Packing);
         let folder = RunFolder::create(&self.out, context.force)?;
         let record = laboratory.prepare(&case, &source, &folder, &mut Show::new(context))?;

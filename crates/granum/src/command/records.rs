@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use granum_hybrid::{NamedRecord, files::read_record};
-use granum_io::{Run, RunStatus};
+use granum_io::{Run, RunRecord, RunStatus};
 use granum_sensors::Record;
 
 use crate::context::Context;
@@ -27,6 +27,18 @@ impl Recorded {
     }
 }
 
+/// Refuses a run that has not come to its test: there is nothing to draw, learn from or compare yet.
+pub fn check_begun(run: &Run, about: &RunRecord) -> Result<(), Failure> {
+    if about.kind == "prepare" || run.series_path().is_file() {
+        return Ok(());
+    }
+    let name = run.path().display();
+    let place = if about.phase.is_empty() { "the start" } else { about.phase.as_str() };
+    Err(Failure::new(format!(
+        "{name}: was broken off in {place}, before there was anything of its test; go on with `granum resume {name}`"
+    )))
+}
+
 /// Runs as a data set takes them.
 pub fn named(runs: &[Recorded]) -> Vec<NamedRecord<'_>> {
     runs.iter().map(Recorded::named).collect()
@@ -47,6 +59,7 @@ fn read_one(context: &Context, folder: &Path) -> Result<Recorded, Failure> {
             folder.display()
         )));
     }
+    check_begun(&run, &about)?;
     let record = read_record(&run)?;
     if about.status != RunStatus::Finished && !context.json {
         eprintln!("warning: {} did not reach its end; the states that it has are taken", folder.display());

@@ -11,6 +11,7 @@ use granum_hybrid::{Dataset, DatasetOptions, NamedRecord, Summary};
 use granum_io::{Run, atomic::write_atomically, check_output_file};
 use serde_json::json;
 
+use super::records;
 use super::reproduce::command_line;
 use crate::context::Context;
 use crate::failure::Failure;
@@ -66,7 +67,16 @@ fn document(folder: &Path) -> Result<Document, Failure> {
             folder.display()
         )));
     }
-    Ok(run_report(&RunReport::read(&Run::at(folder)?, Role::Single)?))
+    let run = Run::at(folder)?;
+    let about = run.record()?;
+    if about.kind == "prepare" {
+        let name = folder.display();
+        return Err(Failure::new(format!(
+            "{name}: is a sample, not a test; `granum status {name}` tells of it, `granum shear CASE --sample {name}` shears it"
+        )));
+    }
+    records::check_begun(&run, &about)?;
+    Ok(run_report(&RunReport::read(&run, Role::Single)?))
 }
 
 /// Everything in the folder of a reproduction, put together again.

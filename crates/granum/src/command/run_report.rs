@@ -12,12 +12,8 @@ use crate::output;
 /// Tells of a run that ended in good order; an interruption is a failure with its own status.
 pub fn tell(context: &Context, folder: &Path, record: &RunRecord) -> Result<(), Failure> {
     if record.status == RunStatus::Interrupted {
-        let how = if record.steps.contains_key("shear") {
-            format!("go on with `granum resume {}`", folder.display())
-        } else {
-            "run the command again with --force".to_string()
-        };
-        return Err(Interrupted { left: format!("what was done is in {}; {how}", folder.display()) }.into());
+        let left = format!("what was done is in {0}; go on with `granum resume {0}`", folder.display());
+        return Err(Interrupted { left }.into());
     }
     let result = json!({
         "folder": folder,

@@ -6,6 +6,7 @@ use clap::Args;
 use granum_hybrid::laboratory::Source;
 use granum_io::{Case, RunFolder};
 
+use super::checkpoints::CheckpointFlags;
 use super::hardware::{HardwareFlags, Show};
 use super::run_report;
 use crate::context::Context;
@@ -30,13 +31,15 @@ pub struct Shear {
     #[arg(long, value_name = "FILE")]
     packing: Option<PathBuf>,
     #[command(flatten)]
+    checkpoints: CheckpointFlags,
+    #[command(flatten)]
     hardware: HardwareFlags,
 }
 
 impl Shear {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let case = Case::read(&self.case)?;
-        let laboratory = self.hardware.laboratory()?;
+        let laboratory = self.hardware.laboratory(&self.checkpoints)?;
         let source = match (&self.sample, &self.packing) {
             (Some(folder), _) => Source::Folder(folder.clone()),
             (_, Some(file)) => Source::Packing(file.clone()),

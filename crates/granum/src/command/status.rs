@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Args;
-use granum_hybrid::laboratory::CHECKPOINT;
+use granum_hybrid::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
 use granum_io::{Error, Run, RunFolder, RunStatus};
 use serde_json::{Value, json};
 
@@ -50,6 +50,8 @@ struct Found {
     folder: PathBuf,
     kind: String,
     status: RunStatus,
+    /// What is or was under way, e.g. `compaction, trial 2`.
+    phase: String,
     /// A process works in it.
     at_work: bool,
     steps: Value,
@@ -68,9 +70,9 @@ impl Found {
         let (case, record) = (run.case()?, run.record()?);
         let at_work = matches!(RunFolder::open(folder), Err(Error::Locked { .. }));
         let strain = run.series().ok().and_then(|t| t.column("deviator_strain").ok()?.last().copied());
-        let checkpoint = std::fs::metadata(folder.join(CHECKPOINT))
-            .and_then(|file| file.modified())
-            .ok()
+        let checkpoint = [CHECKPOINT, PREVIOUS_CHECKPOINT]
+            .iter()
+            .find_map(|name| std::fs::metadata(folder.join(name)).and_then(|file| file.modified()).ok())
             .map(|time| time.elapsed().unwrap_or_default());
         let name = folder.display();
         let next = match record.status {
@@ -79,14 +81,12 @@ impl Found {
                 format!("shear it: granum shear CASE --sample {name}")
             }
             RunStatus::Finished => format!("look at it: granum report {name}"),
-            _ if record.kind != "prepare" && checkpoint.is_some() => {
-                format!("go on with it: granum resume {name}")
-            }
             RunStatus::Failed => format!(
-                "{}; change the case and run it again with --force",
+                "{}; once the cause is mended go on with it: granum resume {name}; or change the case and run it again with --force",
                 record.notes.last().map_or("it failed", String::as_str)
             ),
-            _ => format!("there is no checkpoint yet: granum {} again with --force", record.kind),
+            _ if checkpoint.is_some() => format!("go on with it: granum resume {name}"),
+            _ => format!("there is no checkpoint yet; begin again from its case: granum resume {name}"),
         };
         Ok(Found {
             folder: folder.to_path_buf(),
@@ -99,6 +99,7 @@ impl Found {
             checkpoint,
             failed_checks: record.quality.iter().filter(|q| !q.passed).map(|q| q.name.clone()).collect(),
             kind: record.kind,
+            phase: record.phase,
             next,
         })
     }
@@ -119,6 +120,7 @@ impl Found {
             "folder": self.folder,
             "kind": self.kind,
             "status": self.word(),
+            "phase": self.phase,
             "steps": self.steps,
             "wall_seconds": self.seconds,
             "deviator_strain": self.strain,
@@ -131,6 +133,9 @@ impl Found {
 
     fn text(&self) -> String {
         let mut text = format!("{}: {} {}", self.folder.display(), self.kind, self.word());
+        if !self.phase.is_empty() {
+            text += &format!(" in {}", self.phase);
+        }
         if let Some(strain) = self.strain {
             text += &format!(", recorded to deviator strain {strain:.4} of {}", self.end);
         }

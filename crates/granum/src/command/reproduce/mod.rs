@@ -12,6 +12,7 @@ use granum_hybrid::Summary;
 use granum_io::{Case, OutputFolder};
 use serde_json::json;
 
+use super::checkpoints::CheckpointFlags;
 use super::hardware::HardwareFlags;
 use super::scores;
 use crate::context::Context;
@@ -39,6 +40,8 @@ pub struct Reproduce {
     #[arg(long, default_value = "levenberg-marquardt", value_name = "NAME")]
     trainer: String,
     #[command(flatten)]
+    checkpoints: CheckpointFlags,
+    #[command(flatten)]
     hardware: HardwareFlags,
 }
 
@@ -47,7 +50,7 @@ impl Reproduce {
         let started = Instant::now();
         granum_nets::trainer::by_name(&self.trainer, &Default::default())?;
         let folder = OutputFolder::open_or_create(&self.out)?;
-        let laboratory = self.hardware.laboratory()?;
+        let laboratory = self.hardware.laboratory(&self.checkpoints)?;
         let runs = runs::all(context, &laboratory, &case(self.quick), folder.path())?;
         let summary = study::all(context, &folder, &runs, self)?;
         let seconds = started.elapsed();

@@ -5,7 +5,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use granum_dem::preparation::Phase;
-use granum_hybrid::laboratory::{Laboratory, LaboratoryError, RunObserver, Shared, Source, Status};
+use granum_hybrid::laboratory::{
+    GRAINS_PER_THREAD, Laboratory, LaboratoryError, RunObserver, Shared, Source, Status,
+};
 use granum_io::{Case, Run, RunFolder, RunRecord, RunStatus};
 
 use crate::context::Context;
@@ -52,6 +54,9 @@ impl RunObserver for Eyes<'_> {
     fn stop(&self) -> bool {
         self.board.context.stopped()
     }
+    fn warn(&mut self, text: &str) {
+        self.board.context.warn(text);
+    }
 }
 
 /// Makes all runs that are not there yet.
@@ -62,7 +67,11 @@ pub fn all(
     folder: &Path,
 ) -> Result<Vec<Done>, Failure> {
     let shared = Arc::new(Shared::default());
-    let laboratory = Laboratory { shared: Some(shared.clone()), ..laboratory.clone() };
+    let laboratory = Laboratory {
+        shared: Some(shared.clone()),
+        grains_per_thread: GRAINS_PER_THREAD,
+        ..laboratory.clone()
+    };
     let jobs: Vec<(Case, PathBuf)> = RUNS
         .iter()
         .map(|&(role, seed)| {
@@ -107,18 +116,18 @@ pub fn all(
     Ok(RUNS.iter().zip(jobs).map(|(&(role, seed), (_, folder))| Done { role, seed, folder }).collect())
 }
 
-/// One run: used again if finished, gone on with if interrupted in its test, else made anew.
+/// One run: used again if finished, gone on with if it was begun, else made anew.
 fn one(laboratory: &Laboratory, case: &Case, path: &Path, eyes: &mut Eyes) -> Result<RunRecord, Failure> {
     if let Ok(record) = Run::at(path).and_then(|run| run.record()) {
         if record.answers(case, &laboratory.version) {
             return Ok(record);
         }
         let same = record.case_digest == case.digest() && record.granum_version == laboratory.version;
-        if same && record.steps.contains_key("shear") {
+        if same {
             let folder = RunFolder::open(path)?;
             match laboratory.resume(&folder, eyes) {
                 // A damaged checkpoint costs time, not the study: the run is made anew.
-                Err(LaboratoryError::Checkpoint { .. }) => {}
+                Err(LaboratoryError::Checkpoint { .. } | LaboratoryError::Unusable { .. }) => {}
                 other => return Ok(other?),
             }
         }

@@ -1,0 +1,258 @@
+//! Runs that are broken off and gone on with, and checkpoints that cannot be used.
+
+use std::cell::Cell;
+use std::fs;
+use std::path::PathBuf;
+
+use granum_io::run::{REFUSED_CHECKPOINT, Run};
+
+use super::tests::{laboratory, small};
+use super::*;
+
+/// Stops after so many looks and keeps what it is warned of.
+struct Stopper {
+    looks: Cell<u32>,
+    warnings: Vec<String>,
+}
+
+impl Stopper {
+    fn after(looks: u32) -> Stopper {
+        Stopper { looks: Cell::new(looks), warnings: Vec::new() }
+    }
+}
+
+impl RunObserver for Stopper {
+    fn status(&mut self, _: &Status) {
+        self.looks.set(self.looks.get().saturating_sub(1));
+    }
+    fn stop(&self) -> bool {
+        self.looks.get() == 0
+    }
+    fn warn(&mut self, text: &str) {
+        self.warnings.push(text.to_string());
+    }
+}
+
+/// A case whose friction is searched in several trials that all miss.
+fn searching() -> Case {
+    let mut case = small();
+    case.grains.count = 80;
+    case.grains.spread = 0.1;
+    case.preparation.initial_solid_fraction = 0.3;
+    case.preparation.friction = None;
+    case.preparation.solid_fraction = Some(0.52);
+    case.preparation.solid_fraction_tolerance = 1e-4;
+    case.preparation.inertial_number = 1e-2;
+    case.preparation.unbalanced_force = 2e-2;
+    case.shear.deviator_strain = 0.01;
+    case
+}
+
+/// Every file of a folder but the lock and the record, which has times in it.
+fn contents(folder: &RunFolder) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut found = Vec::new();
+    for place in [folder.path().to_path_buf(), folder.path().join("snapshots")] {
+        for entry in fs::read_dir(place).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.strip_prefix(folder.path()).unwrap().to_path_buf();
+            let other = [".granum-lock", "run.json", PREVIOUS_CHECKPOINT, REFUSED_CHECKPOINT];
+            if path.is_file() && !other.iter().any(|o| name.as_os_str() == *o) {
+                found.push((name, fs::read(&path).unwrap()));
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+fn assert_same(a: &RunFolder, b: &RunFolder) {
+    let (a, b) = (contents(a), contents(b));
+    let names = |list: &[(PathBuf, Vec<u8>)]| list.iter().map(|(n, _)| n.clone()).collect::<Vec<_>>();
+    assert_eq!(names(&a), names(&b));
+    assert!(names(&a).contains(&CHECKPOINT.into()));
+    for ((name, a), (_, b)) in a.iter().zip(&b) {
+        assert!(a == b, "{}", name.display());
+    }
+}
+
+#[test]
+fn a_run_stopped_again_and_again_ends_in_the_same_bytes() {
+    let base = tempfile::tempdir().unwrap();
+    let (case, lab) = (searching(), laboratory());
+    let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
+    let whole = lab.shear(&case, &Source::Case, &straight, &mut Nobody).unwrap();
+    assert!(whole.measures["preparation_trials"] >= 2.0, "{:?}", whole.measures);
+
+    let broken = RunFolder::create(base.path().join("broken"), false).unwrap();
+    let mut record = lab.shear(&case, &Source::Case, &broken, &mut Stopper::after(2)).unwrap();
+    let (mut stops, mut phases) = (1, std::collections::BTreeSet::new());
+    while record.status == RunStatus::Interrupted {
+        phases.insert(record.phase.clone());
+        record = lab.resume(&broken, &mut Stopper::after(5)).unwrap();
+        stops += 1;
+    }
+    assert!(stops > 10, "{stops}");
+    for phase in ["compaction", "relaxation", "compaction, trial 2", "shear"] {
+        assert!(phases.contains(phase), "{phases:?}");
+    }
+    assert_eq!(record.status, RunStatus::Finished);
+    assert_same(&straight, &broken);
+    assert_eq!((&record.steps, &record.measures), (&whole.steps, &whole.measures));
+    assert_eq!((&record.quality, &record.phase, record.grains), (&whole.quality, &whole.phase, whole.grains));
+}
+
+#[test]
+fn a_packing_is_needed_only_until_the_first_checkpoint() {
+    let base = tempfile::tempdir().unwrap();
+    let (case, lab) = (small(), laboratory());
+    let made = RunFolder::create(base.path().join("made"), false).unwrap();
+    lab.prepare(&case, &Source::Case, &made, &mut Nobody).unwrap();
+    let grains = made.run().snapshot(SAMPLE).unwrap();
+    let edge = grains.cell[0][0];
+    let mut text = format!(
+        "# periodic cell, m: ox=0 oy=0 oz=0 ax={edge} ay=0 az=0 bx=0 by={} bz=0 cx=0 cy=0 cz={}\nid,x,y,z,radius\n",
+        grains.cell[1][1], grains.cell[2][2]
+    );
+    for g in &grains.grains {
+        let [x, y, z] = g.position;
+        text += &format!("{},{x},{y},{z},{}\n", g.id, g.radius);
+    }
+    let file = base.path().join("packing.csv");
+    fs::write(&file, &text).unwrap();
+    let source = Source::Packing(file.clone());
+    let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
+    lab.shear(&case, &source, &straight, &mut Nobody).unwrap();
+
+    let broken = RunFolder::create(base.path().join("broken"), false).unwrap();
+    let record = lab.shear(&case, &source, &broken, &mut Stopper::after(1)).unwrap();
+    assert_eq!((record.status, record.phase.as_str()), (RunStatus::Interrupted, "relaxation"));
+    // Killed before the first checkpoint: the packing is asked for, and it must be the same.
+    let early = RunFolder::create(base.path().join("early"), false).unwrap();
+    lab.shear(&case, &source, &early, &mut Stopper::after(1)).unwrap();
+    for name in [CHECKPOINT, PREVIOUS_CHECKPOINT] {
+        fs::remove_file(early.path().join(name)).unwrap();
+    }
+    fs::write(&file, text.replace("\n1,", "\n001,")).unwrap();
+    let message = lab.resume(&early, &mut Nobody).unwrap_err().to_string();
+    assert!(message.contains("packing.csv: was changed since the run began"), "{message}");
+    fs::remove_file(&file).unwrap();
+    let message = lab.resume(&early, &mut Nobody).unwrap_err().to_string();
+    assert!(message.contains("packing.csv"), "{message}");
+
+    lab.resume(&broken, &mut Nobody).unwrap();
+    assert_same(&straight, &broken);
+}
+
+#[test]
+fn a_run_killed_before_its_first_checkpoint_begins_again() {
+    let base = tempfile::tempdir().unwrap();
+    let (case, lab) = (small(), laboratory());
+    let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
+    lab.prepare(&case, &Source::Case, &straight, &mut Nobody).unwrap();
+    // All that is there after the first file.
+    let killed = RunFolder::create(base.path().join("killed"), false).unwrap();
+    let mut record = RunRecord::new("prepare", "test", &case, Machine::here("portable", 1));
+    record.unwritten_case = Some(case.resolved_toml());
+    killed.write_record(&record).unwrap();
+    let record = lab.resume(&killed, &mut Nobody).unwrap();
+    assert!(record.status == RunStatus::Finished && record.unwritten_case.is_none());
+    assert_same(&straight, &killed);
+    // A case that was changed is another run.
+    killed.write_case(&Case::default()).unwrap();
+    let message = lab.resume(&killed, &mut Nobody).unwrap_err().to_string();
+    assert!(message.contains("case.toml: the case was changed since the run began"), "{message}");
+}
+
+#[test]
+fn the_checkpoint_before_is_used_where_the_last_one_cannot_be() {
+    let base = tempfile::tempdir().unwrap();
+    let (case, lab) = (small(), laboratory());
+    let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
+    lab.shear(&case, &Source::Case, &straight, &mut Nobody).unwrap();
+    type Damage = fn(&mut Vec<u8>);
+    let damages: [(&str, Damage); 4] = [
+        ("truncated", |bytes| bytes.truncate(bytes.len() / 2)),
+        ("damaged", |bytes| {
+            let middle = bytes.len() / 2;
+            bytes[middle] ^= 16;
+        }),
+        ("version 99", |bytes| bytes[8] = 99),
+        ("not a granum checkpoint", |bytes| bytes.clear()),
+    ];
+    for (k, (word, damage)) in damages.into_iter().enumerate() {
+        let folder = RunFolder::create(base.path().join(format!("damaged-{k}")), false).unwrap();
+        lab.shear(&case, &Source::Case, &folder, &mut Stopper::after(30 * (k as u32 + 1))).unwrap();
+        let path = folder.path().join(CHECKPOINT);
+        let mut bytes = fs::read(&path).unwrap();
+        damage(&mut bytes);
+        fs::write(&path, &bytes).unwrap();
+        let mut observer = Stopper::after(3);
+        lab.resume(&folder, &mut observer).unwrap();
+        let text = observer.warnings.join("\n");
+        assert!(text.contains(word) || (k == 3 && text.contains("truncated")), "{text}");
+        assert!(
+            text.contains("goes on from the one before") && text.contains("checkpoint.previous"),
+            "{text}"
+        );
+        assert_eq!(fs::read(folder.path().join(REFUSED_CHECKPOINT)).unwrap(), bytes);
+        let mut observer = Stopper::after(u32::MAX);
+        lab.resume(&folder, &mut observer).unwrap();
+        assert!(observer.warnings.is_empty(), "{:?}", observer.warnings);
+        assert_same(&straight, &folder);
+    }
+}
+
+#[test]
+fn a_missing_checkpoint_falls_back_and_two_bad_ones_are_refused() {
+    let base = tempfile::tempdir().unwrap();
+    let (case, lab) = (small(), Laboratory { checkpoint_every: Duration::ZERO, ..laboratory() });
+    let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
+    lab.prepare(&case, &Source::Case, &straight, &mut Nobody).unwrap();
+    let folder = RunFolder::create(base.path().join("run"), false).unwrap();
+    lab.prepare(&case, &Source::Case, &folder, &mut Stopper::after(20)).unwrap();
+    let (current, previous) = (folder.path().join(CHECKPOINT), folder.path().join(PREVIOUS_CHECKPOINT));
+    fs::remove_file(&current).unwrap();
+    let mut observer = Stopper::after(5);
+    lab.resume(&folder, &mut observer).unwrap();
+    assert!(observer.warnings[0].contains("there is no checkpoint; goes on from the one before"));
+    let good = fs::read(&current).unwrap();
+    fs::write(&current, &good[..100]).unwrap();
+    fs::write(&previous, "x").unwrap();
+    let message = lab.resume(&folder, &mut Nobody).unwrap_err().to_string();
+    for part in ["checkpoint: ", "truncated", "checkpoint.previous: ", "not a granum", "granum shear"] {
+        assert!(message.contains(part), "{part}: {message}");
+    }
+    fs::remove_file(&previous).unwrap();
+    let message = lab.resume(&folder, &mut Nobody).unwrap_err().to_string();
+    assert!(message.contains("there is no checkpoint.previous"), "{message}");
+    fs::write(&current, &good).unwrap();
+    lab.resume(&folder, &mut Nobody).unwrap();
+    assert_same(&straight, &folder);
+
+    // A finished sample whose checkpoint is damaged is made again from the one before; a test names the way.
+    let mut bytes = fs::read(&current).unwrap();
+    bytes[1000] ^= 1;
+    fs::write(&current, bytes).unwrap();
+    let other = RunFolder::create(base.path().join("other"), false).unwrap();
+    let source = Source::Folder(folder.path().to_path_buf());
+    let message = lab.shear(&case, &source, &other, &mut Nobody).unwrap_err().to_string();
+    assert!(message.contains("checksum") && message.contains("granum resume"), "{message}");
+    lab.resume(&folder, &mut Nobody).unwrap();
+    assert_same(&straight, &folder);
+    assert!(Run::at(folder.path()).unwrap().record().unwrap().is_good());
+}
+
+#[test]
+fn an_unfinished_sample_is_not_sheared() {
+    let base = tempfile::tempdir().unwrap();
+    let (case, lab) = (small(), laboratory());
+    let sample = RunFolder::create(base.path().join("sample"), false).unwrap();
+    lab.prepare(&case, &Source::Case, &sample, &mut Stopper::after(3)).unwrap();
+    let run = RunFolder::create(base.path().join("run"), false).unwrap();
+    let source = Source::Folder(sample.path().to_path_buf());
+    let message = lab.shear(&case, &source, &run, &mut Nobody).unwrap_err().to_string();
+    assert!(message.contains("its preparation is not finished; go on with `granum resume"), "{message}");
+    // Once it is mended the run goes on as well.
+    lab.resume(&sample, &mut Nobody).unwrap();
+    assert_eq!(lab.resume(&run, &mut Nobody).unwrap().status, RunStatus::Finished);
+}

@@ -1,0 +1,150 @@
+//! Where a run stands, in memory and in its checkpoint.
+//!
+//! A checkpoint holds what decides how the run goes on and nothing else (no wall times, nothing of the machine), so that two runs
+//! of one case leave the same bytes.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use granum_dem::preparation::{Course, Phase};
+use granum_dem::simulation::Simulation;
+use granum_io::run::{
+    CHECKPOINT, PREVIOUS_CHECKPOINT, QualityFlag, REFUSED_CHECKPOINT, RunFolder, RunRecord,
+};
+use serde::{Deserialize, Serialize};
+
+use super::test::Test;
+use super::{LaboratoryError, RunObserver};
+
+/// A run at one moment.
+pub(super) struct Standing {
+    pub(super) simulation: Simulation,
+    pub(super) stage: Stage,
+    pub(super) found: Found,
+    /// True if it comes from an older checkpoint than the last one written.
+    pub(super) older: bool,
+}
+
+/// Which part of a run is under way, with what that has to remember beside the simulation.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Stage {
+    /// The sample is being made.
+    Preparation(Course),
+    /// It is there.
+    Sample,
+    /// It is being tested.
+    Test(Box<Test>),
+}
+
+/// What a run has found out for its record so far.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Found {
+    pub(super) grains: usize,
+    pub(super) steps: BTreeMap<String, u64>,
+    #[serde(deserialize_with = "granum_io::run::nulls_are_nan")]
+    pub(super) measures: BTreeMap<String, f64>,
+    pub(super) quality: Vec<QualityFlag>,
+}
+
+impl Standing {
+    pub(super) fn new(simulation: Simulation, stage: Stage) -> Standing {
+        let found = Found { grains: simulation.state().grains(), ..Found::default() };
+        Standing { simulation, stage, found, older: false }
+    }
+
+    /// Under what the wall time of the stage is recorded; a sample that stands by takes none.
+    pub(super) fn phase(&self) -> Option<&'static str> {
+        match self.stage {
+            Stage::Preparation(_) => Some("prepare"),
+            Stage::Sample => None,
+            Stage::Test(_) => Some("shear"),
+        }
+    }
+
+    /// Writes the checkpoint.
+    pub(super) fn write(&self, folder: &RunFolder) -> Result<(), LaboratoryError> {
+        let bad = |what: String| LaboratoryError::Checkpoint { path: folder.path().join(CHECKPOINT), what };
+        let text = serde_json::to_string(&(&self.stage, &self.found)).map_err(|e| bad(e.to_string()))?;
+        let bytes = self.simulation.checkpoint(&text).map_err(|e| bad(e.to_string()))?;
+        folder.write_checkpoint(&bytes)?;
+        Ok(())
+    }
+
+    /// Puts into the record what was found so far.
+    pub(super) fn tell(&self, record: &mut RunRecord) {
+        let found = &self.found;
+        record.grains = found.grains;
+        record.steps = found.steps.clone();
+        record.measures = found.measures.clone();
+        record.quality = found.quality.clone();
+        let step = self.simulation.state().step();
+        match &self.stage {
+            Stage::Preparation(course) => {
+                record.steps.insert("prepare".into(), course.steps() + step);
+                record.phase = course.phase().name().to_string();
+                if course.trial() > 1 {
+                    record.phase += &format!(", trial {}", course.trial());
+                }
+            }
+            Stage::Sample => record.phase.clear(),
+            Stage::Test(_) => {
+                record.steps.insert("shear".into(), step);
+                record.phase = Phase::Shear.name().to_string();
+            }
+        }
+    }
+
+    /// Reads a checkpoint; `None` if there is no such file.
+    pub(super) fn read(path: &Path) -> Result<Option<Standing>, LaboratoryError> {
+        let bad = |what: String| LaboratoryError::Checkpoint { path: path.to_path_buf(), what };
+        let bytes = match std::fs::read(path) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(bad(format!("it cannot be read: {error}"))),
+        };
+        let (simulation, text) = Simulation::restore(&bytes).map_err(|e| bad(e.to_string()))?;
+        let (stage, found) = serde_json::from_str(&text)
+            .map_err(|e| bad(format!("what it says beside the simulation is not of a run ({e})")))?;
+        Ok(Some(Standing { simulation, stage, found, older: false }))
+    }
+}
+
+/// The last checkpoint of a folder that can be used; `None` if none was ever written. One that cannot be used is put
+/// aside with a warning.
+pub(super) fn last_good(
+    folder: &RunFolder,
+    observer: &mut dyn RunObserver,
+) -> Result<Option<Standing>, LaboratoryError> {
+    let current = match Standing::read(&folder.path().join(CHECKPOINT)) {
+        Ok(Some(standing)) => return Ok(Some(standing)),
+        Ok(None) => None,
+        Err(error) => Some(error),
+    };
+    let previous = folder.path().join(PREVIOUS_CHECKPOINT);
+    let older = match (Standing::read(&previous), &current) {
+        (Ok(Some(older)), _) => older,
+        (Ok(None), None) => return Ok(None),
+        (Ok(None), Some(why)) => {
+            return Err(no_way_on(folder, format!("{why}; there is no {PREVIOUS_CHECKPOINT}")));
+        }
+        (Err(too), None) => return Err(no_way_on(folder, too.to_string())),
+        (Err(too), Some(why)) => return Err(no_way_on(folder, format!("{why}; {too}"))),
+    };
+    let path = previous.display();
+    match current {
+        // Killed between the two renames; hardly anything is lost.
+        None => observer.warn(&format!("there is no {CHECKPOINT}; goes on from the one before, {path}")),
+        Some(why) => {
+            observer.warn(&format!(
+                "{why}; goes on from the one before, {path}, and keeps the other as {REFUSED_CHECKPOINT}"
+            ));
+            folder.put_checkpoint_aside()?;
+        }
+    }
+    Ok(Some(Standing { older: true, ..older }))
+}
+
+fn no_way_on(folder: &RunFolder, what: String) -> LaboratoryError {
+    LaboratoryError::Unusable { folder: folder.path().to_path_buf(), what }
+}

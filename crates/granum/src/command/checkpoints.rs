@@ -1,0 +1,26 @@
+//! The flag that says how often a run is written down.
+
+use std::time::Duration;
+
+use clap::Args;
+use granum_hybrid::laboratory::CHECKPOINT_EVERY;
+
+use crate::failure::Failure;
+
+/// How often checkpoints are written.
+#[derive(Args, Clone, Debug)]
+pub struct CheckpointFlags {
+    /// Seconds of wall time between two checkpoints (0: as often as can be). Results do not depend on it.
+    #[arg(long, value_name = "SECONDS", default_value_t = CHECKPOINT_EVERY.as_secs_f64(), allow_negative_numbers = true)]
+    checkpoint_every: f64,
+}
+
+impl CheckpointFlags {
+    pub fn every(&self) -> Result<Duration, Failure> {
+        let seconds = self.checkpoint_every;
+        if !(0.0..=1e6).contains(&seconds) {
+            return Err(Failure::new(format!("--checkpoint-every {seconds}: from 0 to 1e6 seconds")));
+        }
+        Ok(Duration::from_secs_f64(seconds))
+    }
+}
