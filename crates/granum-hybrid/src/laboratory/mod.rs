@@ -314,9 +314,14 @@ impl Laboratory {
             let started = Instant::now();
             let phase = standing.phase();
             let stretch = match &standing.stage {
-                Stage::Preparation(_) => self.prepare_on(case, &mut standing, folder, observer)?,
-                Stage::Sample if record.kind == "prepare" => return Ok(()),
-                Stage::Sample => self.begin_test(case, &mut standing)?,
+                Stage::Preparation(_) => self.prepare_on(case, &mut standing, observer)?,
+                Stage::Sample => {
+                    folder.write_snapshot(SAMPLE, &standing.simulation.assembly())?;
+                    if record.kind == "prepare" {
+                        return Ok(());
+                    }
+                    self.begin_test(case, &mut standing)?
+                }
                 Stage::Test(_) => self.test_on(&mut standing, observer)?,
             };
             if let Some(phase) = phase {

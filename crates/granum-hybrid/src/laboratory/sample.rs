@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use granum_dem::cell::Cell;
 use granum_dem::preparation::{Flow, Outcome, Preparing, Progress, Recipe, Sample};
 use granum_dem::simulation::{Properties, Simulation, Site};
-use granum_io::run::{Run, RunFolder, RunRecord, RunSource};
+use granum_io::run::{Run, RunRecord, RunSource};
 use granum_io::{Case, Packing, run};
 
 use super::standing::{Found, Stage, Standing};
 use super::{
-    CHECKPOINT, Interval, Laboratory, LaboratoryError, PREVIOUS_CHECKPOINT, RunObserver, SAMPLE, Speedometer,
-    Status, Stretch,
+    CHECKPOINT, Interval, Laboratory, LaboratoryError, PREVIOUS_CHECKPOINT, RunObserver, Speedometer, Status,
+    Stretch,
 };
 
 /// Where a sample comes from.
@@ -94,7 +94,6 @@ impl Laboratory {
         &self,
         case: &Case,
         standing: &mut Standing,
-        folder: &RunFolder,
         observer: &mut dyn RunObserver,
     ) -> Result<Stretch, LaboratoryError> {
         let Stage::Preparation(course) = &standing.stage else { return Ok(Stretch::GoOn) };
@@ -127,7 +126,6 @@ impl Laboratory {
                 standing.simulation = sample.simulation;
                 standing.stage = Stage::Sample;
                 measure_sample(&standing.simulation, &mut standing.found);
-                folder.write_snapshot(SAMPLE, &standing.simulation.assembly())?;
                 Ok(Stretch::GoOn)
             }
         }
