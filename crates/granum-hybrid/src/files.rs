@@ -4,8 +4,10 @@
 //! trained on what, and each network is a model file of its own, `F1-1.json` to `F6-3.json` and
 //! `F1-strain-only-1.json` to `F6-strain-only-3.json`.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
+use std::time::Duration;
 
 use granum_io::atomic::write_atomically;
 use granum_io::{Column, Error, RunFolder, Table};
@@ -14,6 +16,7 @@ use granum_sensors::{NamedColumn, Record, Series};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{HybridError, Result};
+use crate::keeping::{Keeper, TIMES_FILE};
 use crate::mapping::{Form, Mapping};
 use crate::study::{Study, TrainedMapping, network_name};
 use crate::surrogate::Surrogate;
@@ -82,7 +85,10 @@ struct StudyFile {
 #[serde(deny_unknown_fields)]
 struct MappingFile {
     mapping: Mapping,
+    /// In files of earlier versions; now in a file of their own, so that this one has the same bytes again.
+    #[serde(default, skip_serializing)]
     training_seconds: Vec<f64>,
+    #[serde(default, skip_serializing)]
     strain_only_training_seconds: Vec<f64>,
 }
 
@@ -120,12 +126,27 @@ pub fn save_study(folder: &Path, study: &Study) -> Result<()> {
             .iter()
             .map(|trained| MappingFile {
                 mapping: trained.surrogate.mapping().clone(),
-                training_seconds: trained.seconds.clone(),
-                strain_only_training_seconds: trained.strain_only_seconds.clone(),
+                training_seconds: Vec::new(),
+                strain_only_training_seconds: Vec::new(),
             })
             .collect(),
     };
+    write_json(&folder.join(TIMES_FILE), &seconds_of(study))?;
     write_json(&folder.join(STUDY_FILE), &file)
+}
+
+/// Seconds of every network by name.
+fn seconds_of(study: &Study) -> BTreeMap<String, f64> {
+    let mut all = BTreeMap::new();
+    for trained in &study.mappings {
+        let mapping = trained.surrogate.mapping();
+        for (strain_only, seconds) in [(false, &trained.seconds), (true, &trained.strain_only_seconds)] {
+            for (k, seconds) in seconds.iter().enumerate() {
+                all.insert(network_name(mapping, strain_only, k), *seconds);
+            }
+        }
+    }
+    all
 }
 
 /// Writes a value as JSON that a person can read.
@@ -177,7 +198,7 @@ pub fn load_study(folder: &Path) -> Result<Study> {
             strain_only_seconds: padded(&entry.strain_only_training_seconds, entry.mapping.sub_models.len()),
         });
     }
-    Ok(Study {
+    let mut study = Study {
         form: file.form,
         trainer: file.trainer,
         seed: file.seed,
@@ -185,7 +206,9 @@ pub fn load_study(folder: &Path) -> Result<Study> {
         forces: file.forces,
         bin_width: file.bin_width,
         mappings,
-    })
+    };
+    Keeper::new(folder, Duration::MAX).tell_seconds(&mut study);
+    Ok(study)
 }
 
 /// Seconds for every sub-model, 0 where the file has none.

@@ -15,6 +15,7 @@ pub mod dataset;
 mod error;
 pub mod figures;
 pub mod files;
+pub mod keeping;
 pub mod laboratory;
 pub mod mapping;
 mod pool;

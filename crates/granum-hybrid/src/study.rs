@@ -1,6 +1,6 @@
 //! Trains every sub-model of every mapping, with a twin of the same size that sees strain only, and scores them.
 
-use granum_nets::trainer::{self, Control, Options};
+use granum_nets::trainer::{self, Control, Options, TrainerState};
 use granum_nets::{Column, Data, Model, Recipe};
 use serde::Serialize;
 
@@ -75,8 +75,15 @@ pub struct StudyProgress<'a> {
 pub trait StudyObserver: Sync {
     /// Called after every epoch of every network.
     fn progress(&self, _progress: &StudyProgress) {}
-    /// Called when a network is trained or was found finished.
-    fn trained(&self, _network: &str, _model: &Model) {}
+    /// Called when a network is trained, with the seconds that took, or was found finished (0).
+    fn trained(&self, _network: &str, _model: &Model, _seconds: f64) {}
+    /// Called after every epoch with what is needed to go on from here, for a training that is told by `key`. `last` is
+    /// true if the training ends here because [`StudyObserver::stop`] asks for it.
+    fn under_way(&self, _network: &str, _key: &str, _last: bool, _state: &dyn Fn() -> TrainerState) {}
+    /// The state of an unfinished training that is told by `key`, to go on from.
+    fn state(&self, _network: &str, _key: &str) -> Option<TrainerState> {
+        None
+    }
     /// A network of an earlier, unfinished study. It is used if it was trained on the same rows with the same size,
     /// seed, trainer and epochs, and else trained again.
     fn finished(&self, _network: &str) -> Option<Model> {
@@ -263,7 +270,7 @@ pub(crate) fn train_all(
         let (model, seconds) =
             train_one(dataset, &states, &jobs[k], options, observer)?.ok_or_else(stopped)?;
         done.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-        observer.trained(&jobs[k].name, &model);
+        observer.trained(&jobs[k].name, &model, seconds);
         Ok((model, seconds))
     })
 }
@@ -318,16 +325,27 @@ fn train_one(
     if let Some(model) = found.filter(|model| is_the_same(model, &recipe, &data, &options.trainer, epochs)) {
         return Ok(Some((model, 0.0)));
     }
+    let layers = recipe.layers();
+    let version = env!("CARGO_PKG_VERSION");
+    let key = format!(
+        "granum {version} {} seed {} epochs {epochs:?} layers {layers:?} rows {}",
+        options.trainer,
+        job.seed,
+        data.hash()
+    );
     let mut stopped = false;
     let mut listen = |progress: &trainer::Progress| {
         let (epoch, epochs, error) = (progress.epoch, progress.epochs, progress.error);
         observer.progress(&StudyProgress { network: &job.name, epoch, epochs, error });
         stopped = observer.stop();
+        observer.under_way(&job.name, &key, stopped, &|| progress.state());
         if stopped { Control::Stop } else { Control::Continue }
     };
-    let (model, report) = Model::fit(&recipe, &data, trainer.as_ref(), &mut listen)
+    let state = observer.state(&job.name, &key);
+    let (model, report) = Model::resume(&recipe, &data, trainer.as_ref(), state, &mut listen)
         .map_err(|error| failed(error.to_string()))?;
-    Ok((!stopped).then_some((model, report.seconds)))
+    // A network that took no time at all is told apart from one that was found.
+    Ok((!stopped).then_some((model, report.seconds.max(1e-9))))
 }
 
 /// True if a model is what training by the recipe would give.

@@ -125,7 +125,7 @@ impl StudyObserver for Keeper {
         assert!(progress.epoch <= progress.epochs && progress.error.is_finite());
         self.heard.fetch_add(1, Ordering::Relaxed);
     }
-    fn trained(&self, network: &str, model: &Model) {
+    fn trained(&self, network: &str, model: &Model, _: f64) {
         self.models.lock().unwrap().push((network.to_owned(), model.clone()));
     }
     fn finished(&self, network: &str) -> Option<Model> {

@@ -7,6 +7,7 @@ use crate::failure::{Failure, Interrupted};
 use crate::progress::Progress;
 
 /// The options that hold everywhere, and the wish of the user to stop.
+#[derive(Clone)]
 pub struct Context {
     /// Results and errors as JSON.
     pub json: bool,
@@ -20,6 +21,11 @@ pub struct Context {
 impl Context {
     pub fn new(json: bool, force: bool, verbose: bool, stop: Arc<AtomicBool>) -> Self {
         Context { json, force, verbose, stop }
+    }
+
+    /// The same without leave to replace anything.
+    pub fn without_force(&self) -> Context {
+        Context { force: false, ..self.clone() }
     }
 
     /// True once Ctrl-C or SIGTERM came: finish in good order and soon.

@@ -15,7 +15,7 @@ use crate::progress::Progress;
 pub struct HardwareFlags {
     /// Threads that share the work of a step; all processors by default. Results do not depend on it.
     #[arg(long, value_name = "N")]
-    threads: Option<usize>,
+    pub threads: Option<usize>,
     /// Instruction set: portable, avx2 or avx512; the widest by default. Results do not depend on it.
     #[arg(long, value_name = "NAME")]
     isa: Option<String>,

@@ -3,19 +3,22 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use granum_hybrid::files::{STUDY_FILE, network_file, save_study};
+use granum_hybrid::files::{STUDY_FILE, save_study};
+use granum_hybrid::keeping::{Keeper, PLAN_FILE, Plan};
 use granum_hybrid::mapping::{PAPER_STRAIN, paper_mappings_to};
-use granum_hybrid::study::network_name;
 use granum_hybrid::summary::MappingSummary;
 use granum_hybrid::{
-    Dataset, DatasetOptions, Form, HybridError, Mapping, Study, StudyObserver, StudyOptions, StudyProgress,
+    Dataset, DatasetOptions, Form, HybridError, Study, StudyObserver, StudyOptions, StudyProgress,
 };
 use granum_io::OutputFolder;
 use granum_nets::Model;
+use granum_nets::trainer::TrainerState;
 use serde_json::json;
 
+use super::checkpoints::CheckpointFlags;
 use super::records;
 use super::scores;
 use crate::context::Context;
@@ -60,36 +63,72 @@ pub struct Train {
     /// Threads, a network each; all processors by default. Results do not depend on it.
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
+    #[command(flatten)]
+    checkpoints: CheckpointFlags,
 }
 
 /// [`Form`] as a flag.
-#[derive(Clone, Copy, Debug, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 enum FormName {
     Point,
     Histogram,
 }
 
 /// Shows training, keeps networks as they come, and passes on the wish to stop.
-struct Keeper<'a> {
+pub(super) struct Show<'a> {
     context: &'a Context,
-    folder: &'a Path,
+    pub keeper: Keeper,
     progress: Mutex<Progress>,
 }
 
-impl StudyObserver for Keeper<'_> {
+impl<'a> Show<'a> {
+    /// Keeps networks in a folder that is there.
+    pub fn new(context: &'a Context, phase: &str, folder: &Path, every: Duration) -> Show<'a> {
+        let mut progress = context.progress();
+        progress.phase(phase);
+        Show { context, keeper: Keeper::new(folder, every), progress: Mutex::new(progress) }
+    }
+
+    /// Ends the phase with a line that stays.
+    pub fn end(self, text: impl FnOnce() -> String) {
+        self.progress.into_inner().unwrap_or_else(PoisonError::into_inner).end(text);
+    }
+
+    /// Why a training ended before its time: a file that could not be written, the user, or an error of its own.
+    pub fn failure(&self, error: HybridError, folder: &Path) -> Failure {
+        match (self.keeper.take_failure(), error) {
+            (Some(failure), _) => failure.into(),
+            (None, HybridError::Stopped { done, total }) => {
+                let left = format!(
+                    "{done} of {total} networks are in {}; the same command goes on from there",
+                    folder.display()
+                );
+                Interrupted { left }.into()
+            }
+            (None, other) => other.into(),
+        }
+    }
+}
+
+impl StudyObserver for Show<'_> {
     fn progress(&self, p: &StudyProgress) {
         let mut progress = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
         progress.update(None, || format!("{} epoch {} error {:.2e}", p.network, p.epoch, p.error));
     }
-    fn trained(&self, network: &str, model: &Model) {
-        // A disk that is full is told when the whole study is written; until then only time is at stake.
-        let _ = model.save(&self.folder.join(network_file(network)));
+    fn trained(&self, network: &str, model: &Model, seconds: f64) {
+        self.keeper.trained(network, model, seconds);
     }
     fn finished(&self, network: &str) -> Option<Model> {
-        Model::load(&self.folder.join(network_file(network))).ok()
+        self.keeper.finished(network)
+    }
+    fn under_way(&self, network: &str, key: &str, last: bool, state: &dyn Fn() -> TrainerState) {
+        self.keeper.under_way(network, key, last, state);
+    }
+    fn state(&self, network: &str, key: &str) -> Option<TrainerState> {
+        self.keeper.state(network, key)
     }
     fn stop(&self) -> bool {
-        self.context.stopped()
+        self.context.stopped() || self.keeper.failed()
     }
 }
 
@@ -108,7 +147,8 @@ impl Train {
         }
         let dataset =
             Dataset::new(&records::named(&training), &records::named(&unseen), &DatasetOptions::default())?;
-        let folder = self.folder(context, &options.mappings)?;
+        let plan = Plan::new(&self.runs, &self.unseen, dataset.hash()?, &options)?;
+        let folder = self.folder(context, &plan)?;
         let study = self.train(context, &folder, &dataset, &options)?;
         save_study(folder.path(), &study)?;
         self.tell(context, &study, &dataset)
@@ -143,23 +183,49 @@ impl Train {
         })
     }
 
-    /// The folder: new, that of an unfinished training to go on with, or with `--force` any study's.
-    fn folder(&self, context: &Context, mappings: &[Mapping]) -> Result<OutputFolder, Failure> {
-        let names: Vec<String> = mappings
-            .iter()
-            .flat_map(|mapping| {
-                (0..mapping.sub_models.len())
-                    .flat_map(|k| [false, true].map(|twin| network_file(&network_name(mapping, twin, k))))
-            })
-            .collect();
-        let unfinished =
-            !self.out.join(STUDY_FILE).exists() && names.iter().any(|name| self.out.join(name).is_file());
+    /// The same training again, as its folder says.
+    pub fn resumed(
+        out: &Path,
+        threads: Option<usize>,
+        checkpoints: CheckpointFlags,
+    ) -> Result<Train, Failure> {
+        let plan = Plan::read(out)?;
+        let form = match plan.form {
+            Form::Point => FormName::Point,
+            Form::Histogram => FormName::Histogram,
+        };
+        let epoch_factor = (plan.trainer == PAPER_TRAINER).then_some(plan.epoch_factor);
+        let (runs, unseen, trainer, seed) = (plan.runs, plan.unseen, plan.trainer, plan.seed);
+        let out = out.to_path_buf();
+        Ok(Train { runs, out, unseen, trainer, form, seed, epoch_factor, threads, checkpoints })
+    }
+
+    /// True if the folder holds a training, finished or not.
+    pub fn is_in(folder: &Path) -> bool {
+        folder.join(PLAN_FILE).is_file()
+    }
+
+    /// The folder: new, that of an unfinished training to go on with, or with `--force` any study's. It says first what
+    /// the training is of.
+    fn folder(&self, context: &Context, plan: &Plan) -> Result<OutputFolder, Failure> {
+        let unfinished = Train::is_in(&self.out) && !self.out.join(STUDY_FILE).exists();
         if unfinished && !context.force {
-            return Ok(OutputFolder::open(&self.out)?);
+            let folder = OutputFolder::open(&self.out)?;
+            let differences = Plan::read(&self.out)?.differences(plan);
+            if !differences.is_empty() {
+                return Err(Failure::new(format!(
+                    "{}: holds an unfinished training that differs in {}; go on with that one (`granum resume {0}`), choose \
+                     another --out, or give --force to replace it",
+                    self.out.display(),
+                    differences.join(", ")
+                )));
+            }
+            return Ok(folder);
         }
         let folder = OutputFolder::create(&self.out, context.force)?;
-        let names: Vec<&str> = names.iter().map(String::as_str).chain([STUDY_FILE]).collect();
-        folder.clear(&names)?;
+        let names = plan.files();
+        folder.clear(&names.iter().map(String::as_str).collect::<Vec<_>>())?;
+        plan.write(folder.path())?;
         Ok(folder)
     }
 
@@ -170,22 +236,12 @@ impl Train {
         dataset: &Dataset,
         options: &StudyOptions,
     ) -> Result<Study, Failure> {
-        let mut progress = context.progress();
-        progress.phase("networks");
-        let keeper = Keeper { context, folder: folder.path(), progress: Mutex::new(progress) };
-        let study = Study::train(dataset, options, &keeper).map_err(|error| match error {
-            HybridError::Stopped { done, total } => Interrupted {
-                left: format!(
-                    "{done} of {total} networks are in {}; the same command goes on from there",
-                    folder.path().display()
-                ),
-            }
-            .into(),
-            other => Failure::from(other),
-        })?;
+        let show = Show::new(context, "networks", folder.path(), self.checkpoints.every()?);
+        let mut study =
+            Study::train(dataset, options, &show).map_err(|error| show.failure(error, folder.path()))?;
+        show.keeper.tell_seconds(&mut study);
         let networks: usize = study.mappings.iter().map(|m| m.surrogate.networks().len()).sum();
-        let mut progress = keeper.progress.into_inner().unwrap_or_else(PoisonError::into_inner);
-        progress.end(|| format!("{networks} networks and as many that see strain only"));
+        show.end(|| format!("{networks} networks and as many that see strain only"));
         Ok(study)
     }
 

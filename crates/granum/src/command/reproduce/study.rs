@@ -1,49 +1,25 @@
 //! The networks of a reproduction: trained, judged, written down.
 
-use std::sync::{Mutex, PoisonError};
-
 use granum::report::{Role, RunReport, StudyReport, study_report};
 use granum_hybrid::figures::figures;
 use granum_hybrid::files::{save_study, write_json};
 use granum_hybrid::summary::{DemSummary, MappingSummary, RunSummary};
 use granum_hybrid::{
-    Dataset, DatasetOptions, NamedRecord, SizeStudy, SizeStudyOptions, Study, StudyObserver, StudyOptions,
-    StudyProgress, Summary, reading, speed,
+    Dataset, DatasetOptions, NamedRecord, SizeStudy, SizeStudyOptions, Study, StudyOptions, Summary, reading,
+    speed,
 };
 use granum_io::{OutputFolder, Run};
 
 use super::Reproduce;
 use super::runs::Done;
+use crate::command::train::Show;
 use crate::context::Context;
 use crate::failure::Failure;
-use crate::progress::Progress;
 
+/// Folder of the networks of the study of sizes while that is under way.
+const SIZES: &str = "sizes";
 /// Times the networks' answer so often.
 const REPETITIONS: usize = 50;
-
-/// Shows training, and passes on the wish to stop.
-struct Show<'a> {
-    context: &'a Context,
-    progress: Mutex<Progress>,
-}
-
-impl<'a> Show<'a> {
-    fn new(context: &'a Context, phase: &str) -> Self {
-        let mut progress = context.progress();
-        progress.phase(phase);
-        Show { context, progress: Mutex::new(progress) }
-    }
-}
-
-impl StudyObserver for Show<'_> {
-    fn progress(&self, p: &StudyProgress) {
-        let mut progress = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
-        progress.update(None, || format!("{} epoch {} error {:.2e}", p.network, p.epoch, p.error));
-    }
-    fn stop(&self) -> bool {
-        self.context.stopped()
-    }
-}
 
 /// Trains, judges, writes models, figures, report and summary.
 pub fn all(
@@ -69,15 +45,22 @@ pub fn all(
     let threads = arguments.hardware.hardware()?.threads;
     let options = StudyOptions { trainer: arguments.trainer.clone(), threads, ..StudyOptions::default() };
 
-    let show = Show::new(context, "networks");
-    let study = Study::train(&dataset, &options, &show)?;
+    let every = arguments.checkpoints.every()?;
+    let models = folder.subfolder("models")?;
+    for inside in ["models", "figures", SIZES] {
+        folder.remove_unfinished_inside(inside)?;
+    }
+    let show = Show::new(context, "networks", &models, every);
+    let mut study =
+        Study::train(&dataset, &options, &show).map_err(|error| show.failure(error, folder.path()))?;
+    show.keeper.tell_seconds(&mut study);
     let networks: usize = study.mappings.iter().map(|m| m.surrogate.networks().len()).sum();
-    let mut progress = show.progress.into_inner().unwrap_or_else(PoisonError::into_inner);
-    progress.end(|| format!("{networks} networks and as many that see strain only"));
-    drop(progress);
-    save_study(&folder.subfolder("models")?, &study)?;
+    show.end(|| format!("{networks} networks and as many that see strain only"));
+    save_study(&models, &study)?;
 
-    let show = Show::new(context, "sizes");
+    // Only needed until the summary holds what came of them.
+    let sizes_folder = folder.subfolder(SIZES)?;
+    let show = Show::new(context, "sizes", &sizes_folder, every);
     // Sizes are compared with the default trainer: the paper's would take an hour and end in the same place.
     let sizes = SizeStudyOptions {
         study: StudyOptions { threads, ..StudyOptions::default() },
@@ -85,10 +68,9 @@ pub fn all(
         seeds: if arguments.quick { 3 } else { SizeStudyOptions::default().seeds },
         ..SizeStudyOptions::default()
     };
-    let size_study = SizeStudy::run(&dataset, &sizes, &show)?;
-    let mut progress = show.progress.into_inner().unwrap_or_else(PoisonError::into_inner);
-    progress.end(|| format!("F1 and F3 at {} sizes from {} seeds", sizes.neurons.len(), sizes.seeds));
-    drop(progress);
+    let size_study =
+        SizeStudy::run(&dataset, &sizes, &show).map_err(|error| show.failure(error, folder.path()))?;
+    show.end(|| format!("F1 and F3 at {} sizes from {} seeds", sizes.neurons.len(), sizes.seeds));
 
     let judged = dataset.unseen_runs.first().or(dataset.training_runs.first());
     let dem_seconds =
@@ -117,6 +99,7 @@ pub fn all(
     };
     study_report(&report).write(folder.path())?;
     write_json(&folder.file("summary.json"), &report.summary)?;
+    folder.clear_inside(SIZES, &[".json", ".unfinished", ".part"])?;
     Ok(report.summary)
 }
 

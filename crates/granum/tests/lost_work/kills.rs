@@ -1,0 +1,172 @@
+//! SIGKILL at random moments of preparation, test and training.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use granum_dem::simulation::Simulation;
+use granum_io::{Case, Run};
+
+use crate::common::{run, stdout};
+use crate::{CASE, assert_same, done, files};
+
+/// Numbers that look random and are the same every time (Lehmer's generator).
+struct Random(u64);
+
+impl Random {
+    fn milliseconds(&mut self, most: u64) -> Duration {
+        self.0 = self.0 * 48271 % 2_147_483_647;
+        Duration::from_millis(1 + self.0 % most)
+    }
+}
+
+fn spawn(here: &Path, arguments: &[&str]) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_granum"))
+        .args(arguments)
+        .current_dir(here)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+/// Starts the program and kills it after a while; false if it had come to its end.
+fn killed(here: &Path, arguments: &[&str], after: Duration) -> bool {
+    let mut child = spawn(here, arguments);
+    std::thread::sleep(after);
+    let _ = child.kill();
+    let output = child.wait_with_output().unwrap();
+    let ended = output.status.code().is_some();
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(!ended || output.status.success(), "granum {}: {told}", arguments.join(" "));
+    !ended
+}
+
+/// Every file that is in its place can be read as what it is.
+fn check_readable(folder: &Path) {
+    for path in files(folder) {
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        let text = || std::fs::read_to_string(&path).unwrap();
+        match name.as_str() {
+            ".granum-lock" => {}
+            // Still being written when the kill came; removed or replaced by the next process.
+            _ if name.ends_with(".granum-unfinished") || name.ends_with(".part") => {}
+            "case.toml" => drop(Case::read(&path).unwrap()),
+            "checkpoint" | "checkpoint.previous" => {
+                drop(Simulation::restore(&std::fs::read(&path).unwrap()).unwrap());
+            }
+            _ if name.ends_with(".json") => drop(crate::common::json(&text())),
+            _ if name.ends_with(".parquet") => drop(granum_io::parquet::read(&path, None).unwrap()),
+            // Checksum and content of a network under way.
+            _ if name.ends_with(".unfinished") => {
+                let text = text();
+                let (sum, rest) = text.split_once('\n').unwrap();
+                assert!(sum.len() == 8 && rest.ends_with('\n'), "{name}");
+                crate::common::json(rest);
+            }
+            _ => panic!("what is {}?", path.display()),
+        }
+    }
+}
+
+fn kill_tests_of_grains(here: &Path, random: &mut Random) -> BTreeMap<String, usize> {
+    std::fs::write(here.join("case.toml"), CASE).unwrap();
+    done(here, &["shear", "case.toml", "--out", "straight"]);
+    let mut kills: BTreeMap<String, usize> = BTreeMap::new();
+    const PHASES: [&str; 3] = ["compaction", "relaxation", "shear"];
+    for round in 0.. {
+        if kills.values().sum::<usize>() >= 40 && PHASES.iter().all(|phase| kills.contains_key(*phase)) {
+            break;
+        }
+        assert!(round < 40, "{kills:?}");
+        let name = format!("killed-{round}");
+        let folder = here.join(&name);
+        loop {
+            let begun = folder.join("run.json").is_file();
+            let often = ["--checkpoint-every", "0.02"];
+            let arguments = if begun {
+                [&["resume", &name][..], &often].concat()
+            } else {
+                [&["shear", "case.toml", "--out", &name][..], &often].concat()
+            };
+            if !killed(here, &arguments, random.milliseconds(250)) {
+                break;
+            }
+            let mut phase = "nothing".to_string();
+            if folder.is_dir() {
+                check_readable(&folder);
+                if folder.join("run.json").is_file() {
+                    let record = Run::at(&folder).unwrap().record().unwrap();
+                    // One word for every trial.
+                    phase = record.phase.split(',').next().unwrap().to_string();
+                }
+            }
+            *kills.entry(phase).or_default() += 1;
+        }
+        assert!(assert_same(&here.join("straight"), &folder) >= 10);
+        let digests = run(here, &["digest", "straight", &name]);
+        let told = stdout(&digests);
+        let digests: Vec<&str> = told.lines().map(|line| line.split(' ').next().unwrap()).collect();
+        assert!(digests.len() == 2 && digests[0] == digests[1], "{told}");
+    }
+    kills
+}
+
+fn kill_training(here: &Path, random: &mut Random) -> usize {
+    let case = CASE
+        .replace("deviator_strain = 0.05", "deviator_strain = 0.3")
+        .replace("inertial_number = 3e-3", "inertial_number = 1e-2")
+        .replace("solid_fraction = 0.52", "friction = 0.1\nsolid_fraction = \"none\"")
+        .replace("states = 8", "states = 40");
+    std::fs::write(here.join("long.toml"), case).unwrap();
+    done(here, &["shear", "long.toml", "--out", "run"]);
+    let train = |out: &str, threads: &str| {
+        format!(
+            "train run --out {out} --trainer traingdx --epoch-factor 2e-3 --threads {threads} --checkpoint-every 0.02"
+        )
+    };
+    done(here, &train("study", "1").split(' ').collect::<Vec<_>>());
+    let mut kills = 0;
+    for round in 0.. {
+        if kills >= 12 {
+            break;
+        }
+        assert!(round < 40, "{kills}");
+        let name = format!("killed-study-{round}");
+        let folder = here.join(&name);
+        loop {
+            let begun = folder.join("training.json").is_file();
+            // Both ways to go on.
+            let line = if begun && kills % 2 == 1 {
+                format!("resume {name} --threads 2 --checkpoint-every 0.02")
+            } else {
+                train(&name, "2")
+            };
+            if !killed(here, &line.split(' ').collect::<Vec<_>>(), random.milliseconds(200)) {
+                break;
+            }
+            kills += 1;
+            if folder.is_dir() {
+                check_readable(&folder);
+            }
+        }
+        // 36 networks, the study and its plan.
+        assert_eq!(assert_same(&here.join("study"), &folder), 38);
+    }
+    kills
+}
+
+#[test]
+fn killed_again_and_again_everything_ends_in_the_same_bytes() {
+    let base = tempfile::tempdir().unwrap();
+    let mut random = Random(20_061_121);
+    let grains = kill_tests_of_grains(base.path(), &mut random);
+    let training = kill_training(base.path(), &mut random);
+    let total = grains.values().sum::<usize>() + training;
+    println!("{total} kills: {training} in training, {grains:?}");
+    for phase in ["compaction", "relaxation", "shear"] {
+        assert!(grains.contains_key(phase), "{grains:?}");
+    }
+    assert!(training >= 12 && total >= 50, "{training} {grains:?}");
+}

@@ -1,0 +1,72 @@
+//! Nothing is lost and no bit changes, whatever ends the program: kills, signals, a full disk, a second process.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod disk;
+mod kills;
+mod same_bits;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use common::{run, stderr};
+
+/// A case that searches its friction in several trials and shears, in a second or two.
+pub const CASE: &str = r#"
+[grains]
+count = 120
+spread = 0.1
+[preparation]
+initial_solid_fraction = 0.3
+solid_fraction = 0.52
+solid_fraction_tolerance = 1e-4
+inertial_number = 1e-2
+unbalanced_force = 2e-2
+[shear]
+deviator_strain = 0.05
+inertial_number = 3e-3
+[recording]
+states = 8
+looks = 3
+"#;
+
+/// Runs granum, which must succeed.
+pub fn done(folder: &Path, arguments: &[&str]) {
+    let output = run(folder, arguments);
+    assert!(output.status.success(), "granum {}: {}", arguments.join(" "), stderr(&output));
+}
+
+/// Every file under a folder by its name, but for those that hold times or the past.
+pub fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    const OTHER: [&str; 5] =
+        [".granum-lock", "run.json", "seconds.json", "checkpoint.previous", "checkpoint.refused"];
+    files(folder)
+        .into_iter()
+        .filter(|file| !OTHER.iter().any(|name| file.file_name().is_some_and(|n| n == *name)))
+        .map(|file| {
+            let bytes = std::fs::read(&file).unwrap();
+            (file.strip_prefix(folder).unwrap().to_path_buf(), bytes)
+        })
+        .collect()
+}
+
+/// Every file under a folder.
+pub fn files(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() { found.extend(files(&path)) } else { found.push(path) }
+    }
+    found
+}
+
+/// Two folders hold the same files with the same bytes; gives how many.
+pub fn assert_same(a: &Path, b: &Path) -> usize {
+    let (one, two) = (contents(a), contents(b));
+    let names = |all: &BTreeMap<PathBuf, Vec<u8>>| all.keys().cloned().collect::<Vec<_>>();
+    assert_eq!(names(&one), names(&two), "{} {}", a.display(), b.display());
+    for (name, bytes) in &one {
+        assert!(bytes == &two[name], "{} of {} and {}", name.display(), a.display(), b.display());
+    }
+    one.len()
+}

@@ -1,0 +1,43 @@
+//! One case, one result: threads, instruction set, way to the sample, recording, interval of checkpoints.
+
+use std::fs;
+
+use granum_dem::Isa;
+
+use crate::{CASE, assert_same, done};
+
+#[test]
+fn any_threads_instruction_set_and_interval_leave_the_same_bytes() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    // Enough grains for several pieces of work a step.
+    let case = CASE
+        .replace("count = 120", "count = 200")
+        .replace("solid_fraction = 0.52", "friction = 0.1\nsolid_fraction = \"none\"")
+        .replace("deviator_strain = 0.05", "deviator_strain = 0.002");
+    fs::write(here.join("case.toml"), &case).unwrap();
+    done(here, &["shear", "case.toml", "--out", "reference", "--isa", "portable", "--threads", "1"]);
+    let shear = |name: &str, more: &[&str]| {
+        done(here, &[&["shear", "case.toml", "--out", name][..], more].concat());
+        assert!(assert_same(&here.join("reference"), &here.join(name)) >= 10);
+    };
+    for isa in Isa::ALL.into_iter().filter(|isa| isa.available() && *isa != Isa::Portable) {
+        shear(isa.name(), &["--isa", isa.name()]);
+    }
+    shear("often", &["--checkpoint-every", "0"]);
+    shear("two-threads", &["--threads", "2"]);
+    // Four threads wait for each other a lot where there are fewer processors; the shorter half has to do.
+    done(here, &["prepare", "case.toml", "--out", "sample"]);
+    shear("from-sample", &["--sample", "sample", "--threads", "4"]);
+
+    // Other recordings see other series of the very same grains.
+    let more = case.replace("states = 8", "states = 50").replace("looks = 3", "looks = 10");
+    fs::write(here.join("case.toml"), more).unwrap();
+    done(here, &["shear", "case.toml", "--out", "recorded"]);
+    let bytes = |run: &str, name: &str| fs::read(here.join(run).join(name)).unwrap();
+    assert!(bytes("reference", "series.parquet") != bytes("recorded", "series.parquet"));
+    for name in ["end.json", "end.grains.parquet", "end.contacts.parquet", "start.contacts.parquet"] {
+        let name = format!("snapshots/{name}");
+        assert!(bytes("reference", &name) == bytes("recorded", &name), "{name}");
+    }
+}
