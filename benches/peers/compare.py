@@ -1,0 +1,116 @@
+#!/usr/bin/env python3
+"""granum against the DEM programs and JAX of this machine, by turns on one core; prints ratios.
+
+    cargo build --release
+    python benches/peers/compare.py            # what is there of lmp, yade and JAX
+    python benches/peers/compare.py --rounds 5 --core 1
+
+Installs nothing. `lmp` and `yade` are looked for on the PATH; JAX in this Python or the one given by --jax. The same packing
+(data/packing-5000.csv), strain rate (27.5 /s at constant volume) and time step (3e-8 s) on both sides.
+"""
+
+import argparse
+import json
+import os
+import re
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+ROOT = os.path.dirname(os.path.dirname(HERE))
+PACKING = os.path.join(ROOT, "data", "packing-5000.csv")
+
+
+def run(command, core, **more):
+    environment = dict(os.environ, OMP_NUM_THREADS="1", **more.pop("environment", {}))
+    if shutil.which("taskset"):
+        command = ["taskset", "-c", str(core)] + command
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, **more)
+    if done.returncode != 0:
+        sys.exit(f"{' '.join(command)} failed:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
+    return done.stdout
+
+
+def granum(binary, law, core):
+    text = run(
+        [binary, "bench", "--json", "--only", "dem", "--law", law, "--grains", "5000", "--threads", "1"]
+        + ["--time-step", "3e-8", "--strain-rate", "27.5"],
+        core,
+    )
+    return json.loads(text)["dem"][0]["grain_steps_per_second"]
+
+
+def lammps(model, core, data, folder):
+    text = run(
+        ["lmp", "-in", os.path.join(HERE, "lammps", "bench.in"), "-log", "none"]
+        + ["-var", "model", model, "-var", "data", data],
+        core,
+        cwd=folder,
+    )
+    grains = int(re.findall(r"with (\d+) atoms", text)[-1])
+    loops = re.findall(r"Loop time of ([0-9.eE+-]+) on \d+ procs for (\d+) steps", text)
+    seconds, steps = loops[-1]
+    return grains * int(steps) / float(seconds)
+
+
+def yade(core):
+    text = run(
+        ["yade", "-j1", "-n", "-x", os.path.join(HERE, "yade", "bench.py")],
+        core,
+        environment={"PACKING": PACKING},
+    )
+    return float(re.findall(r"([0-9.eE+]+) grain-steps per second", text)[-1])
+
+
+def by_turns(name, rounds, theirs, ours):
+    pairs = [(theirs(), ours()) for _ in range(rounds)]
+    ratios = sorted(b / a for a, b in pairs)
+    a, b = statistics.median(p[0] for p in pairs), statistics.median(p[1] for p in pairs)
+    print(
+        f"{name:<66} {a / 1e6:8.3f} {b / 1e6:8.2f} M grain-steps/s, ratio {statistics.median(ratios):.2f}"
+        f" ({ratios[0]:.2f} to {ratios[-1]:.2f})",
+        flush=True,
+    )
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--granum", default=os.path.join(ROOT, "target", "release", "granum"))
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--core", type=int, default=0)
+    parser.add_argument("--jax", default=sys.executable, help="a Python that has JAX")
+    flags = parser.parse_args()
+    if not os.path.exists(flags.granum):
+        sys.exit(f"{flags.granum} is not there: cargo build --release")
+
+    def ours(law):
+        return lambda: granum(flags.granum, law, flags.core)
+
+    if shutil.which("lmp"):
+        with tempfile.TemporaryDirectory() as folder:
+            data = os.path.join(folder, "packing.data")
+            run([sys.executable, os.path.join(HERE, "lammps", "make_data.py"), PACKING, data], flags.core)
+            for model, law, name in [
+                ("jkr", "jkr,mindlin-deresiewicz", "LAMMPS granular jkr + mindlin; granum jkr, mindlin-deresiewicz"),
+                ("hh", "hertz,no-slip", "LAMMPS gran/hertz/history; granum hertz, no-slip"),
+                ("hm", "hertz,no-slip", "LAMMPS granular hertz + mindlin; granum hertz, no-slip"),
+            ]:
+                by_turns(name, flags.rounds, lambda m=model: lammps(m, flags.core, data, folder), ours(law))
+    else:
+        print("lmp is not on the PATH: LAMMPS was not compared")
+    if shutil.which("yade"):
+        by_turns("YADE Hertz-Mindlin; granum hertz, no-slip", flags.rounds, lambda: yade(flags.core), ours("hertz,no-slip"))
+    else:
+        print("yade is not on the PATH: YADE was not compared")
+    has_jax = subprocess.run([flags.jax, "-c", "import jax"], capture_output=True).returncode == 0
+    if has_jax:
+        print(run([flags.jax, os.path.join(HERE, "traingdx_jax.py"), "--granum"], flags.core, cwd=ROOT).strip())
+    else:
+        print("this Python has no JAX: traingdx was not compared (--jax PYTHON)")
+
+
+if __name__ == "__main__":
+    main()
