@@ -3,6 +3,9 @@
 //!
 //! Layout: `GRANUMCP`, version (u32), length of the body (u64), CRC-32 of the body (u32), body; little endian.
 
+use std::io::Write;
+
+use postcard::ser_flavors::Flavor;
 use serde::{Deserialize, Serialize};
 
 use crate::kernel::NORMAL_COLUMNS;
@@ -49,7 +52,7 @@ pub enum CheckpointError {
 }
 
 /// What a checkpoint holds.
-#[derive(Serialize, Deserialize)]
+#[derive(Deserialize)]
 struct Body {
     properties: Properties,
     time_step_factor: f64,
@@ -59,24 +62,81 @@ struct Body {
     attachment: String,
 }
 
+/// The same for writing: a large state is not copied.
+#[derive(Serialize)]
+struct BodyOf<'a> {
+    properties: Properties,
+    time_step_factor: f64,
+    fixed_time_step: Option<f64>,
+    expected_force: f64,
+    state: &'a State,
+    attachment: &'a str,
+}
+
+/// Passes bytes on, counts them and takes their checksum.
+struct Stream<W> {
+    out: W,
+    length: u64,
+    sum: crc32fast::Hasher,
+    error: Option<std::io::Error>,
+}
+
+impl<W: Write> Flavor for &mut Stream<W> {
+    type Output = ();
+    fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
+        self.try_extend(&[byte])
+    }
+    fn try_extend(&mut self, bytes: &[u8]) -> postcard::Result<()> {
+        self.length += bytes.len() as u64;
+        self.sum.update(bytes);
+        self.out.write_all(bytes).map_err(|error| {
+            self.error = Some(error);
+            postcard::Error::SerializeBufferFull
+        })
+    }
+    fn finalize(self) -> postcard::Result<()> {
+        Ok(())
+    }
+}
+
+impl BodyOf<'_> {
+    /// Writes the body; returns its length and checksum.
+    fn write(&self, out: impl Write) -> std::io::Result<(u64, u32)> {
+        let mut stream = Stream { out, length: 0, sum: crc32fast::Hasher::new(), error: None };
+        let written = postcard::serialize_with_flavor(self, &mut stream);
+        match (written, stream.error) {
+            (_, Some(error)) => Err(error),
+            (Err(error), None) => Err(std::io::Error::other(error)),
+            (Ok(()), None) => Ok((stream.length, stream.sum.finalize())),
+        }
+    }
+}
+
 impl Simulation {
-    /// The simulation in bytes, with a text of the caller's own (what its recorder remembers, say).
-    pub fn checkpoint(&self, attachment: &str) -> Result<Vec<u8>, CheckpointError> {
-        let body = Body {
+    /// Writes the simulation, with a text of the caller's own (what its recorder remembers, say). Nothing is copied: it takes
+    /// no memory to speak of, but the state is gone through twice.
+    pub fn write_checkpoint(&self, attachment: &str, out: &mut dyn Write) -> std::io::Result<()> {
+        let body = BodyOf {
             properties: self.machine.properties,
             time_step_factor: self.machine.time_step_factor,
             fixed_time_step: self.machine.fixed_time_step,
             expected_force: self.machine.expected_force,
-            state: self.machine.state.clone(),
-            attachment: attachment.to_string(),
+            state: &self.machine.state,
+            attachment,
         };
-        let body = postcard::to_allocvec(&body).map_err(|e| CheckpointError::Inconsistent(e.to_string()))?;
-        let mut bytes = Vec::with_capacity(HEADER + body.len());
-        bytes.extend_from_slice(MAGIC);
-        bytes.extend_from_slice(&VERSION.to_le_bytes());
-        bytes.extend_from_slice(&(body.len() as u64).to_le_bytes());
-        bytes.extend_from_slice(&crc32fast::hash(&body).to_le_bytes());
-        bytes.extend_from_slice(&body);
+        let (length, sum) = body.write(std::io::sink())?;
+        out.write_all(MAGIC)?;
+        out.write_all(&VERSION.to_le_bytes())?;
+        out.write_all(&length.to_le_bytes())?;
+        out.write_all(&sum.to_le_bytes())?;
+        body.write(out).map(|_| ())
+    }
+
+    /// As [`Simulation::write_checkpoint`], in memory.
+    pub fn checkpoint(&self, attachment: &str) -> Result<Vec<u8>, CheckpointError> {
+        let mut bytes = Vec::new();
+        self.write_checkpoint(attachment, &mut bytes)
+            .map_err(|e| CheckpointError::Inconsistent(e.to_string()))?;
         Ok(bytes)
     }
 

@@ -9,6 +9,7 @@
 //! it: a run that is killed at any instant goes on to the same bits. Before the first checkpoint there are the case and
 //! where the sample comes from.
 
+pub mod memory;
 mod quality;
 mod sample;
 mod standing;
@@ -53,6 +54,21 @@ pub enum LaboratoryError {
     /// The record.
     #[error(transparent)]
     Record(#[from] HybridError),
+    /// The machine cannot hold it.
+    #[error(
+        "{grains} grains need up to {needed:.1} GB of memory, and this machine has {available:.1} GB free: grains.count can be \
+         at most {fitting} here"
+    )]
+    Memory {
+        /// Grains asked for.
+        grains: usize,
+        /// Estimate, GB.
+        needed: f64,
+        /// Free, GB.
+        available: f64,
+        /// Grains that would fit.
+        fitting: usize,
+    },
     /// A checkpoint.
     #[error("{}: {what}", path.display())]
     Checkpoint {
@@ -286,6 +302,9 @@ impl Laboratory {
         folder: &RunFolder,
         observer: &mut dyn RunObserver,
     ) -> Result<RunRecord, LaboratoryError> {
+        if *source == Source::Case {
+            memory::check(case)?;
+        }
         let machine = Machine::here(self.hardware.isa.name(), self.hardware.threads);
         let mut record = RunRecord::new(kind, &self.version, case, machine);
         record.source = source.record()?;

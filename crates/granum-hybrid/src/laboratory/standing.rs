@@ -66,8 +66,7 @@ impl Standing {
     pub(super) fn write(&self, folder: &RunFolder) -> Result<(), LaboratoryError> {
         let bad = |what: String| LaboratoryError::Checkpoint { path: folder.path().join(CHECKPOINT), what };
         let text = serde_json::to_string(&(&self.stage, &self.found)).map_err(|e| bad(e.to_string()))?;
-        let bytes = self.simulation.checkpoint(&text).map_err(|e| bad(e.to_string()))?;
-        folder.write_checkpoint(&bytes)?;
+        folder.write_checkpoint(|out| self.simulation.write_checkpoint(&text, out))?;
         Ok(())
     }
 

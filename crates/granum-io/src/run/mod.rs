@@ -173,15 +173,13 @@ impl RunFolder {
         Ok(RunFolder { folder })
     }
 
-    /// Writes the checkpoint; the one before stays as [`PREVIOUS_CHECKPOINT`].
+    /// Writes the checkpoint as `fill` has it; the one before stays as [`PREVIOUS_CHECKPOINT`].
     ///
     /// # Errors
     /// [`Error::File`] if it cannot be written; both that were there are then untouched.
-    pub fn write_checkpoint(&self, bytes: &[u8]) -> Result<()> {
+    pub fn write_checkpoint(&self, fill: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> Result<()> {
         let previous = self.folder.file(PREVIOUS_CHECKPOINT);
-        write_keeping_previous(&self.folder.file(CHECKPOINT), &previous, |file| {
-            io::Write::write_all(file, bytes)
-        })
+        write_keeping_previous(&self.folder.file(CHECKPOINT), &previous, |file| fill(file))
     }
 
     /// Puts a checkpoint that cannot be used aside as [`REFUSED_CHECKPOINT`].
@@ -355,8 +353,8 @@ mod tests {
         let path = base.path().join("run");
         let folder = RunFolder::create(&path, false).unwrap();
         folder.write_series(&table()).unwrap();
-        folder.write_checkpoint(b"one").unwrap();
-        folder.write_checkpoint(b"two").unwrap();
+        folder.write_checkpoint(|out| out.write_all(b"one")).unwrap();
+        folder.write_checkpoint(|out| out.write_all(b"two")).unwrap();
         folder.write_snapshot("end", &crate::snapshot::tests::assembly()).unwrap();
         drop(folder);
         fs::create_dir(path.join("figures")).unwrap();

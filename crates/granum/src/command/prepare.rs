@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use granum_hybrid::laboratory::Source;
+use granum_hybrid::laboratory::{Source, memory};
 use granum_io::{Case, RunFolder};
 
 use super::checkpoints::CheckpointFlags;
@@ -37,6 +37,9 @@ impl Prepare {
         let case = Case::read(&self.case)?;
         let laboratory = self.hardware.laboratory(&self.checkpoints)?;
         let source = self.packing.clone().map_or(Source::Case, Source::Packing);
+        if source == Source::Case {
+            memory::check(&case)?;
+        }
         let folder = RunFolder::create(&self.out, context.force)?;
         let record = laboratory.prepare(&case, &source, &folder, &mut Show::new(context))?;
         run_report::tell(context, &self.out, &record)

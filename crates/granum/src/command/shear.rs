@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use granum_hybrid::laboratory::Source;
+use granum_hybrid::laboratory::{Source, memory};
 use granum_io::{Case, RunFolder};
 
 use super::checkpoints::CheckpointFlags;
@@ -45,6 +45,9 @@ impl Shear {
             (_, Some(file)) => Source::Packing(file.clone()),
             _ => Source::Case,
         };
+        if source == Source::Case {
+            memory::check(&case)?;
+        }
         let folder = RunFolder::create(&self.out, context.force)?;
         let record = laboratory.shear(&case, &source, &folder, &mut Show::new(context))?;
         run_report::tell(context, &self.out, &record)

@@ -1,0 +1,66 @@
+//! `granum bench`, briefly.
+
+mod common;
+
+use common::{json, run, stderr, stdout};
+
+#[test]
+fn figures_for_machines_name_law_size_threads_and_instruction_set() {
+    let folder = tempfile::tempdir().unwrap();
+    let flags = ["bench", "--json", "--seconds", "0.01", "--threads", "1,2", "--isa", "portable"];
+    let done = run(folder.path(), &[&flags[..], &["--only", "dem", "--law", "hertz,no-slip"]].concat());
+    assert!(done.status.success(), "{}", stderr(&done));
+    let answer = json(&stdout(&done));
+    let dem = answer["dem"].as_array().unwrap();
+    assert_eq!(dem.len(), 4, "{answer}");
+    for (k, (grains, threads)) in [(5000, 1), (5000, 2), (100_000, 1), (100_000, 2)].into_iter().enumerate() {
+        assert_eq!((&dem[k]["grains"], &dem[k]["threads"]), (&grains.into(), &threads.into()));
+        assert_eq!((&dem[k]["normal"], &dem[k]["tangential"]), (&"hertz".into(), &"no-slip".into()));
+        assert_eq!(dem[k]["isa"], "portable");
+        assert!(dem[k]["grain_steps_per_second"].as_f64().unwrap() > 1e3);
+    }
+    assert_eq!(answer["nets"], json("[]"));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn networks_have_their_figures() {
+    let folder = tempfile::tempdir().unwrap();
+    let done = run(folder.path(), &["bench", "--json", "--seconds", "0.01", "--only", "nets"]);
+    assert!(done.status.success(), "{}", stderr(&done));
+    let answer = json(&stdout(&done));
+    let nets = answer["nets"].as_array().unwrap();
+    assert_eq!(nets.len(), 6);
+    for figure in nets {
+        assert!(figure["value"].as_f64().unwrap() > 0.0, "{figure}");
+        assert!(figure["name"].is_string() && figure["unit"].is_string());
+    }
+}
+
+#[test]
+fn a_packing_of_the_user_is_measured_and_wrong_flags_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let packing = "# periodic box, m: xlo=0 ylo=0 zlo=0 xhi=2e-4 yhi=2e-4 zhi=2e-4\nid,x,y,z,radius\n\
+                   1,5e-5,5e-5,5e-5,5.1e-5\n2,1.5e-4,5e-5,5e-5,5.1e-5\n";
+    std::fs::write(folder.path().join("two.csv"), packing).unwrap();
+    let flags = ["bench", "--only", "dem", "--seconds", "0.01", "--threads", "1", "--grains", "2,64"];
+    let done = run(folder.path(), &[&flags[..], &["--packing", "two.csv"]].concat());
+    assert!(done.status.success(), "{}", stderr(&done));
+    let text = stdout(&done);
+    assert!(text.contains("M grain-steps/s") && text.contains("mindlin-deresiewicz"), "{text}");
+    assert!(text.lines().any(|line| line.split_whitespace().nth(2) == Some("64")), "{text}");
+    for (wrong, message) in [
+        (&["--threads", "0"][..], "--threads 0: from 1 to 1024"),
+        (&["--isa", "sse"], "--isa sse: there is"),
+        (&["--law", "jkr"], "--law jkr: two names are needed"),
+        (&["--law", "jkr,slippery"], "slippery"),
+        (&["--law", "hertz,peeling"], "nothing peels without adhesion"),
+        (&["--seconds", "-1"], "--seconds -1"),
+        (&["--time-step", "0"], "--time-step 0"),
+        (&["--packing", "none.csv"], "none.csv"),
+    ] {
+        let failed = run(folder.path(), &[&["bench"], wrong].concat());
+        assert!(!failed.status.success(), "{wrong:?}");
+        assert!(stderr(&failed).contains(message), "{wrong:?}: {}", stderr(&failed));
+    }
+}
