@@ -131,15 +131,21 @@ impl Plan {
     /// Every file that the training may leave, the one that marks its end first.
     pub fn files(&self) -> Vec<String> {
         let mut names = vec![STUDY_FILE.to_string(), PLAN_FILE.to_string(), TIMES_FILE.to_string()];
-        for mapping in &self.mappings {
-            for k in 0..mapping.sub_models.len() {
-                for twin in [false, true] {
-                    let name = network_name(mapping, twin, k);
-                    names.extend([network_file(&name), state_file(&name)]);
-                }
-            }
-        }
+        names.extend(self.names().iter().flat_map(|name| [network_file(name), state_file(name)]));
         names
+    }
+
+    /// Files of all networks.
+    pub fn networks(&self) -> Vec<String> {
+        self.names().iter().map(|name| network_file(name)).collect()
+    }
+
+    fn names(&self) -> Vec<String> {
+        let of = |mapping: &Mapping| {
+            let names = |k| [false, true].map(|twin| network_name(mapping, twin, k));
+            (0..mapping.sub_models.len()).flat_map(names).collect::<Vec<_>>()
+        };
+        self.mappings.iter().flat_map(of).collect()
     }
 }
 
@@ -289,5 +295,105 @@ impl Keeper {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use granum_nets::trainer::{Control, Progress, by_name};
+    use granum_nets::{Column, Data, Recipe};
+
+    fn recipe() -> Recipe {
+        Recipe {
+            inputs: vec![Column::new("x", "1")],
+            output: Column::new("y", "1"),
+            hidden: vec![3],
+            seed: 5,
+        }
+    }
+
+    fn data() -> Data {
+        let x: Vec<f64> = (0..20).map(|k| k as f64 / 19.0).collect();
+        let y = x.iter().map(|x| x * (1.0 - x)).collect();
+        Data::new(x, 1, y).unwrap()
+    }
+
+    /// Trains up to an epoch and gives the model and the state at its end.
+    fn trained(epochs: u64, state: Option<TrainerState>) -> (Model, TrainerState) {
+        let trainer = by_name("traingdx", &Default::default()).unwrap();
+        let mut listen = |p: &Progress| if p.epoch < epochs { Control::Continue } else { Control::Stop };
+        let (model, report) =
+            Model::resume(&recipe(), &data(), trainer.as_ref(), state, &mut listen).unwrap();
+        (model, report.state)
+    }
+
+    #[test]
+    fn a_network_under_way_is_kept_and_trusted_only_if_whole_and_of_the_same_training() {
+        let base = tempfile::tempdir().unwrap();
+        let folder = base.path();
+        let (_, state) = trained(40, None);
+        let keeper = Keeper::new(folder, Duration::ZERO);
+        keeper.under_way("F1-1", "this", false, &|| state.clone());
+        assert_eq!(keeper.state("F1-1", "this"), Some(state.clone()));
+        assert!(keeper.state("F1-1", "other").is_none() && keeper.state("F1-2", "this").is_none());
+        let (whole, _) = trained(90, None);
+        let (rest, _) = trained(90, keeper.state("F1-1", "this"));
+        assert_eq!(whole.to_json(), rest.to_json());
+
+        let file = folder.join("F1-1.unfinished");
+        let bytes = std::fs::read(&file).unwrap();
+        for at in (0..bytes.len()).step_by(7) {
+            let mut altered = bytes.clone();
+            altered[at] ^= 1;
+            std::fs::write(&file, altered).unwrap();
+            assert!(keeper.state("F1-1", "this").is_none(), "byte {at}");
+        }
+        std::fs::write(&file, &bytes[..bytes.len() / 2]).unwrap();
+        assert!(keeper.state("F1-1", "this").is_none());
+
+        keeper.trained("F1-1", &whole, 2.5);
+        assert!(!file.exists() && !keeper.failed());
+        assert_eq!(keeper.finished("F1-1").unwrap().to_json(), whole.to_json());
+        // A second keeper knows the time; a damaged file of times costs nothing else.
+        let again = Keeper::new(folder, Duration::MAX);
+        assert_eq!(again.held().seconds["F1-1"], 2.5);
+        std::fs::write(folder.join(TIMES_FILE), "{").unwrap();
+        assert!(Keeper::new(folder, Duration::MAX).held().seconds.is_empty());
+        again.under_way("F1-2", "this", false, &|| state.clone());
+        assert!(again.state("F1-2", "this").is_none());
+        again.under_way("F1-2", "this", true, &|| state.clone());
+        assert!(again.state("F1-2", "this").is_some());
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_told() {
+        let base = tempfile::tempdir().unwrap();
+        let keeper = Keeper::new(&base.path().join("nowhere"), Duration::ZERO);
+        keeper.trained("F1-1", &trained(3, None).0, 1.0);
+        assert!(keeper.failed() && keeper.take_failure().unwrap().to_string().contains("nowhere"));
+    }
+
+    #[test]
+    fn plans_differ_in_what_makes_other_networks() {
+        let base = tempfile::tempdir().unwrap();
+        let options = StudyOptions::default();
+        let plan = |runs: &[PathBuf], hash: &str, options: &StudyOptions| {
+            Plan::new(runs, &[], hash.to_string(), options).unwrap()
+        };
+        let one = plan(&["a".into()], "h", &options);
+        assert!(one.runs[0].is_absolute());
+        assert!(one.differences(&plan(&["b".into()], "h", &options)).is_empty());
+        let other = StudyOptions { seed: 2, trainer: "traingdx".into(), ..options };
+        assert_eq!(one.differences(&plan(&["a".into()], "g", &other)), ["runs", "trainer", "seed"]);
+        assert_eq!((one.networks().len(), one.files().len()), (36, 75));
+        one.write(base.path()).unwrap();
+        assert_eq!(Plan::read(base.path()).unwrap(), one);
+        let path = base.path().join(PLAN_FILE);
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, text.replace("\"version\": 1", "\"version\": 2")).unwrap();
+        assert!(Plan::read(base.path()).unwrap_err().to_string().contains("version 2"));
+        std::fs::write(&path, &text[..50]).unwrap();
+        assert!(Plan::read(base.path()).unwrap_err().to_string().contains("training.json"));
     }
 }

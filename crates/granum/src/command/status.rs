@@ -4,25 +4,31 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Args;
+use granum_hybrid::files::STUDY_FILE;
+use granum_hybrid::keeping::Plan;
 use granum_hybrid::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
-use granum_io::{Error, Run, RunFolder, RunStatus};
+use granum_io::{Error, OutputFolder, Run, RunFolder, RunStatus};
 use serde_json::{Value, json};
 
+use super::train::Train;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 use crate::progress::readable;
 
-/// Tell how far a run is, or every run of a reproduction, and what to do next.
+/// Tell how far a run, a training or every run of a reproduction is, and what to do next.
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum status run-1\n  granum status reproduction")]
 pub struct Status {
-    /// Folder of a run or of a reproduction.
+    /// Folder of a run, a training or a reproduction.
     folder: PathBuf,
 }
 
 impl Status {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        if Train::is_in(&self.folder) {
+            return self.training(context);
+        }
         let runs = self.folder.join("runs");
         if !runs.is_dir() {
             let found = Found::of(&self.folder)?;
@@ -41,6 +47,33 @@ impl Status {
             let mut lines: Vec<String> = found.iter().map(Found::text).collect();
             lines.push(format!("{}: {next}", self.folder.display()));
             lines.join("\n")
+        })
+    }
+}
+
+impl Status {
+    /// How far a training is.
+    fn training(&self, context: &Context) -> Result<(), Failure> {
+        let (plan, name) = (Plan::read(&self.folder)?, self.folder.display());
+        let networks = plan.networks();
+        let there = networks.iter().filter(|file| self.folder.join(file).is_file()).count();
+        let finished = self.folder.join(STUDY_FILE).is_file();
+        let at_work = matches!(OutputFolder::open(&self.folder), Err(Error::Locked { .. }));
+        let (word, next) = match (at_work, finished) {
+            (true, _) => ("running", "a process is at work in it; wait".to_string()),
+            (_, true) => ("finished", format!("judge it: granum evaluate {name} RUN...")),
+            _ => ("broken off", format!("go on with it: granum resume {name}")),
+        };
+        let result = json!({
+            "folder": self.folder,
+            "kind": "train",
+            "status": word,
+            "networks": there,
+            "networks_end": networks.len(),
+            "next": next,
+        });
+        output::say(context, &result, || {
+            format!("{name}: training {word}, {there} of {} networks\n  {next}", networks.len())
         })
     }
 }

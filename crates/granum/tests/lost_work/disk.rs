@@ -92,7 +92,10 @@ fn a_full_disk_ends_a_training_that_goes_on_later() {
     let told = stderr(&output);
     assert_eq!(output.status.code(), Some(1), "{told}");
     assert!(told.contains("holds an unfinished training that differs in seed"), "{told}");
+    let told = stdout(&run(here, &["status", "study"]));
+    assert!(told.contains("training broken off") && told.contains("of 36 networks"), "{told}");
     done(here, &["resume", "study"]);
+    assert!(stdout(&run(here, &["status", "study"])).contains("training finished, 36 of 36 networks"));
     assert!(stdout(&run(here, &["resume", "study"])).contains("the training is finished"));
     done(here, &train("other", "1"));
     assert_same(&here.join("study"), &here.join("other"));
