@@ -1,4 +1,4 @@
-//! The loop over steps: serial work by one thread, two stages by all.
+//! The loop over steps: two stages by all threads, and what is serial between them.
 
 use std::cell::UnsafeCell;
 use std::marker::PhantomData;
@@ -15,7 +15,7 @@ use crate::pairs::{self, Block, IMAGES, image_vector};
 use crate::servo::Sample;
 use crate::simulation::{Hardware, LawTable, Properties, SimulationError};
 use crate::state::State;
-use crate::team::{Barrier, RawSlice, share};
+use crate::team::{Guard, RawSlice, Work};
 
 /// Steps between two chances to raise the time step.
 const TIME_STEP_WINDOW: u64 = 256;
@@ -315,85 +315,116 @@ fn reorder_grains(state: &mut State, spacing: f64) -> Vec<u32> {
     new_place
 }
 
+/// What the team does just now.
+#[derive(Clone, Copy)]
+enum Stage {
+    /// Grains sum their forces and move.
+    Grains,
+    /// Contacts, after the grains moved with this fastest square of a velocity and perhaps got a new list.
+    Contacts { fastest: f64, renewed: bool },
+}
+
 /// What the team shares.
 struct Team<'a> {
+    work: Work,
     machine: UnsafeCell<&'a mut Machine>,
     views: UnsafeCell<Views>,
+    stage: UnsafeCell<Stage>,
+    /// Steps not yet finished.
+    steps: UnsafeCell<u64>,
     failure: UnsafeCell<Option<SimulationError>>,
-    barrier: Barrier,
     threads: usize,
     by_batch: bool,
     isa: granum_simd::Isa,
 }
-// SAFETY: thread 0 alone touches the cells mutably, between barriers, while the others wait or work on
-// what `Views` gives them; the others read the cells only between those times.
+// SAFETY: the cells are written by one thread at a time, between the report of the last block of a stage and the opening of
+// the next, when no other thread holds a block; the others read them only while they hold one.
 unsafe impl Sync for Team<'_> {}
 
 impl Team<'_> {
-    /// One thread's part in `steps` steps.
-    fn work<N: NormalLaw, T: TangentialLaw>(&self, thread: usize, steps: u64) {
-        if thread == 0 {
-            // SAFETY: see `Team`; the others wait at the next barrier.
-            unsafe { (*self.machine.get()).begin_step(&mut *self.views.get()) };
-        }
-        for step in 0..steps {
-            self.barrier.wait();
-            // SAFETY: written by thread 0 before the barrier.
-            if unsafe { (*self.failure.get()).is_some() } {
-                return;
-            }
-            // SAFETY: thread 0 does not write the views before all have passed the next barrier.
-            let views = unsafe { &*self.views.get() };
-            let blocks = share(views.blocks.len(), thread, self.threads);
-            dispatch(self.isa, GrainStage { views, blocks });
-            self.barrier.wait();
-            // SAFETY: written before the barrier, read after it; the machine is only read until the next one.
-            let fastest = unsafe { views.fastest_grain.read() }.iter().copied().fold(0.0, larger);
-            let stale = unsafe { (*self.machine.get()).list_is_stale(views, fastest) };
-            if stale {
-                self.barrier.wait();
-                if thread == 0 {
-                    // SAFETY: see `Team`.
-                    unsafe { self.renew() };
+    /// One thread's part.
+    fn work<N: NormalLaw, T: TangentialLaw>(&self, thread: usize) {
+        let _guard = Guard(&self.work);
+        let mut turns = 0;
+        loop {
+            while let Some(blocks) = self.work.claim(thread) {
+                // SAFETY: the stage stays as it is until the claimed blocks are reported.
+                let (views, stage) = unsafe { (&*self.views.get(), *self.stage.get()) };
+                let (count, all) = (blocks.len(), views.blocks.len());
+                match stage {
+                    Stage::Grains => dispatch(self.isa, GrainStage { views, blocks }),
+                    Stage::Contacts { .. } if self.by_batch => {
+                        contact_stage::<N, T, ByBatch>(self.isa, views, blocks);
+                    }
+                    Stage::Contacts { .. } => contact_stage::<N, T, Alike>(self.isa, views, blocks),
                 }
-                self.barrier.wait();
+                if self.work.report(count, all) {
+                    // SAFETY: that was the last block, and no other can be claimed.
+                    unsafe { self.turn(stage) };
+                }
             }
-            // SAFETY: as above; `renew` may have replaced the views.
-            let views = unsafe { &*self.views.get() };
-            // SAFETY: blocks change only in `renew`.
-            let blocks = share_batches(unsafe { views.blocks.read() }, thread, self.threads);
-            if self.by_batch {
-                contact_stage::<N, T, ByBatch>(self.isa, views, blocks);
-            } else {
-                contact_stage::<N, T, Alike>(self.isa, views, blocks);
-            }
-            self.barrier.wait();
-            if thread == 0 {
-                // SAFETY: see `Team`; the others wait at the next barrier or are done.
-                unsafe { self.turn(fastest, stale, step + 1 < steps) };
+            if !self.work.wait(thread, &mut turns) {
+                return;
             }
         }
     }
 
-    /// What is serial between two steps.
+    /// Opens the first stage.
+    fn begin(&mut self) {
+        self.machine.get_mut().begin_step(self.views.get_mut());
+        // SAFETY: no other thread is there yet.
+        unsafe { self.open(Stage::Grains) };
+    }
+
+    /// What is serial between two stages.
     ///
     /// # Safety
-    /// Only thread 0, while the others wait.
-    unsafe fn turn(&self, fastest: f64, stale: bool, more: bool) {
+    /// Only when all blocks of the stage are reported.
+    unsafe fn turn(&self, stage: Stage) {
         unsafe {
             let machine = &mut *self.machine.get();
-            match machine.end_step(fastest, stale) {
-                Err(e) => *self.failure.get() = Some(e),
-                Ok(()) if more => machine.begin_step(&mut *self.views.get()),
-                Ok(()) => {}
+            match stage {
+                Stage::Grains => {
+                    let views = &*self.views.get();
+                    let fastest = views.fastest_grain.read().iter().copied().fold(0.0, larger);
+                    let renewed = machine.list_is_stale(views, fastest);
+                    if renewed {
+                        self.renew();
+                    }
+                    self.open(Stage::Contacts { fastest, renewed });
+                }
+                Stage::Contacts { fastest, renewed } => {
+                    let steps = &mut *self.steps.get();
+                    *steps -= 1;
+                    if let Err(error) = machine.end_step(fastest, renewed) {
+                        *self.failure.get() = Some(error);
+                        self.work.end();
+                    } else if *steps == 0 {
+                        self.work.end();
+                    } else {
+                        machine.begin_step(&mut *self.views.get());
+                        self.open(Stage::Grains);
+                    }
+                }
             }
         }
+    }
+
+    /// # Safety
+    /// As for [`Team::turn`].
+    unsafe fn open(&self, stage: Stage) {
+        // SAFETY: nobody reads the stage or the views yet.
+        let blocks = unsafe {
+            *self.stage.get() = stage;
+            (*self.views.get()).blocks.read()
+        };
+        self.work.open(|thread| share_batches(blocks, thread, self.threads));
     }
 
     /// Makes the list and the views anew.
     ///
     /// # Safety
-    /// Only thread 0, while the others wait.
+    /// As for [`Team::turn`].
     unsafe fn renew(&self) {
         unsafe {
             let machine = &mut *self.machine.get();
@@ -431,23 +462,29 @@ pub(crate) fn advance<N: NormalLaw, T: TangentialLaw>(
     machine: &mut Machine,
     steps: u64,
 ) -> Result<(), SimulationError> {
+    if steps == 0 {
+        return Ok(());
+    }
     let threads = machine.hardware.threads.max(1);
     let views = machine.views();
-    let team = Team {
+    let mut team = Team {
+        work: Work::new(threads),
         by_batch: !machine.state.pairs.constants.is_empty(),
         isa: machine.hardware.isa,
         machine: UnsafeCell::new(machine),
         views: UnsafeCell::new(views),
+        stage: UnsafeCell::new(Stage::Grains),
+        steps: UnsafeCell::new(steps),
         failure: UnsafeCell::new(None),
-        barrier: Barrier::new(threads),
         threads,
     };
+    team.begin();
     let shared = &team;
     std::thread::scope(|scope| {
         for thread in 1..threads {
-            scope.spawn(move || shared.work::<N, T>(thread, steps));
+            scope.spawn(move || shared.work::<N, T>(thread));
         }
-        shared.work::<N, T>(0, steps);
+        shared.work::<N, T>(0);
     });
     team.failure.into_inner().map_or(Ok(()), Err)
 }

@@ -1,43 +1,137 @@
 //! A handful of threads that walk through the stages of many steps together.
 //!
 //! A step of a few thousand grains takes some tens of microseconds, too short for a task scheduler, so the threads stay and
-//! meet at spinning barriers. Work is split by fixed chunks whose results are summed in the order of the chunks:
-//! the number of threads cannot change a bit.
+//! claim blocks of the stage in hand; who finishes the last one does what is serial and opens the next stage. Blocks are
+//! fixed and their results are summed in their order: the number of threads cannot change a bit.
 //!
 //! All `unsafe` of the engine's threading is here: [`RawSlice`] hands disjoint pieces of one array to several threads.
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 
-/// A barrier that spins for a while before it yields the processor.
-pub(crate) struct Barrier {
-    threads: usize,
-    arrived: AtomicUsize,
-    generation: AtomicUsize,
+/// Bits for a place in the list of blocks; the rest of a word counts the stages.
+const PLACE: u32 = 20;
+const PLACES: u64 = (1 << PLACE) - 1;
+/// Turns of an idle thread before it offers its processor to others.
+const PATIENCE: u32 = 2_000;
+
+/// Blocks of a stage that are left to do, from `low` to below `high`, and which stage it is.
+#[derive(Clone, Copy)]
+struct Left {
+    stage: u64,
+    low: u64,
+    high: u64,
 }
 
-impl Barrier {
-    pub(crate) fn new(threads: usize) -> Barrier {
-        Barrier { threads, arrived: AtomicUsize::new(0), generation: AtomicUsize::new(0) }
+impl Left {
+    fn pack(self) -> u64 {
+        self.stage << (2 * PLACE) | self.low << PLACE | self.high
+    }
+    fn unpack(word: u64) -> Left {
+        Left { stage: word >> (2 * PLACE), low: word >> PLACE & PLACES, high: word & PLACES }
+    }
+}
+
+/// On a cache line of its own.
+#[repr(align(128))]
+struct Alone(AtomicU64);
+
+/// The blocks of the stage in hand, a share for every thread. A thread takes its own share piece by piece and then helps
+/// the others: one that lost its processor to another program holds up no more than the piece it has. Who did a block
+/// leaves no trace in it.
+pub(crate) struct Work {
+    shares: Vec<Alone>,
+    done: AtomicUsize,
+    over: AtomicBool,
+}
+
+impl Work {
+    pub(crate) fn new(threads: usize) -> Work {
+        let none = || Alone(AtomicU64::new(0));
+        Work {
+            shares: (0..threads).map(|_| none()).collect(),
+            done: AtomicUsize::new(0),
+            over: AtomicBool::new(false),
+        }
     }
 
-    /// Returns when every thread has called it as often.
-    #[inline]
-    pub(crate) fn wait(&self) {
-        if self.threads == 1 {
-            return;
+    /// Opens a stage: from here on its blocks can be claimed. All that the stage reads must have been written before.
+    pub(crate) fn open(&self, share: impl Fn(usize) -> Range<usize>) {
+        self.done.store(0, Ordering::Relaxed);
+        for (thread, word) in self.shares.iter().enumerate() {
+            let stage = Left::unpack(word.0.load(Ordering::Relaxed)).stage + 1;
+            let range = share(thread);
+            assert!(range.start <= range.end && range.end as u64 <= PLACES, "too many blocks");
+            let left = Left { stage, low: range.start as u64, high: range.end as u64 };
+            word.0.store(left.pack(), Ordering::Release);
         }
-        let generation = self.generation.load(Ordering::Relaxed);
-        if self.arrived.fetch_add(1, Ordering::AcqRel) + 1 == self.threads {
-            self.arrived.store(0, Ordering::Relaxed);
-            self.generation.store(generation.wrapping_add(1), Ordering::Release);
-            return;
+    }
+
+    /// Claims a piece of the stage that is open, if one is left; the stage stays open until it is reported as done.
+    pub(crate) fn claim(&self, thread: usize) -> Option<Range<usize>> {
+        let threads = self.shares.len();
+        (0..threads).find_map(|k| self.take((thread + k) % threads, k == 0))
+    }
+
+    /// A quarter of what is left of a share, from its start for its owner and from its end for others.
+    fn take(&self, share: usize, own: bool) -> Option<Range<usize>> {
+        let word = &self.shares[share].0;
+        let mut seen = word.load(Ordering::Acquire);
+        loop {
+            let left = Left::unpack(seen);
+            if left.low >= left.high {
+                return None;
+            }
+            let all = left.high - left.low;
+            let piece = if self.shares.len() == 1 { all } else { all.div_ceil(4) };
+            let (rest, taken) = if own {
+                (Left { low: left.low + piece, ..left }, left.low..left.low + piece)
+            } else {
+                (Left { high: left.high - piece, ..left }, left.high - piece..left.high)
+            };
+            match word.compare_exchange_weak(seen, rest.pack(), Ordering::AcqRel, Ordering::Acquire) {
+                Ok(_) => return Some(taken.start as usize..taken.end as usize),
+                Err(now) => seen = now,
+            }
         }
-        let mut spins = 0u32;
-        while self.generation.load(Ordering::Acquire) == generation {
-            spins += 1;
+    }
+
+    /// Reports blocks as done; true for the one who did the last of `all`. Nobody works on the stage then, and nobody can
+    /// until the next is opened.
+    pub(crate) fn report(&self, blocks: usize, all: usize) -> bool {
+        self.done.fetch_add(blocks, Ordering::AcqRel) + blocks == all
+    }
+
+    /// Lets all threads go.
+    pub(crate) fn end(&self) {
+        self.over.store(true, Ordering::Release);
+    }
+
+    /// Waits for the next stage; false if there is none.
+    pub(crate) fn wait(&self, thread: usize, turns: &mut u32) -> bool {
+        let mine = || Left::unpack(self.shares[thread].0.load(Ordering::Acquire));
+        let stage = mine().stage;
+        // The stage may have been opened since the last claim failed.
+        while mine().stage == stage && mine().low >= mine().high {
+            if self.over.load(Ordering::Acquire) {
+                return false;
+            }
+            *turns += 1;
             // On a machine with fewer free cores than threads spinning on would starve the thread waited for.
-            if spins > 4_000 { std::thread::yield_now() } else { std::hint::spin_loop() }
+            if *turns > PATIENCE { std::thread::yield_now() } else { std::hint::spin_loop() }
+        }
+        *turns = 0;
+        true
+    }
+}
+
+/// Lets the others go if its thread panics: they would wait for ever.
+pub(crate) struct Guard<'a>(pub(crate) &'a Work);
+
+impl Drop for Guard<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.end();
         }
     }
 }
@@ -113,40 +207,64 @@ impl<T> RawSlice<T> {
     }
 }
 
-/// The share of thread `t` of `threads` in `count` chunks: contiguous, sizes differing by one at most.
-pub(crate) fn share(count: usize, t: usize, threads: usize) -> Range<usize> {
-    count * t / threads..count * (t + 1) / threads
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// Threads of very different speed go through stages; every block is done once in each.
     #[test]
-    fn shares_cover_everything_once() {
-        for count in [0, 1, 7, 100] {
-            for threads in 1..6 {
-                let all: Vec<usize> = (0..threads).flat_map(|t| share(count, t, threads)).collect();
-                assert_eq!(all, (0..count).collect::<Vec<_>>());
-            }
+    fn every_block_is_done_once_a_stage() {
+        const BLOCKS: usize = 37;
+        const STAGES: usize = 400;
+        for threads in [1usize, 2, 3, 7] {
+            let work = Work::new(threads);
+            let counts: Vec<AtomicUsize> = (0..BLOCKS).map(|_| AtomicUsize::new(0)).collect();
+            let stage = AtomicUsize::new(0);
+            let share = |t: usize| BLOCKS * t / threads..BLOCKS * (t + 1) / threads;
+            work.open(share);
+            let run = |thread: usize| {
+                let mut turns = 0;
+                loop {
+                    while let Some(piece) = work.claim(thread) {
+                        let now = stage.load(Ordering::SeqCst);
+                        for k in piece.clone() {
+                            assert_eq!(counts[k].fetch_add(1, Ordering::SeqCst), now);
+                        }
+                        if thread == 1 && now % 50 == 0 {
+                            std::thread::yield_now();
+                        }
+                        if work.report(piece.len(), BLOCKS) {
+                            stage.fetch_add(1, Ordering::SeqCst);
+                            if now + 1 == STAGES { work.end() } else { work.open(share) }
+                        }
+                    }
+                    if !work.wait(thread, &mut turns) {
+                        return;
+                    }
+                }
+            };
+            std::thread::scope(|scope| {
+                for thread in 1..threads {
+                    scope.spawn(move || run(thread));
+                }
+                run(0);
+            });
+            assert!(counts.iter().all(|c| c.load(Ordering::SeqCst) == STAGES));
         }
     }
 
     #[test]
-    fn barrier_separates_stages() {
-        let barrier = Barrier::new(3);
-        let counter = AtomicUsize::new(0);
-        std::thread::scope(|scope| {
-            for _ in 0..3 {
+    fn a_thread_that_panics_lets_the_others_go() {
+        let work = Work::new(2);
+        let outcome = std::panic::catch_unwind(|| {
+            std::thread::scope(|scope| {
                 scope.spawn(|| {
-                    for round in 1..200 {
-                        counter.fetch_add(1, Ordering::SeqCst);
-                        barrier.wait();
-                        assert_eq!(counter.load(Ordering::SeqCst), 3 * round);
-                        barrier.wait();
-                    }
+                    let _guard = Guard(&work);
+                    panic!("on purpose");
                 });
-            }
+                assert!(!work.wait(1, &mut 0));
+            });
         });
+        assert!(outcome.is_err());
     }
 }
