@@ -501,3 +501,35 @@ pub(crate) fn forces<N: NormalLaw, T: TangentialLaw>(machine: &mut Machine) {
     }
     machine.state.sums = ContactSums::total(&machine.contact_sums);
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::config::{Contact, Grains, Material};
+    use crate::gas::gas;
+    use crate::servo::Control;
+    use crate::simulation::{Hardware, Properties, Simulation};
+    use granum_simd::Isa;
+
+    /// Small enough for an interpreter that sees every race of memory accesses (`cargo miri test`).
+    #[test]
+    fn threads_give_one_answer_through_several_lists() {
+        let (count, steps) = if cfg!(miri) { (140, 12) } else { (600, 400) };
+        let grains = Grains { count, ..Grains::default() };
+        let (cell, sites) = gas(&grains, 0.35, 5).unwrap();
+        let properties = Properties { material: Material::default(), contact: Contact::default() };
+        let run = |threads: usize| {
+            let mut s = Simulation::new(cell, &sites, properties).unwrap();
+            s.set_hardware(Hardware { threads, isa: Isa::detect() });
+            s.set_control(Control::isotropic(20e3, 3e4));
+            // So fast that grains meet and the list is renewed within the few steps.
+            let fast: Vec<[f64; 3]> =
+                (0..count).map(|k| [0, 1, 2].map(|a| 40.0 * ((7 * k + 13 * a) as f64).sin())).collect();
+            s.set_velocities(&fast, &[]);
+            s.advance(steps).unwrap();
+            assert!(s.rebuilds() > 1 && s.state().pairs.blocks.len() > 1);
+            s
+        };
+        let (one, three) = (run(1), run(3));
+        assert!(one.state() == three.state());
+    }
+}

@@ -9,7 +9,7 @@ use crate::lanes::Real;
 pub fn cbrt<R: Real>(x: R) -> R {
     let mut r = x.reciprocal_cbrt_guess();
     for _ in 0..2 {
-        let h = R::splat(1.0) - x * r * (r * r);
+        let h = (-(x * r)).mul_add(r * r, R::splat(1.0));
         let series = h.mul_add(R::splat(14.0 / 81.0), R::splat(2.0 / 9.0)).mul_add(h, R::splat(1.0 / 3.0));
         r = (r * h).mul_add(series, r);
     }

@@ -121,17 +121,16 @@ const SMALL_TILT: f64 = 1e-3;
 #[inline(always)]
 fn inverse_of_sum<R: Real>(tilt: R) -> R {
     // 1/2 (1 - tilt/2)^(-1/2).
-    let series = R::splat(35.0 / 4096.0)
-        .mul_add(tilt, R::splat(5.0 / 256.0))
-        .mul_add(tilt, R::splat(3.0 / 64.0))
-        .mul_add(tilt, R::splat(0.125))
-        .mul_add(tilt, R::splat(0.5));
+    let square = tilt * tilt;
+    let high = R::splat(5.0 / 256.0).mul_add(tilt, R::splat(3.0 / 64.0));
+    let high = R::splat(35.0 / 4096.0).mul_add(square, high);
+    let series = square.mul_add(high, R::splat(0.125).mul_add(tilt, R::splat(0.5)));
     let large = tilt.gt(R::splat(SMALL_TILT));
     if !large.any() {
         return series;
     }
-    let square = (R::splat(2.0) - tilt) * R::splat(2.0);
-    R::select(large, R::splat(1.0) / square.sqrt(), series)
+    let sum = (R::splat(2.0) - tilt) * R::splat(2.0);
+    R::select(large, R::splat(1.0) / sum.sqrt(), series)
 }
 
 /// Advances a contact by one step of length `dt`, positions at its end, velocities at its middle.
@@ -147,8 +146,10 @@ pub fn interact<R: Real, N: NormalLaw, T: TangentialLaw>(
 ) -> Interaction<R> {
     let (zero, one, half) = (R::zero(), R::splat(1.0), R::splat(0.5));
     let branch = kinematics.branch;
-    let distance = dot(branch, branch).sqrt();
-    let normal = scale(one / distance, branch);
+    // The root and the reciprocal do not wait for each other.
+    let square = dot(branch, branch);
+    let distance = square.sqrt();
+    let normal = scale(distance * (one / square), branch);
     let approach = constants.radius_sum - distance;
     // The stored normal is zero where the pair did not touch.
     let cosine = dot(memory.normal, normal);

@@ -109,8 +109,9 @@ pub(super) fn advance<R: Real>(
     let along = directed & !turn;
     let step_square = square(step);
     let vector = select::<R>(along, counted, step);
-    let length = R::select(along, counted_square, step_square).sqrt();
-    let inverse_length = one / length.max(tiny);
+    let vector_square = R::select(along, counted_square, step_square);
+    let length = vector_square.sqrt();
+    let inverse_length = length * (one / vector_square.max(tiny));
     let direction = [vector[0] * inverse_length, vector[1] * inverse_length];
 
     let cube = (curve_before - length.keep(along)) * (one / curve_limit.max(tiny));
@@ -138,7 +139,8 @@ pub(super) fn advance<R: Real>(
     let limit_square = limit * limit;
     let at_limit = loading & trial_square.ge(R::splat(AT_LIMIT) * limit_square);
     let sliding = at_limit | trial_square.ge(limit_square);
-    let factor = R::select(sliding, limit / trial_square.sqrt().max(tiny), one);
+    let trial_inverse = trial_square.sqrt() * (one / trial_square.max(tiny));
+    let factor = R::select(sliding, limit * trial_inverse, one);
     // What the step would have loaded without slip, less the limit, is what slid.
     let excess = square(elastic).sqrt() - limit;
     state.force = [factor * force[0], factor * force[1]];
