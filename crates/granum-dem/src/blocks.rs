@@ -135,35 +135,36 @@ impl List<'_> {
         crossing: bool,
         touch: &[bool],
     ) {
+        let chosen = |wanted: bool| {
+            let near = self.near;
+            members.clone().filter(move |&n| (near[n].image != NO_IMAGE) == crossing && touch[n] == wanted)
+        };
+        let mut order: Vec<usize> = chosen(true).collect();
+        order.extend(chosen(false));
         let pairs = &mut self.pairs;
-        let mut lane = LANES;
-        for touching in [true, false] {
-            for n in members.clone() {
+        for batch in order.chunks(LANES) {
+            // Lanes that stay empty pair a grain of the block with the far phantom.
+            let mut first = [range.start as u32; LANES];
+            let mut second = [self.grains as u32 + 1; LANES];
+            let mut target = first;
+            let mut image = [NO_IMAGE; LANES];
+            for (lane, &n) in batch.iter().enumerate() {
                 let pair = &self.near[n];
-                if (pair.image != NO_IMAGE) != crossing || touch[n] != touching {
-                    continue;
-                }
-                if lane == LANES {
-                    // Lanes that stay empty pair a grain of the block with the far phantom.
-                    pairs.first.push([range.start as u32; LANES]);
-                    pairs.second.push([self.grains as u32 + 1; LANES]);
-                    pairs.target.push([range.start as u32; LANES]);
-                    pairs.image.push([NO_IMAGE; LANES]);
-                    lane = 0;
-                }
-                let b = pairs.first.len() - 1;
-                pairs.first[b][lane] = pair.i;
-                pairs.second[b][lane] = pair.j;
-                pairs.image[b][lane] = pair.image;
-                pairs.target[b][lane] = if (pair.j as usize) < range.end {
+                first[lane] = pair.i;
+                second[lane] = pair.j;
+                image[lane] = pair.image;
+                target[lane] = if (pair.j as usize) < range.end {
                     pair.j
                 } else {
                     let at = self.halo[halo_start..].partition_point(|&g| g < pair.j);
                     (self.grains + halo_start + at) as u32
                 };
-                self.slots[n] = (b * LANES + lane) as u32;
-                lane += 1;
+                self.slots[n] = (pairs.first.len() * LANES + lane) as u32;
             }
+            pairs.first.push(first);
+            pairs.second.push(second);
+            pairs.target.push(target);
+            pairs.image.push(image);
         }
     }
 }

@@ -236,7 +236,7 @@ fn contact_batch<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource, co
     let half = L::splat(0.5);
     let mean_spin: [L; 3] = std::array::from_fn(|k| half * (wa[k] + wc[k]));
     let rolling = if C::BY_BATCH {
-        std::array::from_fn(|k| a[3].mul_add(wa[k], c[3] * wc[k]) / constants.radius_sum)
+        std::array::from_fn(|k| a[3].mul_add(wa[k], c[3] * wc[k]) * constants.inverse_radius_sum)
     } else {
         mean_spin
     };

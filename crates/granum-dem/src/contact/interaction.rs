@@ -190,7 +190,7 @@ pub fn interact<R: Real, N: NormalLaw, T: TangentialLaw>(
         tangential_dashpot.mul_add(slip_velocity[1], tangential.force[1]),
     ];
     // The normal turns the frame's first axis into its second, and the second into minus the first.
-    let arm = distance / constants.radius_sum;
+    let arm = distance * constants.inverse_radius_sum;
     let moment = frame.vector([-(arm * pull[1]), arm * pull[0]]);
     let slip_square = slip_velocity[0].mul_add(slip_velocity[0], slip_velocity[1] * slip_velocity[1]);
     let damping_power = normal_dashpot.mul_add(opening * opening, tangential_dashpot * slip_square);

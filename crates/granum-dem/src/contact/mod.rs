@@ -161,6 +161,8 @@ pub trait TangentialLaw: Copy + Send + Sync + 'static {
 pub struct PairConstants<R> {
     /// R_i + R_j, m.
     pub radius_sum: R,
+    /// Its reciprocal, 1/m.
+    pub inverse_radius_sum: R,
     /// 2 zeta sqrt(m*): times the root of a stiffness it is a dashpot coefficient.
     pub damping: R,
     /// 16 G*, Pa: the stored tangential energy is T^2 / (16 G* a).
@@ -173,12 +175,13 @@ pub struct PairConstants<R> {
 
 impl PairConstants<f64> {
     /// Number of values of [`PairConstants::to_array`].
-    pub const COUNT: usize = 3 + 2 * LAW_CONSTANTS;
+    pub const COUNT: usize = 4 + 2 * LAW_CONSTANTS;
 
     /// The constants of a pair for two laws.
     pub fn new<N: NormalLaw, T: TangentialLaw>(pair: &PairProperties) -> Self {
         PairConstants {
             radius_sum: pair.radius_sum,
+            inverse_radius_sum: 1.0 / pair.radius_sum,
             damping: 2.0 * pair.damping * pair.effective_mass.sqrt(),
             sixteen_shear_moduli: 16.0 * pair.effective_shear_modulus,
             normal: N::prepare(pair),
@@ -190,10 +193,11 @@ impl PairConstants<f64> {
     pub fn to_array(&self) -> [f64; Self::COUNT] {
         let mut out = [0.0; Self::COUNT];
         out[0] = self.radius_sum;
-        out[1] = self.damping;
-        out[2] = self.sixteen_shear_moduli;
-        out[3..3 + LAW_CONSTANTS].copy_from_slice(&self.normal);
-        out[3 + LAW_CONSTANTS..].copy_from_slice(&self.tangential);
+        out[1] = self.inverse_radius_sum;
+        out[2] = self.damping;
+        out[3] = self.sixteen_shear_moduli;
+        out[4..4 + LAW_CONSTANTS].copy_from_slice(&self.normal);
+        out[4 + LAW_CONSTANTS..].copy_from_slice(&self.tangential);
         out
     }
 
@@ -210,10 +214,11 @@ impl<R: Copy> PairConstants<R> {
     pub fn from_columns(column: impl Fn(usize) -> R) -> Self {
         PairConstants {
             radius_sum: column(0),
-            damping: column(1),
-            sixteen_shear_moduli: column(2),
-            normal: std::array::from_fn(|c| column(3 + c)),
-            tangential: std::array::from_fn(|c| column(3 + LAW_CONSTANTS + c)),
+            inverse_radius_sum: column(1),
+            damping: column(2),
+            sixteen_shear_moduli: column(3),
+            normal: std::array::from_fn(|c| column(4 + c)),
+            tangential: std::array::from_fn(|c| column(4 + LAW_CONSTANTS + c)),
         }
     }
 }
