@@ -12,7 +12,7 @@ use crate::simulation::Site;
 /// Tries for one grain before the gas is called too dense.
 const TRIES: usize = 200_000;
 /// Tries after which places are looked for only where there may be room.
-const PATIENCE: usize = 200;
+const PATIENCE: usize = 30;
 /// Side of a room over the smallest diameter, and most rooms along an edge.
 const ROOM: f64 = 1.0 / 3.0;
 const MOST_ROOMS: usize = 1024;
