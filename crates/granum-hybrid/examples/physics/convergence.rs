@@ -1,0 +1,69 @@
+//! Convergence of the curves: in the time step, in the inertial number and in the number of grains.
+
+use std::error::Error;
+
+use super::runs::{CURVES, Test, deviation, distance, mean, sample, sheared, within};
+
+/// Where the curves are compared: beyond the elastic rise.
+const RANGE: std::ops::Range<f64> = 0.015..1.0;
+/// Friction of the compaction.
+const FRICTION: f64 = 0.1;
+
+/// The time step factor 0.2 against 0.1 and 0.05, one sample of 1000 grains.
+pub fn time_step() -> Result<(), Box<dyn Error>> {
+    let tests = [0.2, 0.1, 0.05].map(|time_step_factor| Test { time_step_factor, ..Test::default() });
+    compare(&tests, |t| format!("time step factor {}", t.time_step_factor))
+}
+
+/// I, I/2 and I/4, one sample of 1000 grains.
+pub fn rate() -> Result<(), Box<dyn Error>> {
+    let tests = [2e-3, 1e-3, 5e-4, 2.5e-4].map(|inertial_number| Test { inertial_number, ..Test::default() });
+    compare(&tests, |t| format!("inertial number {}", t.inertial_number))
+}
+
+/// Means over the strain, of two samples of 1000 grains each.
+fn compare(tests: &[Test], name: impl Fn(&Test) -> String) -> Result<(), Box<dyn Error>> {
+    let samples = [sample(1000, FRICTION, 1)?, sample(1000, FRICTION, 2)?];
+    println!("means over the strain, two samples: {CURVES:?}; rms distance of q/p from the first row");
+    let mut first = Vec::new();
+    for &test in tests {
+        let runs = samples.iter().map(|s| sheared(s, test)).collect::<Result<Vec<_>, _>>()?;
+        let mut line = format!("{:24}", name(&test));
+        for column in CURVES {
+            for run in &runs {
+                line += &format!(" {:.4}", mean(&within(run, column, RANGE)?));
+            }
+            line += ";";
+        }
+        let ratio = within(&runs[0], CURVES[0], RANGE)?;
+        if first.is_empty() {
+            first.clone_from(&ratio);
+        }
+        println!("{line} {:.4}", distance(&ratio, &first));
+    }
+    Ok(())
+}
+
+/// Scatter between seeds against the number of grains.
+pub fn size() -> Result<(), Box<dyn Error>> {
+    const SEEDS: u64 = 6;
+    println!(
+        "grains: for each of {CURVES:?} the mean, and the deviation between {SEEDS} seeds (rms over the states)"
+    );
+    for count in [250, 500, 1000, 2000] {
+        let test = Test { inertial_number: 2e-3, states: 10, ..Test::default() };
+        let runs = (1..=SEEDS)
+            .map(|seed| sheared(&sample(count, FRICTION, seed)?, test))
+            .collect::<Result<Vec<_>, _>>()?;
+        let mut line = format!("{count:5}");
+        for column in CURVES {
+            let curves = runs.iter().map(|r| within(r, column, RANGE)).collect::<Result<Vec<_>, _>>()?;
+            let at = |k: usize| curves.iter().map(|c| c[k]).collect::<Vec<f64>>();
+            let squares: Vec<f64> = (0..curves[0].len()).map(|k| deviation(&at(k)).powi(2)).collect();
+            let all: Vec<f64> = curves.concat();
+            line += &format!("; {:.4} {:.5}", mean(&all), mean(&squares).sqrt());
+        }
+        println!("{line}");
+    }
+    Ok(())
+}

@@ -1,0 +1,69 @@
+//! Curves of a whole test against LAMMPS: the same packing, laws and path (see `data/validation/README.md`).
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+use granum_io::{Column, Table, read_table, write_table};
+use granum_sensors::Series;
+
+use super::runs::{CURVES, Test, distance, mean, packed, sheared, within};
+
+/// Strain from which curves are compared: the elastic rise is over.
+const FROM: f64 = 0.0075;
+/// Time steps of granum's copies: rounding differs, and grains are chaotic.
+const FACTORS: [f64; 3] = [0.2, 0.19, 0.21];
+
+fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name)
+}
+
+/// Prints the means of granum's and LAMMPS's curves over the test, and how far they are apart, beside how far copies of
+/// each are from each other. Leaves granum's mean curves beside LAMMPS's.
+pub fn study() -> Result<(), Box<dyn Error>> {
+    let lammps = [read("validation/lammps.csv")?, read("validation/lammps-again.csv")?];
+    let sample = packed(&data("packing-5000.csv"))?;
+    let granum = FACTORS
+        .into_iter()
+        .map(|time_step_factor| sheared(&sample, Test { time_step_factor, ..Test::default() }))
+        .collect::<Result<Vec<Series>, _>>()?;
+    let mut columns = Vec::new();
+    println!(
+        "curve: means of LAMMPS, granum, difference; rms distance of the means, of copies of LAMMPS, of granum"
+    );
+    for name in CURVES {
+        let theirs = lammps.iter().map(|t| curve(t, name)).collect::<Result<Vec<_>, _>>()?;
+        let ours = granum.iter().map(|s| within(s, name, FROM..1.0)).collect::<Result<Vec<_>, _>>()?;
+        let (a, b) = (middle(&theirs), middle(&ours));
+        println!(
+            "{name:32} {:.4} {:.4} {:+.4}; {:.4} {:.4} {:.4}",
+            mean(&a),
+            mean(&b),
+            mean(&b) - mean(&a),
+            distance(&a, &b),
+            distance(&theirs[0], &theirs[1]),
+            distance(&ours[0], &ours[1]).max(distance(&ours[0], &ours[2])),
+        );
+        let all =
+            granum.iter().map(|s| s.required(name).map(<[f64]>::to_vec)).collect::<Result<Vec<_>, _>>()?;
+        columns.push(Column::new(name, "1", middle(&all)));
+    }
+    let strain = granum[0].required("deviator_strain")?.to_vec();
+    columns.insert(0, Column::new("deviator_strain", "1", strain));
+    write_table(data("validation/granum.csv"), &Table::new(columns)?)?;
+    Ok(())
+}
+
+fn read(name: &str) -> Result<Table, Box<dyn Error>> {
+    Ok(read_table(data(name))?)
+}
+
+fn curve(table: &Table, name: &str) -> Result<Vec<f64>, Box<dyn Error>> {
+    let strain = table.column("deviator_strain")?;
+    let values = table.column(name)?;
+    Ok(strain.iter().zip(values).filter(|(e, _)| **e > FROM).map(|(_, &v)| v).collect())
+}
+
+/// The mean of curves.
+fn middle(curves: &[Vec<f64>]) -> Vec<f64> {
+    (0..curves[0].len()).map(|k| mean(&curves.iter().map(|c| c[k]).collect::<Vec<_>>())).collect()
+}

@@ -1,0 +1,68 @@
+//! The sample that the tests share, and what they do with it.
+
+use std::sync::OnceLock;
+
+use granum_dem::assembly::{Assembly, Matrix};
+use granum_dem::cell::Cell;
+use granum_dem::config::{Contact, Grains, Material, NormalKind, Preparation, TangentialKind};
+use granum_dem::preparation::{Flow, Progress, Recipe, prepare};
+use granum_dem::servo::Control;
+use granum_dem::simulation::{Hardware, Properties, Simulation, Site};
+
+pub const MEAN_STRESS: f64 = 20e3;
+
+pub fn properties(friction: f64, damping: f64) -> Properties {
+    Properties {
+        material: Material { friction, interface_energy: 0.0, ..Material::default() },
+        contact: Contact { normal: NormalKind::Hertz, tangential: TangentialKind::NoSlip, damping },
+    }
+}
+
+/// 300 equal grains at rest at 20 kPa: Hertz, no-slip, friction 0.3.
+pub fn sample() -> &'static Simulation {
+    static SAMPLE: OnceLock<Simulation> = OnceLock::new();
+    SAMPLE.get_or_init(|| {
+        let Properties { material, contact } = properties(0.3, 0.1);
+        let grains = Grains { count: 300, material, ..Grains::default() };
+        prepared(&grains, &contact)
+    })
+}
+
+/// A sample compacted with a friction of 0.1.
+pub fn prepared(grains: &Grains, contact: &Contact) -> Simulation {
+    let preparation = Preparation {
+        friction: Some(0.1),
+        solid_fraction: None,
+        inertial_number: 3e-3,
+        unbalanced_force: 2e-3,
+        ..Preparation::default()
+    };
+    let hardware = Hardware::default();
+    let recipe = Recipe { grains, contact, preparation: &preparation, time_step_factor: 0.2, hardware };
+    prepare(&recipe, &mut |_: &Progress| Flow::Continue).unwrap().simulation
+}
+
+pub fn sites(assembly: &Assembly) -> Vec<Site> {
+    assembly.grains.iter().map(|g| Site { id: g.id, position: g.position, radius: g.radius }).collect()
+}
+
+pub fn multiply(m: &Matrix, v: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|r| m[r][0] * v[0] + m[r][1] * v[1] + m[r][2] * v[2])
+}
+
+/// Grains and cell under a linear map, with no contact history.
+pub fn mapped(assembly: &Assembly, map: &Matrix, properties: Properties) -> Simulation {
+    let edge = |k: usize| multiply(map, [0, 1, 2].map(|r| assembly.cell[r][k]));
+    let edges = [edge(0), edge(1), edge(2)];
+    let cell = Cell { edges: std::array::from_fn(|r| std::array::from_fn(|c| edges[c][r])) };
+    let moved: Vec<Site> =
+        sites(assembly).iter().map(|s| Site { position: multiply(map, s.position), ..*s }).collect();
+    Simulation::new(cell, &moved, properties).unwrap()
+}
+
+/// Axial compression at constant mean stress along an axis.
+pub fn compress(simulation: &mut Simulation, axis: usize, inertial_number: f64) {
+    let rate = simulation.strain_rate(inertial_number, MEAN_STRESS);
+    simulation.reset_phase(0.0);
+    simulation.set_control(Control::constant_mean_stress(axis, rate, MEAN_STRESS, 30.0 * rate));
+}

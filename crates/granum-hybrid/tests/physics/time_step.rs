@@ -1,0 +1,49 @@
+//! Order of the time integration.
+
+use granum_dem::cell::Cell;
+use granum_dem::simulation::{Simulation, Site};
+
+use super::sample::properties;
+
+/// Positions of 27 grains of a compressed cubic lattice that vibrates for 2 microseconds, some three periods.
+fn vibrated(friction: f64, damping: f64, steps: u64) -> Vec<f64> {
+    let spacing = 1e-4 * (1.0 - 1e-3);
+    let sites: Vec<Site> = (0..27)
+        .map(|k| Site {
+            id: k + 1,
+            position: [k % 3, k / 3 % 3, k / 9].map(|n| n as f64 * spacing),
+            radius: 5e-5,
+        })
+        .collect();
+    let mut s =
+        Simulation::new(Cell::cuboid([3.0 * spacing; 3]), &sites, properties(friction, damping)).unwrap();
+    // Small enough to keep every contact.
+    let velocities: Vec<[f64; 3]> = (0..27)
+        .map(|k| [f64::from(k) * 0.7, f64::from(k) * 1.3, f64::from(k) * 2.1].map(|x| 0.03 * x.sin()))
+        .collect();
+    s.set_velocities(&velocities, &[]);
+    s.fix_time_step(Some(2e-6 / steps as f64));
+    s.advance(steps).unwrap();
+    assert_eq!(s.state().contacts(), 81);
+    // The grains start at corners of the cell, and the cell may wrap them: distances do not care.
+    s.assembly().contacts.iter().map(|c| c.approach).collect()
+}
+
+/// How much less the result changes when the step is halved once more: 4 for second order, 2 for first.
+fn gain(friction: f64, damping: f64) -> f64 {
+    let runs = [500, 1000, 2000].map(|steps| vibrated(friction, damping, steps));
+    let change = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum::<f64>().sqrt();
+    change(&runs[0], &runs[1]) / change(&runs[1], &runs[2])
+}
+
+#[test]
+fn elastic_motion_is_of_second_order() {
+    let elastic = gain(0.0, 0.0);
+    let rough = gain(1e3, 0.0);
+    let damped = gain(0.0, 0.1);
+    println!("gain: elastic {elastic:.3}, with tangential forces {rough:.3}, with dashpots {damped:.3}");
+    assert!((elastic - 4.0).abs() < 0.1, "{elastic}");
+    assert!((rough - 4.0).abs() < 0.3, "{rough}");
+    // Dashpots take velocities that are half a step old: first order.
+    assert!((damped - 2.0).abs() < 0.2, "{damped}");
+}

@@ -1,0 +1,150 @@
+//! Stress and fabric by ways that share nothing.
+
+use std::sync::OnceLock;
+
+use granum_dem::assembly::{Assembly, Matrix};
+use granum_sensors::{column_index, measure_row};
+
+use super::sample::{compress, mapped, properties, sample};
+
+/// The sample at ten states between deviator strains of 0.02 and 0.04.
+fn sheared() -> &'static [Assembly] {
+    static STATES: OnceLock<Vec<Assembly>> = OnceLock::new();
+    STATES.get_or_init(|| {
+        let mut s = sample().clone();
+        compress(&mut s, 0, 2e-3);
+        let mut states = Vec::new();
+        while states.len() < 10 {
+            s.advance(400).unwrap();
+            if s.state().deviator_strain() > 0.02 + 0.002 * states.len() as f64 {
+                states.push(s.assembly());
+            }
+        }
+        states
+    })
+}
+
+fn value(assembly: &Assembly, column: &str) -> f64 {
+    measure_row(assembly)[column_index(column).unwrap()]
+}
+
+/// Without tangential forces the stress is the derivative of the stored energy by an affine strain: every component, with no
+/// force in the sum.
+#[test]
+fn stress_is_the_derivative_of_the_energy() {
+    let smooth = properties(0.0, 0.0);
+    let assembly = &sheared()[0];
+    let identity = |r: usize, c: usize| f64::from(u8::from(r == c));
+    let at_rest = mapped(assembly, &std::array::from_fn(|r| std::array::from_fn(|c| identity(r, c))), smooth);
+    let stress = at_rest.state().stress();
+    let (p, volume) = (at_rest.state().mean_stress(), assembly.volume());
+    let step = 1e-8;
+    let mut worst = 0.0f64;
+    for i in 0..3 {
+        for j in i..3 {
+            let energy = |e: f64| -> f64 {
+                let map: Matrix = std::array::from_fn(|r| {
+                    std::array::from_fn(|c| {
+                        let part = 0.5 * (identity(r, i) * identity(c, j) + identity(r, j) * identity(c, i));
+                        identity(r, c) - e * part
+                    })
+                });
+                mapped(assembly, &map, smooth).assembly().contacts.iter().map(|c| c.normal_energy).sum()
+            };
+            let derivative = (energy(step) - energy(-step)) / (2.0 * step * volume);
+            worst = worst.max((derivative - stress[i][j]).abs() / p);
+        }
+    }
+    println!("stress from the energy: off by {worst:.1e} of p");
+    assert!(worst < 1e-5, "{worst}");
+}
+
+/// The work that the ledger counts contact by contact is the integral of `V sigma : d eps`.
+#[test]
+fn boundary_work_is_stress_times_strain() {
+    let mut s = sample().clone();
+    compress(&mut s, 0, 2e-3);
+    let (mut work, mut before) = (0.0, s.assembly());
+    while s.state().deviator_strain() < 0.01 {
+        s.advance(10).unwrap();
+        let now = s.assembly();
+        let stress = |a: &Assembly| granum_sensors::Look::new(a).stress.tensor();
+        let (a, b) = (stress(&before), stress(&now));
+        for k in 0..3 {
+            let mean = 0.5 * (a[k][k] * before.volume() + b[k][k] * now.volume());
+            work += mean * (now.strain[k][k] - before.strain[k][k]);
+        }
+        before = now;
+    }
+    let ratio = work / s.state().energy().boundary_work;
+    println!("integral of stress and strain over the boundary work: {ratio:.5}");
+    assert!((ratio - 1.0).abs() < 5e-3, "{ratio}");
+}
+
+/// Contacts, coordination number and fabric from the centres alone: every pair with every image.
+#[test]
+fn fabric_from_the_centres() {
+    for a in &sheared()[..3] {
+        let edges: Vec<f64> = (0..3).map(|k| a.cell[k][k]).collect();
+        let (mut count, mut sum) = (0, [0.0; 9]);
+        for (n, g) in a.grains.iter().enumerate() {
+            for h in &a.grains[n + 1..] {
+                for image in 0..27 {
+                    let shift = [image % 3, image / 3 % 3, image / 9].map(|s| f64::from(s) - 1.0);
+                    let l: [f64; 3] =
+                        std::array::from_fn(|k| h.position[k] + shift[k] * edges[k] - g.position[k]);
+                    let square: f64 = l.iter().map(|x| x * x).sum();
+                    if square < (g.radius + h.radius).powi(2) {
+                        count += 1;
+                        for k in 0..9 {
+                            sum[k] += l[k / 3] * l[k % 3] / square;
+                        }
+                    }
+                }
+            }
+        }
+        assert_eq!(count, a.contacts.len());
+        for (column, k) in [("fabric_11", 0), ("fabric_12", 1), ("fabric_33", 8)] {
+            assert!((sum[k] / count as f64 - value(a, column)).abs() < 1e-12, "{column}");
+        }
+        let z = 2.0 * count as f64 / a.grains.len() as f64;
+        assert!((z - value(a, "coordination_number")).abs() < 1e-12);
+    }
+}
+
+/// Anisotropies of a state: of the contacts, of the normal and of the tangential forces (deviators of the tensors a in
+/// `E(n) = (1 + a_c : n n) / 4 pi` and so on).
+fn anisotropies(a: &Assembly) -> [f64; 3] {
+    let count = a.contacts.len() as f64;
+    let diagonal = |of: &dyn Fn(usize, &granum_dem::assembly::Contact) -> f64| -> [f64; 3] {
+        std::array::from_fn(|k| a.contacts.iter().map(|c| of(k, c)).sum::<f64>() / count)
+    };
+    let deviator = |t: [f64; 3]| t[0] - 0.5 * (t[1] + t[2]);
+    let trace = |t: [f64; 3]| t.iter().sum::<f64>();
+    let fabric = diagonal(&|k, c| c.normal[k] * c.normal[k]);
+    let contact = fabric.map(|x| 7.5 * (x - 1.0 / 3.0));
+    // Means over directions, not over contacts.
+    let share = |c: &granum_dem::assembly::Contact| {
+        1.0 + (0..3).map(|k| contact[k] * c.normal[k] * c.normal[k]).sum::<f64>()
+    };
+    let normal = diagonal(&|k, c| c.normal_force * c.normal[k] * c.normal[k] / share(c));
+    let tangential = diagonal(&|k, c| -c.tangential_force[k] * c.normal[k] / share(c));
+    [deviator(contact), 7.5 * deviator(normal) / trace(normal), 5.0 * deviator(tangential) / trace(normal)]
+}
+
+/// Stress, force and fabric (Rothenburg and Bathurst 1989; Ouadfel and Rothenburg 2001): to first order
+/// `q/p = 2/5 (a_c + a_n + 3/2 a_t)`.
+#[test]
+fn stress_force_and_fabric_agree() {
+    let mut sums = [0.0; 5];
+    for a in sheared() {
+        let [c, n, t] = anisotropies(a);
+        for (sum, x) in sums.iter_mut().zip([c, n, t, 0.4 * (c + n + 1.5 * t), value(a, "stress_ratio")]) {
+            *sum += x / sheared().len() as f64;
+        }
+    }
+    let [c, n, t, predicted, measured] = sums;
+    println!("a_c {c:.3} a_n {n:.3} a_t {t:.3}: q/p {predicted:.4}, from the stress {measured:.4}");
+    assert!((predicted / measured - 1.0).abs() < 0.05, "{predicted} {measured}");
+    assert!(n > c && c > 0.0 && t > 0.0);
+}
