@@ -44,26 +44,41 @@ fn compare(tests: &[Test], name: impl Fn(&Test) -> String) -> Result<(), Box<dyn
     Ok(())
 }
 
-/// Scatter between seeds against the number of grains.
+/// Numbers of grains for the scatter.
+const SIZES: [usize; 4] = [250, 500, 1000, 2000];
+
+/// Scatter between seeds against the number of grains, and the exponent with which it falls.
 pub fn size() -> Result<(), Box<dyn Error>> {
     const SEEDS: u64 = 6;
     println!(
         "grains: for each of {CURVES:?} the mean, and the deviation between {SEEDS} seeds (rms over the states)"
     );
-    for count in [250, 500, 1000, 2000] {
+    let mut scatter = vec![Vec::new(); CURVES.len()];
+    for count in SIZES {
         let test = Test { inertial_number: 2e-3, states: 10, ..Test::default() };
         let runs = (1..=SEEDS)
             .map(|seed| sheared(&sample(count, FRICTION, seed)?, test))
             .collect::<Result<Vec<_>, _>>()?;
         let mut line = format!("{count:5}");
-        for column in CURVES {
+        for (k, column) in CURVES.iter().enumerate() {
             let curves = runs.iter().map(|r| within(r, column, RANGE)).collect::<Result<Vec<_>, _>>()?;
-            let at = |k: usize| curves.iter().map(|c| c[k]).collect::<Vec<f64>>();
-            let squares: Vec<f64> = (0..curves[0].len()).map(|k| deviation(&at(k)).powi(2)).collect();
-            let all: Vec<f64> = curves.concat();
-            line += &format!("; {:.4} {:.5}", mean(&all), mean(&squares).sqrt());
+            let at = |state: usize| curves.iter().map(|c| c[state]).collect::<Vec<f64>>();
+            let squares: Vec<f64> = (0..curves[0].len()).map(|state| deviation(&at(state)).powi(2)).collect();
+            scatter[k].push(mean(&squares).sqrt());
+            line += &format!("; {:.4} {:.5}", mean(&curves.concat()), mean(&squares).sqrt());
         }
         println!("{line}");
     }
+    let exponents: Vec<String> = scatter.iter().map(|s| format!("{:.2}", exponent(s))).collect();
+    println!("exponents: {}", exponents.join(" "));
     Ok(())
+}
+
+/// Slope of the logarithm of the scatter against that of the number of grains.
+fn exponent(scatter: &[f64]) -> f64 {
+    let x: Vec<f64> = SIZES.iter().map(|&n| (n as f64).ln()).collect();
+    let y: Vec<f64> = scatter.iter().map(|s| s.ln()).collect();
+    let (mx, my) = (mean(&x), mean(&y));
+    let product: f64 = x.iter().zip(&y).map(|(a, b)| (a - mx) * (b - my)).sum();
+    product / x.iter().map(|a| (a - mx).powi(2)).sum::<f64>()
 }

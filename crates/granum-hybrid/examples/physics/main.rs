@@ -14,8 +14,11 @@ mod runs;
 
 use std::error::Error;
 
+/// Prints its table.
+type Study = fn() -> Result<(), Box<dyn Error>>;
+
 /// The studies by their names.
-const STUDIES: [(&str, fn() -> Result<(), Box<dyn Error>>); 5] = [
+const STUDIES: [(&str, Study); 5] = [
     ("lammps", lammps::study),
     ("time-step", convergence::time_step),
     ("rate", convergence::rate),
