@@ -230,7 +230,7 @@ mod tests {
                         for k in piece.clone() {
                             assert_eq!(counts[k].fetch_add(1, Ordering::SeqCst), now);
                         }
-                        if thread == 1 && now % 50 == 0 {
+                        if thread == 1 && now.is_multiple_of(50) {
                             std::thread::yield_now();
                         }
                         if work.report(piece.len(), BLOCKS) {
