@@ -4,7 +4,7 @@
 //! Case --> prepare --> sample folder --> shear --> run folder
 //! ```
 //!
-//! A run is a [`Standing`](standing::Standing) that goes from stage to stage: preparation, sample, test. It is written down as a
+//! A run is a [`Standing`] that goes from stage to stage: preparation, sample, test. It is written down as a
 //! checkpoint at an interval of wall time and when the user stops it, and everything that decides what comes next is in
 //! it: a run that is killed at any instant goes on to the same bits. Before the first checkpoint there are the case and
 //! where the sample comes from.
