@@ -45,13 +45,13 @@ pub struct Bench {
     #[arg(long, value_name = "NORMAL,TANGENTIAL")]
     law: Option<String>,
     /// Time for each figure, s.
-    #[arg(long, value_name = "S", default_value_t = 1.0)]
+    #[arg(long, value_name = "S", default_value_t = 1.0, allow_negative_numbers = true)]
     seconds: f64,
     /// Time step of the engine's figures, s; a fraction of the stiffest contact's period by default.
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     time_step: Option<f64>,
     /// Strain rate of the engine's figures, 1/s; that of an inertial number of 1e-3 by default.
-    #[arg(long, value_name = "RATE")]
+    #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
     strain_rate: Option<f64>,
     /// Measure only the engine (dem) or the networks (nets).
     #[arg(long, value_name = "WHAT", value_parser = ["dem", "nets"])]
