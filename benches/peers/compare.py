@@ -107,7 +107,7 @@ def main():
         print("yade is not on the PATH: YADE was not compared")
     has_jax = subprocess.run([flags.jax, "-c", "import jax"], capture_output=True).returncode == 0
     if has_jax:
-        print(run([flags.jax, os.path.join(HERE, "traingdx_jax.py"), "--granum"], flags.core, cwd=ROOT).strip())
+        print(run([flags.jax, os.path.join(HERE, "traingdx_jax.py"), "--granum", flags.granum], flags.core).strip())
     else:
         print("this Python has no JAX: traingdx was not compared (--jax PYTHON)")
 

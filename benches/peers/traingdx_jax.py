@@ -6,14 +6,14 @@ raises the mean squared error by more than 4 % is rejected (rate * 0.7, momentum
 rate (* 1.05). The JAX loop runs entirely inside one compiled `fori_loop`.
 
     python benches/peers/traingdx_jax.py                  # JAX alone
-    python benches/peers/traingdx_jax.py --granum         # by turns with granum, needs cargo
+    python benches/peers/traingdx_jax.py --granum target/release/granum     # by turns with granum
 
 Installs nothing: JAX must be there (`pip install jax` in an environment of your own).
 """
 
 import argparse
+import json
 import os
-import re
 import statistics
 import subprocess
 import sys
@@ -96,17 +96,17 @@ def jax_rate(epochs):
     return epochs / wall, epochs / cpu
 
 
-def granum_rate():
-    command = ["cargo", "bench", "-q", "-p", "granum-nets", "--bench", "nets", "--", "traingdx-paper"]
+def granum_rate(binary):
+    command = [binary, "bench", "--json", "--only", "nets", "--seconds", "3"]
     output = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-    return float(re.search(r"traingdx-paper\s+([0-9.]+) epochs/s", output).group(1))
+    return next(net["value"] for net in json.loads(output)["nets"] if net["name"].startswith("traingdx"))
 
 
 def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("--epochs", type=int, default=2000)
     arguments.add_argument("--turns", type=int, default=5)
-    arguments.add_argument("--granum", action="store_true")
+    arguments.add_argument("--granum", metavar="PROGRAM", help="target/release/granum")
     arguments = arguments.parse_args()
     jax_rates, granum_rates = [], []
     for turn in range(arguments.turns):
@@ -114,7 +114,7 @@ def main():
         jax_rates.append(wall)
         line = f"turn {turn + 1}: JAX {jax.__version__} {wall:.0f} epochs/s ({cpu:.0f} per CPU second)"
         if arguments.granum:
-            granum_rates.append(granum_rate())
+            granum_rates.append(granum_rate(arguments.granum))
             line += f", granum {granum_rates[-1]:.0f} epochs/s"
         print(line, flush=True)
     print(f"best: JAX {max(jax_rates):.0f} epochs/s")

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use granum_simd::{LANES, Row8};
+use granum_simd::{LANES, Portable, Row8};
 
 use crate::cell::Cell;
 use crate::contact::interaction::Memory;
@@ -29,9 +29,10 @@ pub(crate) struct Change<'a> {
 }
 
 /// Makes the list anew from `near` (sorted). `place` holds the grains in their new order, inside the cell; the two phantoms
-/// follow them in memory.
+/// follow them in memory. Of the old list only what its contacts remember is held while the new one is made: a large
+/// sample would not fit into memory twice.
 pub(crate) fn rebuild(
-    old: &Pairs,
+    old: Pairs,
     near: &[Near],
     cell: &Cell,
     place: &[Row8],
@@ -39,14 +40,15 @@ pub(crate) fn rebuild(
     columns: usize,
 ) -> Pairs {
     let grains = place.len();
-    let carried = carried(old, near, change);
+    let kept = Kept::of(&old, near, change, grains);
+    drop(old);
     let images: Vec<[f64; 3]> =
         (0..crate::pairs::IMAGES as u32).map(|code| cell.image(image_vector(code))).collect();
     let touches = |(pair, &from): (&Near, &u32)| {
         let (a, b) = (&place[pair.i as usize], &place[pair.j as usize]);
         from != 0 || is_near(a, b, &images[pair.image as usize], 0.0)
     };
-    let touch: Vec<bool> = near.iter().zip(&carried).map(touches).collect();
+    let touch: Vec<bool> = near.iter().zip(&kept.from).map(touches).collect();
     let mut list = List {
         pairs: Pairs { count: near.len(), columns, ..Pairs::default() },
         slots: vec![0; near.len()],
@@ -61,23 +63,19 @@ pub(crate) fn rebuild(
         begin = end;
     }
     let List { mut pairs, slots, halo, .. } = list;
-    pairs.forces = carried_forces(old, change, grains, halo.len());
     list_outer(&mut pairs, &halo, grains);
     pairs.memory = vec![Row8::default(); pairs.batches() * columns];
     pairs.marks = vec![Marks::default(); pairs.batches()];
-    for (n, &from) in carried.iter().enumerate().filter(|(_, from)| **from != 0) {
-        let (from, flip) = ((from - 1) / 2, (from - 1) % 2 != 0);
-        let mut memory = old.memory(from as usize);
-        if flip {
-            (change.swap)(&mut memory);
-        }
-        let slot = slots[n] as usize;
-        pairs.set_memory(slot, &memory);
-        pairs.marks[slot / LANES].touched |= 1 << (slot % LANES);
-        if old.sliding(from as usize) {
-            pairs.marks[slot / LANES].sliding |= 1 << (slot % LANES);
-        }
+    for (&slot, &from) in slots.iter().zip(&kept.from).filter(|(_, from)| **from != 0) {
+        let (memory, sliding) = &kept.memories[from as usize - 1];
+        let (batch, lane) = (slot as usize / LANES, slot as usize % LANES);
+        pairs.set_memory(slot as usize, memory);
+        pairs.marks[batch].touched |= 1 << lane;
+        pairs.marks[batch].sliding |= u8::from(*sliding) << lane;
     }
+    pairs.forces = kept.forces;
+    pairs.forces.reserve_exact(halo.len());
+    pairs.forces.resize(grains + halo.len(), Row8::default());
     pairs
 }
 
@@ -188,16 +186,42 @@ fn list_outer(pairs: &mut Pairs, halo: &[u32], grains: usize) {
     pairs.outer_offsets = offsets;
 }
 
-/// Where each near pair's memory comes from: 0 if it did not touch, else `1 + 2 slot`, plus one if i and j changed sides.
-fn carried(old: &Pairs, near: &[Near], change: &Change) -> Vec<u32> {
-    let mut from = vec![0u32; near.len()];
-    for slot in old.touching() {
-        let (key, flip) = carried_key(old, slot, change);
-        if let Ok(n) = near.binary_search(&key) {
-            from[n] = 1 + 2 * slot as u32 + u32::from(flip);
+/// What goes from the old list into the new one.
+struct Kept {
+    /// For each near pair: 0 if it did not touch, else one more than where its memory is.
+    from: Vec<u32>,
+    /// Memories, for the pairs as they stand in the new list, and whether they slid.
+    memories: Vec<(Memory<f64>, bool)>,
+    /// Resultants of the last step in the new places.
+    forces: Vec<Row8>,
+}
+
+impl Kept {
+    fn of(old: &Pairs, near: &[Near], change: &Change, grains: usize) -> Kept {
+        let mut kept = Kept {
+            from: vec![0; near.len()],
+            memories: Vec::with_capacity(old.contacts()),
+            forces: vec![Row8::default(); grains],
+        };
+        for slot in old.touching() {
+            let (key, flip) = carried_key(old, slot, change);
+            let Ok(n) = near.binary_search(&key) else { continue };
+            let mut memory = old.memory(slot);
+            if flip {
+                (change.swap)(&mut memory);
+            }
+            kept.memories.push((memory, old.sliding(slot)));
+            kept.from[n] = kept.memories.len() as u32;
         }
+        if old.outer_offsets.len() == grains + 1 {
+            for g in 0..grains {
+                let new = change.new_place.map_or(g, |new| new[g] as usize);
+                let total = resultant::<Portable>(&old.forces, &old.outer_offsets, &old.outer, g);
+                kept.forces[new] = Row8(total);
+            }
+        }
+        kept
     }
-    from
 }
 
 /// Where an old pair's memory goes: its key in the new order, and whether i and j changed sides.
@@ -221,19 +245,6 @@ fn carried_key(pairs: &Pairs, slot: usize, change: &Change) -> (Near, bool) {
     }
     let image = if s.iter().all(|x| (-REACH..=REACH).contains(x)) { image_code(s) } else { u32::MAX };
     (Near { i, j, image }, flip)
-}
-
-/// Force rows of the new list: the resultants of the last step in the rows of the grains, zero in the others.
-fn carried_forces(old: &Pairs, change: &Change, grains: usize, outer: usize) -> Vec<Row8> {
-    let mut forces = vec![Row8::default(); grains + outer];
-    if old.outer_offsets.len() == grains + 1 {
-        for g in 0..grains {
-            let new = change.new_place.map_or(g, |new| new[g] as usize);
-            forces[new] =
-                Row8(resultant::<granum_simd::Portable>(&old.forces, &old.outer_offsets, &old.outer, g));
-        }
-    }
-    forces
 }
 
 #[cfg(test)]
@@ -270,7 +281,7 @@ mod tests {
         let near = find(&cell, &place, 0.05);
         let none = vec![[0; 3]; COUNT];
         let change = Change { moved: &none, new_place: None, swap: negate };
-        let mut pairs = rebuild(&Pairs::default(), &near, &cell, &place, &change, 7);
+        let mut pairs = rebuild(Pairs::default(), &near, &cell, &place, &change, 7);
         assert!(pairs.blocks.len() > 3 && pairs.forces.len() > COUNT);
         // Remember the direction and the branch itself, and let every pair pull with its branch.
         let slots: Vec<usize> = real(&pairs).collect();
@@ -289,7 +300,7 @@ mod tests {
             pairs.marks[b].sliding |= ((slot % 3 == 0) as u8) << l;
         }
         let sum = |pairs: &Pairs, g: usize| {
-            resultant::<granum_simd::Portable>(&pairs.forces, &pairs.outer_offsets, &pairs.outer, g)
+            resultant::<Portable>(&pairs.forces, &pairs.outer_offsets, &pairs.outer, g)
         };
         let before: Vec<[f64; 8]> = (0..COUNT).map(|g| sum(&pairs, g)).collect();
         for row in &mut place {
@@ -305,7 +316,7 @@ mod tests {
         let place: Vec<Row8> = order.iter().map(|&o| place[o as usize]).collect();
         let near = find(&cell, &place, 0.05);
         let change = Change { moved: &moved, new_place: Some(&new_place), swap: negate };
-        let again = rebuild(&pairs, &near, &cell, &place, &change, 7);
+        let again = rebuild(pairs.clone(), &near, &cell, &place, &change, 7);
         assert_eq!((again.count, again.contacts()), (pairs.count, pairs.count));
         assert_eq!(real(&again).count(), again.count);
         let slid = |pairs: &Pairs| real(pairs).filter(|&s| pairs.sliding(s)).count();
@@ -331,7 +342,7 @@ mod tests {
         let near = find(&cell, &place, 0.3);
         let none = vec![[0; 3]; COUNT];
         let change = Change { moved: &none, new_place: None, swap: negate };
-        let pairs = rebuild(&Pairs::default(), &near, &cell, &place, &change, 5);
+        let pairs = rebuild(Pairs::default(), &near, &cell, &place, &change, 5);
         let mut owner = vec![usize::MAX; pairs.forces.len()];
         for (k, block) in pairs.blocks.iter().enumerate() {
             for [from, to] in [block.grains, block.outer] {

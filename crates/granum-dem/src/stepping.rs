@@ -105,7 +105,7 @@ impl Machine {
         let columns = NORMAL_COLUMNS + self.table.history;
         let old = std::mem::take(&mut state.pairs);
         let change = Change { moved: &moved, new_place: new_place.as_deref(), swap: self.table.swap_sides };
-        state.pairs = blocks::rebuild(&old, &near, &state.cell, &state.place[..n], &change, columns);
+        state.pairs = blocks::rebuild(old, &near, &state.cell, &state.place[..n], &change, columns);
         state.travel = 0.0;
         state.distortion = 0.0;
         state.steps_since_rebuild = 0;
@@ -295,7 +295,7 @@ fn adapt_skin(state: &mut State, diameter: f64) {
     } else if state.steps_since_rebuild > WANTED_LIFE.end {
         state.skin *= 0.9;
     }
-    state.skin = state.skin.clamp(1e-3 * diameter, 0.3 * diameter);
+    state.skin = state.skin.clamp(1e-3 * diameter, 0.2 * diameter);
 }
 
 /// Sorts the grains along a space-filling curve; returns the new place of each.

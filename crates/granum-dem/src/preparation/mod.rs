@@ -387,16 +387,17 @@ impl Preparing {
         (state.step() >= MOST_RELAXATION_STEPS).then_some(false)
     }
 
-    /// Takes the sample, or the next friction to try. Leaves `self` spent.
-    fn end_trial(&mut self, recipe: &Recipe, settled: bool) -> Ended {
+    /// Takes the sample, or the next friction to try.
+    fn end_trial(self, recipe: &Recipe, settled: bool) -> Ended {
         let p = recipe.preparation;
-        let state = self.simulation.state();
+        let Preparing { mut simulation, course } = self;
+        let state = simulation.state();
         let solid_fraction = state.solid_fraction();
         let unbalanced_force = state.unbalanced_force();
-        let steps = self.course.steps + state.step();
-        let mut trials = std::mem::take(&mut self.course.trials);
+        let steps = course.steps + state.step();
+        let mut trials = course.trials;
         let mut solid_fraction_met = true;
-        if let Some(friction) = self.course.friction {
+        if let Some(friction) = course.friction {
             trials.push(Trial { friction, solid_fraction });
             if let Some(target) = p.solid_fraction {
                 solid_fraction_met = (solid_fraction - target).abs() <= p.solid_fraction_tolerance;
@@ -406,7 +407,6 @@ impl Preparing {
                 }
             }
         }
-        let mut simulation = self.simulation.clone();
         finish(&mut simulation, p);
         Ended::Sample(Box::new(Sample {
             simulation,

@@ -332,8 +332,12 @@ impl Laboratory {
         loop {
             let started = Instant::now();
             let phase = standing.phase();
-            let stretch = match &standing.stage {
-                Stage::Preparation(_) => self.prepare_on(case, &mut standing, observer)?,
+            let stretch = match standing.stage {
+                Stage::Preparation(_) => {
+                    let (next, stretch) = self.prepare_on(case, standing, observer)?;
+                    standing = next;
+                    stretch
+                }
                 Stage::Sample => {
                     folder.write_snapshot(SAMPLE, &standing.simulation.assembly())?;
                     if record.kind == "prepare" {

@@ -93,12 +93,16 @@ impl Laboratory {
     pub(super) fn prepare_on(
         &self,
         case: &Case,
-        standing: &mut Standing,
+        standing: Standing,
         observer: &mut dyn RunObserver,
-    ) -> Result<Stretch, LaboratoryError> {
-        let Stage::Preparation(course) = &standing.stage else { return Ok(Stretch::GoOn) };
-        let preparing = Preparing { simulation: standing.simulation.clone(), course: course.clone() };
-        let recipe = self.recipe(case, standing.found.grains);
+    ) -> Result<(Standing, Stretch), LaboratoryError> {
+        // By value: a large simulation would not fit into memory twice.
+        let Standing { simulation, stage, mut found, older } = standing;
+        let Stage::Preparation(course) = stage else {
+            return Ok((Standing { simulation, stage, found, older }, Stretch::GoOn));
+        };
+        let preparing = Preparing { simulation, course };
+        let recipe = self.recipe(case, found.grains);
         let mut speedometer = Speedometer::new();
         let mut interval = Interval::new(self.checkpoint_every);
         let mut stopped = false;
@@ -115,20 +119,17 @@ impl Laboratory {
             stopped = observer.stop();
             if stopped || interval.is_over() { Flow::Stop } else { Flow::Continue }
         };
-        match preparing.go_on(&recipe, &mut watch)? {
-            Outcome::Stopped(at) => {
-                standing.simulation = at.simulation;
-                standing.stage = Stage::Preparation(at.course);
-                Ok(if stopped { Stretch::Stop } else { Stretch::GoOn })
-            }
+        let (simulation, stage) = match preparing.go_on(&recipe, &mut watch)? {
+            Outcome::Stopped(at) => (at.simulation, Stage::Preparation(at.course)),
             Outcome::Sample(sample) => {
-                note_sample(case, &sample, &mut standing.found);
-                standing.simulation = sample.simulation;
-                standing.stage = Stage::Sample;
-                measure_sample(&standing.simulation, &mut standing.found);
-                Ok(Stretch::GoOn)
+                note_sample(case, &sample, &mut found);
+                measure_sample(&sample.simulation, &mut found);
+                stopped = false;
+                (sample.simulation, Stage::Sample)
             }
-        }
+        };
+        let stretch = if stopped { Stretch::Stop } else { Stretch::GoOn };
+        Ok((Standing { simulation, stage, found, older }, stretch))
     }
 }
 

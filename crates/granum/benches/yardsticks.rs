@@ -1,0 +1,10 @@
+//! `cargo bench -p granum`: the yardsticks of `granum bench`, with its flags after `--`.
+
+use std::process::{Command, ExitCode};
+
+fn main() -> ExitCode {
+    // Cargo adds `--bench`.
+    let flags = std::env::args().skip(1).filter(|flag| flag != "--bench");
+    let done = Command::new(env!("CARGO_BIN_EXE_granum")).arg("bench").args(flags).status();
+    if done.is_ok_and(|status| status.success()) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
