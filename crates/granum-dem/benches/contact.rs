@@ -177,7 +177,7 @@ fn steps<L: Lanes, A: Access<L>, N: NormalLaw, T: TangentialLaw>(run: Run<'_, N,
             }
             sums[9] = sums[9] + out.tangential_work;
             sums[10] = sums[10] + out.friction_loss;
-            sums[11] = sums[11] + out.damping_loss + out.adhesion_loss;
+            sums[11] = sums[11] + out.damping_loss + out.adhesion_made + out.adhesion_broken;
             sums[12] = sums[12].max(out.normal_stiffness + out.tangential_stiffness);
         }
     }

@@ -74,10 +74,14 @@ pub struct EnergyLedger {
     pub tangential_work: f64,
     /// Lost to sliding at the friction limit (part of `tangential_work`).
     pub friction: f64,
+    /// Lost without sliding, in the zones of slip of the contact areas (part of `tangential_work`).
+    pub micro_slip: f64,
     /// Lost in the contact dashpots.
     pub damping: f64,
+    /// Lost when adhesive contacts were made: no force gives back what the surfaces release.
+    pub adhesion_made: f64,
     /// Lost when adhesive contacts broke.
-    pub adhesion: f64,
+    pub adhesion_broken: f64,
 }
 
 /// A read-only picture of a simulation at one moment.

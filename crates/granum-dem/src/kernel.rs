@@ -29,10 +29,14 @@ pub struct ContactSums {
     pub tangential_work: f64,
     /// Lost to sliding in this step, J.
     pub friction_loss: f64,
+    /// Lost without sliding in this step, J.
+    pub micro_slip_loss: f64,
     /// Lost in dashpots in this step, J.
     pub damping_loss: f64,
-    /// Lost by breaking in this step, J.
-    pub adhesion_loss: f64,
+    /// Lost by contacts made in this step, J.
+    pub adhesion_made: f64,
+    /// Lost by contacts broken in this step, J.
+    pub adhesion_broken: f64,
     /// Power that the cell's deformation feeds into the contacts, W.
     pub boundary_power: f64,
     /// `sum of k_n D^2`, J.
@@ -43,7 +47,7 @@ pub struct ContactSums {
     pub fastest: f64,
 }
 
-const SUMS: usize = 16;
+const SUMS: usize = 18;
 
 impl ContactSums {
     /// The sums of blocks, in their order.
@@ -56,7 +60,9 @@ impl ContactSums {
             t.tangential_work += c.tangential_work;
             t.friction_loss += c.friction_loss;
             t.damping_loss += c.damping_loss;
-            t.adhesion_loss += c.adhesion_loss;
+            t.micro_slip_loss += c.micro_slip_loss;
+            t.adhesion_made += c.adhesion_made;
+            t.adhesion_broken += c.adhesion_broken;
             t.boundary_power += c.boundary_power;
             t.stiffness += c.stiffness;
             t.normal_force += c.normal_force;
@@ -169,10 +175,12 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
                 tangential_work: s[9],
                 friction_loss: s[10],
                 damping_loss: s[11],
-                adhesion_loss: s[12],
-                boundary_power: s[13],
-                stiffness: s[14],
-                normal_force: s[15],
+                boundary_power: s[12],
+                stiffness: s[13],
+                normal_force: s[14],
+                micro_slip_loss: s[15],
+                adhesion_made: s[16],
+                adhesion_broken: s[17],
                 // Equal grains have one mass to divide by.
                 fastest: fastest.reduce_max() / if C::BY_BATCH { 1.0 } else { mass },
             };
@@ -253,7 +261,12 @@ fn contact_batch<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource, co
     for k in 0..T::HISTORY {
         memory.history[k].store(&mut memory_rows[NORMAL_COLUMNS + k].0);
     }
-    *marks = Marks { touched: out.touching.bits() as u8, sliding: out.sliding.bits() as u8 };
+    let touching = out.touching.bits() as u8;
+    if touching != marks.touched {
+        sums[16] = sums[16] + out.adhesion_made;
+        sums[17] = sums[17] + out.adhesion_broken;
+    }
+    *marks = Marks { touched: touching, sliding: out.sliding.bits() as u8 };
     // SAFETY: only read in this stage.
     let target = unsafe { &v.target.read()[b] };
     add_forces(v, i, target, out.force, out.moment);
@@ -265,11 +278,11 @@ fn contact_batch<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource, co
     sums[9] = sums[9] + out.tangential_work;
     sums[10] = sums[10] + out.friction_loss;
     sums[11] = sums[11] + out.damping_loss;
-    sums[12] = sums[12] + out.adhesion_loss;
-    sums[13] = sums[13] + dot(out.force, affine);
+    sums[12] = sums[12] + dot(out.force, affine);
     let square = constants.radius_sum * constants.radius_sum;
-    sums[14] = out.normal_stiffness.mul_add(square, sums[14]);
-    sums[15] = sums[15] + out.normal_force.abs();
+    sums[13] = out.normal_stiffness.mul_add(square, sums[13]);
+    sums[14] = sums[14] + out.normal_force.abs();
+    sums[15] = sums[15] + out.micro_slip_loss;
     let tangential = half * constants.sixteen_shear_moduli * out.radius;
     *fastest = fastest.max(if C::BY_BATCH { tangential / a[7].min(c[7]) } else { tangential });
 }

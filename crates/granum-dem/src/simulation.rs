@@ -101,6 +101,8 @@ pub(crate) struct LawTable {
     pub(crate) constants: fn(&PairProperties) -> PairConstants<f64>,
     /// Radius of a contact with some approach, its normal force and the energy of that.
     pub(crate) describe: fn(&PairConstants<f64>, f64) -> [f64; 3],
+    /// Energy that a contact of a tangential stiffness and a history stores by it.
+    pub(crate) tangential_energy: fn(&PairConstants<f64>, f64, &[f64; MAX_HISTORY]) -> f64,
     pub(crate) tangential_force: fn([f64; 3], &[f64; MAX_HISTORY]) -> [f64; 3],
     pub(crate) breaking_approach: fn(&PairConstants<f64>) -> f64,
     pub(crate) advance: fn(&mut Machine, u64) -> Result<(), SimulationError>,
@@ -114,6 +116,7 @@ impl LawVisitor for MakeTable {
         LawTable {
             history: T::HISTORY,
             swap_sides: T::swap_sides,
+            tangential_energy: |pair, stiffness, history| T::energy(&pair.tangential, stiffness, history),
             tangential_force: T::force::<f64>,
             constants: PairConstants::new::<N, T>,
             describe: |pair, approach| {

@@ -267,7 +267,7 @@ impl State {
         let [radius, normal_force, normal_energy] = (table.describe)(&pair, approach);
         let memory = self.pairs.memory(slot);
         let t = (table.tangential_force)(memory.normal, &memory.history);
-        let t_square = t[0] * t[0] + t[1] * t[1] + t[2] * t[2];
+        let stiffness = 0.5 * pair.sixteen_shear_moduli * radius;
         // By rank, so that i < j holds for ids whatever the order in memory.
         let sign = if rank[i] <= rank[j] { 1.0 } else { -1.0 };
         let (first, second) = if sign > 0.0 { (i, j) } else { (j, i) };
@@ -282,11 +282,7 @@ impl State {
             radius,
             sliding: self.pairs.sliding(slot),
             normal_energy,
-            tangential_energy: if radius > 0.0 {
-                t_square / (pair.sixteen_shear_moduli * radius)
-            } else {
-                0.0
-            },
+            tangential_energy: (table.tangential_energy)(&pair, stiffness, &memory.history),
         }
     }
 }

@@ -210,7 +210,9 @@ impl Machine {
         state.ledger.tangential_work += state.sums.tangential_work;
         state.ledger.friction += state.sums.friction_loss;
         state.ledger.damping += state.sums.damping_loss;
-        state.ledger.adhesion += state.sums.adhesion_loss;
+        state.ledger.micro_slip += state.sums.micro_slip_loss;
+        state.ledger.adhesion_made += state.sums.adhesion_made;
+        state.ledger.adhesion_broken += state.sums.adhesion_broken;
         state.time += state.dt;
         state.step += 1;
         state.steps_since_rebuild += 1;

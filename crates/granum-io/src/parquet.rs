@@ -8,6 +8,7 @@
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Write};
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -43,10 +44,41 @@ pub fn write(path: &Path, table: &Table) -> Result<()> {
     if table.columns().is_empty() {
         return Err(Error::Table("a Parquet file needs at least one column".into()));
     }
-    write_atomically(path, |file| write_groups(file, table).map_err(io_error))
+    write_atomically(path, |file| {
+        let mut writer = start(file, table).map_err(io_error)?;
+        for from in (0..table.rows()).step_by(GROUP) {
+            write_group(&mut writer, table, from..table.rows().min(from + GROUP)).map_err(io_error)?;
+        }
+        writer.close().map(|_| ()).map_err(io_error)
+    })
 }
 
-fn write_groups(writer: &mut (impl Write + Send), table: &Table) -> parquet::errors::Result<()> {
+/// Writes a table of `rows` rows that is never whole in memory: `part` gives its rows of a range.
+///
+/// # Errors
+/// As [`write`], and what `part` says.
+pub fn write_parts(path: &Path, rows: usize, part: impl Fn(Range<usize>) -> Result<Table>) -> Result<()> {
+    let mut failed = None;
+    let written = write_atomically(path, |file| {
+        let mut next = |range| part(range).map_err(|error| keep(&mut failed, error));
+        let mut writer = start(file, &next(0..0)?).map_err(io_error)?;
+        for from in (0..rows).step_by(GROUP) {
+            let table = next(from..rows.min(from + GROUP))?;
+            write_group(&mut writer, &table, 0..table.rows()).map_err(io_error)?;
+        }
+        writer.close().map(|_| ()).map_err(io_error)
+    });
+    failed.map_or(written, Err)
+}
+
+/// Keeps the error of a part; the writer is told that there is one.
+fn keep(failed: &mut Option<Error>, error: Error) -> io::Error {
+    *failed = Some(error);
+    io::Error::other("a part of the table cannot be made")
+}
+
+/// A file with the columns of a table and no rows yet.
+fn start<W: Write + Send>(writer: W, table: &Table) -> parquet::errors::Result<SerializedFileWriter<W>> {
     let field = |column: &Column| {
         let field = Type::primitive_type_builder(&column.name, Physical::DOUBLE);
         Ok(Arc::new(field.with_repetition(Repetition::REQUIRED).build()?))
@@ -64,19 +96,22 @@ fn write_groups(writer: &mut (impl Write + Send), table: &Table) -> parquet::err
         .set_offset_index_disabled(true)
         .set_key_value_metadata(Some(vec![KeyValue::new(UNITS.into(), units)]))
         .build();
-    let mut file = SerializedFileWriter::new(writer, Arc::new(schema), Arc::new(properties))?;
-    for start in (0..table.rows()).step_by(GROUP) {
-        let end = table.rows().min(start + GROUP);
-        let mut group = file.next_row_group()?;
-        for column in table.columns() {
-            if let Some(mut writer) = group.next_column()? {
-                writer.typed::<DoubleType>().write_batch(&column.values[start..end], None, None)?;
-                writer.close()?;
-            }
+    SerializedFileWriter::new(writer, Arc::new(schema), Arc::new(properties))
+}
+
+fn write_group<W: Write + Send>(
+    file: &mut SerializedFileWriter<W>,
+    table: &Table,
+    rows: Range<usize>,
+) -> parquet::errors::Result<()> {
+    let mut group = file.next_row_group()?;
+    for column in table.columns() {
+        if let Some(mut writer) = group.next_column()? {
+            writer.typed::<DoubleType>().write_batch(&column.values[rows.clone()], None, None)?;
+            writer.close()?;
         }
-        group.close()?;
     }
-    file.close()?;
+    group.close()?;
     Ok(())
 }
 
@@ -329,7 +364,17 @@ mod tests {
             write(&two, &table(rows)).unwrap();
             assert_eq!(read(&one, None).unwrap(), table(rows));
             assert_eq!(fs::read(&one).unwrap(), fs::read(&two).unwrap());
+            let whole = table(rows);
+            let part = |range: Range<usize>| {
+                let cut = |c: &Column| Column::new(&c.name, &c.unit, c.values[range.clone()].to_vec());
+                Table::new(whole.columns().iter().map(cut).collect())
+            };
+            write_parts(&two, rows, part).unwrap();
+            assert_eq!(fs::read(&one).unwrap(), fs::read(&two).unwrap(), "in parts");
         }
+        let bad = write_parts(&one, 3, |_| Err(Error::Table("no such grain".into())));
+        assert!(bad.unwrap_err().to_string().contains("no such grain"));
+        assert_eq!(read(&one, None).unwrap().rows(), 300_000, "what stood there stands");
         let one_column = read(&one, Some(&["mean_stress"])).unwrap();
         assert_eq!(one_column.columns(), &table(300_000).columns()[1..]);
         let error = read(&one, Some(&["mean_stres"])).unwrap_err().to_string();

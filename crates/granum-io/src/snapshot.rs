@@ -2,6 +2,7 @@
 //! energy. The JSON file is written last, so that a snapshot is whole where it exists.
 
 use std::fs;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use granum_dem::assembly::{Assembly, Contact, Grain, Vector};
@@ -92,8 +93,12 @@ fn fill<T>(rows: &mut [T], entries: &[Entry<T>], table: &Table) -> Result<()> {
 /// # Errors
 /// None in practice: the columns fit by construction.
 pub fn grains_table(assembly: &Assembly) -> Result<Table> {
-    let ids = Column::new("id", "", assembly.grains.iter().map(|grain| grain.id as f64).collect());
-    Table::new(std::iter::once(ids).chain(columns(&assembly.grains, &GRAIN)).collect())
+    grain_rows(&assembly.grains)
+}
+
+fn grain_rows(grains: &[Grain]) -> Result<Table> {
+    let ids = Column::new("id", "", grains.iter().map(|grain| grain.id as f64).collect());
+    Table::new(std::iter::once(ids).chain(columns(grains, &GRAIN)).collect())
 }
 
 /// The contacts of an assembly: `first` and `second` (ids of the grains), `branch_x`... `tangential_energy`, and
@@ -102,13 +107,17 @@ pub fn grains_table(assembly: &Assembly) -> Result<Table> {
 /// # Errors
 /// [`Error::Table`] if a contact names a grain that is not there.
 pub fn contacts_table(assembly: &Assembly) -> Result<Table> {
+    contact_rows(assembly, 0..assembly.contacts.len())
+}
+
+fn contact_rows(assembly: &Assembly, rows: Range<usize>) -> Result<Table> {
     let id = |index: usize| {
         let grain = assembly.grains.get(index);
         grain
             .map(|grain| grain.id as f64)
             .ok_or_else(|| Error::Table(format!("a contact names grain index {index}")))
     };
-    let contacts = &assembly.contacts;
+    let contacts = &assembly.contacts[rows];
     let first = contacts.iter().map(|contact| id(contact.i)).collect::<Result<_>>()?;
     let second = contacts.iter().map(|contact| id(contact.j)).collect::<Result<_>>()?;
     let mut table = vec![Column::new("first", "", first), Column::new("second", "", second)];
@@ -138,8 +147,12 @@ fn part(folder: &Path, name: &str, end: &str) -> PathBuf {
 /// grain that is not there.
 pub fn write_snapshot(folder: &Path, name: &str, assembly: &Assembly) -> Result<()> {
     fs::create_dir_all(folder).map_err(Error::file("make the folder", folder))?;
-    crate::parquet::write(&part(folder, name, "grains.parquet"), &grains_table(assembly)?)?;
-    crate::parquet::write(&part(folder, name, "contacts.parquet"), &contacts_table(assembly)?)?;
+    // In parts: the tables of a large sample would take as much memory as its simulation.
+    let (grains, contacts) = (&assembly.grains, &assembly.contacts);
+    let path = part(folder, name, "grains.parquet");
+    crate::parquet::write_parts(&path, grains.len(), |rows| grain_rows(&grains[rows]))?;
+    let path = part(folder, name, "contacts.parquet");
+    crate::parquet::write_parts(&path, contacts.len(), |rows| contact_rows(assembly, rows))?;
     let bare = Assembly {
         time: assembly.time,
         step: assembly.step,

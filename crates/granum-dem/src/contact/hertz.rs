@@ -50,6 +50,11 @@ impl NormalLaw for Hertz {
     }
 
     #[inline(always)]
+    fn making_loss<R: Real>(_c: &[R; LAW_CONSTANTS]) -> R {
+        R::zero()
+    }
+
+    #[inline(always)]
     fn breaking_loss<R: Real>(_c: &[R; LAW_CONSTANTS]) -> R {
         R::zero()
     }

@@ -43,7 +43,7 @@ impl<R: Real> Default for Memory<R> {
 }
 
 /// What a contact does to its grains in a step. Everything is zero where the pair does not touch, but for
-/// `adhesion_loss`, which falls due just then.
+/// `adhesion_broken`, which falls due just then.
 #[derive(Clone, Copy)]
 pub struct Interaction<R: Real> {
     /// Force on i, dashpots included, N.
@@ -68,10 +68,14 @@ pub struct Interaction<R: Real> {
     pub tangential_work: R,
     /// Lost to sliding in this step, J.
     pub friction_loss: R,
+    /// Lost in this step without sliding, J.
+    pub micro_slip_loss: R,
     /// Lost in the dashpots in this step, J.
     pub damping_loss: R,
+    /// Lost by touching anew in this step, J.
+    pub adhesion_made: R,
     /// Lost by breaking in this step, J.
-    pub adhesion_loss: R,
+    pub adhesion_broken: R,
 }
 
 /// Dot product, in a fixed order of fused operations.
@@ -211,8 +215,10 @@ pub fn interact<R: Real, N: NormalLaw, T: TangentialLaw>(
         sliding: tangential.sliding & touching,
         tangential_work: (half * work).keep(touching),
         friction_loss: tangential.friction_loss.keep(touching),
+        micro_slip_loss: tangential.micro_slip_loss.keep(touching),
         damping_loss: (dt * damping_power).keep(touching),
-        adhesion_loss: N::breaking_loss(&constants.normal).keep(touched & !touching),
+        adhesion_made: N::making_loss(&constants.normal).keep(touching & !touched),
+        adhesion_broken: N::breaking_loss(&constants.normal).keep(touched & !touching),
     }
 }
 

@@ -12,6 +12,14 @@
 //! A step against `S` is a turning point. A turning point moves out with the limit (`P -= dL e` on stage 1,
 //! `Q -= dL e` and `P += dL P/|P|` on stage 2), and is forgotten when the force passes it: `|T - Q| >= |P - Q|`
 //! on stage 2, `|T - P| >= 2 |P|` on stage 1. At the limit the force slides: `T *= L / |T|`, stage 0.
+//!
+//! Energy, by the equivalent row of springs (Popov and Hess 2015, ch. 5), exact along a line at constant load. At the
+//! share x of the contact radius a spring has the limit `l(x) = 3/2 L (1 - x^2)`, and springs beyond `theta` have
+//! slipped. So a curve adds `c e 3/2 L (1 - max(x, theta)^2)`, the whole stores the integral of the sum squared over
+//! `16 G* a`, and while slip spreads the springs beyond theta lose their limit times what they slip:
+//! `L (1 - theta)^2 (1 + theta/2) (e.ddelta - dL / 8 G* a)`. A contact that grows without slip stiffens under its force:
+//! `T^2 dL / 6 L` over `8 G* a` is lost (`a^3` goes with L). With a changing load the law, which remembers forces only, does
+//! not know all that a contact stores (Elata and Berryman 1996); what it makes or loses so is in no column.
 
 use granum_simd::{Real, cbrt};
 
@@ -45,8 +53,10 @@ pub(super) struct State<R> {
 /// What a step gave besides the new state.
 pub(super) struct Outcome<R: Real> {
     pub(super) sliding: R::Mask,
-    /// Distance slid at the limit, m.
-    pub(super) slipped: R,
+    /// Lost by sliding at the limit, J.
+    pub(super) friction_loss: R,
+    /// Lost in the zone of slip below the limit, J.
+    pub(super) micro_slip_loss: R,
 }
 
 #[inline(always)]
@@ -85,6 +95,7 @@ pub(super) fn advance<R: Real>(
 ) -> Outcome<R> {
     let (zero, one, two, tiny) = (R::zero(), R::splat(1.0), R::splat(2.0), R::splat(TINY));
     let growth = limit - limit_before;
+    let before = state.force;
 
     // The force counted from the start of the present curve, and whether the step turns against it.
     let loading = state.stage.lt(R::splat(0.5));
@@ -143,9 +154,62 @@ pub(super) fn advance<R: Real>(
     let factor = R::select(sliding, limit * trial_inverse, one);
     // What the step would have loaded without slip, less the limit, is what slid.
     let excess = square(elastic).sqrt() - limit;
+    let compliance = one / stiffness.max(tiny);
+    let share = theta.mul_add(theta, theta).mul_add(R::splat(-0.5), one);
+    // A contact that grows without slip holds its force with a stiffer spring.
+    let stiffened = square(before) * (growth / limit.max(tiny)).keep(stick) * R::splat(1.0 / 6.0);
+    let micro_slip_loss = (limit * share).mul_add(-slip, stiffened).max(zero).keep(!sliding) * compliance;
     state.force = [factor * force[0], factor * force[1]];
     state.stage = R::select(unloading, one, two).keep(!(loading | passed | sliding));
-    Outcome { sliding, slipped: (excess / stiffness.max(tiny)).max(zero).keep(sliding) }
+    // The mean force along the slip in the step.
+    let pull = R::splat(0.5) * dot(before, force).mul_add(trial_inverse, limit);
+    let friction_loss = (excess * compliance * pull).max(zero).keep(sliding);
+    Outcome { sliding, friction_loss, micro_slip_loss }
+}
+
+/// Stored energy of a state, J.
+pub(super) fn energy(state: &State<f64>, stiffness: f64, limit: f64) -> f64 {
+    if !(stiffness > 0.0 && limit > 0.0) {
+        return 0.0;
+    }
+    let (force, turning, returning) = (state.force, state.turning, state.returning);
+    // Vector and multiple of the limit of each curve; the last is zero where there are fewer.
+    let curves = match state.stage {
+        s if s < 0.5 => [(force, 1.0), ([0.0; 2], 1.0), ([0.0; 2], 1.0)],
+        s if s < 1.5 => [(turning, 1.0), (subtract(force, turning), 2.0), ([0.0; 2], 1.0)],
+        _ => [(turning, 1.0), (subtract(returning, turning), 2.0), (subtract(force, returning), 2.0)],
+    };
+    let curves = curves.map(|(vector, multiple)| {
+        let length = square(vector).sqrt();
+        let direction = vector.map(|v| multiple * v / length.max(TINY));
+        (direction, cbrt((1.0 - length / (multiple * limit)).clamp(0.0, 1.0)))
+    });
+    let mut sum = 0.0;
+    for (e, theta) in curves {
+        for (other, phi) in curves {
+            sum += dot(e, other) * overlap(theta.min(phi), theta.max(phi));
+        }
+    }
+    0.5 * limit * limit / stiffness * sum
+}
+
+/// Integral over x from 0 to 1 of `9/4 (1 - max(x, a)^2) (1 - max(x, b)^2)`, `a <= b`.
+fn overlap(a: f64, b: f64) -> f64 {
+    let first = |x: f64| x - x * x * x / 3.0;
+    let second = |x: f64| x * (1.0 + x * x * (x * x / 5.0 - 2.0 / 3.0));
+    let (at_a, at_b) = (1.0 - a * a, 1.0 - b * b);
+    2.25 * (a * at_a * at_b + at_b * (first(b) - first(a)) + second(1.0) - second(b))
+}
+
+/// The state that a history holds.
+#[inline(always)]
+pub(super) fn state_of<R: Real>(history: &[R; MAX_HISTORY]) -> State<R> {
+    State {
+        force: [history[0], history[1]],
+        turning: [history[2], history[3]],
+        returning: [history[4], history[5]],
+        stage: history[STAGE],
+    }
 }
 
 impl TangentialLaw for MindlinDeresiewicz {
@@ -169,12 +233,7 @@ impl TangentialLaw for MindlinDeresiewicz {
     ) -> Tangential<R> {
         let stiffness = c[EIGHT_MODULI] * normal.radius;
         let limit = c[FRICTION] * normal.friction_load;
-        let mut state = State {
-            force: [history[0], history[1]],
-            turning: [history[2], history[3]],
-            returning: [history[4], history[5]],
-            stage: history[STAGE],
-        };
+        let mut state = state_of(history);
         let outcome = advance(&mut state, increment, stiffness, limit, c[FRICTION] * history[LOAD]);
         [history[0], history[1]] = state.force;
         [history[2], history[3]] = state.turning;
@@ -186,7 +245,12 @@ impl TangentialLaw for MindlinDeresiewicz {
             stiffness,
             root_stiffness: c[ROOT_MODULI] * normal.root_radius,
             sliding: outcome.sliding,
-            friction_loss: limit * outcome.slipped,
+            friction_loss: outcome.friction_loss,
+            micro_slip_loss: outcome.micro_slip_loss,
         }
+    }
+
+    fn energy(c: &[f64; LAW_CONSTANTS], stiffness: f64, history: &[f64; MAX_HISTORY]) -> f64 {
+        energy(&state_of(history), stiffness, c[FRICTION] * history[LOAD])
     }
 }

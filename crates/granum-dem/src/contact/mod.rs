@@ -98,9 +98,12 @@ pub trait NormalLaw: Copy + Send + Sync + 'static {
     /// Force, contact radius, stiffness and friction load at an approach, m, given whether the pair touched a step before.
     /// Where the pair does not touch, force, radius and load are zero.
     fn evaluate<R: Real>(constants: &[R; LAW_CONSTANTS], approach: R, touched: R::Mask) -> Normal<R>;
-    /// Elastic energy of a touching pair, J: the integral of N from zero approach.
+    /// Energy of a touching pair over that of one apart, J: the integral of N from zero approach, less what
+    /// [`NormalLaw::making_loss`] says.
     fn energy(constants: &[f64; LAW_CONSTANTS], approach: f64) -> f64;
-    /// Energy lost when a contact breaks, J: the stored energy at the approach of rupture.
+    /// Energy lost when a contact is made, J: no force gives back what the surfaces release.
+    fn making_loss<R: Real>(constants: &[R; LAW_CONSTANTS]) -> R;
+    /// Energy lost when a contact breaks, J: the energy at the approach of rupture.
     fn breaking_loss<R: Real>(constants: &[R; LAW_CONSTANTS]) -> R;
     /// Approach below which a touching pair breaks, m (zero or negative).
     fn breaking_approach(constants: &[f64; LAW_CONSTANTS]) -> f64;
@@ -119,6 +122,9 @@ pub struct Tangential<R: Real> {
     pub sliding: R::Mask,
     /// Energy lost to sliding in this step, J.
     pub friction_loss: R,
+    /// Energy lost in this step below the friction limit, J: in the zone of slip of the contact area, or where the
+    /// law drops what a changed radius no longer holds.
+    pub micro_slip_loss: R,
 }
 
 /// A tangential law.
@@ -140,6 +146,11 @@ pub trait TangentialLaw: Copy + Send + Sync + 'static {
         increment: [R; 2],
         history: &mut [R; MAX_HISTORY],
     ) -> Tangential<R>;
+    /// Energy that the tangential displacement stores, J, given the stiffness 8 G* a, N/m: `T^2 / 2 k` without slip.
+    fn energy(_constants: &[f64; LAW_CONSTANTS], stiffness: f64, history: &[f64; MAX_HISTORY]) -> f64 {
+        let square = history[0] * history[0] + history[1] * history[1];
+        if stiffness > 0.0 { 0.5 * square / stiffness } else { 0.0 }
+    }
     /// Rewrites a memory for the pair (j, i) instead of (i, j): the normal and every remembered vector are reversed
     /// in space.
     fn swap_sides(memory: &mut Memory<f64>) {
@@ -165,7 +176,7 @@ pub struct PairConstants<R> {
     pub inverse_radius_sum: R,
     /// 2 zeta sqrt(m*): times the root of a stiffness it is a dashpot coefficient.
     pub damping: R,
-    /// 16 G*, Pa: the stored tangential energy is T^2 / (16 G* a).
+    /// 16 G*, Pa: times the radius it is twice the tangential stiffness.
     pub sixteen_shear_moduli: R,
     /// Those of the normal law.
     pub normal: [R; LAW_CONSTANTS],

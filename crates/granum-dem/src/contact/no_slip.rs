@@ -3,6 +3,9 @@
 //!
 //! `T <- T a / a_old` where the contact radius a falls, then `T += 8 G* a ddelta`, then `|T| <= mu F` with the
 //! friction load F of the normal law.
+//!
+//! What the spring of the contact stored and a changed radius no longer holds is lost: with `r = a / a_old`,
+//! `T^2 / 16 G* a_old` times `1 - r` where the contact shrinks, times `1 - 1/r` where it grows.
 
 use granum_simd::Real;
 
@@ -40,10 +43,12 @@ impl TangentialLaw for NoSlip {
         let stiffness = c[EIGHT_MODULI] * normal.radius;
         let limit = c[FRICTION] * normal.friction_load;
         let before = history[RADIUS_BEFORE];
-        let shrink = R::select(normal.radius.lt(before), normal.radius / before, one);
+        let held = [history[0], history[1]];
+        let ratio = normal.radius / before.max(tiny);
+        let shrink = ratio.min(one);
         let trial = [
-            stiffness.mul_add(increment[0], shrink * history[0]),
-            stiffness.mul_add(increment[1], shrink * history[1]),
+            stiffness.mul_add(increment[0], shrink * held[0]),
+            stiffness.mul_add(increment[1], shrink * held[1]),
         ];
         let square = trial[0].mul_add(trial[0], trial[1] * trial[1]);
         let sliding = square.ge(limit * limit);
@@ -52,13 +57,23 @@ impl TangentialLaw for NoSlip {
         let force = [factor * trial[0], factor * trial[1]];
         [history[0], history[1]] = force;
         history[RADIUS_BEFORE] = normal.radius;
-        let slipped = ((length - limit) / stiffness.max(tiny)).max(R::zero()).keep(sliding);
+        let compliance = one / stiffness.max(tiny);
+        let slipped = ((length - limit) * compliance).max(R::zero()).keep(sliding);
+        // Mean force along the slip in the step.
+        let along = (held[0].mul_add(trial[0], held[1] * trial[1])) * shrink / length.max(tiny);
+        let pull = R::splat(0.5) * (limit + along).max(R::zero());
+        // Twice the energy before the step: T^2 / k_old = ratio T^2 / k.
+        let stored = ratio * compliance * held[0].mul_add(held[0], held[1] * held[1]);
+        let dropped = (one - shrink) * held[0].mul_add(increment[0], held[1] * increment[1]);
+        let kept = shrink.min(one / ratio.max(tiny));
+        let lost = R::splat(0.5) * (one - kept).mul_add(stored, dropped);
         Tangential {
             force,
             stiffness,
             root_stiffness: c[ROOT_MODULI] * normal.root_radius,
             sliding,
-            friction_loss: limit * slipped,
+            friction_loss: slipped * pull,
+            micro_slip_loss: lost,
         }
     }
 }

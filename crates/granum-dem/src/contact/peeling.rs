@@ -16,7 +16,9 @@
 
 use granum_simd::{Real, cbrt};
 
-use super::mindlin_deresiewicz::{Outcome, State, add_scaled, advance, dot, select, square};
+use super::mindlin_deresiewicz::{
+    Outcome, State, add_scaled, advance, dot, energy, select, square, state_of,
+};
 use super::{LAW_CONSTANTS, MAX_HISTORY, Normal, PairProperties, Tangential, TangentialLaw};
 
 /// Savkoor and Briggs (1977), then Mindlin and Deresiewicz (1953).
@@ -113,7 +115,7 @@ impl TangentialLaw for Peeling {
             returning: select::<R>(old, [history[4], history[5]], [zero; 2]),
             stage: history[STAGE].keep(old),
         };
-        let Outcome { sliding, slipped } =
+        let Outcome { sliding, friction_loss, micro_slip_loss } =
             advance(&mut state, increment, stiffness, limit, c[FRICTION] * history[LOAD]);
 
         let before = peeling | holds | drops;
@@ -126,8 +128,24 @@ impl TangentialLaw for Peeling {
         history[LOAD] = normal.friction_load;
         history[STATUS] = R::select(peeling, zero, R::select(holds, one, two));
         let sliding = drops | (sliding & !before);
-        let dropped = ((trial_length - limit) / stiffness.max(tiny)).max(zero);
-        let slipped = R::select(drops, dropped, slipped.keep(!before));
-        Tangential { force, stiffness, root_stiffness, sliding, friction_loss: limit * slipped }
+        let dropped = limit * ((trial_length - limit) / stiffness.max(tiny)).max(zero);
+        Tangential {
+            force,
+            stiffness,
+            root_stiffness,
+            sliding,
+            friction_loss: R::select(drops, dropped, friction_loss.keep(!before)),
+            micro_slip_loss: micro_slip_loss.keep(!before),
+        }
+    }
+
+    /// Once peeled, by Mindlin and Deresiewicz with the radius of `N + 2 N_c`.
+    fn energy(c: &[f64; LAW_CONSTANTS], stiffness: f64, history: &[f64; MAX_HISTORY]) -> f64 {
+        let load = history[LOAD];
+        if history[STATUS] < 1.5 {
+            return if stiffness > 0.0 { 0.5 * square([history[0], history[1]]) / stiffness } else { 0.0 };
+        }
+        let stiffness = c[EIGHT_MODULI] * cbrt((load / c[LOAD_OF_CUBE]).max(0.0));
+        energy(&state_of(history), stiffness, c[FRICTION] * load)
     }
 }

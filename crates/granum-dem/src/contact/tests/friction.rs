@@ -349,7 +349,7 @@ fn make_and_break_lose_the_adhesion() {
             work += 0.5 * (out.normal_force + before) * previous;
         }
         before = out.normal_force;
-        lost += out.adhesion_loss;
+        lost += out.adhesion_made + out.adhesion_broken;
         assert_eq!(out.touching, bench.memory.normal != [0.0; 3]);
     }
     assert_eq!(bench.memory.history, [0.0; MAX_HISTORY]);

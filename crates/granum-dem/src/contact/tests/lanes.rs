@@ -86,8 +86,8 @@ fn columns<R: Real>(out: &Interaction<R>) -> [R; ANSWER] {
         one.keep(out.touching),
         one.keep(out.sliding),
         out.tangential_work,
-        out.friction_loss,
-        out.damping_loss + out.adhesion_loss,
+        out.friction_loss + out.micro_slip_loss,
+        out.damping_loss + out.adhesion_made + out.adhesion_broken,
     ]
 }
 use granum_simd::Real;

@@ -1,5 +1,6 @@
 //! Verification of every pair of laws, through the function that the engine runs.
 
+mod energy;
 mod friction;
 mod lanes;
 mod objectivity;
