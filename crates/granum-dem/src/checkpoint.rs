@@ -5,11 +5,12 @@
 
 use std::io::Write;
 
+use granum_simd::LANES;
 use postcard::ser_flavors::Flavor;
 use serde::{Deserialize, Serialize};
 
 use crate::kernel::NORMAL_COLUMNS;
-use crate::pairs::{IMAGES, Pairs};
+use crate::pairs::{IMAGES, Marks, Pairs};
 use crate::simulation::{Properties, Simulation, SimulationError};
 use crate::state::State;
 
@@ -144,6 +145,7 @@ impl Simulation {
     pub fn restore(bytes: &[u8]) -> Result<(Simulation, String), CheckpointError> {
         let body: Body = postcard::from_bytes(checked_body(bytes)?)
             .map_err(|e| CheckpointError::Inconsistent(e.to_string()))?;
+        check_numbers(&body)?;
         check_state(&body.state)?;
         let mut simulation = Simulation::from_parts(body.state, body.properties)?;
         let machine = &mut simulation.machine;
@@ -195,6 +197,27 @@ fn checked_body(bytes: &[u8]) -> Result<&[u8], CheckpointError> {
     Ok(body)
 }
 
+/// Steps that no run can have made.
+const MOST_STEPS: u64 = 1 << 60;
+
+/// What the servo and the time step are made of: with a NaN among it a run would neither go on nor end.
+fn check_numbers(body: &Body) -> Result<(), CheckpointError> {
+    let require = |good: bool, what: &str| if good { Ok(()) } else { Err(inconsistent(what)) };
+    let (state, control) = (&body.state, &body.state.control);
+    let positive = |x: f64| x > 0.0 && x.is_finite();
+    let not_negative = |x: f64| x >= 0.0 && x.is_finite();
+    require(positive(state.dt) && body.fixed_time_step.is_none_or(positive), "time step")?;
+    require(positive(body.time_step_factor) && not_negative(body.expected_force), "time step")?;
+    require(not_negative(control.rate_limit) && not_negative(state.fading), "control of the cell")?;
+    let targets =
+        control.stress.iter().flatten().flatten().chain(control.mean_stress.as_ref().map(|m| &m.target));
+    let rates = control.rate.iter().chain(&state.gradient).chain(&state.strain).flatten();
+    require(targets.chain(rates).all(|x| x.is_finite()), "control of the cell")?;
+    require(positive(state.skin) && state.time.is_finite() && !state.judge_from.is_nan(), "time and margin")?;
+    let counts = [state.step, state.steps_since_rebuild, state.rebuilds, state.servo_error.steps];
+    require(counts.iter().all(|n| *n < MOST_STEPS), "number of steps")
+}
+
 /// A checksum can be forged; indices out of range must not reach the kernels.
 fn check_state(state: &State) -> Result<(), CheckpointError> {
     let n = state.ids.len();
@@ -209,15 +232,34 @@ fn check_state(state: &State) -> Result<(), CheckpointError> {
     require(p.memory.len() == batches * p.columns, "contact memory")?;
     require(p.outer_offsets.len() == n + 1, "offsets of grains")?;
     let ordered = p.outer_offsets.windows(2).all(|w| w[0] <= w[1]);
+    require(p.blocks.len() < 1 << 20, "blocks of pairs")?;
     require(ordered && p.outer_offsets.last() == Some(&(p.outer.len() as u32)), "offsets of grains")?;
     require(p.outer.iter().all(|&row| (row as usize) < p.forces.len()), "forces of grains")?;
     check_blocks(p, n)?;
-    require(p.second.iter().flatten().all(|&g| (g as usize) < n + 2), "places of grains")?;
+    check_seconds(p, n)?;
     require(p.image.iter().flatten().all(|&c| (c as usize) < IMAGES), "images of grains")?;
     let volume = state.cell.volume();
     require(volume.is_finite() && volume > 0.0, "volume of the cell")?;
     let finite = state.place.iter().flat_map(|r| r.0).all(f64::is_finite);
-    require(finite && state.place.iter().all(|r| r.0[3] > 0.0 && r.0[7] > 0.0), "grains")
+    require(finite && state.place.iter().all(|r| r.0[3] > 0.0 && r.0[7] > 0.0), "grains")?;
+    let largest = state.place[..n].iter().fold(0.0f64, |m, row| m.max(row.0[3]));
+    let (far, wide) = (1e6 * largest, 1e5 * largest);
+    require(state.place[n + 1].0 == [far, far, far, largest, 0.0, 0.0, 0.0, 1.0], "the phantom grain")?;
+    // So far away, nothing comes near the phantom.
+    let near = |x: &f64| x.abs() < wide;
+    let inside = state.place[..n].iter().all(|row| row.0[..3].iter().all(near));
+    require(inside && state.cell.edges.iter().flatten().all(near), "size of the cell")
+}
+
+/// The second of a pair is a grain, or the far phantom, which touches nothing.
+fn check_seconds(p: &Pairs, grains: usize) -> Result<(), CheckpointError> {
+    let good = |(second, marks): (&[u32; LANES], &Marks)| {
+        (0..LANES).all(|l| {
+            let touched = marks.touched >> l & 1 != 0;
+            (second[l] as usize) < grains || (second[l] as usize == grains + 1 && !touched)
+        })
+    };
+    if p.second.iter().zip(&p.marks).all(good) { Ok(()) } else { Err(inconsistent("places of grains")) }
 }
 
 /// Blocks follow each other without gap, and no two of them write one row: threads work on them at once.
@@ -323,6 +365,34 @@ mod tests {
         let mut newer = bytes.clone();
         newer[8] = 99;
         assert_eq!(Simulation::restore(&newer).err(), Some(CheckpointError::Newer(99)));
+    }
+
+    /// What the bytes of a checkpoint come to with a change that the checksum does not give away.
+    fn forged(change: impl FnOnce(&mut State)) -> Result<(Simulation, String), CheckpointError> {
+        let mut simulation = running(0.0);
+        change(&mut simulation.machine.state);
+        Simulation::restore(&simulation.checkpoint("").unwrap())
+    }
+
+    #[test]
+    fn numbers_that_cannot_be_are_refused() {
+        let changes: [fn(&mut State); 9] = [
+            |s| s.control.rate_limit = -1.0,
+            |s| s.control.rate_limit = f64::NAN,
+            |s| s.dt = f64::NAN,
+            |s| s.step = u64::MAX,
+            |s| s.place[0].0[0] = 10.0,
+            |s| s.place[151].0[0] = 0.0,
+            |s| s.pairs.second[0][0] = 151,
+            |s| s.pairs.second[0][0] = 150,
+            |s| s.skin = 0.0,
+        ];
+        for (k, change) in changes.into_iter().enumerate() {
+            // The first pairs touch.
+            let found = forged(change).err();
+            assert!(matches!(found, Some(CheckpointError::Inconsistent(_))), "{k}: {found:?}");
+        }
+        assert!(forged(|_| {}).is_ok());
     }
 
     #[test]

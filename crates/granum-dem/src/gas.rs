@@ -1,6 +1,6 @@
 //! A random gas of grains that do not overlap, from a seed: where a preparation starts.
 
-use granum_simd::Row4;
+use granum_simd::Row8;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
@@ -45,7 +45,7 @@ pub fn gas(grains: &Grains, solid_fraction: f64, seed: u64) -> Result<(Cell, Vec
     radii.sort_unstable_by(|a, b| b.total_cmp(a));
     let solid: f64 = radii.iter().map(|r| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3)).sum();
     let length = (solid / solid_fraction).cbrt();
-    let mut boxes = Boxes::new(length, radii[0]);
+    let mut boxes = Boxes::new(length, 2.0 * radii[0]);
     let smallest = radii.last().copied().unwrap_or(0.0);
     let mut rooms: Option<Rooms> = None;
     let mut sites: Vec<Site> = Vec::with_capacity(grains.count);
@@ -150,45 +150,17 @@ impl Rooms {
     }
 }
 
-/// Placed grains by box. Boxes are at least as wide as the largest grain, so that those around a point's hold all that
-/// can be too near.
+/// Placed grains by box.
 struct Boxes {
     length: f64,
     count: usize,
-    largest: f64,
-    /// The last grain put into each box; `NONE` if there is none.
-    last: Vec<u32>,
-    /// The one put there before it.
-    before: Vec<u32>,
-    grains: Vec<Row4>,
+    content: Vec<Vec<Row8>>,
 }
 
-const NONE: u32 = u32::MAX;
-
-/// The boxes around one, nearest first: most points are refused by a grain of their own box.
-const AROUND: [[i64; 3]; 27] = {
-    let mut all = [[0; 3]; 27];
-    let (mut at, mut steps) = (0, 0);
-    while steps <= 3 {
-        let mut code = 0;
-        while code < 27 {
-            let offset = [code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1];
-            if offset[0] * offset[0] + offset[1] * offset[1] + offset[2] * offset[2] == steps {
-                all[at] = offset;
-                at += 1;
-            }
-            code += 1;
-        }
-        steps += 1;
-    }
-    all
-};
-
 impl Boxes {
-    fn new(length: f64, largest: f64) -> Boxes {
-        let count = ((length / (2.0 * largest)).floor() as usize).clamp(1, 400);
-        let last = vec![NONE; count.pow(3)];
-        Boxes { length, count, largest, last, before: Vec::new(), grains: Vec::new() }
+    fn new(length: f64, diameter: f64) -> Boxes {
+        let count = ((length / diameter).floor() as usize).clamp(1, 400);
+        Boxes { length, count, content: vec![Vec::new(); count.pow(3)] }
     }
 
     fn index(&self, x: &Vector) -> [usize; 3] {
@@ -197,43 +169,26 @@ impl Boxes {
 
     fn insert(&mut self, x: Vector, radius: f64) {
         let [a, b, c] = self.index(&x);
-        let last = &mut self.last[(a * self.count + b) * self.count + c];
-        self.before.push(*last);
-        *last = self.grains.len() as u32;
-        self.grains.push(Row4([x[0], x[1], x[2], radius]));
+        self.content[(a * self.count + b) * self.count + c]
+            .push(Row8([x[0], x[1], x[2], radius, 0.0, 0.0, 0.0, 0.0]));
     }
 
     fn free(&self, x: &Vector, radius: f64) -> bool {
         let here = self.index(x);
         let n = self.count as i64;
-        let side = self.length / self.count as f64;
-        // Distance to the boxes before and behind along each axis, squared.
-        let gap: [[f64; 3]; 3] = std::array::from_fn(|a| {
-            let into = x[a] - here[a] as f64 * side;
-            [into * into, 0.0, (side - into) * (side - into)]
-        });
-        let reach = (radius + self.largest) * (radius + self.largest) * (1.0 + 1e-9);
-        AROUND.iter().all(|offset| {
-            let apart: f64 = (0..3).map(|a| gap[a][(offset[a] + 1) as usize]).sum();
-            if apart > reach {
-                return true;
-            }
-            let b: [usize; 3] = std::array::from_fn(|a| (here[a] as i64 + offset[a]).rem_euclid(n) as usize);
-            let mut at = self.last[(b[0] * self.count + b[1]) * self.count + b[2]];
-            while at != NONE {
-                let other = &self.grains[at as usize].0;
+        (0..27).all(|step| {
+            let offset = [step / 9 - 1, (step / 3) % 3 - 1, step % 3 - 1];
+            let b: [usize; 3] =
+                std::array::from_fn(|a| (here[a] as i64 + offset[a] as i64).rem_euclid(n) as usize);
+            self.content[(b[0] * self.count + b[1]) * self.count + b[2]].iter().all(|other| {
                 let square: f64 = (0..3)
                     .map(|a| {
-                        let d = x[a] - other[a];
+                        let d = x[a] - other.0[a];
                         (d - self.length * (d / self.length).round()).powi(2)
                     })
                     .sum();
-                if square <= (radius + other[3]).powi(2) {
-                    return false;
-                }
-                at = self.before[at as usize];
-            }
-            true
+                square > (radius + other.0[3]).powi(2)
+            })
         })
     }
 }
@@ -285,7 +240,7 @@ mod tests {
             let length = cell.edges[0][0];
             let largest = sites.iter().fold(0.0f64, |m, s| m.max(s.radius));
             let smallest = sites.iter().fold(f64::INFINITY, |m, s| m.min(s.radius));
-            let mut boxes = Boxes::new(length, largest);
+            let mut boxes = Boxes::new(length, 2.0 * largest);
             for s in &sites {
                 boxes.insert(s.position, s.radius);
             }

@@ -177,12 +177,7 @@ pub fn load_study(folder: &Path) -> Result<Study> {
     }
     let mut mappings = Vec::new();
     for entry in &file.mappings {
-        let name = &entry.mapping.name;
-        // A name becomes part of a file name: it must not lead out of the folder.
-        if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_') {
-            let message = format!("mapping name {name:?}: letters, digits, - and _ are possible");
-            return Err(Error::content(&path, message).into());
-        }
+        check_mapping(&path, &entry.mapping)?;
         let load = |mapping: Mapping, strain_only: bool| -> Result<Surrogate> {
             let models = (0..mapping.sub_models.len()).map(|k| {
                 let name = network_name(&mapping, strain_only, k);
@@ -209,6 +204,19 @@ pub fn load_study(folder: &Path) -> Result<Study> {
     };
     Keeper::new(folder, Duration::MAX).tell_seconds(&mut study);
     Ok(study)
+}
+
+/// Most networks of a mapping.
+const MOST_SUB_MODELS: usize = 1000;
+
+/// The name of a mapping becomes part of the names of files: it must not lead out of the folder.
+pub(crate) fn check_mapping(path: &Path, mapping: &Mapping) -> Result<()> {
+    let wrong = |why: String| Error::content(path, format!("mapping {:?}: {why}", mapping.name)).into();
+    granum_io::check_name("name", &mapping.name).map_err(|error| wrong(error.to_string()))?;
+    match mapping.sub_models.len() {
+        0..=MOST_SUB_MODELS => Ok(()),
+        many => Err(wrong(format!("{many} sub-models; at most {MOST_SUB_MODELS} are possible"))),
+    }
 }
 
 /// Seconds for every sub-model, 0 where the file has none.

@@ -15,7 +15,7 @@ use granum_nets::trainer::TrainerState;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{HybridError, Result};
-use crate::files::{STUDY_FILE, network_file, write_json};
+use crate::files::{STUDY_FILE, check_mapping, network_file, write_json};
 use crate::mapping::{Form, Mapping};
 use crate::study::{Study, StudyOptions, network_name};
 
@@ -108,6 +108,7 @@ impl Plan {
             let wanted = format!("this program reads \"{FORMAT}\" version {VERSION}");
             return Err(Error::content(&path, format!("{found}, but {wanted}")).into());
         }
+        plan.mappings.iter().try_for_each(|mapping| check_mapping(&path, mapping))?;
         Ok(plan)
     }
 

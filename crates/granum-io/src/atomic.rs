@@ -69,12 +69,23 @@ fn fill_and_sync(
     beside: &Path,
     fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
 ) -> io::Result<()> {
-    let file = File::create(beside)?;
+    let file = create_new(beside)?;
     let mut writer = BufWriter::with_capacity(1 << 16, &file);
     fill(&mut writer)?;
     writer.flush()?;
     drop(writer);
     file.sync_all()
+}
+
+/// Makes a file that was not there: one of that name is removed, not written through, as it may be a link.
+fn create_new(path: &Path) -> io::Result<File> {
+    match File::create_new(path) {
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+            fs::remove_file(path)?;
+            File::create_new(path)
+        }
+        result => result,
+    }
 }
 
 /// A name in the same folder, so that the rename stays on one file system.

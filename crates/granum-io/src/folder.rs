@@ -7,6 +7,12 @@ use std::path::{Path, PathBuf};
 use crate::atomic::{UNFINISHED, remove_unfinished};
 use crate::error::{Error, Result};
 
+/// Longest name that a file may give.
+const LONGEST_NAME: usize = 100;
+const LINK: &str = "is a link; output stays in its folder, so put a real folder in its place or remove it";
+/// Longest content of a lock file: the number of a process.
+const LONGEST_LOCK: u64 = 32;
+
 /// Marks a folder as granum's and carries the advisory lock. It stays when the lock goes: removing it would let two
 /// processes hold locks on two files of that name.
 const LOCK: &str = ".granum-lock";
@@ -30,7 +36,7 @@ impl OutputFolder {
         let path = path.as_ref();
         fs::create_dir_all(path).map_err(Error::file("make the folder", path))?;
         // Looked at before there is a lock file, so that a foreign folder stays as it is.
-        let granum = path.join(LOCK).is_file();
+        let granum = is_lock(&path.join(LOCK));
         if !granum && !is_empty(path)? {
             return Err(if force {
                 Error::content(path, "holds files that granum did not write; choose another folder")
@@ -54,10 +60,17 @@ impl OutputFolder {
         if !path.is_dir() {
             return Err(Error::content(path, "there is no such folder"));
         }
-        if !path.join(LOCK).is_file() {
+        if !is_lock(&path.join(LOCK)) {
             return Err(Error::content(path, "is not a folder that granum wrote"));
         }
         OutputFolder::lock(path)
+    }
+
+    /// True if a process works in a folder; nothing is made or changed.
+    pub fn is_in_use(path: impl AsRef<Path>) -> bool {
+        let name = path.as_ref().join(LOCK);
+        let held = |file: File| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock));
+        is_lock(&name) && File::open(name).is_ok_and(held)
     }
 
     /// Opens a folder of granum's to go on in it, or makes it.
@@ -66,11 +79,14 @@ impl OutputFolder {
     /// As [`OutputFolder::open`] and [`OutputFolder::create`].
     pub fn open_or_create(path: impl AsRef<Path>) -> Result<OutputFolder> {
         let path = path.as_ref();
-        if path.join(LOCK).is_file() { OutputFolder::open(path) } else { OutputFolder::create(path, false) }
+        if is_lock(&path.join(LOCK)) { OutputFolder::open(path) } else { OutputFolder::create(path, false) }
     }
 
     fn lock(path: &Path) -> Result<OutputFolder> {
         let name = path.join(LOCK);
+        if fs::symlink_metadata(&name).is_ok() && !is_lock(&name) {
+            return Err(Error::content(&name, "is no lock of granum's; choose another folder"));
+        }
         let mut file = OpenOptions::new()
             .create(true)
             .truncate(false)
@@ -109,11 +125,21 @@ impl OutputFolder {
     /// Makes a folder inside.
     ///
     /// # Errors
-    /// [`Error::File`] if it cannot be made.
+    /// As [`inner_folder`].
     pub fn subfolder(&self, name: &str) -> Result<PathBuf> {
-        let path = self.path.join(name);
-        fs::create_dir_all(&path).map_err(Error::file("make the folder", &path))?;
-        Ok(path)
+        inner_folder(&self.path, name)
+    }
+
+    /// Refuses a folder that has links where folders inside belong: what is written there would go elsewhere.
+    ///
+    /// # Errors
+    /// [`Error::Content`] that names the link.
+    pub fn refuse_links(&self, names: &[&str]) -> Result<()> {
+        let link = |path: &PathBuf| fs::symlink_metadata(path).is_ok_and(|kind| kind.is_symlink());
+        match names.iter().map(|name| self.path.join(name)).find(link) {
+            Some(path) => Err(Error::content(&path, LINK)),
+            None => Ok(()),
+        }
     }
 
     /// Removes files and folders of these names, where they are there. Links are removed, not followed.
@@ -165,6 +191,45 @@ impl OutputFolder {
         }
         if left { Ok(()) } else { fs::remove_dir(&path).map_err(Error::file("remove", &path)) }
     }
+}
+
+/// Refuses a name that was read from a file and is to become part of a path, unless it is a plain word of ASCII letters,
+/// digits, `-` and `_`: what is written, renamed or removed by it must lie where it is meant to.
+///
+/// # Errors
+/// [`Error::Value`].
+pub fn check_name(what: &str, name: &str) -> Result<()> {
+    let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
+    if !name.is_empty() && name.len() <= LONGEST_NAME && name.chars().all(plain) {
+        return Ok(());
+    }
+    let message =
+        format!("can be no part of a file's name; up to {LONGEST_NAME} letters, digits, - and _ are");
+    Err(Error::Value { name: what.into(), value: name.into(), message })
+}
+
+/// A folder inside an output folder, made if it is not there. A link in its place may lead anywhere and is refused.
+///
+/// # Errors
+/// [`Error::Value`] if the name is no plain word, [`Error::Content`] if it is taken by a link or a file, [`Error::File`]
+/// if it cannot be made.
+pub fn inner_folder(folder: &Path, name: &str) -> Result<PathBuf> {
+    check_name("folder", name)?;
+    let path = folder.join(name);
+    match fs::symlink_metadata(&path) {
+        Ok(kind) if kind.is_dir() => {}
+        Ok(kind) if kind.is_symlink() => return Err(Error::content(&path, LINK)),
+        Ok(_) => return Err(Error::content(&path, "is a file where a folder is needed; remove it")),
+        Err(_) => fs::create_dir_all(&path).map_err(Error::file("make the folder", &path))?,
+    }
+    Ok(path)
+}
+
+/// True for a lock file as granum writes it; a link or what holds anything else is none, and would be lost.
+fn is_lock(name: &Path) -> bool {
+    let whole = |kind: fs::Metadata| kind.is_file() && kind.len() <= LONGEST_LOCK;
+    fs::symlink_metadata(name).is_ok_and(whole)
+        && fs::read(name).is_ok_and(|text| text.iter().all(|b| b.is_ascii_digit() || *b == b'\n'))
 }
 
 /// Refuses to replace an output file unless `force` is given.
@@ -249,6 +314,54 @@ mod tests {
         assert!(OutputFolder::open(base.path()).is_err());
         assert!(OutputFolder::open_or_create(base.path()).is_err());
         assert_eq!(fs::read_dir(base.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn names_from_files_are_plain_words() {
+        for name in ["end", "F1-strain-only", "a_B-9"] {
+            check_name("snapshot", name).unwrap();
+        }
+        for name in
+            ["", ".", "..", "../x", "/x", "a/b", "a\\b", "C:", "a.json", "\0", "grün", &"x".repeat(101)]
+        {
+            let message = check_name("snapshot", name).unwrap_err().to_string();
+            assert!(
+                message.contains("snapshot = ") && message.contains("no part of a file's name"),
+                "{message}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_process_at_work_is_seen_without_a_trace() {
+        let base = tempfile::tempdir().unwrap();
+        assert!(!OutputFolder::is_in_use(base.path()));
+        let folder = OutputFolder::create(base.path(), false).unwrap();
+        assert!(OutputFolder::is_in_use(base.path()));
+        drop(folder);
+        assert!(!OutputFolder::is_in_use(base.path()));
+        assert_eq!(fs::read_dir(base.path()).unwrap().count(), 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_and_strange_locks_lead_nowhere() {
+        let base = tempfile::tempdir().unwrap();
+        let (outside, path) = (base.path().join("outside"), base.path().join("run"));
+        fs::create_dir(&outside).unwrap();
+        let folder = OutputFolder::create(&path, false).unwrap();
+        std::os::unix::fs::symlink(&outside, path.join("snapshots")).unwrap();
+        let message = folder.subfolder("snapshots").unwrap_err().to_string();
+        assert!(message.contains("snapshots: is a link"), "{message}");
+        drop(folder);
+        fs::write(outside.join("thesis"), "mine").unwrap();
+        fs::remove_file(path.join(LOCK)).unwrap();
+        std::os::unix::fs::symlink(outside.join("thesis"), path.join(LOCK)).unwrap();
+        assert!(OutputFolder::open(&path).is_err() && OutputFolder::create(&path, true).is_err());
+        fs::remove_file(path.join(LOCK)).unwrap();
+        fs::hard_link(outside.join("thesis"), path.join(LOCK)).unwrap();
+        assert!(OutputFolder::open(&path).is_err() && OutputFolder::create(&path, true).is_err());
+        assert_eq!(fs::read(outside.join("thesis")).unwrap(), b"mine");
     }
 
     #[test]

@@ -3,7 +3,11 @@
 //! Written uncompressed and plain (measured numbers do not compress), one `DOUBLE` column each, units as key-value
 //! metadata `granum.units` (JSON). Nothing in the file depends on time or machine: equal tables give equal bytes.
 //! Read are flat columns of booleans, integers and floating-point numbers from any writer, uncompressed or snappy;
-//! a null becomes NaN.
+//! a null becomes NaN. What a file claims is checked against its size before room is made for it.
+
+mod format;
+mod sizes;
+mod thrift;
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -16,9 +20,9 @@ use parquet::basic::{ConvertedType, Encoding, Repetition, Type as Physical};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{DataType, DoubleType};
 use parquet::errors::ParquetError;
-use parquet::file::metadata::{KeyValue, ParquetMetaData};
+use parquet::file::metadata::{KeyValue, ParquetMetaDataReader};
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
-use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
+use parquet::file::reader::{ChunkReader, FileReader, RowGroupReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::{ColumnDescriptor, Type};
 
@@ -32,7 +36,7 @@ const GROUP: usize = 1 << 17;
 /// Key of the units in the metadata of a file.
 const UNITS: &str = "granum.units";
 /// Values that even a small file may unfold to.
-const FREE_VALUES: u64 = 1 << 24;
+const FREE_VALUES: u64 = 1 << 22;
 /// Values a byte of the file may unfold to beyond that.
 const VALUES_PER_BYTE: u64 = 64;
 
@@ -132,16 +136,29 @@ fn io_error(error: ParquetError) -> io::Error {
 /// otherwise than by snappy, lacks a column, or a wanted column is not flat and numeric.
 pub fn read(path: &Path, names: Option<&[&str]>) -> Result<Table> {
     let file = File::open(path).map_err(Error::file("read", path))?;
-    contain(|| read_file(path, file, names)).unwrap_or_else(|| {
+    read_contained(path, file, names)
+}
+
+/// As [`read`] from memory; `name` is what messages call it.
+///
+/// # Errors
+/// [`Error::Content`] as [`read`].
+pub fn read_bytes(bytes: Vec<u8>, name: &str, names: Option<&[&str]>) -> Result<Table> {
+    read_contained(Path::new(name), bytes::Bytes::from(bytes), names)
+}
+
+fn read_contained(path: &Path, input: impl ChunkReader + 'static, names: Option<&[&str]>) -> Result<Table> {
+    contain(|| read_from(path, input, names)).unwrap_or_else(|| {
         Err(Error::content(path, "is no Parquet file or is damaged (its pages cannot be decoded)"))
     })
 }
 
-fn read_file(path: &Path, file: File, names: Option<&[&str]>) -> Result<Table> {
-    let bytes = file.metadata().map_err(Error::file("read", path))?.len();
+fn read_from(path: &Path, input: impl ChunkReader + 'static, names: Option<&[&str]>) -> Result<Table> {
+    let bytes = input.len();
+    let wrong = |why: String| Error::content(path, why);
     let damaged = |error: ParquetError| Error::content(path, explain(&error));
-    let reader = SerializedFileReader::new(file).map_err(damaged)?;
-    let metadata = reader.metadata();
+    sizes::check_footer(&input).map_err(wrong)?;
+    let metadata = ParquetMetaDataReader::new().parse_and_finish(&input).map_err(damaged)?;
     let schema = metadata.file_metadata().schema_descr();
     let wanted = choose(path, schema.columns(), names)?;
     let allowed = FREE_VALUES.max(bytes.saturating_mul(VALUES_PER_BYTE));
@@ -152,7 +169,8 @@ fn read_file(path: &Path, file: File, names: Option<&[&str]>) -> Result<Table> {
             format!("claims {rows} rows, more than a file of {bytes} bytes can hold"),
         ));
     }
-    check_places(metadata, bytes).map_err(|why| Error::content(path, why))?;
+    sizes::check_columns(&input, &metadata, &wanted).map_err(wrong)?;
+    let reader = SerializedFileReader::new(input).map_err(damaged)?;
     let units = units(metadata.file_metadata().key_value_metadata());
     let mut columns: Vec<Column> = wanted
         .iter()
@@ -178,21 +196,6 @@ fn read_file(path: &Path, file: File, names: Option<&[&str]>) -> Result<Table> {
         ));
     }
     Table::new(columns)
-}
-
-/// The decoder asserts that chunks lie inside the file, so that is checked before.
-fn check_places(metadata: &ParquetMetaData, bytes: u64) -> std::result::Result<(), String> {
-    let inside = |at: i64, length: i64| {
-        let end = at.checked_add(length).and_then(|end| u64::try_from(end).ok());
-        at >= 0 && length >= 0 && end.is_some_and(|end| end <= bytes)
-    };
-    for column in metadata.row_groups().iter().flat_map(|group| group.columns()) {
-        let dictionary = column.dictionary_page_offset().unwrap_or(column.data_page_offset());
-        if !inside(column.data_page_offset(), 0) || !inside(dictionary, column.compressed_size()) {
-            return Err("is no Parquet file or is damaged (a column lies outside the file)".into());
-        }
-    }
-    Ok(())
 }
 
 /// Indices of the wanted columns.

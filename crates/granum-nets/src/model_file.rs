@@ -201,7 +201,12 @@ pub(crate) fn save(model: &Model, path: &Path) -> Result<(), ModelError> {
     let mut beside = path.as_os_str().to_owned();
     beside.push(".part");
     let write = || -> std::io::Result<()> {
-        let mut file = fs::File::create(&beside)?;
+        // Not written through: what is there by that name may be a link.
+        match fs::remove_file(&beside) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error),
+            _ => {}
+        }
+        let mut file = fs::File::create_new(&beside)?;
         file.write_all(to_json(model).as_bytes())?;
         file.sync_all()?;
         fs::rename(&beside, path)

@@ -173,7 +173,7 @@ impl ForceHistogram {
 
     /// Number N_k of contacts counted, those outside the bins included.
     pub fn contacts(&self) -> u64 {
-        self.counts.iter().sum::<u64>() + self.below + self.above
+        self.counts.iter().chain([&self.below, &self.above]).fold(0, |sum, count| sum.saturating_add(*count))
     }
 
     /// Number of bins.

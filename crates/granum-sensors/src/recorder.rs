@@ -62,6 +62,28 @@ impl Recorder {
         Recorder { recording, end, next: (0, 0), states: Vec::new() }
     }
 
+    /// True if it is one of such a recording to such an end: one that was read back may be damaged or of another test.
+    pub fn is_of(&self, recording: &Recording, end: f64) -> bool {
+        let own = Recorder::new(recording, end);
+        let empty = ForceHistogram::new(recording.bin_width, recording.largest_force);
+        let whole = |sums: &StateSums| {
+            let forces = &sums.forces;
+            sums.sums.len() == columns().count()
+                && (forces.counts.len(), forces.first_bin) == (empty.counts.len(), empty.first_bin)
+                && forces.bin_width == empty.bin_width
+                && sums.looks > 0
+                && sums.looks <= own.recording.looks as u64
+        };
+        let (state, look) = self.next;
+        self.recording == own.recording
+            && self.end == end
+            && state <= recording.states.max(1) + 1
+            && look < own.recording.looks
+            && self.states.iter().all(whole)
+            && self.states.windows(2).all(|pair| pair[0].state < pair[1].state)
+            && self.states.last().is_none_or(|last| last.state <= state)
+    }
+
     /// Deviator strain at which the next look is due; infinite when there is none.
     pub fn next_look(&self) -> f64 {
         let (state, look) = self.next;
@@ -187,6 +209,8 @@ mod tests {
         let mut recorder = Recorder::new(&recording, 0.4);
         assert_eq!(run(&mut recorder, 2400, 0.4), 1 + 3 * 6 + 3);
         assert!(recorder.is_complete() && recorder.next_look().is_infinite());
+        assert!(recorder.is_of(&recording, 0.4) && !recorder.is_of(&recording, 0.3));
+        assert!(!recorder.is_of(&Recording { looks: 5, ..recording.clone() }, 0.4));
         let record = recorder.record();
         let strain = record.series.values("deviator_strain").unwrap();
         let step = 0.4 / 2400.0;

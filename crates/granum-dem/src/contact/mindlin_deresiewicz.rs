@@ -125,8 +125,7 @@ pub(super) fn advance<R: Real>(
     let inverse_length = length * (one / vector_square.max(tiny));
     let direction = [vector[0] * inverse_length, vector[1] * inverse_length];
 
-    let inverse_limit = one / curve_limit.max(tiny);
-    let cube = (curve_before - length.keep(along)) * inverse_limit;
+    let cube = (curve_before - length.keep(along)) * (one / curve_limit.max(tiny));
     let elastic_step = stiffness * stiffness * step_square;
     let stick = growth.gt(zero) & elastic_step.lt(growth * growth);
     let theta = R::select(stick, one, cbrt(cube.max(zero).min(one)));
@@ -158,8 +157,7 @@ pub(super) fn advance<R: Real>(
     let compliance = one / stiffness.max(tiny);
     let share = theta.mul_add(theta, theta).mul_add(R::splat(-0.5), one);
     // A contact that grows without slip holds its force with a stiffer spring.
-    let sixth = R::select(loading, R::splat(1.0 / 6.0), R::splat(1.0 / 3.0));
-    let stiffened = square(before) * (growth * inverse_limit * sixth).keep(stick);
+    let stiffened = square(before) * (growth / limit.max(tiny)).keep(stick) * R::splat(1.0 / 6.0);
     let micro_slip_loss = (limit * share).mul_add(-slip, stiffened).max(zero).keep(!sliding) * compliance;
     state.force = [factor * force[0], factor * force[1]];
     state.stage = R::select(unloading, one, two).keep(!(loading | passed | sliding));

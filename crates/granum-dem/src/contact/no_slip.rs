@@ -18,9 +18,7 @@ pub struct NoSlip;
 const EIGHT_MODULI: usize = 0;
 const FRICTION: usize = 1;
 const ROOT_MODULI: usize = 2;
-const INVERSE_MODULI: usize = 3;
-/// Reciprocal of the radius at the last step; zero for a new contact.
-const INVERSE_RADIUS: usize = 2;
+const RADIUS_BEFORE: usize = 2;
 
 impl TangentialLaw for NoSlip {
     const HISTORY: usize = 3;
@@ -31,7 +29,6 @@ impl TangentialLaw for NoSlip {
         c[EIGHT_MODULI] = 8.0 * pair.effective_shear_modulus;
         c[FRICTION] = pair.friction;
         c[ROOT_MODULI] = c[EIGHT_MODULI].sqrt();
-        c[INVERSE_MODULI] = 1.0 / c[EIGHT_MODULI];
         c
     }
 
@@ -45,9 +42,9 @@ impl TangentialLaw for NoSlip {
         let (tiny, one) = (R::splat(1e-200), R::splat(1.0));
         let stiffness = c[EIGHT_MODULI] * normal.radius;
         let limit = c[FRICTION] * normal.friction_load;
+        let before = history[RADIUS_BEFORE];
         let held = [history[0], history[1]];
-        let inverse_radius = one / normal.radius.max(tiny);
-        let ratio = normal.radius * history[INVERSE_RADIUS];
+        let ratio = normal.radius / before.max(tiny);
         let shrink = ratio.min(one);
         let trial = [
             stiffness.mul_add(increment[0], shrink * held[0]),
@@ -56,20 +53,20 @@ impl TangentialLaw for NoSlip {
         let square = trial[0].mul_add(trial[0], trial[1] * trial[1]);
         let sliding = square.ge(limit * limit);
         let length = square.sqrt();
-        let inverse = one / length.max(tiny);
-        let factor = R::select(sliding, limit * inverse, one);
+        let factor = R::select(sliding, limit / length.max(tiny), one);
         let force = [factor * trial[0], factor * trial[1]];
         [history[0], history[1]] = force;
-        history[INVERSE_RADIUS] = inverse_radius;
-        let compliance = c[INVERSE_MODULI] * inverse_radius;
+        history[RADIUS_BEFORE] = normal.radius;
+        let compliance = one / stiffness.max(tiny);
         let slipped = ((length - limit) * compliance).max(R::zero()).keep(sliding);
         // Mean force along the slip in the step.
-        let along = held[0].mul_add(trial[0], held[1] * trial[1]) * (shrink * inverse);
+        let along = (held[0].mul_add(trial[0], held[1] * trial[1])) * shrink / length.max(tiny);
         let pull = R::splat(0.5) * (limit + along).max(R::zero());
-        // T^2 / k_old = ratio T^2 / k: of that 1 - ratio is lost, or 1 - 1 / ratio.
-        let stored = compliance * held[0].mul_add(held[0], held[1] * held[1]);
+        // Twice the energy before the step: T^2 / k_old = ratio T^2 / k.
+        let stored = ratio * compliance * held[0].mul_add(held[0], held[1] * held[1]);
         let dropped = (one - shrink) * held[0].mul_add(increment[0], held[1] * increment[1]);
-        let lost = R::splat(0.5) * (shrink * (one - ratio).abs()).mul_add(stored, dropped);
+        let kept = shrink.min(one / ratio.max(tiny));
+        let lost = R::splat(0.5) * (one - kept).mul_add(stored, dropped);
         Tangential {
             force,
             stiffness,

@@ -31,7 +31,8 @@ use crate::error::HybridError;
 use crate::files::write_record;
 
 pub use granum_io::run::{CHECKPOINT, PREVIOUS_CHECKPOINT};
-pub use sample::{Source, cell, sites};
+pub use sample::{Source, cell, simulation, sites};
+pub use standing::check_beside;
 
 /// Name of the snapshot of a sample.
 pub const SAMPLE: &str = "start";
@@ -69,6 +70,9 @@ pub enum LaboratoryError {
         /// Grains that would fit.
         fitting: usize,
     },
+    /// A packing that cannot be simulated.
+    #[error("the packing cannot be simulated: {0}")]
+    Packing(String),
     /// A checkpoint.
     #[error("{}: {what}", path.display())]
     Checkpoint {
@@ -266,7 +270,7 @@ impl Laboratory {
                 "the case was changed since the run began; run the changed case anew in another folder";
             return Err(FileError::content(&folder.path().join("case.toml"), message).into());
         }
-        let standing = standing::last_good(folder, observer)?;
+        let standing = standing::last_good(folder, &case, observer)?;
         if record.status == RunStatus::Finished && standing.as_ref().is_none_or(|s| !s.older) {
             return Ok(record);
         }

@@ -11,7 +11,7 @@ use granum_io::{Case, Packing, run};
 use super::standing::{Found, Stage, Standing};
 use super::{
     CHECKPOINT, Interval, Laboratory, LaboratoryError, PREVIOUS_CHECKPOINT, RunObserver, Speedometer, Status,
-    Stretch,
+    Stretch, memory,
 };
 
 /// Where a sample comes from.
@@ -72,7 +72,7 @@ impl Laboratory {
             Source::Packing(path) => {
                 let packing = Packing::read(path)?;
                 let properties = Properties { material: case.grains.material, contact: case.contact };
-                let simulation = Simulation::new(cell(&packing), &sites(&packing), properties)?;
+                let simulation = simulation(&packing, properties)?;
                 Preparing::settling(simulation, &recipe)
             }
         };
@@ -144,7 +144,7 @@ fn take_sample(case: &Case, path: &Path, record: &mut RunRecord) -> Result<Stand
             "the sample was prepared for other grains, contact law or preparation than this case asks for; prepare it anew".into(),
         ));
     }
-    let standing = match Standing::read(&checkpoint) {
+    let standing = match Standing::read(&checkpoint, None) {
         Ok(Some(standing)) => standing,
         Ok(None) => return Err(bad(format!("there is none; `granum resume {name}` makes the sample"))),
         Err(LaboratoryError::Checkpoint { what, .. }) if path.join(PREVIOUS_CHECKPOINT).is_file() => {
@@ -165,6 +165,37 @@ fn take_sample(case: &Case, path: &Path, record: &mut RunRecord) -> Result<Stand
             Err(bad("it is a test in progress, not a sample; give a folder made by `granum prepare`".into()))
         }
     }
+}
+
+/// Largest radius over the smallest that a packing may have: the search for near pairs is made for the largest grain, and its
+/// margin must not hold a crowd of the smallest.
+const WIDEST_RADII: f64 = 100.0;
+/// Longest edge of a cell over the largest radius: a thousand million grains do not need more.
+const WIDEST_CELL: f64 = 1e5;
+
+/// The grains of a packing at rest, with the forces of their geometry.
+///
+/// # Errors
+/// If the machine cannot hold them, their radii are too different, the cell is too large for them, or as [`Simulation::new`].
+pub fn simulation(packing: &Packing, properties: Properties) -> Result<Simulation, LaboratoryError> {
+    let mut of_this_size = Case::default();
+    of_this_size.grains.count = packing.grains.len();
+    memory::check(&of_this_size)?;
+    let radii = packing.grains.iter().map(|grain| grain.radius);
+    let (smallest, largest) = radii.fold((f64::INFINITY, 0.0f64), |(a, b), r| (a.min(r), b.max(r)));
+    if largest > WIDEST_RADII * smallest {
+        return Err(LaboratoryError::Packing(format!(
+            "its radii go from {smallest:e} m to {largest:e} m; the largest can be at most {WIDEST_RADII} times the smallest"
+        )));
+    }
+    let edge = packing.cell.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()));
+    if edge >= WIDEST_CELL * largest {
+        return Err(LaboratoryError::Packing(format!(
+            "its cell has an edge of {edge:e} m, but its largest grain a radius of {largest:e} m; at most {WIDEST_CELL:e} times that \
+             is possible"
+        )));
+    }
+    Ok(Simulation::new(cell(packing), &sites(packing), properties)?)
 }
 
 /// The cell of a packing, its corner at the origin.
@@ -224,5 +255,27 @@ fn measure_sample(simulation: &Simulation, found: &mut Found) {
         if let Some(k) = granum_sensors::column_index(name) {
             found.measures.insert(name.to_string(), row[k]);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use granum_dem::config::{Contact, Material};
+
+    #[test]
+    fn packings_that_no_machine_could_hold_are_refused() {
+        let refused = |edge: f64, radius: f64| {
+            let file = format!(
+                "# periodic box, m: xlo=0 ylo=0 zlo=0 xhi={edge} yhi={edge} zhi={edge}\n\
+                 id,x,y,z,radius\n1,0.1,0.1,0.1,1e-3\n2,0.2,0.2,0.2,{radius}\n"
+            );
+            let packing = Packing::read_from(file.as_bytes(), "p.csv").unwrap();
+            let properties = Properties { material: Material::default(), contact: Contact::default() };
+            simulation(&packing, properties).err().map(|error| error.to_string()).unwrap_or_default()
+        };
+        assert_eq!(refused(1.0, 1e-3), "");
+        assert!(refused(1.0, 0.9e-5).contains("radii go from 9e-6 m to 1e-3 m"), "{}", refused(1.0, 0.9e-5));
+        assert!(refused(100.1, 1e-3).contains("an edge of 1.001e2 m"), "{}", refused(100.1, 1e-3));
     }
 }

@@ -8,6 +8,7 @@ use std::path::Path;
 
 use granum_dem::preparation::{Course, Phase};
 use granum_dem::simulation::Simulation;
+use granum_io::Case;
 use granum_io::run::{
     CHECKPOINT, PREVIOUS_CHECKPOINT, QualityFlag, REFUSED_CHECKPOINT, RunFolder, RunRecord,
 };
@@ -80,7 +81,7 @@ impl Standing {
         let step = self.simulation.state().step();
         match &self.stage {
             Stage::Preparation(course) => {
-                record.steps.insert("prepare".into(), course.steps() + step);
+                record.steps.insert("prepare".into(), course.steps().saturating_add(step));
                 record.phase = course.phase().name().to_string();
                 if course.trial() > 1 {
                     record.phase += &format!(", trial {}", course.trial());
@@ -94,8 +95,8 @@ impl Standing {
         }
     }
 
-    /// Reads a checkpoint; `None` if there is no such file.
-    pub(super) fn read(path: &Path) -> Result<Option<Standing>, LaboratoryError> {
+    /// Reads a checkpoint, of a run of the case where one is given; `None` if there is no such file.
+    pub(super) fn read(path: &Path, case: Option<&Case>) -> Result<Option<Standing>, LaboratoryError> {
         let bad = |what: String| LaboratoryError::Checkpoint { path: path.to_path_buf(), what };
         let bytes = match std::fs::read(path) {
             Ok(bytes) => bytes,
@@ -103,25 +104,45 @@ impl Standing {
             Err(error) => return Err(bad(format!("it cannot be read: {error}"))),
         };
         let (simulation, text) = Simulation::restore(&bytes).map_err(|e| bad(e.to_string()))?;
-        let (stage, found) = serde_json::from_str(&text)
-            .map_err(|e| bad(format!("what it says beside the simulation is not of a run ({e})")))?;
+        let (stage, found) = beside(&text, case).map_err(bad)?;
         Ok(Some(Standing { simulation, stage, found, older: false }))
     }
+}
+
+/// What stands in a checkpoint beside the simulation, if it can be of a run (of the case).
+fn beside(text: &str, case: Option<&Case>) -> Result<(Stage, Found), String> {
+    let (stage, found): (Stage, Found) = serde_json::from_str(text)
+        .map_err(|e| format!("what it says beside the simulation is not of a run ({e})"))?;
+    if let Stage::Test(test) = &stage
+        && case.is_some_and(|case| !test.is_of(case))
+    {
+        return Err("what it says beside the simulation is not of a test of this case".into());
+    }
+    Ok((stage, found))
+}
+
+/// Whether the text that stands in a checkpoint beside the simulation can be of a run of the case.
+///
+/// # Errors
+/// A sentence that says why not.
+pub fn check_beside(text: &str, case: &Case) -> Result<(), String> {
+    beside(text, Some(case)).map(|_| ())
 }
 
 /// The last checkpoint of a folder that can be used; `None` if none was ever written. One that cannot be used is put
 /// aside with a warning.
 pub(super) fn last_good(
     folder: &RunFolder,
+    case: &Case,
     observer: &mut dyn RunObserver,
 ) -> Result<Option<Standing>, LaboratoryError> {
-    let current = match Standing::read(&folder.path().join(CHECKPOINT)) {
+    let current = match Standing::read(&folder.path().join(CHECKPOINT), Some(case)) {
         Ok(Some(standing)) => return Ok(Some(standing)),
         Ok(None) => None,
         Err(error) => Some(error),
     };
     let previous = folder.path().join(PREVIOUS_CHECKPOINT);
-    let older = match (Standing::read(&previous), &current) {
+    let older = match (Standing::read(&previous, Some(case)), &current) {
         (Ok(Some(older)), _) => older,
         (Ok(None), None) => return Ok(None),
         (Ok(None), Some(why)) => {

@@ -20,6 +20,19 @@ pub(super) struct Test {
     pub(super) before: quality::Stored,
 }
 
+impl Test {
+    /// True if it can be a test of the case: with another end or rate it would perhaps never end.
+    pub(super) fn is_of(&self, case: &Case) -> bool {
+        let path = &self.path;
+        let end = case.shear.deviator_strain;
+        let stress = case.shear.mean_stress.unwrap_or(case.preparation.mean_stress);
+        self.recorder.is_of(&case.recording, end)
+            && (path.deviator_strain, path.mean_stress) == (end, stress)
+            && path.strain_rate > 0.0
+            && path.strain_rate.is_finite()
+    }
+}
+
 /// Watches a test: lets the recorder look, reports, stops for a checkpoint.
 struct Watch<'a> {
     recorder: &'a mut Recorder,

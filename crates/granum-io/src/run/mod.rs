@@ -14,7 +14,7 @@ use sha2::{Digest, Sha256};
 use crate::atomic::{write_atomically, write_keeping_previous};
 use crate::case::Case;
 use crate::error::{Error, Result};
-use crate::folder::OutputFolder;
+use crate::folder::{OutputFolder, check_name};
 use crate::snapshot;
 use crate::table::Table;
 
@@ -154,6 +154,7 @@ impl RunFolder {
     /// As [`OutputFolder::create`].
     pub fn create(path: impl AsRef<Path>, force: bool) -> Result<RunFolder> {
         let folder = OutputFolder::create(path, force)?;
+        folder.refuse_links(&FOLDERS.map(|(name, _)| name))?;
         folder.clear(&CONTENTS)?;
         for (name, ends) in FOLDERS {
             folder.clear_inside(name, ends)?;
@@ -167,6 +168,7 @@ impl RunFolder {
     /// As [`OutputFolder::open`].
     pub fn open(path: impl AsRef<Path>) -> Result<RunFolder> {
         let folder = OutputFolder::open(path)?;
+        folder.refuse_links(&FOLDERS.map(|(name, _)| name))?;
         for (name, _) in FOLDERS {
             folder.remove_unfinished_inside(name)?;
         }
@@ -235,11 +237,7 @@ impl RunFolder {
     /// # Errors
     /// As [`snapshot::write_snapshot`]; [`Error::Value`] if the name is no plain word.
     pub fn write_snapshot(&self, name: &str, assembly: &Assembly) -> Result<()> {
-        let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
-        if name.is_empty() || !name.chars().all(plain) {
-            let message = "is no name of a snapshot; use letters, digits, - and _".to_string();
-            return Err(Error::Value { name: "snapshot".into(), value: name.into(), message });
-        }
+        check_name("snapshot", name)?;
         snapshot::write_snapshot(&self.folder.subfolder(SNAPSHOTS)?, name, assembly)
     }
 

@@ -162,7 +162,8 @@ impl RunRecord {
 
     /// Product of grains and steps over all phases.
     pub fn grain_steps(&self) -> u64 {
-        self.steps.values().sum::<u64>().saturating_mul(self.grains as u64)
+        let steps = self.steps.values().fold(0u64, |sum, steps| sum.saturating_add(*steps));
+        steps.saturating_mul(self.grains as u64)
     }
 
     /// True if every judgement is good.

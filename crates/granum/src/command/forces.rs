@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use granum_dem::simulation::{Properties, Simulation};
-use granum_hybrid::laboratory::{cell, sites};
+use granum_dem::simulation::Properties;
+use granum_hybrid::laboratory::simulation;
 use granum_io::{Column, Packing, Table};
 use serde_json::json;
 
@@ -34,7 +34,7 @@ impl Forces {
         let case = self.law.case()?;
         let (material, contact) = (case.grains.material, case.contact);
         let packing = Packing::read(&self.packing)?;
-        let simulation = Simulation::new(cell(&packing), &sites(&packing), Properties { material, contact })?;
+        let simulation = simulation(&packing, Properties { material, contact })?;
         let assembly = simulation.assembly();
         let mut columns =
             vec![Column::new("id", "1", assembly.grains.iter().map(|g| g.id as f64).collect::<Vec<_>>())];

@@ -7,7 +7,7 @@ use clap::Args;
 use granum_hybrid::files::STUDY_FILE;
 use granum_hybrid::keeping::Plan;
 use granum_hybrid::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
-use granum_io::{Error, OutputFolder, Run, RunFolder, RunStatus};
+use granum_io::{Error, OutputFolder, Run, RunStatus};
 use serde_json::{Value, json};
 
 use super::train::Train;
@@ -35,8 +35,10 @@ impl Status {
             return output::say(context, &found.json(), || found.text());
         }
         let read = std::fs::read_dir(&runs).map_err(Error::file("read", &runs))?;
+        // A link may lead anywhere; the runs of a reproduction are folders in it.
+        let real = |entry: &std::fs::DirEntry| entry.file_type().is_ok_and(|kind| kind.is_dir());
         let mut folders: Vec<PathBuf> =
-            read.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
+            read.filter_map(|entry| entry.ok().filter(real).map(|entry| entry.path())).collect();
         folders.sort();
         let found = folders.iter().map(|folder| Found::of(folder)).collect::<Result<Vec<_>, _>>()?;
         let done = self.folder.join("summary.json").is_file();
@@ -58,7 +60,7 @@ impl Status {
         let networks = plan.networks();
         let there = networks.iter().filter(|file| self.folder.join(file).is_file()).count();
         let finished = self.folder.join(STUDY_FILE).is_file();
-        let at_work = matches!(OutputFolder::open(&self.folder), Err(Error::Locked { .. }));
+        let at_work = OutputFolder::is_in_use(&self.folder);
         let (word, next) = match (at_work, finished) {
             (true, _) => ("running", "a process is at work in it; wait".to_string()),
             (_, true) => ("finished", format!("judge it: granum evaluate {name} RUN...")),
@@ -101,7 +103,7 @@ impl Found {
     fn of(folder: &Path) -> Result<Found, Failure> {
         let run = Run::at(folder)?;
         let (case, record) = (run.case()?, run.record()?);
-        let at_work = matches!(RunFolder::open(folder), Err(Error::Locked { .. }));
+        let at_work = OutputFolder::is_in_use(folder);
         let strain = run.series().ok().and_then(|t| t.column("deviator_strain").ok()?.last().copied());
         let checkpoint = [CHECKPOINT, PREVIOUS_CHECKPOINT]
             .iter()

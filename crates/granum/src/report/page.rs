@@ -25,8 +25,7 @@ impl Document {
         let write = |path: &Path, text: &str| {
             granum_io::atomic::write_atomically(path, |file| file.write_all(text.as_bytes()))
         };
-        let figures = folder.join("figures");
-        std::fs::create_dir_all(&figures).map_err(granum_io::Error::file("make", &figures))?;
+        let figures = granum_io::inner_folder(folder, "figures")?;
         for (name, svg) in &self.figures {
             write(&figures.join(name), svg)?;
         }

@@ -3,6 +3,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod escape;
 mod networks;
 mod refusals;
 mod tests_of_grains;

@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::{SMALL, done, done_json, refused};
 
 /// A test over the whole range of strain, with enough states for every sub-model.
-fn make_run(here: &Path, seed: u64) {
+pub fn make_run(here: &Path, seed: u64) {
     let case = SMALL
         .replace("[preparation]", &format!("[preparation]\nseed = {seed}"))
         .replace("deviator_strain = 0.02", "deviator_strain = 0.3")

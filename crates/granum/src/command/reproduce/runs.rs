@@ -8,7 +8,7 @@ use granum_dem::preparation::Phase;
 use granum_hybrid::laboratory::{
     GRAINS_PER_THREAD, Laboratory, LaboratoryError, RunObserver, Shared, Source, Status,
 };
-use granum_io::{Case, Run, RunFolder, RunRecord, RunStatus};
+use granum_io::{Case, Run, RunFolder, RunRecord, RunStatus, inner_folder};
 
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
@@ -72,14 +72,15 @@ pub fn all(
         grains_per_thread: GRAINS_PER_THREAD,
         ..laboratory.clone()
     };
+    let runs = inner_folder(folder, "runs")?;
     let jobs: Vec<(Case, PathBuf)> = RUNS
         .iter()
         .map(|&(role, seed)| {
             let mut case = case.clone();
             case.preparation.seed = seed;
-            (case, folder.join("runs").join(format!("{role}-{seed}")))
+            Ok((case, inner_folder(&runs, &format!("{role}-{seed}"))?))
         })
-        .collect();
+        .collect::<granum_io::Result<_>>()?;
     let mut progress = context.progress();
     progress.phase("DEM");
     let board = Board { context, progress: Mutex::new((progress, vec![0.0; jobs.len()])) };

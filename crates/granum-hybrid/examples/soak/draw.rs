@@ -1,0 +1,121 @@
+//! Random cases, the same ones from the same seed.
+
+use granum_dem::config::{NormalKind, Rate, Recording, TangentialKind};
+use granum_io::Case;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+
+/// What is done to a case beside running it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Way {
+    /// Nothing.
+    Plain,
+    /// A second run is interrupted and resumed, and must come to the same bits.
+    Interrupted,
+    /// A second run goes on two threads.
+    TwoThreads,
+    /// A second run goes on the portable instruction set.
+    Portable,
+}
+
+impl Way {
+    pub const ALL: [Way; 4] = [Way::Plain, Way::Interrupted, Way::TwoThreads, Way::Portable];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Way::Plain => "plain",
+            Way::Interrupted => "interrupted",
+            Way::TwoThreads => "two threads",
+            Way::Portable => "portable",
+        }
+    }
+}
+
+/// Draws from a seed.
+pub struct Draws(ChaCha8Rng);
+
+impl Draws {
+    pub fn new(seed: u64) -> Draws {
+        Draws(ChaCha8Rng::seed_from_u64(seed))
+    }
+
+    /// From 0 to 1.
+    pub fn fraction(&mut self) -> f64 {
+        (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn even(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.fraction()
+    }
+
+    /// Every decade alike.
+    fn decades(&mut self, low: f64, high: f64) -> f64 {
+        low * (high / low).powf(self.fraction())
+    }
+
+    fn chance(&mut self, part: f64) -> bool {
+        self.fraction() < part
+    }
+
+    pub fn way(&mut self) -> Way {
+        match self.fraction() {
+            x if x < 0.4 => Way::Plain,
+            x if x < 0.7 => Way::Interrupted,
+            x if x < 0.85 => Way::TwoThreads,
+            _ => Way::Portable,
+        }
+    }
+
+    /// Materials from rubber to steel, grains from a micrometre to a centimetre, every pair of laws, stresses that press grains
+    /// by a millionth to a thousandth of their modulus.
+    pub fn case(&mut self) -> Case {
+        use NormalKind::{Hertz, Jkr};
+        use TangentialKind::{MindlinDeresiewicz, NoSlip, Peeling};
+        const LAWS: [(NormalKind, TangentialKind); 5] = [
+            (Hertz, MindlinDeresiewicz),
+            (Hertz, NoSlip),
+            (Jkr, MindlinDeresiewicz),
+            (Jkr, NoSlip),
+            (Jkr, Peeling),
+        ];
+        let mut case = Case::default();
+        let grains = &mut case.grains;
+        grains.count = self.decades(200.0, 2000.0) as usize;
+        grains.diameter = self.decades(1e-6, 1e-2);
+        grains.spread = if self.chance(0.4) { 0.0 } else { self.even(0.0, 0.5) };
+        let material = &mut grains.material;
+        material.density = self.decades(300.0, 10_000.0);
+        material.youngs_modulus = self.decades(1e7, 2e11);
+        material.poissons_ratio = self.even(0.0, 0.5);
+        material.friction = if self.chance(0.1) { 0.0 } else { self.even(0.0, 1.2) };
+        let preparation = &mut case.preparation;
+        preparation.mean_stress = material.youngs_modulus * self.decades(1e-7, 3e-4);
+        // Adhesion up to a third of what the stress presses two grains together with.
+        let adhesion = if self.chance(0.2) { 0.0 } else { self.decades(1e-4, 0.3) };
+        material.interface_energy = (adhesion * preparation.mean_stress * grains.diameter).min(100.0);
+        preparation.interface_energy = if self.chance(0.3) { material.interface_energy } else { 0.0 };
+        (case.contact.normal, case.contact.tangential) = LAWS[(self.fraction() * 5.0) as usize];
+        case.contact.damping = self.decades(0.01, 0.7);
+        preparation.seed = self.0.next_u64() >> 32;
+        preparation.solid_fraction = None;
+        preparation.friction = Some(if self.chance(0.2) { 0.0 } else { self.even(0.0, 0.8) });
+        preparation.initial_solid_fraction = self.even(0.2, 0.36);
+        preparation.inertial_number = self.decades(2e-3, 2e-2);
+        preparation.unbalanced_force = self.decades(3e-3, 5e-2);
+        case.shear.deviator_strain = self.decades(3e-3, 3e-2);
+        let number = self.decades(3e-4, 1e-2);
+        case.shear.mean_stress = self.chance(0.2).then(|| preparation.mean_stress * self.even(0.5, 2.0));
+        case.shear.rate = if self.chance(0.8) {
+            Rate::InertialNumber(number)
+        } else {
+            let density_scaling = self.decades(1e-3, 1e12);
+            let slow = (case.preparation.mean_stress / (material.density * density_scaling)).sqrt();
+            Rate::StrainRate { strain_rate: number * slow / grains.diameter, density_scaling }
+        };
+        let states = self.even(2.0, 9.0) as usize;
+        let looks = self.even(1.0, 4.0) as usize;
+        case.recording = Recording { states, looks, ..Recording::default() };
+        case.numerics.time_step_factor = self.even(0.08, 0.22);
+        case
+    }
+}

@@ -1,0 +1,211 @@
+//! A look over bytes of the Thrift compact protocol before the decoder sees them: it makes room for, and goes through,
+//! whatever number of elements they claim, and takes a field for what its number says whatever type it has.
+
+/// Deepest nesting; the metadata of Parquet need less than ten.
+const DEEPEST: usize = 32;
+
+/// What ends a look.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Flaw {
+    /// The bytes end inside the structure.
+    TooShort,
+    /// It is no structure of Parquet.
+    Wrong,
+}
+
+/// What a field holds.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Kind {
+    Flag,
+    I8,
+    I16,
+    I32,
+    I64,
+    Double,
+    Bytes,
+    List(&'static Kind),
+    Struct(Fields),
+}
+
+/// The fields of a structure with their numbers. Others are passed over by the type that they say they have.
+pub(super) type Fields = &'static [(i16, Kind)];
+
+impl Kind {
+    /// True for the type that the bytes tell.
+    fn is(self, told: u8) -> bool {
+        match self {
+            Kind::Flag => matches!(told, 1 | 2),
+            Kind::I8 => told == 3,
+            Kind::I16 => told == 4,
+            Kind::I32 => told == 5,
+            Kind::I64 => told == 6,
+            Kind::Double => told == 7,
+            Kind::Bytes => told == 8,
+            Kind::List(_) => told == 9,
+            Kind::Struct(_) => told == 12,
+        }
+    }
+}
+
+/// Goes through one structure; returns the bytes that it takes. `note` gets every whole number with the fields that
+/// lead to it.
+pub(super) fn walk(bytes: &[u8], fields: Fields, note: &mut dyn FnMut(&[i16], i64)) -> Result<usize, Flaw> {
+    let mut walker = Walker { rest: bytes, path: Vec::new(), note };
+    walker.structure(fields, 0)?;
+    Ok(bytes.len() - walker.rest.len())
+}
+
+struct Walker<'a> {
+    rest: &'a [u8],
+    path: Vec<i16>,
+    note: &'a mut dyn FnMut(&[i16], i64),
+}
+
+impl Walker<'_> {
+    fn structure(&mut self, fields: Fields, depth: usize) -> Result<(), Flaw> {
+        if depth > DEEPEST {
+            return Err(Flaw::Wrong);
+        }
+        let mut last = 0i16;
+        loop {
+            let head = self.byte()?;
+            if head == 0 {
+                return Ok(());
+            }
+            let id = match head >> 4 {
+                0 => i16::try_from(self.whole()?).map_err(|_| Flaw::Wrong)?,
+                step => last.checked_add(i16::from(step)).ok_or(Flaw::Wrong)?,
+            };
+            // The decoder takes the last of two values; nobody writes two.
+            if id <= last {
+                return Err(Flaw::Wrong);
+            }
+            last = id;
+            let known = fields.iter().find(|(number, _)| *number == id).map(|(_, kind)| *kind);
+            self.path.push(id);
+            self.value(head & 15, known, depth)?;
+            self.path.pop();
+        }
+    }
+
+    fn value(&mut self, told: u8, known: Option<Kind>, depth: usize) -> Result<(), Flaw> {
+        if known.is_some_and(|kind| !kind.is(told)) {
+            return Err(Flaw::Wrong);
+        }
+        match told {
+            1 | 2 => Ok(()),
+            3 => self.skip(1),
+            4..=6 => {
+                let value = self.whole()?;
+                (self.note)(&self.path, value);
+                Ok(())
+            }
+            7 => self.skip(8),
+            8 => {
+                let length = self.variable()?;
+                self.skip(length)
+            }
+            9 | 10 => self.list(known, depth),
+            12 => {
+                self.structure(if let Some(Kind::Struct(fields)) = known { fields } else { &[] }, depth + 1)
+            }
+            13 => self.skip(16),
+            // Maps are not in the format.
+            _ => Err(Flaw::Wrong),
+        }
+    }
+
+    fn list(&mut self, known: Option<Kind>, depth: usize) -> Result<(), Flaw> {
+        let head = self.byte()?;
+        let size = if head >> 4 == 15 { self.variable()? } else { u64::from(head >> 4) };
+        // Booleans are in no list here, and the decoder passes over any number of them without need of a byte.
+        if matches!(head & 15, 1 | 2) || depth > DEEPEST {
+            return Err(Flaw::Wrong);
+        }
+        if size > self.rest.len() as u64 {
+            return Err(Flaw::TooShort);
+        }
+        let element = if let Some(Kind::List(element)) = known { Some(*element) } else { None };
+        for _ in 0..size {
+            self.value(head & 15, element, depth + 1)?;
+        }
+        Ok(())
+    }
+
+    fn byte(&mut self) -> Result<u8, Flaw> {
+        let (first, rest) = self.rest.split_first().ok_or(Flaw::TooShort)?;
+        self.rest = rest;
+        Ok(*first)
+    }
+
+    fn skip(&mut self, count: u64) -> Result<(), Flaw> {
+        let count = usize::try_from(count).map_err(|_| Flaw::TooShort)?;
+        self.rest = self.rest.get(count..).ok_or(Flaw::TooShort)?;
+        Ok(())
+    }
+
+    /// Seven bits a byte, the lowest first.
+    fn variable(&mut self) -> Result<u64, Flaw> {
+        let mut value = 0u64;
+        for shift in (0..64).step_by(7) {
+            let byte = self.byte()?;
+            value |= u64::from(byte & 127) << shift;
+            if byte < 128 {
+                return Ok(value);
+            }
+        }
+        Err(Flaw::Wrong)
+    }
+
+    /// Zigzag: 0, -1, 1, -2...
+    fn whole(&mut self) -> Result<i64, Flaw> {
+        let value = self.variable()?;
+        Ok((value >> 1) as i64 ^ -((value & 1) as i64))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn numbers(bytes: &[u8]) -> Result<Vec<(Vec<i16>, i64)>, Flaw> {
+        let mut found = Vec::new();
+        walk(bytes, &[], &mut |path, value| found.push((path.to_vec(), value)))?;
+        Ok(found)
+    }
+
+    #[test]
+    fn numbers_come_with_their_fields() {
+        // 1: i32 -3, 3: struct { 1: i64 150 }, 4: text "ab", 5: [i32 1, i32 -1].
+        let bytes = [0x15, 5, 0x2c, 0x16, 0xac, 2, 0, 0x18, 2, b'a', b'b', 0x19, 0x25, 2, 1, 0, 99];
+        let found = numbers(&bytes).unwrap();
+        assert_eq!(found, [(vec![1], -3), (vec![3, 1], 150), (vec![5], 1), (vec![5], -1)]);
+        assert_eq!(walk(&bytes, &[], &mut |_, _| {}), Ok(bytes.len() - 1));
+        for cut in 0..bytes.len() - 1 {
+            assert_eq!(numbers(&bytes[..cut]), Err(Flaw::TooShort), "{cut}");
+        }
+    }
+
+    #[test]
+    fn a_known_field_has_its_type() {
+        const FIELDS: Fields = &[(1, Kind::I32), (2, Kind::List(&Kind::Struct(&[(1, Kind::Flag)])))];
+        let take = |bytes: &[u8]| walk(bytes, FIELDS, &mut |_, _| {});
+        assert_eq!(take(&[0x15, 2, 0x19, 0x1c, 0x11, 0, 0x18, 0, 0]), Ok(9));
+        for wrong in [&[0x16, 2, 0][..], &[0x29, 0x15, 2, 0], &[0x29, 0x1c, 0x15, 2, 0, 0], &[0x2c, 0, 0]] {
+            assert_eq!(take(wrong), Err(Flaw::Wrong), "{wrong:?}");
+        }
+    }
+
+    #[test]
+    fn claims_beyond_the_bytes_are_refused() {
+        // A list of 2^28 structures, a text of 2^28 bytes, 2^28 booleans, a map, a field twice.
+        assert_eq!(numbers(&[0x19, 0xfc, 0x80, 0x80, 0x80, 0x80, 1, 0, 0]), Err(Flaw::TooShort));
+        assert_eq!(numbers(&[0x18, 0x80, 0x80, 0x80, 0x80, 1, 0, 0]), Err(Flaw::TooShort));
+        assert_eq!(numbers(&[0x19, 0xf1, 0x80, 0x80, 0x80, 0x80, 1, 0, 0]), Err(Flaw::Wrong));
+        assert_eq!(numbers(&[0x1b, 1, 0x55, 1, 1, 0]), Err(Flaw::Wrong));
+        assert_eq!(numbers(&[0x15, 2, 0x05, 2, 4, 0]), Err(Flaw::Wrong));
+        // Structures within structures without end.
+        assert_eq!(numbers(&[0x1c; 100]), Err(Flaw::Wrong));
+        assert_eq!(numbers(&[0x19; 100]), Err(Flaw::Wrong));
+    }
+}

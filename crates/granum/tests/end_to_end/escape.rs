@@ -1,0 +1,214 @@
+//! Whatever the files of a folder say, and wherever links in it lead, no command makes, changes or removes anything
+//! outside its output folder.
+#![cfg(unix)]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::os::unix::fs::symlink;
+use std::path::{Path, PathBuf};
+
+use granum_hybrid::Summary;
+use granum_hybrid::summary::RunSummary;
+use serde_json::{Value, json};
+
+use crate::common::{run, stderr};
+use crate::networks::make_run;
+use crate::{SMALL, done};
+
+/// Names that lead out of a folder.
+const HOSTILE: [&str; 5] = ["../outside/x", "/tmp/granum-escape/x", "a/../../outside/x", "..", "x\0y"];
+
+/// A folder to work in, and one beside it that nothing may touch.
+struct Place {
+    base: tempfile::TempDir,
+    before: BTreeMap<PathBuf, Vec<u8>>,
+}
+
+/// Everything outside the folder of work, links not followed, with what is in it.
+fn outside(base: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut folders = vec![base.to_path_buf()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let entry = entry.unwrap();
+            let (path, kind) = (entry.path(), entry.file_type().unwrap());
+            if path == base.join("work") {
+                continue;
+            }
+            let bytes = if kind.is_file() { fs::read(&path).unwrap() } else { Vec::new() };
+            found.insert(path.clone(), bytes);
+            if kind.is_dir() {
+                folders.push(path);
+            }
+        }
+    }
+    found
+}
+
+impl Place {
+    fn new() -> Place {
+        let base = tempfile::tempdir().unwrap();
+        for folder in ["work", "outside/snapshots", "outside/figures"] {
+            fs::create_dir_all(base.path().join(folder)).unwrap();
+        }
+        for file in ["thesis", "F1-1.json", "snapshots/end.json", "figures/figure-s1-stress.svg", "x.json"] {
+            fs::write(base.path().join("outside").join(file), "mine").unwrap();
+        }
+        let mut place = Place { base, before: BTreeMap::new() };
+        place.before = outside(place.base.path());
+        place
+    }
+
+    fn work(&self) -> PathBuf {
+        self.base.path().join("work")
+    }
+
+    /// Runs a command, which may fail or not but must neither panic nor touch what is outside; gives what it said.
+    fn harmless(&self, arguments: &[&str]) -> String {
+        let output = run(&self.work(), arguments);
+        let told = stderr(&output);
+        assert!(matches!(output.status.code(), Some(0..=2)), "granum {}: {told}", arguments.join(" "));
+        assert!(!told.contains("panicked"), "{told}");
+        let after = outside(self.base.path());
+        assert!(after == self.before, "granum {}: touched what is outside: {told}", arguments.join(" "));
+        assert!(!Path::new("/tmp/granum-escape").exists());
+        told
+    }
+
+    /// As [`Place::harmless`] for a command that must be refused with these words.
+    fn refused(&self, words: &str, arguments: &[&str]) {
+        let told = self.harmless(arguments);
+        // The message is broken into lines.
+        let flat = told.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ");
+        assert!(flat.contains(words), "granum {}: {told}", arguments.join(" "));
+    }
+}
+
+fn change(file: &Path, change: impl FnOnce(&mut Value)) {
+    let mut value = serde_json::from_slice(&fs::read(file).unwrap()).unwrap();
+    change(&mut value);
+    fs::write(file, serde_json::to_vec(&value).unwrap()).unwrap();
+}
+
+#[test]
+fn names_in_studies_lead_nowhere() {
+    let place = Place::new();
+    let work = place.work();
+    make_run(&work, 1);
+    let train = ["train", "run-1", "--out", "study", "--trainer", "traingdx", "--epoch-factor", "2e-4"];
+    done(&work, &train);
+    let (study, plan) = (work.join("study/study.json"), work.join("study/training.json"));
+    let (good_study, good_plan) = (fs::read(&study).unwrap(), fs::read(&plan).unwrap());
+    for name in HOSTILE {
+        change(&study, |file| file["mappings"][0]["mapping"]["name"] = json!(name));
+        let words = "can be no part of a file's name";
+        place.refused(words, &["evaluate", "study", "run-1"]);
+        place.refused(words, &["predict", "study", "-m", name.split('\0').next().unwrap(), "-s", "x=1"]);
+        place.harmless(&["report", "study"]);
+        fs::write(&study, &good_study).unwrap();
+
+        change(&plan, |file| file["mappings"][0]["name"] = json!(name));
+        place.refused(words, &["status", "study"]);
+        fs::remove_file(&study).unwrap();
+        place.refused(words, &["resume", "study"]);
+        place.refused(words, &train);
+        fs::write(&plan, &good_plan).unwrap();
+        fs::write(&study, &good_study).unwrap();
+    }
+    // Files that are written through names of their own: a link in the place of each.
+    fs::remove_file(&study).unwrap();
+    for name in ["F1-1.json", "F1-1.json.part", "F1-1.unfinished", "seconds.json", "study.json"] {
+        let _ = fs::remove_file(work.join("study").join(name));
+        symlink("../../outside/F1-1.json", work.join("study").join(name)).unwrap();
+    }
+    place.harmless(&["resume", "study"]);
+    place.harmless(&[&train[..], &["--force"]].concat());
+}
+
+#[test]
+fn records_and_links_of_runs_lead_nowhere() {
+    let place = Place::new();
+    let work = place.work();
+    fs::write(work.join("case.toml"), SMALL).unwrap();
+    done(&work, &["shear", "case.toml", "--out", "run"]);
+    let (folder, record) = (work.join("run"), work.join("run/run.json"));
+    let (good, checkpoint) = (fs::read(&record).unwrap(), fs::read(folder.join("checkpoint")).unwrap());
+    for name in HOSTILE {
+        let source = json!({ "sample": name });
+        let packing = json!({ "packing": { "file": name, "sha256": "00" } });
+        for source in [source, packing] {
+            change(&record, |file| {
+                file["source"] = source;
+                file["status"] = json!("running");
+                file["phase"] = json!(name);
+                file["content"] = json!({ name: "00" });
+                file["steps"] = json!({ name: 3 });
+            });
+            place.harmless(&["status", "run"]);
+            place.harmless(&["resume", "run"]);
+            place.harmless(&["report", "run", "--force"]);
+            // Without a checkpoint it begins at the source, which is not there.
+            for name in ["checkpoint", "checkpoint.previous"] {
+                let _ = fs::remove_file(folder.join(name));
+            }
+            change(&record, |file| file["status"] = json!("running"));
+            place.harmless(&["resume", "run"]);
+            fs::write(&record, &good).unwrap();
+            fs::write(folder.join("checkpoint"), &checkpoint).unwrap();
+        }
+    }
+    let running = || change(&record, |file| file["status"] = json!("running"));
+    running();
+    for (name, command) in [
+        ("snapshots", &["resume", "run"][..]),
+        ("figures", &["report", "run", "--force"]),
+        ("snapshots", &["shear", "case.toml", "--out", "run", "--force"]),
+    ] {
+        let _ = fs::remove_dir_all(folder.join(name));
+        symlink(format!("../../outside/{name}"), folder.join(name)).unwrap();
+        place.refused("is a link", command);
+        place.harmless(&["status", "run"]);
+        fs::remove_file(folder.join(name)).unwrap();
+    }
+    for name in ["series.parquet", "forces.parquet", "report.html", "checkpoint.refused"] {
+        let _ = fs::remove_file(folder.join(name));
+        symlink("../../outside/thesis", folder.join(name)).unwrap();
+    }
+    place.harmless(&["resume", "run"]);
+    place.harmless(&["report", "run", "--force"]);
+    fs::remove_file(folder.join(".granum-lock")).unwrap();
+    symlink("../../outside/thesis", folder.join(".granum-lock")).unwrap();
+    place.harmless(&["status", "run"]);
+    place.refused("is not a folder that granum wrote", &["resume", "run"]);
+    place
+        .refused("holds files that granum did not write", &["shear", "case.toml", "--out", "run", "--force"]);
+}
+
+#[test]
+fn reproductions_lead_nowhere() {
+    let place = Place::new();
+    let work = place.work();
+    fs::write(work.join("case.toml"), SMALL).unwrap();
+    done(&work, &["shear", "case.toml", "--out", "study"]);
+    for name in fs::read_dir(work.join("study")).unwrap().map(|entry| entry.unwrap().path()) {
+        if name.file_name().unwrap() != ".granum-lock" {
+            if name.is_dir() { fs::remove_dir_all(name).unwrap() } else { fs::remove_file(name).unwrap() }
+        }
+    }
+    // The folder of a reproduction whose runs are elsewhere.
+    symlink("../../outside", work.join("study/runs")).unwrap();
+    place.refused("runs: is a link", &["reproduce", "--quick", "--out", "study"]);
+    fs::remove_file(work.join("study/runs")).unwrap();
+    fs::create_dir_all(work.join("study/runs")).unwrap();
+    fs::create_dir_all(work.join("study/models")).unwrap();
+    symlink("../../../outside", work.join("study/runs/training-11")).unwrap();
+    place.refused("training-11: is a link", &["reproduce", "--quick", "--out", "study"]);
+    place.harmless(&["status", "study"]);
+    for name in HOSTILE {
+        let mut summary = Summary::default();
+        summary.dem.runs.push(RunSummary { role: name.into(), ..RunSummary::default() });
+        fs::write(work.join("study/summary.json"), serde_json::to_vec(&summary).unwrap()).unwrap();
+        place.harmless(&["status", "study"]);
+        place.refused("is neither training nor unseen", &["report", "study", "--force"]);
+    }
+}

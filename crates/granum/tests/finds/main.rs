@@ -1,0 +1,171 @@
+//! What the fuzz targets check, on the stable toolchain: every kept input and find, and some thousand mutations of the
+//! seeds, the same ones in every run.
+
+#[path = "../../../../fuzz/src/checks.rs"]
+mod checks;
+#[path = "../../../../fuzz/src/seeds.rs"]
+mod seeds;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Mutations of the seeds of a target.
+const MUTATIONS: usize = 12_000;
+/// Nothing that small may take longer (the tests share a busy machine).
+const LONGEST: Duration = Duration::from_secs(10);
+
+/// Checks an input; one that fails is kept, so that it can be looked at.
+fn check(target: &str, check: fn(&[u8]), name: &str, input: &[u8]) {
+    let start = Instant::now();
+    if catch_unwind(AssertUnwindSafe(|| check(input))).is_err() {
+        let file = std::env::temp_dir().join(format!("granum-find-{target}"));
+        std::fs::write(&file, input).unwrap();
+        panic!("{target}: {name} is a find, kept as {}", file.display());
+    }
+    assert!(start.elapsed() < LONGEST, "{target}: {name} took {:?}", start.elapsed());
+}
+
+fn kept(folder: &str, target: &str) -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz").join(folder).join(target);
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    files
+}
+
+/// Numbers from a seed: Marsaglia's xorshift.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, bound: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 % bound.max(1) as u64) as usize
+    }
+}
+
+/// Bytes that mean something to one reader or another.
+const TOKENS: [&[u8]; 16] = [
+    b"nan",
+    b"inf",
+    b"1e308",
+    b"-1",
+    b"0",
+    b"1e-320",
+    b"99999999999",
+    b"\n",
+    b",",
+    b"\"",
+    b"null",
+    b"[]",
+    b"{}",
+    &[0xff; 8],
+    &[0; 8],
+    &[0xff, 0xff, 0xff, 0xff, 0x0f],
+];
+
+fn mutated(seed: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
+    let mut bytes = seed.to_vec();
+    for _ in 0..=random.below(4) {
+        let at = random.below(bytes.len());
+        let end = (at + 1 + random.below(12)).min(bytes.len());
+        match random.below(7) {
+            0 if !bytes.is_empty() => bytes[at] ^= 1 << random.below(8),
+            1 if !bytes.is_empty() => bytes[at] = random.below(256) as u8,
+            2 => drop(bytes.drain(at..end)),
+            3 => {
+                let token = TOKENS[random.below(TOKENS.len())];
+                let end = if random.below(2) == 0 { at } else { (at + token.len()).min(bytes.len()) };
+                drop(bytes.splice(at..end, token.iter().copied()));
+            }
+            4 => {
+                let from = random.below(other.len());
+                let to = (from + random.below(40)).min(other.len());
+                drop(bytes.splice(at..at, other[from..to].iter().copied()));
+            }
+            5 => bytes.extend_from_within(at..end),
+            _ => bytes.truncate(if random.below(8) == 0 { at } else { bytes.len() }),
+        }
+    }
+    bytes
+}
+
+/// Runs a target on what is kept of it and on mutations.
+fn replay(target: &str) {
+    let (_, work) = checks::ALL.into_iter().find(|(name, _)| *name == target).unwrap();
+    let mut inputs = Vec::new();
+    for file in ["corpus", "finds"].into_iter().flat_map(|folder| kept(folder, target)) {
+        let bytes = std::fs::read(&file).unwrap();
+        check(target, work, &file.display().to_string(), &bytes);
+        inputs.push(bytes);
+    }
+    let seeds = seeds::of(target);
+    assert!(!seeds.is_empty());
+    for (name, bytes) in &seeds {
+        check(target, work, name, bytes);
+    }
+    inputs.extend(seeds.into_iter().map(|(_, bytes)| bytes));
+    let mut random = Random(0x9e37_79b9_7f4a_7c15);
+    for k in 0..MUTATIONS {
+        let (one, two) = (random.below(inputs.len()), random.below(inputs.len()));
+        let input = mutated(&inputs[one], &inputs[two], &mut random);
+        check(target, work, &format!("mutation {k}"), &input);
+    }
+}
+
+#[test]
+fn cases() {
+    replay("case");
+}
+
+#[test]
+fn packings() {
+    replay("packing");
+}
+
+#[test]
+fn models() {
+    replay("model");
+}
+
+#[test]
+fn checkpoints() {
+    replay("checkpoint");
+}
+
+#[test]
+fn tables_as_csv() {
+    replay("csv");
+}
+
+#[test]
+fn tables_as_parquet() {
+    replay("parquet");
+}
+
+/// The seeds are what the checks accept: else the mutations would test nothing but the first look at a file.
+#[test]
+fn seeds_are_good() {
+    for (name, bytes) in seeds::of("checkpoint") {
+        let bytes = checks::with_header(&bytes);
+        let (_, beside) = granum_dem::simulation::Simulation::restore(&bytes).unwrap();
+        let known = granum_hybrid::laboratory::check_beside(&beside, &checks::tested());
+        assert!(beside.is_empty() || known.is_ok(), "{name}: {known:?}");
+    }
+    for (name, bytes) in seeds::of("parquet") {
+        let table = granum_io::parquet::read_bytes(bytes, &name, None).unwrap();
+        assert!(table.rows() == 3 || table.rows() == 6, "{name}");
+    }
+    for (name, bytes) in seeds::of("packing") {
+        assert!(granum_io::Packing::read_from(&bytes[..], &name).is_ok(), "{name}");
+    }
+    for (name, bytes) in seeds::of("csv") {
+        assert!(granum_io::csv::read_from(&bytes[..], &name, None).is_ok(), "{name}");
+    }
+    for (name, bytes) in seeds::of("model").into_iter().filter(|(_, bytes)| bytes[0] != b'T') {
+        let text = String::from_utf8(bytes).unwrap();
+        assert!(granum_nets::Model::from_json(&text, &name).is_ok(), "{name}");
+    }
+}

@@ -1,0 +1,194 @@
+//! What must hold for any bytes in place of a file that granum reads: an error or a value that can be used, no panic,
+//! no hang, no memory beyond a bound. One function a target; a panic is a find.
+//!
+//! The fuzz targets call these, and so does a test of the stable toolchain on every kept input.
+
+use std::hint::black_box;
+
+use granum_dem::config::{Contact, Material, Rate, Recording};
+use granum_dem::simulation::{Properties, Simulation};
+use granum_hybrid::files::series_of;
+use granum_hybrid::keeping::Plan;
+use granum_hybrid::laboratory;
+use granum_io::{Case, Packing, RunRecord, Table};
+use granum_nets::trainer::{Control, Progress, TrainerState, by_name};
+use granum_nets::{Data, Model, Network};
+
+/// A target and its check.
+pub type Target = (&'static str, fn(&[u8]));
+
+/// Every target.
+pub const ALL: [Target; 6] = [
+    ("case", case),
+    ("packing", packing),
+    ("model", model),
+    ("checkpoint", checkpoint),
+    ("csv", csv),
+    ("parquet", parquet),
+];
+
+/// A case file; after the byte `R` the record of a run, after `P` the plan of a training.
+pub fn case(data: &[u8]) {
+    match data {
+        [b'R', json @ ..] => return record(json),
+        [b'P', json @ ..] => return plan(json),
+        _ => {}
+    }
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    match Case::parse(text, "case.toml") {
+        Ok(case) => {
+            let resolved = case.resolved_toml();
+            let back = Case::parse(&resolved, "resolved.toml").expect("a resolved case reads back");
+            assert_eq!(back, case, "{resolved}");
+            assert_eq!(back.digest(), case.digest());
+            case.check().expect("a case that was read is within its bounds");
+        }
+        Err(error) => assert!(!error.to_string().is_empty()),
+    }
+}
+
+fn record(json: &[u8]) {
+    let Ok(record) = serde_json::from_slice::<RunRecord>(json) else { return };
+    black_box((record.grain_steps(), record.is_good()));
+    if let Some(text) = &record.unwritten_case {
+        let _ = Case::parse(text, "run.json");
+    }
+}
+
+fn plan(json: &[u8]) {
+    let Ok(plan) = serde_json::from_slice::<Plan>(json) else { return };
+    black_box((plan.files(), plan.networks(), plan.differences(&plan)));
+}
+
+/// A packing file: what is accepted makes a simulation that can be looked at.
+pub fn packing(data: &[u8]) {
+    let Ok(packing) = Packing::read_from(data, "packing.csv") else { return };
+    black_box(packing.solid_fraction());
+    let properties = Properties { material: Material::default(), contact: Contact::default() };
+    let Ok(mut simulation) = laboratory::simulation(&packing, properties) else { return };
+    assert_eq!(simulation.assembly().grains.len(), packing.grains.len());
+    let _ = simulation.advance(2);
+    black_box(simulation.assembly());
+}
+
+/// A model file, whose checksum is put right first; after the byte `T` the state of a training.
+pub fn model(data: &[u8]) {
+    if let [b'T', json @ ..] = data {
+        return training(json);
+    }
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    let Ok(model) = Model::from_json(&with_checksum(text), "model.json") else { return };
+    let inputs = model.inputs().len();
+    for value in [0.0, 0.3, -1e9, 1e300] {
+        let row = vec![value; inputs];
+        black_box(model.predict(&row).expect("finite inputs of the right number"));
+        let batch = model.predict_batch(&row).expect("finite inputs of the right number");
+        let single = model.value(&row).expect("finite inputs of the right number");
+        assert_eq!(batch.values[0].to_bits(), single.to_bits());
+    }
+    let saved = model.to_json();
+    let back = Model::from_json(&saved, "saved.json").expect("a saved model reads back");
+    assert_eq!(back.to_json(), saved);
+}
+
+/// The text with the checksum of a model file, as its last entry, made for it.
+fn with_checksum(text: &str) -> String {
+    const MARK: &str = ",\n  \"checksum\": \"";
+    let body = text.rfind(MARK).map_or(text, |at| &text[..at]);
+    // Fowler, Noll and Vo (1a).
+    let hash = body
+        .bytes()
+        .fold(0xcbf2_9ce4_8422_2325u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
+    format!("{body}{MARK}{hash:016x}\"\n}}\n")
+}
+
+/// A training goes on from a state for a few epochs, or refuses it.
+fn training(json: &[u8]) {
+    let Ok(state) = serde_json::from_slice::<TrainerState>(json) else { return };
+    let rows = 12;
+    let inputs: Vec<f64> = (0..2 * rows).map(|k| (k as f64 * 0.7).sin()).collect();
+    let targets = (0..rows).map(|k| 0.5 + 0.3 * (k as f64 * 0.4).cos()).collect();
+    let data = Data::new(inputs, 2, targets).expect("a table");
+    let first = state.epoch();
+    for name in granum_nets::trainer::NAMES {
+        let trainer = by_name(name, &Default::default()).expect("a known trainer");
+        let mut network = Network::new(&[2, 2, 2, 1], 1).expect("a small network");
+        let mut few = |p: &Progress| {
+            if p.epoch > first.saturating_add(3) { Control::Stop } else { Control::Continue }
+        };
+        let _ = black_box(trainer.resume(&mut network, &data, Some(state.clone()), &mut few));
+    }
+}
+
+/// The body of a checkpoint, without its header: that is put on here.
+pub fn checkpoint(body: &[u8]) {
+    let Ok((mut simulation, attachment)) = Simulation::restore(&with_header(body)) else { return };
+    let grains = simulation.state().grains();
+    assert_eq!(simulation.assembly().grains.len(), grains);
+    let _ = simulation.advance(3);
+    black_box(simulation.assembly());
+    let _ = laboratory::check_beside(&attachment, &tested());
+    // What goes on can be written down again.
+    let bytes = simulation.checkpoint(&attachment).expect("to memory");
+    black_box(bytes.len());
+}
+
+/// The case of the test whose checkpoint is a seed.
+pub fn tested() -> Case {
+    let mut case = Case::default();
+    case.grains.count = 50;
+    case.preparation.friction = Some(0.1);
+    case.preparation.solid_fraction = None;
+    case.preparation.inertial_number = 5e-2;
+    case.preparation.unbalanced_force = 1e-1;
+    case.shear.deviator_strain = 0.01;
+    case.shear.rate = Rate::InertialNumber(1e-2);
+    case.recording = Recording { states: 3, looks: 2, bin_width: 2.0, largest_force: 4.0 };
+    case
+}
+
+/// A checkpoint with this body.
+pub fn with_header(body: &[u8]) -> Vec<u8> {
+    let mut bytes = b"GRANUMCP".to_vec();
+    bytes.extend(granum_dem::checkpoint::VERSION.to_le_bytes());
+    bytes.extend((body.len() as u64).to_le_bytes());
+    bytes.extend(crc32fast::hash(body).to_le_bytes());
+    bytes.extend(body);
+    bytes
+}
+
+/// A table as CSV.
+pub fn csv(data: &[u8]) {
+    let Ok(table) = granum_io::csv::read_from(data, "table.csv", None) else { return };
+    use_table(&table);
+    let mut text = Vec::new();
+    if let Err(error) = granum_io::csv::write_rows(&mut text, &table) {
+        return assert!(error.to_string().contains("cannot hold a column named"), "{error}");
+    }
+    let back = granum_io::csv::read_from(&text[..], "again.csv", None).expect("a written table reads back");
+    assert_same(&table, &back);
+}
+
+/// A table as Parquet.
+pub fn parquet(data: &[u8]) {
+    let Ok(table) = granum_io::parquet::read_bytes(data.to_vec(), "table.parquet", None) else { return };
+    use_table(&table);
+}
+
+fn assert_same(table: &Table, back: &Table) {
+    assert_eq!(table.names().collect::<Vec<_>>(), back.names().collect::<Vec<_>>());
+    for (one, two) in table.columns().iter().zip(back.columns()) {
+        assert_eq!(one.values.len(), two.values.len());
+        for (a, b) in one.values.iter().zip(&two.values) {
+            assert!(a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan()), "{a} {b}");
+        }
+    }
+}
+
+/// A table may claim to be the series of a run, its forces, or both.
+fn use_table(table: &Table) {
+    let series = series_of(table);
+    if let Ok(record) = granum_sensors::Record::from_tables(series.clone(), &series) {
+        black_box(record.force_table());
+    }
+}
