@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use super::runs::{CURVES, Test, deviation, distance, mean, sample, sheared, within};
+use super::runs::{CURVES, Laws, Test, deviation, distance, mean, sample, sheared, within};
 
 /// Where the curves are compared: beyond the elastic rise.
 const RANGE: std::ops::Range<f64> = 0.015..1.0;
@@ -10,20 +10,20 @@ const RANGE: std::ops::Range<f64> = 0.015..1.0;
 const FRICTION: f64 = 0.1;
 
 /// The time step factor 0.2 against 0.1 and 0.05, one sample of 1000 grains.
-pub fn time_step() -> Result<(), Box<dyn Error>> {
+pub fn time_step(laws: Laws) -> Result<(), Box<dyn Error>> {
     let tests = [0.2, 0.1, 0.05].map(|time_step_factor| Test { time_step_factor, ..Test::default() });
-    compare(&tests, |t| format!("time step factor {}", t.time_step_factor))
+    compare(laws, &tests, |t| format!("time step factor {}", t.time_step_factor))
 }
 
 /// I, I/2 and I/4, one sample of 1000 grains.
-pub fn rate() -> Result<(), Box<dyn Error>> {
+pub fn rate(laws: Laws) -> Result<(), Box<dyn Error>> {
     let tests = [2e-3, 1e-3, 5e-4, 2.5e-4].map(|inertial_number| Test { inertial_number, ..Test::default() });
-    compare(&tests, |t| format!("inertial number {}", t.inertial_number))
+    compare(laws, &tests, |t| format!("inertial number {}", t.inertial_number))
 }
 
 /// Means over the strain, of two samples of 1000 grains each.
-fn compare(tests: &[Test], name: impl Fn(&Test) -> String) -> Result<(), Box<dyn Error>> {
-    let samples = [sample(1000, FRICTION, 1)?, sample(1000, FRICTION, 2)?];
+fn compare(laws: Laws, tests: &[Test], name: impl Fn(&Test) -> String) -> Result<(), Box<dyn Error>> {
+    let samples = [sample(laws, 1000, FRICTION, 1)?, sample(laws, 1000, FRICTION, 2)?];
     println!("means over the strain, two samples: {CURVES:?}; rms distance of q/p from the first row");
     let mut first = Vec::new();
     for &test in tests {
@@ -45,11 +45,11 @@ fn compare(tests: &[Test], name: impl Fn(&Test) -> String) -> Result<(), Box<dyn
 }
 
 /// Numbers of grains for the scatter.
-const SIZES: [usize; 4] = [250, 500, 1000, 2000];
+const SIZES: [usize; 5] = [1000, 2000, 5000, 10_000, 20_000];
 
 /// Scatter between seeds against the number of grains, and the exponent with which it falls.
-pub fn size() -> Result<(), Box<dyn Error>> {
-    const SEEDS: u64 = 6;
+pub fn size(laws: Laws) -> Result<(), Box<dyn Error>> {
+    const SEEDS: u64 = 4;
     println!(
         "grains: for each of {CURVES:?} the mean, and the deviation between {SEEDS} seeds (rms over the states)"
     );
@@ -57,7 +57,7 @@ pub fn size() -> Result<(), Box<dyn Error>> {
     for count in SIZES {
         let test = Test { inertial_number: 2e-3, states: 10, ..Test::default() };
         let runs = (1..=SEEDS)
-            .map(|seed| sheared(&sample(count, FRICTION, seed)?, test))
+            .map(|seed| sheared(&sample(laws, count, FRICTION, seed)?, test))
             .collect::<Result<Vec<_>, _>>()?;
         let mut line = format!("{count:5}");
         for (k, column) in CURVES.iter().enumerate() {

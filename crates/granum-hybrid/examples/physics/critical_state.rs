@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use super::runs::{CURVES, Test, mean, sample, sheared, within};
+use super::runs::{CURVES, Laws, Test, mean, sample, sheared, within};
 
 /// Compares samples compacted with no friction and with the friction of the material, two seeds each.
 pub fn study() -> Result<(), Box<dyn Error>> {
@@ -13,7 +13,7 @@ pub fn study() -> Result<(), Box<dyn Error>> {
     );
     for (name, friction) in [("dense", 0.0), ("loose", 0.3)] {
         for seed in [1, 2] {
-            let run = sheared(&sample(1000, friction, seed)?, test)?;
+            let run = sheared(&sample(Laws::Plain, 1000, friction, seed)?, test)?;
             let mut line = format!("{name} {seed}: start");
             for column in &CURVES[1..4] {
                 line += &format!(" {:.4}", within(&run, column, -1.0..1e-6)?[0]);

@@ -1,4 +1,4 @@
-//! Samples and tests of the studies: Hertz, no-slip, friction 0.3, 20 kPa.
+//! Samples and tests of the studies: friction 0.3, 20 kPa; Hertz, no-slip, or the laws of the paper.
 
 use std::error::Error;
 
@@ -23,13 +23,37 @@ pub const CURVES: [&str; 5] = [
     "deviator_fabric",
 ];
 
-const CONTACT: Contact =
-    Contact { normal: NormalKind::Hertz, tangential: TangentialKind::NoSlip, damping: 0.1 };
+/// Contact laws and grains of a study.
+#[derive(Clone, Copy)]
+pub enum Laws {
+    /// Hertz, no slip, no adhesion.
+    Plain,
+    /// JKR, Mindlin-Deresiewicz, the interface energy of the paper.
+    Paper,
+}
+
+impl Laws {
+    fn contact(self) -> Contact {
+        match self {
+            Laws::Plain => {
+                Contact { normal: NormalKind::Hertz, tangential: TangentialKind::NoSlip, damping: 0.1 }
+            }
+            Laws::Paper => Contact::default(),
+        }
+    }
+
+    fn grains(self, count: usize) -> Grains {
+        let material = match self {
+            Laws::Plain => Material { interface_energy: 0.0, ..Material::default() },
+            Laws::Paper => Material::default(),
+        };
+        Grains { count, material, ..Grains::default() }
+    }
+}
 
 /// A sample from a gas, compacted with a friction of its own.
-pub fn sample(count: usize, friction: f64, seed: u64) -> Result<Simulation, Box<dyn Error>> {
-    let material = Material { interface_energy: 0.0, ..Material::default() };
-    let grains = Grains { count, material, ..Grains::default() };
+pub fn sample(laws: Laws, count: usize, friction: f64, seed: u64) -> Result<Simulation, Box<dyn Error>> {
+    let (contact, grains) = (laws.contact(), laws.grains(count));
     let preparation = Preparation {
         seed,
         friction: Some(friction),
@@ -38,22 +62,22 @@ pub fn sample(count: usize, friction: f64, seed: u64) -> Result<Simulation, Box<
         unbalanced_force: 2e-3,
         ..Preparation::default()
     };
-    Ok(prepare(&recipe(&grains, &preparation), &mut |_: &Progress| Flow::Continue)?.simulation)
+    Ok(prepare(&recipe(&grains, &contact, &preparation), &mut |_: &Progress| Flow::Continue)?.simulation)
 }
 
 /// A packing of another program, brought to rest.
 pub fn packed(path: &std::path::Path) -> Result<Simulation, Box<dyn Error>> {
     let packing = Packing::read(path)?;
-    let material = Material { interface_energy: 0.0, ..Material::default() };
-    let grains = Grains { material, ..Grains::default() };
+    let (contact, grains) = (Laws::Plain.contact(), Laws::Plain.grains(packing.grains.len()));
     let preparation = Preparation::default();
-    let properties = Properties { material, contact: CONTACT };
+    let properties = Properties { material: grains.material, contact };
     let simulation = Simulation::new(cell(&packing), &sites(&packing), properties)?;
-    Ok(settle(simulation, &recipe(&grains, &preparation), &mut |_: &Progress| Flow::Continue)?.simulation)
+    Ok(settle(simulation, &recipe(&grains, &contact, &preparation), &mut |_: &Progress| Flow::Continue)?
+        .simulation)
 }
 
-fn recipe<'a>(grains: &'a Grains, preparation: &'a Preparation) -> Recipe<'a> {
-    Recipe { grains, contact: &CONTACT, preparation, time_step_factor: 0.2, hardware: Hardware::default() }
+fn recipe<'a>(grains: &'a Grains, contact: &'a Contact, preparation: &'a Preparation) -> Recipe<'a> {
+    Recipe { grains, contact, preparation, time_step_factor: 0.2, hardware: Hardware::default() }
 }
 
 /// How a test is done.
