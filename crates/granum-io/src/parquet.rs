@@ -60,7 +60,7 @@ pub fn write(path: &Path, table: &Table) -> Result<()> {
 /// Writes a table of `rows` rows that is never whole in memory: `part` gives its rows of a range.
 ///
 /// # Errors
-/// As [`write`], and what `part` says.
+/// As [`write()`], and what `part` says.
 pub fn write_parts(path: &Path, rows: usize, part: impl Fn(Range<usize>) -> Result<Table>) -> Result<()> {
     let mut failed = None;
     let written = write_atomically(path, |file| {
