@@ -121,8 +121,21 @@ impl Laplace {
         None
     }
 
-    /// Variances of observations at rows in the network's units.
-    pub(crate) fn variances(&self, network: &Network, inputs: Vec<f64>) -> Vec<f64> {
+    /// Variances of observations at rows in the network's units; infinite for a row that lies beyond all numbers there.
+    pub(crate) fn variances(&self, network: &Network, mut inputs: Vec<f64>) -> Vec<f64> {
+        let beyond: Vec<bool> =
+            inputs.chunks(network.inputs()).map(|row| row.iter().any(|x| !x.is_finite())).collect();
+        inputs.iter_mut().filter(|x| !x.is_finite()).for_each(|x| *x = 0.0);
+        let mut variances = self.variances_of_numbers(network, &inputs);
+        for (variance, beyond) in variances.iter_mut().zip(beyond) {
+            if beyond {
+                *variance = f64::INFINITY;
+            }
+        }
+        variances
+    }
+
+    fn variances_of_numbers(&self, network: &Network, inputs: &[f64]) -> Vec<f64> {
         let mut variances = Vec::new();
         for chunk in inputs.chunks(CHUNK * network.inputs()) {
             let rows = chunk.len() / network.inputs();
@@ -235,6 +248,16 @@ mod tests {
             assert!((kernel[r] / expected - 1.0).abs() < 1e-7, "{} {expected}", kernel[r]);
             assert!((normal[r] / expected - 1.0).abs() < 1e-7, "{} {expected}", normal[r]);
         }
+    }
+
+    #[test]
+    fn nothing_is_known_beyond_all_numbers() {
+        let (network, rows) = network_and_rows();
+        let evidence = Evidence { alpha: 0.3, beta: 50.0, gamma: 10.0 };
+        let laplace = Laplace::new(Isa::detect(), &network, &rows, evidence).unwrap();
+        let alone = laplace.variances(&network, vec![0.2, -0.4]);
+        let found = laplace.variances(&network, vec![f64::INFINITY, 0.0, 0.2, -0.4, 1.0, f64::NEG_INFINITY]);
+        assert_eq!(found, [f64::INFINITY, alone[0], f64::INFINITY]);
     }
 
     #[test]

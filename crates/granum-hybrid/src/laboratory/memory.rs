@@ -29,7 +29,15 @@ pub fn available() -> Option<u64> {
 /// # Errors
 /// [`LaboratoryError::Memory`] with the estimate.
 pub fn check(case: &Case) -> Result<(), LaboratoryError> {
-    check_against(case.grains.count, available())
+    check_grains(case.grains.count)
+}
+
+/// As [`check`] for a number of grains.
+///
+/// # Errors
+/// As [`check`].
+pub fn check_grains(grains: usize) -> Result<(), LaboratoryError> {
+    check_against(grains, available())
 }
 
 fn check_against(grains: usize, available: Option<u64>) -> Result<(), LaboratoryError> {

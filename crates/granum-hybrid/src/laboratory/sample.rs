@@ -178,9 +178,7 @@ const WIDEST_CELL: f64 = 1e5;
 /// # Errors
 /// If the machine cannot hold them, their radii are too different, the cell is too large for them, or as [`Simulation::new`].
 pub fn simulation(packing: &Packing, properties: Properties) -> Result<Simulation, LaboratoryError> {
-    let mut of_this_size = Case::default();
-    of_this_size.grains.count = packing.grains.len();
-    memory::check(&of_this_size)?;
+    memory::check_grains(packing.grains.len())?;
     let radii = packing.grains.iter().map(|grain| grain.radius);
     let (smallest, largest) = radii.fold((f64::INFINITY, 0.0f64), |(a, b), r| (a.min(r), b.max(r)));
     if largest > WIDEST_RADII * smallest {

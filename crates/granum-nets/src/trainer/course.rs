@@ -73,7 +73,39 @@ impl TrainerState {
         if self.weights.iter().any(|w| !w.is_finite()) {
             return Err(TrainingError::State("a weight is not a finite number".into()));
         }
-        Ok(())
+        if self.course.counts().iter().any(|n| *n > MOST) || self.course.every == 0 {
+            return Err(TrainingError::State("it counts what no training can have made".into()));
+        }
+        self.method.check()
+    }
+}
+
+/// More epochs than any training makes.
+const MOST: u64 = 1 << 60;
+
+impl Method {
+    /// Refuses numbers with which the search for a step would not end.
+    fn check(&self) -> Result<(), TrainingError> {
+        let positive = |x: f64| x > 0.0 && x.is_finite();
+        let good = match self {
+            Method::Traingdx { step, rate } => rate.is_finite() && step.iter().all(|x| x.is_finite()),
+            Method::LevenbergMarquardt { damping, evidence, start, quiet, .. } => {
+                let start = start.as_ref().is_none_or(|start| start.iter().all(|x| x.is_finite()));
+                let Evidence { alpha, beta, gamma } = *evidence;
+                start
+                    && positive(*damping)
+                    && alpha >= 0.0
+                    && alpha.is_finite()
+                    && positive(beta)
+                    && gamma.is_finite()
+                    && *quiet < MOST
+            }
+        };
+        if good {
+            Ok(())
+        } else {
+            Err(TrainingError::State("its damping, rate or evidence is no such number".into()))
+        }
     }
 }
 
@@ -97,6 +129,10 @@ pub(super) struct Course {
 }
 
 impl Course {
+    fn counts(&self) -> [u64; 3] {
+        [self.epoch, self.every, self.failures]
+    }
+
     pub(super) fn new() -> Course {
         Course { epoch: 0, every: 1, history: Vec::new(), best: None, failures: 0 }
     }

@@ -434,6 +434,32 @@ fn states_of_others_are_refused() {
 }
 
 #[test]
+fn states_that_no_training_left_are_refused() {
+    let data = surface(10);
+    for (trainer, _) in trainers(Isa::detect()) {
+        let mut network = Network::new(&[2, 3, 1], 1).unwrap();
+        let state = trainer.train(&mut network, &data, &mut Silent).unwrap().state;
+        let good = serde_json::to_value(&state).unwrap();
+        let changes: [fn(&mut serde_json::Value); 5] = [
+            |state| state["course"]["epoch"] = u64::MAX.into(),
+            |state| state["course"]["every"] = 0.into(),
+            |state| state["course"]["failures"] = u64::MAX.into(),
+            // With no damping to begin with, more of it would be none for ever.
+            |state| state["method"]["levenberg-marquardt"]["damping"] = 0.into(),
+            |state| state["method"]["levenberg-marquardt"]["evidence"]["beta"] = (-1).into(),
+        ];
+        let count = if good["method"].get("traingdx").is_some() { 3 } else { 5 };
+        for change in &changes[..count] {
+            let mut forged = good.clone();
+            change(&mut forged);
+            let forged: TrainerState = serde_json::from_value(forged).unwrap();
+            let result = trainer.resume(&mut network, &data, Some(forged), &mut Silent);
+            assert!(matches!(result, Err(TrainingError::State(_))), "{}", trainer.name());
+        }
+    }
+}
+
+#[test]
 fn validation_rows_stop_the_training_at_their_best() {
     let data = noisy_sine(24, 0.15);
     let validation = noisy_sine(25, 0.0);
