@@ -374,6 +374,8 @@ impl Machine {
             }
         }
         state.sums.fastest /= ratio;
+        // The first step works half with the power of the last one, which ran on the old clock.
+        state.sums.boundary_power *= slower;
         state.fastest_peak /= ratio;
         state.dt /= slower;
     }
