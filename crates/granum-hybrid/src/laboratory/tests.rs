@@ -95,7 +95,7 @@ fn density_scaling_says_the_same_physics() {
     let record = lab.shear(&case, &Source::Case, &scaled, &mut Nobody).unwrap();
     // The first step works half with the power of the sample's last one, which ran on another clock.
     let gap = record.quality.iter().find(|flag| flag.name == "energy_gap").unwrap().value;
-    assert!(gap < 1e-4, "{gap}");
+    assert!(gap < 1e-3, "{gap}");
     let ratio = |folder: &RunFolder| {
         let record = read_record(&Run::at(folder.path()).unwrap()).unwrap();
         record.series.values("stress_ratio").unwrap().to_vec()
