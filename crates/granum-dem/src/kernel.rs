@@ -13,6 +13,7 @@ use granum_simd::{Kernel, LANES, Lanes, Mask, Row4, Row8};
 use crate::assembly::Matrix;
 use crate::contact::interaction::{Kinematics, Memory, dot, interact};
 use crate::contact::{NormalLaw, PairConstants, TangentialLaw};
+use crate::forgotten::Forgotten;
 use crate::pairs::{Block, IMAGES, Marks};
 use crate::team::RawSlice;
 
@@ -99,6 +100,8 @@ pub(crate) struct Views {
     pub(crate) images: [Row4; IMAGES],
     pub(crate) gradient: Matrix,
     pub(crate) dt: f64,
+    /// How often what is forgotten in this step counts, zero if not at all.
+    pub(crate) account: f64,
     /// Factor on velocities and spins in a step: 1 without global damping.
     pub(crate) retain: f64,
 }
@@ -149,6 +152,7 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
         };
         // SAFETY: grains are only read in this stage.
         let mass = unsafe { v.place.read()[0].0[7] };
+        let mut forgotten = Forgotten::new();
         for k in self.blocks {
             // SAFETY: blocks are only read; their rows of forces belong to the thread that works on the block.
             let block = unsafe { &v.blocks.read()[k] };
@@ -158,11 +162,23 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
             let [start, inner, end] = block.batches.map(|b| b as usize);
             let mut sums = [L::zero(); SUMS];
             let mut fastest = L::zero();
-            for b in start..inner {
-                contact_batch::<L, N, T, C, false>(v, b, &common, &mut sums, &mut fastest);
-            }
-            for b in inner..end {
-                contact_batch::<L, N, T, C, true>(v, b, &common, &mut sums, &mut fastest);
+            if T::FORGETS && v.account != 0.0 {
+                // Rare: one kind of batch is enough.
+                for b in start..end {
+                    let put = Some(&mut forgotten);
+                    contact_batch::<L, N, T, C, true>(v, b, &common, &mut sums, &mut fastest, put);
+                    if forgotten.is_full() || b + 1 == end {
+                        let lost = forgotten.take::<L, T>();
+                        sums[15] = lost.mul_add(L::splat(v.account), sums[15]);
+                    }
+                }
+            } else {
+                for b in start..inner {
+                    contact_batch::<L, N, T, C, false>(v, b, &common, &mut sums, &mut fastest, None);
+                }
+                for b in inner..end {
+                    contact_batch::<L, N, T, C, true>(v, b, &common, &mut sums, &mut fastest, None);
+                }
             }
             let mut s = [0.0; SUMS];
             for (sum, lanes) in s.iter_mut().zip(sums) {
@@ -195,6 +211,7 @@ fn contact_batch<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource, co
     common: &Common<L>,
     sums: &mut [L; SUMS],
     fastest: &mut L,
+    forgotten: Option<&mut Forgotten>,
 ) {
     let columns = NORMAL_COLUMNS + T::HISTORY;
     // SAFETY: grains and lists are only read in this stage; memory and marks of a batch belong to the thread that
@@ -255,6 +272,11 @@ fn contact_batch<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource, co
         mean_spin,
     };
     let out = interact::<L, N, T>(&constants, &kinematics, common.dt, &mut memory);
+    if let Some(forgotten) = forgotten {
+        // Before the new memory is written over the old.
+        let history = &memory_rows[NORMAL_COLUMNS..];
+        forgotten.put(out.forgets.bits(), &constants.tangential, out.tangential_stiffness, history);
+    }
     for k in 0..3 {
         memory.normal[k].store(&mut memory_rows[k].0);
     }

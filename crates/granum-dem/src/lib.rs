@@ -17,6 +17,7 @@ pub mod simulation;
 pub mod state;
 
 mod blocks;
+mod forgotten;
 mod kernel;
 mod pairs;
 mod stepping;

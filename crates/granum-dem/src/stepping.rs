@@ -199,6 +199,7 @@ impl Machine {
         views.gradient = state.gradient;
         views.dt = state.dt;
         views.retain = 1.0 - state.fading * state.dt;
+        views.account = crate::forgotten::account(state.step);
         views.images = image_table(state);
     }
 
@@ -258,6 +259,7 @@ impl Machine {
             alike: self.alike,
             gradient: s.gradient,
             dt: s.dt,
+            account: 0.0,
             retain: 1.0,
         }
     }
@@ -435,6 +437,7 @@ impl Team<'_> {
             let mut views = machine.views();
             views.gradient = old.gradient;
             views.dt = old.dt;
+            views.account = old.account;
             views.retain = old.retain;
             *self.views.get() = views;
         }

@@ -68,8 +68,10 @@ pub struct Interaction<R: Real> {
     pub tangential_work: R,
     /// Lost to sliding in this step, J.
     pub friction_loss: R,
-    /// Lost in this step without sliding, J.
+    /// Lost in this step without sliding, J; where `forgets` is set, [`TangentialLaw::forgotten`] comes to it.
     pub micro_slip_loss: R,
+    /// Where the tangential law forgot a part of its history.
+    pub forgets: R::Mask,
     /// Lost in the dashpots in this step, J.
     pub damping_loss: R,
     /// Lost by touching anew in this step, J.
@@ -216,6 +218,7 @@ pub fn interact<R: Real, N: NormalLaw, T: TangentialLaw>(
         tangential_work: (half * work).keep(touching),
         friction_loss: tangential.friction_loss.keep(touching),
         micro_slip_loss: tangential.micro_slip_loss.keep(touching),
+        forgets: tangential.forgets & touching,
         damping_loss: (dt * damping_power).keep(touching),
         adhesion_made: N::making_loss(&constants.normal).keep(touching & !touched),
         adhesion_broken: N::breaking_loss(&constants.normal).keep(touched & !touching),

@@ -18,7 +18,8 @@
 //! slipped. So a curve adds `c e 3/2 L (1 - max(x, theta)^2)`, the whole stores the integral of the sum squared over
 //! `16 G* a`, and while slip spreads the springs beyond theta lose their limit times what they slip:
 //! `L (1 - theta)^2 (1 + theta/2) (e.ddelta - dL / 8 G* a)`. A contact that grows without slip stiffens under its force:
-//! `T^2 dL / 6 L` over `8 G* a` is lost (`a^3` goes with L). With a changing load the law, which remembers forces only, does
+//! `T^2 dL / 6 L` over `8 G* a` is lost (`a^3` goes with L). A turning point that is forgotten takes along what the state
+//! stored beyond a loading curve to the same force. With a changing load the law, which remembers forces only, does
 //! not know all that a contact stores (Elata and Berryman 1996); what it makes or loses so is in no column.
 
 use granum_simd::{Real, cbrt};
@@ -57,6 +58,8 @@ pub(super) struct Outcome<R: Real> {
     pub(super) friction_loss: R,
     /// Lost in the zone of slip below the limit, J.
     pub(super) micro_slip_loss: R,
+    /// Where a turning point was forgotten.
+    pub(super) forgets: R::Mask,
 }
 
 #[inline(always)]
@@ -108,6 +111,7 @@ pub(super) fn advance<R: Real>(
     let directed = counted_square.gt(scale * scale);
     let turn = directed & dot(counted, step).lt(zero);
     let (returns, turns) = (turn & unloading, turn & !unloading);
+    let remembered = !loading;
     state.returning = select::<R>(returns, state.force, state.returning);
     state.turning = select::<R>(turns, state.force, state.turning);
     let loading = loading & !turn;
@@ -160,45 +164,71 @@ pub(super) fn advance<R: Real>(
     let stiffened = square(before) * (growth / limit.max(tiny)).keep(stick) * R::splat(1.0 / 6.0);
     let micro_slip_loss = (limit * share).mul_add(-slip, stiffened).max(zero).keep(!sliding) * compliance;
     state.force = [factor * force[0], factor * force[1]];
-    state.stage = R::select(unloading, one, two).keep(!(loading | passed | sliding));
+    let leaves = loading | passed | sliding;
+    state.stage = R::select(unloading, one, two).keep(!leaves);
+    let forgets = remembered & (leaves | turns);
     // The mean force along the slip in the step.
     let pull = R::splat(0.5) * dot(before, force).mul_add(trial_inverse, limit);
     let friction_loss = (excess * compliance * pull).max(zero).keep(sliding);
-    Outcome { sliding, friction_loss, micro_slip_loss }
+    Outcome { sliding, friction_loss, micro_slip_loss, forgets }
 }
 
-/// Stored energy of a state, J.
-pub(super) fn energy(state: &State<f64>, stiffness: f64, limit: f64) -> f64 {
-    if !(stiffness > 0.0 && limit > 0.0) {
-        return 0.0;
-    }
-    let (force, turning, returning) = (state.force, state.turning, state.returning);
-    // Vector and multiple of the limit of each curve; the last is zero where there are fewer.
-    let curves = match state.stage {
-        s if s < 0.5 => [(force, 1.0), ([0.0; 2], 1.0), ([0.0; 2], 1.0)],
-        s if s < 1.5 => [(turning, 1.0), (subtract(force, turning), 2.0), ([0.0; 2], 1.0)],
-        _ => [(turning, 1.0), (subtract(returning, turning), 2.0), (subtract(force, returning), 2.0)],
-    };
-    let curves = curves.map(|(vector, multiple)| {
-        let length = square(vector).sqrt();
-        let direction = vector.map(|v| multiple * v / length.max(TINY));
-        (direction, cbrt((1.0 - length / (multiple * limit)).clamp(0.0, 1.0)))
-    });
-    let mut sum = 0.0;
-    for (e, theta) in curves {
-        for (other, phi) in curves {
-            sum += dot(e, other) * overlap(theta.min(phi), theta.max(phi));
+/// Stored energy of a state, J, of a contact with a reciprocal of its stiffness 8 G* a, m/N.
+#[inline(always)]
+pub(super) fn energy<R: Real>(state: &State<R>, compliance: R, limit: R) -> R {
+    let (zero, one) = (R::zero(), R::splat(1.0));
+    let (first, third) = (state.stage.lt(R::splat(0.5)), state.stage.gt(R::splat(1.5)));
+    // Start and end of each curve; one that is not there ends where it starts.
+    let turn = select::<R>(first, state.force, state.turning);
+    let end = select::<R>(third, state.returning, state.force);
+    let twice = limit + limit;
+    let curves = [
+        curve(turn, limit, one),
+        curve(subtract(end, turn), twice, R::splat(2.0)),
+        curve(subtract(state.force, end), twice, R::splat(2.0)),
+    ];
+    let mut sum = zero;
+    for (k, (e, theta)) in curves.iter().enumerate() {
+        sum = square(*e).mul_add(overlap(*theta, *theta), sum);
+        for (other, phi) in &curves[k + 1..] {
+            let both = overlap(theta.min(*phi), theta.max(*phi));
+            sum = (both + both).mul_add(dot(*e, *other), sum);
         }
     }
-    0.5 * limit * limit / stiffness * sum
+    spring(compliance, limit) * sum
 }
 
-/// Integral over x from 0 to 1 of `9/4 (1 - max(x, a)^2) (1 - max(x, b)^2)`, `a <= b`.
-fn overlap(a: f64, b: f64) -> f64 {
-    let first = |x: f64| x - x * x * x / 3.0;
-    let second = |x: f64| x * (1.0 + x * x * (x * x / 5.0 - 2.0 / 3.0));
-    let (at_a, at_b) = (1.0 - a * a, 1.0 - b * b);
-    2.25 * (a * at_a * at_b + at_b * (first(b) - first(a)) + second(1.0) - second(b))
+/// What a state stores beyond a loading curve to the same force, J.
+#[inline(always)]
+pub(super) fn excess<R: Real>(state: &State<R>, compliance: R, limit: R) -> R {
+    let (_, theta) = curve(state.force, limit, R::splat(1.0));
+    energy(state, compliance, limit) - spring(compliance, limit) * overlap(theta, theta)
+}
+
+/// `L^2 / 2 k`, zero where there is no limit.
+#[inline(always)]
+fn spring<R: Real>(compliance: R, limit: R) -> R {
+    (R::splat(0.5) * limit * limit * compliance).keep(limit.gt(R::zero()))
+}
+
+/// Direction of a curve of that limit times a multiple, and the share of the radius within which nothing slipped on it.
+#[inline(always)]
+fn curve<R: Real>(vector: [R; 2], limit: R, multiple: R) -> ([R; 2], R) {
+    let (one, tiny) = (R::splat(1.0), R::splat(TINY));
+    let length = square(vector).sqrt();
+    let scale = multiple / length.max(tiny);
+    let cube = (one - length / limit.max(tiny)).max(R::zero());
+    ([vector[0] * scale, vector[1] * scale], cbrt(cube))
+}
+
+/// Integral over x from 0 to 1 of `9/4 (1 - max(x, a)^2) (1 - max(x, b)^2)`, `a <= b`:
+/// `6/5 - 3/2 b^3 + 3/10 b^5 - 3/2 a^3 (1 - b^2)`.
+#[inline(always)]
+fn overlap<R: Real>(a: R, b: R) -> R {
+    let square = b * b;
+    let high = square.mul_add(R::splat(0.3), R::splat(-1.5));
+    let outer = (square * b).mul_add(high, R::splat(1.2));
+    (a * a * a).mul_add(R::splat(1.5) * (square - R::splat(1.0)), outer)
 }
 
 /// The state that a history holds.
@@ -215,6 +245,7 @@ pub(super) fn state_of<R: Real>(history: &[R; MAX_HISTORY]) -> State<R> {
 impl TangentialLaw for MindlinDeresiewicz {
     const HISTORY: usize = 8;
     const PLANE_VECTORS: usize = 3;
+    const FORGETS: bool = true;
 
     fn prepare(pair: &PairProperties) -> [f64; LAW_CONSTANTS] {
         let mut c = [0.0; LAW_CONSTANTS];
@@ -247,10 +278,17 @@ impl TangentialLaw for MindlinDeresiewicz {
             sliding: outcome.sliding,
             friction_loss: outcome.friction_loss,
             micro_slip_loss: outcome.micro_slip_loss,
+            forgets: outcome.forgets,
         }
     }
 
+    #[inline(always)]
+    fn forgotten<R: Real>(c: &[R; LAW_CONSTANTS], stiffness: R, history: &[R; MAX_HISTORY]) -> R {
+        let compliance = R::splat(1.0) / stiffness.max(R::splat(TINY));
+        excess(&state_of(history), compliance, c[FRICTION] * history[LOAD])
+    }
+
     fn energy(c: &[f64; LAW_CONSTANTS], stiffness: f64, history: &[f64; MAX_HISTORY]) -> f64 {
-        energy(&state_of(history), stiffness, c[FRICTION] * history[LOAD])
+        energy(&state_of(history), 1.0 / stiffness.max(TINY), c[FRICTION] * history[LOAD])
     }
 }

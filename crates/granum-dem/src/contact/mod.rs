@@ -123,8 +123,10 @@ pub struct Tangential<R: Real> {
     /// Energy lost to sliding in this step, J.
     pub friction_loss: R,
     /// Energy lost in this step below the friction limit, J: in the zone of slip of the contact area, or where the
-    /// law drops what a changed radius no longer holds.
+    /// law drops what a changed radius no longer holds. Without what `forgets` marks.
     pub micro_slip_loss: R,
+    /// Where the law forgot a part of its history and, with it, the energy that [`TangentialLaw::forgotten`] says.
+    pub forgets: R::Mask,
 }
 
 /// A tangential law.
@@ -135,6 +137,8 @@ pub trait TangentialLaw: Copy + Send + Sync + 'static {
     /// How many plane vectors lead the history (columns 0..2 the first, ...); they turn with the contact plane, and
     /// change as [`TangentialLaw::swap_sides`] says when the grains of a pair change sides.
     const PLANE_VECTORS: usize;
+    /// True for a law that forgets parts of its history which store energy.
+    const FORGETS: bool = false;
     /// The constants of a pair that [`TangentialLaw::update`] wants.
     fn prepare(pair: &PairProperties) -> [f64; LAW_CONSTANTS];
     /// Advances the history (already turned into the present contact plane, all zeros for a new contact) by an
@@ -146,6 +150,12 @@ pub trait TangentialLaw: Copy + Send + Sync + 'static {
         increment: [R; 2],
         history: &mut [R; MAX_HISTORY],
     ) -> Tangential<R>;
+    /// Energy lost where a step forgot a part of the history, J, from the history before that step and the stiffness
+    /// 8 G* a, N/m. Rare, and so not a part of [`TangentialLaw::update`].
+    #[inline(always)]
+    fn forgotten<R: Real>(_constants: &[R; LAW_CONSTANTS], _stiffness: R, _history: &[R; MAX_HISTORY]) -> R {
+        R::zero()
+    }
     /// Energy that the tangential displacement stores, J, given the stiffness 8 G* a, N/m: `T^2 / 2 k` without slip.
     fn energy(_constants: &[f64; LAW_CONSTANTS], stiffness: f64, history: &[f64; MAX_HISTORY]) -> f64 {
         let square = history[0] * history[0] + history[1] * history[1];

@@ -7,7 +7,7 @@
 //! What the spring of the contact stored and a changed radius no longer holds is lost: with `r = a / a_old`,
 //! `T^2 / 16 G* a_old` times `1 - r` where the contact shrinks, times `1 - 1/r` where it grows.
 
-use granum_simd::Real;
+use granum_simd::{Mask, Real};
 
 use super::{LAW_CONSTANTS, MAX_HISTORY, Normal, PairProperties, Tangential, TangentialLaw};
 
@@ -74,6 +74,7 @@ impl TangentialLaw for NoSlip {
             sliding,
             friction_loss: slipped * pull,
             micro_slip_loss: lost,
+            forgets: R::Mask::splat(false),
         }
     }
 }

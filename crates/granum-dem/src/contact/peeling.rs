@@ -17,7 +17,7 @@
 use granum_simd::{Real, cbrt};
 
 use super::mindlin_deresiewicz::{
-    Outcome, State, add_scaled, advance, dot, energy, select, square, state_of,
+    Outcome, State, add_scaled, advance, dot, energy, excess, select, square, state_of,
 };
 use super::{LAW_CONSTANTS, MAX_HISTORY, Normal, PairProperties, Tangential, TangentialLaw};
 
@@ -55,6 +55,7 @@ fn loading_curve<R: Real>(displacement: R, stiffness: R, limit: R) -> R {
 impl TangentialLaw for Peeling {
     const HISTORY: usize = 9;
     const PLANE_VECTORS: usize = 3;
+    const FORGETS: bool = true;
 
     fn prepare(pair: &PairProperties) -> [f64; LAW_CONSTANTS] {
         let mut c = [0.0; LAW_CONSTANTS];
@@ -115,7 +116,7 @@ impl TangentialLaw for Peeling {
             returning: select::<R>(old, [history[4], history[5]], [zero; 2]),
             stage: history[STAGE].keep(old),
         };
-        let Outcome { sliding, friction_loss, micro_slip_loss } =
+        let Outcome { sliding, friction_loss, micro_slip_loss, forgets } =
             advance(&mut state, increment, stiffness, limit, c[FRICTION] * history[LOAD]);
 
         let before = peeling | holds | drops;
@@ -136,7 +137,14 @@ impl TangentialLaw for Peeling {
             sliding,
             friction_loss: R::select(drops, dropped, friction_loss.keep(!before)),
             micro_slip_loss: micro_slip_loss.keep(!before),
+            forgets: forgets & !before,
         }
+    }
+
+    #[inline(always)]
+    fn forgotten<R: Real>(c: &[R; LAW_CONSTANTS], stiffness: R, history: &[R; MAX_HISTORY]) -> R {
+        let compliance = R::splat(1.0) / stiffness.max(R::splat(TINY));
+        excess(&state_of(history), compliance, c[FRICTION] * history[LOAD])
     }
 
     /// Once peeled, by Mindlin and Deresiewicz with the radius of `N + 2 N_c`.
@@ -146,6 +154,6 @@ impl TangentialLaw for Peeling {
             return if stiffness > 0.0 { 0.5 * square([history[0], history[1]]) / stiffness } else { 0.0 };
         }
         let stiffness = c[EIGHT_MODULI] * cbrt((load / c[LOAD_OF_CUBE]).max(0.0));
-        energy(&state_of(history), stiffness, c[FRICTION] * load)
+        energy(&state_of(history), 1.0 / stiffness.max(TINY), c[FRICTION] * load)
     }
 }

@@ -29,7 +29,12 @@ impl Sums {
 
 impl<N: NormalLaw, T: TangentialLaw> Bench<N, T> {
     fn account(&mut self, approach: f64, slip: [f64; 2], sums: &mut Sums) {
+        let before = self.memory.history;
         let out = self.step(approach, slip);
+        if out.forgets {
+            let stiffness = out.tangential_stiffness;
+            sums.micro_slip += T::forgotten(&self.constants.tangential, stiffness, &before);
+        }
         sums.work += out.tangential_work;
         sums.friction += out.friction_loss;
         sums.micro_slip += out.micro_slip_loss;
@@ -147,7 +152,7 @@ proptest! {
                 continue;
             }
             let gap = with_law(normal, tangential, Line(&path, false));
-            prop_assert!(gap.abs() < 2e-3, "{normal:?} {tangential:?}: {gap:e}");
+            prop_assert!(gap.abs() < 2e-4, "{normal:?} {tangential:?}: {gap:e}");
             // With a changing load the incremental law does not know all that a contact stores.
             if tangential == TangentialKind::NoSlip {
                 let gap = with_law(normal, tangential, Line(&path, true));

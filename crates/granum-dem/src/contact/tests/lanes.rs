@@ -84,7 +84,7 @@ fn columns<R: Real>(out: &Interaction<R>) -> [R; ANSWER] {
         out.normal_stiffness,
         out.tangential_stiffness,
         one.keep(out.touching),
-        one.keep(out.sliding),
+        one.keep(out.sliding) + one.keep(out.forgets),
         out.tangential_work,
         out.friction_loss + out.micro_slip_loss,
         out.damping_loss + out.adhesion_made + out.adhesion_broken,
