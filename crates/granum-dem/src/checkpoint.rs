@@ -395,6 +395,26 @@ mod tests {
         assert!(forged(|_| {}).is_ok());
     }
 
+    /// What fuzzing found: adhesion that reaches the phantom.
+    #[test]
+    fn materials_that_cannot_be_are_refused() {
+        let refused = |change: fn(&mut Material)| {
+            let mut simulation = running(0.0);
+            change(&mut simulation.machine.properties.material);
+            Simulation::restore(&simulation.checkpoint("").unwrap()).err().map(|e| e.to_string())
+        };
+        let said = |change, text: &str| {
+            let found = refused(change).expect("refused");
+            assert!(found.contains(text), "{found}");
+        };
+        assert_eq!(refused(|_| {}), None);
+        said(|m| m.youngs_modulus = 1e3, "would hold them up to");
+        said(|m| m.youngs_modulus = 0.0, "the material's youngs_modulus is 0; it must be positive");
+        said(|m| m.poissons_ratio = 0.51, "poissons_ratio");
+        said(|m| m.interface_energy = -1.0, "interface_energy is -1; it must be zero or positive");
+        said(|m| m.friction = f64::NAN, "friction is NaN");
+    }
+
     #[test]
     fn forged_content_does_not_panic() {
         let bytes = running(0.0).checkpoint("").unwrap();

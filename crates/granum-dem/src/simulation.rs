@@ -72,6 +72,26 @@ pub enum SimulationError {
     /// The laws do not go together.
     #[error(transparent)]
     Law(#[from] LawError),
+    /// The material cannot be.
+    #[error("the material's {name} is {value}; it must be {right}")]
+    Material {
+        /// Property.
+        name: &'static str,
+        /// Its value, in SI units.
+        value: f64,
+        /// What would be right.
+        right: &'static str,
+    },
+    /// Adhesion beyond the theory of small contacts.
+    #[error(
+        "the adhesion of grains of radius {radius:e} m would hold them up to {reach:e} m apart, beyond half the radius, where          the theory of small contacts ends: lower interface_energy or raise youngs_modulus"
+    )]
+    Adhesion {
+        /// Smallest radius, m.
+        radius: f64,
+        /// Distance at which a contact breaks, m.
+        reach: f64,
+    },
     /// A position, force or stress is no longer a number.
     #[error(
         "the simulation diverged at step {step} (a force or position is not finite): the time step {time_step:e} s is \
@@ -141,8 +161,9 @@ impl Simulation {
     /// Grains at rest in a cell, under a control that holds the cell still. Forces are those of the geometry, with
     /// no history.
     pub fn new(cell: Cell, sites: &[Site], properties: Properties) -> Result<Simulation, SimulationError> {
-        check(&properties.contact)?;
         check_sites(&cell, sites)?;
+        let smallest = sites.iter().fold(f64::INFINITY, |m, s| m.min(s.radius));
+        let table = checked_table(&properties, smallest)?;
         let mut place: Vec<Row8> = sites
             .iter()
             .map(|s| {
@@ -181,7 +202,6 @@ impl Simulation {
             servo_error: ServoError::default(),
             judge_from: 0.0,
         };
-        let table = with_law(properties.contact.normal, properties.contact.tangential, MakeTable);
         let machine = Machine::new(state, properties, table);
         let mut simulation = Simulation { machine, table };
         simulation.machine.rebuild();
@@ -192,8 +212,7 @@ impl Simulation {
 
     /// A simulation from its parts, as a checkpoint holds them.
     pub(crate) fn from_parts(state: State, properties: Properties) -> Result<Simulation, SimulationError> {
-        check(&properties.contact)?;
-        let table = with_law(properties.contact.normal, properties.contact.tangential, MakeTable);
+        let table = checked_table(&properties, smallest(&state))?;
         Ok(Simulation { machine: Machine::new(state, properties, table), table })
     }
 
@@ -240,8 +259,7 @@ impl Simulation {
     /// forces start from zero. Masses follow the density, velocities and spins its inverse root: without gravity that
     /// only rescales time, and the kinetic energy stays.
     pub fn set_properties(&mut self, properties: Properties) -> Result<(), SimulationError> {
-        check(&properties.contact)?;
-        let table = with_law(properties.contact.normal, properties.contact.tangential, MakeTable);
+        let table = checked_table(&properties, smallest(&self.machine.state))?;
         let same = self.machine.properties.contact.tangential == properties.contact.tangential;
         let ratio = properties.material.density / self.machine.properties.material.density;
         self.machine.scale_density(ratio);
@@ -346,6 +364,53 @@ fn check_sites(cell: &Cell, sites: &[Site]) -> Result<(), SimulationError> {
         return Err(SimulationError::Thin { height, diameter: 2.0 * largest });
     }
     Ok(())
+}
+
+/// Smallest radius, m.
+fn smallest(state: &State) -> f64 {
+    state.place[..state.grains()].iter().fold(f64::INFINITY, |m, row| m.min(row.0[3]))
+}
+
+impl Properties {
+    /// Distance at which two equal spheres that touched come apart, m: zero without adhesion.
+    ///
+    /// # Errors
+    /// If the laws do not go together.
+    pub fn adhesion_reach(&self, radius: f64) -> Result<f64, SimulationError> {
+        check(&self.contact)?;
+        let table = with_law(self.contact.normal, self.contact.tangential, MakeTable);
+        let sphere = (&self.material, radius);
+        let pair = PairProperties::new(sphere, sphere, self.contact.damping);
+        Ok(-(table.breaking_approach)(&(table.constants)(&pair)))
+    }
+}
+
+/// The laws, for a material that can be and adhesion within the theory.
+fn checked_table(properties: &Properties, radius: f64) -> Result<LawTable, SimulationError> {
+    let Material { density, youngs_modulus, poissons_ratio, friction, interface_energy } =
+        properties.material;
+    let positive = |x: f64| x > 0.0 && x.is_finite();
+    let not_negative = |x: f64| x >= 0.0 && x.is_finite();
+    let table = [
+        ("density", density, positive(density), "positive"),
+        ("youngs_modulus", youngs_modulus, positive(youngs_modulus), "positive"),
+        (
+            "poissons_ratio",
+            poissons_ratio,
+            poissons_ratio > -1.0 && poissons_ratio <= 0.5,
+            "above -1, at most 0.5",
+        ),
+        ("friction", friction, not_negative(friction), "zero or positive"),
+        ("interface_energy", interface_energy, not_negative(interface_energy), "zero or positive"),
+    ];
+    if let Some((name, value, _, right)) = table.into_iter().find(|row| !row.2) {
+        return Err(SimulationError::Material { name, value, right });
+    }
+    let reach = properties.adhesion_reach(radius)?;
+    if reach.is_nan() || reach > 0.5 * radius {
+        return Err(SimulationError::Adhesion { radius, reach });
+    }
+    Ok(with_law(properties.contact.normal, properties.contact.tangential, MakeTable))
 }
 
 impl Machine {

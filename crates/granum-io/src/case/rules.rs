@@ -1,6 +1,7 @@
 //! Rules between fields: each field may be right on its own and the whole still wrong.
 
 use granum_dem::config::{NormalKind, TangentialKind};
+use granum_dem::simulation::Properties;
 
 use super::Case;
 use crate::error::{Error, Result};
@@ -21,6 +22,14 @@ pub(super) const RULES: &[Rule] = &[
                     .to_string()
             })
         },
+    },
+    Rule {
+        fields: &["grains.material.interface_energy", "grains.material.youngs_modulus", "grains.diameter"],
+        broken: |case| too_sticky(case, "grains.material", case.grains.material.interface_energy),
+    },
+    Rule {
+        fields: &["preparation.interface_energy", "grains.material.youngs_modulus", "grains.diameter"],
+        broken: |case| too_sticky(case, "preparation", case.preparation.interface_energy),
     },
     Rule {
         fields: &["preparation.initial_solid_fraction", "preparation.solid_fraction"],
@@ -52,6 +61,22 @@ pub(super) const RULES: &[Rule] = &[
         },
     },
 ];
+
+/// What is wrong where adhesion reaches beyond the theory of small contacts.
+fn too_sticky(case: &Case, section: &str, interface_energy: f64) -> Option<String> {
+    let smallest = 0.5 * case.grains.diameter * (1.0 - case.grains.spread);
+    let mut properties = Properties { material: case.grains.material, contact: case.contact };
+    properties.material.interface_energy = interface_energy;
+    let reach = properties.adhesion_reach(smallest).ok().filter(|reach| *reach > 0.5 * smallest)?;
+    // The reach goes with the power 2/3 of the energy.
+    let most = interface_energy * (0.5 * smallest / reach).powf(1.5);
+    let most = format!("{most:.2e}").parse().unwrap_or(most);
+    Some(format!(
+        "{section}.interface_energy = {interface_energy} J/m2 would hold the smallest grains up to {reach:.2e} m apart, beyond \
+         half their radius, where the theory of small contacts ends; with this youngs_modulus and diameter it must be at \
+         most {most} J/m2"
+    ))
+}
 
 impl Case {
     /// Checks the bounds of every field and the rules between fields, for a case that was not read from a file.
