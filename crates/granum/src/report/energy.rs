@@ -7,8 +7,12 @@ use super::figure::palette::{GREY, INK, color};
 use super::figure::{Axis, Figure, Layer, Panel, Plot, Stroke};
 use super::material::strain_axis;
 
+/// Mechanisms that can give back what they hold; dashed.
+const ELASTIC: [&str; 2] = ["normal elastic", "tangential elastic"];
 /// Last of the mechanisms, in grey: it is small wherever a test is quasi-static.
 const KINETIC: &str = "kinetic";
+/// Shares of the final work that are drawn.
+const SHOWN: [f64; 2] = [1e-6, 2.0];
 
 /// What the boundary work became, each since the first recorded state, J.
 struct Ledger {
@@ -36,8 +40,8 @@ impl Ledger {
                 ("contact damping", since_start("damping_loss")?),
                 ("adhesion made", since_start("adhesion_made_loss")?),
                 ("adhesion broken", since_start("adhesion_broken_loss")?),
-                ("normal elastic", elastic_normal),
-                ("tangential elastic", elastic_tangential),
+                (ELASTIC[0], elastic_normal),
+                (ELASTIC[1], elastic_tangential),
                 (KINETIC, since_start("kinetic_energy")?),
             ],
         })
@@ -79,20 +83,26 @@ pub fn figure(run: &RunReport) -> Option<(Figure, String)> {
     let points = |values: &[f64]| -> Vec<[f64; 2]> {
         ledger.strain.iter().zip(values).map(|(&x, &y)| [x, y]).collect()
     };
-    let mut energies = Plot::new(axis(), Axis::new("Energy").unit("J").including(0.0))
-        .with(Layer::stroked(points(&ledger.work), Stroke::new(INK, 1.6)).named("boundary work"));
-    for (k, (name, values)) in ledger.parts.iter().enumerate() {
-        let hue = if *name == KINETIC { GREY } else { color(k) };
-        energies = energies.with(Layer::line(points(values), hue).named(name));
-    }
     let work = ledger.work.last().copied().filter(|work| *work != 0.0).unwrap_or(f64::NAN);
+    let shares = |values: &[f64]| points(&values.iter().map(|value| value / work).collect::<Vec<_>>());
+    // On a linear scale all but friction lie on the axis.
+    let scale = Axis::new("Energy over final work").logarithmic().between(SHOWN[0], SHOWN[1]);
+    let mut energies = Plot::new(axis(), scale)
+        .with(Layer::stroked(shares(&ledger.work), Stroke::new(INK, 1.6)).named("boundary work"));
+    for (k, (name, values)) in ledger.parts.iter().enumerate() {
+        let stroke = match ELASTIC.iter().position(|elastic| elastic == name) {
+            Some(n) => Stroke::new(color(n), 1.3).dashed(&[5.0, 3.0]),
+            None => Stroke::new(if *name == KINETIC { GREY } else { color(k) }, 1.3),
+        };
+        energies = energies.with(Layer::stroked(shares(values), stroke).named(name));
+    }
     let error: Vec<f64> = ledger.residual().iter().map(|r| r / work).collect();
     let closing = Plot::new(axis(), Axis::new("Gap of the ledger over final work").including(0.0))
         .with(Layer::stroked(vec![[0.0, 0.0], [1.0, 0.0]], Stroke::new(GREY, 0.8)))
         .with(Layer::line(points(&error), color(0)));
     let panels = vec![Panel::plot(energies), Panel::plot(closing)];
-    let caption = "(a) Work of the boundary since the first recorded state, and what became of it; what is elastic can \
-                   be given back. (b) Boundary work that no mechanism accounts for, over the whole boundary work.";
+    let caption = "(a) Work of the boundary since the first recorded state, and what became of it, over the whole work; what is \
+                   elastic (dashed) can be given back. (b) Boundary work that no mechanism accounts for, over the whole boundary work.";
     Some((Figure::new("Energy by mechanism against deviator strain", 2, panels), caption.to_owned()))
 }
 
