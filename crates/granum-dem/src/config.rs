@@ -81,6 +81,21 @@ pub struct Contact {
     pub damping: f64,
 }
 
+/// Stiff contacts of a grain for which the time step is to be stable.
+pub const MOST_CONTACTS: f64 = 12.0;
+
+impl Contact {
+    /// Largest stable `dt sqrt(k_t / m)` of a grain that spins in phase with its neighbours at Z contacts of the tangential
+    /// stiffness k_t: `sqrt(6/5Z) (sqrt(1 + x^2) - x)`, `x = zeta sqrt(5Z/3)`.
+    ///
+    /// That mode has `w^2 = 10/3 Z k_t / m` and the damping ratio x; dashpots that take velocities half a step old are
+    /// stable up to `w dt = 2 (sqrt(1 + x^2) - x)`.
+    pub fn stable_fraction(&self, contacts: f64) -> f64 {
+        let x = self.damping * (5.0 * contacts / 3.0).sqrt();
+        (1.2 / contacts).sqrt() * (x.hypot(1.0) - x)
+    }
+}
+
 impl Default for Contact {
     fn default() -> Self {
         Contact { normal: NormalKind::Jkr, tangential: TangentialKind::MindlinDeresiewicz, damping: 0.1 }

@@ -441,6 +441,7 @@ impl Machine {
         state.sums.fastest /= ratio;
         // The first step works half with the power of the last one, which ran on the old clock.
         state.sums.boundary_power *= slower;
+        state.gradient = state.gradient.map(|row| row.map(|rate| rate * slower));
         state.fastest_peak /= ratio;
         state.dt /= slower;
     }

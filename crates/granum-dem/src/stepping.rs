@@ -7,6 +7,7 @@ use granum_simd::{LANES, Row4, Row8, dispatch};
 
 use crate::assembly::Matrix;
 use crate::blocks::{self, Change};
+use crate::config::{Contact, MOST_CONTACTS};
 use crate::contact::{NormalLaw, PairConstants, PairProperties, TangentialLaw};
 use crate::kernel::{
     Alike, ByBatch, ConstantSource, ContactStage, ContactSums, GrainStage, NORMAL_COLUMNS, Views, larger,
@@ -145,7 +146,13 @@ impl Machine {
     }
 
     fn time_step_for(&self, fastest: f64) -> f64 {
-        self.time_step_factor / fastest.max(self.expected_fastest()).sqrt()
+        self.time_step_factor * self.damped_share() / fastest.max(self.expected_fastest()).sqrt()
+    }
+
+    /// What dashpots stronger than the usual ones leave of the time step.
+    fn damped_share(&self) -> f64 {
+        let usual = Contact::default().stable_fraction(MOST_CONTACTS);
+        (self.properties.contact.stable_fraction(MOST_CONTACTS) / usual).min(1.0)
     }
 
     pub(crate) fn reset_time_step(&mut self) {
@@ -180,6 +187,7 @@ impl Machine {
             dt: state.dt,
         };
         let control = state.control;
+        let before = state.gradient;
         state.gradient = state.servo.gradient(&control, &sample);
         let started = state.deviator_strain() >= state.judge_from;
         if let Some(target) = state.target_mean_stress().filter(|t| started && *t != 0.0) {
@@ -188,8 +196,14 @@ impl Machine {
             state.servo_error.steps += 1;
             state.servo_error.largest = state.servo_error.largest.max(error.abs());
         }
-        let before = state.ledger.boundary_work;
-        state.ledger.boundary_work = before + 0.5 * state.dt * state.sums.boundary_power;
+        // The step works half with the forces at its start, under its own gradient.
+        let mut power = state.sums.boundary_power;
+        for r in 0..3 {
+            for c in 0..3 {
+                power -= state.sums.virial[3 * r + c] * (state.gradient[r][c] - before[r][c]);
+            }
+        }
+        state.ledger.boundary_work += 0.5 * state.dt * power;
         state.cell = state.cell.strained(&state.gradient, state.dt);
         for r in 0..3 {
             for c in 0..3 {

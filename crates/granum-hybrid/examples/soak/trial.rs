@@ -15,6 +15,9 @@ use crate::draw::Way;
 pub const LONGEST: Duration = Duration::from_secs(120);
 /// Gap of the energy ledger that a quasi-static test may have.
 const GAP: f64 = 1e-3;
+/// Share of what dashpots lose that comes to it: they take velocities half a step old, so their loss is counted up to a
+/// quarter of `(w dt)^2` too large. It matters where they take most of the work: without friction.
+const GAP_OF_DASHPOTS: f64 = 0.01;
 /// Judgements that say whether a test was quasi-static.
 const QUASI_STATIC: [&str; 6] = [
     "inertial_number",
@@ -142,15 +145,15 @@ fn run(
     Ok((!early).then_some(record))
 }
 
-/// The work of the boundary over what gaps are measured by: itself, but at least a tenth of the mean stress times volume and
-/// strain. Over a short strain the sum of compression and shear may come to next to nothing.
-fn of_the_work(case: &Case, folder: &RunFolder) -> Result<f64, String> {
+/// The work of the boundary and the loss in dashpots over what gaps are measured by: that work, but at least a tenth of the
+/// mean stress times volume and strain. Over a short strain the sum of compression and shear may come to next to nothing.
+fn of_the_work(case: &Case, folder: &RunFolder) -> Result<[f64; 2], String> {
     let bytes = std::fs::read(folder.path().join(CHECKPOINT)).map_err(|error| error.to_string())?;
     let (simulation, _) = Simulation::restore(&bytes).map_err(|error| error.to_string())?;
     let state = simulation.state();
     let work = state.energy().boundary_work.abs();
     let least = 0.1 * state.mean_stress() * state.cell().volume() * case.shear.deviator_strain;
-    Ok(work / work.max(least))
+    Ok([work, state.energy().damping].map(|energy| energy / work.max(least)))
 }
 
 /// No NaN anywhere, energy closed.
@@ -179,9 +182,10 @@ fn look_over(
     outcome.quasi_static = !QUASI_STATIC.iter().any(|name| failed(name));
     outcome.flags = record.quality.iter().filter(|flag| !flag.passed).map(|flag| flag.name.clone()).collect();
     let gap = record.quality.iter().find(|flag| flag.name == "energy_gap").map(|flag| flag.value);
-    let gap = gap.ok_or("it says nothing of its energy")? * of_the_work(case, folder)?;
+    let [work, damping] = of_the_work(case, folder)?;
+    let gap = gap.ok_or("it says nothing of its energy")? * work;
     outcome.energy_gap = Some(gap);
-    if outcome.quasi_static && (gap.is_nan() || gap > GAP) {
+    if outcome.quasi_static && (gap.is_nan() || gap > GAP + GAP_OF_DASHPOTS * damping) {
         return Err(format!("the energy ledger of a quasi-static test has a gap of {gap:.2e}"));
     }
     Ok(())

@@ -1,6 +1,7 @@
 //! The run's judgement on itself: measures against thresholds, and what to change where one is exceeded.
 
 use granum_dem::assembly::Assembly;
+use granum_dem::config::MOST_CONTACTS;
 use granum_dem::simulation::Simulation;
 use granum_io::run::QualityFlag;
 use granum_sensors::Record;
@@ -116,7 +117,7 @@ pub(super) fn judge(
         QualityFlag::at_most(
             "time_step_fraction",
             state.time_step_fraction(),
-            0.316,
+            simulation.properties().contact.stable_fraction(MOST_CONTACTS),
             "the time step is beyond the stability of twelve stiff contacts; lower numerics.time_step_factor",
         ),
         QualityFlag::at_most(

@@ -3,6 +3,7 @@
 use granum_dem::assembly::{Assembly, Contact as Pair};
 use granum_dem::config::{Contact, Grains, Material, NormalKind, TangentialKind};
 use granum_dem::gas::gas;
+use granum_dem::servo::Control;
 use granum_dem::simulation::Simulation;
 
 use super::sample::{compress, prepared, properties};
@@ -147,4 +148,21 @@ fn without_adhesion_nothing_is_lost_to_it() {
     println!("gap {gap:.2e}; shares {:.5?}", parts.map(|p| p / work));
     assert_eq!(parts[6..], [0.0; 2]);
     assert!(gap.abs() < 1e-4, "{gap}");
+}
+
+/// A test at twice the stress of the sample: the servo shuts the cell within some steps, and the ledger closes all the same.
+#[test]
+fn a_jump_of_the_stress_is_accounted_for() {
+    let mut s = super::sample::sample().clone();
+    let target = 2.0 * s.state().mean_stress();
+    s.set_control(Control::constant_mean_stress(0, 100.0, target, 3000.0));
+    let start = s.assembly();
+    s.advance(2000).unwrap();
+    assert!((s.state().mean_stress() / target - 1.0).abs() < 0.1, "{}", s.state().mean_stress());
+    let parts = mechanisms(&start, &s.assembly());
+    let now = s.assembly().energy;
+    let others: f64 = [0, 1, 5, 6, 7].map(|k: usize| parts[k]).iter().sum();
+    let gap = (now.boundary_work - now.tangential_work - others) / now.boundary_work;
+    println!("gap {gap:.2e} after a jump of the stress");
+    assert!(gap.abs() < 2e-4, "{gap}");
 }

@@ -1,22 +1,27 @@
-//! Order of the time integration.
+//! Order of the time integration, and its stability.
 
 use granum_dem::cell::Cell;
 use granum_dem::simulation::{Simulation, Site};
 
 use super::sample::properties;
 
-/// Positions of 27 grains of a compressed cubic lattice that vibrates for 2 microseconds, some three periods.
-fn vibrated(friction: f64, damping: f64, steps: u64) -> Vec<f64> {
-    let spacing = 1e-4 * (1.0 - 1e-3);
+const SPACING: f64 = 1e-4 * (1.0 - 1e-3);
+
+/// 27 grains of a compressed cubic lattice: six contacts each.
+fn lattice(friction: f64, damping: f64) -> Simulation {
     let sites: Vec<Site> = (0..27)
         .map(|k| Site {
             id: k + 1,
-            position: [k % 3, k / 3 % 3, k / 9].map(|n| n as f64 * spacing),
+            position: [k % 3, k / 3 % 3, k / 9].map(|n| n as f64 * SPACING),
             radius: 5e-5,
         })
         .collect();
-    let mut s =
-        Simulation::new(Cell::cuboid([3.0 * spacing; 3]), &sites, properties(friction, damping)).unwrap();
+    Simulation::new(Cell::cuboid([3.0 * SPACING; 3]), &sites, properties(friction, damping)).unwrap()
+}
+
+/// Positions of the lattice's grains that vibrates for 2 microseconds, some three periods.
+fn vibrated(friction: f64, damping: f64, steps: u64) -> Vec<f64> {
+    let mut s = lattice(friction, damping);
     // Small enough to keep every contact.
     let velocities: Vec<[f64; 3]> = (0..27)
         .map(|k| [f64::from(k) * 0.7, f64::from(k) * 1.3, f64::from(k) * 2.1].map(|x| 0.03 * x.sin()))
@@ -46,4 +51,30 @@ fn elastic_motion_is_of_second_order() {
     assert!((rough - 4.0).abs() < 0.3, "{rough}");
     // Dashpots take velocities that are half a step old: first order.
     assert!((damped - 2.0).abs() < 0.2, "{damped}");
+}
+
+/// Largest spin after 400 steps over that at the start, all grains spinning in phase; the time step is a share of what
+/// should be the largest stable one.
+fn growth(damping: f64, share: f64) -> f64 {
+    let mut s = lattice(1e3, damping);
+    // A first step tells the stiffness.
+    s.fix_time_step(Some(1e-12));
+    s.advance(1).unwrap();
+    let inverse_root = 1e-12 / s.state().time_step_fraction();
+    let limit = s.properties().contact.stable_fraction(6.0);
+    s.fix_time_step(Some(share * limit * inverse_root));
+    let start = 1e-6;
+    s.set_velocities(&[[0.0; 3]; 27], &[[0.0, 0.0, start]; 27]);
+    s.advance(400).unwrap();
+    s.assembly().grains.iter().map(|g| g.spin[2].abs()).fold(0.0, f64::max) / start
+}
+
+/// The limit of the time step is where spinning in phase begins to grow, with any dashpots.
+#[test]
+fn spinning_grains_are_stable_up_to_the_limit() {
+    for damping in [0.0, 0.03, 0.1, 0.33, 1.0] {
+        let (below, above) = (growth(damping, 0.98), growth(damping, 1.02));
+        println!("damping {damping}: {below:.2e} below, {above:.2e} above the limit");
+        assert!(below < 10.0 && above > 1e3, "damping {damping}: {below:e}, {above:e}");
+    }
 }

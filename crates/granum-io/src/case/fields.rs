@@ -199,6 +199,6 @@ pub const FIELDS: &[Field] = &[
     entry("recording", "largest_force", "Largest f with a bin of its own; what lies above is counted apart.", "6",
         number!(NUMBER, "0.1"..="1000", recording.largest_force)),
 
-    entry("numerics", "time_step_factor", "Time step as a fraction of sqrt(m / k_t) of the stiffest contact.", "0.2",
+    entry("numerics", "time_step_factor", "Time step as a fraction of sqrt(m / k_t) of the stiffest contact; shortened where contact.damping is above 0.1.", "0.2",
         number!(NUMBER, "0.0001"..="1", numerics.time_step_factor)),
 ];
