@@ -13,7 +13,7 @@ const COLUMNS: usize = LAW_CONSTANTS + 1 + MAX_HISTORY;
 /// Groups of eight contacts at which the formula runs.
 const FULL: usize = 1;
 
-/// Of so many steps one is looked at and counts for all: looking makes the contact stage a sixth slower. A prime, lest it
+/// Of so many steps one is looked at and counts for all: looking makes the contact stage a tenth slower. A prime, lest it
 /// keep time with anything that swings.
 const EVERY: u64 = 13;
 

@@ -200,7 +200,8 @@ pub(super) fn energy<R: Real>(state: &State<R>, compliance: R, limit: R) -> R {
 
 /// What a state stores beyond a loading curve to the same force, J.
 #[inline(always)]
-pub(super) fn excess<R: Real>(state: &State<R>, compliance: R, limit: R) -> R {
+pub(super) fn excess<R: Real>(state: &State<R>, stiffness: R, limit: R) -> R {
+    let compliance = R::splat(1.0) / stiffness.max(R::splat(TINY));
     let (_, theta) = curve(state.force, limit, R::splat(1.0));
     energy(state, compliance, limit) - spring(compliance, limit) * overlap(theta, theta)
 }
@@ -284,8 +285,7 @@ impl TangentialLaw for MindlinDeresiewicz {
 
     #[inline(always)]
     fn forgotten<R: Real>(c: &[R; LAW_CONSTANTS], stiffness: R, history: &[R; MAX_HISTORY]) -> R {
-        let compliance = R::splat(1.0) / stiffness.max(R::splat(TINY));
-        excess(&state_of(history), compliance, c[FRICTION] * history[LOAD])
+        excess(&state_of(history), stiffness, c[FRICTION] * history[LOAD])
     }
 
     fn energy(c: &[f64; LAW_CONSTANTS], stiffness: f64, history: &[f64; MAX_HISTORY]) -> f64 {

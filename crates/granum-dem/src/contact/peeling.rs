@@ -143,8 +143,7 @@ impl TangentialLaw for Peeling {
 
     #[inline(always)]
     fn forgotten<R: Real>(c: &[R; LAW_CONSTANTS], stiffness: R, history: &[R; MAX_HISTORY]) -> R {
-        let compliance = R::splat(1.0) / stiffness.max(R::splat(TINY));
-        excess(&state_of(history), compliance, c[FRICTION] * history[LOAD])
+        excess(&state_of(history), stiffness, c[FRICTION] * history[LOAD])
     }
 
     /// Once peeled, by Mindlin and Deresiewicz with the radius of `N + 2 N_c`.
