@@ -408,7 +408,10 @@ mod tests {
             assert!(found.contains(text), "{found}");
         };
         assert_eq!(refused(|_| {}), None);
-        said(|m| m.youngs_modulus = 1e3, "would hold them up to");
+        said(
+            |m| m.youngs_modulus = 1e3,
+            "beyond half the radius, where the theory of small contacts ends: lower",
+        );
         said(|m| m.youngs_modulus = 0.0, "the material's youngs_modulus is 0; it must be positive");
         said(|m| m.poissons_ratio = 0.51, "poissons_ratio");
         said(|m| m.interface_energy = -1.0, "interface_energy is -1; it must be zero or positive");

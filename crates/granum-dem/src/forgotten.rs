@@ -10,9 +10,6 @@ use crate::contact::{LAW_CONSTANTS, MAX_HISTORY, TangentialLaw};
 
 /// Numbers put down of a contact: the law's constants, the stiffness, the history.
 const COLUMNS: usize = LAW_CONSTANTS + 1 + MAX_HISTORY;
-/// Groups of eight contacts at which the formula runs.
-const FULL: usize = 1;
-
 /// Of so many steps one is looked at and counts for all: looking makes the contact stage a tenth slower. A prime, lest it
 /// keep time with anything that swings.
 const EVERY: u64 = 13;
@@ -25,13 +22,13 @@ pub(crate) fn account(step: u64) -> f64 {
 /// Contacts put down.
 pub(crate) struct Forgotten {
     count: usize,
-    /// A batch more than what is full: that many may come before it is asked.
-    rows: [[Row8; COLUMNS]; FULL + 1],
+    /// Two groups of eight: a whole batch may come to the seven of an incomplete one.
+    rows: [[Row8; COLUMNS]; 2],
 }
 
 impl Forgotten {
     pub(crate) fn new() -> Self {
-        Forgotten { count: 0, rows: [[Row8::default(); COLUMNS]; FULL + 1] }
+        Forgotten { count: 0, rows: [[Row8::default(); COLUMNS]; 2] }
     }
 
     /// Puts down the contacts of a batch whose bit is set; `history` holds the law's columns as they were.
@@ -62,10 +59,10 @@ impl Forgotten {
         }
     }
 
-    /// True if the formula must run before another batch.
+    /// True with a complete group: the formula must run before another batch.
     #[inline(always)]
     pub(crate) fn is_full(&self) -> bool {
-        self.count >= FULL * LANES
+        self.count >= LANES
     }
 
     /// Energy lost with what was put down, J, by lanes; nothing is left.

@@ -84,7 +84,8 @@ pub enum SimulationError {
     },
     /// Adhesion beyond the theory of small contacts.
     #[error(
-        "the adhesion of grains of radius {radius:e} m would hold them up to {reach:e} m apart, beyond half the radius, where          the theory of small contacts ends: lower interface_energy or raise youngs_modulus"
+        "the adhesion of grains of radius {radius:e} m would hold them up to {reach:e} m apart, beyond half the radius, where \
+         the theory of small contacts ends: lower interface_energy or raise youngs_modulus"
     )]
     Adhesion {
         /// Smallest radius, m.
@@ -371,6 +372,9 @@ fn smallest(state: &State) -> f64 {
     state.place[..state.grains()].iter().fold(f64::INFINITY, |m, row| m.min(row.0[3]))
 }
 
+/// Largest distance at which adhesion may still hold two spheres, over their radius: the theory is one of small contacts.
+pub const LARGEST_REACH: f64 = 0.5;
+
 impl Properties {
     /// Distance at which two equal spheres that touched come apart, m: zero without adhesion.
     ///
@@ -407,7 +411,7 @@ fn checked_table(properties: &Properties, radius: f64) -> Result<LawTable, Simul
         return Err(SimulationError::Material { name, value, right });
     }
     let reach = properties.adhesion_reach(radius)?;
-    if reach.is_nan() || reach > 0.5 * radius {
+    if reach.is_nan() || reach > LARGEST_REACH * radius {
         return Err(SimulationError::Adhesion { radius, reach });
     }
     Ok(with_law(properties.contact.normal, properties.contact.tangential, MakeTable))

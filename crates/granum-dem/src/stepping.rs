@@ -151,8 +151,11 @@ impl Machine {
 
     /// What dashpots stronger than the usual ones leave of the time step.
     fn damped_share(&self) -> f64 {
-        let usual = Contact::default().stable_fraction(MOST_CONTACTS);
-        (self.properties.contact.stable_fraction(MOST_CONTACTS) / usual).min(1.0)
+        let (contact, usual) = (self.properties.contact, Contact::default());
+        if contact.damping <= usual.damping {
+            return 1.0;
+        }
+        contact.stable_fraction(MOST_CONTACTS) / usual.stable_fraction(MOST_CONTACTS)
     }
 
     pub(crate) fn reset_time_step(&mut self) {

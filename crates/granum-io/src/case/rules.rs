@@ -1,7 +1,7 @@
 //! Rules between fields: each field may be right on its own and the whole still wrong.
 
 use granum_dem::config::{NormalKind, TangentialKind};
-use granum_dem::simulation::Properties;
+use granum_dem::simulation::{LARGEST_REACH, Properties};
 
 use super::Case;
 use crate::error::{Error, Result};
@@ -67,9 +67,10 @@ fn too_sticky(case: &Case, section: &str, interface_energy: f64) -> Option<Strin
     let smallest = 0.5 * case.grains.diameter * (1.0 - case.grains.spread);
     let mut properties = Properties { material: case.grains.material, contact: case.contact };
     properties.material.interface_energy = interface_energy;
-    let reach = properties.adhesion_reach(smallest).ok().filter(|reach| *reach > 0.5 * smallest)?;
+    let largest = LARGEST_REACH * smallest;
+    let reach = properties.adhesion_reach(smallest).ok().filter(|reach| *reach > largest)?;
     // The reach goes with the power 2/3 of the energy.
-    let most = interface_energy * (0.5 * smallest / reach).powf(1.5);
+    let most = interface_energy * (largest / reach).powf(1.5);
     let most = format!("{most:.2e}").parse().unwrap_or(most);
     Some(format!(
         "{section}.interface_energy = {interface_energy} J/m2 would hold the smallest grains up to {reach:.2e} m apart, beyond \
