@@ -157,12 +157,19 @@ fn a_jump_of_the_stress_is_accounted_for() {
     let target = 2.0 * s.state().mean_stress();
     s.set_control(Control::constant_mean_stress(0, 100.0, target, 3000.0));
     let start = s.assembly();
+    let gap = |s: &Simulation| {
+        let parts = mechanisms(&start, &s.assembly());
+        let now = s.assembly().energy;
+        let others: f64 = [0, 1, 5, 6, 7].map(|k: usize| parts[k]).iter().sum();
+        (now.boundary_work - now.tangential_work - others) / now.boundary_work
+    };
+    // The gradient jumps in the first steps: later work hides a lack there.
+    s.advance(11).unwrap();
+    let early = gap(&s);
+    assert!(early.abs() < 2e-3, "{early}");
     s.advance(2000).unwrap();
     assert!((s.state().mean_stress() / target - 1.0).abs() < 0.1, "{}", s.state().mean_stress());
-    let parts = mechanisms(&start, &s.assembly());
-    let now = s.assembly().energy;
-    let others: f64 = [0, 1, 5, 6, 7].map(|k: usize| parts[k]).iter().sum();
-    let gap = (now.boundary_work - now.tangential_work - others) / now.boundary_work;
+    let gap = gap(&s);
     println!("gap {gap:.2e} after a jump of the stress");
     assert!(gap.abs() < 2e-4, "{gap}");
 }
