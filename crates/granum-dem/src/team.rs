@@ -185,16 +185,7 @@ impl<T> RawSlice<T> {
     /// Asks for the cache line of an element; a hint that reads nothing.
     #[inline(always)]
     pub(crate) fn prefetch(&self, index: usize) {
-        if index < self.len {
-            granum_simd::prefetch(self.start.wrapping_add(index));
-        }
-    }
-
-    /// Panics unless all these are indices of the array.
-    #[inline(always)]
-    pub(crate) fn check(&self, index: &[u32; 8]) {
-        let largest = index.iter().fold(0, |most, &i| if i > most { i } else { most });
-        assert!((largest as usize) < self.len, "row {largest} of {}", self.len);
+        granum_simd::prefetch(self.start.wrapping_add(index));
     }
 
     /// One element for writing.

@@ -6,7 +6,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use crate::lanes::{Lanes, Mask, Real, check_rows};
+use crate::lanes::{Lanes, Mask, Real, no_such_row};
 use crate::portable::{EXPONENT_MAGIC, RECIPROCAL_CBRT_MAGIC, THIRD};
 use crate::rows::{Row4, Row8};
 
@@ -198,6 +198,7 @@ fn transpose4(r: [__m256d; 4]) -> [__m256d; 4] {
 
 impl Lanes for Avx2 {
     const REGISTERS: usize = 8;
+    const PAIRED: bool = true;
     #[inline(always)]
     fn load(source: &[f64; 8]) -> Self {
         unsafe { Avx2(_mm256_loadu_pd(source.as_ptr()), _mm256_loadu_pd(source.as_ptr().add(4))) }
@@ -210,8 +211,22 @@ impl Lanes for Avx2 {
         }
     }
     #[inline(always)]
+    fn check(index: &[u32; 8], bound: usize) {
+        let bound32 = bound.min(u32::MAX as usize) as u32;
+        // SAFETY: eight indices are 32 bytes.
+        let beyond = unsafe {
+            let index = _mm256_loadu_si256(index.as_ptr().cast());
+            // Those that are not below the bound are the larger of the two.
+            let larger = _mm256_max_epu32(index, _mm256_set1_epi32(bound32 as i32));
+            _mm256_movemask_epi8(_mm256_cmpeq_epi32(larger, index))
+        };
+        if beyond != 0 {
+            no_such_row(index, bound);
+        }
+    }
+    #[inline(always)]
     fn gather8(rows: &[Row8], index: &[u32; 8]) -> [Self; 8] {
-        check_rows(index, rows.len());
+        Self::check(index, rows.len());
         let block = |first: usize, offset: usize| {
             // SAFETY: just checked.
             transpose4(std::array::from_fn(|l| unsafe {
@@ -223,7 +238,7 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn gather4(rows: &[Row4], index: &[u32; 8]) -> [Self; 4] {
-        check_rows(index, rows.len());
+        Self::check(index, rows.len());
         let block = |first: usize| {
             // SAFETY: just checked.
             transpose4(std::array::from_fn(|l| unsafe {
@@ -232,6 +247,36 @@ impl Lanes for Avx2 {
         };
         let (a, b) = (block(0), block(4));
         std::array::from_fn(|i| Avx2(a[i], b[i]))
+    }
+    #[inline(always)]
+    fn differences8(rows: &[Row8], from: &[u32; 8], to: &[u32; 8]) -> [Self; 8] {
+        Self::check(from, rows.len());
+        Self::check(to, rows.len());
+        let block = |first: usize, offset: usize| {
+            // SAFETY: just checked.
+            transpose4(std::array::from_fn(|l| unsafe {
+                let a = rows.get_unchecked(from[first + l] as usize).0.as_ptr().add(offset);
+                let b = rows.get_unchecked(to[first + l] as usize).0.as_ptr().add(offset);
+                _mm256_sub_pd(_mm256_load_pd(b), _mm256_load_pd(a))
+            }))
+        };
+        let (a, b, c, d) = (block(0, 0), block(4, 0), block(0, 4), block(4, 4));
+        std::array::from_fn(|i| if i < 4 { Avx2(a[i], b[i]) } else { Avx2(c[i - 4], d[i - 4]) })
+    }
+    #[inline(always)]
+    fn sums4(rows: &[Row4], a: &[u32; 8], b: &[u32; 8]) -> [Self; 4] {
+        Self::check(a, rows.len());
+        Self::check(b, rows.len());
+        let block = |first: usize| {
+            // SAFETY: just checked.
+            transpose4(std::array::from_fn(|l| unsafe {
+                let a = rows.get_unchecked(a[first + l] as usize).0.as_ptr();
+                let b = rows.get_unchecked(b[first + l] as usize).0.as_ptr();
+                _mm256_add_pd(_mm256_load_pd(a), _mm256_load_pd(b))
+            }))
+        };
+        let (low, high) = (block(0), block(4));
+        std::array::from_fn(|i| Avx2(low[i], high[i]))
     }
     #[inline(always)]
     fn transpose(c: [Self; 8]) -> [Self; 8] {

@@ -80,14 +80,22 @@ pub trait Real:
 pub trait Lanes: Real {
     /// How many values of this type the processor's vector registers hold: what a register-blocked loop may keep.
     const REGISTERS: usize;
+    /// True if a long formula is faster for two batches side by side ([`crate::Twice`]) than for one after the other.
+    const PAIRED: bool;
     /// Reads eight numbers.
     fn load(source: &[f64; 8]) -> Self;
     /// Writes eight numbers.
     fn store(self, target: &mut [f64; 8]);
+    /// Panics unless every index is below `bound`.
+    fn check(index: &[u32; 8], bound: usize);
     /// Lane `l` of the result's entry `c` is `rows[index[l]].0[c]`. Panics if an index is out of range.
     fn gather8(rows: &[Row8], index: &[u32; 8]) -> [Self; 8];
     /// As [`Lanes::gather8`] for rows of four.
     fn gather4(rows: &[Row4], index: &[u32; 8]) -> [Self; 4];
+    /// `gather8(rows, to) - gather8(rows, from)`, taken row by row: half the shuffles.
+    fn differences8(rows: &[Row8], from: &[u32; 8], to: &[u32; 8]) -> [Self; 8];
+    /// `gather4(rows, a) + gather4(rows, b)`.
+    fn sums4(rows: &[Row4], a: &[u32; 8], b: &[u32; 8]) -> [Self; 4];
     /// Lane `c` of the result's `l` is lane `l` of `columns[c]`.
     fn transpose(columns: [Self; 8]) -> [Self; 8];
     /// Row `l` entry `c` becomes lane `l` of `columns[c]`.
@@ -102,9 +110,10 @@ pub trait Lanes: Real {
     fn reduce_add8(columns: [Self; 8]) -> Self;
 }
 
-/// Panics unless every index is below `bound`: one check for eight rows.
-#[inline(always)]
-pub(crate) fn check_rows(index: &[u32; 8], bound: usize) {
-    let largest = index.iter().fold(0, |most, &i| if i > most { i } else { most });
-    assert!((largest as usize) < bound, "row {largest} of {bound}");
+/// Says which row is out of bounds; away from the loops that check.
+#[cold]
+#[inline(never)]
+pub(crate) fn no_such_row(index: &[u32; 8], bound: usize) -> ! {
+    let largest = index.iter().max().copied().unwrap_or(0);
+    panic!("row {largest} of {bound}");
 }

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use crate::lanes::{Lanes, Mask, Real};
+use crate::lanes::{Lanes, Mask, Real, no_such_row};
 use crate::rows::{Row4, Row8};
 
 impl Mask for bool {
@@ -249,6 +249,7 @@ impl Real for Portable {
 
 impl Lanes for Portable {
     const REGISTERS: usize = 4;
+    const PAIRED: bool = false;
     #[inline(always)]
     fn load(source: &[f64; 8]) -> Self {
         Portable(*source)
@@ -256,6 +257,13 @@ impl Lanes for Portable {
     #[inline(always)]
     fn store(self, target: &mut [f64; 8]) {
         *target = self.0;
+    }
+    #[inline(always)]
+    fn check(index: &[u32; 8], bound: usize) {
+        let largest = index.iter().fold(0, |most, &i| if i > most { i } else { most });
+        if largest as usize >= bound {
+            no_such_row(index, bound);
+        }
     }
     #[inline(always)]
     fn gather8(rows: &[Row8], index: &[u32; 8]) -> [Self; 8] {
@@ -266,6 +274,16 @@ impl Lanes for Portable {
     fn gather4(rows: &[Row4], index: &[u32; 8]) -> [Self; 4] {
         let row: [&Row4; 8] = index.map(|i| &rows[i as usize]);
         std::array::from_fn(|c| Portable(std::array::from_fn(|l| row[l].0[c])))
+    }
+    #[inline(always)]
+    fn differences8(rows: &[Row8], from: &[u32; 8], to: &[u32; 8]) -> [Self; 8] {
+        let (a, b) = (Self::gather8(rows, from), Self::gather8(rows, to));
+        std::array::from_fn(|c| b[c] - a[c])
+    }
+    #[inline(always)]
+    fn sums4(rows: &[Row4], a: &[u32; 8], b: &[u32; 8]) -> [Self; 4] {
+        let (a, b) = (Self::gather4(rows, a), Self::gather4(rows, b));
+        std::array::from_fn(|c| a[c] + b[c])
     }
     #[inline(always)]
     fn transpose(columns: [Self; 8]) -> [Self; 8] {

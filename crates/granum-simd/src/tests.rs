@@ -62,6 +62,12 @@ fn same_bits_on_every_instruction_set() {
     }
 }
 
+fn lanes<L: Lanes>(x: L) -> [u64; 8] {
+    let mut out = [0.0; 8];
+    x.store(&mut out);
+    out.map(f64::to_bits)
+}
+
 struct Transposes;
 impl Kernel for Transposes {
     type Output = ();
@@ -81,6 +87,18 @@ impl Kernel for Transposes {
             column.store(&mut out);
             assert_eq!(out, index.map(|i| (100 * i + c as u32) as f64));
         }
+        let other = [1, 6, 0, 12, 19, 4, 3, 8];
+        let tenth =
+            |rows: &[Row8]| -> Vec<Row8> { rows.iter().map(|r| Row8(r.0.map(|x| 0.1 * x))).collect() };
+        let fractions = tenth(&rows);
+        let (from, to) = (L::gather8(&fractions, &index), L::gather8(&fractions, &other));
+        for (c, column) in L::differences8(&fractions, &index, &other).into_iter().enumerate() {
+            assert_eq!(lanes(column), lanes(to[c] - from[c]));
+        }
+        let (a, b) = (L::gather4(&short, &index), L::gather4(&short, &other));
+        for (c, column) in L::sums4(&short, &index, &other).into_iter().enumerate() {
+            assert_eq!(lanes(column), lanes(a[c] + b[c]));
+        }
         let mut sums = [0.0; 8];
         L::reduce_add8(columns.map(|c| c * L::splat(0.1))).store(&mut sums);
         for c in 0..8 {
@@ -98,6 +116,34 @@ impl Kernel for Transposes {
 fn gathers_and_scatters_transpose() {
     for isa in Isa::ALL.into_iter().filter(|i| i.available()) {
         dispatch(isa, Transposes);
+    }
+}
+
+struct Checks([u32; 8], usize);
+impl Kernel for Checks {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        L::check(&self.0, self.1);
+    }
+}
+
+/// Any lane may be the one that is out of bounds; the largest bound is none.
+#[test]
+fn rows_that_are_not_there_are_refused() {
+    for isa in Isa::ALL.into_iter().filter(|i| i.available()) {
+        dispatch(isa, Checks([0, 1, 2, 3, 4, 5, 6, 19], 20));
+        dispatch(isa, Checks([u32::MAX - 1; 8], usize::MAX));
+        for lane in 0..8 {
+            for row in [20, 1 << 31, u32::MAX] {
+                let mut index = [7, 0, 19, 3, 3, 18, 2, 5];
+                index[lane] = row;
+                let refused = std::panic::catch_unwind(|| dispatch(isa, Checks(index, 20)));
+                let words = refused.unwrap_err().downcast::<String>().unwrap();
+                assert_eq!(*words, format!("row {row} of 20"), "{}", isa.name());
+            }
+            assert!(std::panic::catch_unwind(|| dispatch(isa, Checks([0; 8], 0))).is_err());
+        }
     }
 }
 

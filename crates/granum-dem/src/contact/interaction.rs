@@ -31,6 +31,7 @@ pub struct Memory<R> {
 
 impl<R: Real> Memory<R> {
     /// A pair that has not touched.
+    #[inline(always)]
     pub fn new() -> Self {
         Memory { normal: [R::zero(); 3], history: [R::zero(); MAX_HISTORY] }
     }

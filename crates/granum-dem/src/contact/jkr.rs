@@ -72,10 +72,14 @@ const SERIES: [f64; 7] =
 /// A polynomial of degree nine, in the order that waits least for its own results.
 #[inline(always)]
 fn polynomial<R: Real>(c: &[f64; 10], t: R, t2: R, t4: R, t8: R) -> R {
-    let pair = |k: usize| t.mul_add(R::splat(c[k + 1]), R::splat(c[k]));
-    let low = t2.mul_add(pair(2), pair(0));
-    let high = t2.mul_add(pair(6), pair(4));
-    t8.mul_add(pair(8), t4.mul_add(high, low))
+    let low = t2.mul_add(line(c, 2, t), line(c, 0, t));
+    let high = t2.mul_add(line(c, 6, t), line(c, 4, t));
+    t8.mul_add(line(c, 8, t), t4.mul_add(high, low))
+}
+
+#[inline(always)]
+fn line<R: Real>(c: &[f64; 10], k: usize, t: R) -> R {
+    t.mul_add(R::splat(c[k + 1]), R::splat(c[k]))
 }
 
 /// `x = sqrt(a / a_0)` on the stable branch, at an approach h over d_0 from [`BREAK`] on.

@@ -4,7 +4,7 @@
 //! file here with its formula and tests, its kind in [`crate::config`] and its line in [`registry`].
 //! [`interaction`] holds what all laws share: kinematics, rotation of the history, damping.
 
-use granum_simd::Real;
+use granum_simd::{Real, Twice};
 
 use crate::config::Material;
 
@@ -240,6 +240,18 @@ impl<R: Copy> PairConstants<R> {
             sixteen_shear_moduli: column(3),
             normal: std::array::from_fn(|c| column(4 + c)),
             tangential: std::array::from_fn(|c| column(4 + LAW_CONSTANTS + c)),
+        }
+    }
+    /// Those of two pairs side by side.
+    #[inline(always)]
+    pub fn beside(&self, other: &Self) -> PairConstants<Twice<R>> {
+        PairConstants {
+            radius_sum: Twice(self.radius_sum, other.radius_sum),
+            inverse_radius_sum: Twice(self.inverse_radius_sum, other.inverse_radius_sum),
+            damping: Twice(self.damping, other.damping),
+            sixteen_shear_moduli: Twice(self.sixteen_shear_moduli, other.sixteen_shear_moduli),
+            normal: std::array::from_fn(|c| Twice(self.normal[c], other.normal[c])),
+            tangential: std::array::from_fn(|c| Twice(self.tangential[c], other.tangential[c])),
         }
     }
 }

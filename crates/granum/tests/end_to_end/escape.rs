@@ -143,8 +143,8 @@ fn records_and_links_of_runs_lead_nowhere() {
                 file["source"] = source;
                 file["status"] = json!("running");
                 file["phase"] = json!(name);
-                file["content"] = json!({ name: "00" });
-                file["steps"] = json!({ name: 3 });
+                file["content"] = json!({ name.as_str(): "00" });
+                file["steps"] = json!({ name.as_str(): 3 });
             });
             place.harmless(&["status", "run"]);
             place.harmless(&["resume", "run"]);

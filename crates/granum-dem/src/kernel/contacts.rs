@@ -1,0 +1,439 @@
+//! The contact stage: batches of eight pairs add to the force rows of their grains.
+//!
+//! A contact waits for its own intermediate results most of the time, so that two batches run side by side where the
+//! processor has the registers.
+
+use std::marker::PhantomData;
+use std::ops::Range;
+
+use granum_simd::{Kernel, LANES, Lanes, Mask, Real, Row8, Twice};
+
+use super::{ContactSums, NORMAL_COLUMNS, Views};
+use crate::contact::interaction::{Interaction, Kinematics, Memory, dot, interact, scale};
+use crate::contact::{NormalLaw, PairConstants, TangentialLaw};
+use crate::forgotten::Forgotten;
+use crate::pairs::Marks;
+
+const SUMS: usize = 18;
+
+/// Where the constants of a batch come from.
+pub(crate) trait ConstantSource: Copy {
+    /// True if each batch has its own.
+    const BY_BATCH: bool;
+}
+
+/// All pairs are alike.
+#[derive(Clone, Copy)]
+pub(crate) struct Alike;
+/// Pairs differ.
+#[derive(Clone, Copy)]
+pub(crate) struct ByBatch;
+impl ConstantSource for Alike {
+    const BY_BATCH: bool = false;
+}
+impl ConstantSource for ByBatch {
+    const BY_BATCH: bool = true;
+}
+
+/// The contact stage for a range of blocks.
+pub(crate) struct ContactStage<'a, N, T, C> {
+    pub(crate) views: &'a Views,
+    pub(crate) blocks: Range<usize>,
+    pub(crate) laws: PhantomData<(N, T, C)>,
+}
+
+/// What the kernel holds for all batches of a stage.
+struct Common<L: Lanes> {
+    gradient: [[L; 3]; 3],
+    dt: L,
+    alike: PairConstants<L>,
+}
+
+impl<L: Lanes> Common<L> {
+    /// Velocity of j relative to i that the cell's deformation gives.
+    #[inline(always)]
+    fn affine(&self, branch: [L; 3]) -> [L; 3] {
+        let [x, y, z] = self.gradient;
+        [dot(x, branch), dot(y, branch), dot(z, branch)]
+    }
+}
+
+impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<'_, N, T, C> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let v = self.views;
+        let common = Common::<L> {
+            gradient: v.gradient.map(|row| row.map(L::splat)),
+            dt: L::splat(v.dt),
+            alike: v.alike.splat(),
+        };
+        // SAFETY: grains are only read in this stage.
+        let mass = unsafe { v.place.read()[0].0[7] };
+        let mut forgotten = Forgotten::new();
+        let mut approaches = [Approach::<L>::none(); 2];
+        for k in self.blocks {
+            // SAFETY: blocks are only read; their rows of forces belong to the thread that works on the block.
+            let block = unsafe { &v.blocks.read()[k] };
+            for [from, to] in [block.grains, block.outer] {
+                unsafe { v.forces.write(from as usize..to as usize) }.fill(Row8::default());
+            }
+            let [start, inner, end] = block.batches.map(|b| b as usize);
+            let mut totals = Totals { sums: [L::zero(); SUMS], fastest: L::zero() };
+            let account = T::FORGETS && v.account != 0.0;
+            let singly = account || !L::PAIRED;
+            let mut waiting = 0;
+            for b in start..=end {
+                let last = b == end;
+                if !last {
+                    let slot = &mut approaches[waiting];
+                    let close = if b < inner {
+                        approach::<L, T, C, false>(v, b, &common, slot)
+                    } else {
+                        approach::<L, T, C, true>(v, b, &common, slot)
+                    };
+                    waiting += usize::from(close);
+                }
+                if waiting == 2 {
+                    pair::<L, N, T, C>(v, &approaches, &common, &mut totals);
+                    waiting = 0;
+                } else if waiting == 1 && (last || singly) {
+                    let put = account.then_some(&mut forgotten);
+                    alone::<L, N, T, C>(v, &approaches[0], &common, &mut totals, put);
+                    if account && forgotten.is_full() {
+                        totals.forget(forgotten.take::<L, T>(), v.account);
+                    }
+                    waiting = 0;
+                }
+            }
+            if account {
+                totals.forget(forgotten.take::<L, T>(), v.account);
+            }
+            let Totals { sums, fastest } = totals;
+            let mut s = [0.0; SUMS];
+            for (sum, lanes) in s.iter_mut().zip(sums) {
+                *sum = lanes.reduce_add();
+            }
+            // SAFETY: this thread alone works on this block in this stage.
+            let target = unsafe { &mut v.contact_sums.write(k..k + 1)[0] };
+            *target = ContactSums {
+                virial: std::array::from_fn(|a| s[a]),
+                tangential_work: s[9],
+                friction_loss: s[10],
+                damping_loss: s[11],
+                boundary_power: s[12],
+                stiffness: s[13],
+                normal_force: s[14],
+                micro_slip_loss: s[15],
+                adhesion_made: s[16],
+                adhesion_broken: s[17],
+                // Equal grains have one mass to divide by.
+                fastest: fastest.reduce_max() / if C::BY_BATCH { 1.0 } else { mass },
+            };
+        }
+    }
+}
+
+/// Sums of a block on their way.
+struct Totals<L> {
+    sums: [L; SUMS],
+    fastest: L,
+}
+
+impl<L: Lanes> Totals<L> {
+    #[inline(always)]
+    fn forget(&mut self, lost: L, times: f64) {
+        self.sums[15] = lost.mul_add(L::splat(times), self.sums[15]);
+    }
+}
+
+/// A batch of which some pairs touch or did, and how its grains move.
+#[derive(Clone, Copy)]
+struct Approach<L> {
+    batch: usize,
+    kinematics: Kinematics<L>,
+    /// Smaller mass of the two grains, kg; zero where all are alike.
+    mass: L,
+}
+
+#[inline(always)]
+fn constants_of<L: Lanes, C: ConstantSource>(v: &Views, b: usize, common: &Common<L>) -> PairConstants<L> {
+    if C::BY_BATCH {
+        // SAFETY: constants are only read.
+        let rows = unsafe { &v.constants.read()[b * PairConstants::COUNT..(b + 1) * PairConstants::COUNT] };
+        PairConstants::from_columns(|c| L::load(&rows[c].0))
+    } else {
+        common.alike
+    }
+}
+
+impl<L: Lanes> Approach<L> {
+    fn none() -> Self {
+        let three = [L::zero(); 3];
+        let kinematics = Kinematics { branch: three, velocity: three, rolling: three, mean_spin: three };
+        Approach { batch: 0, kinematics, mass: L::zero() }
+    }
+}
+
+/// Looks at the grains of a batch; false, and nothing put down, if no pair touches or did.
+#[inline(always)]
+fn approach<L: Lanes, T: TangentialLaw, C: ConstantSource, const IMAGE: bool>(
+    v: &Views,
+    b: usize,
+    common: &Common<L>,
+    slot: &mut Approach<L>,
+) -> bool {
+    // SAFETY: grains and lists are only read in this stage; marks of a batch belong to the thread that works on its block.
+    let (place, spin, i, j, touched) = unsafe {
+        (
+            &v.place.read()[..v.grains + 2],
+            &v.spin.read()[..v.grains + 2],
+            &v.first.read()[b],
+            &v.second.read()[b],
+            v.marks.write(b..b + 1)[0].touched,
+        )
+    };
+    if v.far {
+        fetch_ahead(v, b, NORMAL_COLUMNS + T::HISTORY);
+    }
+    let apart = L::differences8(place, i, j);
+    let mut branch = [apart[0], apart[1], apart[2]];
+    if IMAGE {
+        // SAFETY: only read in this stage.
+        let image = L::gather4(&v.images, unsafe { &v.image.read()[b] });
+        branch = [branch[0] + image[0], branch[1] + image[1], branch[2] + image[2]];
+    }
+    let constants = constants_of::<L, C>(v, b, common);
+    let near = dot(branch, branch).lt(constants.radius_sum * constants.radius_sum);
+    if !near.any() && touched == 0 {
+        return false;
+    }
+    let affine = common.affine(branch);
+    let half = L::splat(0.5);
+    let both = L::sums4(spin, i, j);
+    let mean_spin = scale(half, [both[0], both[1], both[2]]);
+    let velocity = [apart[4] + affine[0], apart[5] + affine[1], apart[6] + affine[2]];
+    let (mut rolling, mut mass) = (mean_spin, L::zero());
+    if C::BY_BATCH {
+        let (a, c) = (L::gather8(place, i), L::gather8(place, j));
+        let (wa, wc) = (L::gather4(spin, i), L::gather4(spin, j));
+        rolling = std::array::from_fn(|k| a[3].mul_add(wa[k], c[3] * wc[k]) * constants.inverse_radius_sum);
+        mass = a[7].min(c[7]);
+    }
+    let kinematics = Kinematics { branch, velocity, rolling, mean_spin };
+    *slot = Approach { batch: b, kinematics, mass };
+    true
+}
+
+/// Where the memory of a batch lies.
+#[inline(always)]
+fn rows_of<T: TangentialLaw>(b: usize) -> Range<usize> {
+    let columns = NORMAL_COLUMNS + T::HISTORY;
+    b * columns..(b + 1) * columns
+}
+
+#[inline(always)]
+fn load_memory<R: Real, T: TangentialLaw>(load: impl Fn(usize) -> R) -> Memory<R> {
+    let mut memory = Memory::<R>::new();
+    for k in 0..NORMAL_COLUMNS {
+        memory.normal[k] = load(k);
+    }
+    for k in 0..T::HISTORY {
+        memory.history[k] = load(NORMAL_COLUMNS + k);
+    }
+    memory
+}
+
+/// One batch.
+#[inline(always)]
+fn alone<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource>(
+    v: &Views,
+    approach: &Approach<L>,
+    common: &Common<L>,
+    totals: &mut Totals<L>,
+    forgotten: Option<&mut Forgotten>,
+) {
+    let b = approach.batch;
+    let constants = constants_of::<L, C>(v, b, common);
+    // SAFETY: this thread works on the batch's block.
+    let rows = unsafe { v.memory.write(rows_of::<T>(b)) };
+    let mut memory = load_memory::<L, T>(
+        #[inline(always)]
+        |c| L::load(&rows[c].0),
+    );
+    let out = interact::<L, N, T>(&constants, &approach.kinematics, common.dt, &mut memory);
+    if let Some(forgotten) = forgotten {
+        // Before the new memory is written over the old.
+        let history = &rows[NORMAL_COLUMNS..];
+        forgotten.put(out.forgets.bits(), &constants.tangential, out.tangential_stiffness, history);
+    }
+    settle::<L, L, T, C, Whole>(v, approach, common, &constants, &memory, &out, totals);
+}
+
+#[inline(always)]
+fn beside<L: Lanes>(a: [L; 3], b: [L; 3]) -> [Twice<L>; 3] {
+    [Twice(a[0], b[0]), Twice(a[1], b[1]), Twice(a[2], b[2])]
+}
+
+/// Two batches side by side.
+#[inline(always)]
+fn pair<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource>(
+    v: &Views,
+    approaches: &[Approach<L>; 2],
+    common: &Common<L>,
+    totals: &mut Totals<L>,
+) {
+    let [x, y] = approaches;
+    let own = [constants_of::<L, C>(v, x.batch, common), constants_of::<L, C>(v, y.batch, common)];
+    let constants = own[0].beside(&own[1]);
+    let (p, q) = (&x.kinematics, &y.kinematics);
+    let kinematics = Kinematics {
+        branch: beside(p.branch, q.branch),
+        velocity: beside(p.velocity, q.velocity),
+        rolling: beside(p.rolling, q.rolling),
+        mean_spin: beside(p.mean_spin, q.mean_spin),
+    };
+    // SAFETY: this thread works on the batches' block; the batches are two.
+    let (p, q) = unsafe { (v.memory.write(rows_of::<T>(x.batch)), v.memory.write(rows_of::<T>(y.batch))) };
+    let mut memory = load_memory::<Twice<L>, T>(
+        #[inline(always)]
+        |c| Twice(L::load(&p[c].0), L::load(&q[c].0)),
+    );
+    let dt = Twice(common.dt, common.dt);
+    let out = interact::<Twice<L>, N, T>(&constants, &kinematics, dt, &mut memory);
+    settle::<L, Twice<L>, T, C, First>(v, x, common, &own[0], &memory, &out, totals);
+    settle::<L, Twice<L>, T, C, Second>(v, y, common, &own[1], &memory, &out, totals);
+}
+
+/// Which batch of those computed together.
+trait Part<L: Lanes, R: Real> {
+    fn of(all: R) -> L;
+    fn mask(all: R::Mask) -> L::Mask;
+}
+struct Whole;
+struct First;
+struct Second;
+impl<L: Lanes> Part<L, L> for Whole {
+    #[inline(always)]
+    fn of(all: L) -> L {
+        all
+    }
+    #[inline(always)]
+    fn mask(all: L::Mask) -> L::Mask {
+        all
+    }
+}
+impl<L: Lanes> Part<L, Twice<L>> for First {
+    #[inline(always)]
+    fn of(all: Twice<L>) -> L {
+        all.0
+    }
+    #[inline(always)]
+    fn mask(all: Twice<L::Mask>) -> L::Mask {
+        all.0
+    }
+}
+impl<L: Lanes> Part<L, Twice<L>> for Second {
+    #[inline(always)]
+    fn of(all: Twice<L>) -> L {
+        all.1
+    }
+    #[inline(always)]
+    fn mask(all: Twice<L::Mask>) -> L::Mask {
+        all.1
+    }
+}
+
+/// Puts down what a batch remembers, and adds what it does to forces and sums.
+#[inline(always)]
+fn settle<L: Lanes, R: Real, T: TangentialLaw, C: ConstantSource, P: Part<L, R>>(
+    v: &Views,
+    approach: &Approach<L>,
+    common: &Common<L>,
+    constants: &PairConstants<L>,
+    memory: &Memory<R>,
+    out: &Interaction<R>,
+    totals: &mut Totals<L>,
+) {
+    let b = approach.batch;
+    // SAFETY: memory and marks of a batch belong to the thread that works on its block; lists are only read.
+    let (rows, marks, i, target) = unsafe {
+        let marks = &mut v.marks.write(b..b + 1)[0];
+        (v.memory.write(rows_of::<T>(b)), marks, &v.first.read()[b], &v.target.read()[b])
+    };
+    for k in 0..NORMAL_COLUMNS {
+        P::of(memory.normal[k]).store(&mut rows[k].0);
+    }
+    for k in 0..T::HISTORY {
+        P::of(memory.history[k]).store(&mut rows[NORMAL_COLUMNS + k].0);
+    }
+    let sums = &mut totals.sums;
+    let touching = P::mask(out.touching).bits() as u8;
+    if touching != marks.touched {
+        sums[16] = sums[16] + P::of(out.adhesion_made);
+        sums[17] = sums[17] + P::of(out.adhesion_broken);
+    }
+    *marks = Marks { touched: touching, sliding: P::mask(out.sliding).bits() as u8 };
+    let force = [P::of(out.force[0]), P::of(out.force[1]), P::of(out.force[2])];
+    let moment = [P::of(out.moment[0]), P::of(out.moment[1]), P::of(out.moment[2])];
+    add_forces(v, i, target, force, moment);
+    let branch = approach.kinematics.branch;
+    for r in 0..3 {
+        let pull = -P::of(out.elastic[r]);
+        for k in 0..3 {
+            sums[3 * r + k] = pull.mul_add(branch[k], sums[3 * r + k]);
+        }
+    }
+    let affine = common.affine(branch);
+    sums[9] = sums[9] + P::of(out.tangential_work);
+    sums[10] = sums[10] + P::of(out.friction_loss);
+    sums[11] = sums[11] + P::of(out.damping_loss);
+    sums[12] = sums[12] + dot(force, affine);
+    let square = constants.radius_sum * constants.radius_sum;
+    sums[13] = P::of(out.normal_stiffness).mul_add(square, sums[13]);
+    sums[14] = sums[14] + P::of(out.normal_force).abs();
+    sums[15] = sums[15] + P::of(out.micro_slip_loss);
+    let tangential = L::splat(0.5) * constants.sixteen_shear_moduli * P::of(out.radius);
+    totals.fastest = totals.fastest.max(if C::BY_BATCH { tangential / approach.mass } else { tangential });
+}
+
+/// Batches between asking for memory and using it.
+const AHEAD: usize = 3;
+
+/// Asks for what a later batch will read: the processor foresees neither the places of grains nor the next page.
+#[inline(always)]
+fn fetch_ahead(v: &Views, b: usize, columns: usize) {
+    let later = b + AHEAD;
+    for c in 0..columns {
+        v.memory.prefetch(later * columns + c);
+    }
+    // SAFETY: lists are only read in this stage.
+    let (first, second) = unsafe { (v.first.read(), v.second.read()) };
+    if let (Some(i), Some(j)) = (first.get(later), second.get(later)) {
+        for &grain in j.iter().chain(&i[LANES - 1..]) {
+            v.place.prefetch(grain as usize);
+            v.spin.prefetch(grain as usize);
+        }
+    }
+}
+
+/// Adds what eight pairs do to the force rows of their grains.
+#[inline(always)]
+fn add_forces<L: Lanes>(v: &Views, i: &[u32; LANES], target: &[u32; LANES], force: [L; 3], moment: [L; 3]) {
+    let zero = L::zero();
+    let rows = L::transpose([force[0], force[1], force[2], zero, moment[0], moment[1], moment[2], zero]);
+    // The force on j is the opposite of that on i; the moments are alike.
+    let sign = L::load(&[-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
+    L::check(i, v.forces.len());
+    L::check(target, v.forces.len());
+    for l in 0..LANES {
+        // SAFETY: checked to be rows; those that the pairs of a block point at belong to the thread that works on it.
+        unsafe {
+            let on_i = v.forces.at(i[l]);
+            (L::load(&on_i.0) + rows[l]).store(&mut on_i.0);
+            let on_j = v.forces.at(target[l]);
+            rows[l].mul_add(sign, L::load(&on_j.0)).store(&mut on_j.0);
+        }
+    }
+}

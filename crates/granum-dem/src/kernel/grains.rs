@@ -1,0 +1,127 @@
+//! The grain stage: every grain sums its forces, takes its kick and drifts.
+
+use std::ops::Range;
+
+use granum_simd::{Kernel, Lanes, Row4, Row8};
+
+use super::Views;
+
+/// The grain stage for a range of blocks: sums the forces, kicks, drifts.
+pub(crate) struct GrainStage<'a> {
+    pub(crate) views: &'a Views,
+    pub(crate) blocks: Range<usize>,
+}
+
+impl Kernel for GrainStage<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let v = self.views;
+        let drift = Drift::new(v);
+        for k in self.blocks {
+            // SAFETY: forces and lists are only read in this stage; the grains of a block belong to the thread that
+            // works on it.
+            let [start, end] = unsafe { v.blocks.read()[k] }.grains;
+            let range = start as usize..end as usize;
+            let (forces, offsets, outer, place, spin) = unsafe {
+                (
+                    v.forces.read(),
+                    v.outer_offsets.read(),
+                    v.outer.read(),
+                    v.place.write(range.clone()),
+                    v.spin.write(range.clone()),
+                )
+            };
+            let mut fastest = 0.0f64;
+            let equal = v.equal.then(|| kicks(v, &place[0]));
+            for (n, g) in range.enumerate() {
+                let total = resultant::<L>(forces, offsets, outer, g);
+                let [kick, turn] = equal.unwrap_or_else(
+                    #[inline(always)]
+                    || kicks(v, &place[n]),
+                );
+                let square = advance_grain(&drift, kick, turn, &total, &mut place[n], &mut spin[n]);
+                fastest = larger(fastest, square);
+            }
+            // SAFETY: this thread alone works on this block.
+            unsafe { v.fastest_grain.write(k..k + 1)[0] = fastest };
+        }
+    }
+}
+
+/// The larger of two numbers, or NaN once either is.
+#[inline(always)]
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
+    if b > a || b.is_nan() { b } else { a }
+}
+
+/// Sum of the force rows of a grain: force (entries 0..3) and torque over radius (4..7).
+#[inline(always)]
+pub(crate) fn resultant<L: Lanes>(forces: &[Row8], offsets: &[u32], outer: &[u32], g: usize) -> [f64; 8] {
+    let mut sum = L::load(&forces[g].0);
+    for &row in &outer[offsets[g] as usize..offsets[g + 1] as usize] {
+        sum = sum + L::load(&forces[row as usize].0);
+    }
+    let mut total = [0.0; 8];
+    sum.store(&mut total);
+    total
+}
+
+/// What turns the force on a grain into a change of its velocity, and torque over radius into one of its spin.
+#[inline(always)]
+fn kicks(v: &Views, place: &Row8) -> [f64; 2] {
+    let kick = v.dt / place.0[7];
+    // Torque = R * moment and inertia = 2/5 m R^2.
+    [kick, 2.5 * kick / place.0[3]]
+}
+
+/// What a step does to every grain, entry by entry: the fourth of a row stays as it is.
+struct Drift {
+    /// Columns of the velocity gradient.
+    gradient: [[f64; 4]; 3],
+    dt: [f64; 4],
+    retain: [f64; 4],
+}
+
+impl Drift {
+    fn new(v: &Views) -> Self {
+        let column = |c: usize| [v.gradient[0][c], v.gradient[1][c], v.gradient[2][c], 0.0];
+        Drift {
+            gradient: [column(0), column(1), column(2)],
+            dt: [v.dt, v.dt, v.dt, 0.0],
+            retain: [v.retain, v.retain, v.retain, 1.0],
+        }
+    }
+}
+
+/// Kick and drift; returns the square of the fluctuating velocity.
+///
+/// Loops over rows of four become vectors.
+#[inline(always)]
+fn advance_grain(
+    drift: &Drift,
+    kick: f64,
+    turn: f64,
+    total: &[f64; 8],
+    place: &mut Row8,
+    spin: &mut Row4,
+) -> f64 {
+    let Drift { gradient: [gx, gy, gz], dt, retain } = drift;
+    let p = &mut place.0;
+    let [x, y, z] = [p[0], p[1], p[2]];
+    let mut velocity = [0.0; 4];
+    for k in 0..4 {
+        velocity[k] = kick.mul_add(total[k], p[4 + k] * retain[k]);
+    }
+    for k in 0..4 {
+        spin.0[k] = turn.mul_add(total[4 + k], spin.0[k] * retain[k]);
+    }
+    for k in 0..4 {
+        let drift = gx[k].mul_add(x, gy[k].mul_add(y, gz[k].mul_add(z, velocity[k])));
+        p[k] = dt[k].mul_add(drift, p[k]);
+    }
+    p[4..].copy_from_slice(&velocity);
+    let [x, y, z, _] = velocity;
+    z.mul_add(z, y.mul_add(y, x * x))
+}

@@ -1,0 +1,106 @@
+//! The two stages of a step: every contact adds to the force rows of its grains, every grain sums its rows and moves.
+//!
+//! Both stages work on the blocks of the pair list, so that their sums do not depend on who computed them. [`Views`] is what all
+//! threads see of the state during a stage; its `unsafe` follows the rules of [`crate::team::RawSlice`].
+
+mod contacts;
+mod grains;
+
+use serde::{Deserialize, Serialize};
+
+use granum_simd::{LANES, Row4, Row8};
+
+use crate::assembly::Matrix;
+use crate::contact::PairConstants;
+use crate::pairs::{Block, IMAGES, Marks};
+use crate::team::RawSlice;
+
+pub(crate) use contacts::{Alike, ByBatch, ConstantSource, ContactStage};
+pub(crate) use grains::{GrainStage, larger, resultant};
+
+/// Columns of memory before the tangential law's own: the old normal.
+pub(crate) const NORMAL_COLUMNS: usize = 3;
+
+/// Sums over the contacts of a block (or of all).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[repr(align(64))]
+pub struct ContactSums {
+    /// `- sum of (elastic force on i)_a (branch)_b`, J: the stress times the volume.
+    pub virial: [f64; 9],
+    /// Work taken up by the elastic tangential forces in this step, J.
+    pub tangential_work: f64,
+    /// Lost to sliding in this step, J.
+    pub friction_loss: f64,
+    /// Lost without sliding in this step, J.
+    pub micro_slip_loss: f64,
+    /// Lost in dashpots in this step, J.
+    pub damping_loss: f64,
+    /// Lost by contacts made in this step, J.
+    pub adhesion_made: f64,
+    /// Lost by contacts broken in this step, J.
+    pub adhesion_broken: f64,
+    /// Power that the cell's deformation feeds into the contacts, W.
+    pub boundary_power: f64,
+    /// `sum of k_n D^2`, J.
+    pub stiffness: f64,
+    /// `sum of |N|` of the elastic normal forces, N.
+    pub normal_force: f64,
+    /// Largest `k_t / m` of a contact, with the smaller mass of the two, 1/s2.
+    pub fastest: f64,
+}
+
+impl ContactSums {
+    /// The sums of blocks, in their order.
+    pub(crate) fn total(blocks: &[ContactSums]) -> ContactSums {
+        let mut t = ContactSums::default();
+        for c in blocks {
+            for a in 0..9 {
+                t.virial[a] += c.virial[a];
+            }
+            t.tangential_work += c.tangential_work;
+            t.friction_loss += c.friction_loss;
+            t.damping_loss += c.damping_loss;
+            t.micro_slip_loss += c.micro_slip_loss;
+            t.adhesion_made += c.adhesion_made;
+            t.adhesion_broken += c.adhesion_broken;
+            t.boundary_power += c.boundary_power;
+            t.stiffness += c.stiffness;
+            t.normal_force += c.normal_force;
+            t.fastest = t.fastest.max(c.fastest);
+        }
+        t
+    }
+}
+
+/// What the threads see of the state during the stages of a step.
+#[derive(Clone, Copy)]
+pub(crate) struct Views {
+    pub(crate) grains: usize,
+    pub(crate) place: RawSlice<Row8>,
+    pub(crate) spin: RawSlice<Row4>,
+    pub(crate) blocks: RawSlice<Block>,
+    pub(crate) first: RawSlice<[u32; LANES]>,
+    pub(crate) second: RawSlice<[u32; LANES]>,
+    pub(crate) target: RawSlice<[u32; LANES]>,
+    pub(crate) image: RawSlice<[u32; LANES]>,
+    pub(crate) memory: RawSlice<Row8>,
+    pub(crate) marks: RawSlice<Marks>,
+    pub(crate) constants: RawSlice<Row8>,
+    pub(crate) forces: RawSlice<Row8>,
+    pub(crate) outer_offsets: RawSlice<u32>,
+    pub(crate) outer: RawSlice<u32>,
+    pub(crate) contact_sums: RawSlice<ContactSums>,
+    pub(crate) fastest_grain: RawSlice<f64>,
+    /// True where all grains have one mass and radius.
+    pub(crate) equal: bool,
+    /// True where the memory of the contacts does not fit into the caches.
+    pub(crate) far: bool,
+    pub(crate) alike: PairConstants<f64>,
+    pub(crate) images: [Row4; IMAGES],
+    pub(crate) gradient: Matrix,
+    pub(crate) dt: f64,
+    /// How often what is forgotten in this step counts, zero if not at all.
+    pub(crate) account: f64,
+    /// Factor on velocities and spins in a step: 1 without global damping.
+    pub(crate) retain: f64,
+}
