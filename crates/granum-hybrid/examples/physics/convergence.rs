@@ -49,29 +49,50 @@ const SIZES: [usize; 5] = [1000, 2000, 5000, 10_000, 20_000];
 
 /// Scatter between seeds against the number of grains, and the exponent with which it falls.
 pub fn size(laws: Laws) -> Result<(), Box<dyn Error>> {
-    const SEEDS: u64 = 4;
+    const SEEDS: usize = 8;
     println!(
         "grains: for each of {CURVES:?} the mean, and the deviation between {SEEDS} seeds (rms over the states)"
     );
-    let mut scatter = vec![Vec::new(); CURVES.len()];
+    // Of each curve and size: the curves of all seeds.
+    let mut all: Vec<Vec<Vec<Vec<f64>>>> = vec![Vec::new(); CURVES.len()];
     for count in SIZES {
         let test = Test { inertial_number: 2e-3, states: 10, ..Test::default() };
         let runs = (1..=SEEDS)
-            .map(|seed| sheared(&sample(laws, count, FRICTION, seed)?, test))
+            .map(|seed| sheared(&sample(laws, count, FRICTION, seed as u64)?, test))
             .collect::<Result<Vec<_>, _>>()?;
         let mut line = format!("{count:5}");
         for (k, column) in CURVES.iter().enumerate() {
             let curves = runs.iter().map(|r| within(r, column, RANGE)).collect::<Result<Vec<_>, _>>()?;
-            let at = |state: usize| curves.iter().map(|c| c[state]).collect::<Vec<f64>>();
-            let squares: Vec<f64> = (0..curves[0].len()).map(|state| deviation(&at(state)).powi(2)).collect();
-            scatter[k].push(mean(&squares).sqrt());
-            line += &format!("; {:.4} {:.5}", mean(&curves.concat()), mean(&squares).sqrt());
+            line += &format!("; {:.4} {:.5}", mean(&curves.concat()), scatter(&curves, None));
+            all[k].push(curves);
         }
         println!("{line}");
     }
-    let exponents: Vec<String> = scatter.iter().map(|s| format!("{:.2}", exponent(s))).collect();
-    println!("exponents: {}", exponents.join(" "));
+    let exponents: Vec<String> = all
+        .iter()
+        .map(|sizes| {
+            let of = |without| exponent(&sizes.iter().map(|c| scatter(c, without)).collect::<Vec<_>>());
+            format!("{:.2} +- {:.2}", of(None), jackknife(SEEDS, |seed| of(Some(seed))))
+        })
+        .collect();
+    println!("exponents, with their standard errors (jackknife over the seeds): {}", exponents.join("; "));
     Ok(())
+}
+
+/// Deviation between the curves of the seeds, rms over the states, with all seeds or all but one.
+fn scatter(curves: &[Vec<f64>], without: Option<usize>) -> f64 {
+    let seeds: Vec<&Vec<f64>> =
+        curves.iter().enumerate().filter(|(k, _)| Some(*k) != without).map(|(_, c)| c).collect();
+    let square = |state: usize| deviation(&seeds.iter().map(|c| c[state]).collect::<Vec<f64>>()).powi(2);
+    mean(&(0..curves[0].len()).map(square).collect::<Vec<f64>>()).sqrt()
+}
+
+/// Standard error of what depends on `count` samples, from its values without each of them (Efron and Stein 1981).
+fn jackknife(count: usize, without: impl Fn(usize) -> f64) -> f64 {
+    let values: Vec<f64> = (0..count).map(without).collect();
+    let middle = mean(&values);
+    let squares: f64 = values.iter().map(|v| (v - middle).powi(2)).sum();
+    (squares * (count - 1) as f64 / count as f64).sqrt()
 }
 
 /// Slope of the logarithm of the scatter against that of the number of grains.
