@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use super::runs::{CURVES, Laws, Test, deviation, distance, mean, sample, sheared, within};
+use super::runs::{CURVES, Laws, Test, deviation, distance, mean, of_seeds, sample, sheared, within};
 
 /// Where the curves are compared: beyond the elastic rise.
 const RANGE: std::ops::Range<f64> = 0.015..1.0;
@@ -49,7 +49,7 @@ const SIZES: [usize; 5] = [1000, 2000, 5000, 10_000, 20_000];
 
 /// Scatter between seeds against the number of grains, and the exponent with which it falls.
 pub fn size(laws: Laws) -> Result<(), Box<dyn Error>> {
-    const SEEDS: usize = 8;
+    const SEEDS: usize = 6;
     println!(
         "grains: for each of {CURVES:?} the mean, and the deviation between {SEEDS} seeds (rms over the states)"
     );
@@ -57,9 +57,7 @@ pub fn size(laws: Laws) -> Result<(), Box<dyn Error>> {
     let mut all: Vec<Vec<Vec<Vec<f64>>>> = vec![Vec::new(); CURVES.len()];
     for count in SIZES {
         let test = Test { inertial_number: 2e-3, states: 10, ..Test::default() };
-        let runs = (1..=SEEDS)
-            .map(|seed| sheared(&sample(laws, count, FRICTION, seed as u64)?, test))
-            .collect::<Result<Vec<_>, _>>()?;
+        let runs = of_seeds(SEEDS, |seed| sheared(&sample(laws, count, FRICTION, seed)?, test))?;
         let mut line = format!("{count:5}");
         for (k, column) in CURVES.iter().enumerate() {
             let curves = runs.iter().map(|r| within(r, column, RANGE)).collect::<Result<Vec<_>, _>>()?;

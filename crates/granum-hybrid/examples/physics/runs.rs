@@ -1,6 +1,8 @@
 //! Samples and tests of the studies: friction 0.3, 20 kPa; Hertz, no-slip, or the laws of the paper.
 
 use std::error::Error;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use granum_dem::config::{Contact, Grains, Material, NormalKind, Preparation, Recording, TangentialKind};
 use granum_dem::path::axisymmetric::AxisymmetricCompression;
@@ -112,6 +114,32 @@ pub fn sheared(sample: &Simulation, test: Test) -> Result<Series, Box<dyn Error>
     start(&path, &mut simulation);
     follow(&path, &mut simulation, &mut watch)?;
     Ok(watch.0.record().series)
+}
+
+/// What a run gives for the seeds 1, 2, ..., one run a core; in the order of the seeds.
+pub fn of_seeds(
+    seeds: usize,
+    run: impl Fn(u64) -> Result<Series, Box<dyn Error>> + Sync,
+) -> Result<Vec<Series>, Box<dyn Error>> {
+    let next = AtomicU64::new(1);
+    let done = Mutex::new(Vec::new());
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from).min(seeds) {
+            scope.spawn(|| {
+                loop {
+                    let seed = next.fetch_add(1, Ordering::Relaxed);
+                    if seed > seeds as u64 {
+                        return;
+                    }
+                    let result = run(seed).map_err(|error| error.to_string());
+                    done.lock().unwrap_or_else(PoisonError::into_inner).push((seed, result));
+                }
+            });
+        }
+    });
+    let mut done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
+    done.sort_by_key(|(seed, _)| *seed);
+    done.into_iter().map(|(_, result)| result.map_err(Box::from)).collect()
 }
 
 struct Watch(Recorder);
