@@ -26,18 +26,22 @@ struct Wanted {
     case: Option<PathBuf>,
 }
 
+const FLAGS: [&str; 4] = ["--seconds", "--seed", "--out", "--case"];
+
 fn wanted() -> Result<Wanted, String> {
     let mut wanted = Wanted { seconds: 600, seed: 1, out: "soak-failures".into(), case: None };
     let mut arguments = std::env::args().skip(1);
     while let Some(flag) = arguments.next() {
+        if !FLAGS.contains(&flag.as_str()) {
+            return Err(format!("{flag}: known are {}", FLAGS.join(", ")));
+        }
         let value = arguments.next().ok_or_else(|| format!("{flag} needs a value"))?;
         let number = || value.parse::<u64>().map_err(|_| format!("{flag} {value}: a whole number"));
         match flag.as_str() {
             "--seconds" => wanted.seconds = number()?,
             "--seed" => wanted.seed = number()?,
             "--out" => wanted.out = value.into(),
-            "--case" => wanted.case = Some(value.into()),
-            _ => return Err(format!("{flag}: known are --seconds, --seed, --out and --case")),
+            _ => wanted.case = Some(value.into()),
         }
     }
     Ok(wanted)
