@@ -169,6 +169,7 @@ fn constants_of<L: Lanes, C: ConstantSource>(v: &Views, b: usize, common: &Commo
 }
 
 impl<L: Lanes> Approach<L> {
+    #[inline(always)]
     fn none() -> Self {
         let three = [L::zero(); 3];
         let kinematics = Kinematics { branch: three, velocity: three, rolling: three, mean_spin: three };
