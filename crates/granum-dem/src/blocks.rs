@@ -11,7 +11,8 @@ use granum_simd::{LANES, Portable, Row8};
 use crate::cell::Cell;
 use crate::contact::interaction::Memory;
 use crate::kernel::resultant;
-use crate::pairs::{Block, Marks, NO_IMAGE, Near, Pairs, REACH, image_code, image_vector, is_near};
+use crate::pairs::{Block, Marks, NO_IMAGE, Pairs, REACH, image_code, image_vector};
+use crate::search::{Near, is_near};
 
 /// Blocks that a small sample should have, so that several threads find work.
 const WANTED_BLOCKS: usize = 24;
@@ -203,9 +204,12 @@ impl Kept {
             memories: Vec::with_capacity(old.contacts()),
             forces: vec![Row8::default(); grains],
         };
+        let starts = starts(near, grains);
         for slot in old.touching() {
             let (key, flip) = carried_key(old, slot, change);
-            let Ok(n) = near.binary_search(&key) else { continue };
+            let start = starts[key.i as usize] as usize;
+            let of_grain = &near[start..starts[key.i as usize + 1] as usize];
+            let Ok(n) = of_grain.binary_search(&key).map(|n| start + n) else { continue };
             let mut memory = old.memory(slot);
             if flip {
                 (change.swap)(&mut memory);
@@ -222,6 +226,18 @@ impl Kept {
         }
         kept
     }
+}
+
+/// Where the pairs of each grain begin in the sorted list, and its end.
+fn starts(near: &[Near], grains: usize) -> Vec<u32> {
+    let mut starts = vec![0; grains + 1];
+    for pair in near {
+        starts[pair.i as usize + 1] += 1;
+    }
+    for g in 0..grains {
+        starts[g + 1] += starts[g];
+    }
+    starts
 }
 
 /// Where an old pair's memory goes: its key in the new order, and whether i and j changed sides.
@@ -249,9 +265,12 @@ fn carried_key(pairs: &Pairs, slot: usize, change: &Change) -> (Near, bool) {
 
 #[cfg(test)]
 mod tests {
+    use granum_simd::Isa;
+
     use super::*;
     use crate::pairs::tests::grains;
-    use crate::pairs::{find, spatial_order, wrap};
+    use crate::pairs::{spatial_order, wrap};
+    use crate::search::find;
 
     const COUNT: usize = 700;
 
@@ -278,7 +297,7 @@ mod tests {
     fn memory_and_forces_survive_wrapping_and_reordering() {
         let cell = Cell::cuboid([14.0; 3]);
         let mut place = grains(COUNT, &cell, 0.8);
-        let near = find(&cell, &place, 0.05);
+        let near = find(Isa::detect(), &cell, &place, 0.05);
         let none = vec![[0; 3]; COUNT];
         let change = Change { moved: &none, new_place: None, swap: negate };
         let mut pairs = rebuild(Pairs::default(), &near, &cell, &place, &change, 7);
@@ -314,7 +333,7 @@ mod tests {
             new_place[old as usize] = new as u32;
         }
         let place: Vec<Row8> = order.iter().map(|&o| place[o as usize]).collect();
-        let near = find(&cell, &place, 0.05);
+        let near = find(Isa::detect(), &cell, &place, 0.05);
         let change = Change { moved: &moved, new_place: Some(&new_place), swap: negate };
         let again = rebuild(pairs.clone(), &near, &cell, &place, &change, 7);
         assert_eq!((again.count, again.contacts()), (pairs.count, pairs.count));
@@ -339,7 +358,7 @@ mod tests {
     fn blocks_share_no_row_and_touching_pairs_come_first() {
         let cell = Cell::cuboid([12.0; 3]);
         let place = grains(COUNT, &cell, 0.8);
-        let near = find(&cell, &place, 0.3);
+        let near = find(Isa::detect(), &cell, &place, 0.3);
         let none = vec![[0; 3]; COUNT];
         let change = Change { moved: &none, new_place: None, swap: negate };
         let pairs = rebuild(Pairs::default(), &near, &cell, &place, &change, 5);

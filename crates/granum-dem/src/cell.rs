@@ -44,14 +44,22 @@ impl Cell {
     }
 
     /// `H s` for an integer image vector s, m.
+    #[inline(always)]
     pub fn image(&self, s: [i32; 3]) -> Vector {
-        apply(&self.edges, s.map(f64::from))
+        apply(&self.edges, [f64::from(s[0]), f64::from(s[1]), f64::from(s[2])])
     }
 }
 
 /// Matrix times vector.
+#[inline(always)]
 pub fn apply(m: &Matrix, v: Vector) -> Vector {
-    std::array::from_fn(|r| m[r][0].mul_add(v[0], m[r][1].mul_add(v[1], m[r][2] * v[2])))
+    // No closure: it would fall back to the baseline instruction set in a kernel.
+    [times(&m[0], v), times(&m[1], v), times(&m[2], v)]
+}
+
+#[inline(always)]
+fn times(row: &Vector, v: Vector) -> f64 {
+    row[0].mul_add(v[0], row[1].mul_add(v[1], row[2] * v[2]))
 }
 
 /// Matrix product.

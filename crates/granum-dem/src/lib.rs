@@ -20,6 +20,7 @@ mod blocks;
 mod forgotten;
 mod kernel;
 mod pairs;
+mod search;
 mod stepping;
 mod team;
 

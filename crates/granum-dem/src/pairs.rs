@@ -3,7 +3,7 @@
 //! Pairs within `R_i + R_j + skin` are listed. The list is valid while no pair outside it can have come to touch
 //! ([`crate::simulation`] watches that), and is then made anew by [`crate::blocks`]; memory travels with its pair.
 
-use granum_simd::{LANES, Row8};
+use granum_simd::{LANES, Row4, Row8};
 use serde::{Deserialize, Serialize};
 
 use crate::cell::{Cell, apply, invert};
@@ -25,9 +25,21 @@ pub(crate) fn image_code(s: [i32; 3]) -> u32 {
 }
 
 /// Image vector of a code.
+#[inline(always)]
 pub(crate) fn image_vector(code: u32) -> [i32; 3] {
     let c = code as i32;
     [c / 25 - REACH, (c / 5) % 5 - REACH, c % 5 - REACH]
+}
+
+/// The image vectors of all codes, m. It belongs to every step, so a kernel can make it.
+#[inline(always)]
+pub(crate) fn image_table(cell: &Cell) -> [Row4; IMAGES] {
+    let mut table = [Row4::default(); IMAGES];
+    for (code, row) in table.iter_mut().enumerate() {
+        let [x, y, z] = cell.image(image_vector(code as u32));
+        row.0 = [x, y, z, 0.0];
+    }
+    table
 }
 
 /// A run of grains and the pairs whose first grain is among them: what one thread works on at a time.
@@ -141,14 +153,6 @@ impl Pairs {
     }
 }
 
-/// A near pair as the search finds it: places of i < j (i <= j for an image of itself) and image code.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Near {
-    pub(crate) i: u32,
-    pub(crate) j: u32,
-    pub(crate) image: u32,
-}
-
 /// Moves grains into the cell; returns for each the image vector that was subtracted from its position.
 pub(crate) fn wrap(cell: &Cell, place: &mut [Row8]) -> Vec<[i32; 3]> {
     let inverse = invert(&cell.edges);
@@ -166,124 +170,6 @@ pub(crate) fn wrap(cell: &Cell, place: &mut [Row8]) -> Vec<[i32; 3]> {
             moved
         })
         .collect()
-}
-
-/// Grid of boxes over the cell, each at least `cutoff` wide.
-struct Grid {
-    counts: [usize; 3],
-    start: Vec<u32>,
-    member: Vec<u32>,
-    of: Vec<[u32; 3]>,
-}
-
-impl Grid {
-    fn new(cell: &Cell, place: &[Row8], cutoff: f64) -> Grid {
-        let heights = cell.heights();
-        let limit = (place.len() as f64).cbrt().ceil() as usize + 1;
-        let counts: [usize; 3] = heights.map(|h| ((h / cutoff).floor() as usize).clamp(1, limit.max(1)));
-        let inverse = invert(&cell.edges);
-        let of: Vec<[u32; 3]> = place
-            .iter()
-            .map(|row| {
-                let f = apply(&inverse, [row.0[0], row.0[1], row.0[2]]);
-                std::array::from_fn(|a| {
-                    ((f[a] * counts[a] as f64).max(0.0) as usize).min(counts[a] - 1) as u32
-                })
-            })
-            .collect();
-        let total = counts.iter().product::<usize>();
-        let mut start = vec![0u32; total + 1];
-        let index = |b: &[u32; 3]| (b[0] as usize * counts[1] + b[1] as usize) * counts[2] + b[2] as usize;
-        for b in &of {
-            start[index(b) + 1] += 1;
-        }
-        for k in 0..total {
-            start[k + 1] += start[k];
-        }
-        let mut fill = start.clone();
-        let mut member = vec![0u32; place.len()];
-        for (g, b) in of.iter().enumerate() {
-            let slot = &mut fill[index(b)];
-            member[*slot as usize] = g as u32;
-            *slot += 1;
-        }
-        Grid { counts, start, member, of }
-    }
-
-    fn members(&self, b: [usize; 3]) -> &[u32] {
-        let k = (b[0] * self.counts[1] + b[1]) * self.counts[2] + b[2];
-        &self.member[self.start[k] as usize..self.start[k + 1] as usize]
-    }
-}
-
-/// All pairs of grains nearer than `R_i + R_j + skin`, sorted. `place` holds the grains only, inside the cell.
-pub(crate) fn find(cell: &Cell, place: &[Row8], skin: f64) -> Vec<Near> {
-    let largest = place.iter().fold(0.0f64, |m, row| m.max(row.0[3]));
-    let grid = Grid::new(cell, place, 2.0 * largest + skin);
-    let mut found = if grid.counts.iter().all(|&n| n >= 3) {
-        find_in_grid(cell, place, skin, &grid)
-    } else {
-        find_all_images(cell, place, skin, 2.0 * largest + skin)
-    };
-    found.sort_unstable();
-    found
-}
-
-pub(crate) fn is_near(a: &Row8, b: &Row8, image: &[f64; 3], skin: f64) -> bool {
-    let reach = a.0[3] + b.0[3] + skin;
-    let d: [f64; 3] = std::array::from_fn(|k| b.0[k] + image[k] - a.0[k]);
-    d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < reach * reach
-}
-
-fn find_in_grid(cell: &Cell, place: &[Row8], skin: f64, grid: &Grid) -> Vec<Near> {
-    let mut found = Vec::with_capacity(place.len() * 4);
-    let images: Vec<[f64; 3]> = (0..IMAGES as u32).map(|c| cell.image(image_vector(c))).collect();
-    for (i, row) in place.iter().enumerate() {
-        let here = grid.of[i];
-        for step in 0..27 {
-            let offset = [step / 9 - 1, (step / 3) % 3 - 1, step % 3 - 1];
-            let mut there = [0usize; 3];
-            let mut image = [0i32; 3];
-            for a in 0..3 {
-                let n = grid.counts[a] as i32;
-                let b = here[a] as i32 + offset[a];
-                image[a] = b.div_euclid(n);
-                there[a] = b.rem_euclid(n) as usize;
-            }
-            let code = image_code(image);
-            for &j in grid.members(there) {
-                if j as usize > i && is_near(row, &place[j as usize], &images[code as usize], skin) {
-                    found.push(Near { i: i as u32, j, image: code });
-                }
-            }
-        }
-    }
-    found
-}
-
-/// For cells only a few grains wide: every pair with every image within reach, images of itself included.
-fn find_all_images(cell: &Cell, place: &[Row8], skin: f64, cutoff: f64) -> Vec<Near> {
-    let heights = cell.heights();
-    let reach: [i32; 3] = heights.map(|h| ((cutoff / h).ceil() as i32).clamp(1, REACH));
-    let mut images = Vec::new();
-    for a in -reach[0]..=reach[0] {
-        for b in -reach[1]..=reach[1] {
-            for c in -reach[2]..=reach[2] {
-                images.push(([a, b, c], cell.image([a, b, c])));
-            }
-        }
-    }
-    let mut found = Vec::new();
-    for (i, row) in place.iter().enumerate() {
-        for (j, other) in place.iter().enumerate().skip(i) {
-            for (s, image) in &images {
-                if (j > i || *s > [0; 3]) && is_near(row, other, image, skin) {
-                    found.push(Near { i: i as u32, j: j as u32, image: image_code(*s) });
-                }
-            }
-        }
-    }
-    found
 }
 
 /// Order of grains along a space-filling (Morton) curve: `order[new place] = old place`.
@@ -329,22 +215,5 @@ pub(crate) mod tests {
                 Row8([p[0], p[1], p[2], radius, 0.0, 0.0, 0.0, 1.0])
             })
             .collect()
-    }
-
-    #[test]
-    fn grid_finds_what_all_images_find() {
-        let cell = Cell { edges: [[10.0, 1.0, -0.5], [0.0, 9.0, 0.3], [0.0, 0.0, 11.0]] };
-        let place = grains(300, &cell, 0.7);
-        let mut slow = find_all_images(&cell, &place, 0.1, 1.5);
-        slow.sort_unstable();
-        assert_eq!(find(&cell, &place, 0.1), slow);
-        assert!(slow.len() > 100);
-    }
-
-    #[test]
-    fn small_cells_see_images_of_themselves() {
-        let cell = Cell::cuboid([1.0; 3]);
-        let place = [Row8([0.5, 0.5, 0.5, 0.5, 0.0, 0.0, 0.0, 1.0])];
-        assert_eq!(find(&cell, &place, 1e-3).len(), 3);
     }
 }

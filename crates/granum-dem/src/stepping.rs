@@ -3,16 +3,18 @@
 use std::cell::UnsafeCell;
 use std::marker::PhantomData;
 
-use granum_simd::{LANES, Row4, Row8, dispatch};
+use granum_simd::{Kernel, LANES, Lanes, Row4, Row8, dispatch};
 
 use crate::assembly::Matrix;
 use crate::blocks::{self, Change};
+use crate::cell::Cell;
 use crate::config::{Contact, MOST_CONTACTS};
 use crate::contact::{NormalLaw, PairConstants, PairProperties, TangentialLaw};
 use crate::kernel::{
     Alike, ByBatch, ConstantSource, ContactStage, ContactSums, GrainStage, NORMAL_COLUMNS, Views, larger,
 };
-use crate::pairs::{self, Block, IMAGES, image_vector};
+use crate::pairs::{self, Block, IMAGES};
+use crate::search;
 use crate::servo::Sample;
 use crate::simulation::{Hardware, LawTable, Properties, SimulationError};
 use crate::state::State;
@@ -102,7 +104,7 @@ impl Machine {
         let moved = pairs::wrap(&state.cell, &mut state.place[..n]);
         let reorder = state.rebuilds.is_multiple_of(REORDER_EVERY);
         let new_place = reorder.then(|| reorder_grains(state, 2.0 * self.largest_radius));
-        let near = pairs::find(&state.cell, &state.place[..n], state.skin);
+        let near = search::find(self.hardware.isa, &state.cell, &state.place[..n], state.skin);
         let columns = NORMAL_COLUMNS + self.table.history;
         let old = std::mem::take(&mut state.pairs);
         let change = Change { moved: &moved, new_place: new_place.as_deref(), swap: self.table.swap_sides };
@@ -217,7 +219,7 @@ impl Machine {
         views.dt = state.dt;
         views.retain = 1.0 - state.fading * state.dt;
         views.account = crate::forgotten::account(state.step);
-        views.images = image_table(state);
+        views.images = dispatch(self.hardware.isa, Images(&state.cell));
     }
 
     /// Serial work after the contacts: totals, ledger, list statistics.
@@ -255,7 +257,7 @@ impl Machine {
         self.fastest_grain.resize(blocks, 0.0);
         Views {
             grains: s.ids.len(),
-            images: image_table(s),
+            images: dispatch(self.hardware.isa, Images(&s.cell)),
             place: RawSlice::new(&mut s.place),
             spin: RawSlice::new(&mut s.spin),
             blocks: RawSlice::new(&mut s.pairs.blocks),
@@ -299,11 +301,16 @@ fn norm(m: &Matrix) -> f64 {
     m.iter().flatten().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-fn image_table(state: &State) -> [Row4; IMAGES] {
-    std::array::from_fn(|code| {
-        let v = state.cell.image(image_vector(code as u32));
-        Row4([v[0], v[1], v[2], 0.0])
-    })
+/// The image vectors of a cell, made with the machine's own instructions.
+struct Images<'a>(&'a Cell);
+
+impl Kernel for Images<'_> {
+    type Output = [Row4; IMAGES];
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> [Row4; IMAGES] {
+        pairs::image_table(self.0)
+    }
 }
 
 /// A list that lasts long is too wide, one that does not last is too narrow.

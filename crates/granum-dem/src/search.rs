@@ -1,0 +1,277 @@
+//! The search for near pairs: all pairs of grains nearer than `R_i + R_j + skin`.
+//!
+//! The grains lie in boxes at least as wide as a pair reaches. Three boxes in a row along the third edge lie beside one
+//! another in memory, so that a grain looks through nine runs of others, eight grains at a time.
+
+use granum_simd::{Isa, Kernel, LANES, Lanes, Mask, Row8, dispatch};
+
+use crate::assembly::{Matrix, Vector};
+use crate::cell::{Cell, apply, invert};
+use crate::pairs::{REACH, image_code, image_table};
+
+/// A near pair as the search finds it: places of i < j (i <= j for an image of itself) and image code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Near {
+    pub(crate) i: u32,
+    pub(crate) j: u32,
+    pub(crate) image: u32,
+}
+
+/// All near pairs, sorted. `place` holds the grains only, inside the cell.
+pub(crate) fn find(isa: Isa, cell: &Cell, place: &[Row8], skin: f64) -> Vec<Near> {
+    let largest = place.iter().fold(0.0f64, |m, row| m.max(row.0[3]));
+    let cutoff = 2.0 * largest + skin;
+    let limit = (place.len() as f64).cbrt().ceil() as usize + 1;
+    let counts = cell.heights().map(|h| ((h / cutoff).floor() as usize).clamp(1, limit.max(1)));
+    if counts.iter().all(|&n| n >= 3) {
+        return dispatch(isa, GridSearch { cell, place, skin, counts });
+    }
+    let mut found = find_all_images(cell, place, skin, cutoff);
+    found.sort_unstable();
+    found
+}
+
+/// True if two grains, the second in an image of the cell, are nearer than the sum of their radii and the skin.
+pub(crate) fn is_near(a: &Row8, b: &Row8, image: &[f64; 3], skin: f64) -> bool {
+    let reach = a.0[3] + b.0[3] + skin;
+    let d: [f64; 3] = std::array::from_fn(|k| b.0[k] + image[k] - a.0[k]);
+    d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < reach * reach
+}
+
+/// The box of a position, by the inverse of the cell's edges.
+#[inline(always)]
+fn box_of(inverse: &Matrix, counts: &[usize; 3], position: Vector) -> [usize; 3] {
+    let mut b = [0; 3];
+    let fraction = apply(inverse, position);
+    for a in 0..3 {
+        b[a] = ((fraction[a] * counts[a] as f64).max(0.0) as usize).min(counts[a] - 1);
+    }
+    b
+}
+
+/// Grains in the order of their boxes.
+struct Grid {
+    counts: [usize; 3],
+    /// First member of each box, and one past the last member of the last.
+    start: Vec<u32>,
+    member: Vec<u32>,
+    /// x, y, z and radius of each member; entries beyond the last are out of reach of everything.
+    columns: [Vec<f64>; 4],
+    /// Box of each grain.
+    of: Vec<[u32; 3]>,
+}
+
+impl Grid {
+    #[inline(always)]
+    fn new(cell: &Cell, place: &[Row8], counts: [usize; 3]) -> Grid {
+        let inverse = invert(&cell.edges);
+        let index = |b: [u32; 3]| (b[0] as usize * counts[1] + b[1] as usize) * counts[2] + b[2] as usize;
+        let mut start = vec![0u32; counts.iter().product::<usize>() + 1];
+        let mut of = Vec::with_capacity(place.len());
+        for row in place {
+            let [x, y, z, ..] = row.0;
+            let b = box_of(&inverse, &counts, [x, y, z]).map(|n| n as u32);
+            start[index(b) + 1] += 1;
+            of.push(b);
+        }
+        for k in 1..start.len() {
+            start[k] += start[k - 1];
+        }
+        let mut fill = start.clone();
+        let mut member = vec![0u32; place.len()];
+        let far = || vec![f64::INFINITY; place.len() + LANES];
+        let mut columns = [far(), far(), far(), vec![0.0; place.len() + LANES]];
+        for (g, b) in of.iter().enumerate() {
+            let slot = &mut fill[index(*b)];
+            member[*slot as usize] = g as u32;
+            for c in 0..4 {
+                columns[c][*slot as usize] = place[g].0[c];
+            }
+            *slot += 1;
+        }
+        Grid { counts, start, member, columns, of }
+    }
+
+    /// Neighbour of a place on an axis, and by how many cells it is displaced.
+    #[inline(always)]
+    fn beside(&self, axis: usize, here: u32, step: i32) -> (usize, i32) {
+        let n = self.counts[axis] as i32;
+        let b = here as i32 + step;
+        if b < 0 {
+            ((b + n) as usize, -1)
+        } else if b >= n {
+            ((b - n) as usize, 1)
+        } else {
+            (b as usize, 0)
+        }
+    }
+
+    /// From which box to below which a grain looks along the third edge, and by how many cells they are displaced; the second
+    /// stretch is empty but at the ends.
+    #[inline(always)]
+    fn stretches(&self, here: u32) -> [(usize, usize, i32); 2] {
+        let (z, n) = (here as usize, self.counts[2]);
+        let beyond = match z {
+            0 => (n - 1, n, -1),
+            _ if z + 1 == n => (0, 1, 1),
+            _ => (0, 0, 0),
+        };
+        [(z.saturating_sub(1), (z + 2).min(n), 0), beyond]
+    }
+
+    /// Members of the boxes from `low` to below `high` along the third edge.
+    #[inline(always)]
+    fn run(&self, x: usize, y: usize, low: usize, high: usize) -> [usize; 2] {
+        let row = (x * self.counts[1] + y) * self.counts[2];
+        [self.start[row + low] as usize, self.start[row + high] as usize]
+    }
+}
+
+/// The search in a grid of at least three boxes along every edge.
+struct GridSearch<'a> {
+    cell: &'a Cell,
+    place: &'a [Row8],
+    skin: f64,
+    counts: [usize; 3],
+}
+
+impl Kernel for GridSearch<'_> {
+    type Output = Vec<Near>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Vec<Near> {
+        let grid = Grid::new(self.cell, self.place, self.counts);
+        let images = image_table(self.cell);
+        let mut found = Vec::with_capacity(self.place.len() * 4);
+        for (i, row) in self.place.iter().enumerate() {
+            let from = found.len();
+            let seeker = Seeker::<L>::new(i as u32, row, self.skin);
+            let here = grid.of[i];
+            for step in 0..9 {
+                let (x, sx) = grid.beside(0, here[0], step / 3 - 1);
+                let (y, sy) = grid.beside(1, here[1], step % 3 - 1);
+                for (low, high, sz) in grid.stretches(here[2]) {
+                    let code = image_code([sx, sy, sz]);
+                    seeker.look(&grid, grid.run(x, y, low, high), code, &images[code as usize].0, &mut found);
+                }
+            }
+            found[from..].sort_unstable();
+        }
+        found
+    }
+}
+
+/// A grain that looks for others with a higher number.
+struct Seeker<L> {
+    i: u32,
+    position: [L; 3],
+    radius: L,
+    skin: L,
+}
+
+impl<L: Lanes> Seeker<L> {
+    #[inline(always)]
+    fn new(i: u32, row: &Row8, skin: f64) -> Self {
+        let [x, y, z, radius, ..] = row.0;
+        Seeker {
+            i,
+            position: [L::splat(x), L::splat(y), L::splat(z)],
+            radius: L::splat(radius),
+            skin: L::splat(skin),
+        }
+    }
+
+    /// Appends the near ones among the members in a range.
+    #[inline(always)]
+    fn look(&self, grid: &Grid, range: [usize; 2], code: u32, image: &[f64; 4], found: &mut Vec<Near>) {
+        let [start, end] = range;
+        for from in (start..end).step_by(LANES) {
+            let mut square = L::zero();
+            for k in 0..3 {
+                let d = load::<L>(&grid.columns[k], from) + L::splat(image[k]) - self.position[k];
+                square = square + d * d;
+            }
+            let reach = self.radius + load::<L>(&grid.columns[3], from) + self.skin;
+            let mut near = square.lt(reach * reach).bits();
+            if end - from < LANES {
+                near &= (1 << (end - from)) - 1;
+            }
+            while near != 0 {
+                let j = grid.member[from + near.trailing_zeros() as usize];
+                if j > self.i {
+                    found.push(Near { i: self.i, j, image: code });
+                }
+                near &= near - 1;
+            }
+        }
+    }
+}
+
+/// Eight numbers of a column.
+#[inline(always)]
+fn load<L: Lanes>(column: &[f64], from: usize) -> L {
+    let mut eight = [0.0; LANES];
+    eight.copy_from_slice(&column[from..from + LANES]);
+    L::load(&eight)
+}
+
+/// For cells only a few grains wide: every pair with every image within reach, images of itself included.
+fn find_all_images(cell: &Cell, place: &[Row8], skin: f64, cutoff: f64) -> Vec<Near> {
+    let heights = cell.heights();
+    let reach: [i32; 3] = heights.map(|h| ((cutoff / h).ceil() as i32).clamp(1, REACH));
+    let mut images = Vec::new();
+    for a in -reach[0]..=reach[0] {
+        for b in -reach[1]..=reach[1] {
+            for c in -reach[2]..=reach[2] {
+                images.push(([a, b, c], cell.image([a, b, c])));
+            }
+        }
+    }
+    let mut found = Vec::new();
+    for (i, row) in place.iter().enumerate() {
+        for (j, other) in place.iter().enumerate().skip(i) {
+            for (s, image) in &images {
+                if (j > i || *s > [0; 3]) && is_near(row, other, image, skin) {
+                    found.push(Near { i: i as u32, j: j as u32, image: image_code(*s) });
+                }
+            }
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pairs::tests::grains;
+
+    fn slow(cell: &Cell, place: &[Row8], skin: f64) -> Vec<Near> {
+        let mut found = find_all_images(cell, place, skin, 1.5);
+        found.sort_unstable();
+        found
+    }
+
+    /// Down to three boxes along an edge, on every instruction set.
+    #[test]
+    fn the_grid_finds_what_all_images_find() {
+        for (x, least) in [(10.0, 100), (4.6, 300)] {
+            let cell = Cell { edges: [[x, 1.0, -0.5], [0.0, 9.0, 0.3], [0.0, 0.0, 11.0]] };
+            let mut place = grains(300, &cell, 0.7);
+            for (g, row) in place.iter_mut().enumerate() {
+                row.0[3] -= 0.3 * (g % 7) as f64 / 7.0;
+            }
+            let expected = slow(&cell, &place, 0.1);
+            assert!(expected.len() > least);
+            for isa in Isa::ALL {
+                assert!(find(isa, &cell, &place, 0.1) == expected, "{x} {}", isa.name());
+            }
+        }
+    }
+
+    #[test]
+    fn small_cells_see_images_of_themselves() {
+        let cell = Cell::cuboid([1.0; 3]);
+        let place = [Row8([0.5, 0.5, 0.5, 0.5, 0.0, 0.0, 0.0, 1.0])];
+        assert_eq!(find(Isa::detect(), &cell, &place, 1e-3).len(), 3);
+    }
+}
