@@ -400,7 +400,7 @@ fn settle<L: Lanes, R: Real, T: TangentialLaw, C: ConstantSource, P: Part<L, R>>
 }
 
 /// Batches between asking for memory and using it.
-const AHEAD: usize = 3;
+const AHEAD: usize = 5;
 
 /// Asks for what a later batch will read: the processor foresees neither the places of grains nor the next page.
 #[inline(always)]

@@ -86,6 +86,8 @@ pub struct Figure {
     threads: usize,
     isa: &'static str,
     grain_steps_per_second: f64,
+    /// Over the first number of threads.
+    speed_up: f64,
     steps: u64,
 }
 
@@ -94,38 +96,40 @@ pub fn measure(context: &Context, packing: &Packing, course: &Course) -> Result<
     let mut figures = Vec::new();
     if !context.json {
         println!(
-            "{:<7} {:<20} {:>9} {:>8} {:>9} {:>18}",
-            "normal", "tangential", "grains", "threads", "isa", "M grain-steps/s"
+            "{:<7} {:<20} {:>9} {:>8} {:>9} {:>18} {:>9}",
+            "normal", "tangential", "grains", "threads", "isa", "M grain-steps/s", "speed-up"
         );
     }
-    let mut take = |law: Law, packing: &Packing, hardware: Hardware| -> Result<(), Failure> {
-        let figure = figure(context, law, packing, hardware, course)?;
+    let mut take = |law: Law, packing: &Packing, hardware: &[Hardware]| -> Result<(), Failure> {
+        let taken = self::figures(context, law, packing, hardware, course)?;
         if !context.json {
-            let rate = figure.grain_steps_per_second / 1e6;
-            println!(
-                "{:<7} {:<20} {:>9} {:>8} {:>9} {rate:>18.2}",
-                figure.normal, figure.tangential, figure.grains, figure.threads, figure.isa
-            );
+            taken.iter().enumerate().for_each(|(k, figure)| print(figure, k > 0));
         }
-        figures.push(figure);
+        figures.extend(taken);
         Ok(())
     };
     for (k, &size) in course.grains.iter().enumerate() {
         let packing = enlarged(packing, size)?;
         let laws = if k == 0 { &course.laws[..] } else { &course.laws[course.laws.len() - 1..] };
         for &law in laws {
-            for &threads in &course.threads {
-                take(law, &packing, Hardware { threads, isa: course.isa })?;
-            }
+            let hardware = |&threads| Hardware { threads, isa: course.isa };
+            take(law, &packing, &course.threads.iter().map(hardware).collect::<Vec<_>>())?;
         }
         if k == 0 && course.others {
             let law = course.laws[course.laws.len() - 1];
             for isa in Isa::ALL.into_iter().filter(|isa| isa.available() && *isa != course.isa) {
-                take(law, &packing, Hardware { threads: 1, isa })?;
+                take(law, &packing, &[Hardware { threads: 1, isa }])?;
             }
         }
     }
     Ok(figures)
+}
+
+fn print(figure: &Figure, compared: bool) {
+    let Figure { normal, tangential, grains, threads, isa, .. } = figure;
+    let rate = figure.grain_steps_per_second / 1e6;
+    let speed_up = if compared { format!("{:>9.2}", figure.speed_up) } else { String::new() };
+    println!("{normal:<7} {tangential:<20} {grains:>9} {threads:>8} {isa:>9} {rate:>18.2} {speed_up}");
 }
 
 /// The packing beside itself until it has about so many grains, as near a cube as it comes.
@@ -149,19 +153,58 @@ fn enlarged(packing: &Packing, grains: usize) -> Result<Packing, Failure> {
     Ok(packing.repeated(counts)?)
 }
 
-/// Shears the packing and measures stretches of steps; the best counts.
-fn figure(
+/// Shears the packing and measures stretches of steps, for each number of threads the best. In a stretch all of them go
+/// through the same steps, one after another: a ratio of two knows neither other steps nor another hour of the machine.
+fn figures(
     context: &Context,
     law: Law,
     packing: &Packing,
-    hardware: Hardware,
+    hardware: &[Hardware],
     course: &Course,
-) -> Result<Figure, Failure> {
+) -> Result<Vec<Figure>, Failure> {
+    let mut from = sheared(law, packing, course)?;
+    let first = hardware.first().copied().unwrap_or_default();
+    from.set_hardware(first);
+    let warm = warm_up(context, &mut from, 0.2 * course.seconds)?;
+    // At most about the patience: slow machines and instruction sets see fewer steps than a list lives.
+    let enough = FEWEST_STEPS.min((PATIENCE * course.seconds / warm) as u64);
+    let steps = enough.max((course.seconds / 3.0 / warm) as u64).max(1);
+    let mut best = vec![f64::INFINITY; hardware.len()];
+    let mut made = 0;
+    let clock = Instant::now();
+    while made == 0 || clock.elapsed().as_secs_f64() < 0.9 * course.seconds * hardware.len() as f64 {
+        let mut end = None;
+        for (hardware, best) in hardware.iter().zip(&mut best) {
+            // Only two are there at a time: they may be large.
+            drop(end.take());
+            let mut simulation = from.clone();
+            simulation.set_hardware(*hardware);
+            *best = best.min(stretch(context, &mut simulation, steps, warm)?);
+            end = Some(simulation);
+        }
+        made += steps;
+        from = end.unwrap_or(from);
+    }
+    let rates: Vec<f64> = best.iter().map(|each| packing.grains.len() as f64 / each).collect();
+    let figure = |(hardware, rate): (&Hardware, &f64)| Figure {
+        normal: law.names.0,
+        tangential: law.names.1,
+        grains: packing.grains.len(),
+        threads: hardware.threads,
+        isa: hardware.isa.name(),
+        grain_steps_per_second: *rate,
+        speed_up: rate / rates[0],
+        steps: made,
+    };
+    Ok(hardware.iter().zip(&rates).map(figure).collect())
+}
+
+/// The packing under shear.
+fn sheared(law: Law, packing: &Packing, course: &Course) -> Result<Simulation, Failure> {
     let (normal, tangential) = law.kinds;
     let contact = Contact { normal, tangential, damping: DAMPING };
     let properties = Properties { material: Material::default(), contact };
     let mut simulation = Simulation::new(cell(packing), &sites(packing), properties)?;
-    simulation.set_hardware(hardware);
     simulation.fix_time_step(course.time_step);
     let rate = course.strain_rate.unwrap_or_else(|| simulation.strain_rate(INERTIAL_NUMBER, MEAN_STRESS));
     let mut control = Control::fixed();
@@ -169,34 +212,11 @@ fn figure(
     control.rate[1][1] = -0.5 * rate;
     control.rate[2][2] = -0.5 * rate;
     simulation.set_control(control);
-    let (warm, _) = stretch(context, &mut simulation, 1, 0.2 * course.seconds)?;
-    // At most about the patience: slow machines and instruction sets see fewer steps than a list lives.
-    let enough = FEWEST_STEPS.min((PATIENCE * course.seconds / warm) as u64);
-    let (mut best, mut steps) = (f64::INFINITY, 0);
-    let clock = Instant::now();
-    while steps == 0 || clock.elapsed().as_secs_f64() < 0.9 * course.seconds {
-        let (each, made) = stretch(context, &mut simulation, enough, course.seconds / 3.0)?;
-        best = best.min(each);
-        steps += made;
-    }
-    Ok(Figure {
-        normal: law.names.0,
-        tangential: law.names.1,
-        grains: packing.grains.len(),
-        threads: hardware.threads,
-        isa: hardware.isa.name(),
-        grain_steps_per_second: packing.grains.len() as f64 / best,
-        steps,
-    })
+    Ok(simulation)
 }
 
-/// Advances by at least so many steps and seconds; returns the time of a step, s, and the steps made.
-fn stretch(
-    context: &Context,
-    simulation: &mut Simulation,
-    steps: u64,
-    seconds: f64,
-) -> Result<(f64, u64), Failure> {
+/// Advances for so many seconds; returns the time of a step, s.
+fn warm_up(context: &Context, simulation: &mut Simulation, seconds: f64) -> Result<f64, Failure> {
     let clock = Instant::now();
     let (mut made, mut next) = (0, 1);
     loop {
@@ -204,10 +224,24 @@ fn stretch(
         simulation.advance(next)?;
         made += next;
         let spent = clock.elapsed().as_secs_f64();
-        if made >= steps && spent >= seconds {
-            return Ok((spent / made as f64, made));
+        if spent >= seconds {
+            return Ok(spent / made as f64);
         }
-        // Calls of about a hundredth of the time: threads start anew with each.
         next = ((0.03 * seconds.max(0.1) * made as f64 / spent) as u64).clamp(1, 1000);
     }
+}
+
+/// Advances by so many steps, each of about `each` seconds; returns the time of a step, s.
+fn stretch(context: &Context, simulation: &mut Simulation, steps: u64, each: f64) -> Result<f64, Failure> {
+    // Threads start anew with each call; a user who interrupts waits for the end of one.
+    let call = ((0.1 / each) as u64).clamp(1, 1000);
+    let clock = Instant::now();
+    let mut left = steps;
+    while left > 0 {
+        context.check_stopped(|| "nothing was written".into())?;
+        let next = call.min(left);
+        simulation.advance(next)?;
+        left -= next;
+    }
+    Ok(clock.elapsed().as_secs_f64() / steps as f64)
 }
