@@ -212,15 +212,22 @@ fn approach<L: Lanes, T: TangentialLaw, C: ConstantSource, const IMAGE: bool>(
     }
     let affine = common.affine(branch);
     let half = L::splat(0.5);
-    let both = L::sums4(spin, i, j);
-    let mean_spin = scale(half, [both[0], both[1], both[2]]);
     let velocity = [apart[4] + affine[0], apart[5] + affine[1], apart[6] + affine[2]];
-    let (mut rolling, mut mass) = (mean_spin, L::zero());
+    let (rolling, mean_spin, mass);
     if C::BY_BATCH {
         let (a, c) = (L::gather8(place, i), L::gather8(place, j));
         let (wa, wc) = (L::gather4(spin, i), L::gather4(spin, j));
-        rolling = std::array::from_fn(|k| a[3].mul_add(wa[k], c[3] * wc[k]) * constants.inverse_radius_sum);
+        let lever = constants.inverse_radius_sum;
+        rolling = std::array::from_fn(
+            #[inline(always)]
+            |k| a[3].mul_add(wa[k], c[3] * wc[k]) * lever,
+        );
+        mean_spin = scale(half, [wa[0] + wc[0], wa[1] + wc[1], wa[2] + wc[2]]);
         mass = a[7].min(c[7]);
+    } else {
+        let both = L::sums4(spin, i, j);
+        mean_spin = scale(half, [both[0], both[1], both[2]]);
+        (rolling, mass) = (mean_spin, L::zero());
     }
     let kinematics = Kinematics { branch, velocity, rolling, mean_spin };
     *slot = Approach { batch: b, kinematics, mass };
