@@ -27,7 +27,7 @@ const WANTED_LIFE: std::ops::Range<u64> = 300..1200;
 /// The grains are put in spatial order again after this many rebuilds of the list.
 const REORDER_EVERY: u64 = 64;
 
-/// Bytes of contact memory from which it is asked for ahead of time.
+/// Bytes of what is kept for contacts from which it is asked for ahead of time.
 const FAR: usize = 8 << 20;
 
 /// A state and what moves it on.
@@ -274,7 +274,7 @@ impl Machine {
             contact_sums: RawSlice::new(&mut self.contact_sums),
             fastest_grain: RawSlice::new(&mut self.fastest_grain),
             equal: s.pairs.constants.is_empty(),
-            far: s.pairs.memory.len() * size_of::<Row8>() > FAR,
+            far: (s.pairs.memory.len() + s.pairs.constants.len()) * size_of::<Row8>() > FAR,
             alike: self.alike,
             gradient: s.gradient,
             dt: s.dt,

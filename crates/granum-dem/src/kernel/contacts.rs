@@ -84,8 +84,12 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
             let account = T::FORGETS && v.account != 0.0;
             let singly = account || !L::PAIRED;
             let mut waiting = 0;
+            let mut coming = coming_rows(v, k);
             for b in start..=end {
                 let last = b == end;
+                for row in coming.by_ref().take(ROWS_AHEAD) {
+                    v.forces.prefetch(row as usize);
+                }
                 if !last {
                     let slot = &mut approaches[waiting];
                     let close = if b < inner {
@@ -196,7 +200,7 @@ fn approach<L: Lanes, T: TangentialLaw, C: ConstantSource, const IMAGE: bool>(
         )
     };
     if v.far {
-        fetch_ahead(v, b, NORMAL_COLUMNS + T::HISTORY);
+        fetch_ahead::<C>(v, b, NORMAL_COLUMNS + T::HISTORY);
     }
     let apart = L::differences8(place, i, j);
     let mut branch = [apart[0], apart[1], apart[2]];
@@ -411,10 +415,19 @@ const AHEAD: usize = 5;
 
 /// Asks for what a later batch will read: the processor foresees neither the places of grains nor the next page.
 #[inline(always)]
-fn fetch_ahead(v: &Views, b: usize, columns: usize) {
+fn fetch_ahead<C: ConstantSource>(v: &Views, b: usize, columns: usize) {
     let later = b + AHEAD;
+    // The lists that the next of these calls looks into.
+    v.first.prefetch(later + AHEAD);
+    v.second.prefetch(later + AHEAD);
+    v.target.prefetch(later + AHEAD);
     for c in 0..columns {
         v.memory.prefetch(later * columns + c);
+    }
+    if C::BY_BATCH {
+        for c in 0..PairConstants::<f64>::COUNT {
+            v.constants.prefetch(later * PairConstants::<f64>::COUNT + c);
+        }
     }
     // SAFETY: lists are only read in this stage.
     let (first, second) = unsafe { (v.first.read(), v.second.read()) };
@@ -424,6 +437,18 @@ fn fetch_ahead(v: &Views, b: usize, columns: usize) {
             v.spin.prefetch(grain as usize);
         }
     }
+}
+
+/// Rows of forces asked for with every batch, for the next block.
+const ROWS_AHEAD: usize = 4;
+
+/// The rows of forces of the block after this one.
+#[inline(always)]
+fn coming_rows(v: &Views, block: usize) -> impl Iterator<Item = u32> {
+    // SAFETY: blocks are only read.
+    let next = unsafe { v.blocks.read() }.get(block + 1).filter(|_| v.far).copied().unwrap_or_default();
+    let [grains, outer] = [next.grains, next.outer];
+    (grains[0]..grains[1]).chain(outer[0]..outer[1])
 }
 
 /// Adds what eight pairs do to the force rows of their grains.

@@ -36,6 +36,9 @@ impl Kernel for GrainStage<'_> {
             let mut fastest = 0.0f64;
             let equal = v.equal.then(|| kicks(v, &place[0]));
             for (n, g) in range.enumerate() {
+                if v.far {
+                    fetch_ahead(v, outer, offsets[g] as usize, g + AHEAD);
+                }
                 let total = resultant::<L>(forces, offsets, outer, g);
                 let [kick, turn] = equal.unwrap_or_else(
                     #[inline(always)]
@@ -47,6 +50,20 @@ impl Kernel for GrainStage<'_> {
             // SAFETY: this thread alone works on this block.
             unsafe { v.fastest_grain.write(k..k + 1)[0] = fastest };
         }
+    }
+}
+
+/// Grains between asking for one and moving it.
+const AHEAD: usize = 12;
+
+/// Asks for what a later grain will read: rows of other blocks lie anywhere.
+#[inline(always)]
+fn fetch_ahead(v: &Views, outer: &[u32], from: usize, later: usize) {
+    v.forces.prefetch(later);
+    v.place.prefetch(later);
+    v.spin.prefetch(later);
+    for &row in outer.iter().skip(from + AHEAD).take(2) {
+        v.forces.prefetch(row as usize);
     }
 }
 

@@ -93,7 +93,7 @@ pub(crate) struct Views {
     pub(crate) fastest_grain: RawSlice<f64>,
     /// True where all grains have one mass and radius.
     pub(crate) equal: bool,
-    /// True where the memory of the contacts does not fit into the caches.
+    /// True where what is kept for the contacts does not fit into the caches.
     pub(crate) far: bool,
     pub(crate) alike: PairConstants<f64>,
     pub(crate) images: [Row4; IMAGES],
