@@ -28,7 +28,7 @@ const WANTED_LIFE: std::ops::Range<u64> = 300..1200;
 const REORDER_EVERY: u64 = 64;
 
 /// Bytes of what is kept for contacts from which it is asked for ahead of time.
-const FAR: usize = 8 << 20;
+const FAR: usize = 2 << 20;
 
 /// A state and what moves it on.
 #[derive(Clone)]
