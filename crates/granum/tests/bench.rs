@@ -18,6 +18,13 @@ fn figures_for_machines_name_law_size_threads_and_instruction_set() {
         assert_eq!((&dem[k]["normal"], &dem[k]["tangential"]), (&"hertz".into(), &"no-slip".into()));
         assert_eq!(dem[k]["isa"], "portable");
         assert!(dem[k]["grain_steps_per_second"].as_f64().unwrap() > 1e3);
+        for speed_up in ["speed_up", "arithmetic_speed_up"] {
+            let value = dem[k][speed_up].as_f64().unwrap();
+            assert!(
+                if threads == 1 { value == 1.0 } else { value > 0.0 && value != 1.0 },
+                "{speed_up}: {value}"
+            );
+        }
     }
     assert_eq!(answer["nets"], json("[]"));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);

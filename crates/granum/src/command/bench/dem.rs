@@ -10,6 +10,7 @@ use granum_hybrid::laboratory::{cell, sites};
 use granum_io::{Case, Packing};
 use serde::Serialize;
 
+use super::arithmetic::rounds_per_second;
 use crate::context::Context;
 use crate::failure::Failure;
 
@@ -88,6 +89,8 @@ pub struct Figure {
     grain_steps_per_second: f64,
     /// Over the first number of threads.
     speed_up: f64,
+    /// The same of arithmetic alone, measured in between.
+    arithmetic_speed_up: f64,
     steps: u64,
 }
 
@@ -96,8 +99,8 @@ pub fn measure(context: &Context, packing: &Packing, course: &Course) -> Result<
     let mut figures = Vec::new();
     if !context.json {
         println!(
-            "{:<7} {:<20} {:>9} {:>8} {:>9} {:>18} {:>9}",
-            "normal", "tangential", "grains", "threads", "isa", "M grain-steps/s", "speed-up"
+            "{:<7} {:<20} {:>9} {:>8} {:>9} {:>18} {:>9} {:>14}",
+            "normal", "tangential", "grains", "threads", "isa", "M grain-steps/s", "speed-up", "arithmetic's"
         );
     }
     let mut take = |law: Law, packing: &Packing, hardware: &[Hardware]| -> Result<(), Failure> {
@@ -128,7 +131,11 @@ pub fn measure(context: &Context, packing: &Packing, course: &Course) -> Result<
 fn print(figure: &Figure, compared: bool) {
     let Figure { normal, tangential, grains, threads, isa, .. } = figure;
     let rate = figure.grain_steps_per_second / 1e6;
-    let speed_up = if compared { format!("{:>9.2}", figure.speed_up) } else { String::new() };
+    let speed_up = if compared {
+        format!("{:>9.2} {:>14.2}", figure.speed_up, figure.arithmetic_speed_up)
+    } else {
+        String::new()
+    };
     println!("{normal:<7} {tangential:<20} {grains:>9} {threads:>8} {isa:>9} {rate:>18.2} {speed_up}");
 }
 
@@ -170,6 +177,7 @@ fn figures(
     let enough = FEWEST_STEPS.min((PATIENCE * course.seconds / warm) as u64);
     let steps = enough.max((course.seconds / 3.0 / warm) as u64).max(1);
     let mut best = vec![f64::INFINITY; hardware.len()];
+    let mut arithmetic = vec![0.0; hardware.len()];
     let mut made = 0;
     let clock = Instant::now();
     while made == 0 || clock.elapsed().as_secs_f64() < 0.9 * course.seconds * hardware.len() as f64 {
@@ -182,11 +190,16 @@ fn figures(
             *best = best.min(stretch(context, &mut simulation, steps, warm)?);
             end = Some(simulation);
         }
+        if hardware.len() > 1 {
+            for (hardware, sum) in hardware.iter().zip(&mut arithmetic) {
+                *sum += rounds_per_second(*hardware, 0.1 * course.seconds);
+            }
+        }
         made += steps;
         from = end.unwrap_or(from);
     }
     let rates: Vec<f64> = best.iter().map(|each| packing.grains.len() as f64 / each).collect();
-    let figure = |(hardware, rate): (&Hardware, &f64)| Figure {
+    let figure = |((hardware, rate), sum): ((&Hardware, &f64), &f64)| Figure {
         normal: law.names.0,
         tangential: law.names.1,
         grains: packing.grains.len(),
@@ -194,9 +207,10 @@ fn figures(
         isa: hardware.isa.name(),
         grain_steps_per_second: *rate,
         speed_up: rate / rates[0],
+        arithmetic_speed_up: if hardware.threads == first.threads { 1.0 } else { sum / arithmetic[0] },
         steps: made,
     };
-    Ok(hardware.iter().zip(&rates).map(figure).collect())
+    Ok(hardware.iter().zip(&rates).zip(&arithmetic).map(figure).collect())
 }
 
 /// The packing under shear.

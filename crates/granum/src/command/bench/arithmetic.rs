@@ -1,0 +1,76 @@
+//! What the processor alone gives to several threads: sums that never leave its registers.
+//!
+//! Cores that share their clock, or a machine shared with others, make two threads less than twice as fast as one whatever
+//! they do. No speed-up of the engine can be judged without that.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use granum_dem::simulation::Hardware;
+use granum_simd::{Kernel, Lanes, dispatch};
+
+/// Sums at a time: enough to hide that each waits for the one before.
+const SUMS: usize = 8;
+
+/// Rounds of fused multiplications and additions.
+struct Rounds(u64);
+
+impl Kernel for Rounds {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f64 {
+        let (factor, term) = (L::splat(black_box(0.999)), L::splat(black_box(1e-3)));
+        let mut sums = [L::splat(1.0); SUMS];
+        for _ in 0..self.0 {
+            for sum in &mut sums {
+                *sum = sum.mul_add(factor, term);
+            }
+        }
+        sums[1..]
+            .iter()
+            .fold(
+                sums[0],
+                #[inline(always)]
+                |a, b| a + *b,
+            )
+            .reduce_add()
+    }
+}
+
+/// Rounds a second that all threads make together, over about so many seconds.
+pub fn rounds_per_second(hardware: Hardware, seconds: f64) -> f64 {
+    let work = |rounds| {
+        let clock = Instant::now();
+        std::thread::scope(|scope| {
+            for _ in 1..hardware.threads {
+                scope.spawn(|| black_box(dispatch(hardware.isa, Rounds(rounds))));
+            }
+            black_box(dispatch(hardware.isa, Rounds(rounds)));
+        });
+        clock.elapsed().as_secs_f64()
+    };
+    let mut rounds = 1000;
+    loop {
+        let spent = work(rounds);
+        if spent >= seconds {
+            return (rounds * hardware.threads as u64) as f64 / spent;
+        }
+        rounds = (rounds as f64 * (1.2 * seconds / spent).clamp(2.0, 100.0)) as u64;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounds_are_counted_on_every_instruction_set() {
+        for isa in granum_dem::Isa::ALL {
+            for threads in [1, 2] {
+                let rate = rounds_per_second(Hardware { threads, isa }, 0.002);
+                assert!(rate.is_finite() && rate > 1e4, "{} {threads}: {rate}", isa.name());
+            }
+        }
+    }
+}
