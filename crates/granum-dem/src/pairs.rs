@@ -31,7 +31,7 @@ pub(crate) fn image_vector(code: u32) -> [i32; 3] {
     [c / 25 - REACH, (c / 5) % 5 - REACH, c % 5 - REACH]
 }
 
-/// The image vectors of all codes, m. It belongs to every step, so a kernel can make it.
+/// The image vectors of all codes, m. Made in every step: within a kernel, where fused operations are instructions.
 #[inline(always)]
 pub(crate) fn image_table(cell: &Cell) -> [Row4; IMAGES] {
     let mut table = [Row4::default(); IMAGES];
