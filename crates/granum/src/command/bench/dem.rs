@@ -6,7 +6,7 @@ use granum_dem::Isa;
 use granum_dem::config::{Contact, Material, NormalKind, TangentialKind};
 use granum_dem::servo::Control;
 use granum_dem::simulation::{Hardware, Properties, Simulation};
-use granum_hybrid::laboratory::{cell, sites};
+use granum_hybrid::laboratory::{cell, memory, sites};
 use granum_io::{Case, Packing};
 use serde::Serialize;
 
@@ -96,6 +96,7 @@ pub struct Figure {
 
 /// All figures, printed as they come. All laws are measured at the first size, the last law at the others.
 pub fn measure(context: &Context, packing: &Packing, course: &Course) -> Result<Vec<Figure>, Failure> {
+    course.grains.iter().try_for_each(|&size| check_memory(size))?;
     let mut figures = Vec::new();
     if !context.json {
         println!(
@@ -137,6 +138,18 @@ fn print(figure: &Figure, compared: bool) {
         String::new()
     };
     println!("{normal:<7} {tangential:<20} {grains:>9} {threads:>8} {isa:>9} {rate:>18.2} {speed_up}");
+}
+
+/// Refuses a size that the machine cannot hold.
+fn check_memory(grains: usize) -> Result<(), Failure> {
+    use granum_hybrid::laboratory::LaboratoryError::Memory;
+    memory::check_grains(grains).map_err(|error| match error {
+        Memory { needed, available, fitting, .. } => Failure::new(format!(
+            "--grains {grains}: up to {needed:.1} GB of memory are needed, and this machine has {available:.1} GB free; at most \
+             {fitting} grains fit"
+        )),
+        other => other.into(),
+    })
 }
 
 /// The packing beside itself until it has about so many grains, as near a cube as it comes.
