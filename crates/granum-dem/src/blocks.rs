@@ -117,10 +117,13 @@ impl List<'_> {
         self.group(&range, members.clone(), start, false, touch);
         let inner = self.pairs.first.len() as u32;
         self.group(&range, members, start, true, touch);
+        let end = self.pairs.first.len() as u32;
         let row = |k: usize| (self.grains + k) as u32;
         self.pairs.blocks.push(Block {
             grains: [range.start as u32, range.end as u32],
-            batches: [begin, inner, self.pairs.first.len() as u32],
+            batches: [begin, inner, end],
+            watched: [inner, end],
+            touching: 0,
             outer: [row(start), row(kept)],
         });
     }

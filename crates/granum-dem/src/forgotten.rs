@@ -22,13 +22,13 @@ pub(crate) fn account(step: u64) -> f64 {
 /// Contacts put down.
 pub(crate) struct Forgotten {
     count: usize,
-    /// Two groups of eight: a whole batch may come to the seven of an incomplete one.
-    rows: [[Row8; COLUMNS]; 2],
+    /// Three groups of eight: two whole batches may come to the seven of an incomplete one.
+    rows: [[Row8; COLUMNS]; 3],
 }
 
 impl Forgotten {
     pub(crate) fn new() -> Self {
-        Forgotten { count: 0, rows: [[Row8::default(); COLUMNS]; 2] }
+        Forgotten { count: 0, rows: [[Row8::default(); COLUMNS]; 3] }
     }
 
     /// Puts down the contacts of a batch whose bit is set; `history` holds the law's columns as they were.
@@ -59,7 +59,7 @@ impl Forgotten {
         }
     }
 
-    /// True with a complete group: the formula must run before another batch.
+    /// True with a complete group: the formula must run before two more batches.
     #[inline(always)]
     pub(crate) fn is_full(&self) -> bool {
         self.count >= LANES

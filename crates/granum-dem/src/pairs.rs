@@ -53,6 +53,10 @@ pub struct Block {
     pub(crate) grains: [u32; 2],
     /// First batch, one past the last within the cell, one past the last (the later ones have images).
     pub(crate) batches: [u32; 3],
+    /// One past the last batch that is looked at, within the cell and of those with images.
+    pub(crate) watched: [u32; 2],
+    /// How many batches, from the first, had a contact in every lane when the pairs were sorted.
+    pub(crate) touching: u32,
     /// First row of forces on grains of other blocks, and one past the last.
     pub(crate) outer: [u32; 2],
 }

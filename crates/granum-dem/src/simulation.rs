@@ -14,7 +14,7 @@ use crate::contact::{MAX_HISTORY, NormalLaw, PairConstants, PairProperties, Tang
 use crate::kernel::{ContactSums, NORMAL_COLUMNS};
 use crate::pairs::{self, Pairs};
 use crate::servo::{Control, Servo};
-use crate::state::{ServoError, State};
+use crate::state::{ServoError, State, Watch};
 use crate::stepping::{self, Machine};
 
 /// Where a grain starts.
@@ -194,6 +194,12 @@ impl Simulation {
             distortion: 0.0,
             steps_since_rebuild: 0,
             rebuilds: 0,
+            watch: Watch {
+                margin: 0.002 * 2.0 * largest,
+                travel: f64::NEG_INFINITY,
+                distortion: 0.0,
+                steps: 0,
+            },
             sums: ContactSums::default(),
             fastest_peak: 0.0,
             ledger: EnergyLedger::default(),

@@ -38,6 +38,7 @@ pub struct State {
     pub(crate) distortion: f64,
     pub(crate) steps_since_rebuild: u64,
     pub(crate) rebuilds: u64,
+    pub(crate) watch: Watch,
     /// Sums over the contacts in the last step.
     pub(crate) sums: ContactSums,
     /// Largest `k_t / m` since the time step was last raised.
@@ -50,6 +51,19 @@ pub struct State {
     /// Relative errors of the mean stress since the deviator strain first exceeded `judge_from`.
     pub(crate) servo_error: ServoError,
     pub(crate) judge_from: f64,
+}
+
+/// Which of the listed pairs are looked at: those that touched or were closer than the margin when they were last sorted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Watch {
+    /// Closer pairs are watched, m.
+    pub(crate) margin: f64,
+    /// [`State::travel`] when the pairs were sorted, m; minus infinity if they were not.
+    pub(crate) travel: f64,
+    /// [`State::distortion`] then.
+    pub(crate) distortion: f64,
+    /// Steps since.
+    pub(crate) steps: u64,
 }
 
 /// How well the mean stress was held.

@@ -11,19 +11,22 @@ use crate::cell::Cell;
 use crate::config::{Contact, MOST_CONTACTS};
 use crate::contact::{NormalLaw, PairConstants, PairProperties, TangentialLaw};
 use crate::kernel::{
-    Alike, ByBatch, ConstantSource, ContactStage, ContactSums, GrainStage, NORMAL_COLUMNS, Views, larger,
+    Alike, ByBatch, ConstantSource, ContactStage, ContactSums, GrainStage, NORMAL_COLUMNS, Nearness, Views,
+    WatchStage, larger,
 };
 use crate::pairs::{self, Block, IMAGES};
 use crate::search;
 use crate::servo::Sample;
 use crate::simulation::{Hardware, LawTable, Properties, SimulationError};
-use crate::state::State;
+use crate::state::{State, Watch};
 use crate::team::{Guard, RawSlice, Work};
 
 /// Steps between two chances to raise the time step.
 const TIME_STEP_WINDOW: u64 = 256;
 /// The pair list should last this many steps; the skin follows.
 const WANTED_LIFE: std::ops::Range<u64> = 300..1200;
+/// The watch should last this many steps; its margin follows.
+const WANTED_WATCH: std::ops::Range<u64> = 20..60;
 /// The grains are put in spatial order again after this many rebuilds of the list.
 const REORDER_EVERY: u64 = 64;
 
@@ -44,6 +47,7 @@ pub(crate) struct Machine {
     pub(crate) alike: PairConstants<f64>,
     contact_sums: Vec<ContactSums>,
     fastest_grain: Vec<f64>,
+    nearness: Vec<Nearness>,
     /// Largest and mean radius, m.
     largest_radius: f64,
     mean_radius: f64,
@@ -62,6 +66,7 @@ impl Machine {
             alike: PairConstants::from_columns(|_| 0.0),
             contact_sums: Vec::new(),
             fastest_grain: Vec::new(),
+            nearness: Vec::new(),
             largest_radius: 0.0,
             mean_radius: 0.0,
         };
@@ -113,6 +118,7 @@ impl Machine {
         state.distortion = 0.0;
         state.steps_since_rebuild = 0;
         state.rebuilds += 1;
+        state.watch.travel = f64::NEG_INFINITY;
         self.prepare_constants();
     }
 
@@ -236,6 +242,7 @@ impl Machine {
         state.time += state.dt;
         state.step += 1;
         state.steps_since_rebuild += 1;
+        state.watch.steps += 1;
         if !rebuilt {
             state.travel += fastest_grain.sqrt() * state.dt;
             state.distortion += norm(&state.gradient) * state.dt;
@@ -255,6 +262,8 @@ impl Machine {
         self.contact_sums.resize(blocks, ContactSums::default());
         self.fastest_grain.clear();
         self.fastest_grain.resize(blocks, 0.0);
+        self.nearness.clear();
+        self.nearness.resize(s.pairs.batches(), Nearness::default());
         Views {
             grains: s.ids.len(),
             images: dispatch(self.hardware.isa, Images(&s.cell)),
@@ -267,6 +276,8 @@ impl Machine {
             image: RawSlice::new(&mut s.pairs.image),
             memory: RawSlice::new(&mut s.pairs.memory),
             marks: RawSlice::new(&mut s.pairs.marks),
+            nearness: RawSlice::new(&mut self.nearness),
+            columns: s.pairs.columns,
             constants: RawSlice::new(&mut s.pairs.constants),
             forces: RawSlice::new(&mut s.pairs.forces),
             outer_offsets: RawSlice::new(&mut s.pairs.outer_offsets),
@@ -278,6 +289,7 @@ impl Machine {
             alike: self.alike,
             gradient: s.gradient,
             dt: s.dt,
+            margin: s.watch.margin,
             account: 0.0,
             retain: 1.0,
         }
@@ -293,6 +305,34 @@ impl Machine {
         // A NaN makes no list valid; the step that made it is reported at its end.
         let bound = 2.0 * travel + 1.01 * distortion * diameter + reach;
         bound > state.skin && bound.is_finite()
+    }
+
+    /// True if a pair that is not watched may have come to touch after grains moved by up to `step_travel` more; the pairs
+    /// must be sorted then. What the grains did in the step that makes a new list is not counted: it was made after that.
+    fn watch_is_stale(&mut self, views: &mut Views, fastest: f64, renewed: bool) -> bool {
+        let diameter = 2.0 * self.largest_radius + self.state.skin;
+        let state = &mut self.state;
+        let (mut travel, mut distortion) = (state.travel, state.distortion);
+        if !renewed {
+            travel += fastest.sqrt() * views.dt;
+            distortion += norm(&views.gradient) * views.dt;
+        }
+        let watch = &mut state.watch;
+        let bound = 2.0 * (travel - watch.travel) + 1.01 * (distortion - watch.distortion) * diameter;
+        if bound <= watch.margin {
+            return false;
+        }
+        if !renewed {
+            watch.adapt(state.skin);
+        }
+        if std::env::var("DBG").is_ok() {
+            let w: u32 = state.pairs.blocks.iter().map(|b| b.watched[0]-b.batches[0]+b.watched[1]-b.batches[1]).sum();
+            let act = state.pairs.marks.iter().filter(|m| m.touched != 0).count();
+            eprintln!("step {} watch {} margin {:e} watched {w} active {act} contacts/8 {} of {} renewed {renewed} skin {:e}", state.step, watch.steps, watch.margin, state.pairs.contacts() / 8, state.pairs.batches(), state.skin);
+        }
+        *watch = Watch { travel, distortion, steps: 0, ..*watch };
+        views.margin = watch.margin;
+        true
     }
 }
 
@@ -310,6 +350,18 @@ impl Kernel for Images<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> [Row4; IMAGES] {
         pairs::image_table(self.0)
+    }
+}
+
+impl Watch {
+    /// A watch that lasts long has a margin too wide, one that does not last too narrow.
+    fn adapt(&mut self, skin: f64) {
+        if self.steps < WANTED_WATCH.start {
+            self.margin *= 1.25;
+        } else if self.steps > WANTED_WATCH.end {
+            self.margin *= 0.9;
+        }
+        self.margin = self.margin.min(skin);
     }
 }
 
@@ -343,13 +395,24 @@ fn reorder_grains(state: &mut State, spacing: f64) -> Vec<u32> {
     new_place
 }
 
+/// How the grains moved.
+#[derive(Clone, Copy)]
+struct Moved {
+    /// Square of the fastest one's velocity, m2/s2.
+    fastest: f64,
+    /// True if they got a new list.
+    renewed: bool,
+}
+
 /// What the team does just now.
 #[derive(Clone, Copy)]
 enum Stage {
     /// Grains sum their forces and move.
     Grains,
-    /// Contacts, after the grains moved with this fastest square of a velocity and perhaps got a new list.
-    Contacts { fastest: f64, renewed: bool },
+    /// Pairs are sorted into those that are watched and those that are not, after the grains moved.
+    Watch(Moved),
+    /// Contacts, after the grains moved.
+    Contacts(Moved),
 }
 
 /// What the team shares.
@@ -381,10 +444,11 @@ impl Team<'_> {
                 let (count, all) = (blocks.len(), views.blocks.len());
                 match stage {
                     Stage::Grains => dispatch(self.isa, GrainStage { views, blocks }),
-                    Stage::Contacts { .. } if self.by_batch => {
+                    Stage::Watch(_) => dispatch(self.isa, WatchStage { views, blocks }),
+                    Stage::Contacts(_) if self.by_batch => {
                         contact_stage::<N, T, ByBatch>(self.isa, views, blocks);
                     }
-                    Stage::Contacts { .. } => contact_stage::<N, T, Alike>(self.isa, views, blocks),
+                    Stage::Contacts(_) => contact_stage::<N, T, Alike>(self.isa, views, blocks),
                 }
                 if self.work.report(count, all) {
                     // SAFETY: that was the last block, and no other can be claimed.
@@ -413,15 +477,18 @@ impl Team<'_> {
             let machine = &mut *self.machine.get();
             match stage {
                 Stage::Grains => {
-                    let views = &*self.views.get();
+                    let views = &mut *self.views.get();
                     let fastest = views.fastest_grain.read().iter().copied().fold(0.0, larger);
                     let renewed = machine.list_is_stale(views, fastest);
                     if renewed {
                         self.renew();
                     }
-                    self.open(Stage::Contacts { fastest, renewed });
+                    let moved = Moved { fastest, renewed };
+                    let stale = machine.watch_is_stale(&mut *self.views.get(), fastest, renewed);
+                    self.open(if stale { Stage::Watch(moved) } else { Stage::Contacts(moved) });
                 }
-                Stage::Contacts { fastest, renewed } => {
+                Stage::Watch(moved) => self.open(Stage::Contacts(moved)),
+                Stage::Contacts(Moved { fastest, renewed }) => {
                     let steps = &mut *self.steps.get();
                     *steps -= 1;
                     if let Err(error) = machine.end_step(fastest, renewed) {

@@ -12,9 +12,10 @@ use super::{ContactSums, NORMAL_COLUMNS, Views};
 use crate::contact::interaction::{Interaction, Kinematics, Memory, dot, interact, scale};
 use crate::contact::{NormalLaw, PairConstants, TangentialLaw};
 use crate::forgotten::Forgotten;
-use crate::pairs::Marks;
+use crate::pairs::{Block, Marks};
 
 const SUMS: usize = 18;
+const SUMS_OF_EIGHT: usize = SUMS.next_multiple_of(LANES);
 
 /// Where the constants of a batch come from.
 pub(crate) trait ConstantSource: Copy {
@@ -79,46 +80,54 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
             for [from, to] in [block.grains, block.outer] {
                 unsafe { v.forces.write(from as usize..to as usize) }.fill(Row8::default());
             }
-            let [start, inner, end] = block.batches.map(|b| b as usize);
+            let order = Order::of(block);
             let mut totals = Totals { sums: [L::zero(); SUMS], fastest: L::zero() };
             let account = T::FORGETS && v.account != 0.0;
-            let singly = account || !L::PAIRED;
             let mut waiting = 0;
             let mut coming = coming_rows(v, k);
-            for b in start..=end {
-                let last = b == end;
+            let mut turn = 0;
+            while L::PAIRED && turn + 2 <= order.touching {
+                for row in coming.by_ref().take(2 * ROWS_AHEAD) {
+                    v.forces.prefetch(row as usize);
+                }
+                let put = account.then_some(&mut forgotten);
+                touching_pair::<L, N, T, C>(v, &order, turn, &common, &mut totals, put);
+                if account && forgotten.is_full() {
+                    totals.forget(forgotten.take::<L, T>(), v.account);
+                }
+                turn += 2;
+            }
+            for turn in turn..=order.count {
+                let last = turn == order.count;
                 for row in coming.by_ref().take(ROWS_AHEAD) {
                     v.forces.prefetch(row as usize);
                 }
                 if !last {
                     let slot = &mut approaches[waiting];
-                    let close = if b < inner {
-                        approach::<L, T, C, false>(v, b, &common, slot)
+                    let close = if turn < order.within {
+                        approach::<L, T, C, false, true>(v, &order, turn, &common, slot)
                     } else {
-                        approach::<L, T, C, true>(v, b, &common, slot)
+                        approach::<L, T, C, true, true>(v, &order, turn, &common, slot)
                     };
                     waiting += usize::from(close);
                 }
+                let put = account.then_some(&mut forgotten);
                 if waiting == 2 {
-                    pair::<L, N, T, C>(v, &approaches, &common, &mut totals);
+                    pair::<L, N, T, C>(v, &approaches, &common, &mut totals, put);
                     waiting = 0;
-                } else if waiting == 1 && (last || singly) {
-                    let put = account.then_some(&mut forgotten);
+                } else if waiting == 1 && (last || !L::PAIRED) {
                     alone::<L, N, T, C>(v, &approaches[0], &common, &mut totals, put);
-                    if account && forgotten.is_full() {
-                        totals.forget(forgotten.take::<L, T>(), v.account);
-                    }
                     waiting = 0;
+                }
+                if account && forgotten.is_full() {
+                    totals.forget(forgotten.take::<L, T>(), v.account);
                 }
             }
             if account {
                 totals.forget(forgotten.take::<L, T>(), v.account);
             }
             let Totals { sums, fastest } = totals;
-            let mut s = [0.0; SUMS];
-            for (sum, lanes) in s.iter_mut().zip(sums) {
-                *sum = lanes.reduce_add();
-            }
+            let s = reduced(&sums);
             // SAFETY: this thread alone works on this block in this stage.
             let target = unsafe { &mut v.contact_sums.write(k..k + 1)[0] };
             *target = ContactSums {
@@ -137,6 +146,51 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
             };
         }
     }
+}
+
+/// The batches of a block that are looked at, one after the other.
+struct Order {
+    /// First batch within the cell, first batch with images, first batch of the next block.
+    first: [usize; 3],
+    /// Batches within the cell, and how many of them, from the first, held a contact in every lane when pairs were sorted.
+    within: usize,
+    touching: usize,
+    /// Batches.
+    count: usize,
+}
+
+impl Order {
+    #[inline(always)]
+    fn of(block: &Block) -> Order {
+        let first = block.batches.map(|b| b as usize);
+        let [within, across] = [0, 1].map(|zone| block.watched[zone] as usize - first[zone]);
+        Order { first, within, touching: block.touching as usize, count: within + across }
+    }
+
+    /// The batch whose turn it is; beyond the last those of the next block.
+    #[inline(always)]
+    fn batch(&self, turn: usize) -> usize {
+        let [within, across, next] = self.first;
+        if turn < self.within {
+            within + turn
+        } else if turn < self.count {
+            across + (turn - self.within)
+        } else {
+            next + (turn - self.count)
+        }
+    }
+}
+
+/// The sum over the lanes of each, in the order of [`Real::reduce_add`].
+#[inline(always)]
+fn reduced<L: Lanes>(sums: &[L; SUMS]) -> [f64; SUMS_OF_EIGHT] {
+    let mut reduced = [0.0; SUMS_OF_EIGHT];
+    for (to, from) in reduced.as_chunks_mut().0.iter_mut().zip(sums.chunks(LANES)) {
+        let mut columns = [L::zero(); LANES];
+        columns[..from.len()].copy_from_slice(from);
+        L::reduce_add8(columns).store(to);
+    }
+    reduced
 }
 
 /// Sums of a block on their way.
@@ -181,14 +235,16 @@ impl<L: Lanes> Approach<L> {
     }
 }
 
-/// Looks at the grains of a batch; false, and nothing put down, if no pair touches or did.
+/// Looks at the grains of a batch; false, and nothing put down, if it is to be tested and no pair touches or did.
 #[inline(always)]
-fn approach<L: Lanes, T: TangentialLaw, C: ConstantSource, const IMAGE: bool>(
+fn approach<L: Lanes, T: TangentialLaw, C: ConstantSource, const IMAGE: bool, const TESTED: bool>(
     v: &Views,
-    b: usize,
+    order: &Order,
+    turn: usize,
     common: &Common<L>,
     slot: &mut Approach<L>,
 ) -> bool {
+    let b = order.batch(turn);
     // SAFETY: grains and lists are only read in this stage; marks of a batch belong to the thread that works on its block.
     let (place, spin, i, j, touched) = unsafe {
         (
@@ -200,7 +256,11 @@ fn approach<L: Lanes, T: TangentialLaw, C: ConstantSource, const IMAGE: bool>(
         )
     };
     if v.far {
-        fetch_ahead::<C>(v, b, NORMAL_COLUMNS + T::HISTORY);
+        let [later, lists] = [turn + AHEAD, turn + 2 * AHEAD].map(
+            #[inline(always)]
+            |turn| order.batch(turn),
+        );
+        fetch_ahead::<C>(v, later, lists, NORMAL_COLUMNS + T::HISTORY);
     }
     let apart = L::differences8(place, i, j);
     let mut branch = [apart[0], apart[1], apart[2]];
@@ -210,9 +270,11 @@ fn approach<L: Lanes, T: TangentialLaw, C: ConstantSource, const IMAGE: bool>(
         branch = [branch[0] + image[0], branch[1] + image[1], branch[2] + image[2]];
     }
     let constants = constants_of::<L, C>(v, b, common);
-    let near = dot(branch, branch).lt(constants.radius_sum * constants.radius_sum);
-    if !near.any() && touched == 0 {
-        return false;
+    if TESTED && touched == 0 {
+        let near = dot(branch, branch).lt(constants.radius_sum * constants.radius_sum);
+        if !near.any() {
+            return false;
+        }
     }
     let affine = common.affine(branch);
     let half = L::splat(0.5);
@@ -295,6 +357,7 @@ fn pair<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource>(
     approaches: &[Approach<L>; 2],
     common: &Common<L>,
     totals: &mut Totals<L>,
+    forgotten: Option<&mut Forgotten>,
 ) {
     let [x, y] = approaches;
     let own = [constants_of::<L, C>(v, x.batch, common), constants_of::<L, C>(v, y.batch, common)];
@@ -314,8 +377,31 @@ fn pair<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource>(
     );
     let dt = Twice(common.dt, common.dt);
     let out = interact::<Twice<L>, N, T>(&constants, &kinematics, dt, &mut memory);
+    if let Some(forgotten) = forgotten {
+        // Before the new memory is written over the old.
+        let stiffness = out.tangential_stiffness;
+        forgotten.put(out.forgets.0.bits(), &own[0].tangential, stiffness.0, &p[NORMAL_COLUMNS..]);
+        forgotten.put(out.forgets.1.bits(), &own[1].tangential, stiffness.1, &q[NORMAL_COLUMNS..]);
+    }
     settle::<L, Twice<L>, T, C, First>(v, x, common, &own[0], &memory, &out, totals);
     settle::<L, Twice<L>, T, C, Second>(v, y, common, &own[1], &memory, &out, totals);
+}
+
+/// Two batches within the cell that are known to touch: nothing of them waits in memory, and nothing is tested.
+#[inline(always)]
+fn touching_pair<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource>(
+    v: &Views,
+    order: &Order,
+    turn: usize,
+    common: &Common<L>,
+    totals: &mut Totals<L>,
+    forgotten: Option<&mut Forgotten>,
+) {
+    let mut approaches = [Approach::<L>::none(); 2];
+    for (k, slot) in approaches.iter_mut().enumerate() {
+        approach::<L, T, C, false, false>(v, order, turn + k, common, slot);
+    }
+    pair::<L, N, T, C>(v, &approaches, common, totals, forgotten);
 }
 
 /// Which batch of those computed together.
@@ -413,14 +499,13 @@ fn settle<L: Lanes, R: Real, T: TangentialLaw, C: ConstantSource, P: Part<L, R>>
 /// Batches between asking for memory and using it.
 const AHEAD: usize = 5;
 
-/// Asks for what a later batch will read: the processor foresees neither the places of grains nor the next page.
+/// Asks for what a later batch will read, and for the lists that a later call of this will look into: the processor foresees
+/// neither the places of grains nor the next page.
 #[inline(always)]
-fn fetch_ahead<C: ConstantSource>(v: &Views, b: usize, columns: usize) {
-    let later = b + AHEAD;
-    // The lists that the next of these calls looks into.
-    v.first.prefetch(later + AHEAD);
-    v.second.prefetch(later + AHEAD);
-    v.target.prefetch(later + AHEAD);
+fn fetch_ahead<C: ConstantSource>(v: &Views, later: usize, lists: usize, columns: usize) {
+    v.first.prefetch(lists);
+    v.second.prefetch(lists);
+    v.target.prefetch(lists);
     for c in 0..columns {
         v.memory.prefetch(later * columns + c);
     }

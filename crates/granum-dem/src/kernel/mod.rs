@@ -1,10 +1,12 @@
-//! The two stages of a step: every contact adds to the force rows of its grains, every grain sums its rows and moves.
+//! The stages of a step: every contact adds to the force rows of its grains, every grain sums its rows and moves; and before
+//! some steps the pairs are sorted anew into those that are looked at and those that need not be.
 //!
-//! Both stages work on the blocks of the pair list, so that their sums do not depend on who computed them. [`Views`] is what all
+//! All stages work on the blocks of the pair list, so that their sums do not depend on who computed them. [`Views`] is what all
 //! threads see of the state during a stage; its `unsafe` follows the rules of [`crate::team::RawSlice`].
 
 mod contacts;
 mod grains;
+mod watch;
 
 use serde::{Deserialize, Serialize};
 
@@ -17,6 +19,7 @@ use crate::team::RawSlice;
 
 pub(crate) use contacts::{Alike, ByBatch, ConstantSource, ContactStage};
 pub(crate) use grains::{GrainStage, larger, resultant};
+pub(crate) use watch::{Nearness, WatchStage};
 
 /// Columns of memory before the tangential law's own: the old normal.
 pub(crate) const NORMAL_COLUMNS: usize = 3;
@@ -85,6 +88,10 @@ pub(crate) struct Views {
     pub(crate) image: RawSlice<[u32; LANES]>,
     pub(crate) memory: RawSlice<Row8>,
     pub(crate) marks: RawSlice<Marks>,
+    /// For the watch to work with.
+    pub(crate) nearness: RawSlice<Nearness>,
+    /// Columns of memory.
+    pub(crate) columns: usize,
     pub(crate) constants: RawSlice<Row8>,
     pub(crate) forces: RawSlice<Row8>,
     pub(crate) outer_offsets: RawSlice<u32>,
@@ -99,6 +106,8 @@ pub(crate) struct Views {
     pub(crate) images: [Row4; IMAGES],
     pub(crate) gradient: Matrix,
     pub(crate) dt: f64,
+    /// Pairs closer than this to touching are watched, m.
+    pub(crate) margin: f64,
     /// How often what is forgotten in this step counts, zero if not at all.
     pub(crate) account: f64,
     /// Factor on velocities and spins in a step: 1 without global damping.

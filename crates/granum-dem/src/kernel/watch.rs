@@ -1,0 +1,156 @@
+//! The watch: of the listed pairs only those that touch, or may come to touch soon, are looked at in every step.
+//!
+//! A pair list that lasts hundreds of steps holds many pairs that are apart, and as contacts are made and broken, batches that
+//! were full of contacts get holes. So the slots of each block are sorted now and then: pairs that touch first, pairs closer than
+//! the margin next, the rest behind them, not to be looked at until a grain may have moved by half the margin. (Páll and Hess
+//! 2013 prune their lists so.) Only slots that are out of place change places: few do.
+
+use std::ops::Range;
+
+use granum_simd::{Kernel, LANES, Lanes, Mask};
+
+use super::Views;
+use crate::contact::PairConstants;
+use crate::contact::interaction::dot;
+use crate::team::RawSlice;
+
+/// Sorts the pairs of a range of blocks.
+pub(crate) struct WatchStage<'a> {
+    pub(crate) views: &'a Views,
+    pub(crate) blocks: Range<usize>,
+}
+
+/// Bits by lane of how the pairs of a batch stand.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Nearness {
+    touching: u8,
+    near: u8,
+}
+
+impl Kernel for WatchStage<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let v = self.views;
+        for k in self.blocks {
+            // SAFETY: in this stage a block and all that is kept for its pairs belong to the thread that works on it.
+            let block = unsafe { &mut v.blocks.write(k..k + 1)[0] };
+            let [start, inner, end] = block.batches.map(|b| b as usize);
+            for (zone, batches) in [start..inner, inner..end].into_iter().enumerate() {
+                // SAFETY: as above.
+                let nearness = unsafe { v.nearness.write(batches.clone()) };
+                for (b, n) in batches.clone().zip(nearness.iter_mut()) {
+                    *n = measure::<L>(v, b);
+                }
+                let begin = batches.start as u32;
+                let [touching, watched] = sort(v, batches, nearness);
+                block.watched[zone] = begin + watched.div_ceil(LANES) as u32;
+                if zone == 0 {
+                    block.touching = (touching / LANES) as u32;
+                }
+            }
+        }
+    }
+}
+
+/// How the pairs of a batch stand.
+#[inline(always)]
+fn measure<L: Lanes>(v: &Views, b: usize) -> Nearness {
+    // SAFETY: grains are only read in this stage; lists and marks belong to the thread that works on the block.
+    let (place, i, j, image, marks) = unsafe {
+        (
+            &v.place.read()[..v.grains + 2],
+            v.first.write(b..b + 1)[0],
+            v.second.write(b..b + 1)[0],
+            v.image.write(b..b + 1)[0],
+            v.marks.write(b..b + 1)[0],
+        )
+    };
+    let (a, c, image) = (L::gather8(place, &i), L::gather8(place, &j), L::gather4(&v.images, &image));
+    let branch = [c[0] - a[0] + image[0], c[1] - a[1] + image[1], c[2] - a[2] + image[2]];
+    let square = dot(branch, branch);
+    let sum = a[3] + c[3];
+    let reach = sum + L::splat(v.margin);
+    let touching = square.lt(sum * sum).bits() as u8 | marks.touched;
+    Nearness { touching, near: square.lt(reach * reach).bits() as u8 }
+}
+
+/// Sorts the slots of some batches; returns how many touch and how many are to be watched.
+fn sort(v: &Views, batches: Range<usize>, nearness: &mut [Nearness]) -> [usize; 2] {
+    let kinds: [fn(&mut Nearness) -> &mut u8; 2] = [|n| &mut n.touching, |n| &mut n.near];
+    let first = batches.start * LANES;
+    // SAFETY: marks belong to the thread that works on the block.
+    let marks = unsafe { v.marks.write(batches) };
+    let mut from = 0;
+    let mut ends = [0; 2];
+    for (kind, end) in kinds.into_iter().zip(&mut ends) {
+        let mut to = nearness.len() * LANES;
+        loop {
+            let mut is = |slot: usize| *kind(&mut nearness[slot / LANES]) >> (slot % LANES) & 1 != 0;
+            while from < to && is(from) {
+                from += 1;
+            }
+            while from < to && !is(to - 1) {
+                to -= 1;
+            }
+            if from == to {
+                break;
+            }
+            for bits in kinds {
+                exchange_bits(nearness, bits, from, to - 1);
+            }
+            exchange_bits(marks, |m| &mut m.touched, from, to - 1);
+            exchange_bits(marks, |m| &mut m.sliding, from, to - 1);
+            trade(v, first + from, first + to - 1);
+        }
+        *end = from;
+    }
+    ends
+}
+
+/// Lets two pairs of a block change slots, but for their marks.
+fn trade(v: &Views, a: usize, b: usize) {
+    let constants = if v.constants.len() == 0 { 0 } else { PairConstants::<f64>::COUNT };
+    // SAFETY: all of this belongs to the thread that works on the block.
+    unsafe {
+        for list in [&v.first, &v.second, &v.target, &v.image] {
+            exchange(list, 1, |row| row, a, b);
+        }
+        exchange(&v.memory, v.columns, |row| &mut row.0, a, b);
+        exchange(&v.constants, constants, |row| &mut row.0, a, b);
+    }
+}
+
+/// Exchanges two slots in each of the columns of a table.
+///
+/// # Safety
+/// As for [`RawSlice::write`].
+unsafe fn exchange<R, T: Copy>(
+    table: &RawSlice<R>,
+    columns: usize,
+    lanes: fn(&mut R) -> &mut [T; LANES],
+    a: usize,
+    b: usize,
+) {
+    for c in 0..columns {
+        let lane = |slot: usize| {
+            let row = slot / LANES * columns + c;
+            // SAFETY: the caller's; one reference is gone before the next is made.
+            unsafe { &mut lanes(&mut table.write(row..row + 1)[0])[slot % LANES] }
+        };
+        let x = *lane(a);
+        *lane(a) = *lane(b);
+        *lane(b) = x;
+    }
+}
+
+/// Exchanges the bits of two slots.
+fn exchange_bits<B>(batches: &mut [B], bits: fn(&mut B) -> &mut u8, a: usize, b: usize) {
+    let mut is = |slot: usize| *bits(&mut batches[slot / LANES]) >> (slot % LANES) & 1;
+    if is(a) != is(b) {
+        for slot in [a, b] {
+            *bits(&mut batches[slot / LANES]) ^= 1 << (slot % LANES);
+        }
+    }
+}
