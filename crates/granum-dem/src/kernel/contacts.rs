@@ -74,6 +74,7 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
         let mass = unsafe { v.place.read()[0].0[7] };
         let mut forgotten = Forgotten::new();
         let mut approaches = [Approach::<L>::none(); 2];
+        let mut twos = [[Approach::<L>::none(); 2]; 2];
         for k in self.blocks {
             // SAFETY: blocks are only read; their rows of forces belong to the thread that works on the block.
             let block = unsafe { &v.blocks.read()[k] };
@@ -85,19 +86,25 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
             let account = T::FORGETS && v.account != 0.0;
             let mut waiting = 0;
             let mut coming = coming_rows(v, k);
-            let mut turn = 0;
-            while L::PAIRED && turn + 2 <= order.touching {
+            let pairs = if L::PAIRED { order.touching / 2 } else { 0 };
+            if pairs > 0 {
+                touching_pair::<L, T, C>(v, &order, 0, &common, &mut twos[0]);
+            }
+            for p in 0..pairs {
                 for row in coming.by_ref().take(2 * ROWS_AHEAD) {
                     v.forces.prefetch(row as usize);
                 }
+                // The rows of the next two are on their way while the laws of these are at work.
+                if p + 1 < pairs {
+                    touching_pair::<L, T, C>(v, &order, 2 * p + 2, &common, &mut twos[(p + 1) % 2]);
+                }
                 let put = account.then_some(&mut forgotten);
-                touching_pair::<L, N, T, C>(v, &order, turn, &common, &mut totals, put);
+                pair::<L, N, T, C>(v, &twos[p % 2], &common, &mut totals, put);
                 if account && forgotten.is_full() {
                     totals.forget(forgotten.take::<L, T>(), v.account);
                 }
-                turn += 2;
             }
-            for turn in turn..=order.count {
+            for turn in 2 * pairs..=order.count {
                 let last = turn == order.count;
                 for row in coming.by_ref().take(ROWS_AHEAD) {
                     v.forces.prefetch(row as usize);
@@ -387,21 +394,18 @@ fn pair<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource>(
     settle::<L, Twice<L>, T, C, Second>(v, y, common, &own[1], &memory, &out, totals);
 }
 
-/// Two batches within the cell that are known to touch: nothing of them waits in memory, and nothing is tested.
+/// Looks at the grains of two batches within the cell that are known to touch.
 #[inline(always)]
-fn touching_pair<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource>(
+fn touching_pair<L: Lanes, T: TangentialLaw, C: ConstantSource>(
     v: &Views,
     order: &Order,
     turn: usize,
     common: &Common<L>,
-    totals: &mut Totals<L>,
-    forgotten: Option<&mut Forgotten>,
+    slots: &mut [Approach<L>; 2],
 ) {
-    let mut approaches = [Approach::<L>::none(); 2];
-    for (k, slot) in approaches.iter_mut().enumerate() {
+    for (k, slot) in slots.iter_mut().enumerate() {
         approach::<L, T, C, false, false>(v, order, turn + k, common, slot);
     }
-    pair::<L, N, T, C>(v, &approaches, common, totals, forgotten);
 }
 
 /// Which batch of those computed together.
