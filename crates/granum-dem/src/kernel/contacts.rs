@@ -82,7 +82,7 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
                 unsafe { v.forces.write(from as usize..to as usize) }.fill(Row8::default());
             }
             let order = Order::of(block);
-            let mut totals = Totals { sums: [L::zero(); SUMS], fastest: L::zero() };
+            let mut totals = Totals { sums: [L::zero(); SUMS], fastest: L::zero(), forgotten: L::zero() };
             let account = T::FORGETS && v.account != 0.0;
             let mut waiting = 0;
             let mut coming = coming_rows(v, k);
@@ -100,8 +100,8 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
                 }
                 let put = account.then_some(&mut forgotten);
                 pair::<L, N, T, C>(v, &twos[p % 2], &common, &mut totals, put);
-                if account && forgotten.is_full() {
-                    totals.forget(forgotten.take::<L, T>(), v.account);
+                while account && forgotten.is_full() {
+                    totals.forgotten = totals.forgotten + forgotten.take::<L, T>();
                 }
             }
             for turn in 2 * pairs..=order.count {
@@ -126,14 +126,15 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
                     alone::<L, N, T, C>(v, &approaches[0], &common, &mut totals, put);
                     waiting = 0;
                 }
-                if account && forgotten.is_full() {
-                    totals.forget(forgotten.take::<L, T>(), v.account);
+                while account && forgotten.is_full() {
+                    totals.forgotten = totals.forgotten + forgotten.take::<L, T>();
                 }
             }
             if account {
-                totals.forget(forgotten.take::<L, T>(), v.account);
+                totals.forgotten = totals.forgotten + forgotten.take::<L, T>();
             }
-            let Totals { sums, fastest } = totals;
+            let Totals { mut sums, fastest, forgotten: lost } = totals;
+            sums[15] = lost.mul_add(L::splat(v.account), sums[15]);
             let s = reduced(&sums);
             // SAFETY: this thread alone works on this block in this stage.
             let target = unsafe { &mut v.contact_sums.write(k..k + 1)[0] };
@@ -204,13 +205,8 @@ fn reduced<L: Lanes>(sums: &[L; SUMS]) -> [f64; SUMS_OF_EIGHT] {
 struct Totals<L> {
     sums: [L; SUMS],
     fastest: L,
-}
-
-impl<L: Lanes> Totals<L> {
-    #[inline(always)]
-    fn forget(&mut self, lost: L, times: f64) {
-        self.sums[15] = lost.mul_add(L::splat(times), self.sums[15]);
-    }
+    /// What went with histories that laws forgot: apart, since how many batches are put down before it is taken differs.
+    forgotten: L,
 }
 
 /// A batch of which some pairs touch or did, and how its grains move.
