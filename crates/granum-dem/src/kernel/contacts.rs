@@ -75,6 +75,7 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
         let mut forgotten = Forgotten::new();
         let mut approaches = [Approach::<L>::none(); 2];
         let mut twos = [[Approach::<L>::none(); 2]; 2];
+        let mut pushes = [Push::<L>::none(); 2];
         for k in self.blocks {
             // SAFETY: blocks are only read; their rows of forces belong to the thread that works on the block.
             let block = unsafe { &v.blocks.read()[k] };
@@ -98,11 +99,20 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
                 if p + 1 < pairs {
                     touching_pair::<L, T, C>(v, &order, 2 * p + 2, &common, &mut twos[(p + 1) % 2]);
                 }
+                // What the last two did comes late: nothing waits for it, and it waits for the end of their laws.
+                if p > 0 {
+                    pushes[0].add(v);
+                    pushes[1].add(v);
+                }
                 let put = account.then_some(&mut forgotten);
-                pair::<L, N, T, C>(v, &twos[p % 2], &common, &mut totals, put);
+                pushes = pair::<L, N, T, C>(v, &twos[p % 2], &common, &mut totals, put);
                 while account && forgotten.is_full() {
                     totals.forgotten = totals.forgotten + forgotten.take::<L, T>();
                 }
+            }
+            if pairs > 0 {
+                pushes[0].add(v);
+                pushes[1].add(v);
             }
             for turn in 2 * pairs..=order.count {
                 let last = turn == order.count;
@@ -120,10 +130,12 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
                 }
                 let put = account.then_some(&mut forgotten);
                 if waiting == 2 {
-                    pair::<L, N, T, C>(v, &approaches, &common, &mut totals, put);
+                    for push in pair::<L, N, T, C>(v, &approaches, &common, &mut totals, put) {
+                        push.add(v);
+                    }
                     waiting = 0;
                 } else if waiting == 1 && (last || !L::PAIRED) {
-                    alone::<L, N, T, C>(v, &approaches[0], &common, &mut totals, put);
+                    alone::<L, N, T, C>(v, &approaches[0], &common, &mut totals, put).add(v);
                     waiting = 0;
                 }
                 while account && forgotten.is_full() {
@@ -330,7 +342,7 @@ fn alone<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource>(
     common: &Common<L>,
     totals: &mut Totals<L>,
     forgotten: Option<&mut Forgotten>,
-) {
+) -> Push<L> {
     let b = approach.batch;
     let constants = constants_of::<L, C>(v, b, common);
     // SAFETY: this thread works on the batch's block.
@@ -345,7 +357,7 @@ fn alone<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource>(
         let history = &rows[NORMAL_COLUMNS..];
         forgotten.put(out.forgets.bits(), &constants.tangential, out.tangential_stiffness, history);
     }
-    settle::<L, L, T, C, Whole>(v, approach, common, &constants, &memory, &out, totals);
+    settle::<L, L, T, C, Whole>(v, approach, common, &constants, &memory, &out, totals)
 }
 
 #[inline(always)]
@@ -361,7 +373,7 @@ fn pair<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource>(
     common: &Common<L>,
     totals: &mut Totals<L>,
     forgotten: Option<&mut Forgotten>,
-) {
+) -> [Push<L>; 2] {
     let [x, y] = approaches;
     let own = [constants_of::<L, C>(v, x.batch, common), constants_of::<L, C>(v, y.batch, common)];
     let constants = own[0].beside(&own[1]);
@@ -386,8 +398,10 @@ fn pair<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource>(
         forgotten.put(out.forgets.0.bits(), &own[0].tangential, stiffness.0, &p[NORMAL_COLUMNS..]);
         forgotten.put(out.forgets.1.bits(), &own[1].tangential, stiffness.1, &q[NORMAL_COLUMNS..]);
     }
-    settle::<L, Twice<L>, T, C, First>(v, x, common, &own[0], &memory, &out, totals);
-    settle::<L, Twice<L>, T, C, Second>(v, y, common, &own[1], &memory, &out, totals);
+    [
+        settle::<L, Twice<L>, T, C, First>(v, x, common, &own[0], &memory, &out, totals),
+        settle::<L, Twice<L>, T, C, Second>(v, y, common, &own[1], &memory, &out, totals),
+    ]
 }
 
 /// Looks at the grains of two batches within the cell that are known to touch.
@@ -453,13 +467,10 @@ fn settle<L: Lanes, R: Real, T: TangentialLaw, C: ConstantSource, P: Part<L, R>>
     memory: &Memory<R>,
     out: &Interaction<R>,
     totals: &mut Totals<L>,
-) {
+) -> Push<L> {
     let b = approach.batch;
-    // SAFETY: memory and marks of a batch belong to the thread that works on its block; lists are only read.
-    let (rows, marks, i, target) = unsafe {
-        let marks = &mut v.marks.write(b..b + 1)[0];
-        (v.memory.write(rows_of::<T>(b)), marks, &v.first.read()[b], &v.target.read()[b])
-    };
+    // SAFETY: memory and marks of a batch belong to the thread that works on its block.
+    let (rows, marks) = unsafe { (v.memory.write(rows_of::<T>(b)), &mut v.marks.write(b..b + 1)[0]) };
     for k in 0..NORMAL_COLUMNS {
         P::of(memory.normal[k]).store(&mut rows[k].0);
     }
@@ -475,7 +486,6 @@ fn settle<L: Lanes, R: Real, T: TangentialLaw, C: ConstantSource, P: Part<L, R>>
     *marks = Marks { touched: touching, sliding: P::mask(out.sliding).bits() as u8 };
     let force = [P::of(out.force[0]), P::of(out.force[1]), P::of(out.force[2])];
     let moment = [P::of(out.moment[0]), P::of(out.moment[1]), P::of(out.moment[2])];
-    add_forces(v, i, target, force, moment);
     let branch = approach.kinematics.branch;
     for r in 0..3 {
         let pull = -P::of(out.elastic[r]);
@@ -494,6 +504,7 @@ fn settle<L: Lanes, R: Real, T: TangentialLaw, C: ConstantSource, P: Part<L, R>>
     sums[15] = sums[15] + P::of(out.micro_slip_loss);
     let tangential = L::splat(0.5) * constants.sixteen_shear_moduli * P::of(out.radius);
     totals.fastest = totals.fastest.max(if C::BY_BATCH { tangential / approach.mass } else { tangential });
+    Push { batch: b, force, moment }
 }
 
 /// Batches between asking for memory and using it.
@@ -536,22 +547,41 @@ fn coming_rows(v: &Views, block: usize) -> impl Iterator<Item = u32> {
     (grains[0]..grains[1]).chain(outer[0]..outer[1])
 }
 
-/// Adds what eight pairs do to the force rows of their grains.
-#[inline(always)]
-fn add_forces<L: Lanes>(v: &Views, i: &[u32; LANES], target: &[u32; LANES], force: [L; 3], moment: [L; 3]) {
-    let zero = L::zero();
-    let rows = L::transpose([force[0], force[1], force[2], zero, moment[0], moment[1], moment[2], zero]);
-    // The force on j is the opposite of that on i; the moments are alike.
-    let sign = L::load(&[-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
-    L::check(i, v.forces.len());
-    L::check(target, v.forces.len());
-    for l in 0..LANES {
-        // SAFETY: checked to be rows; those that the pairs of a block point at belong to the thread that works on it.
-        unsafe {
-            let on_i = v.forces.at(i[l]);
-            (L::load(&on_i.0) + rows[l]).store(&mut on_i.0);
-            let on_j = v.forces.at(target[l]);
-            rows[l].mul_add(sign, L::load(&on_j.0)).store(&mut on_j.0);
+/// What a batch does to its grains.
+#[derive(Clone, Copy)]
+struct Push<L> {
+    batch: usize,
+    /// Force on i, N.
+    force: [L; 3],
+    /// Torque over radius, N.
+    moment: [L; 3],
+}
+
+impl<L: Lanes> Push<L> {
+    #[inline(always)]
+    fn none() -> Self {
+        Push { batch: 0, force: [L::zero(); 3], moment: [L::zero(); 3] }
+    }
+
+    /// Adds it to the force rows of the grains.
+    #[inline(always)]
+    fn add(&self, v: &Views) {
+        let ([fx, fy, fz], [mx, my, mz]) = (self.force, self.moment);
+        // SAFETY: lists are only read in this stage.
+        let (i, target) = unsafe { (&v.first.read()[self.batch], &v.target.read()[self.batch]) };
+        let rows = L::transpose([fx, fy, fz, L::zero(), mx, my, mz, L::zero()]);
+        // The force on j is the opposite of that on i; the moments are alike.
+        let sign = L::load(&[-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
+        L::check(i, v.forces.len());
+        L::check(target, v.forces.len());
+        for l in 0..LANES {
+            // SAFETY: checked to be rows; those that the pairs of a block point at belong to the thread that works on it.
+            unsafe {
+                let on_i = v.forces.at(i[l]);
+                (L::load(&on_i.0) + rows[l]).store(&mut on_i.0);
+                let on_j = v.forces.at(target[l]);
+                rows[l].mul_add(sign, L::load(&on_j.0)).store(&mut on_j.0);
+            }
         }
     }
 }
