@@ -214,7 +214,10 @@ fn check_numbers(body: &Body) -> Result<(), CheckpointError> {
     let rates = control.rate.iter().chain(&state.gradient).chain(&state.strain).flatten();
     require(targets.chain(rates).all(|x| x.is_finite()), "control of the cell")?;
     require(positive(state.skin) && state.time.is_finite() && !state.judge_from.is_nan(), "time and margin")?;
-    let counts = [state.step, state.steps_since_rebuild, state.rebuilds, state.servo_error.steps];
+    let watch = &state.watch;
+    require(positive(watch.margin) && !watch.travel.is_nan() && watch.distortion.is_finite(), "margin of the watch")?;
+    let counts =
+        [state.step, state.steps_since_rebuild, state.rebuilds, state.servo_error.steps, watch.steps];
     require(counts.iter().all(|n| *n < MOST_STEPS), "number of steps")
 }
 
@@ -270,6 +273,11 @@ fn check_blocks(p: &Pairs, grains: usize) -> Result<(), CheckpointError> {
         let ([from, to], [start, inner, end], [first, last]) = (block.grains, block.batches, block.outer);
         require(from == grain && from < to && start == batch && first == row)?;
         require(start <= inner && inner <= end && end as usize <= p.first.len() && first <= last)?;
+        let [within, across] = block.watched;
+        require((start..=inner).contains(&within) && (inner..=end).contains(&across))?;
+        require(block.touching <= within - start)?;
+        let left_out = (within..inner).chain(across..end);
+        require(left_out.map(|b| p.marks[b as usize]).all(|m| m.touched == 0))?;
         let own = |g: u32| (from..to).contains(&g);
         let batches = start as usize..end as usize;
         require(p.first[batches.clone()].iter().flatten().all(|&g| own(g)))?;
@@ -376,7 +384,7 @@ mod tests {
 
     #[test]
     fn numbers_that_cannot_be_are_refused() {
-        let changes: [fn(&mut State); 9] = [
+        let changes: [fn(&mut State); 14] = [
             |s| s.control.rate_limit = -1.0,
             |s| s.control.rate_limit = f64::NAN,
             |s| s.dt = f64::NAN,
@@ -386,6 +394,11 @@ mod tests {
             |s| s.pairs.second[0][0] = 151,
             |s| s.pairs.second[0][0] = 150,
             |s| s.skin = 0.0,
+            |s| s.watch.margin = f64::NAN,
+            |s| s.watch.travel = f64::NAN,
+            |s| s.pairs.blocks[0].watched[0] = 0,
+            |s| s.pairs.blocks[0].watched[1] += 1000,
+            |s| s.pairs.blocks[0].touching = u32::MAX,
         ];
         for (k, change) in changes.into_iter().enumerate() {
             // The first pairs touch.

@@ -154,3 +154,102 @@ fn exchange_bits<B>(batches: &mut [B], bits: fn(&mut B) -> &mut u8, a: usize, b:
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::config::{Contact, Grains, Material, NormalKind, TangentialKind};
+    use crate::gas::gas;
+    use crate::pairs::image_vector;
+    use crate::servo::Control;
+    use crate::simulation::{Properties, Simulation};
+    use granum_simd::LANES;
+
+    /// A dense sample that is compressed fast: contacts are made and broken all the time.
+    fn lively(spread: f64) -> Simulation {
+        let grains = Grains { count: 300, spread, ..Grains::default() };
+        let (cell, sites) = gas(&grains, 0.3, 3).unwrap();
+        let contact =
+            Contact { normal: NormalKind::Jkr, tangential: TangentialKind::MindlinDeresiewicz, damping: 0.1 };
+        let mut s =
+            Simulation::new(cell, &sites, Properties { material: Material::default(), contact }).unwrap();
+        s.set_control(Control::isotropic(20e3, 8000.0));
+        s.advance(6000).unwrap();
+        s
+    }
+
+    /// Branch and sum of the radii of a slot.
+    fn branch(s: &Simulation, slot: usize) -> ([f64; 3], f64) {
+        let (state, pairs) = (s.state(), &s.state().pairs);
+        let (b, l) = (slot / LANES, slot % LANES);
+        let [i, j] = [&pairs.first, &pairs.second].map(|list| state.place[list[b][l] as usize].0);
+        let image = state.cell.image(image_vector(pairs.image[b][l]));
+        (std::array::from_fn(|a| j[a] + image[a] - i[a]), i[3] + j[3])
+    }
+
+    fn length(a: [f64; 3]) -> f64 {
+        a.iter().map(|x| x * x).sum::<f64>().sqrt()
+    }
+
+    /// Every listed pair, whatever slot it is in.
+    fn listed(s: &Simulation) -> Vec<[u32; 4]> {
+        let p = &s.state().pairs;
+        let slot = |k: usize| [&p.first, &p.second, &p.target, &p.image].map(|list| list[k / LANES][k % LANES]);
+        let mut all: Vec<_> = (0..p.batches() * LANES).map(slot).collect();
+        all.sort_unstable();
+        all
+    }
+
+    #[test]
+    fn no_contact_is_missed_and_memory_stays_with_its_pair() {
+        for spread in [0.0, 0.3] {
+            let mut s = lively(spread);
+            let (mut left_out, mut sorted, mut moved, mut lists) = (0, 0, 0, 0);
+            let mut before = (s.rebuilds(), listed(&s), s.state().pairs.first.clone());
+            for _ in 0..600 {
+                s.advance(1).unwrap();
+                sorted += usize::from(s.state().watch.steps == 1);
+                let pairs = &s.state().pairs;
+                for block in &pairs.blocks {
+                    let [_, inner, end] = block.batches;
+                    for b in (block.watched[0]..inner).chain(block.watched[1]..end) {
+                        for slot in b as usize * LANES..(b as usize + 1) * LANES {
+                            let (r, sum) = branch(&s, slot);
+                            assert!(!pairs.touched(slot) && length(r) > sum);
+                            left_out += 1;
+                        }
+                    }
+                }
+                for slot in pairs.touching() {
+                    let (r, normal) = (branch(&s, slot).0, pairs.memory(slot).normal);
+                    let cosine = (0..3).map(|a| r[a] * normal[a]).sum::<f64>() / length(r);
+                    assert!((cosine - 1.0).abs() < 1e-9, "{cosine}");
+                }
+                if s.rebuilds() == before.0 {
+                    assert!(listed(&s) == before.1);
+                    moved += usize::from(pairs.first != before.2);
+                } else {
+                    lists += 1;
+                }
+                before = (s.rebuilds(), listed(&s), pairs.first.clone());
+            }
+            assert!(left_out > 10_000 && sorted > 5 && moved > 3, "{left_out} {sorted} {moved} {lists}");
+        }
+    }
+
+    /// Pairs that change slots change no force but by rounding.
+    #[test]
+    fn sorting_changes_no_force() {
+        let mut s = lively(0.3);
+        s.advance(17).unwrap();
+        let mut again = s.clone();
+        again.machine.state.watch.travel = f64::NEG_INFINITY;
+        s.advance(1).unwrap();
+        again.advance(1).unwrap();
+        assert!(again.state().watch.steps == 1 && s.state().watch.steps > 1);
+        let scale = s.state().sums.virial[0].abs();
+        for (a, b) in s.state().sums.virial.iter().zip(again.state().sums.virial) {
+            assert!((a - b).abs() < 1e-12 * scale, "{a} {b}");
+        }
+        assert_eq!(s.state().contacts(), again.state().contacts());
+    }
+}
