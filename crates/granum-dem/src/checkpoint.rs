@@ -215,7 +215,10 @@ fn check_numbers(body: &Body) -> Result<(), CheckpointError> {
     require(targets.chain(rates).all(|x| x.is_finite()), "control of the cell")?;
     require(positive(state.skin) && state.time.is_finite() && !state.judge_from.is_nan(), "time and margin")?;
     let watch = &state.watch;
-    require(positive(watch.margin) && !watch.travel.is_nan() && watch.distortion.is_finite(), "margin of the watch")?;
+    require(
+        positive(watch.margin) && !watch.travel.is_nan() && watch.distortion.is_finite(),
+        "margin of the watch",
+    )?;
     let counts =
         [state.step, state.steps_since_rebuild, state.rebuilds, state.servo_error.steps, watch.steps];
     require(counts.iter().all(|n| *n < MOST_STEPS), "number of steps")

@@ -326,9 +326,22 @@ impl Machine {
             watch.adapt(state.skin);
         }
         if std::env::var("DBG").is_ok() {
-            let w: u32 = state.pairs.blocks.iter().map(|b| b.watched[0]-b.batches[0]+b.watched[1]-b.batches[1]).sum();
+            let w: u32 = state
+                .pairs
+                .blocks
+                .iter()
+                .map(|b| b.watched[0] - b.batches[0] + b.watched[1] - b.batches[1])
+                .sum();
             let act = state.pairs.marks.iter().filter(|m| m.touched != 0).count();
-            eprintln!("step {} watch {} margin {:e} watched {w} active {act} contacts/8 {} of {} renewed {renewed} skin {:e}", state.step, watch.steps, watch.margin, state.pairs.contacts() / 8, state.pairs.batches(), state.skin);
+            eprintln!(
+                "step {} watch {} margin {:e} watched {w} active {act} contacts/8 {} of {} renewed {renewed} skin {:e}",
+                state.step,
+                watch.steps,
+                watch.margin,
+                state.pairs.contacts() / 8,
+                state.pairs.batches(),
+                state.skin
+            );
         }
         *watch = Watch { travel, distortion, steps: 0, ..*watch };
         views.margin = watch.margin;

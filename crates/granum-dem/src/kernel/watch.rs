@@ -2,8 +2,8 @@
 //!
 //! A pair list that lasts hundreds of steps holds many pairs that are apart, and as contacts are made and broken, batches that
 //! were full of contacts get holes. So the slots of each block are sorted now and then: pairs that touch first, pairs closer than
-//! the margin next, the rest behind them, not to be looked at until a grain may have moved by half the margin. (Páll and Hess
-//! 2013 prune their lists so.) Only slots that are out of place change places: few do.
+//! the margin next, the rest behind them, not to be looked at until a grain may have moved by half the margin. (Páll
+//! et al. 2020 prune their lists so.) Only slots that are out of place change places: few do.
 
 use std::ops::Range;
 
@@ -193,7 +193,8 @@ mod tests {
     /// Every listed pair, whatever slot it is in.
     fn listed(s: &Simulation) -> Vec<[u32; 4]> {
         let p = &s.state().pairs;
-        let slot = |k: usize| [&p.first, &p.second, &p.target, &p.image].map(|list| list[k / LANES][k % LANES]);
+        let slot =
+            |k: usize| [&p.first, &p.second, &p.target, &p.image].map(|list| list[k / LANES][k % LANES]);
         let mut all: Vec<_> = (0..p.batches() * LANES).map(slot).collect();
         all.sort_unstable();
         all
