@@ -307,9 +307,9 @@ impl Machine {
         bound > state.skin && bound.is_finite()
     }
 
-    /// True if a pair that is not watched may have come to touch after grains moved by up to `step_travel` more; the pairs
-    /// must be sorted then. What the grains did in the step that makes a new list is not counted: it was made after that.
-    fn watch_is_stale(&mut self, views: &mut Views, fastest: f64, renewed: bool) -> bool {
+    /// True if a pair that is not watched may have come to touch; the pairs must be sorted then, and are taken as sorted. How
+    /// the grains moved in the step that makes a new list is not counted: the list was made after that.
+    fn watch_again(&mut self, views: &mut Views, fastest: f64, renewed: bool) -> bool {
         let diameter = 2.0 * self.largest_radius + self.state.skin;
         let state = &mut self.state;
         let (mut travel, mut distortion) = (state.travel, state.distortion);
@@ -324,24 +324,6 @@ impl Machine {
         }
         if !renewed {
             watch.adapt(state.skin);
-        }
-        if std::env::var("DBG").is_ok() {
-            let w: u32 = state
-                .pairs
-                .blocks
-                .iter()
-                .map(|b| b.watched[0] - b.batches[0] + b.watched[1] - b.batches[1])
-                .sum();
-            let act = state.pairs.marks.iter().filter(|m| m.touched != 0).count();
-            eprintln!(
-                "step {} watch {} margin {:e} watched {w} active {act} contacts/8 {} of {} renewed {renewed} skin {:e}",
-                state.step,
-                watch.steps,
-                watch.margin,
-                state.pairs.contacts() / 8,
-                state.pairs.batches(),
-                state.skin
-            );
         }
         *watch = Watch { travel, distortion, steps: 0, ..*watch };
         views.margin = watch.margin;
@@ -497,7 +479,7 @@ impl Team<'_> {
                         self.renew();
                     }
                     let moved = Moved { fastest, renewed };
-                    let stale = machine.watch_is_stale(&mut *self.views.get(), fastest, renewed);
+                    let stale = machine.watch_again(&mut *self.views.get(), fastest, renewed);
                     self.open(if stale { Stage::Watch(moved) } else { Stage::Contacts(moved) });
                 }
                 Stage::Watch(moved) => self.open(Stage::Contacts(moved)),
