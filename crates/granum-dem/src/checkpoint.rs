@@ -318,14 +318,15 @@ pub(crate) mod rows {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::config::{Contact, Grains, Material, NormalKind, TangentialKind};
     use crate::gas::gas;
     use crate::servo::Control;
 
-    fn running(spread: f64) -> Simulation {
-        let grains = Grains { count: 150, spread, ..Grains::default() };
+    /// A sample under compression: contacts are made and broken all the time.
+    pub(crate) fn running(count: usize, spread: f64) -> Simulation {
+        let grains = Grains { count, spread, ..Grains::default() };
         let (cell, sites) = gas(&grains, 0.3, 11).unwrap();
         let contact =
             Contact { normal: NormalKind::Jkr, tangential: TangentialKind::MindlinDeresiewicz, damping: 0.1 };
@@ -339,7 +340,7 @@ mod tests {
     #[test]
     fn a_restored_run_goes_on_to_the_same_bits() {
         for spread in [0.0, 0.3] {
-            let mut straight = running(spread);
+            let mut straight = running(150, spread);
             let bytes = straight.checkpoint("note").unwrap();
             let (mut restored, note) = Simulation::restore(&bytes).unwrap();
             assert_eq!(note, "note");
@@ -360,7 +361,7 @@ mod tests {
 
     #[test]
     fn damaged_checkpoints_are_refused() {
-        let bytes = running(0.0).checkpoint("").unwrap();
+        let bytes = running(150, 0.0).checkpoint("").unwrap();
         assert_eq!(Simulation::restore(b"something").err(), Some(CheckpointError::NotACheckpoint));
         for cut in [0, 5, 20, 24, 1000, bytes.len() - 1] {
             assert!(
@@ -380,7 +381,7 @@ mod tests {
 
     /// What the bytes of a checkpoint come to with a change that the checksum does not give away.
     fn forged(change: impl FnOnce(&mut State)) -> Result<(Simulation, String), CheckpointError> {
-        let mut simulation = running(0.0);
+        let mut simulation = running(150, 0.0);
         change(&mut simulation.machine.state);
         Simulation::restore(&simulation.checkpoint("").unwrap())
     }
@@ -415,7 +416,7 @@ mod tests {
     #[test]
     fn materials_that_cannot_be_are_refused() {
         let refused = |change: fn(&mut Material)| {
-            let mut simulation = running(0.0);
+            let mut simulation = running(150, 0.0);
             change(&mut simulation.machine.properties.material);
             Simulation::restore(&simulation.checkpoint("").unwrap()).err().map(|e| e.to_string())
         };
@@ -436,7 +437,7 @@ mod tests {
 
     #[test]
     fn forged_content_does_not_panic() {
-        let bytes = running(0.0).checkpoint("").unwrap();
+        let bytes = running(150, 0.0).checkpoint("").unwrap();
         for at in (24..bytes.len()).step_by(311) {
             let mut forged = bytes.clone();
             forged[at] = forged[at].wrapping_add(77);

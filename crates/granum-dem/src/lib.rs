@@ -19,6 +19,7 @@ pub mod state;
 mod blocks;
 mod forgotten;
 mod kernel;
+mod machine;
 mod pairs;
 mod search;
 mod stepping;

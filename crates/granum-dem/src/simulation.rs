@@ -11,11 +11,12 @@ use crate::config::{Contact, Material};
 use crate::contact::interaction::Memory;
 use crate::contact::registry::{LawError, LawVisitor, check, with_law};
 use crate::contact::{MAX_HISTORY, NormalLaw, PairConstants, PairProperties, TangentialLaw};
-use crate::kernel::{ContactSums, NORMAL_COLUMNS};
+use crate::kernel::{ContactSums, NORMAL_COLUMNS, Watch};
+use crate::machine::Machine;
 use crate::pairs::{self, Pairs};
 use crate::servo::{Control, Servo};
-use crate::state::{ServoError, State, Watch};
-use crate::stepping::{self, Machine};
+use crate::state::{ServoError, State};
+use crate::stepping;
 
 /// Where a grain starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -194,12 +195,7 @@ impl Simulation {
             distortion: 0.0,
             steps_since_rebuild: 0,
             rebuilds: 0,
-            watch: Watch {
-                margin: 0.002 * 2.0 * largest,
-                travel: f64::NEG_INFINITY,
-                distortion: 0.0,
-                steps: 0,
-            },
+            watch: Watch::new(0.002 * 2.0 * largest),
             sums: ContactSums::default(),
             fastest_peak: 0.0,
             ledger: EnergyLedger::default(),

@@ -7,7 +7,7 @@ use crate::assembly::{Assembly, Contact, EnergyLedger, Grain, Matrix};
 use crate::cell::Cell;
 use crate::checkpoint::rows;
 use crate::contact::PairConstants;
-use crate::kernel::ContactSums;
+use crate::kernel::{ContactSums, Watch};
 use crate::pairs::{Pairs, image_vector};
 use crate::servo::{Control, Servo};
 use crate::simulation::LawTable;
@@ -51,19 +51,6 @@ pub struct State {
     /// Relative errors of the mean stress since the deviator strain first exceeded `judge_from`.
     pub(crate) servo_error: ServoError,
     pub(crate) judge_from: f64,
-}
-
-/// Which of the listed pairs are looked at: those that touched or were closer than the margin when they were last sorted.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Watch {
-    /// Closer pairs are watched, m.
-    pub(crate) margin: f64,
-    /// [`State::travel`] when the pairs were sorted, m; minus infinity if they were not.
-    pub(crate) travel: f64,
-    /// [`State::distortion`] then.
-    pub(crate) distortion: f64,
-    /// Steps since.
-    pub(crate) steps: u64,
 }
 
 /// How well the mean stress was held.

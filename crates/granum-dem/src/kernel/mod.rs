@@ -19,7 +19,7 @@ use crate::team::RawSlice;
 
 pub(crate) use contacts::{Alike, ByBatch, ConstantSource, ContactStage};
 pub(crate) use grains::{GrainStage, larger, resultant};
-pub(crate) use watch::{Nearness, WatchStage};
+pub(crate) use watch::{Nearness, Watch, WatchStage};
 
 /// Columns of memory before the tangential law's own: the old normal.
 pub(crate) const NORMAL_COLUMNS: usize = 3;

@@ -8,11 +8,51 @@
 use std::ops::Range;
 
 use granum_simd::{Kernel, LANES, Lanes, Mask};
+use serde::{Deserialize, Serialize};
 
 use super::Views;
 use crate::contact::PairConstants;
 use crate::contact::interaction::dot;
 use crate::team::RawSlice;
+
+/// Pairs should stay as they were sorted for this many steps; the margin follows.
+const WANTED_STEPS: Range<u64> = 20..60;
+
+/// Which of the listed pairs are looked at: those that touched or were closer than the margin when they were last sorted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Watch {
+    /// Closer pairs are watched, m.
+    pub(crate) margin: f64,
+    /// Bound on how far any grain had moved since the list was made when the pairs were sorted, m; minus infinity if they
+    /// were not.
+    pub(crate) travel: f64,
+    /// Bound on the strain since the list was made, then.
+    pub(crate) distortion: f64,
+    /// Steps since.
+    pub(crate) steps: u64,
+}
+
+impl Watch {
+    /// Of pairs that are not sorted yet.
+    pub(crate) fn new(margin: f64) -> Watch {
+        Watch { margin, travel: f64::NEG_INFINITY, distortion: 0.0, steps: 0 }
+    }
+
+    /// True while no pair that is not watched can have come to touch; `diameter` is the largest distance of a listed pair.
+    pub(crate) fn holds(&self, travel: f64, distortion: f64, diameter: f64) -> bool {
+        2.0 * (travel - self.travel) + 1.01 * (distortion - self.distortion) * diameter <= self.margin
+    }
+
+    /// What lasts long has a margin too wide, what does not last too narrow.
+    pub(crate) fn adapt(&mut self, skin: f64) {
+        if self.steps < WANTED_STEPS.start {
+            self.margin *= 1.25;
+        } else if self.steps > WANTED_STEPS.end {
+            self.margin *= 0.9;
+        }
+        self.margin = self.margin.min(skin);
+    }
+}
 
 /// Sorts the pairs of a range of blocks.
 pub(crate) struct WatchStage<'a> {
@@ -157,25 +197,10 @@ fn exchange_bits<B>(batches: &mut [B], bits: fn(&mut B) -> &mut u8, a: usize, b:
 
 #[cfg(test)]
 mod tests {
-    use crate::config::{Contact, Grains, Material, NormalKind, TangentialKind};
-    use crate::gas::gas;
+    use crate::checkpoint::tests::running;
     use crate::pairs::image_vector;
-    use crate::servo::Control;
-    use crate::simulation::{Properties, Simulation};
+    use crate::simulation::Simulation;
     use granum_simd::LANES;
-
-    /// A dense sample that is compressed fast: contacts are made and broken all the time.
-    fn lively(spread: f64) -> Simulation {
-        let grains = Grains { count: 300, spread, ..Grains::default() };
-        let (cell, sites) = gas(&grains, 0.3, 3).unwrap();
-        let contact =
-            Contact { normal: NormalKind::Jkr, tangential: TangentialKind::MindlinDeresiewicz, damping: 0.1 };
-        let mut s =
-            Simulation::new(cell, &sites, Properties { material: Material::default(), contact }).unwrap();
-        s.set_control(Control::isotropic(20e3, 8000.0));
-        s.advance(6000).unwrap();
-        s
-    }
 
     /// Branch and sum of the radii of a slot.
     fn branch(s: &Simulation, slot: usize) -> ([f64; 3], f64) {
@@ -203,7 +228,7 @@ mod tests {
     #[test]
     fn no_contact_is_missed_and_memory_stays_with_its_pair() {
         for spread in [0.0, 0.3] {
-            let mut s = lively(spread);
+            let mut s = running(300, spread);
             let (mut left_out, mut sorted, mut moved, mut lists) = (0, 0, 0, 0);
             let mut before = (s.rebuilds(), listed(&s), s.state().pairs.first.clone());
             for _ in 0..600 {
@@ -240,7 +265,7 @@ mod tests {
     /// Pairs that change slots change no force but by rounding.
     #[test]
     fn sorting_changes_no_force() {
-        let mut s = lively(0.3);
+        let mut s = running(300, 0.3);
         s.advance(17).unwrap();
         let mut again = s.clone();
         again.machine.state.watch.travel = f64::NEG_INFINITY;

@@ -1,0 +1,370 @@
+//! A state and what moves it on: lists, time step, servo, ledger; all that is serial in a step.
+
+use granum_simd::{Kernel, LANES, Lanes, Row4, Row8, dispatch};
+
+use crate::assembly::Matrix;
+use crate::blocks::{self, Change};
+use crate::cell::Cell;
+use crate::config::{Contact, MOST_CONTACTS};
+use crate::contact::{PairConstants, PairProperties};
+use crate::kernel::{ContactSums, NORMAL_COLUMNS, Nearness, Views, Watch};
+use crate::pairs::{self, IMAGES};
+use crate::search;
+use crate::servo::Sample;
+use crate::simulation::{Hardware, LawTable, Properties, SimulationError};
+use crate::state::State;
+use crate::team::RawSlice;
+
+/// Steps between two chances to raise the time step.
+const TIME_STEP_WINDOW: u64 = 256;
+/// The pair list should last this many steps; the skin follows.
+const WANTED_LIFE: std::ops::Range<u64> = 300..1200;
+/// The grains are put in spatial order again after this many rebuilds of the list.
+const REORDER_EVERY: u64 = 64;
+
+/// Bytes of what is kept for contacts from which it is asked for ahead of time.
+const FAR: usize = 2 << 20;
+
+/// A state and what moves it on.
+#[derive(Clone)]
+pub(crate) struct Machine {
+    pub(crate) state: State,
+    pub(crate) properties: Properties,
+    pub(crate) table: LawTable,
+    pub(crate) hardware: Hardware,
+    pub(crate) time_step_factor: f64,
+    pub(crate) fixed_time_step: Option<f64>,
+    pub(crate) expected_force: f64,
+    /// Constants of all pairs, where grains are equal.
+    pub(crate) alike: PairConstants<f64>,
+    pub(crate) contact_sums: Vec<ContactSums>,
+    fastest_grain: Vec<f64>,
+    nearness: Vec<Nearness>,
+    /// Largest and mean radius, m.
+    largest_radius: f64,
+    mean_radius: f64,
+}
+
+impl Machine {
+    pub(crate) fn new(state: State, properties: Properties, table: LawTable) -> Machine {
+        let mut machine = Machine {
+            state,
+            properties,
+            table,
+            hardware: Hardware::default(),
+            time_step_factor: 0.2,
+            fixed_time_step: None,
+            expected_force: 0.0,
+            alike: PairConstants::from_columns(|_| 0.0),
+            contact_sums: Vec::new(),
+            fastest_grain: Vec::new(),
+            nearness: Vec::new(),
+            largest_radius: 0.0,
+            mean_radius: 0.0,
+        };
+        machine.measure_grains();
+        machine
+    }
+
+    /// Radii never change. The sum runs in the order of the ids: places are exchanged now and then, and a sum in their order
+    /// would come out otherwise after a checkpoint.
+    fn measure_grains(&mut self) {
+        let state = &self.state;
+        let n = state.grains();
+        let mut order: Vec<usize> = (0..n).collect();
+        order.sort_unstable_by_key(|&g| state.ids[g]);
+        let radius = |&g: &usize| state.place[g].0[3];
+        self.largest_radius = order.iter().map(radius).fold(0.0, f64::max);
+        self.mean_radius = order.iter().map(radius).sum::<f64>() / n as f64;
+    }
+
+    pub(crate) fn mean_diameter(&self) -> f64 {
+        2.0 * self.mean_radius
+    }
+
+    fn all_alike(&self) -> bool {
+        let n = self.state.grains();
+        let first = self.state.place[0].0;
+        self.state.place[..n].iter().all(|r| r.0[3] == first[3] && r.0[7] == first[7])
+    }
+
+    fn properties_of(&self, i: f64, j: f64) -> PairProperties {
+        let material = &self.properties.material;
+        PairProperties::new((material, i), (material, j), self.properties.contact.damping)
+    }
+
+    /// Makes the pair list anew: wraps the grains, now and then reorders them, searches, carries memory over.
+    pub(crate) fn rebuild(&mut self) {
+        let n = self.state.grains();
+        adapt_skin(&mut self.state, 2.0 * self.largest_radius);
+        let state = &mut self.state;
+        let moved = pairs::wrap(&state.cell, &mut state.place[..n]);
+        let reorder = state.rebuilds.is_multiple_of(REORDER_EVERY);
+        let new_place = reorder.then(|| reorder_grains(state, 2.0 * self.largest_radius));
+        let near = search::find(self.hardware.isa, &state.cell, &state.place[..n], state.skin);
+        let columns = NORMAL_COLUMNS + self.table.history;
+        let old = std::mem::take(&mut state.pairs);
+        let change = Change { moved: &moved, new_place: new_place.as_deref(), swap: self.table.swap_sides };
+        state.pairs = blocks::rebuild(old, &near, &state.cell, &state.place[..n], &change, columns);
+        state.travel = 0.0;
+        state.distortion = 0.0;
+        state.steps_since_rebuild = 0;
+        state.rebuilds += 1;
+        state.watch.travel = f64::NEG_INFINITY;
+        self.prepare_constants();
+    }
+
+    pub(crate) fn prepare_constants(&mut self) {
+        let radius = self.state.place[0].0[3];
+        self.alike = (self.table.constants)(&self.properties_of(radius, radius));
+        self.state.pairs.constants = Vec::new();
+        if self.all_alike() {
+            return;
+        }
+        let count = PairConstants::COUNT;
+        let batches = self.state.pairs.batches();
+        let mut rows = vec![Row8::default(); batches * count];
+        for b in 0..batches {
+            for l in 0..LANES {
+                let i = self.state.place[self.state.pairs.first[b][l] as usize].0[3];
+                let j = self.state.place[self.state.pairs.second[b][l] as usize].0[3];
+                let values = (self.table.constants)(&self.properties_of(i, j)).to_array();
+                for c in 0..count {
+                    rows[b * count + c].0[l] = values[c];
+                }
+            }
+        }
+        self.state.pairs.constants = rows;
+    }
+
+    /// `k_t / m` of a contact that carries the expected force (Hertz's radius), 1/s2: a floor for the time step's choice.
+    fn expected_fastest(&self) -> f64 {
+        let pair = self.properties_of(self.mean_radius, self.mean_radius);
+        let force = self.expected_force.max(1e-6 * pair.effective_modulus * pair.effective_radius.powi(2));
+        let radius = (0.75 * force * pair.effective_radius / pair.effective_modulus).cbrt();
+        8.0 * pair.effective_shear_modulus * radius / (2.0 * pair.effective_mass)
+    }
+
+    fn time_step_for(&self, fastest: f64) -> f64 {
+        self.time_step_factor * self.damped_share() / fastest.max(self.expected_fastest()).sqrt()
+    }
+
+    /// What dashpots stronger than the usual ones leave of the time step.
+    fn damped_share(&self) -> f64 {
+        let (contact, usual) = (self.properties.contact, Contact::default());
+        if contact.damping <= usual.damping {
+            return 1.0;
+        }
+        contact.stable_fraction(MOST_CONTACTS) / usual.stable_fraction(MOST_CONTACTS)
+    }
+
+    pub(crate) fn reset_time_step(&mut self) {
+        self.state.fastest_peak = self.state.sums.fastest;
+        self.state.dt = self.fixed_time_step.unwrap_or_else(|| self.time_step_for(self.state.sums.fastest));
+    }
+
+    /// Shortens the time step at once when a contact demands it; lengthens it slowly.
+    fn adapt_time_step(&mut self) {
+        if self.fixed_time_step.is_some() {
+            return;
+        }
+        let fastest = self.state.sums.fastest;
+        self.state.fastest_peak = self.state.fastest_peak.max(fastest);
+        let allowed = self.time_step_for(fastest);
+        if self.state.dt > allowed {
+            self.state.dt = allowed;
+        } else if self.state.step.is_multiple_of(TIME_STEP_WINDOW) {
+            self.state.dt = (1.02 * self.state.dt).min(self.time_step_for(self.state.fastest_peak));
+            self.state.fastest_peak = fastest;
+        }
+    }
+
+    /// Serial work before the grains move: servo, time step, cell, image vectors.
+    pub(crate) fn begin_step(&mut self, views: &mut Views) {
+        self.adapt_time_step();
+        let state = &mut self.state;
+        let volume = state.cell.volume();
+        let sample = Sample {
+            stress: state.stress(),
+            bulk_modulus: state.sums.stiffness / (9.0 * volume),
+            dt: state.dt,
+        };
+        let control = state.control;
+        let before = state.gradient;
+        state.gradient = state.servo.gradient(&control, &sample);
+        let started = state.deviator_strain() >= state.judge_from;
+        if let Some(target) = state.target_mean_stress().filter(|t| started && *t != 0.0) {
+            let error = (state.mean_stress() - target) / target;
+            state.servo_error.squares += error * error;
+            state.servo_error.steps += 1;
+            state.servo_error.largest = state.servo_error.largest.max(error.abs());
+        }
+        // The step works half with the forces at its start, under its own gradient.
+        let mut power = state.sums.boundary_power;
+        for r in 0..3 {
+            for c in 0..3 {
+                power -= state.sums.virial[3 * r + c] * (state.gradient[r][c] - before[r][c]);
+            }
+        }
+        state.ledger.boundary_work += 0.5 * state.dt * power;
+        state.cell = state.cell.strained(&state.gradient, state.dt);
+        for r in 0..3 {
+            for c in 0..3 {
+                state.strain[r][c] -= state.dt * state.gradient[r][c];
+            }
+        }
+        views.gradient = state.gradient;
+        views.dt = state.dt;
+        views.retain = 1.0 - state.fading * state.dt;
+        views.account = crate::forgotten::account(state.step);
+        views.images = dispatch(self.hardware.isa, Images(&state.cell));
+    }
+
+    /// Serial work after the contacts: totals, ledger, list statistics.
+    pub(crate) fn end_step(&mut self, fastest_grain: f64, rebuilt: bool) -> Result<(), SimulationError> {
+        let state = &mut self.state;
+        state.sums = ContactSums::total(&self.contact_sums);
+        state.ledger.boundary_work += 0.5 * state.dt * state.sums.boundary_power;
+        state.ledger.tangential_work += state.sums.tangential_work;
+        state.ledger.friction += state.sums.friction_loss;
+        state.ledger.damping += state.sums.damping_loss;
+        state.ledger.micro_slip += state.sums.micro_slip_loss;
+        state.ledger.adhesion_made += state.sums.adhesion_made;
+        state.ledger.adhesion_broken += state.sums.adhesion_broken;
+        state.time += state.dt;
+        state.step += 1;
+        state.steps_since_rebuild += 1;
+        state.watch.steps += 1;
+        if !rebuilt {
+            state.travel += fastest_grain.sqrt() * state.dt;
+            state.distortion += norm(&state.gradient) * state.dt;
+        }
+        let volume = state.cell.volume();
+        let finite = volume.is_finite() && volume > 0.0 && fastest_grain.is_finite();
+        if !(finite && state.sums.virial.iter().all(|x| x.is_finite())) {
+            return Err(SimulationError::Diverged { step: state.step, time_step: state.dt });
+        }
+        Ok(())
+    }
+
+    pub(crate) fn views(&mut self) -> Views {
+        let s = &mut self.state;
+        let blocks = s.pairs.blocks.len();
+        self.contact_sums.clear();
+        self.contact_sums.resize(blocks, ContactSums::default());
+        self.fastest_grain.clear();
+        self.fastest_grain.resize(blocks, 0.0);
+        self.nearness.clear();
+        self.nearness.resize(s.pairs.batches(), Nearness::default());
+        Views {
+            grains: s.ids.len(),
+            images: dispatch(self.hardware.isa, Images(&s.cell)),
+            place: RawSlice::new(&mut s.place),
+            spin: RawSlice::new(&mut s.spin),
+            blocks: RawSlice::new(&mut s.pairs.blocks),
+            first: RawSlice::new(&mut s.pairs.first),
+            second: RawSlice::new(&mut s.pairs.second),
+            target: RawSlice::new(&mut s.pairs.target),
+            image: RawSlice::new(&mut s.pairs.image),
+            memory: RawSlice::new(&mut s.pairs.memory),
+            marks: RawSlice::new(&mut s.pairs.marks),
+            nearness: RawSlice::new(&mut self.nearness),
+            columns: s.pairs.columns,
+            constants: RawSlice::new(&mut s.pairs.constants),
+            forces: RawSlice::new(&mut s.pairs.forces),
+            outer_offsets: RawSlice::new(&mut s.pairs.outer_offsets),
+            outer: RawSlice::new(&mut s.pairs.outer),
+            contact_sums: RawSlice::new(&mut self.contact_sums),
+            fastest_grain: RawSlice::new(&mut self.fastest_grain),
+            equal: s.pairs.constants.is_empty(),
+            far: (s.pairs.memory.len() + s.pairs.constants.len()) * size_of::<Row8>() > FAR,
+            alike: self.alike,
+            gradient: s.gradient,
+            dt: s.dt,
+            margin: s.watch.margin,
+            account: 0.0,
+            retain: 1.0,
+        }
+    }
+
+    /// True if the list may miss a contact after grains moved by up to `step_travel` more.
+    pub(crate) fn list_is_stale(&self, views: &Views, fastest: f64) -> bool {
+        let state = &self.state;
+        let travel = state.travel + fastest.sqrt() * views.dt;
+        let distortion = state.distortion + norm(&views.gradient) * views.dt;
+        let reach = -(self.table.breaking_approach)(&self.alike);
+        let diameter = 2.0 * self.largest_radius + state.skin;
+        // A NaN makes no list valid; the step that made it is reported at its end.
+        let bound = 2.0 * travel + 1.01 * distortion * diameter + reach;
+        bound > state.skin && bound.is_finite()
+    }
+
+    /// True if a pair that is not watched may have come to touch; the pairs must be sorted then, and are taken as sorted. How
+    /// the grains moved in the step that makes a new list is not counted: the list was made after that.
+    pub(crate) fn watch_again(&mut self, views: &mut Views, fastest: f64, renewed: bool) -> bool {
+        let diameter = 2.0 * self.largest_radius + self.state.skin;
+        let state = &mut self.state;
+        let (mut travel, mut distortion) = (state.travel, state.distortion);
+        if !renewed {
+            travel += fastest.sqrt() * views.dt;
+            distortion += norm(&views.gradient) * views.dt;
+        }
+        let watch = &mut state.watch;
+        if watch.holds(travel, distortion, diameter) {
+            return false;
+        }
+        if !renewed {
+            watch.adapt(state.skin);
+        }
+        *watch = Watch { travel, distortion, steps: 0, ..*watch };
+        views.margin = watch.margin;
+        true
+    }
+}
+
+/// Frobenius norm: no vector is strained faster.
+fn norm(m: &Matrix) -> f64 {
+    m.iter().flatten().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// The image vectors of a cell, made with the machine's own instructions.
+struct Images<'a>(&'a Cell);
+
+impl Kernel for Images<'_> {
+    type Output = [Row4; IMAGES];
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> [Row4; IMAGES] {
+        pairs::image_table(self.0)
+    }
+}
+
+/// A list that lasts long is too wide, one that does not last is too narrow.
+fn adapt_skin(state: &mut State, diameter: f64) {
+    if state.rebuilds == 0 {
+        return;
+    }
+    if state.steps_since_rebuild < WANTED_LIFE.start {
+        state.skin *= 1.25;
+    } else if state.steps_since_rebuild > WANTED_LIFE.end {
+        state.skin *= 0.9;
+    }
+    state.skin = state.skin.clamp(1e-3 * diameter, 0.2 * diameter);
+}
+
+/// Sorts the grains along a space-filling curve; returns the new place of each.
+fn reorder_grains(state: &mut State, spacing: f64) -> Vec<u32> {
+    let n = state.grains();
+    let order = pairs::spatial_order(&state.cell, &state.place[..n], spacing);
+    let mut new_place = vec![0u32; n];
+    for (new, &old) in order.iter().enumerate() {
+        new_place[old as usize] = new as u32;
+    }
+    let place: Vec<Row8> = order.iter().map(|&o| state.place[o as usize]).collect();
+    let spin: Vec<Row4> = order.iter().map(|&o| state.spin[o as usize]).collect();
+    let ids: Vec<u64> = order.iter().map(|&o| state.ids[o as usize]).collect();
+    state.place[..n].copy_from_slice(&place);
+    state.spin[..n].copy_from_slice(&spin);
+    state.ids = ids;
+    new_place
+}
