@@ -45,8 +45,6 @@ pub struct Plan {
     /// Name of the trainer.
     pub trainer: String,
     /// See [`StudyOptions`].
-    pub distribution_observations: f64,
-    /// See [`StudyOptions`].
     pub epoch_factor: f64,
     /// Seed of the study.
     pub seed: u64,
@@ -79,7 +77,6 @@ impl Plan {
             dataset_hash,
             form: options.form,
             trainer: options.trainer.clone(),
-            distribution_observations: options.distribution_observations,
             epoch_factor: options.epoch_factor,
             seed: options.seed,
             mappings: options.mappings.clone(),
@@ -119,7 +116,6 @@ impl Plan {
             (self.form != other.form, "form"),
             (self.trainer != other.trainer, "trainer"),
             (self.epoch_factor != other.epoch_factor, "epoch factor"),
-            (self.distribution_observations != other.distribution_observations, "observations"),
             (self.seed != other.seed, "seed"),
             (self.mappings != other.mappings, "mappings"),
             (self.granum_version != other.granum_version, "granum version"),
@@ -309,6 +305,8 @@ mod tests {
         Recipe {
             inputs: vec![Column::new("x", "1")],
             output: Column::new("y", "1"),
+            quantities: Vec::new(),
+            shares: Vec::new(),
             hidden: vec![3],
             seed: 5,
         }

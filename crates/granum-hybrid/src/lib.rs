@@ -17,6 +17,7 @@ pub mod figures;
 pub mod files;
 pub mod keeping;
 pub mod laboratory;
+mod lesson;
 pub mod mapping;
 mod pool;
 pub mod reading;

@@ -225,6 +225,23 @@ impl Mapping {
         names
     }
 
+    /// Which of its quantities each input of its networks belongs to: the bins of a distribution are one.
+    pub fn input_quantities(&self, form: Form, bins: usize) -> Vec<usize> {
+        let mut numbers = Vec::new();
+        for input in &self.inputs {
+            let next = numbers.last().map_or(0, |last| last + 1);
+            match (input.column(), form) {
+                (Some(_), _) => numbers.push(next),
+                (None, Form::Point) => numbers.extend([next, next + 1]),
+                (None, Form::Histogram) => numbers.extend(std::iter::repeat_n(next, bins)),
+            }
+        }
+        if self.output == Quantity::ForceDistribution {
+            numbers.push(numbers.last().map_or(0, |last| last + 1));
+        }
+        numbers
+    }
+
     /// Name of the output of its networks.
     pub fn network_output(&self) -> &'static str {
         self.output.column().unwrap_or("probability_density")

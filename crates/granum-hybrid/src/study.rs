@@ -5,8 +5,9 @@ use granum_nets::{Column, Data, Model, Recipe};
 use serde::Serialize;
 
 use crate::baseline::MeanCurve;
-use crate::dataset::{Dataset, NamedRecord, Rows, Run, State};
+use crate::dataset::{Dataset, NamedRecord, Run, State};
 use crate::error::{HybridError, Result};
+use crate::lesson;
 use crate::mapping::{Form, Mapping, Quantity, paper_mappings};
 use crate::pool;
 use crate::score::{Scatter, Score, Scorer, best_without_sensors};
@@ -16,7 +17,7 @@ use crate::surrogate::{Surrogate, states_of};
 /// Fewest training states of a sub-model.
 pub const FEWEST_STATES: usize = 3;
 /// The trainer whose epochs are those of the tables; others end by their own rule.
-const PAPER_TRAINER: &str = "traingdx";
+pub(crate) const PAPER_TRAINER: &str = "traingdx";
 
 /// What to train, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,15 +28,6 @@ pub struct StudyOptions {
     pub form: Form,
     /// Name of the trainer.
     pub trainer: String,
-    /// How many independent observations a state with a distribution is worth. Its rows, one a bin, share their looks and
-    /// so their noise, and states that follow each other share forces that have not changed: taken for independent, the
-    /// noise would pass for structure and the networks would learn one run by heart. (Runs of 1000 grains that differ in
-    /// their seed alone differ in 4 to 5 independent ways over 14 bins, by the participation ratio of their covariance, and
-    /// their differences last about two training states.) The default was chosen with an eye on unseen runs: of 1, 2, 3, 4 and
-    /// 14 it gave the smallest errors on two samples of 1000 grains with the seeds 2 and 3 (1 came out alike; held-out
-    /// states alone, whose error fell on to 4, would have chosen more). Those samples judge nothing any more. A state that answers with a number is worth one observation,
-    /// however many rows it gives.
-    pub distribution_observations: f64,
     /// Factor on the epochs of the tables, for the paper's trainer `traingdx`; others end by their own rule.
     pub epoch_factor: f64,
     /// Seed of the study; every network has its own, derived from it and its name.
@@ -50,7 +42,6 @@ impl Default for StudyOptions {
             mappings: paper_mappings(),
             form: Form::Point,
             trainer: "levenberg-marquardt".to_owned(),
-            distribution_observations: 2.0,
             epoch_factor: 1.0,
             seed: 1,
             threads: 0,
@@ -285,6 +276,7 @@ fn train_one(
 ) -> Result<Option<(Model, f64)>> {
     let failed = |reason: String| HybridError::Network { network: job.name.clone(), reason };
     let sub_model = &job.mapping.sub_models[job.sub_model];
+    let rule = lesson::rule_of(&options.trainer);
     let own = states_of(job.mapping, states.iter().copied(), Some(job.sub_model));
     if own.len() < FEWEST_STATES {
         return Err(HybridError::TooFewStates {
@@ -296,19 +288,12 @@ fn train_one(
             needed: FEWEST_STATES,
         });
     }
-    let each = if job.mapping.output == Quantity::ForceDistribution {
-        options.distribution_observations
-    } else {
-        1.0
-    };
-    let observations = (own.len() as f64 * each).min(own.len() as f64 * dataset.forces.len() as f64);
-    let rows = Rows::new(job.mapping, options.form, &dataset.forces, own);
-    let data = Data::new(rows.inputs, rows.input_columns, rows.targets)
-        .and_then(|data| data.with_observations(observations))
+    let data = lesson::data(dataset, job.mapping, job.sub_model, options.form, rule)
         .map_err(|e| failed(e.to_string()))?;
     let epochs = (options.trainer == PAPER_TRAINER)
         .then(|| (sub_model.epochs as f64 * options.epoch_factor).round().max(1.0) as u64);
-    let settings = Options { epochs, ..Options::default() };
+    let first_ratio = lesson::first_ratio(job.mapping);
+    let settings = Options { epochs, first_ratio, ..Options::default() };
     let trainer = trainer::by_name(&options.trainer, &settings).map_err(|e| failed(e.to_string()))?;
     let recipe = Recipe {
         inputs: job
@@ -318,6 +303,8 @@ fn train_one(
             .map(|name| Column::new(name, "1"))
             .collect(),
         output: Column::new(job.mapping.network_output(), "1"),
+        quantities: lesson::quantities(job.mapping, options.form, dataset.forces.len(), rule),
+        shares: lesson::shares(job.mapping, options.form, dataset.forces.len(), rule),
         hidden: sub_model.hidden.clone(),
         seed: job.seed,
     };

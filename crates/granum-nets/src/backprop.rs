@@ -17,6 +17,8 @@ pub(crate) struct Workspace {
     pub layers: Vec<Layer>,
     /// Rows of the table.
     pub rows: usize,
+    /// Rows that make one observation.
+    pub points: usize,
     /// Lane blocks that hold them.
     pub blocks: usize,
     /// Distance between the rows of every lane matrix, in blocks.
@@ -28,6 +30,9 @@ pub(crate) struct Workspace {
     /// Targets and weights of the squared errors, a row for each output neuron; weight zero in unused lanes.
     pub targets: Vec<Row8>,
     pub weights: Vec<Row8>,
+    /// With several points an observation: the residual of its observation in the lane of every row, after
+    /// [`Workspace::squared_error`].
+    shared: Vec<Row8>,
 }
 
 /// What starts the pass back at the output neurons.
@@ -59,10 +64,81 @@ impl Workspace {
             }
             for c in 0..data.target_columns {
                 targets[c * stride + block].0[lane] = data.targets[r * data.target_columns + c];
-                weights[c * stride + block].0[lane] = data.weights.as_ref().map_or(1.0, |w| w[r]);
+                // The sum over the points of sqrt(weight / points) times their errors is the residual of an observation.
+                let weight = data.weights.as_ref().map_or(1.0, |w| w[r]);
+                weights[c * stride + block].0[lane] = weight / data.points as f64;
             }
         }
-        Workspace { isa, layers, rows: data.rows, blocks: count, stride, outputs, deltas, targets, weights }
+        let (rows, points) = (data.rows, data.points);
+        let shared = if points > 1 { vec![Row8::default(); count] } else { Vec::new() };
+        Workspace {
+            isa,
+            layers,
+            rows,
+            points,
+            blocks: count,
+            stride,
+            outputs,
+            deltas,
+            targets,
+            weights,
+            shared,
+        }
+    }
+
+    /// Number of observations.
+    pub(crate) fn observations(&self) -> usize {
+        self.rows / self.points
+    }
+
+    /// A workspace with some of the rows of this one, with what the last passes over them produced; each an observation
+    /// of its own.
+    pub(crate) fn some_rows(&self, chosen: &[usize]) -> Workspace {
+        let (count, stride) = (blocks(chosen.len()), odd(blocks(chosen.len())));
+        let gather = |matrix: &Vec<Row8>| {
+            let height = matrix.len() / self.stride;
+            let mut some = vec![Row8::default(); height * stride];
+            for k in 0..height {
+                for (r, &row) in chosen.iter().enumerate() {
+                    some[k * stride + r / LANES].0[r % LANES] =
+                        matrix[k * self.stride + row / LANES].0[row % LANES];
+                }
+            }
+            some
+        };
+        Workspace {
+            isa: self.isa,
+            layers: self.layers.clone(),
+            rows: chosen.len(),
+            points: 1,
+            blocks: count,
+            stride,
+            outputs: self.outputs.iter().map(gather).collect(),
+            deltas: self.deltas.iter().map(gather).collect(),
+            targets: gather(&self.targets),
+            weights: gather(&self.weights),
+            shared: Vec::new(),
+        }
+    }
+
+    /// Sums over the points of each observation: from one lane a row to one lane an observation.
+    pub(crate) fn sum_points(&self, rows: &[Row8], observations: &mut [Row8]) {
+        if self.points == 1 {
+            observations[..self.blocks].copy_from_slice(&rows[..self.blocks]);
+            return;
+        }
+        let numbers = &Row8::numbers(rows)[..self.rows];
+        for (k, points) in numbers.chunks_exact(self.points).enumerate() {
+            observations[k / LANES].0[k % LANES] = points.iter().fold(0.0, |sum, v| sum + v);
+        }
+    }
+
+    /// Gives every row what its observation has.
+    fn share(&self, observations: &[Row8], rows: &mut [Row8]) {
+        let numbers = Row8::numbers(observations);
+        for r in 0..self.rows {
+            rows[r / LANES].0[r % LANES] = numbers[r / self.points];
+        }
     }
 
     /// One row for every residual: for several targets each row is repeated, counting one target at a time.
@@ -94,9 +170,18 @@ impl Workspace {
         neurons * odd(blocks(rows)) * size_of::<Row8>()
     }
 
-    /// Passes all rows forward; the weighted sum of squared errors.
+    /// Passes all rows forward; the weighted sum over the observations of their squared errors.
     pub(crate) fn squared_error(&mut self, weights: &[f64]) -> f64 {
-        dispatch(self.isa, SquaredError { workspace: self, weights })
+        let sum = dispatch(self.isa, SquaredError { workspace: self, weights });
+        if self.points == 1 {
+            return sum;
+        }
+        let mut residuals = vec![Row8::default(); blocks(self.observations())];
+        self.residuals(&mut residuals);
+        let mut shared = std::mem::take(&mut self.shared);
+        self.share(&residuals, &mut shared);
+        self.shared = shared;
+        Row8::numbers(&residuals).iter().fold(0.0, |sum, e| e.mul_add(*e, sum))
     }
 
     /// Gradient of `scale / 2` times the weighted sum of squared errors, after [`Workspace::squared_error`] with the
@@ -111,19 +196,37 @@ impl Workspace {
         dispatch(self.isa, Back { workspace: self, weights, seed: Seed::Residual });
     }
 
-    /// Weighted residuals `sqrt(weight) (output - target)`, one lane a row, after [`Workspace::squared_error`].
+    /// Weighted residuals `sqrt(weight) (output - target)`, one lane an observation, after [`Workspace::squared_error`].
     pub(crate) fn residuals(&self, residuals: &mut [Row8]) {
-        dispatch(self.isa, Residuals { workspace: self, residuals });
+        if self.points == 1 {
+            return dispatch(self.isa, Residuals { workspace: self, residuals });
+        }
+        let mut rows = vec![Row8::default(); self.blocks];
+        dispatch(self.isa, Residuals { workspace: self, residuals: &mut rows });
+        self.sum_points(&rows, residuals);
     }
 
-    /// `J v`, one lane a row, with the Jacobian `J` of the weighted residuals, after [`Workspace::sensitivities`].
+    /// `J v`, one lane an observation, with the Jacobian `J` of the weighted residuals, after [`Workspace::sensitivities`].
     pub(crate) fn jacobian_times(&self, vector: &[f64], product: &mut [Row8]) {
-        dispatch(self.isa, JacobianTimes { workspace: self, vector, product });
+        if self.points == 1 {
+            return dispatch(self.isa, JacobianTimes { workspace: self, vector, product });
+        }
+        let mut rows = vec![Row8::default(); self.blocks];
+        dispatch(self.isa, JacobianTimes { workspace: self, vector, product: &mut rows });
+        self.sum_points(&rows, product);
     }
 
-    /// `J^T s` for one number a row, after [`Workspace::sensitivities`].
+    /// `J^T s` for one number an observation, after [`Workspace::sensitivities`].
     pub(crate) fn transposed_jacobian_times(&mut self, factors: &[Row8], product: &mut [f64]) {
-        dispatch(self.isa, Gradient { workspace: self, factors: Some(factors), gradient: product });
+        if self.points == 1 {
+            return dispatch(
+                self.isa,
+                Gradient { workspace: self, factors: Some(factors), gradient: product },
+            );
+        }
+        let mut rows = vec![Row8::default(); self.blocks];
+        self.share(factors, &mut rows);
+        dispatch(self.isa, Gradient { workspace: self, factors: Some(&rows), gradient: product });
     }
 }
 
@@ -179,6 +282,9 @@ impl Kernel for Back<'_> {
                 let y = L::load(&w.outputs[depth][at].0);
                 let weight = L::load(&w.weights[at].0);
                 let start = match self.seed {
+                    Seed::Error(scale) if w.points > 1 => {
+                        weight.sqrt() * L::load(&w.shared[at].0) * L::splat(scale)
+                    }
                     Seed::Error(scale) => weight * (y - L::load(&w.targets[at].0)) * L::splat(scale),
                     Seed::Residual => weight.sqrt(),
                 };

@@ -36,6 +36,10 @@ pub enum DataError {
     Observations(f64),
 }
 
+fn one() -> usize {
+    1
+}
+
 /// Rows of inputs with their targets, each table flat and row by row.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Data {
@@ -45,6 +49,8 @@ pub struct Data {
     pub(crate) inputs: Vec<f64>,
     pub(crate) targets: Vec<f64>,
     pub(crate) weights: Option<Vec<f64>>,
+    #[serde(default = "one")]
+    pub(crate) points: usize,
     pub(crate) observations: f64,
     pub(crate) validation: Option<Box<Data>>,
 }
@@ -93,8 +99,47 @@ impl Data {
         all_finite("input", &inputs, input_columns)?;
         all_finite("target", &targets, target_columns)?;
         let observations = rows as f64;
-        let (weights, validation) = (None, None);
-        Ok(Data { rows, input_columns, target_columns, inputs, targets, weights, observations, validation })
+        let (weights, validation, points) = (None, None, 1);
+        Ok(Data {
+            rows,
+            input_columns,
+            target_columns,
+            inputs,
+            targets,
+            weights,
+            points,
+            observations,
+            validation,
+        })
+    }
+
+    /// The same rows, of which so many that follow each other are the points of one observation: what counts is how far the
+    /// mean of the network's answers to them is from the mean of their targets. So a network that sees a distribution point
+    /// by point learns a sum over the whole distribution (Zaheer et al. 2017), instead of guessing from every single point.
+    ///
+    /// Each observation counts as one; give [`Data::with_observations`] afterwards.
+    ///
+    /// # Errors
+    /// If the rows are no whole number of observations, have more than one target or weights of their own, or if there are
+    /// validation rows already.
+    pub fn with_points(mut self, points: usize) -> Result<Data, DataError> {
+        if points == 0 || !self.rows.is_multiple_of(points) {
+            let rows = self.rows;
+            return Err(DataError::Shape(format!(
+                "{rows} rows are no whole number of observations of {points} points"
+            )));
+        }
+        if points > 1 && (self.target_columns > 1 || self.weights.is_some() || self.validation.is_some()) {
+            return Err(DataError::Shape(
+                "observations of several points have one target column, and their points no weights of their own; add \
+                 validation rows after them"
+                    .into(),
+            ));
+        }
+        self.points = points;
+        self.observations = (self.rows / points) as f64;
+        self.weights = (points > 1).then(|| vec![1.0 / points as f64; self.rows]);
+        Ok(self)
     }
 
     /// The same rows with a weight each: the squared error of a row counts that many times. They are scaled to a mean
@@ -114,6 +159,9 @@ impl Data {
         if let Some(row) = weights.iter().position(|&w| w < 0.0) {
             return Err(DataError::Weight { row, value: weights[row] });
         }
+        if self.points > 1 {
+            return Err(DataError::Shape("points of an observation have no weights of their own".into()));
+        }
         let mean = weights.iter().sum::<f64>() / self.rows as f64;
         if mean == 0.0 {
             return Err(DataError::Weight { row: 0, value: 0.0 });
@@ -121,6 +169,11 @@ impl Data {
         self.weights = Some(weights.into_iter().map(|w| w / mean).collect());
         self.observations = self.rows as f64;
         Ok(self)
+    }
+
+    /// Number of rows that make one observation: one, unless it was given.
+    pub fn points(&self) -> usize {
+        self.points
     }
 
     /// The same rows, said to be worth no more than so many independent observations: rows that share their noise, as
@@ -146,6 +199,12 @@ impl Data {
     /// # Errors
     /// If their columns differ from those of the training rows.
     pub fn with_validation(mut self, rows: Data) -> Result<Data, DataError> {
+        if rows.points != self.points {
+            return Err(DataError::Shape(format!(
+                "validation rows come in observations of {} points, training rows of {}",
+                rows.points, self.points
+            )));
+        }
         if (rows.input_columns, rows.target_columns) != (self.input_columns, self.target_columns) {
             return Err(DataError::Shape(format!(
                 "validation rows have {} inputs and {} targets, training rows {} and {}",
@@ -204,7 +263,7 @@ impl Data {
     }
 
     fn feed(&self, hash: &mut crate::hash::Fnv) {
-        for count in [self.rows, self.input_columns, self.target_columns] {
+        for count in [self.rows, self.input_columns, self.target_columns, self.points] {
             hash.write(&(count as u64).to_le_bytes());
         }
         let weights = self.weights.as_deref().unwrap_or(&[]);

@@ -117,6 +117,8 @@ mod tests {
         Recipe {
             inputs: vec![Column::new("x", "1")],
             output: Column::new("y", "Pa"),
+            quantities: Vec::new(),
+            shares: Vec::new(),
             hidden: vec![6, 5],
             seed: 0,
         }

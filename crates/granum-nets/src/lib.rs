@@ -12,6 +12,8 @@
 //! let recipe = Recipe {
 //!     inputs: vec![Column::new("deviator_strain", "1")],
 //!     output: Column::new("stress_ratio", "1"),
+//!     quantities: Vec::new(),
+//!     shares: Vec::new(),
 //!     hidden: vec![10, 10],
 //!     seed: 1,
 //! };

@@ -94,6 +94,13 @@ pub struct Recipe {
     pub inputs: Vec<Column>,
     /// Output column.
     pub output: Column,
+    /// Which columns are parts of one quantity, such as the bins of a distribution: columns with the same number are scaled
+    /// together, so that they keep their proportions and all of them weigh as much as one input. Empty: each column is a
+    /// quantity of its own.
+    pub quantities: Vec<usize>,
+    /// How much of the range of an input each column is given: 1 for [-1, 1], 0.3 for [-0.3, 0.3]. All weights are held back
+    /// alike, so an input that is given less is believed less until the rows speak for it. Empty: all of it.
+    pub shares: Vec<f64>,
     /// Neurons of each hidden layer; the paper's networks have two.
     pub hidden: Vec<usize>,
     /// Seed of the initial weights.
@@ -230,7 +237,11 @@ impl Model {
             )));
         }
         let mut network = recipe.network()?;
-        let input_scalers = Scaler::fit_columns(data.inputs(), data.input_columns(), Scaler::INPUT_RANGE);
+        let mut input_scalers = Scaler::fit_columns(data.inputs(), data.input_columns(), Scaler::INPUT_RANGE);
+        Scaler::share(&mut input_scalers, &recipe.quantities);
+        for (scaler, share) in input_scalers.iter_mut().zip(&recipe.shares) {
+            (scaler.low, scaler.high) = (share * scaler.low, share * scaler.high);
+        }
         let output_scaler = Scaler::fit(data.targets().iter().copied(), Scaler::SIGMOID_RANGE);
         let scaled = scale(data, &input_scalers, &output_scaler);
         let report = trainer.resume(&mut network, &scaled, state, observer)?;
@@ -252,7 +263,11 @@ impl Model {
         };
         let columns = (recipe.inputs.clone(), recipe.output.clone());
         // What the uncertainty of a prediction is computed from.
-        let rows = report.evidence.map(|_| TrainingRows { inputs: scaled.inputs, weights: scaled.weights });
+        let rows = report.evidence.map(|_| TrainingRows {
+            inputs: scaled.inputs,
+            weights: scaled.weights,
+            points: scaled.points,
+        });
         let model = Model::assemble(columns, input_scalers, output_scaler, network, provenance, fit, rows);
         Ok((model, report))
     }
@@ -370,7 +385,26 @@ impl Model {
     /// # Errors
     /// As [`Model::predict_batch`].
     pub fn standard_deviations(&self, rows: &[f64]) -> Result<Option<Vec<f64>>, ModelError> {
+        self.standard_deviations_of(rows, 1)
+    }
+
+    /// As [`Model::standard_deviations`] for the means over so many rows that follow each other, the points of one
+    /// observation, see [`Data::with_points`]: one number an observation.
+    ///
+    /// # Errors
+    /// As [`Model::predict_batch`], and if `rows` is no whole number of observations.
+    pub fn standard_deviations_of(
+        &self,
+        rows: &[f64],
+        points: usize,
+    ) -> Result<Option<Vec<f64>>, ModelError> {
         self.check_rows(rows)?;
+        if points == 0 || !(rows.len() / self.inputs.len()).is_multiple_of(points) {
+            let found = rows.len() / self.inputs.len();
+            return Err(ModelError::Columns(format!(
+                "{found} rows are no whole number of observations of {points} points"
+            )));
+        }
         let laplace = self.laplace.get_or_init(|| {
             let (rows, evidence) = (self.training_rows.as_ref()?, self.fit.evidence?);
             Laplace::new(Isa::detect(), &self.network, rows, evidence)
@@ -379,7 +413,8 @@ impl Model {
         let scalers = &self.input_scalers;
         let scaled = rows.iter().enumerate().map(|(i, v)| scalers[i % scalers.len()].scale(*v)).collect();
         let unit = self.output_scaler.inverse_factor();
-        Ok(Some(laplace.variances(&self.network, scaled).into_iter().map(|v| v.sqrt() * unit).collect()))
+        let variances = laplace.variances(&self.network, scaled, points);
+        Ok(Some(variances.into_iter().map(|v| v.sqrt() * unit).collect()))
     }
 
     /// Writes the model beside `path` and renames it there.

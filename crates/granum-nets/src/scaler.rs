@@ -39,6 +39,31 @@ impl Scaler {
         (0..columns).map(|c| Scaler::fit(table.iter().skip(c).step_by(columns).copied(), range)).collect()
     }
 
+    /// Lets the columns of one quantity share a scale: columns with the same number in `quantities` keep their proportions,
+    /// and all of them together are as large as one column alone, so that a distribution of many bins weighs no more than a
+    /// number does, and bins that hold little but noise are not blown up. Nothing changes for a quantity of one column, or
+    /// if there are not as many numbers as scalers.
+    pub fn share(scalers: &mut [Scaler], quantities: &[usize]) {
+        if quantities.len() != scalers.len() {
+            return;
+        }
+        let spans: Vec<f64> = scalers.iter().map(|s| s.maximum - s.minimum).collect();
+        for k in 0..scalers.len() {
+            let members: Vec<usize> =
+                (0..scalers.len()).filter(|&j| quantities[j] == quantities[k]).collect();
+            if members.len() < 2 || members[0] != k {
+                continue;
+            }
+            let widest = members.iter().map(|&j| spans[j]).fold(0.0, f64::max);
+            for &j in &members {
+                let share = spans[j] / (widest * (members.len() as f64).sqrt());
+                if share > 0.0 && share.is_finite() {
+                    (scalers[j].low, scalers[j].high) = (share * scalers[j].low, share * scalers[j].high);
+                }
+            }
+        }
+    }
+
     /// True if all values are equal, or so close that their span has no reciprocal (or so far apart that they have no span).
     #[inline]
     pub fn is_constant(&self) -> bool {

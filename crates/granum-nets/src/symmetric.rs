@@ -50,17 +50,24 @@ impl Cholesky {
 
     /// Factorises `matrix + shift I`; false if it is not positive definite to working precision.
     pub(crate) fn factorise(&mut self, matrix: &Symmetric, shift: f64) -> bool {
-        dispatch(self.isa, Factorise { factor: self, matrix, shift })
+        let Symmetric { blocks, stride, ref mut values, .. } = self.upper;
+        values.copy_from_slice(&matrix.values);
+        factorise_panel(self.isa, values, stride, (blocks, blocks), shift, &mut self.reciprocal)
     }
 
     /// Solves `(A + shift I) x = b` in place.
     pub(crate) fn solve(&self, vector: &mut [Row8]) {
-        dispatch(self.isa, Solve { factor: self, vector });
+        let Symmetric { blocks, stride, ref values, .. } = self.upper;
+        let upper = Upper { values, stride, blocks, reciprocal: &self.reciprocal };
+        dispatch(self.isa, SolveTransposed { upper, vector: &mut *vector });
+        dispatch(self.isa, SolveUpper { upper, vector });
     }
 
     /// Solves `U^T y = b` in place: `y . y = b^T (A + shift I)^-1 b`.
     pub(crate) fn solve_transposed(&self, vector: &mut [Row8]) {
-        dispatch(self.isa, SolveTransposed { factor: self, vector });
+        let Symmetric { blocks, stride, ref values, .. } = self.upper;
+        let upper = Upper { values, stride, blocks, reciprocal: &self.reciprocal };
+        dispatch(self.isa, SolveTransposed { upper, vector });
     }
 
     /// Trace of `(A + shift I)^-1`, as the sum of squares of the inverse of the factor.
@@ -120,27 +127,48 @@ fn zero<L: Lanes>() -> impl Fn(usize) -> L {
     |_| L::zero()
 }
 
+/// Factorises the leading square of a matrix of lane rows in place, and with it all columns right of that square: what was
+/// `[A | B]` becomes `[U | U^-T B]` with `A + shift I = U^T U`. Of `A` only the upper triangle is read.
 struct Factorise<'a> {
-    factor: &'a mut Cholesky,
-    matrix: &'a Symmetric,
+    /// Rows of `stride` lane blocks, of which `columns` are used.
+    values: &'a mut [Row8],
+    stride: usize,
+    /// Lane blocks of the square.
+    blocks: usize,
+    /// Lane blocks of a row.
+    columns: usize,
     shift: f64,
+    /// Takes one over the diagonal of the factor.
+    reciprocal: &'a mut [f64],
+}
+
+/// Factorises the leading square of `blocks` lane blocks of a matrix with rows of `columns` lane blocks, see [`Factorise`];
+/// false if it is not positive definite to working precision.
+pub(crate) fn factorise_panel(
+    isa: Isa,
+    values: &mut [Row8],
+    stride: usize,
+    (blocks, columns): (usize, usize),
+    shift: f64,
+    reciprocal: &mut [f64],
+) -> bool {
+    dispatch(isa, Factorise { values, stride, blocks, columns, shift, reciprocal })
 }
 
 impl Kernel for Factorise<'_> {
     type Output = bool;
     #[inline(always)]
     fn run<L: Lanes>(self) -> bool {
-        let Symmetric { blocks, stride, .. } = self.factor.upper;
+        let Factorise { values, stride, blocks, columns, shift, reciprocal: reciprocals } = self;
         for q in 0..blocks {
-            let (above, rest) = self.factor.upper.values.split_at_mut(q * LANES * stride);
+            let (above, rest) = values.split_at_mut(q * LANES * stride);
             let rows = &mut rest[..LANES * stride];
-            let source = &self.matrix.values[q * LANES * stride..][..LANES * stride];
             // What the rows above leave.
             let scalars =
                 Scalars { values: &Row8::numbers(above)[q * LANES..], by_k: stride * LANES, by_j: 1 };
             panels(
                 q,
-                blocks,
+                columns,
                 widest::<L>(),
                 #[inline(always)]
                 |first, width| {
@@ -154,16 +182,16 @@ impl Kernel for Factorise<'_> {
                         #[inline(always)]
                         |i, b, sum| {
                             let at = i * stride + b;
-                            (L::load(&source[at].0) - sum).store(&mut rows[at].0);
+                            (L::load(&rows[at].0) - sum).store(&mut rows[at].0);
                         },
                     );
                 },
             );
-            let Some(diagonal) = diagonal_block(rows, stride, q, self.shift) else { return false };
+            let Some(diagonal) = diagonal_block(rows, stride, q, shift) else { return false };
             let reciprocal = diagonal.map(|row| 1.0 / row.1);
-            self.factor.reciprocal[q * LANES..(q + 1) * LANES].copy_from_slice(&reciprocal);
+            reciprocals[q * LANES..(q + 1) * LANES].copy_from_slice(&reciprocal);
             // The eight rows themselves, column block after column block.
-            for b in q + 1..blocks {
+            for b in q + 1..columns {
                 let mut values = [L::zero(); LANES];
                 for i in 0..LANES {
                     values[i] = L::load(&rows[i * stride + b].0);
@@ -220,8 +248,30 @@ fn diagonal_block(
     Some(block)
 }
 
+/// An upper triangular factor `U`, its rows `stride` lane blocks apart, with one over its diagonal.
+#[derive(Clone, Copy)]
+pub(crate) struct Upper<'a> {
+    pub values: &'a [Row8],
+    pub stride: usize,
+    /// Lane blocks of its columns.
+    pub blocks: usize,
+    pub reciprocal: &'a [f64],
+}
+
+impl Upper<'_> {
+    /// Solves `U^T y = b` in place.
+    pub(crate) fn solve_transposed(self, isa: Isa, vector: &mut [Row8]) {
+        dispatch(isa, SolveTransposed { upper: self, vector });
+    }
+
+    /// Solves `U x = b` in place.
+    pub(crate) fn solve(self, isa: Isa, vector: &mut [Row8]) {
+        dispatch(isa, SolveUpper { upper: self, vector });
+    }
+}
+
 struct SolveTransposed<'a> {
-    factor: &'a Cholesky,
+    upper: Upper<'a>,
     vector: &'a mut [Row8],
 }
 
@@ -229,10 +279,10 @@ impl Kernel for SolveTransposed<'_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Symmetric { blocks, stride, ref values, .. } = self.factor.upper;
+        let Upper { values, stride, blocks, reciprocal } = self.upper;
         for p in 0..blocks * LANES {
             let (b, lane) = (p / LANES, p % LANES);
-            let y = self.vector[b].0[lane] * self.factor.reciprocal[p];
+            let y = self.vector[b].0[lane] * reciprocal[p];
             self.vector[b].0[lane] = y;
             let row = &values[p * stride..][..blocks];
             // The rest of this block lane by lane, the later blocks whole.
@@ -247,17 +297,16 @@ impl Kernel for SolveTransposed<'_> {
     }
 }
 
-struct Solve<'a> {
-    factor: &'a Cholesky,
+struct SolveUpper<'a> {
+    upper: Upper<'a>,
     vector: &'a mut [Row8],
 }
 
-impl Kernel for Solve<'_> {
+impl Kernel for SolveUpper<'_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        SolveTransposed { factor: self.factor, vector: &mut *self.vector }.run::<L>();
-        let Symmetric { blocks, stride, ref values, .. } = self.factor.upper;
+        let Upper { values, stride, blocks, reciprocal } = self.upper;
         for p in (0..blocks * LANES).rev() {
             let (b, lane) = (p / LANES, p % LANES);
             let row = &values[p * stride..][..blocks];
@@ -269,7 +318,7 @@ impl Kernel for Solve<'_> {
             for s in lane + 1..LANES {
                 sum = row[b].0[s].mul_add(self.vector[b].0[s], sum);
             }
-            self.vector[b].0[lane] = (self.vector[b].0[lane] - sum) * self.factor.reciprocal[p];
+            self.vector[b].0[lane] = (self.vector[b].0[lane] - sum) * reciprocal[p];
         }
     }
 }

@@ -14,6 +14,8 @@ fn recipe() -> Recipe {
             Column::new("constant", "m"),
         ],
         output: Column::new("stress_ratio", "1"),
+        quantities: Vec::new(),
+        shares: Vec::new(),
         hidden: vec![8, 7],
         seed: 11,
     }

@@ -44,6 +44,7 @@ pub(super) enum Method {
         damping: f64,
         evidence: Evidence,
         start: Option<Vec<f64>>,
+        ceiling: f64,
         settled: bool,
         quiet: u64,
     },
@@ -89,7 +90,7 @@ impl Method {
         let positive = |x: f64| x > 0.0 && x.is_finite();
         let good = match self {
             Method::Traingdx { step, rate } => rate.is_finite() && step.iter().all(|x| x.is_finite()),
-            Method::LevenbergMarquardt { damping, evidence, start, quiet, .. } => {
+            Method::LevenbergMarquardt { damping, evidence, start, ceiling, quiet, .. } => {
                 let start = start.as_ref().is_none_or(|start| start.iter().all(|x| x.is_finite()));
                 let Evidence { alpha, beta, gamma } = *evidence;
                 start
@@ -98,6 +99,7 @@ impl Method {
                     && alpha.is_finite()
                     && positive(beta)
                     && gamma.is_finite()
+                    && *ceiling > 0.0
                     && *quiet < MOST
             }
         };

@@ -32,8 +32,9 @@ use super::{
     TrainingReport, check_columns,
 };
 use crate::backprop::Workspace;
-use crate::curvature::{Curvature, Form};
+use crate::curvature::Curvature;
 use crate::data::Data;
+use crate::kernels::blocks;
 use crate::network::Network;
 
 /// Most memory for the matrices, in bytes.
@@ -61,23 +62,29 @@ pub struct LevenbergMarquardt {
     pub maximum_failures: u64,
     /// Regularisation (Bayesian).
     pub regularisation: Regularisation,
+    /// First ratio `alpha / beta` of Bayesian regularisation over the mean squared deviation of the targets (0.04). Training finds
+    /// the smoothest function first that the data allow from here on; a function with a sharp shape that the data determine
+    /// well, such as a distribution, wants a looser start, or the search ends at a coarse likeness of it.
+    pub first_ratio: f64,
     /// First damping (1).
     pub damping: f64,
     /// Damping at which training ends, as no step lowers the objective (1e10).
     pub maximum_damping: f64,
-    /// Relative change of objective and of effective parameters below which an epoch is quiet (1e-3); ten quiet epochs in a
-    /// row end the training.
+    /// Relative change of the objective below which an epoch is quiet (1e-3); three quiet epochs in a row end the training.
     pub tolerance: f64,
     /// Instruction set; the bits are the same on each.
     pub isa: Isa,
 }
 
 /// Quiet epochs in a row that end the training.
-const QUIET: u64 = 10;
+const QUIET: u64 = 3;
+/// Relative change of the effective number of parameters below which an epoch is quiet.
+const GAMMA_TOLERANCE: f64 = 0.02;
+/// With no more independent observations than this the regularisation never gets firmer than where something was learned
+/// first; with more, by as much as they are more.
+const FEW_OBSERVATIONS: f64 = 8.0;
 /// Least damping: below this it no longer matters.
 const LEAST_DAMPING: f64 = 1e-20;
-/// First ratio `alpha / beta` over the squared deviation of the targets.
-const FIRST_RATIO: f64 = 0.005;
 /// If the first minimum leaves more than this share of the deviation, the regularisation was too firm (all weights vanish).
 const NOTHING_LEARNED: f64 = 0.9;
 /// Least first ratio over the squared deviation.
@@ -97,6 +104,7 @@ impl Default for LevenbergMarquardt {
             minimum_gradient: 1e-9,
             maximum_failures: 6,
             regularisation: Regularisation::Bayesian,
+            first_ratio: 0.04,
             damping: 1.0,
             maximum_damping: 1e10,
             tolerance: 1e-3,
@@ -117,6 +125,7 @@ impl LevenbergMarquardt {
             goal: options.goal.unwrap_or(default.goal),
             minimum_gradient: options.minimum_gradient.unwrap_or(default.minimum_gradient),
             maximum_failures: options.maximum_failures.unwrap_or(default.maximum_failures),
+            first_ratio: options.first_ratio.unwrap_or(default.first_ratio),
             isa: options.isa.unwrap_or(default.isa),
             ..default
         }
@@ -125,7 +134,7 @@ impl LevenbergMarquardt {
     /// Where regularisation starts: firmly enough to find a smooth function first, loosely enough not to find none.
     fn first_evidence(&self, data: &Data, weights: usize) -> Evidence {
         let ratio = match self.regularisation {
-            Regularisation::Bayesian => FIRST_RATIO * deviation(data),
+            Regularisation::Bayesian => self.first_ratio * deviation(data) / data.observations(),
             Regularisation::Fixed(ratio) => ratio,
         };
         Evidence { alpha: ratio, beta: 1.0, gamma: weights as f64 }
@@ -204,6 +213,9 @@ struct Search<'a> {
     start: Option<Vec<f64>>,
     /// Squared deviation of the targets from their means.
     deviation: f64,
+    /// Largest ratio `alpha / beta`, from that with which something was learned first. With a handful of independent
+    /// observations the evidence alone would let all weights vanish.
+    ceiling: f64,
     /// The last step changed little: the weights are near a minimum for the present regularisation.
     settled: bool,
     /// Epochs in a row without change.
@@ -220,8 +232,8 @@ impl<'a> Search<'a> {
         state: Option<TrainerState>,
     ) -> Result<Search<'a>, TrainingError> {
         let (rows, count) = (data.rows() * data.target_columns(), network.weights().len());
-        let form = Form::cheaper(rows, count, network.layers().iter().sum());
-        let bytes = form.bytes(rows, count).saturating_add(Workspace::bytes(network, rows));
+        let bytes = Curvature::bytes(rows, rows / data.points(), count)
+            .saturating_add(Workspace::bytes(network, rows));
         if bytes > MEMORY {
             let trainer = LevenbergMarquardt::NAME;
             return Err(TrainingError::Memory { trainer, rows, weights: count, bytes, limit: MEMORY });
@@ -234,12 +246,14 @@ impl<'a> Search<'a> {
                 damping: rule.damping,
                 evidence: rule.first_evidence(data, count),
                 start: (rule.regularisation == Regularisation::Bayesian).then(|| network.weights().to_vec()),
+                ceiling: f64::MAX,
                 settled: false,
                 quiet: 0,
             },
         });
         state.check(network)?;
-        let Method::LevenbergMarquardt { damping, evidence, start, settled, quiet } = state.method else {
+        let Method::LevenbergMarquardt { damping, evidence, start, ceiling, settled, quiet } = state.method
+        else {
             return Err(TrainingError::State(
                 "it was left by another trainer than levenberg-marquardt".into(),
             ));
@@ -247,13 +261,13 @@ impl<'a> Search<'a> {
         let workspace = Workspace::of_residuals(rule.isa, network, data);
         let mut search = Search {
             rule,
-            curvature: Curvature::new(rule.isa, form, rows, count),
+            curvature: Curvature::new(&workspace, count),
             validation: Validation::new(rule.isa, network, data),
             values: data.observations() * data.target_columns() as f64,
             trial: state.weights.clone(),
             weights: state.weights,
             gradient: vec![0.0; count],
-            residuals: vec![Row8::default(); workspace.blocks],
+            residuals: vec![Row8::default(); blocks(workspace.observations())],
             workspace,
             squared_error: 0.0,
             squared_weights: 0.0,
@@ -261,6 +275,7 @@ impl<'a> Search<'a> {
             evidence,
             start,
             deviation: deviation(data),
+            ceiling,
             settled,
             quiet,
             validation_error: None,
@@ -286,6 +301,7 @@ impl<'a> Search<'a> {
             damping: self.damping,
             evidence: self.evidence,
             start: self.start.clone(),
+            ceiling: self.ceiling,
             settled: self.settled,
             quiet: self.quiet,
         };
@@ -339,7 +355,9 @@ impl<'a> Search<'a> {
         }
         self.workspace.sensitivities(&self.weights);
         self.workspace.residuals(&mut self.residuals);
-        self.curvature.form(&self.workspace);
+        if !self.curvature.form(&self.workspace) {
+            return Err(TerminationReason::MaximumDamping);
+        }
         let gamma = self.evidence.gamma;
         if self.rule.regularisation == Regularisation::Bayesian && self.settled {
             self.update_evidence();
@@ -363,7 +381,8 @@ impl<'a> Search<'a> {
         self.course.note(self.squared_error / self.values, self.validation_error);
         let still = |new: f64, old: f64| (new - old).abs() <= self.rule.tolerance * old.abs();
         self.settled = before - after <= SETTLED * before;
-        let quiet = self.settled && still(after, before) && still(self.evidence.gamma, gamma);
+        let alike = (self.evidence.gamma - gamma).abs() <= GAMMA_TOLERANCE * gamma;
+        let quiet = self.settled && still(after, before) && alike;
         self.quiet = if quiet { self.quiet + 1 } else { 0 };
         Ok(())
     }
@@ -381,6 +400,8 @@ impl<'a> Search<'a> {
             self.squared_error = self.workspace.squared_error(&start);
             self.squared_weights = square(self.rule.isa, &start);
             self.start = Some(start);
+        } else {
+            self.ceiling = decay * (self.values / FEW_OBSERVATIONS).max(1.0);
         }
     }
 
@@ -422,7 +443,7 @@ impl<'a> Search<'a> {
         let noise = (self.values - gamma).max(LEAST_NOISE * self.values);
         let alpha = gamma / self.squared_weights.max(f64::MIN_POSITIVE);
         let beta = noise / self.squared_error.max(f64::MIN_POSITIVE);
-        let alpha = alpha.max(LARGEST_FALL * decay * beta);
+        let alpha = alpha.max(LARGEST_FALL * decay * beta).min(self.ceiling * beta);
         if alpha.is_finite() && beta.is_finite() {
             self.evidence = Evidence { alpha, beta, gamma };
         }

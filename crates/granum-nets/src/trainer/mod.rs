@@ -28,6 +28,8 @@ pub struct Options {
     pub minimum_gradient: Option<f64>,
     /// Training with validation rows ends when their error has not fallen for so many accepted steps in a row.
     pub maximum_failures: Option<u64>,
+    /// Where Bayesian regularisation starts, see [`LevenbergMarquardt::first_ratio`].
+    pub first_ratio: Option<f64>,
     /// The instruction set; the widest of the machine if none. The bits are the same on each.
     pub isa: Option<Isa>,
 }
@@ -243,6 +245,7 @@ pub trait Trainer: Send + Sync {
 /// If there is none, or an option is out of bounds.
 pub fn by_name(name: &str, options: &Options) -> Result<Box<dyn Trainer>, TrainingError> {
     check("goal", options.goal, "a number that is zero or positive")?;
+    check("first_ratio", options.first_ratio, "a number that is zero or positive")?;
     check("minimum_gradient", options.minimum_gradient, "a number that is zero or positive")?;
     match name {
         LevenbergMarquardt::NAME => Ok(Box::new(LevenbergMarquardt::with_options(options))),

@@ -71,7 +71,7 @@ fn names_and_options_are_checked() {
 
 #[test]
 fn too_large_a_problem_is_refused_before_it_starts() {
-    let rows = 20_000;
+    let rows = 400_000;
     let data = Data::new(vec![0.5; rows], 1, vec![0.5; rows]).unwrap();
     let mut network = Network::new(&[1, 200, 200, 1], 1).unwrap();
     let error = LevenbergMarquardt::default().train(&mut network, &data, &mut Silent).unwrap_err();
@@ -356,7 +356,7 @@ fn copies_of_rows_are_not_taken_for_witnesses() {
     for (a, b) in [(once.alpha, five.alpha), (once.beta, five.beta), (once.gamma, five.gamma)] {
         assert!((a / b - 1.0).abs() < 1e-5, "{once:?} {five:?}");
     }
-    assert!((once.alpha / copied.alpha - 1.0).abs() > 1e-2, "{once:?} {copied:?}");
+    assert!((once.gamma / copied.gamma - 1.0).abs() > 1e-1, "{once:?} {copied:?}");
 }
 
 fn trainers(isa: Isa) -> [(Box<dyn Trainer>, u64); 2] {

@@ -151,6 +151,8 @@ fn model(isa: Isa) -> Result<Model, Failure> {
     let recipe = Recipe {
         inputs: ["strain", "f", "probability"].map(|n| Column::new(n, "1")).to_vec(),
         output: Column::new("stress_ratio", "1"),
+        quantities: Vec::new(),
+        shares: Vec::new(),
         hidden: vec![HIDDEN, HIDDEN],
         seed: 1,
     };

@@ -1,0 +1,131 @@
+//! What a network is given to learn from: which states, how much each of them counts, and how its inputs are weighed.
+//!
+//! The paper's trainer gets what the paper gave it: the states of its sub-model alone, every row an example of its own. For
+//! the default trainer four things are different, each found by experiment on runs that judge nothing (seeds 101 to 124 of
+//! 2000 grains; see the chapter on networks in the book):
+//!
+//! - **Neighbouring states are not independent.** What a run differs by from the mean of all runs lasts over some 0.03 of
+//!   deviator strain. Told that 60 states are 60 observations, Bayesian regularisation takes the peculiarities of a run
+//!   for structure. A state counts as [`STATE_OBSERVATIONS`] of an observation, a distribution as
+//!   [`DISTRIBUTION_OBSERVATIONS`]: its bins differ in four to five independent ways.
+//! - **The points of a state answer together.** In point form a state gives one row a bin of f. Trained row by row, every
+//!   single point has to guess the answer, and the mean of 14 guesses is judged. Trained on that mean, the network learns a
+//!   sum over the distribution.
+//! - **Sub-models learn from all states**, and answer in their own range. A third of the states is too little to learn from,
+//!   and curves jumped where sub-models met.
+//! - **A sensor is believed less than the strain where it could do harm.** Bins of a distribution share the range of one
+//!   input and keep their proportions, so that bins with little but noise are not blown up; these, and every sensor of a
+//!   network that answers with a distribution, get [`SENSOR_SHARE`] of the range of an input.
+
+use granum_nets::{Data, DataError};
+
+use crate::dataset::{Dataset, Rows, State};
+use crate::mapping::{Form, Mapping, Quantity};
+use crate::study::PAPER_TRAINER;
+use crate::surrogate::states_of;
+
+/// How many independent observations a state that answers with a number is worth.
+const STATE_OBSERVATIONS: f64 = 0.15;
+/// The same for a state that answers with a distribution.
+const DISTRIBUTION_OBSERVATIONS: f64 = 0.5;
+/// Share of the range of an input that a sensor is given where it could do harm.
+const SENSOR_SHARE: f64 = 0.3;
+/// Where Bayesian regularisation starts for distributions, whose shape over f is sharp and well determined.
+const DISTRIBUTION_FIRST_RATIO: f64 = 0.0016;
+/// Most states that one network learns from. With more runs every run gives fewer, each other ones: neighbouring states
+/// say nearly the same.
+const MOST_STATES: usize = 480;
+
+/// How examples are made of states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Rule {
+    /// As the paper did.
+    Paper,
+    /// As above.
+    Pooled,
+}
+
+/// The rule for a trainer.
+pub(crate) fn rule_of(trainer: &str) -> Rule {
+    if trainer == PAPER_TRAINER { Rule::Paper } else { Rule::Pooled }
+}
+
+/// Rows of a state that answer together, for a network that is trained by this rule.
+pub(crate) fn points(mapping: &Mapping, form: Form, bins: usize, rule: Rule) -> usize {
+    let number = mapping.output != Quantity::ForceDistribution;
+    if rule == Rule::Pooled && number && mapping.has_point_rows(form) { bins } else { 1 }
+}
+
+/// Where Bayesian regularisation starts, if not at the trainer's default.
+pub(crate) fn first_ratio(mapping: &Mapping) -> Option<f64> {
+    (mapping.output == Quantity::ForceDistribution).then_some(DISTRIBUTION_FIRST_RATIO)
+}
+
+/// The rows that a sub-model learns from, with what they count.
+///
+/// # Errors
+/// If there is none.
+pub(crate) fn data(
+    dataset: &Dataset,
+    mapping: &Mapping,
+    sub_model: usize,
+    form: Form,
+    rule: Rule,
+) -> Result<Data, DataError> {
+    let states = match rule {
+        Rule::Paper => states_of(mapping, dataset.training(), Some(sub_model)),
+        Rule::Pooled => thinned(dataset),
+    };
+    let distribution = mapping.output == Quantity::ForceDistribution;
+    let rows = Rows::new(mapping, form, &dataset.forces, states.iter().copied());
+    let data = Data::new(rows.inputs, rows.input_columns, rows.targets)?;
+    if rule == Rule::Paper {
+        return Ok(data);
+    }
+    let each = if distribution { DISTRIBUTION_OBSERVATIONS } else { STATE_OBSERVATIONS };
+    // States further apart are more independent: what they count together does not change.
+    let observations = dataset.training().len() as f64 * each;
+    data.with_points(points(mapping, form, dataset.forces.len(), rule))?.with_observations(observations)
+}
+
+/// The training states; of many runs every so manieth state of each, beginning with another one in each run.
+fn thinned(dataset: &Dataset) -> Vec<&State> {
+    let every = dataset.training().len().div_ceil(MOST_STATES).max(1);
+    let runs = dataset.training_runs.iter().enumerate();
+    let states = runs.flat_map(|(k, run)| {
+        let training = run.states.iter().zip(&run.numbers).filter(|(_, number)| dataset.trains(**number));
+        training.map(|(state, _)| state).skip(k % every).step_by(every)
+    });
+    states.collect()
+}
+
+/// Which quantity each input of a network belongs to, see [`granum_nets::Recipe::quantities`].
+pub(crate) fn quantities(mapping: &Mapping, form: Form, bins: usize, rule: Rule) -> Vec<usize> {
+    match rule {
+        Rule::Paper => Vec::new(),
+        Rule::Pooled => mapping.input_quantities(form, bins),
+    }
+}
+
+/// The share of its range that each input of a network is given, see [`granum_nets::Recipe::shares`].
+pub(crate) fn shares(mapping: &Mapping, form: Form, bins: usize, rule: Rule) -> Vec<f64> {
+    if rule == Rule::Paper {
+        return Vec::new();
+    }
+    let distribution = mapping.output == Quantity::ForceDistribution;
+    let mut shares = Vec::new();
+    for &input in &mapping.inputs {
+        let held_back = distribution || input == Quantity::ForceDistribution;
+        let share = if held_back && input != Quantity::DeviatorStrain { SENSOR_SHARE } else { 1.0 };
+        match (input == Quantity::ForceDistribution, form) {
+            // f itself is no sensor.
+            (true, Form::Point) => shares.extend([1.0, share]),
+            (true, Form::Histogram) => shares.extend(std::iter::repeat_n(share, bins)),
+            (false, _) => shares.push(share),
+        }
+    }
+    if distribution {
+        shares.push(1.0);
+    }
+    shares
+}
