@@ -11,6 +11,7 @@
 //! claims on size and speed.
 
 pub mod baseline;
+pub mod contents;
 pub mod dataset;
 mod error;
 pub mod figures;
@@ -20,10 +21,12 @@ pub mod laboratory;
 pub mod mapping;
 mod pool;
 pub mod reading;
+pub mod reproduction;
 pub mod score;
 pub mod size_study;
 pub mod speed;
 pub mod study;
+pub mod sufficiency;
 pub mod summary;
 mod surrogate;
 

@@ -13,6 +13,7 @@ pub mod packing;
 pub mod parquet;
 pub mod quantity;
 pub mod run;
+pub mod shell;
 pub mod snapshot;
 mod table;
 mod text;

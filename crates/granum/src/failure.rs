@@ -86,16 +86,28 @@ impl Failure {
         let handler = GraphicalReportHandler::new();
         let mut text = String::new();
         for place in places {
-            let drawn = handler.render_report(&mut text, &Drawn(place));
-            if drawn.is_err() {
+            let drawable = !place.source_text.is_empty();
+            if !drawable || handler.render_report(&mut text, &Drawn(place)).is_err() {
                 text.push_str(&format!("error: {place}\n"));
             }
         }
-        // The place in one line, for people and editors that look for it.
-        for place in places {
-            text.push_str(&format!("error: {place}\n"));
-        }
         text
+    }
+
+    /// Tells of a command line that cannot be understood, as JSON.
+    pub fn print_usage_as_json(error: &clap::Error) {
+        let told = error.render().to_string();
+        // The usage and the hint at the end stand apart by an empty line.
+        let lines = told.lines().map(str::trim).filter(|line| !line.is_empty());
+        let (usage, message): (Vec<&str>, Vec<&str>) =
+            lines.filter(|line| !line.starts_with("For more information")).partition(|line| line.starts_with("Usage:"));
+        let message = message.join(" ");
+        let error = serde_json::json!({
+            "message": message.strip_prefix("error: ").unwrap_or(&message),
+            "usage": usage.first().map(|line| line.trim_start_matches("Usage:").trim()),
+            "places": [],
+        });
+        eprintln!("{}", serde_json::json!({ "error": error }));
     }
 
     fn json(&self) -> serde_json::Value {

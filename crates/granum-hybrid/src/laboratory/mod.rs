@@ -13,6 +13,7 @@ pub mod memory;
 mod quality;
 mod sample;
 mod standing;
+mod status;
 mod test;
 
 use std::path::PathBuf;
@@ -20,19 +21,22 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use granum_dem::preparation::{Phase, PreparationError};
-use granum_dem::simulation::{Hardware, Simulation, SimulationError};
+use granum_dem::preparation::PreparationError;
+use granum_dem::simulation::{Hardware, SimulationError};
 use granum_io::run::{Machine, RunFolder, RunRecord, RunStatus};
+use granum_io::shell::quoted_path;
 use granum_io::{Case, Error as FileError};
 use thiserror::Error;
 
 use self::standing::{Stage, Standing};
+use self::status::Speedometer;
 use crate::error::HybridError;
 use crate::files::write_record;
 
 pub use granum_io::run::{CHECKPOINT, PREVIOUS_CHECKPOINT};
 pub use sample::{Source, cell, simulation, sites};
 pub use standing::check_beside;
+pub use status::{Field, Status};
 
 /// Name of the snapshot of a sample.
 pub const SAMPLE: &str = "start";
@@ -83,8 +87,8 @@ pub enum LaboratoryError {
     },
     /// No checkpoint of a folder can be used.
     #[error(
-        "{what}: nothing is left to go on from; run it again, e.g. `granum shear {0}/case.toml --out OTHER`",
-        folder.display()
+        "{what}: nothing is left to go on from; run it again, e.g. `granum shear {} --out OTHER`",
+        quoted_path(&folder.join("case.toml"))
     )]
     Unusable {
         /// The folder.
@@ -92,44 +96,6 @@ pub enum LaboratoryError {
         /// What is wrong with each.
         what: String,
     },
-}
-
-/// What a running phase tells.
-pub struct Status<'a> {
-    /// Which phase.
-    pub phase: Phase,
-    /// Which trial of the preparation friction, from 1.
-    pub trial: usize,
-    /// Fraction of the phase done, where it can be told.
-    pub fraction: Option<f64>,
-    /// Grain-steps per second of the last stretch.
-    pub grain_steps_per_second: f64,
-    /// The simulation, for looking.
-    pub simulation: &'a Simulation,
-}
-
-impl Status<'_> {
-    /// Where it stands, in one line for people.
-    pub fn line(&self) -> String {
-        let s = self.simulation.state();
-        let stress = s.stress();
-        let p = s.mean_stress();
-        let rate = self.grain_steps_per_second / 1e6;
-        let common = format!(
-            "p {:.2} kPa  solid fraction {:.4}  {rate:.1} M grain-steps/s",
-            p / 1e3,
-            s.solid_fraction()
-        );
-        match self.phase {
-            Phase::Shear => {
-                let q = stress[0][0] - 0.5 * (stress[1][1] + stress[2][2]);
-                let ratio = if p == 0.0 { 0.0 } else { q / p };
-                format!("strain {:.4}  q/p {ratio:.3}  {common}", s.deviator_strain())
-            }
-            _ if self.trial > 1 => format!("trial {}  {common}", self.trial),
-            _ => common,
-        }
-    }
 }
 
 /// Who watches a run. Nothing that it does can change a result but to stop it.
@@ -194,6 +160,13 @@ pub struct Laboratory {
     pub version: String,
 }
 
+/// A run that is about to begin: what it begins with was found good, and nothing is written yet.
+pub struct Beginning {
+    case: Case,
+    record: RunRecord,
+    standing: Standing,
+}
+
 /// How a stretch of a run ended.
 enum Stretch {
     /// There is more to do.
@@ -235,7 +208,7 @@ impl Laboratory {
         folder: &RunFolder,
         observer: &mut dyn RunObserver,
     ) -> Result<RunRecord, LaboratoryError> {
-        self.begin("prepare", case, source, folder, observer)
+        self.run(self.beginning("prepare", case, source)?, folder, observer)
     }
 
     /// Makes or takes a sample and shears it as the case says; leaves a run folder.
@@ -249,7 +222,7 @@ impl Laboratory {
         folder: &RunFolder,
         observer: &mut dyn RunObserver,
     ) -> Result<RunRecord, LaboratoryError> {
-        self.begin("shear", case, source, folder, observer)
+        self.run(self.beginning("shear", case, source)?, folder, observer)
     }
 
     /// Goes on with a preparation or test that was interrupted, killed or failed: from its last good checkpoint, or from
@@ -296,30 +269,44 @@ impl Laboratory {
         })
     }
 
-    /// Begins a run. The record goes first and holds the case until that has its own file: from then on the run can be
-    /// resumed.
-    fn begin(
+    /// Reads what a run of a `kind` (`prepare`, `shear`) begins with and refuses what cannot be run. Nothing is written, so that
+    /// a mistake leaves no folder behind.
+    ///
+    /// # Errors
+    /// [`LaboratoryError`] if the machine cannot hold the case, or its sample or packing cannot be used.
+    pub fn beginning(
         &self,
         kind: &str,
         case: &Case,
         source: &Source,
-        folder: &RunFolder,
-        observer: &mut dyn RunObserver,
-    ) -> Result<RunRecord, LaboratoryError> {
+    ) -> Result<Beginning, LaboratoryError> {
         if *source == Source::Case {
             memory::check(case)?;
         }
         let machine = Machine::here(self.hardware.isa.name(), self.hardware.threads);
         let mut record = RunRecord::new(kind, &self.version, case, machine);
         record.source = source.record()?;
+        let standing = self.start(case, source, &mut record)?;
+        Ok(Beginning { case: case.clone(), record, standing })
+    }
+
+    /// Runs from a beginning to the end. The record goes first and holds the case until that has its own file: from then
+    /// on the run can be resumed.
+    ///
+    /// # Errors
+    /// [`LaboratoryError`]; the record in the folder then has the status `failed`.
+    pub fn run(
+        &self,
+        beginning: Beginning,
+        folder: &RunFolder,
+        observer: &mut dyn RunObserver,
+    ) -> Result<RunRecord, LaboratoryError> {
+        let Beginning { case, mut record, standing } = beginning;
         record.unwritten_case = Some(case.resolved_toml());
         folder.write_record(&record)?;
-        folder.write_case(case)?;
+        folder.write_case(&case)?;
         record.unwritten_case = None;
-        self.finish(folder, &mut record, |record| {
-            let standing = self.start(case, source, record)?;
-            self.go_on(case, standing, folder, record, observer)
-        })
+        self.finish(folder, &mut record, |record| self.go_on(&case, standing, folder, record, observer))
     }
 
     /// Goes from stage to stage until the run is complete or the observer stops it.
@@ -333,12 +320,14 @@ impl Laboratory {
     ) -> Result<(), LaboratoryError> {
         // At once, so that nothing outside the folder is needed from here on.
         save(folder, &standing, record)?;
+        let mut speedometer = Speedometer::new();
         loop {
             let started = Instant::now();
+            speedometer.begin();
             let phase = standing.phase();
             let stretch = match standing.stage {
                 Stage::Preparation(_) => {
-                    let (next, stretch) = self.prepare_on(case, standing, observer)?;
+                    let (next, stretch) = self.prepare_on(case, standing, &mut speedometer, observer)?;
                     standing = next;
                     stretch
                 }
@@ -349,7 +338,7 @@ impl Laboratory {
                     }
                     self.begin_test(case, &mut standing)?
                 }
-                Stage::Test(_) => self.test_on(&mut standing, observer)?,
+                Stage::Test(_) => self.test_on(&mut standing, &mut speedometer, observer)?,
             };
             if let Some(phase) = phase {
                 *record.wall_seconds.entry(phase.into()).or_default() += started.elapsed().as_secs_f64();
@@ -433,37 +422,6 @@ impl Interval {
                 false
             }
         }
-    }
-}
-
-/// Grain-steps per second, from stretch to stretch.
-pub(crate) struct Speedometer {
-    since: Instant,
-    /// Step at that time; none before the first look.
-    step: Option<u64>,
-    rate: f64,
-}
-
-impl Speedometer {
-    pub(crate) fn new() -> Self {
-        Speedometer { since: Instant::now(), step: None, rate: 0.0 }
-    }
-
-    pub(crate) fn rate(&mut self, simulation: &Simulation) -> f64 {
-        let step = simulation.state().step();
-        let seconds = self.since.elapsed().as_secs_f64();
-        match self.step {
-            Some(before) if before <= step => {
-                if seconds > 0.5 {
-                    let steps = (step - before) as f64;
-                    let rate = steps * simulation.state().grains() as f64 / seconds;
-                    *self = Speedometer { step: Some(step), rate, since: Instant::now() };
-                }
-            }
-            // Another phase has begun.
-            _ => *self = Speedometer { step: Some(step), rate: self.rate, since: Instant::now() },
-        }
-        self.rate
     }
 }
 

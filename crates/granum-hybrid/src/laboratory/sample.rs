@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use granum_dem::cell::Cell;
 use granum_dem::preparation::{Flow, Outcome, Preparing, Progress, Recipe, Sample};
 use granum_dem::simulation::{Properties, Simulation, Site};
+use granum_io::shell::quoted_path;
 use granum_io::run::{Run, RunRecord, RunSource};
 use granum_io::{Case, Packing, run};
 
@@ -94,6 +95,7 @@ impl Laboratory {
         &self,
         case: &Case,
         standing: Standing,
+        speedometer: &mut Speedometer,
         observer: &mut dyn RunObserver,
     ) -> Result<(Standing, Stretch), LaboratoryError> {
         // By value: a large simulation would not fit into memory twice.
@@ -103,7 +105,6 @@ impl Laboratory {
         };
         let preparing = Preparing { simulation, course };
         let recipe = self.recipe(case, found.grains);
-        let mut speedometer = Speedometer::new();
         let mut interval = Interval::new(self.checkpoint_every);
         let mut stopped = false;
         let mut watch = |p: &Progress| {
@@ -138,7 +139,7 @@ fn take_sample(case: &Case, path: &Path, record: &mut RunRecord) -> Result<Stand
     let other = Run::at(path)?.record()?;
     let checkpoint = path.join(CHECKPOINT);
     let bad = |what: String| LaboratoryError::Checkpoint { path: checkpoint.clone(), what };
-    let name = path.display();
+    let name = quoted_path(path);
     if other.preparation_digest != case.preparation_digest() {
         return Err(bad(
             "the sample was prepared for other grains, contact law or preparation than this case asks for; prepare it anew".into(),

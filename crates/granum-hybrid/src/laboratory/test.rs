@@ -37,7 +37,7 @@ impl Test {
 struct Watch<'a> {
     recorder: &'a mut Recorder,
     observer: &'a mut dyn RunObserver,
-    speedometer: Speedometer,
+    speedometer: &'a mut Speedometer,
     end: f64,
     interval: Interval,
     stopped: bool,
@@ -91,6 +91,7 @@ impl Laboratory {
     pub(super) fn test_on(
         &self,
         standing: &mut Standing,
+        speedometer: &mut Speedometer,
         observer: &mut dyn RunObserver,
     ) -> Result<Stretch, LaboratoryError> {
         let Stage::Test(test) = &mut standing.stage else { return Ok(Stretch::GoOn) };
@@ -99,7 +100,7 @@ impl Laboratory {
         let mut watch = Watch {
             recorder: &mut test.recorder,
             observer,
-            speedometer: Speedometer::new(),
+            speedometer,
             end: test.path.deviator_strain,
             interval: Interval::new(self.checkpoint_every),
             stopped: false,

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use granum_hybrid::laboratory::{Source, memory};
+use granum_hybrid::contents::{Kind, check_free};
+use granum_hybrid::laboratory::Source;
 use granum_io::{Case, RunFolder};
 
 use super::checkpoints::CheckpointFlags;
@@ -35,13 +36,13 @@ pub struct Prepare {
 impl Prepare {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let case = Case::read(&self.case)?;
-        let laboratory = self.hardware.laboratory(&self.checkpoints)?;
+        let laboratory = self.hardware.laboratory(context, &self.checkpoints)?;
         let source = self.packing.clone().map_or(Source::Case, Source::Packing);
-        if source == Source::Case {
-            memory::check(&case)?;
-        }
+        check_free(&self.out, Kind::Run, context.force)?;
+        // Before there is a folder: a mistake leaves none behind, and with --force costs no older run.
+        let beginning = laboratory.beginning("prepare", &case, &source)?;
         let folder = RunFolder::create(&self.out, context.force)?;
-        let record = laboratory.prepare(&case, &source, &folder, &mut Show::new(context))?;
+        let record = laboratory.run(beginning, &folder, &mut Show::new(context))?;
         run_report::tell(context, &self.out, &record)
     }
 }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use granum_hybrid::{NamedRecord, files::read_record};
+use granum_io::shell::quoted_path;
 use granum_io::{Run, RunRecord, RunStatus};
 use granum_sensors::Record;
 
@@ -32,10 +33,10 @@ pub fn check_begun(run: &Run, about: &RunRecord) -> Result<(), Failure> {
     if about.kind == "prepare" || run.series_path().is_file() {
         return Ok(());
     }
-    let name = run.path().display();
+    let (name, quoted) = (run.path().display(), quoted_path(run.path()));
     let place = if about.phase.is_empty() { "the start" } else { about.phase.as_str() };
     Err(Failure::new(format!(
-        "{name}: was broken off in {place}, before there was anything of its test; go on with `granum resume {name}`"
+        "{name}: was broken off in {place}, before there was anything of its test; go on with `granum resume {quoted}`"
     )))
 }
 
@@ -56,7 +57,7 @@ fn read_one(context: &Context, folder: &Path) -> Result<Recorded, Failure> {
         return Err(Failure::new(format!(
             "{}: is a sample, not a test; shear it first: granum shear CASE --sample {}",
             folder.display(),
-            folder.display()
+            quoted_path(folder)
         )));
     }
     check_begun(&run, &about)?;

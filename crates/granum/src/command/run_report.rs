@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use granum_io::shell::quoted_path;
 use granum_io::{RunRecord, RunStatus};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
@@ -12,21 +13,37 @@ use crate::output;
 /// Tells of a run that ended in good order; an interruption is a failure with its own status.
 pub fn tell(context: &Context, folder: &Path, record: &RunRecord) -> Result<(), Failure> {
     if record.status == RunStatus::Interrupted {
-        let left = format!("what was done is in {0}; go on with `granum resume {0}`", folder.display());
+        let left = format!(
+            "what was done is in {}; go on with `granum resume {}`",
+            folder.display(),
+            quoted_path(folder)
+        );
         return Err(Interrupted { left }.into());
     }
-    let result = json!({
+    output::say(context, &result(folder, record), || {
+        format!("{}\nwrote {}", text(record), folder.display())
+    })
+}
+
+/// Tells of a run that had reached its end before.
+pub fn tell_finished(context: &Context, folder: &Path, record: &RunRecord) -> Result<(), Failure> {
+    output::say(context, &result(folder, record), || {
+        format!("{}: it was finished before; nothing was left to do", folder.display())
+    })
+}
+
+fn result(folder: &Path, record: &RunRecord) -> Value {
+    json!({
         "folder": folder,
         "status": record.status,
         "measures": record.measures,
         "steps": record.steps,
         "wall_seconds": record.wall_seconds,
         "quality": record.quality,
-    });
-    output::say(context, &result, || text(folder, record))
+    })
 }
 
-fn text(folder: &Path, record: &RunRecord) -> String {
+fn text(record: &RunRecord) -> String {
     let mut lines = Vec::new();
     let measure = |name: &str| record.measures.get(name).copied();
     if let Some(solid_fraction) = measure("solid_fraction") {
@@ -60,6 +77,5 @@ fn text(folder: &Path, record: &RunRecord) -> String {
     let seconds: f64 = record.wall_seconds.values().sum();
     let rate = record.grain_steps() as f64 / seconds.max(1e-9) / 1e6;
     lines.push(format!("{:.2e} grain-steps in {seconds:.1} s ({rate:.1} M/s)", record.grain_steps() as f64));
-    lines.push(format!("wrote {}", folder.display()));
     lines.join("\n")
 }

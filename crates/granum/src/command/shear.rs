@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use granum_hybrid::laboratory::{Source, memory};
+use granum_hybrid::contents::{Kind, check_free};
+use granum_hybrid::laboratory::Source;
 use granum_io::{Case, RunFolder};
 
 use super::checkpoints::CheckpointFlags;
@@ -39,17 +40,17 @@ pub struct Shear {
 impl Shear {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let case = Case::read(&self.case)?;
-        let laboratory = self.hardware.laboratory(&self.checkpoints)?;
+        let laboratory = self.hardware.laboratory(context, &self.checkpoints)?;
         let source = match (&self.sample, &self.packing) {
             (Some(folder), _) => Source::Folder(folder.clone()),
             (_, Some(file)) => Source::Packing(file.clone()),
             _ => Source::Case,
         };
-        if source == Source::Case {
-            memory::check(&case)?;
-        }
+        check_free(&self.out, Kind::Run, context.force)?;
+        // Before there is a folder: a mistake leaves none behind, and with --force costs no older run.
+        let beginning = laboratory.beginning("shear", &case, &source)?;
         let folder = RunFolder::create(&self.out, context.force)?;
-        let record = laboratory.shear(&case, &source, &folder, &mut Show::new(context))?;
+        let record = laboratory.run(beginning, &folder, &mut Show::new(context))?;
         run_report::tell(context, &self.out, &record)
     }
 }

@@ -6,14 +6,18 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
+use granum_hybrid::contents::{Kind, check_free};
 use granum_hybrid::files::{STUDY_FILE, save_study};
 use granum_hybrid::keeping::{Keeper, PLAN_FILE, Plan};
+use granum_hybrid::laboratory::Field;
 use granum_hybrid::mapping::{PAPER_STRAIN, paper_mappings_to};
+use granum_hybrid::sufficiency::check_states;
 use granum_hybrid::summary::MappingSummary;
 use granum_hybrid::{
     Dataset, DatasetOptions, Form, HybridError, Study, StudyObserver, StudyOptions, StudyProgress,
 };
 use granum_io::OutputFolder;
+use granum_io::shell::quoted_path;
 use granum_nets::Model;
 use granum_nets::trainer::TrainerState;
 use serde_json::json;
@@ -94,14 +98,28 @@ impl<'a> Show<'a> {
         self.progress.into_inner().unwrap_or_else(PoisonError::into_inner).end(text);
     }
 
+    /// Ends the phase of a study that is trained, with the seconds of the networks that were found.
+    fn finish(self, mut study: Study) -> Study {
+        self.keeper.tell_seconds(&mut study);
+        let networks: usize = study.mappings.iter().map(|m| m.surrogate.networks().len()).sum();
+        self.end(|| format!("{networks} networks and as many that see strain only"));
+        study
+    }
+
+    /// True if a training that ended so can be gone on with: the user stopped it, or the disk was full.
+    fn can_go_on(&self, error: &HybridError) -> bool {
+        matches!(error, HybridError::Stopped { .. }) || self.keeper.failed()
+    }
+
     /// Why a training ended before its time: a file that could not be written, the user, or an error of its own.
     pub fn failure(&self, error: HybridError, folder: &Path) -> Failure {
         match (self.keeper.take_failure(), error) {
             (Some(failure), _) => failure.into(),
             (None, HybridError::Stopped { done, total }) => {
                 let left = format!(
-                    "{done} of {total} networks are in {}; the same command goes on from there",
-                    folder.display()
+                    "{done} of {total} networks are in {}; go on with `granum resume {}`",
+                    folder.display(),
+                    quoted_path(folder)
                 );
                 Interrupted { left }.into()
             }
@@ -113,7 +131,9 @@ impl<'a> Show<'a> {
 impl StudyObserver for Show<'_> {
     fn progress(&self, p: &StudyProgress) {
         let mut progress = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
-        progress.update(None, || format!("{} epoch {} error {:.2e}", p.network, p.epoch, p.error));
+        progress.update(None, |_| {
+            vec![Field::new(0, format!("{} epoch {} error {:.2e}", p.network, p.epoch, p.error))]
+        });
     }
     fn trained(&self, network: &str, model: &Model, seconds: f64) {
         self.keeper.trained(network, model, seconds);
@@ -147,9 +167,23 @@ impl Train {
         }
         let dataset =
             Dataset::new(&records::named(&training), &records::named(&unseen), &DatasetOptions::default())?;
+        // Before there is a folder, and before an older one is replaced.
+        check_states(&dataset, &options.mappings)?;
+        let every = self.checkpoints.every()?;
         let plan = Plan::new(&self.runs, &self.unseen, dataset.hash()?, &options)?;
+        let begun = Train::is_in(&self.out) && !context.force;
         let folder = self.folder(context, &plan)?;
-        let study = self.train(context, &folder, &dataset, &options)?;
+        let show = Show::new(context, "networks", folder.path(), every);
+        let study = match Study::train(&dataset, &options, &show) {
+            Ok(study) => show.finish(study),
+            Err(error) => {
+                if !begun && !show.can_go_on(&error) {
+                    // Nothing can come of it: the corrected command finds the folder free.
+                    folder.clear(&plan.files().iter().map(String::as_str).collect::<Vec<_>>())?;
+                }
+                return Err(show.failure(error, folder.path()));
+            }
+        };
         save_study(folder.path(), &study)?;
         self.tell(context, &study, &dataset)
     }
@@ -209,15 +243,18 @@ impl Train {
     /// the training is of.
     fn folder(&self, context: &Context, plan: &Plan) -> Result<OutputFolder, Failure> {
         let unfinished = Train::is_in(&self.out) && !self.out.join(STUDY_FILE).exists();
-        if unfinished && !context.force {
+        if !unfinished || context.force {
+            check_free(&self.out, Kind::Training, context.force)?;
+        } else {
             let folder = OutputFolder::open(&self.out)?;
             let differences = Plan::read(&self.out)?.differences(plan);
             if !differences.is_empty() {
                 return Err(Failure::new(format!(
-                    "{}: holds an unfinished training that differs in {}; go on with that one (`granum resume {0}`), choose \
+                    "{}: holds an unfinished training that differs in {}; go on with that one (`granum resume {}`), choose \
                      another --out, or give --force to replace it",
                     self.out.display(),
-                    differences.join(", ")
+                    differences.join(", "),
+                    quoted_path(&self.out)
                 )));
             }
             return Ok(folder);
@@ -227,22 +264,6 @@ impl Train {
         folder.clear(&names.iter().map(String::as_str).collect::<Vec<_>>())?;
         plan.write(folder.path())?;
         Ok(folder)
-    }
-
-    fn train(
-        &self,
-        context: &Context,
-        folder: &OutputFolder,
-        dataset: &Dataset,
-        options: &StudyOptions,
-    ) -> Result<Study, Failure> {
-        let show = Show::new(context, "networks", folder.path(), self.checkpoints.every()?);
-        let mut study =
-            Study::train(dataset, options, &show).map_err(|error| show.failure(error, folder.path()))?;
-        show.keeper.tell_seconds(&mut study);
-        let networks: usize = study.mappings.iter().map(|m| m.surrogate.networks().len()).sum();
-        show.end(|| format!("{networks} networks and as many that see strain only"));
-        Ok(study)
     }
 
     fn tell(&self, context: &Context, study: &Study, dataset: &Dataset) -> Result<(), Failure> {

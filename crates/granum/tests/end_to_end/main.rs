@@ -5,6 +5,7 @@
 mod common;
 mod escape;
 mod networks;
+mod nothing_lost;
 mod refusals;
 mod tests_of_grains;
 

@@ -26,7 +26,6 @@ fn any_threads_instruction_set_and_interval_leave_the_same_bytes() {
     }
     shear("often", &["--checkpoint-every", "0"]);
     shear("two-threads", &["--threads", "2"]);
-    // Four threads wait for each other a lot where there are fewer processors; the shorter half has to do.
     done(here, &["prepare", "case.toml", "--out", "sample"]);
     shear("from-sample", &["--sample", "sample", "--threads", "4"]);
 

@@ -90,9 +90,7 @@ pub fn all(
     let report = StudyReport {
         summary,
         figures: figures(&study, &dataset)?,
-        command: reports
-            .first()
-            .map_or(String::new(), |run| super::command_line(&run.case, &arguments.trainer)),
+        command: arguments.options().command_line(None),
         runs: reports,
         dataset_hash: dataset.hash()?,
         network_seed: options.seed,
