@@ -101,7 +101,7 @@ impl Failure {
         let lines = told.lines().map(str::trim).filter(|line| !line.is_empty());
         let (usage, message): (Vec<&str>, Vec<&str>) =
             lines.filter(|line| !line.starts_with("For more information")).partition(|line| line.starts_with("Usage:"));
-        let message = message.join(" ");
+        let message = message.join(" ").replace(" tip: ", "; ");
         let error = serde_json::json!({
             "message": message.strip_prefix("error: ").unwrap_or(&message),
             "usage": usage.first().map(|line| line.trim_start_matches("Usage:").trim()),
