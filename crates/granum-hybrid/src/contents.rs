@@ -132,6 +132,15 @@ impl Contents {
         }
     }
 
+    /// The folders of its runs, if it is a reproduction; some may not be there yet. Links are left out.
+    pub fn runs(&self, folder: &Path) -> Vec<PathBuf> {
+        let Contents::Reproduction { of, .. } = self else { return Vec::new() };
+        let is_link = |path: &Path| std::fs::symlink_metadata(path).is_ok_and(|kind| kind.is_symlink());
+        let mut folders = runs_of(folder, of.as_ref());
+        folders.retain(|path| !is_link(path) && !is_link(&folder.join(RUNS)));
+        folders
+    }
+
     /// What to do with the folder that holds it.
     pub fn next(&self, folder: &Path) -> Next {
         let name = quoted_path(folder);
@@ -225,24 +234,28 @@ pub fn taken(folder: &Path, contents: &Contents, wanted: &str, replaceable: bool
     }
 }
 
-/// The folders of the runs of a reproduction, those that are there, sorted. A link may lead anywhere and is none.
-pub fn run_folders(folder: &Path) -> Result<Vec<PathBuf>> {
+/// The folders of runs that are in that of a reproduction, sorted. A link may lead anywhere and is none.
+fn run_folders(folder: &Path) -> Vec<PathBuf> {
     let runs = folder.join(RUNS);
-    if !is_real_folder(&runs) {
-        return Ok(Vec::new());
-    }
-    let read = std::fs::read_dir(&runs).map_err(granum_io::Error::file("read", &runs))?;
-    let mut folders: Vec<PathBuf> =
-        read.filter_map(|entry| entry.ok().map(|entry| entry.path())).filter(|path| is_real_folder(path)).collect();
+    let Some(read) = is_real_folder(&runs).then(|| std::fs::read_dir(&runs).ok()).flatten() else {
+        return Vec::new();
+    };
+    let paths = read.filter_map(|entry| entry.ok().map(|entry| entry.path()));
+    let mut folders: Vec<PathBuf> = paths.filter(|path| is_real_folder(path)).collect();
     folders.sort();
-    Ok(folders)
+    folders
+}
+
+/// The folders of the runs of a reproduction, whether they are there yet or not.
+fn runs_of(folder: &Path, of: Option<&Reproduction>) -> Vec<PathBuf> {
+    match of {
+        Some(of) => of.runs.iter().map(|name| folder.join(RUNS).join(name)).collect(),
+        None => run_folders(folder),
+    }
 }
 
 fn runs_are_finished(folder: &Path, of: Option<&Reproduction>) -> bool {
-    let folders = match of {
-        Some(of) => of.runs.iter().map(|name| folder.join(RUNS).join(name)).collect(),
-        None => run_folders(folder).unwrap_or_default(),
-    };
+    let folders = runs_of(folder, of);
     let finished = |path: &PathBuf| {
         let record = Run::at(path).and_then(|run| run.record());
         is_real_folder(path) && record.is_ok_and(|record| record.status == RunStatus::Finished)

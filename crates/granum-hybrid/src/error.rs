@@ -63,7 +63,7 @@ pub enum HybridError {
         reason: String,
     },
     /// A folder holds something that would be replaced.
-    #[error("{} holds {holds} already; {advice}", folder.display())]
+    #[error("{} already holds {holds}; {advice}", folder.display())]
     Taken {
         /// The folder.
         folder: std::path::PathBuf,

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Args;
-use granum_hybrid::contents::{Contents, Next, run_folders};
+use granum_hybrid::contents::{Contents, Next};
 use granum_hybrid::keeping::Plan;
 use granum_hybrid::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
 use granum_io::{OutputFolder, Run, RunStatus};
@@ -28,9 +28,7 @@ impl Status {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         match Contents::of(&self.folder)? {
             Contents::Training { finished } => self.training(context, finished),
-            contents @ Contents::Reproduction { finished, .. } => {
-                self.reproduction(context, finished, &contents.next(&self.folder))
-            }
+            contents @ Contents::Reproduction { .. } => self.reproduction(context, &contents),
             _ => {
                 let found = Found::of(&self.folder)?;
                 output::say(context, &found.json(), || found.text())
@@ -39,22 +37,28 @@ impl Status {
     }
 
     /// How far every run of a reproduction is.
-    fn reproduction(&self, context: &Context, finished: bool, next: &Next) -> Result<(), Failure> {
-        let folders = run_folders(&self.folder)?;
-        let found = folders.iter().map(|folder| Found::of(folder)).collect::<Result<Vec<_>, _>>()?;
-        let all: Vec<Value> = found.iter().map(Found::json).collect();
+    fn reproduction(&self, context: &Context, contents: &Contents) -> Result<(), Failure> {
+        let next = contents.next(&self.folder);
+        let (mut all, mut lines) = (Vec::new(), Vec::new());
+        for folder in contents.runs(&self.folder) {
+            if Contents::of(&folder)? == Contents::Nothing {
+                all.push(json!({ "folder": folder, "status": "not begun" }));
+                lines.push(format!("{}: not begun", folder.display()));
+                continue;
+            }
+            let found = Found::of(&folder)?;
+            all.push(found.json());
+            lines.push(found.text());
+        }
+        lines.push(format!("{}: {}", self.folder.display(), next.text));
         let result = json!({
             "folder": self.folder,
             "runs": all,
-            "finished": finished,
+            "finished": matches!(contents, Contents::Reproduction { finished: true, .. }),
             "next": next.text,
             "command": next.command,
         });
-        output::say(context, &result, || {
-            let mut lines: Vec<String> = found.iter().map(Found::text).collect();
-            lines.push(format!("{}: {}", self.folder.display(), next.text));
-            lines.join("\n")
-        })
+        output::say(context, &result, || lines.join("\n"))
     }
 
     /// How far a training is.

@@ -33,7 +33,7 @@ fn a_study_is_trained_judged_and_asked() {
     train.extend(quick);
     let trained = done_json(here, &train);
     let message = refused(here, 1, &train);
-    assert!(message.contains("study holds a finished training already"), "{message}");
+    assert!(message.contains("study already holds a finished training"), "{message}");
 
     // The same scores from the saved files as at the end of training, and the same ones again.
     let judged = done_json(here, &["evaluate", "study", "run-2"]);

@@ -215,6 +215,10 @@ fn status_tells_the_exact_command_and_is_done_only_when_all_is() {
     assert!(!done(here, &["status", "my quick"]).contains("done"));
     fs::remove_dir_all(here.join("full/runs/unseen-12")).unwrap();
     assert_eq!(next("full").0, "go on with it: granum reproduce --out full");
+    let told = done(here, &["status", "full"]);
+    assert!(told.contains("full/runs/unseen-12: not begun"), "{told}");
+    fs::create_dir(here.join("full/runs/unseen-12")).unwrap();
+    assert_eq!(done_json(here, &["status", "full"])["runs"][1]["status"], "not begun");
     // Of another version it is refused, and the command of that version is told.
     let path = here.join("paper/reproduction.json");
     let text = fs::read_to_string(&path).unwrap().replace(env!("CARGO_PKG_VERSION"), "0.0.9");
