@@ -125,7 +125,10 @@ impl Contents {
                     RunStatus::Finished => "a finished",
                     RunStatus::Failed => "a failed",
                 };
-                format!("{word} {}", if record.kind == "prepare" { "preparation of a sample" } else { "test" })
+                format!(
+                    "{word} {}",
+                    if record.kind == "prepare" { "preparation of a sample" } else { "test" }
+                )
             }
             Contents::Training { finished } => format!("{} training", ended(*finished)),
             Contents::Reproduction { finished, .. } => format!("{} reproduction", ended(*finished)),
@@ -150,7 +153,9 @@ impl Contents {
         let resume = || format!("granum resume {name}");
         match self {
             Contents::Nothing | Contents::Other => Next::only("nothing to go on with"),
-            Contents::Run(None) => Next::only("its run.json cannot be read; run its case again, with --force"),
+            Contents::Run(None) => {
+                Next::only("its run.json cannot be read; run its case again, with --force")
+            }
             Contents::Run(Some(record)) => next_of_run(record, folder),
             Contents::Training { finished: true } => {
                 Next::new("judge it", format!("granum evaluate {name} RUN..."))
@@ -168,7 +173,10 @@ impl Contents {
                 if of.is_of_this_version() {
                     return Next::new("go on with it", line);
                 }
-                Next::new(&format!("it was begun by granum {}; go on with it by that version", of.granum_version), line)
+                Next::new(
+                    &format!("it was begun by granum {}; go on with it by that version", of.granum_version),
+                    line,
+                )
             }
         }
     }

@@ -127,7 +127,9 @@ impl Reproduction {
         }
         let text = std::fs::read_to_string(&path).map_err(Error::file("read", &path))?;
         let of: Reproduction = serde_json::from_str(&text).map_err(|error| {
-            let message = format!("does not say what the reproduction is of ({error}); it is damaged or of a newer granum");
+            let message = format!(
+                "does not say what the reproduction is of ({error}); it is damaged or of a newer granum"
+            );
             Error::content(&path, message)
         })?;
         if of.format != FORMAT || of.version != VERSION {
@@ -146,7 +148,10 @@ impl Reproduction {
         let mut names: Vec<String> =
             self.options.differences(&other.options).into_iter().map(String::from).collect();
         if self.granum_version != other.granum_version {
-            names.push(format!("the version of granum ({}, not {})", self.granum_version, other.granum_version));
+            names.push(format!(
+                "the version of granum ({}, not {})",
+                self.granum_version, other.granum_version
+            ));
         }
         names
     }
@@ -168,7 +173,10 @@ mod tests {
     #[test]
     fn the_command_line_has_what_differs_from_the_defaults() {
         let line = |options: ReproductionOptions, out: &str| options.command_line(Some(Path::new(out)));
-        assert_eq!(line(ReproductionOptions::default(), "reproduction"), "granum reproduce --out reproduction");
+        assert_eq!(
+            line(ReproductionOptions::default(), "reproduction"),
+            "granum reproduce --out reproduction"
+        );
         assert_eq!(
             line(options(true, "traingdx"), "my study"),
             "granum reproduce --quick --trainer traingdx --out 'my study'"
@@ -200,7 +208,9 @@ mod tests {
             Reproduction::read(folder).unwrap_err().to_string()
         };
         assert!(message(text.replace("\"quick\"", "\"slow\"")).contains("unknown field `slow`"));
-        assert!(message(text.replace("\"version\": 1", "\"version\": 2")).contains("version 2, but this program"));
+        assert!(
+            message(text.replace("\"version\": 1", "\"version\": 2")).contains("version 2, but this program")
+        );
         assert!(message(text.replace("training-11", "../x")).contains("no part of a file's name"));
         // An option that a file does not have has its default.
         std::fs::write(&path, text.replace("\"quick\": true,", "")).unwrap();

@@ -99,8 +99,9 @@ impl Failure {
         let told = error.render().to_string();
         // The usage and the hint at the end stand apart by an empty line.
         let lines = told.lines().map(str::trim).filter(|line| !line.is_empty());
-        let (usage, message): (Vec<&str>, Vec<&str>) =
-            lines.filter(|line| !line.starts_with("For more information")).partition(|line| line.starts_with("Usage:"));
+        let (usage, message): (Vec<&str>, Vec<&str>) = lines
+            .filter(|line| !line.starts_with("For more information"))
+            .partition(|line| line.starts_with("Usage:"));
         let message = message.join(" ").replace(" tip: ", "; ");
         let error = serde_json::json!({
             "message": message.strip_prefix("error: ").unwrap_or(&message),

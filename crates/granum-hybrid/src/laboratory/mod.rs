@@ -274,12 +274,7 @@ impl Laboratory {
     ///
     /// # Errors
     /// [`LaboratoryError`] if the machine cannot hold the case, or its sample or packing cannot be used.
-    pub fn beginning(
-        &self,
-        kind: &str,
-        case: &Case,
-        source: &Source,
-    ) -> Result<Beginning, LaboratoryError> {
+    pub fn beginning(&self, kind: &str, case: &Case, source: &Source) -> Result<Beginning, LaboratoryError> {
         if *source == Source::Case {
             memory::check(case)?;
         }

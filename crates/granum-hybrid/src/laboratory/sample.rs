@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use granum_dem::cell::Cell;
 use granum_dem::preparation::{Flow, Outcome, Preparing, Progress, Recipe, Sample};
 use granum_dem::simulation::{Properties, Simulation, Site};
-use granum_io::shell::quoted_path;
 use granum_io::run::{Run, RunRecord, RunSource};
+use granum_io::shell::quoted_path;
 use granum_io::{Case, Packing, run};
 
 use super::standing::{Found, Stage, Standing};

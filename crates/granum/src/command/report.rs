@@ -65,7 +65,8 @@ impl Report {
 impl Report {
     /// Refuses the folder of something else: it would hold two reports, or the wrong one.
     fn check_place(&self, out: &Path) -> Result<(), Failure> {
-        let same = |a: &Path, b: &Path| matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
+        let same =
+            |a: &Path, b: &Path| matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
         let contents = Contents::of(out)?;
         if contents.kind().is_none() || same(out, &self.folder) {
             return Ok(());

@@ -20,9 +20,7 @@ pub fn tell(context: &Context, folder: &Path, record: &RunRecord) -> Result<(), 
         );
         return Err(Interrupted { left }.into());
     }
-    output::say(context, &result(folder, record), || {
-        format!("{}\nwrote {}", text(record), folder.display())
-    })
+    output::say(context, &result(folder, record), || format!("{}\nwrote {}", text(record), folder.display()))
 }
 
 /// Tells of a run that had reached its end before.

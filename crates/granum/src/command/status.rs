@@ -65,7 +65,8 @@ impl Status {
     fn training(&self, context: &Context, finished: bool) -> Result<(), Failure> {
         let name = self.folder.display();
         // The networks of a reproduction have no plan of their own.
-        let networks = if Train::is_in(&self.folder) { Plan::read(&self.folder)?.networks() } else { Vec::new() };
+        let networks =
+            if Train::is_in(&self.folder) { Plan::read(&self.folder)?.networks() } else { Vec::new() };
         let there = networks.iter().filter(|file| self.folder.join(file).is_file()).count();
         let word = match (OutputFolder::is_in_use(&self.folder), finished) {
             (true, _) => "running",

@@ -222,10 +222,13 @@ fn reproductions_lead_nowhere() {
     for name in hostile(&place) {
         of.write(&work.join("study")).unwrap();
         change(&file, |file| file["options"]["trainer"] = json!(name));
-        place.refused("already holds an unfinished reproduction", &["reproduce", "--quick", "--out", "study"]);
+        place
+            .refused("already holds an unfinished reproduction", &["reproduce", "--quick", "--out", "study"]);
         place.harmless(&["resume", "study"]);
         change(&file, |file| file["runs"][0] = json!(name));
-        for command in [&["status", "study"][..], &["resume", "study"], &["reproduce", "--force", "--out", "study"]] {
+        for command in
+            [&["status", "study"][..], &["resume", "study"], &["reproduce", "--force", "--out", "study"]]
+        {
             place.refused("can be no part of a file's name", command);
         }
     }

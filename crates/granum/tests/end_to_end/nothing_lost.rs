@@ -142,7 +142,8 @@ fn without_force_no_command_changes_what_is_there() {
             &["reproduce", "--quick", "--trainer", "traingdx"],
         ] {
             let told = keeps(here, &before, &[command, &out].concat());
-            let told = told.unwrap_or_else(|| panic!("granum {} --out {folder} was taken", command.join(" ")));
+            let told =
+                told.unwrap_or_else(|| panic!("granum {} --out {folder} was taken", command.join(" ")));
             assert!(told.contains(words), "granum {} --out {folder}: {told}", command.join(" "));
         }
         // The same options may go on; here the runs are of another case, and nothing of that may be lost.
@@ -281,7 +282,11 @@ fn a_training_that_fails_leaves_its_folder_to_the_corrected_command() {
         [&["train", run, "--trainer", "traingdx", "--epoch-factor", "2e-4", "--out", "study"], more].concat()
     };
     // Too few states for a sub-model.
-    fs::write(here.join("short.toml"), fs::read_to_string(here.join("case.toml")).unwrap().replace("states = 40", "states = 5")).unwrap();
+    fs::write(
+        here.join("short.toml"),
+        fs::read_to_string(here.join("case.toml")).unwrap().replace("states = 40", "states = 5"),
+    )
+    .unwrap();
     done(here, &["shear", "short.toml", "--out", "short"]);
     let told = refused(here, 1, &train("short", &[]));
     assert!(told.contains("training states"), "{told}");

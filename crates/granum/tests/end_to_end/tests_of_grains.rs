@@ -28,7 +28,10 @@ fn a_small_case_from_sample_to_report_and_one_digest_on_any_hardware() {
     assert!((status["deviator_strain"].as_f64().unwrap() - 0.02).abs() < 2e-3, "{status}");
 
     let message = refused(here, 1, &["shear", "case.toml", "--out", "one"]);
-    assert!(message.contains("one already holds a finished test; to go on from that: `granum report one`"), "{message}");
+    assert!(
+        message.contains("one already holds a finished test; to go on from that: `granum report one`"),
+        "{message}"
+    );
     let message = refused(here, 1, &["train", "sample", "--out", "study"]);
     assert!(message.contains("sample: is a sample, not a test"), "{message}");
 
