@@ -1,4 +1,5 @@
 use granum_dem::config::{Rate, Recording};
+use granum_dem::preparation::Phase;
 use granum_io::run::Run;
 
 use super::*;
