@@ -4,6 +4,8 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Duration;
 
 use granum_hybrid::reproduction::{Reproduction, ReproductionOptions};
 use serde_json::{Value, json};
@@ -195,6 +197,33 @@ fn force_replaces_only_what_is_of_the_same_kind() {
                 assert!(told.is_some(), "granum {} --force --out {folder} was taken", command.join(" "));
             }
         }
+    }
+}
+
+/// Starts a command and kills it; false if it ended before.
+fn killed_after(here: &Path, milliseconds: u64, arguments: &[&str]) -> bool {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_granum"))
+        .args(arguments)
+        .current_dir(here)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_millis(milliseconds));
+    let _ = child.kill();
+    child.wait().unwrap().code().is_none()
+}
+
+#[test]
+fn a_forced_reproduction_that_is_killed_goes_on_without_force() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    folders(here);
+    assert!(killed_after(here, 3000, &["reproduce", "--quick", "--force", "--out", "full"]));
+    assert!(!here.join("full/summary.json").exists() && !here.join("full/models/study.json").exists());
+    assert_eq!(done_json(here, &["status", "full"])["command"], "granum reproduce --quick --out full");
+    for command in [&["resume", "full"][..], &["reproduce", "--quick", "--out", "full"]] {
+        assert!(killed_after(here, 2000, command), "granum {} was refused", command.join(" "));
     }
 }
 

@@ -95,6 +95,22 @@ fn an_interrupted_run_tells_how_to_go_on_and_ends_in_the_same_bits() {
 }
 
 #[test]
+fn more_threads_than_processors_are_not_taken_and_no_speed_is_told_before_it_is_known() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    std::fs::write(here.join("case.toml"), SMALL).unwrap();
+    let output = run(here, &["shear", "case.toml", "--threads", "1000", "--checkpoint-every", "0.1"]);
+    let told = stderr(&output);
+    assert!(output.status.success() && told.contains("warning: --threads 1000: this machine has"), "{told}");
+    assert!(told.contains("solid fraction") && !told.contains(" 0.0 M") && !told.contains(" 0 k"), "{told}");
+    let record = granum_io::Run::at(here.join("run")).unwrap().record().unwrap();
+    assert_eq!(record.machine.threads, record.machine.available_threads);
+    let output = run(here, &["--json", "prepare", "case.toml", "--threads", "1000"]);
+    let warning = crate::common::json(stderr(&output).lines().next().unwrap());
+    assert!(warning["warning"].as_str().unwrap().contains("results do not depend on it"), "{warning}");
+}
+
+#[test]
 fn forces_of_the_shipped_packing_are_those_known() {
     let base = tempfile::tempdir().unwrap();
     let here = base.path();

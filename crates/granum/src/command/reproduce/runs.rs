@@ -112,8 +112,12 @@ pub fn all(
         .zip(names())
         .map(|(case, name)| Ok((case, inner_folder(&runs, &name)?)))
         .collect::<granum_io::Result<_>>()?;
-    if !context.force {
-        jobs.iter().try_for_each(|(case, path)| check_own(&laboratory, case, path))?;
+    for (case, path) in &jobs {
+        match check_own(&laboratory, case, path) {
+            // At once, so that a kill leaves no run that would be refused when this goes on without --force.
+            Err(_) if context.force => drop(RunFolder::create(path, true)?),
+            other => other?,
+        }
     }
     let mut progress = context.progress();
     progress.phase("DEM");
