@@ -2,6 +2,7 @@
 
 use std::error::Error;
 use std::fmt;
+use std::io::IsTerminal;
 use std::process::ExitCode;
 
 use granum_io::InputError;
@@ -46,7 +47,7 @@ impl Failure {
         if context.json {
             eprintln!("{}", self.json());
         } else {
-            eprint!("{}", self.text());
+            eprint!("{}", self.text(std::io::stderr().is_terminal()));
         }
         let status = if self.0.is::<Interrupted>() { INTERRUPTED } else { 1 };
         ExitCode::from(status)
@@ -78,7 +79,9 @@ impl Failure {
         text
     }
 
-    fn text(&self) -> String {
+    /// For people: `drawn` with the line of the file where a place is wrong, or a line for each place, as editors and search
+    /// tools take it.
+    fn text(&self, drawn: bool) -> String {
         let places = self.places();
         if places.is_empty() {
             return format!("error: {}\n", self.message());
@@ -86,8 +89,8 @@ impl Failure {
         let handler = GraphicalReportHandler::new();
         let mut text = String::new();
         for place in places {
-            let drawable = !place.source_text.is_empty();
-            if !drawable || handler.render_report(&mut text, &Drawn(place)).is_err() {
+            let drawn = drawn && !place.source_text.is_empty();
+            if !drawn || handler.render_report(&mut text, &Drawn(place)).is_err() {
                 text.push_str(&format!("error: {place}\n"));
             }
         }
@@ -175,5 +178,24 @@ impl SourceCode for Drawn<'_> {
             contents.column(),
             contents.line_count(),
         )))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_is_told_once_drawn_or_in_a_line() {
+        let failure =
+            Failure::from(granum_io::Case::parse("[grains]\ncount = -5\n", "case.toml").unwrap_err());
+        let (drawn, line) = (failure.text(true), failure.text(false));
+        assert_eq!(drawn.matches("grains.count = -5").count(), 1, "{drawn}");
+        assert_eq!(drawn.matches("case.toml:2:").count(), 1, "{drawn}");
+        assert!(drawn.contains("2 |") || drawn.contains("2 │"), "{drawn}");
+        assert!(
+            line.starts_with("error: case.toml:2:9: grains.count = -5") && line.lines().count() == 1,
+            "{line}"
+        );
     }
 }

@@ -338,5 +338,5 @@ fn what_is_finished_is_told_so_and_a_mistake_is_told_once() {
     fs::write(here.join("bad.toml"), "[grains]\ncount = -5\n").unwrap();
     let told = refused(here, 1, &["shear", "bad.toml", "--out", "bad"]);
     assert_eq!(told.matches("bad.toml:2:").count(), 1, "{told}");
-    assert_eq!(told.matches("-5").count(), 2, "once in the message, once in the line: {told}");
+    assert_eq!(told.lines().count(), 1, "{told}");
 }
