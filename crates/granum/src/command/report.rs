@@ -104,7 +104,8 @@ fn study(folder: &Path, runs: &Path, models: &Path) -> Result<StudyReport, Failu
         .collect::<Result<_, Failure>>()?;
     let of = |role: Role| -> Vec<NamedRecord> {
         let own = reports.iter().filter(|report| report.role == role);
-        own.map(|r| NamedRecord { name: &r.name, seed: r.run.seed, record: &r.record }).collect()
+        own.map(|r| NamedRecord { name: &r.name, seed: r.run.seed.unwrap_or_default(), record: &r.record })
+            .collect()
     };
     let dataset = Dataset::new(&of(Role::Training), &of(Role::Unseen), &DatasetOptions::default())?;
     let study = load_study(models)?;

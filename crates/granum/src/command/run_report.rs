@@ -18,10 +18,14 @@ pub fn tell(context: &Context, folder: &Path, record: &RunRecord) -> Result<(), 
     let result = json!({
         "folder": folder,
         "status": record.status,
+        "seed": record.seed,
+        "packing": record.packing,
+        "case_digest": record.case_digest,
         "measures": record.measures,
         "steps": record.steps,
         "wall_seconds": record.wall_seconds,
         "quality": record.quality,
+        "notes": record.notes,
     });
     output::say(context, &result, || text(folder, record))
 }
@@ -31,8 +35,9 @@ fn text(folder: &Path, record: &RunRecord) -> String {
     let measure = |name: &str| record.measures.get(name).copied();
     if let Some(solid_fraction) = measure("solid_fraction") {
         let value = |name: &str| measure(name).map_or("-".to_string(), |v| format!("{v:.3}"));
+        let packing = record.packing.as_ref().map_or(String::new(), |p| format!(" of {}", p.file_name));
         lines.push(format!(
-            "sample: {} grains, solid fraction {solid_fraction:.4}, coordination number {} (all grains), {} (grains with two \
+            "sample: {} grains{packing}, solid fraction {solid_fraction:.4}, coordination number {} (all grains), {} (grains with two \
              contacts or more), rattlers {:.1} %, p {:.2} kPa",
             record.grains,
             value("coordination_number"),
@@ -47,6 +52,7 @@ fn text(folder: &Path, record: &RunRecord) -> String {
             measure("preparation_trials").unwrap_or(1.0)
         ));
     }
+    lines.extend(peak_and_late(record));
     let bad: Vec<_> = record.quality.iter().filter(|q| !q.passed).collect();
     for flag in &bad {
         lines.push(format!(
@@ -62,4 +68,18 @@ fn text(folder: &Path, record: &RunRecord) -> String {
     lines.push(format!("{:.2e} grain-steps in {seconds:.1} s ({rate:.1} M/s)", record.grain_steps() as f64));
     lines.push(format!("wrote {}", folder.display()));
     lines.join("\n")
+}
+
+/// Peak and late values of a test that came to its end.
+fn peak_and_late(record: &RunRecord) -> Option<String> {
+    let value = |name: &str| record.measures.get(name).copied();
+    let peak = value("peak_stress_ratio")?;
+    Some(format!(
+        "test: peak q/p {peak:.3} at deviator strain {:.4}; means over the last quarter of the strain: q/p {:.3}, phi_d {:.4}, solid \
+         fraction {:.4}",
+        value("deviator_strain_at_peak")?,
+        value("late_stress_ratio")?,
+        value("late_deviator_fabric")?,
+        value("late_solid_fraction")?,
+    ))
 }

@@ -80,6 +80,17 @@ impl RunReport {
         self.run.status == RunStatus::Finished
     }
 
+    /// Number of grains: those of the packing where the sample is made of one.
+    pub fn grains(&self) -> usize {
+        self.run.packing.as_ref().map_or(self.case.grains.count, |packing| packing.grains)
+    }
+
+    /// Mean diameter of the grains, m, and half the range of the diameters over it.
+    pub fn diameter(&self) -> (f64, f64) {
+        let of_case = (self.case.grains.diameter, self.case.grains.spread);
+        self.run.packing.as_ref().map_or(of_case, |packing| (packing.mean_diameter, packing.spread))
+    }
+
     /// Wall time of all phases, s.
     pub fn wall_seconds(&self) -> f64 {
         self.run.wall_seconds.values().sum()
@@ -111,15 +122,9 @@ impl RunReport {
         (0..values.len()).filter(|&k| values[k].is_finite()).max_by(|&a, &b| values[a].total_cmp(&values[b]))
     }
 
-    /// Mean of a column over the last fifth of the strain.
+    /// Mean of a column over the last quarter of the strain.
     pub fn late_mean(&self, name: &str) -> Option<f64> {
-        let strain = self.column("deviator_strain");
-        let end = *strain.last()?;
-        let late: Vec<f64> = (strain.iter().zip(self.column(name)))
-            .filter(|(strain, value)| **strain >= 0.8 * end && value.is_finite())
-            .map(|(_, value)| *value)
-            .collect();
-        (!late.is_empty()).then(|| late.iter().sum::<f64>() / late.len() as f64)
+        granum_hybrid::laboratory::late_mean(self.column("deviator_strain"), self.column(name))
     }
 }
 
@@ -144,7 +149,8 @@ mod tests {
         let run = RunReport { record: Record { series, forces: Vec::new() }, ..Default::default() };
         assert_eq!(run.against_strain("stress_ratio").len(), 4);
         assert_eq!(run.peak_row("stress_ratio"), Some(1));
-        assert_eq!(run.late_mean("stress_ratio"), Some(0.7));
+        // From 0.225 to 0.3, between the state at 0.1, 0.9, and the one at 0.3, 0.7.
+        assert!((run.late_mean("stress_ratio").unwrap() - 0.7375).abs() < 1e-12);
         assert_eq!(run.first("stress_ratio"), Some(0.0));
         assert!(run.column("nothing").is_empty() && run.peak_row("nothing").is_none());
         assert_eq!(RunReport::default().late_mean("stress_ratio"), None);

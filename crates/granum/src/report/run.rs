@@ -29,8 +29,7 @@ pub fn report(run: &RunReport) -> Document {
         "case",
         "The sample and the case",
         html! {
-            @if let Some(table) = sample::table(&label, runs) { (table.html()) }
-            (paragraphs(&sample::reading(runs)))
+            (sample::own_table(&label, run).html())
             (case_details(run))
         },
     );
@@ -45,7 +44,10 @@ pub fn report(run: &RunReport) -> Document {
 fn subtitle(run: &RunReport) -> String {
     let case = &run.case;
     let mut parts = vec![
-        format!("{} grains", whole(case.grains.count as f64)),
+        match &run.run.packing {
+            Some(packing) => format!("{} grains of {}", whole(run.grains() as f64), packing.file_name),
+            None => format!("{} grains", whole(run.grains() as f64)),
+        },
         sample::law(case.contact.normal, case.contact.tangential),
         format!(
             "axisymmetric compression at *p* = {}",
@@ -70,7 +72,7 @@ fn headline(run: &RunReport) -> Vec<[String; 3]> {
     let where_peak =
         at("deviator_strain").map_or(String::new(), |e| format!("at *ε*_{{d}} = {}", significant(e, 2)));
     tile(at("stress_ratio"), 3, "peak *q*/*p*", where_peak);
-    tile(run.late_mean("stress_ratio"), 3, "late *q*/*p*", "mean over the last fifth of the strain".into());
+    tile(run.late_mean("stress_ratio"), 3, "late *q*/*p*", "mean over the last quarter of the strain".into());
     tile(run.first("solid_fraction"), 3, "solid fraction before shear", String::new());
     let z = run
         .first("coordination_number")
@@ -129,7 +131,13 @@ pub fn force_section(page: &mut Page, run: &RunReport) -> Markup {
 
 /// The whole case, its digest and the machine.
 pub fn case_details(run: &RunReport) -> Markup {
-    let mut facts = vec![format!("Case digest {}; seed {}.", run.case.digest(), run.case.preparation.seed)];
+    let digest = run.case.digest_with(run.run.packing_digest());
+    let mut facts = vec![match &run.run.packing {
+        Some(packing) => {
+            format!("Case digest {digest}; packing {}, SHA-256 {}.", packing.file_name, packing.sha256)
+        }
+        None => format!("Case digest {digest}; seed {}.", run.case.preparation.seed),
+    }];
     let machine = &run.run.machine;
     if !machine.system.is_empty() {
         facts.push(format!(
@@ -140,6 +148,6 @@ pub fn case_details(run: &RunReport) -> Markup {
     facts.extend(run.run.notes.iter().cloned());
     html! {
         (paragraphs(&facts))
-        details { summary { "The case in full" } pre { (run.case.resolved_toml()) } }
+        details { summary { "The case in full" } pre { (run.case.resolved_toml_with(run.run.packing.as_ref().map(|packing| packing.file_name.as_str()))) } }
     }
 }

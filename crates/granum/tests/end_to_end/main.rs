@@ -5,7 +5,10 @@
 mod common;
 mod escape;
 mod networks;
+mod packings;
+mod recordings;
 mod refusals;
+mod settings;
 mod tests_of_grains;
 
 use std::path::Path;
