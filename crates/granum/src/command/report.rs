@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use granum::report::{Document, Role, RunReport, StudyReport, run_report, study_report};
+use granum::report::{Document, Role, RunReport, StudyReport, run_report, sample_report, study_report};
 use granum_hybrid::figures::figures;
 use granum_hybrid::files::load_study;
 use granum_hybrid::{Dataset, DatasetOptions, NamedRecord, Summary};
@@ -17,7 +17,7 @@ use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 
-/// Write the report of a run folder, or of a reproduction, again from what is in it.
+/// Write the report of a run folder, a sample folder or a reproduction, again from what is in it.
 ///
 /// Leaves report.html, which opens offline and holds its figures, and the figures as SVG in the folder figures.
 #[derive(Args)]
@@ -25,7 +25,7 @@ use crate::output;
     after_help = "Example:\n  granum report run-1\n  granum report run-1 --out run-1.html\n  granum report reproduction --force"
 )]
 pub struct Report {
-    /// Folder of a run or of a reproduction.
+    /// Folder of a run, a sample or a reproduction.
     folder: PathBuf,
     /// Folder for report.html and figures, or a file that ends in .html for the page alone; the folder itself by
     /// default.
@@ -70,10 +70,7 @@ fn document(folder: &Path) -> Result<Document, Failure> {
     let run = Run::at(folder)?;
     let about = run.record()?;
     if about.kind == "prepare" {
-        let name = folder.display();
-        return Err(Failure::new(format!(
-            "{name}: is a sample, not a test; `granum status {name}` tells of it, `granum shear CASE --sample {name}` shears it"
-        )));
+        return Ok(sample_report(&RunReport::read(&run, Role::Single)?));
     }
     records::check_begun(&run, &about)?;
     Ok(run_report(&RunReport::read(&run, Role::Single)?))

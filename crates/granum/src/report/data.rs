@@ -2,9 +2,10 @@
 
 use granum_dem::assembly::Assembly;
 use granum_hybrid::HybridError;
+use granum_hybrid::files::series_of;
 use granum_io::run::{RunRecord, RunStatus};
 use granum_io::{Case, Run};
-use granum_sensors::Record;
+use granum_sensors::{Record, Series};
 use serde::{Deserialize, Serialize};
 
 /// One DEM run.
@@ -20,6 +21,9 @@ pub struct RunReport {
     pub run: RunRecord,
     /// What the sensors saw.
     pub record: Record,
+    /// The course of the preparation; empty where it was not recorded.
+    #[serde(default)]
+    pub preparation: Series,
     /// The sample before shear, for pictures.
     pub start: Option<Assembly>,
     /// The assembly at the end, for pictures.
@@ -64,12 +68,19 @@ impl RunReport {
         let names = run.snapshots()?;
         let snapshot =
             |name: &str| names.iter().find(|found| *found == name).map(|name| run.snapshot(name)).transpose();
+        let about = run.record()?;
         Ok(RunReport {
             name: run.path().file_name().map_or("run".to_owned(), |name| name.to_string_lossy().into_owned()),
             role,
             case: run.case()?,
-            run: run.record()?,
-            record: granum_hybrid::files::read_record(run)?,
+            // A sample has none.
+            record: if about.kind == "prepare" {
+                Record::default()
+            } else {
+                granum_hybrid::files::read_record(run)?
+            },
+            run: about,
+            preparation: run.preparation()?.map_or_else(Series::default, |table| series_of(&table)),
             start: snapshot(granum_hybrid::laboratory::SAMPLE)?,
             end: snapshot(granum_hybrid::laboratory::END)?,
         })
@@ -89,6 +100,12 @@ impl RunReport {
     pub fn diameter(&self) -> (f64, f64) {
         let of_case = (self.case.grains.diameter, self.case.grains.spread);
         self.run.packing.as_ref().map_or(of_case, |packing| (packing.mean_diameter, packing.spread))
+    }
+
+    /// Mean stress, Pa: of the test, or of a sample that was not sheared.
+    pub fn mean_stress(&self) -> f64 {
+        let of_test = self.case.shear.mean_stress.filter(|_| self.run.kind != "prepare");
+        of_test.unwrap_or(self.case.preparation.mean_stress)
     }
 
     /// Wall time of all phases, s.
@@ -111,9 +128,12 @@ impl RunReport {
         self.points("deviator_strain", y)
     }
 
-    /// The first value of a column: the sample before shear.
+    /// The first value of a column: the sample before shear. Of a sample that was not sheared, what was measured of it.
     pub fn first(&self, name: &str) -> Option<f64> {
-        self.column(name).first().copied()
+        match self.run.kind.as_str() {
+            "prepare" => self.run.measures.get(name).copied(),
+            _ => self.column(name).first().copied(),
+        }
     }
 
     /// The row where a column is largest.

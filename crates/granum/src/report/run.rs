@@ -7,7 +7,7 @@ use super::forces;
 use super::material;
 use super::numbers::{duration, factor, quantity, significant, whole};
 use super::page::{Document, Page, paragraphs, rich, tiles};
-use super::{sample, trust};
+use super::{preparation, sample, trust};
 
 /// How signs and axes are meant; said once in every report.
 pub const SIGNS: &str = "Compression is positive, for stress, strain and normal force. Axis 1 is the axis of compression, \
@@ -24,12 +24,15 @@ pub fn report(run: &RunReport) -> Document {
     page.section("forces", "How the forces are spread", spread);
     let trust = trust::section(&mut page, runs);
     page.section("quality", "Can it be trusted?", trust);
+    let preparation =
+        preparation::figure(run).map(|(figure, caption)| page.own_figure("preparation", &caption, &figure));
     let label = page.own_table_label();
     page.section(
         "case",
         "The sample and the case",
         html! {
             (sample::own_table(&label, run).html())
+            @if let Some(preparation) = preparation { (preparation) }
             (case_details(run))
         },
     );
@@ -44,10 +47,7 @@ pub fn report(run: &RunReport) -> Document {
 fn subtitle(run: &RunReport) -> String {
     let case = &run.case;
     let mut parts = vec![
-        match &run.run.packing {
-            Some(packing) => format!("{} grains of {}", whole(run.grains() as f64), packing.file_name),
-            None => format!("{} grains", whole(run.grains() as f64)),
-        },
+        whose_grains(run),
         sample::law(case.contact.normal, case.contact.tangential),
         format!(
             "axisymmetric compression at *p* = {}",
@@ -58,6 +58,15 @@ fn subtitle(run: &RunReport) -> String {
         parts.push(format!("granum {}", run.run.granum_version));
     }
     parts.join(" · ")
+}
+
+/// How many grains there are, and of which packing where they are of one.
+pub fn whose_grains(run: &RunReport) -> String {
+    let grains = format!("{} grains", whole(run.grains() as f64));
+    match &run.run.packing {
+        Some(packing) => format!("{grains} of {}", packing.file_name),
+        None => grains,
+    }
 }
 
 fn headline(run: &RunReport) -> Vec<[String; 3]> {

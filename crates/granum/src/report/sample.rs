@@ -101,13 +101,11 @@ fn rows(runs: &[RunReport]) -> Vec<[String; 3]> {
         law(case.contact.normal, case.contact.tangential),
     );
     row("Contact damping", "–", format!("{} of critical", trimmed(case.contact.damping)));
-    row(
-        "Mean stress *p*",
-        "20 kPa",
-        quantity(case.shear.mean_stress.unwrap_or(case.preparation.mean_stress), "Pa"),
-    );
-    row("Rate of strain", "10^{−5} s^{−1}", rate(&case.shear.rate));
-    row("Deviator strain at the end", "0.3", trimmed(case.shear.deviator_strain));
+    row("Mean stress *p*", "20 kPa", quantity(run.mean_stress(), "Pa"));
+    if run.run.kind != "prepare" {
+        row("Rate of strain", "10^{−5} s^{−1}", rate(&case.shear.rate));
+        row("Deviator strain at the end", "0.3", trimmed(case.shear.deviator_strain));
+    }
     let start =
         |column: &str| mean_start(runs, column).map_or("–".to_owned(), |value| significant(value, 3));
     row("Solid fraction", "0.61", start("solid_fraction"));
@@ -149,7 +147,11 @@ pub fn table(label: &str, runs: &[RunReport]) -> Option<Table> {
 
 /// The sample and the test of one run by themselves.
 pub fn own_table(label: &str, run: &RunReport) -> Table {
-    let mut table = Table::new(label, "The sample, as the test began, and the test.", &["Quantity", "Value"]);
+    let caption = match run.run.kind.as_str() {
+        "prepare" => "The sample.",
+        _ => "The sample, as the test began, and the test.",
+    };
+    let mut table = Table::new(label, caption, &["Quantity", "Value"]);
     for [name, _, here] in rows(std::slice::from_ref(run)) {
         table.row(vec![name, here]);
     }

@@ -129,18 +129,27 @@ fn energy_sentence(run: &RunReport) -> Option<String> {
     Some(format!("Of the work that the boundary did: {}. {closes}.", listed(&named)))
 }
 
-/// The section, with figures of the first run.
-pub fn section(page: &mut Page, runs: &[RunReport]) -> Markup {
-    let Some(run) = runs.first() else { return html! {} };
+/// The section of a sample that was not sheared.
+pub fn sample_section(run: &RunReport) -> Markup {
+    html! { p { (verdict(std::slice::from_ref(run))) } (list(&run.run.quality)) }
+}
+
+/// Whether runs keep their limits.
+fn verdict(runs: &[RunReport]) -> String {
     let broken: Vec<&str> = runs.iter().filter(|r| !r.run.is_good()).map(|r| r.name.as_str()).collect();
     let unjudged = runs.iter().any(|r| r.run.quality.is_empty());
-    let verdict = match (runs.len(), broken.len()) {
+    match (runs.len(), broken.len()) {
         (_, 0) if unjudged => "A run judges itself when it ends; this one has not.".to_owned(),
         (1, 0) => "The run keeps every limit.".to_owned(),
         (_, 0) => "All runs keep every limit.".to_owned(),
         (1, _) => "The run breaks a limit: read its results with care.".to_owned(),
         _ => format!("Limits are broken by {}: read them with care.", broken.join(", ")),
-    };
+    }
+}
+
+/// The section, with figures of the first run.
+pub fn section(page: &mut Page, runs: &[RunReport]) -> Markup {
+    let Some(run) = runs.first() else { return html! {} };
     let judged = if runs.len() == 1 {
         list(&run.run.quality)
     } else {
@@ -151,7 +160,7 @@ pub fn section(page: &mut Page, runs: &[RunReport]) -> Markup {
     let servo = page.own_figure("servo", &servo_caption, &servo);
     let energy = energy::figure(run).map(|(figure, caption)| page.own_figure("energy", &caption, &figure));
     html! {
-        p { (verdict) }
+        p { (verdict(runs)) }
         (judged)
         (servo)
         @if let Some(sentence) = energy_sentence(run) { p { (rich(&sentence)) } }

@@ -174,6 +174,9 @@ fn a_loose_packing_is_compacted_as_the_case_says() {
     let reached = measure(&searched, "solid_fraction");
     assert!(measure(&searched, "preparation_trials") >= 2.0, "{searched}");
     assert!((reached - 0.5 * (most + least)).abs() < 0.01, "{reached} {most} {least}");
+    // Every trial begins from the packing again, also after an interruption.
+    with("often", &[&search[..], &["--checkpoint-every", "0.001"]].concat());
+    assert_eq!(digest(here, "often"), digest(here, "searched"));
     let record = record(here, "searched");
     let mean = record["packing"]["mean_diameter"].as_f64().unwrap();
     assert!((mean - 1e-4).abs() < 1e-9 && (record["packing"]["spread"].as_f64().unwrap() - 0.1).abs() < 1e-9);

@@ -5,7 +5,7 @@ use std::path::Path;
 use granum_io::{Run, Table};
 
 use crate::common::{run, stderr};
-use crate::{SMALL, done, done_json, refused};
+use crate::{SMALL, digest, done, done_json, refused};
 
 fn shear(here: &Path, out: &str, more: &[&str]) -> serde_json::Value {
     done_json(here, &[&["shear", "case.toml", "--sample", "sample", "--out", out][..], more].concat())
@@ -67,6 +67,9 @@ fn states_and_snapshots_stand_where_the_case_says() {
         refused(here, 1, &["shear", "case.toml", "--out", "r", "--set", "recording.snapshots=0.05"]);
     assert!(message.contains("recording.snapshots goes up to 0.05, but the test ends at"), "{message}");
     done(here, &["report", "geometric"]);
+    // Three states are too few to learn from, and the sub-model that misses them is named.
+    let message = refused(here, 1, &["train", "listed", "--out", "study"]);
+    assert!(message.contains("F1 sub-model 1") && message.contains("record more states"), "{message}");
 }
 
 /// Peak and late values in the answer are those of the series.
@@ -110,6 +113,11 @@ fn a_preparation_leaves_its_course() {
     assert!(column("step").windows(2).all(|pair| pair[1] >= pair[0]));
     assert!(column("time").windows(2).all(|pair| pair[1] >= pair[0]));
     assert_eq!((column("phase")[0], last("phase")), (0.0, 1.0));
+
+    done(here, &["report", "sample"]);
+    let page = std::fs::read_to_string(here.join("sample/report.html")).unwrap();
+    assert!(page.contains("Compression curve") && page.contains("150 grains") && page.contains("<svg"));
+    assert!(!page.contains("Rate of strain"), "a sample has no rate");
 
     // However often it is stopped, the same course; a test takes it over from its sample.
     done(here, &["prepare", "case.toml", "--out", "often", "--checkpoint-every", "0.001"]);
@@ -158,6 +166,9 @@ fn another_mean_stress_is_reached_before_the_test_and_judged() {
         let start = Run::at(here.join("r")).unwrap().snapshot("start").unwrap();
         assert_eq!(start.target_mean_stress, Some(pascal));
     }
+    // The same bits, however often it is stopped.
+    shear(here, "often", &["--checkpoint-every", "0.001", "--set", "shear.mean_stress=5 kPa"]);
+    assert_eq!(digest(here, "often"), digest(here, "r"));
     // Asked for by name, the sample's own mean stress is no other.
     let same = shear(here, "same", &["--set", "shear.mean_stress=20 kPa"]);
     assert!(same["steps"].get("consolidation").is_none(), "{same}");
