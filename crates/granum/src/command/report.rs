@@ -8,7 +8,7 @@ use granum::report::{Document, Role, RunReport, StudyReport, run_report, sample_
 use granum_hybrid::figures::figures;
 use granum_hybrid::files::load_study;
 use granum_hybrid::{Dataset, DatasetOptions, NamedRecord, Summary};
-use granum_io::{Run, atomic::write_atomically, check_output_file};
+use granum_io::{Run, RunStatus, atomic::write_atomically, check_output_file};
 use serde_json::json;
 
 use super::records;
@@ -70,6 +70,12 @@ fn document(folder: &Path) -> Result<Document, Failure> {
     let run = Run::at(folder)?;
     let about = run.record()?;
     if about.kind == "prepare" {
+        if about.status != RunStatus::Finished {
+            let name = folder.display();
+            return Err(Failure::new(format!(
+                "{name}: the sample is not finished; go on with it: `granum resume {name}`"
+            )));
+        }
         return Ok(sample_report(&RunReport::read(&run, Role::Single)?));
     }
     records::check_begun(&run, &about)?;
