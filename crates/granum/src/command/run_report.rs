@@ -52,6 +52,11 @@ fn text(folder: &Path, record: &RunRecord) -> String {
             measure("preparation_trials").unwrap_or(1.0)
         ));
     }
+    if let Some(steps) = record.steps.get("consolidation") {
+        lines.push(format!(
+            "the sample was brought to this mean stress before the test, in {steps} steps of consolidation"
+        ));
+    }
     lines.extend(peak_and_late(record));
     let bad: Vec<_> = record.quality.iter().filter(|q| !q.passed).collect();
     for flag in &bad {
