@@ -73,7 +73,7 @@ impl PreparationCurve {
         self.last = here;
         self.seen += 1;
         // A checkpoint that was tampered with must not make the shift overflow.
-        if (self.seen - 1) % (1 << self.thinned.min(60)) != 0 {
+        if !(self.seen - 1).is_multiple_of(1 << self.thinned.min(60)) {
             return;
         }
         if self.rows.len() >= MOST_ROWS {
