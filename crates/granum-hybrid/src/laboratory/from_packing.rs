@@ -22,9 +22,11 @@ fn file_name(path: &Path) -> String {
 /// What the record of a run says of its packing.
 pub(super) fn describe(path: &Path, packing: &Packing, sha256: &str) -> PackingRecord {
     let diameters = || packing.grains.iter().map(|grain| 2.0 * grain.radius);
-    let mean_diameter = diameters().sum::<f64>() / packing.grains.len().max(1) as f64;
     let (smallest, largest) = diameters().fold((f64::INFINITY, 0.0f64), |(a, b), d| (a.min(d), b.max(d)));
-    let spread = if largest > smallest { 0.5 * (largest - smallest) / mean_diameter } else { 0.0 };
+    let mean = diameters().sum::<f64>() / packing.grains.len().max(1) as f64;
+    // A sum of many equal numbers is off by rounding.
+    let mean_diameter = if largest > smallest { mean } else { largest };
+    let spread = 0.5 * (largest - smallest) / mean_diameter;
     PackingRecord {
         file_name: file_name(path),
         sha256: sha256.to_owned(),
