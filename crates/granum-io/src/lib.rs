@@ -23,4 +23,4 @@ pub use error::{Error, InputError, Result, nearest};
 pub use folder::{OutputFolder, check_name, check_output_file, inner_folder};
 pub use packing::Packing;
 pub use run::{Machine, QualityFlag, Run, RunFolder, RunRecord, RunSource, RunStatus};
-pub use table::{Column, Table, TableFormat, read_columns, read_table, write_table};
+pub use table::{Column, ColumnKind, Table, TableFormat, read_columns, read_table, write_table};

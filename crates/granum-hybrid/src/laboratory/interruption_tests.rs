@@ -158,7 +158,7 @@ fn a_run_killed_before_its_first_checkpoint_begins_again() {
     assert!(record.status == RunStatus::Finished && record.unwritten_case.is_none());
     assert_same(&straight, &killed);
     // A case that was changed is another run.
-    killed.write_case(&Case::default()).unwrap();
+    killed.write_case(&Case::default(), None).unwrap();
     let message = lab.resume(&killed, &mut Nobody).unwrap_err().to_string();
     assert!(message.contains("case.toml: the case was changed since the run began"), "{message}");
 }

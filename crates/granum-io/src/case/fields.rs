@@ -1,6 +1,6 @@
 //! The list of all keys of the case file.
 
-use granum_dem::config::{NormalKind, Rate, TangentialKind};
+use granum_dem::config::{NormalKind, Rate, Spacing, TangentialKind};
 
 use super::field::{Field, Kind};
 use crate::quantity::Dimension;
@@ -192,6 +192,43 @@ pub const FIELDS: &[Field] = &[
 
     entry("recording", "states", "Number of equal intervals of deviator strain; a state is recorded at each end of an interval.", "120",
         count!(1..=1_000_000, recording.states)),
+    entry("recording", "first_strain", "Deviator strain of the first state after the start: states are then spaced from there to the end by a constant factor.", "none", Kind::Number {
+        dimension: Dimension::NUMBER,
+        bounds: ["1e-9", "3"],
+        absent: Some(["none", "equal intervals"]),
+        get: |case| match case.recording.spacing {
+            Spacing::Geometric(first) => Some(first),
+            Spacing::Equal | Spacing::Strains(_) => None,
+        },
+        set: |case, value| match value {
+            Some(first) => case.recording.spacing = Spacing::Geometric(first),
+            None if matches!(case.recording.spacing, Spacing::Geometric(_)) => case.recording.spacing = Spacing::Equal,
+            None => {}
+        },
+    }),
+    entry("recording", "strains", "Deviator strains at which a state is recorded, instead of states and first_strain, e.g. [1e-5, 1e-4, 1e-3, 0.01, 0.1].", "none", Kind::List {
+        dimension: Dimension::NUMBER,
+        bounds: ["1e-9", "3"],
+        absent: ["none", "as states and first_strain say"],
+        get: |case| match &case.recording.spacing {
+            Spacing::Strains(strains) => strains.clone(),
+            Spacing::Equal | Spacing::Geometric(_) => Vec::new(),
+        },
+        set: |case, strains| {
+            if !strains.is_empty() {
+                case.recording.spacing = Spacing::Strains(strains);
+            } else if matches!(case.recording.spacing, Spacing::Strains(_)) {
+                case.recording.spacing = Spacing::Equal;
+            }
+        },
+    }),
+    entry("recording", "snapshots", "Deviator strains at which all grains and contacts are written down, beside those of the start and the end, e.g. [0.01, 0.1].", "none", Kind::List {
+        dimension: Dimension::NUMBER,
+        bounds: ["1e-9", "3"],
+        absent: ["none", "start and end only"],
+        get: |case| case.recording.snapshots.clone(),
+        set: |case, strains| case.recording.snapshots = strains,
+    }),
     entry("recording", "looks", "Looks averaged for one state, spread evenly over one interval around it.", "20",
         count!(1..=100_000, recording.looks)),
     entry("recording", "bin_width", "Width of a bin of f = N/<N>.", "0.25",

@@ -17,6 +17,15 @@ pub(crate) use digest::hexadecimal;
 pub use field::{Field, Value};
 pub use fields::{FIELDS, field};
 
+/// Keys that have no part in a run whose sample is made of a packing: its grains take the place of the gas.
+pub const UNUSED_WITH_PACKING: [&str; 5] = [
+    "grains.count",
+    "grains.diameter",
+    "grains.spread",
+    "preparation.seed",
+    "preparation.initial_solid_fraction",
+];
+
 /// Everything that decides a result. [`Default`] is the case of Antony, Zhou and Wang (2006).
 ///
 /// ```
@@ -110,6 +119,51 @@ mod tests {
         assert_eq!(case.shear.rate, Rate::InertialNumber(1e-3));
         let case = parse("[shear]\nstrain_rate = 2\n");
         assert_eq!(case.shear.rate, Rate::StrainRate { strain_rate: 2.0, density_scaling: 1.0 });
+    }
+
+    #[test]
+    fn states_are_spaced_as_the_case_says() {
+        use granum_dem::config::Spacing;
+        assert_eq!(parse("[recording]\nfirst_strain = \"none\"\nstrains = \"none\"\n"), Case::default());
+        let geometric = parse("[recording]\nfirst_strain = 1e-5\n");
+        assert_eq!(geometric.recording.spacing, Spacing::Geometric(1e-5));
+        let listed = parse("[recording]\nstrains = [1e-5, \"0.1 %\", 0.2,]\nsnapshots = [0.1]\n");
+        assert_eq!(listed.recording.spacing, Spacing::Strains(vec![1e-5, 1e-3, 0.2]));
+        assert_eq!(listed.recording.snapshots, [0.1]);
+        for case in [&geometric, &listed] {
+            assert_eq!(&parse(&case.resolved_toml()), case);
+            assert_ne!(case.digest(), Case::default().digest());
+            assert_eq!(case.preparation_digest(), Case::default().preparation_digest());
+        }
+        let mut case = Case::default();
+        for text in ["[1e-5, 1e-3, 0.2]", "1e-5,1e-3,0.2", "[\"1e-5\", 1e-3, 0.2, ]"] {
+            case.set("recording.strains", text).unwrap();
+            assert_eq!(case.recording.spacing, listed.recording.spacing, "{text}");
+        }
+        let error = case.set("recording.strains", "0.1,0.05").unwrap_err().to_string();
+        assert!(error.contains("value 2 (\"0.05\") is not above the one before"), "{error}");
+        case.set("recording.strains", "none").unwrap();
+        assert_eq!(case, Case::default());
+    }
+
+    /// Digests that were given out: a new key must not change them where it is not in use.
+    #[test]
+    fn the_digest_of_the_default_case_stays() {
+        let whole = "c533b7cdb3edf215fdbefd56a92fd863819ef0168e388b8eeefd6d917d809e5d";
+        assert_eq!(Case::default().digest(), whole);
+        let preparation = "71b668edeaab91207393af95b99c0fecdf376c3196ca1fac8bfcf746b4be1b5f";
+        assert_eq!(Case::default().preparation_digest(), preparation);
+    }
+
+    #[test]
+    fn a_packing_is_part_of_the_digests() {
+        let case = Case::default();
+        let digests = [None, Some("aa"), Some("bb")].map(|packing| case.digest_with(packing));
+        assert!(digests[0] == case.digest() && digests[0] != digests[1] && digests[1] != digests[2]);
+        let digests = [None, Some("aa"), Some("bb")].map(|packing| case.preparation_digest_with(packing));
+        assert!(
+            digests[0] == case.preparation_digest() && digests[0] != digests[1] && digests[1] != digests[2]
+        );
     }
 
     #[test]

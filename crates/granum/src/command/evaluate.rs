@@ -62,9 +62,9 @@ fn as_json(score: &RunScore) -> Value {
     })
 }
 
-fn table(name: &str, seed: u64, scores: &[RunScore]) -> String {
+fn table(name: &str, seed: Option<u64>, scores: &[RunScore]) -> String {
     let mut lines = vec![
-        format!("{name} (seed {seed})"),
+        seed.map_or_else(|| format!("{name} (of a packing)"), |seed| format!("{name} (seed {seed})")),
         format!(
             "{:<8} {:>13} {:>8}   {:>13} {:>8}   {:>7} {:>8}",
             "mapping", "relative RMSE", "R2", "strain only", "R2", "states", "outside"

@@ -1,6 +1,7 @@
 //! The subcommands, one file each.
 
 mod bench;
+mod case_flags;
 mod checkpoints;
 mod digest;
 mod evaluate;

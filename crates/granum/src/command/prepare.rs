@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 use granum_hybrid::contents::{Kind, check_free};
 use granum_hybrid::laboratory::Source;
-use granum_io::{Case, RunFolder};
+use granum_io::RunFolder;
 
+use super::case_flags::CaseFlags;
 use super::checkpoints::CheckpointFlags;
 use super::hardware::{HardwareFlags, Show};
 use super::run_report;
@@ -24,9 +25,12 @@ pub struct Prepare {
     /// Folder to make.
     #[arg(short, long, default_value = "sample", value_name = "DIR")]
     out: PathBuf,
-    /// Take the grains of a packing file (CSV: id,x,y,z,radius) instead of a gas.
+    /// Take the grains of a packing file (CSV: id,x,y,z,radius) instead of a gas: a loose one is compacted as the case says,
+    /// one that carries its load only comes to rest.
     #[arg(long, value_name = "FILE")]
     packing: Option<PathBuf>,
+    #[command(flatten)]
+    flags: CaseFlags,
     #[command(flatten)]
     checkpoints: CheckpointFlags,
     #[command(flatten)]
@@ -35,14 +39,15 @@ pub struct Prepare {
 
 impl Prepare {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
-        let case = Case::read(&self.case)?;
+        let case = self.flags.read(&self.case, self.packing.is_some())?;
         let laboratory = self.hardware.laboratory(context, &self.checkpoints)?;
         let source = self.packing.clone().map_or(Source::Case, Source::Packing);
         check_free(&self.out, Kind::Run, context.force)?;
         // Before there is a folder: a mistake leaves none behind, and with --force costs no older run.
-        let beginning = laboratory.beginning("prepare", &case, &source)?;
+        let mut show = Show::new(context);
+        let beginning = laboratory.beginning("prepare", &case, &source, &mut show)?;
         let folder = RunFolder::create(&self.out, context.force)?;
-        let record = laboratory.run(beginning, &folder, &mut Show::new(context))?;
+        let record = laboratory.run(beginning, &folder, &mut show)?;
         run_report::tell(context, &self.out, &record)
     }
 }

@@ -14,8 +14,8 @@ use crate::failure::Failure;
 pub struct Recorded {
     /// Its folder, as the user named it.
     pub name: String,
-    /// Seed of its sample.
-    pub seed: u64,
+    /// Seed of its sample; none if that is made of a packing.
+    pub seed: Option<u64>,
     /// Deviator strain at the end of its case.
     pub end: f64,
     /// What the sensors saw.
@@ -24,7 +24,7 @@ pub struct Recorded {
 
 impl Recorded {
     pub fn named(&self) -> NamedRecord<'_> {
-        NamedRecord { name: &self.name, seed: self.seed, record: &self.record }
+        NamedRecord { name: &self.name, seed: self.seed.unwrap_or_default(), record: &self.record }
     }
 }
 

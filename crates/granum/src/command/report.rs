@@ -4,14 +4,14 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use granum::report::{Document, Role, RunReport, StudyReport, run_report, study_report};
+use granum::report::{Document, Role, RunReport, StudyReport, run_report, sample_report, study_report};
 use granum_hybrid::contents::{Contents, Kind, taken};
 use granum_hybrid::figures::figures;
 use granum_hybrid::files::load_study;
 use granum_hybrid::reproduction::{Reproduction, SUMMARY_FILE};
 use granum_hybrid::{Dataset, DatasetOptions, NamedRecord};
 use granum_io::shell::quoted_path;
-use granum_io::{Run, atomic::write_atomically, check_output_file};
+use granum_io::{Run, RunStatus, atomic::write_atomically, check_output_file};
 use serde_json::json;
 
 use super::records;
@@ -20,7 +20,7 @@ use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 
-/// Write the report of a run folder, or of a reproduction, again from what is in it.
+/// Write the report of a run folder, a sample folder or a reproduction, again from what is in it.
 ///
 /// Leaves report.html, which opens offline and holds its figures, and the figures as SVG in the folder figures.
 #[derive(Args)]
@@ -28,7 +28,7 @@ use crate::output;
     after_help = "Example:\n  granum report run-1\n  granum report run-1 --out run-1.html\n  granum report reproduction --force"
 )]
 pub struct Report {
-    /// Folder of a run or of a reproduction.
+    /// Folder of a run, a sample or a reproduction.
     folder: PathBuf,
     /// Folder for report.html and figures, or a file that ends in .html for the page alone; the folder itself by
     /// default.
@@ -96,11 +96,14 @@ fn document(folder: &Path) -> Result<Document, Failure> {
     let run = Run::at(folder)?;
     let about = run.record()?;
     if about.kind == "prepare" {
-        let quoted = quoted_path(folder);
-        return Err(Failure::new(format!(
-            "{}: is a sample, not a test; `granum status {quoted}` tells of it, `granum shear CASE --sample {quoted}` shears it",
-            folder.display()
-        )));
+        if about.status != RunStatus::Finished {
+            return Err(Failure::new(format!(
+                "{}: the sample is not finished; go on with it: `granum resume {}`",
+                folder.display(),
+                quoted_path(folder)
+            )));
+        }
+        return Ok(sample_report(&RunReport::read(&run, Role::Single)?));
     }
     records::check_begun(&run, &about)?;
     Ok(run_report(&RunReport::read(&run, Role::Single)?))
@@ -128,7 +131,8 @@ fn study(folder: &Path, runs: &Path, models: &Path) -> Result<StudyReport, Failu
         .collect::<Result<_, Failure>>()?;
     let of = |role: Role| -> Vec<NamedRecord> {
         let own = reports.iter().filter(|report| report.role == role);
-        own.map(|r| NamedRecord { name: &r.name, seed: r.run.seed, record: &r.record }).collect()
+        own.map(|r| NamedRecord { name: &r.name, seed: r.run.seed.unwrap_or_default(), record: &r.record })
+            .collect()
     };
     let dataset = Dataset::new(&of(Role::Training), &of(Role::Unseen), &DatasetOptions::default())?;
     let study = load_study(models)?;

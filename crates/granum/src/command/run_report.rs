@@ -34,10 +34,14 @@ fn result(folder: &Path, record: &RunRecord) -> Value {
     json!({
         "folder": folder,
         "status": record.status,
+        "seed": record.seed,
+        "packing": record.packing,
+        "case_digest": record.case_digest,
         "measures": record.measures,
         "steps": record.steps,
         "wall_seconds": record.wall_seconds,
         "quality": record.quality,
+        "notes": record.notes,
     })
 }
 
@@ -46,8 +50,9 @@ fn text(record: &RunRecord) -> String {
     let measure = |name: &str| record.measures.get(name).copied();
     if let Some(solid_fraction) = measure("solid_fraction") {
         let value = |name: &str| measure(name).map_or("-".to_string(), |v| format!("{v:.3}"));
+        let packing = record.packing.as_ref().map_or(String::new(), |p| format!(" of {}", p.file_name));
         lines.push(format!(
-            "sample: {} grains, solid fraction {solid_fraction:.4}, coordination number {} (all grains), {} (grains with two \
+            "sample: {} grains{packing}, solid fraction {solid_fraction:.4}, coordination number {} (all grains), {} (grains with two \
              contacts or more), rattlers {:.1} %, p {:.2} kPa",
             record.grains,
             value("coordination_number"),
@@ -62,6 +67,12 @@ fn text(record: &RunRecord) -> String {
             measure("preparation_trials").unwrap_or(1.0)
         ));
     }
+    if let Some(steps) = record.steps.get("consolidation") {
+        lines.push(format!(
+            "the sample was brought to this mean stress before the test, in {steps} steps of consolidation"
+        ));
+    }
+    lines.extend(peak_and_late(record));
     let bad: Vec<_> = record.quality.iter().filter(|q| !q.passed).collect();
     for flag in &bad {
         lines.push(format!(
@@ -76,4 +87,18 @@ fn text(record: &RunRecord) -> String {
     let rate = record.grain_steps() as f64 / seconds.max(1e-9) / 1e6;
     lines.push(format!("{:.2e} grain-steps in {seconds:.1} s ({rate:.1} M/s)", record.grain_steps() as f64));
     lines.join("\n")
+}
+
+/// Peak and late values of a test that came to its end.
+fn peak_and_late(record: &RunRecord) -> Option<String> {
+    let value = |name: &str| record.measures.get(name).copied();
+    let peak = value("peak_stress_ratio")?;
+    Some(format!(
+        "test: peak q/p {peak:.3} at deviator strain {:.4}; means over the last quarter of the strain: q/p {:.3}, phi_d {:.4}, solid \
+         fraction {:.4}",
+        value("deviator_strain_at_peak")?,
+        value("late_stress_ratio")?,
+        value("late_deviator_fabric")?,
+        value("late_solid_fraction")?,
+    ))
 }

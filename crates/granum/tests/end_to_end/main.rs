@@ -6,7 +6,10 @@ mod common;
 mod escape;
 mod networks;
 mod nothing_lost;
+mod packings;
+mod recordings;
 mod refusals;
+mod settings;
 mod tests_of_grains;
 
 use std::path::Path;

@@ -45,6 +45,14 @@ fn reports(here: &Path) {
     assert!(figures >= 6 && told["figure_files"] == figures, "{told}");
     let page = std::fs::read_to_string(here.join("one/report.html")).unwrap();
     assert!(page.contains("150 grains") && page.contains("<svg"), "{}", page.len());
+    for words in ["The paper", "the paper", "paper\u{2019}s", "We kept"] {
+        assert!(!page.contains(words), "a run's own report says {words:?}");
+    }
+    // The energy ledger closes to one figure, that of the check.
+    let gap =
+        page.split("Energy ledger, gap over boundary work").nth(1).and_then(|rest| rest.split("<b>").nth(1));
+    let gap = gap.and_then(|rest| rest.split("</b>").next()).unwrap();
+    assert!(page.contains(&format!("the ledger closes to {gap} of that work")), "{gap}");
     let message = refused(here, 1, &["report", "one"]);
     assert!(message.contains("report.html exists already"), "{message}");
     done(here, &["report", "one", "--force"]);

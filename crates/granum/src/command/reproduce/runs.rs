@@ -175,7 +175,7 @@ fn check_own(laboratory: &Laboratory, case: &Case, path: &Path) -> Result<(), Fa
 
 /// True if a run is or will be the run of this case by this version.
 fn is_of(record: &RunRecord, laboratory: &Laboratory, case: &Case) -> bool {
-    record.case_digest == case.digest() && record.granum_version == laboratory.version
+    record.is_of(case) && record.granum_version == laboratory.version
 }
 
 /// One run: used again if finished, gone on with if it was begun, else made anew.
