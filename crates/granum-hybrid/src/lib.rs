@@ -20,6 +20,7 @@ pub mod laboratory;
 pub mod mapping;
 mod pool;
 pub mod reading;
+pub mod runs;
 pub mod score;
 pub mod size_study;
 pub mod speed;

@@ -3,6 +3,7 @@
 //! [`fields`] is the one list of keys with their bounds; reading, writing, the template of `granum init` and the
 //! digests all walk that list. A new key is one entry there.
 
+mod difference;
 mod digest;
 mod field;
 mod fields;
@@ -13,6 +14,7 @@ mod write;
 use granum_dem::config::{Contact, Grains, Numerics, Preparation, Recording, Shear};
 use serde::{Deserialize, Serialize};
 
+pub use difference::{CaseValues, Difference, SEED, differences};
 pub(crate) use digest::hexadecimal;
 pub use field::{Field, Value};
 pub use fields::{FIELDS, field};

@@ -13,12 +13,14 @@ mod pair;
 mod predict;
 mod prepare;
 mod records;
+mod relation;
 mod report;
 mod reproduce;
 mod resume;
 mod run_report;
 mod scores;
 mod shear;
+mod spread;
 mod status;
 mod train;
 

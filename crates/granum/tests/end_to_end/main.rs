@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod escape;
+mod mixed;
 mod networks;
 mod refusals;
 mod tests_of_grains;
