@@ -83,7 +83,7 @@ pub enum LaboratoryError {
     },
     /// No checkpoint of a folder can be used.
     #[error(
-        "{what}: nothing is left to go on from; run it again, e.g. `granum shear {0}/case.toml --out OTHER`",
+        "{what}: no checkpoint can be used; run it again, e.g. `granum shear {0}/case.toml --out OTHER`",
         folder.display()
     )]
     Unusable {

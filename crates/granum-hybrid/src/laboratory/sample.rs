@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use granum_dem::cell::Cell;
 use granum_dem::preparation::{Flow, Outcome, Preparing, Progress, Recipe, Sample};
 use granum_dem::simulation::{Properties, Simulation, Site};
+use granum_io::case::{decides_sample, differences};
 use granum_io::run::{Run, RunRecord, RunSource};
 use granum_io::{Case, Packing, run};
 
@@ -135,14 +136,16 @@ impl Laboratory {
 
 /// The sample of another folder.
 fn take_sample(case: &Case, path: &Path, record: &mut RunRecord) -> Result<Standing, LaboratoryError> {
-    let other = Run::at(path)?.record()?;
+    let folder = Run::at(path)?;
+    let other = folder.record()?;
     let checkpoint = path.join(CHECKPOINT);
     let bad = |what: String| LaboratoryError::Checkpoint { path: checkpoint.clone(), what };
     let name = path.display();
     if other.preparation_digest != case.preparation_digest() {
-        return Err(bad(
-            "the sample was prepared for other grains, contact law or preparation than this case asks for; prepare it anew".into(),
-        ));
+        return Err(bad(format!(
+            "the sample was prepared with other values than this case has: {}; prepare another sample, or change the case",
+            in_what(&folder.case()?, case)
+        )));
     }
     let standing = match Standing::read(&checkpoint, None) {
         Ok(Some(standing)) => standing,
@@ -159,12 +162,21 @@ fn take_sample(case: &Case, path: &Path, record: &mut RunRecord) -> Result<Stand
             Ok(standing)
         }
         Stage::Preparation(_) => {
-            Err(bad(format!("its preparation is not finished; go on with `granum resume {name}`")))
+            Err(bad(format!("its preparation is not finished; continue it with `granum resume {name}`")))
         }
         Stage::Test(_) => {
-            Err(bad("it is a test in progress, not a sample; give a folder made by `granum prepare`".into()))
+            Err(bad("this is the folder of a test, not of a sample; give a folder made by `granum prepare`"
+                .into()))
         }
     }
+}
+
+/// In what a case differs from that of a sample, of the keys that decide a sample.
+fn in_what(sample: &Case, case: &Case) -> String {
+    let found = differences(&[("the sample", &sample.values()), ("the case", &case.values())]);
+    let keys: Vec<String> =
+        found.iter().filter(|found| decides_sample(&found.key)).map(ToString::to_string).collect();
+    keys.join("; ")
 }
 
 /// Largest radius over the smallest that a packing may have: the search for near pairs is made for the largest grain, and its
@@ -226,12 +238,17 @@ fn note_sample(case: &Case, sample: &Sample, found: &mut Found) {
         "the sample did not come to rest; raise preparation.unbalanced_force or lower preparation.inertial_number",
     ));
     if let Some(target) = p.solid_fraction {
-        let missed = (sample.simulation.state().solid_fraction() - target).abs();
+        let reached = sample.simulation.state().solid_fraction();
+        let missed = (reached - target).abs();
+        let by =
+            sample.trials.last().map_or("the packing".to_string(), |t| format!("friction {}", t.friction));
         found.quality.push(run::QualityFlag::at_most(
             "solid_fraction_missed_by",
             missed,
             p.solid_fraction_tolerance,
-            "this solid fraction is out of reach of the preparation friction; ask for another or drop preparation.solid_fraction",
+            format!(
+                "target {target} not reached: {by} gives {reached:.3}; ask for another preparation.solid_fraction, or for \"none\""
+            ),
         ));
     }
 }

@@ -15,6 +15,7 @@ use granum_dem::config::{Contact, Grains, Numerics, Preparation, Recording, Shea
 use serde::{Deserialize, Serialize};
 
 pub use difference::{CaseValues, Difference, SEED, differences};
+pub use digest::decides_sample;
 pub(crate) use digest::hexadecimal;
 pub use field::{Field, Value};
 pub use fields::{FIELDS, field};
@@ -39,7 +40,7 @@ pub struct Case {
     pub preparation: Preparation,
     /// The loading path.
     pub shear: Shear,
-    /// When the sensors look.
+    /// Which states the sensors record.
     pub recording: Recording,
     /// Numerical choices.
     pub numerics: Numerics,
@@ -47,6 +48,7 @@ pub struct Case {
 
 #[cfg(test)]
 mod tests {
+    use super::fields::RENAMED;
     use super::*;
     use granum_dem::config::Rate;
     use proptest::prelude::*;
@@ -86,6 +88,7 @@ mod tests {
         leaves(&serde_json::to_value(Case::default()).unwrap(), "", &mut paths);
         for path in paths {
             let path = path.replace("shear.rate.inertial-number", "shear.inertial_number");
+            let path = path.replace("recording.looks", "recording.observations_per_state");
             assert!(
                 field(&path).is_some(),
                 "{path} is in granum_dem::config, but is no key of the case file"
@@ -112,6 +115,19 @@ mod tests {
         assert_eq!(case.shear.rate, Rate::InertialNumber(1e-3));
         let case = parse("[shear]\nstrain_rate = 2\n");
         assert_eq!(case.shear.rate, Rate::StrainRate { strain_rate: 2.0, density_scaling: 1.0 });
+    }
+
+    #[test]
+    fn a_key_that_was_renamed_is_refused_with_its_new_name() {
+        for [old, new] in RENAMED {
+            assert!(field(old).is_none() && field(new).is_some());
+            let (section, key) = old.rsplit_once('.').unwrap();
+            let text = format!("[{section}]\n{key} = 20\n");
+            let error = Case::parse(&text, "case.toml").unwrap_err().to_string();
+            assert!(error.contains(&format!("case.toml:2:1: {old} is now called {new}")), "{error}");
+            let error = Case::default().set(old, "20").unwrap_err().to_string();
+            assert!(error.contains(&format!("is now called {new}")), "{error}");
+        }
     }
 
     #[test]

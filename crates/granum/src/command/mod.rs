@@ -23,6 +23,7 @@ mod shear;
 mod spread;
 mod status;
 mod train;
+mod trained_range;
 
 use clap::Subcommand;
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use granum_io::{RunRecord, RunStatus};
+use granum_io::{QualityFlag, RunRecord, RunStatus};
 use serde_json::json;
 
 use crate::context::Context;
@@ -49,10 +49,7 @@ fn text(folder: &Path, record: &RunRecord) -> String {
     }
     let bad: Vec<_> = record.quality.iter().filter(|q| !q.passed).collect();
     for flag in &bad {
-        lines.push(format!(
-            "warning: {} is {:.3e}, good is up to {:.1e}: {}",
-            flag.name, flag.value, flag.limit, flag.advice
-        ));
+        lines.push(format!("warning: {}", warning(flag)));
     }
     if bad.is_empty() && !record.quality.is_empty() {
         lines.push(format!("all {} quality checks passed", record.quality.len()));
@@ -62,4 +59,14 @@ fn text(folder: &Path, record: &RunRecord) -> String {
     lines.push(format!("{:.2e} grain-steps in {seconds:.1} s ({rate:.1} M/s)", record.grain_steps() as f64));
     lines.push(format!("wrote {}", folder.display()));
     lines.join("\n")
+}
+
+/// A judgement that is not good, for people.
+fn warning(flag: &QualityFlag) -> String {
+    // Its advice says target and value.
+    if flag.name == "solid_fraction_missed_by" {
+        return flag.advice.clone();
+    }
+    let name = flag.name.replace('_', " ");
+    format!("{name} is {:.3e} and should be at most {:.1e}: {}", flag.value, flag.limit, flag.advice)
 }

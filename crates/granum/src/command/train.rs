@@ -107,7 +107,7 @@ impl<'a> Show<'a> {
             (Some(failure), _) => failure.into(),
             (None, HybridError::Stopped { done, total }) => {
                 let left = format!(
-                    "{done} of {total} networks are in {}; the same command goes on from there",
+                    "{done} of {total} networks are in {}; the same command continues from there",
                     folder.display()
                 );
                 Interrupted { left }.into()

@@ -8,6 +8,8 @@ mod mixed;
 mod networks;
 mod refusals;
 mod tests_of_grains;
+mod tutorial;
+mod words;
 
 use std::path::Path;
 
@@ -28,7 +30,7 @@ deviator_strain = 0.02
 inertial_number = 3e-3
 [recording]
 states = 8
-looks = 3
+observations_per_state = 3
 "#;
 
 /// Runs granum, which must succeed, and gives what it printed.

@@ -100,6 +100,12 @@ fn forces_of_the_shipped_packing_are_those_known() {
     let mean_stress = told["mean_stress"].as_f64().unwrap();
     assert!((mean_stress - 20000.025).abs() < 0.01, "{mean_stress}");
     let table = granum_io::read_table(here.join("forces.csv")).unwrap();
+    let whole = done_json(here, &["forces", packing, "--normal", "hertz"]);
+    assert_eq!(whole["forces"]["id"][4], 5);
+    for name in ["fx", "tz"] {
+        let values: Vec<f64> = serde_json::from_value(whole["forces"][name].clone()).unwrap();
+        assert_eq!(values, table.column(name).unwrap());
+    }
     assert_eq!(table.rows(), 5000);
     for name in ["tx", "ty", "tz"] {
         assert!(table.column(name).unwrap().iter().all(|torque| *torque == 0.0), "{name}");
