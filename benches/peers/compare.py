@@ -5,6 +5,10 @@
     python benches/peers/compare.py            # what is there of lmp, yade and JAX
     python benches/peers/compare.py --rounds 5 --core 1
 
+Both sides are measured over the same stretch: the same number of steps after the same number of steps from the packing, all of
+them in one mean (LAMMPS's loop time, YADE's wall time, `granum bench --skip-steps ... --steps ...`). The processor stands beside
+every ratio, for ratios differ from one kind to the next.
+
 Installs nothing. `lmp` and `yade` are looked for on the PATH; JAX in this Python or the one given by --jax. The same packing
 (data/packing-5000.csv), strain rate (27.5 /s at constant volume) and time step (3e-8 s) on both sides.
 """
@@ -12,6 +16,7 @@ Installs nothing. `lmp` and `yade` are looked for on the PATH; JAX in this Pytho
 import argparse
 import json
 import os
+import platform
 import re
 import shutil
 import statistics
@@ -22,6 +27,25 @@ import tempfile
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
 PACKING = os.path.join(ROOT, "data", "packing-5000.csv")
+# Steps from the packing to the first that counts, and steps that count.
+SKIPPED, STEPS = 500, 3000
+YADE_STEPS = 1000
+
+
+def processor():
+    """Name, family and model of the processor: names of virtual machines often leave out which one it is."""
+    try:
+        with open("/proc/cpuinfo") as file:
+            lines = file.read().split("\n\n")[0].splitlines()
+    except OSError:
+        return platform.processor() or platform.machine()
+    about = dict((part.strip() for part in line.split(":", 1)) for line in lines if ":" in line)
+    name = about.get("model name", platform.machine())
+    numbers = [f"{word} {about[key]}" for word, key in (("family", "cpu family"), ("model", "model")) if key in about]
+    zen = {"25": {"1": "Zen 3", "17": "Zen 4", "160": "Zen 4"}, "26": {"2": "Zen 5", "17": "Zen 5"}}
+    if about.get("vendor_id") == "AuthenticAMD":
+        numbers += [zen.get(about.get("cpu family"), {}).get(about.get("model"))]
+    return ", ".join([name] + [number for number in numbers if number])
 
 
 def run(command, core, **more):
@@ -34,25 +58,29 @@ def run(command, core, **more):
     return done.stdout
 
 
-def granum(binary, law, core):
+def granum(binary, law, core, steps):
+    """The mean over the same steps as the other side's."""
     text = run(
         [binary, "bench", "--json", "--only", "dem", "--law", law, "--grains", "5000", "--threads", "1"]
-        + ["--time-step", "3e-8", "--strain-rate", "27.5"],
+        + ["--time-step", "3e-8", "--strain-rate", "27.5", "--skip-steps", str(SKIPPED), "--steps", str(steps)],
         core,
     )
-    return json.loads(text)["dem"][0]["grain_steps_per_second"]
+    figure = json.loads(text)["dem"][0]
+    assert figure["steps"] == steps and figure["grains"] == 5000, figure
+    return figure["mean_grain_steps_per_second"]
 
 
 def lammps(model, core, data, folder):
     text = run(
         ["lmp", "-in", os.path.join(HERE, "lammps", "bench.in"), "-log", "none"]
-        + ["-var", "model", model, "-var", "data", data],
+        + ["-var", "model", model, "-var", "data", data, "-var", "warm", str(SKIPPED), "-var", "steps", str(STEPS)],
         core,
         cwd=folder,
     )
     grains = int(re.findall(r"with (\d+) atoms", text)[-1])
     loops = re.findall(r"Loop time of ([0-9.eE+-]+) on \d+ procs for (\d+) steps", text)
     seconds, steps = loops[-1]
+    assert int(steps) == STEPS and grains == 5000, (grains, steps)
     return grains * int(steps) / float(seconds)
 
 
@@ -60,7 +88,7 @@ def yade(core):
     text = run(
         ["yade", "-j1", "-n", "-x", os.path.join(HERE, "yade", "bench.py")],
         core,
-        environment={"PACKING": PACKING},
+        environment={"PACKING": PACKING, "WARM": str(SKIPPED), "STEPS": str(YADE_STEPS)},
     )
     return float(re.findall(r"([0-9.eE+]+) grain-steps per second", text)[-1])
 
@@ -71,7 +99,7 @@ def by_turns(name, rounds, theirs, ours):
     a, b = statistics.median(p[0] for p in pairs), statistics.median(p[1] for p in pairs)
     print(
         f"{name:<66} {a / 1e6:8.3f} {b / 1e6:8.2f} M grain-steps/s, ratio {statistics.median(ratios):.2f}"
-        f" ({ratios[0]:.2f} to {ratios[-1]:.2f})",
+        f" ({ratios[0]:.2f} to {ratios[-1]:.2f}) on {processor()}",
         flush=True,
     )
 
@@ -86,8 +114,8 @@ def main():
     if not os.path.exists(flags.granum):
         sys.exit(f"{flags.granum} is not there: cargo build --release")
 
-    def ours(law):
-        return lambda: granum(flags.granum, law, flags.core)
+    def ours(law, steps=STEPS):
+        return lambda: granum(flags.granum, law, flags.core, steps)
 
     if shutil.which("lmp"):
         with tempfile.TemporaryDirectory() as folder:
@@ -102,12 +130,12 @@ def main():
     else:
         print("lmp is not on the PATH: LAMMPS was not compared")
     if shutil.which("yade"):
-        by_turns("YADE Hertz-Mindlin; granum hertz, no-slip", flags.rounds, lambda: yade(flags.core), ours("hertz,no-slip"))
+        by_turns("YADE Hertz-Mindlin; granum hertz, no-slip", flags.rounds, lambda: yade(flags.core), ours("hertz,no-slip", YADE_STEPS))
     else:
         print("yade is not on the PATH: YADE was not compared")
     has_jax = subprocess.run([flags.jax, "-c", "import jax"], capture_output=True).returncode == 0
     if has_jax:
-        print(run([flags.jax, os.path.join(HERE, "traingdx_jax.py"), "--granum", flags.granum], flags.core).strip())
+        print(run([flags.jax, os.path.join(HERE, "traingdx_jax.py"), "--granum", flags.granum], flags.core).strip() + f" on {processor()}")
     else:
         print("this Python has no JAX: traingdx was not compared (--jax PYTHON)")
 

@@ -39,7 +39,7 @@ pub fn check_begun(run: &Run, about: &RunRecord) -> Result<(), Failure> {
     let name = run.path().display();
     let place = if about.phase.is_empty() { "the start" } else { about.phase.as_str() };
     Err(Failure::new(format!(
-        "{name}: was broken off in {place}, before there was anything of its test; go on with `granum resume {name}`"
+        "{name}: was interrupted in {place}, before its test began; continue it with `granum resume {name}`"
     )))
 }
 
