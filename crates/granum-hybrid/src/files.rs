@@ -63,7 +63,8 @@ pub fn write_record(folder: &RunFolder, record: &Record) -> Result<()> {
 /// If a file is missing or damaged, or the two are no record; the message names the file or folder.
 pub fn read_record(run: &granum_io::Run) -> Result<Record> {
     Record::from_tables(series_of(&run.series()?), &series_of(&run.forces()?)).map_err(|error| {
-        let message = format!("its series and forces are no record: {error}; run it again");
+        let message =
+            format!("its series.parquet and forces.parquet are not those of a test: {error}; run it again");
         Error::content(run.path(), message).into()
     })
 }

@@ -89,3 +89,64 @@ fn last_part(path: &Path) -> String {
     let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     whole.file_name().map_or_else(|| whole.display().to_string(), |name| name.to_string_lossy().into_owned())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use granum_io::{Case, Machine, RunFolder, RunRecord};
+
+    /// A folder of a run that began from somewhere.
+    fn make(path: &Path, source: RunSource) -> Run {
+        let folder = RunFolder::create(path, false).unwrap();
+        let mut record = RunRecord::new("shear", "0.1.0", &Case::default(), Machine::here("avx2", 1));
+        record.source = source;
+        folder.write_record(&record).unwrap();
+        folder.run()
+    }
+
+    #[test]
+    fn the_packing_is_found_also_behind_a_sample_folder() {
+        let base = tempfile::tempdir().unwrap();
+        let at = |name: &str| base.path().join(name);
+        let packed = RunSource::Packing { file: "p.csv".into(), sha256: "ab".into() };
+        make(&at("packed"), packed.clone());
+        make(&at("placed"), RunSource::Case);
+        make(&at("taken"), RunSource::Sample(at("taken")));
+        assert_eq!(packing(&packed).as_deref(), Some("SHA-256 ab"));
+        assert_eq!(packing(&RunSource::Case).as_deref(), Some("none"));
+        let behind = |name: &str| packing(&RunSource::Sample(at(name)));
+        assert_eq!(behind("packed").as_deref(), Some("SHA-256 ab"));
+        assert_eq!(behind("placed").as_deref(), Some("none"));
+        assert_eq!((behind("taken"), behind("gone")), (None, None));
+    }
+
+    #[test]
+    fn runs_differ_by_their_packing_and_not_by_their_seed() {
+        let run = |seed: u64, packing: &str| {
+            let mut case = Case::default();
+            case.preparation.seed = seed;
+            let mut values = case.values();
+            values.insert(PACKING.into(), packing.into());
+            StudyRun { name: "run".into(), role: RunRole::Training, values, content: BTreeMap::new() }
+        };
+        let (one, two, packed) = (run(1, "none"), run(2, "none"), run(1, "SHA-256 ab"));
+        assert!(differences_but_seed(&[("one", &one), ("two", &two)]).is_empty());
+        let found = differences_but_seed(&[("one", &one), ("two", &two), ("packed", &packed)]);
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].to_string(), "packing: none in one, two; SHA-256 ab in packed");
+    }
+
+    #[test]
+    fn the_same_test_is_known_by_its_states_or_by_case_and_seed() {
+        let values = Case::default().values();
+        let run = |hash: &str, friction: &str| {
+            let mut values = values.clone();
+            values.insert("grains.material.friction".into(), friction.into());
+            let content = BTreeMap::from([("series.parquet".to_string(), hash.to_string())]);
+            StudyRun { name: "run".into(), role: RunRole::Training, values, content }
+        };
+        assert!(run("a", "0.3").is_same_test(&run("a", "0.5")));
+        assert!(run("a", "0.3").is_same_test(&run("b", "0.3")));
+        assert!(!run("a", "0.3").is_same_test(&run("b", "0.5")));
+    }
+}

@@ -256,7 +256,7 @@ fn a_record_survives_its_files() {
     broken.forces.pop();
     files::write_record(&folder, &broken).unwrap();
     let error = files::read_record(&folder.run()).unwrap_err().to_string();
-    assert!(error.contains("run: its series and forces are no record"), "{error}");
+    assert!(error.contains("run: its series.parquet and forces.parquet are not those of a test"), "{error}");
 }
 
 #[test]

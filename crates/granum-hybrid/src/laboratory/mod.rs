@@ -276,7 +276,9 @@ impl Laboratory {
         }
         if record.granum_version != self.version {
             let (old, new) = (&record.granum_version, &self.version);
-            let text = format!("begun by granum {old}, resumed by {new}: bits may differ from either");
+            let text = format!(
+                "begun by granum {old} and resumed by {new}: its results may differ in the last digits from those of either version"
+            );
             observer.warn(&text);
             record.notes.push(text);
         }

@@ -151,7 +151,8 @@ impl Train {
         options.mappings = paper_mappings_to(end);
         if end != PAPER_STRAIN && !context.json {
             eprintln!(
-                "note: the tests end at {end}; strain ranges of the paper's tables shrink or grow to fit"
+                "note: the tests end at a deviator strain of {end}, not of {PAPER_STRAIN}; the strain ranges of the paper's tables are \
+                 scaled to it"
             );
         }
         let dataset =
@@ -175,7 +176,9 @@ impl Train {
                 )));
             }
             if !(factor > 0.0 && factor <= 1e3) {
-                return Err(Failure::new(format!("--epoch-factor {factor}: more than 0 and up to 1000")));
+                return Err(Failure::new(format!(
+                    "--epoch-factor {factor}: a number more than 0 and up to 1000 is needed"
+                )));
             }
         }
         if let Some(threads @ (0 | 1025..)) = self.threads {
