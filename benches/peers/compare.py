@@ -3,6 +3,7 @@
 
     cargo build --release
     python benches/peers/compare.py            # what is there of lmp, yade and JAX
+    python benches/peers/compare.py --dirt ../dirt/target/release/examples/bench_lebc_shear
     python benches/peers/compare.py --rounds 5 --core 1
 
 Both sides are measured over the same stretch: the same number of steps after the same number of steps from the packing, all of
@@ -58,11 +59,11 @@ def run(command, core, **more):
     return done.stdout
 
 
-def granum(binary, law, core, steps):
+def granum(binary, law, core, steps, rate="27.5"):
     """The mean over the same steps as the other side's."""
     text = run(
         [binary, "bench", "--json", "--only", "dem", "--law", law, "--grains", "5000", "--threads", "1"]
-        + ["--time-step", "3e-8", "--strain-rate", "27.5", "--skip-steps", str(SKIPPED), "--steps", str(steps)],
+        + ["--time-step", "3e-8", "--strain-rate", rate, "--skip-steps", str(SKIPPED), "--steps", str(steps)],
         core,
     )
     figure = json.loads(text)["dem"][0]
@@ -93,6 +94,36 @@ def yade(core):
     return float(re.findall(r"([0-9.eE+]+) grain-steps per second", text)[-1])
 
 
+def dirt(binary, core, folder):
+    """DIRT with the packing held in its cell; its thermo lines give the steps per second since the line before."""
+    with open(PACKING) as file:
+        lines = file.read().splitlines()
+    rows = os.path.join(folder, "dirt.csv")
+    with open(rows, "w") as file:
+        file.write("\n".join(line for line in lines if line[:1].isdigit()) + "\n")
+    words = {part.split("=")[0].upper(): part.split("=")[1] for part in lines[0].split() if "=" in part}
+    words.update(PACKING=rows, OUTPUT=folder, SKIPPED=str(SKIPPED), STEPS=str(STEPS))
+    with open(os.path.join(HERE, "dirt", "config.toml")) as file:
+        text = re.sub(r"\b(%s)\b" % "|".join(words), lambda word: words[word[0]], file.read())
+    config = os.path.join(folder, "dirt.toml")
+    with open(config, "w") as file:
+        file.write(text)
+    printed = run([binary, config], core, cwd=folder)
+    heads, last, seconds, steps = None, 0, 0.0, 0
+    for fields in (line.split() for line in printed.splitlines()):
+        if "Step" in fields and "Stepps" in fields:
+            heads = fields
+        elif heads and len(fields) == len(heads) and fields[0].isdigit():
+            step = int(fields[heads.index("Step")])
+            if step > SKIPPED and step > last:
+                seconds += (step - last) / float(fields[heads.index("Stepps")])
+                steps += step - last
+            last = max(step, last)
+            grains = int(fields[heads.index("Atoms")])
+    assert steps == STEPS and grains == 5000, printed[-2000:]
+    return grains * steps / seconds
+
+
 def by_turns(name, rounds, theirs, ours):
     pairs = [(theirs(), ours()) for _ in range(rounds)]
     ratios = sorted(b / a for a, b in pairs)
@@ -109,6 +140,7 @@ def main():
     parser.add_argument("--granum", default=os.path.join(ROOT, "target", "release", "granum"))
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--core", type=int, default=0)
+    parser.add_argument("--dirt", help="the example bench_lebc_shear of DIRT, built (see README.md)")
     parser.add_argument("--jax", default=sys.executable, help="a Python that has JAX")
     flags = parser.parse_args()
     if not os.path.exists(flags.granum):
@@ -133,6 +165,17 @@ def main():
         by_turns("YADE Hertz-Mindlin; granum hertz, no-slip", flags.rounds, lambda: yade(flags.core), ours("hertz,no-slip", YADE_STEPS))
     else:
         print("yade is not on the PATH: YADE was not compared")
+    if flags.dirt:
+        with tempfile.TemporaryDirectory() as folder:
+            by_turns(
+                "DIRT Hertz-Mindlin, cell held; granum hertz, no-slip, cell held",
+                flags.rounds,
+                lambda: dirt(flags.dirt, flags.core, folder),
+                # A rate of strain that moves no grain by the width of an atom.
+                lambda: granum(flags.granum, "hertz,no-slip", flags.core, STEPS, "1e-9"),
+            )
+    else:
+        print("--dirt was not given: DIRT was not compared")
     has_jax = subprocess.run([flags.jax, "-c", "import jax"], capture_output=True).returncode == 0
     if has_jax:
         print(run([flags.jax, os.path.join(HERE, "traingdx_jax.py"), "--granum", flags.granum], flags.core).strip() + f" on {processor()}")

@@ -170,6 +170,6 @@ fn signals_end_a_preparation_in_good_order_and_a_second_process_is_refused() {
     // Broken off before the test: what there is to do is told.
     let output = run(here, &["report", "busy"]);
     assert_eq!(output.status.code(), Some(1));
-    assert!(stderr(&output).contains("go on with `granum resume busy`"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("continue it with `granum resume busy`"), "{}", stderr(&output));
     done(here, &["resume", "busy"]);
 }
