@@ -102,7 +102,9 @@ def dirt(binary, core, folder):
     with open(rows, "w") as file:
         file.write("\n".join(line for line in lines if line[:1].isdigit()) + "\n")
     words = {part.split("=")[0].upper(): part.split("=")[1] for part in lines[0].split() if "=" in part}
-    words.update(PACKING=rows, OUTPUT=folder, SKIPPED=str(SKIPPED), STEPS=str(STEPS))
+    words.update(PACKING=rows, OUTPUT=folder, SKIPPED=str(SKIPPED))
+    # It prints no line at its last step.
+    words.update(STEPS=str(STEPS + SKIPPED))
     with open(os.path.join(HERE, "dirt", "config.toml")) as file:
         text = re.sub(r"\b(%s)\b" % "|".join(words), lambda word: words[word[0]], file.read())
     config = os.path.join(folder, "dirt.toml")
@@ -115,7 +117,7 @@ def dirt(binary, core, folder):
             heads = fields
         elif heads and len(fields) == len(heads) and fields[0].isdigit():
             step = int(fields[heads.index("Step")])
-            if step > SKIPPED and step > last:
+            if SKIPPED < step <= SKIPPED + STEPS and step > last:
                 seconds += (step - last) / float(fields[heads.index("Stepps")])
                 steps += step - last
             last = max(step, last)
