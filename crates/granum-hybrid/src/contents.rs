@@ -152,7 +152,7 @@ impl Contents {
         }
         let resume = || format!("granum resume {name}");
         match self {
-            Contents::Nothing | Contents::Other => Next::only("nothing to go on with"),
+            Contents::Nothing | Contents::Other => Next::only("nothing to continue"),
             Contents::Run(None) => {
                 Next::only("its run.json cannot be read; run its case again, with --force")
             }
@@ -160,7 +160,7 @@ impl Contents {
             Contents::Training { finished: true } => {
                 Next::new("judge it", format!("granum evaluate {name} RUN..."))
             }
-            Contents::Training { .. } => Next::new("go on with it", resume()),
+            Contents::Training { .. } => Next::new("continue it", resume()),
             Contents::Reproduction { of: None, .. } => Next::only(
                 "no reproduction.json says with which options it was made; reproduce in another folder, or replace it with --force",
             ),
@@ -171,10 +171,10 @@ impl Contents {
                     return Next { text: format!("done; see {}", page.display()), command: Some(line) };
                 }
                 if of.is_of_this_version() {
-                    return Next::new("go on with it", line);
+                    return Next::new("continue it", line);
                 }
                 Next::new(
-                    &format!("it was begun by granum {}; go on with it by that version", of.granum_version),
+                    &format!("it was begun by granum {}; continue it by that version", of.granum_version),
                     line,
                 )
             }
@@ -199,12 +199,12 @@ fn next_of_run(record: &RunRecord, folder: &Path) -> Next {
             let why = record.notes.last().map_or("it failed", String::as_str);
             Next {
                 text: format!(
-                    "{why}; once the cause is mended go on with it: {resume}; or change the case and run it again with --force"
+                    "{why}; once the cause is mended continue it: {resume}; or change the case and run it again with --force"
                 ),
                 command: Some(resume),
             }
         }
-        _ if checkpoint => Next::new("go on with it", resume),
+        _ if checkpoint => Next::new("continue it", resume),
         _ => Next::new("there is no checkpoint yet; begin again from its case", resume),
     }
 }
@@ -227,7 +227,7 @@ pub fn check_free(folder: &Path, wanted: Kind, force: bool) -> Result<()> {
 /// The refusal of a folder for what it holds; `replaceable` if `--force` would replace that.
 pub fn taken(folder: &Path, contents: &Contents, wanted: &str, replaceable: bool) -> HybridError {
     let go_on = match contents.next(folder) {
-        Next { command: Some(command), .. } => format!("to go on from that: `{command}`; else choose"),
+        Next { command: Some(command), .. } => format!("to continue from that: `{command}`; else choose"),
         Next { text, .. } => format!("{text}; else choose"),
     };
     let replace = if replaceable {

@@ -22,6 +22,7 @@ pub mod mapping;
 mod pool;
 pub mod reading;
 pub mod reproduction;
+pub mod runs;
 pub mod score;
 pub mod size_study;
 pub mod speed;

@@ -211,7 +211,7 @@ pub fn check_name(what: &str, name: &str) -> Result<()> {
         return Ok(());
     }
     let message =
-        format!("can be no part of a file's name; up to {LONGEST_NAME} letters, digits, - and _ are");
+        format!("cannot be part of the name of a file; up to {LONGEST_NAME} letters, digits, - and _ can");
     Err(Error::Value { name: what.into(), value: name.into(), message })
 }
 
@@ -335,7 +335,7 @@ mod tests {
         {
             let message = check_name("snapshot", name).unwrap_err().to_string();
             assert!(
-                message.contains("snapshot = ") && message.contains("no part of a file's name"),
+                message.contains("snapshot = ") && message.contains("cannot be part of the name of a file"),
                 "{message}"
             );
         }

@@ -96,7 +96,7 @@ pub enum LaboratoryError {
     },
     /// No checkpoint of a folder can be used.
     #[error(
-        "{what}: nothing is left to go on from; run it again, e.g. `granum shear {} --out OTHER`",
+        "{what}: no checkpoint can be used; run it again, e.g. `granum shear {} --out OTHER`",
         quoted_path(&folder.join("case.toml"))
     )]
     Unusable {
@@ -258,7 +258,9 @@ impl Laboratory {
         }
         if record.granum_version != self.version {
             let (old, new) = (&record.granum_version, &self.version);
-            let text = format!("begun by granum {old}, resumed by {new}: bits may differ from either");
+            let text = format!(
+                "begun by granum {old} and resumed by {new}: its results may differ in the last digits from those of either version"
+            );
             observer.warn(&text);
             record.notes.push(text);
         }

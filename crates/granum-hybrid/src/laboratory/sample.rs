@@ -6,6 +6,7 @@ use granum_dem::cell::Cell;
 use granum_dem::config::Preparation;
 use granum_dem::preparation::{Flow, Outcome, Phase, Preparing, Progress, Recipe, Sample};
 use granum_dem::simulation::{Properties, Simulation, Site};
+use granum_io::case::{decides_sample, differences};
 use granum_io::run::{Run, RunRecord, RunSource};
 use granum_io::shell::quoted_path;
 use granum_io::{Case, Packing, run};
@@ -80,7 +81,7 @@ impl Laboratory {
                 let (preparing, why_not) = from_packing::begin(&packing, &recipe)?;
                 for remark in from_packing::remarks(case, path, why_not.as_deref()) {
                     observer.warn(&remark);
-                    record.notes.push(remark);
+                    note(record, remark);
                 }
                 preparing
             }
@@ -169,16 +170,25 @@ impl Laboratory {
     }
 }
 
+/// Notes something once: a run that was killed before its first checkpoint begins again with the record that it left.
+fn note(record: &mut RunRecord, text: String) {
+    if !record.notes.contains(&text) {
+        record.notes.push(text);
+    }
+}
+
 /// The sample of another folder.
 fn take_sample(case: &Case, path: &Path, record: &mut RunRecord) -> Result<Standing, LaboratoryError> {
-    let other = Run::at(path)?.record()?;
+    let folder = Run::at(path)?;
+    let other = folder.record()?;
     let checkpoint = path.join(CHECKPOINT);
     let bad = |what: String| LaboratoryError::Checkpoint { path: checkpoint.clone(), what };
     let name = quoted_path(path);
     if other.preparation_digest != case.preparation_digest_with(other.packing_digest()) {
-        return Err(bad(
-            "the sample was prepared for other grains, contact law or preparation than this case asks for; prepare it anew".into(),
-        ));
+        return Err(bad(format!(
+            "the sample was prepared with other values than this case has: {}; prepare another sample, or change the case",
+            in_what(&folder.case()?, case)
+        )));
     }
     let standing = match Standing::read(&checkpoint, None) {
         Ok(Some(standing)) => standing,
@@ -191,19 +201,28 @@ fn take_sample(case: &Case, path: &Path, record: &mut RunRecord) -> Result<Stand
     match standing.stage {
         Stage::Sample => {
             record.wall_seconds.extend(other.wall_seconds);
-            record.notes.extend(other.notes);
+            other.notes.into_iter().for_each(|text| note(record, text));
             if let Some(packing) = other.packing {
                 record.set_packing(case, packing);
             }
             Ok(standing)
         }
         Stage::Preparation(_) => {
-            Err(bad(format!("its preparation is not finished; go on with `granum resume {name}`")))
+            Err(bad(format!("its preparation is not finished; continue it with `granum resume {name}`")))
         }
         Stage::Consolidation(_) | Stage::Consolidated | Stage::Test(_) => {
-            Err(bad("it is a test in progress, not a sample; give a folder made by `granum prepare`".into()))
+            Err(bad("this is the folder of a test, not of a sample; give a folder made by `granum prepare`"
+                .into()))
         }
     }
+}
+
+/// In what a case differs from that of a sample, of the keys that decide a sample.
+fn in_what(sample: &Case, case: &Case) -> String {
+    let found = differences(&[("the sample", &sample.values()), ("the case", &case.values())]);
+    let keys: Vec<String> =
+        found.iter().filter(|found| decides_sample(&found.key)).map(ToString::to_string).collect();
+    keys.join("; ")
 }
 
 /// Largest radius over the smallest that a packing may have: the search for near pairs is made for the largest grain, and its

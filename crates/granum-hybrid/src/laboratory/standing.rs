@@ -125,11 +125,11 @@ impl Standing {
 /// What stands in a checkpoint beside the simulation, if it can be of a run (of the case).
 fn beside(text: &str, case: Option<&Case>) -> Result<(Stage, Found), String> {
     let (stage, found): (Stage, Found) = serde_json::from_str(text)
-        .map_err(|e| format!("what it says beside the simulation is not of a run ({e})"))?;
+        .map_err(|e| format!("its part on how far the run is cannot be read ({e})"))?;
     if let Stage::Test(test) = &stage
         && case.is_some_and(|case| !test.is_of(case))
     {
-        return Err("what it says beside the simulation is not of a test of this case".into());
+        return Err("its part on how far the run is belongs to a test of another case".into());
     }
     Ok((stage, found))
 }
@@ -167,10 +167,12 @@ pub(super) fn last_good(
     let path = previous.display();
     match current {
         // Killed between the two renames; hardly anything is lost.
-        None => observer.warn(&format!("there is no {CHECKPOINT}; goes on from the one before, {path}")),
+        None => {
+            observer.warn(&format!("there is no {CHECKPOINT}; the run continues from the one before, {path}"))
+        }
         Some(why) => {
             observer.warn(&format!(
-                "{why}; goes on from the one before, {path}, and keeps the other as {REFUSED_CHECKPOINT}"
+                "{why}; the run continues from the one before, {path}, and the other is kept as {REFUSED_CHECKPOINT}"
             ));
             folder.put_checkpoint_aside()?;
         }

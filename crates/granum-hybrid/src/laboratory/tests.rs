@@ -76,7 +76,8 @@ fn a_prepared_sample_shears_as_a_case_in_one_go() {
     other.grains.material.youngs_modulus = 30e9;
     let three = RunFolder::create(base.path().join("three"), false).unwrap();
     let error = lab.shear(&other, &source, &three, &mut Nobody).unwrap_err();
-    assert!(error.to_string().contains("other grains"), "{error}");
+    let wanted = "grains.material.youngs_modulus: 7e10 Pa in the sample; 3e10 Pa in the case";
+    assert!(error.to_string().contains(wanted), "{error}");
     assert!(Run::at(three.path()).is_err(), "a sample that cannot be used leaves nothing behind");
 }
 

@@ -2,7 +2,8 @@
 
 use sha2::{Digest, Sha256};
 
-use super::{Case, FIELDS, Value};
+use super::fields::RENAMED;
+use super::{Case, FIELDS, Field, Value};
 
 /// Sections that decide the sample.
 const PREPARATION: [&str; 5] = ["grains", "grains.material", "contact", "preparation", "numerics"];
@@ -57,10 +58,22 @@ impl Case {
                     values.iter().map(|value| format!("{:016x} ", value.to_bits())).collect()
                 }
             };
-            text.push_str(&format!("{}={value}\n", field.path()));
+            text.push_str(&format!("{}={value}\n", name(field)));
         }
         hexadecimal(&Sha256::digest(text.as_bytes()))
     }
+}
+
+/// The name of a key in digests, which is its first one.
+fn name(field: &Field) -> String {
+    let path = field.path();
+    let first = RENAMED.iter().find(|[_, new]| *new == path);
+    first.map_or(path, |[old, _]| (*old).to_string())
+}
+
+/// True if a key decides the sample, and not only what is done with it.
+pub fn decides_sample(key: &str) -> bool {
+    key.rsplit_once('.').is_some_and(|(section, _)| PREPARATION.contains(&section))
 }
 
 /// Bytes as lower-case hexadecimal digits.

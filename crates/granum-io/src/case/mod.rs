@@ -3,6 +3,7 @@
 //! [`fields`] is the one list of keys with their bounds; reading, writing, the template of `granum init` and the
 //! digests all walk that list. A new key is one entry there.
 
+mod difference;
 mod digest;
 mod field;
 mod fields;
@@ -13,6 +14,8 @@ mod write;
 use granum_dem::config::{Contact, Grains, Numerics, Preparation, Recording, Shear};
 use serde::{Deserialize, Serialize};
 
+pub use difference::{CaseValues, Difference, SEED, differences};
+pub use digest::decides_sample;
 pub(crate) use digest::hexadecimal;
 pub use field::{Field, Value};
 pub use fields::{FIELDS, field};
@@ -46,7 +49,7 @@ pub struct Case {
     pub preparation: Preparation,
     /// The loading path.
     pub shear: Shear,
-    /// When the sensors look.
+    /// Which states the sensors record.
     pub recording: Recording,
     /// Numerical choices.
     pub numerics: Numerics,
@@ -54,6 +57,7 @@ pub struct Case {
 
 #[cfg(test)]
 mod tests {
+    use super::fields::RENAMED;
     use super::*;
     use granum_dem::config::Rate;
     use proptest::prelude::*;
@@ -93,6 +97,7 @@ mod tests {
         leaves(&serde_json::to_value(Case::default()).unwrap(), "", &mut paths);
         for path in paths {
             let path = path.replace("shear.rate.inertial-number", "shear.inertial_number");
+            let path = path.replace("recording.looks", "recording.observations_per_state");
             assert!(
                 field(&path).is_some(),
                 "{path} is in granum_dem::config, but is no key of the case file"
@@ -164,6 +169,19 @@ mod tests {
         assert!(
             digests[0] == case.preparation_digest() && digests[0] != digests[1] && digests[1] != digests[2]
         );
+    }
+
+    #[test]
+    fn a_key_that_was_renamed_is_refused_with_its_new_name() {
+        for [old, new] in RENAMED {
+            assert!(field(old).is_none() && field(new).is_some());
+            let (section, key) = old.rsplit_once('.').unwrap();
+            let text = format!("[{section}]\n{key} = 20\n");
+            let error = Case::parse(&text, "case.toml").unwrap_err().to_string();
+            assert!(error.contains(&format!("case.toml:2:1: {old} is now called {new}")), "{error}");
+            let error = Case::default().set(old, "20").unwrap_err().to_string();
+            assert!(error.contains(&format!("is now called {new}")), "{error}");
+        }
     }
 
     #[test]

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::fields::SECTIONS;
+use super::fields::{RENAMED, SECTIONS};
 use super::rules::RULES;
 use super::{Case, FIELDS, Field, Value, field};
 use crate::error::{Error, InputError, Result, nearest};
@@ -70,7 +70,10 @@ impl Case {
         let wrong =
             |message: String| Error::Value { name: path.to_string(), value: text.to_string(), message };
         let section = path.rsplit_once('.').map_or("", |(section, _)| section);
-        let field = field(path).ok_or_else(|| wrong(format!("is no key; {}", suggestion(path, section))))?;
+        let field = field(path).ok_or_else(|| match new_name(path) {
+            Some(new) => wrong(format!("is now called {new}")),
+            None => wrong(format!("is no key; {}", suggestion(path, section))),
+        })?;
         let value = field.parse(text).map_err(wrong)?;
         if path == "shear.density_scaling" && field.value(self).is_none() {
             return Err(wrong("needs shear.strain_rate".into()));
@@ -129,6 +132,10 @@ impl Reader<'_> {
                 }
             } else if let Some(field) = field(&path) {
                 self.field(field, key.span(), value);
+            } else if let Some(new) = new_name(&path) {
+                let name = new.rsplit('.').next().unwrap_or(new);
+                self.error(key.span(), format!("{path} is now called {new}")).help =
+                    Some(format!("write {name}"));
             } else {
                 let what = if section.is_empty() { "section" } else { "key" };
                 let help = suggestion(&path, section);
@@ -223,6 +230,11 @@ impl Reader<'_> {
             line.to_string()
         }
     }
+}
+
+/// The name that a key has now, where it was renamed.
+fn new_name(path: &str) -> Option<&'static str> {
+    RENAMED.iter().find(|[old, _]| *old == path).map(|[_, new]| *new)
 }
 
 /// What a user may have meant by an unknown path.

@@ -38,7 +38,7 @@ pub(super) const RULES: &[Rule] = &[
             let target = case.preparation.solid_fraction.filter(|target| *target <= initial)?;
             Some(format!(
                 "preparation.initial_solid_fraction = {initial} must be below preparation.solid_fraction = {target}: \
-                 the gas is compressed to the sample"
+                 the loose initial state is compressed to the sample"
             ))
         },
     },

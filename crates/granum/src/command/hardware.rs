@@ -29,11 +29,15 @@ pub fn processors() -> usize {
 
 /// An instruction set that this machine has, by its name.
 pub fn instruction_set(name: &str) -> Result<Isa, Failure> {
-    let known = Isa::ALL.map(Isa::name).join(", ");
-    let isa = Isa::from_name(name).ok_or_else(|| Failure::new(format!("--isa {name}: there is {known}")))?;
+    let isa = Isa::from_name(name).ok_or_else(|| {
+        let known = Isa::ALL.map(Isa::name);
+        let (last, others) = known.split_last().unwrap_or((&"portable", &[]));
+        let known = format!("{} or {last}", others.join(", "));
+        Failure::new(format!("--isa {name}: granum has no such instruction set; choose {known}"))
+    })?;
     if !isa.available() {
         return Err(Failure::new(format!(
-            "--isa {name}: this machine does not have it; it has {}",
+            "--isa {name}: this processor does not have that instruction set; the widest that it has is {}",
             Isa::detect().name()
         )));
     }

@@ -14,7 +14,8 @@ use super::run_report;
 use crate::context::Context;
 use crate::failure::Failure;
 
-/// Make a sample: a gas from a seed, compressed isotropically, relaxed with the final properties.
+/// Make a sample: grains placed at random from a seed so that none touch, compressed isotropically, and relaxed with the final
+/// properties.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum prepare my-sand.toml --out sample\n  granum shear my-sand.toml --sample sample"
@@ -25,8 +26,8 @@ pub struct Prepare {
     /// Folder to make.
     #[arg(short, long, default_value = "sample", value_name = "DIR")]
     out: PathBuf,
-    /// Take the grains of a packing file (CSV: id,x,y,z,radius) instead of a gas: a loose one is compacted as the case says,
-    /// one that carries its load only comes to rest.
+    /// Take the grains of a packing file (CSV: id,x,y,z,radius) instead of placing grains at random: a loose one is compacted
+    /// as the case says, one that carries its load only comes to rest.
     #[arg(long, value_name = "FILE")]
     packing: Option<PathBuf>,
     #[command(flatten)]

@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use granum_hybrid::runs::{RunRole, StudyRun, differences_but_seed};
 use granum_hybrid::{NamedRecord, files::read_record};
+use granum_io::case::Difference;
 use granum_io::shell::quoted_path;
 use granum_io::{Run, RunRecord, RunStatus};
 use granum_sensors::Record;
@@ -20,6 +22,8 @@ pub struct Recorded {
     pub end: f64,
     /// What the sensors saw.
     pub record: Record,
+    /// What a study remembers of it.
+    pub known: StudyRun,
 }
 
 impl Recorded {
@@ -36,7 +40,7 @@ pub fn check_begun(run: &Run, about: &RunRecord) -> Result<(), Failure> {
     let (name, quoted) = (run.path().display(), quoted_path(run.path()));
     let place = if about.phase.is_empty() { "the start" } else { about.phase.as_str() };
     Err(Failure::new(format!(
-        "{name}: was broken off in {place}, before there was anything of its test; go on with `granum resume {quoted}`"
+        "{name}: was interrupted in {place}, before its test began; continue it with `granum resume {quoted}`"
     )))
 }
 
@@ -46,11 +50,11 @@ pub fn named(runs: &[Recorded]) -> Vec<NamedRecord<'_>> {
 }
 
 /// Reads run folders; one that did not reach its end is taken with a warning.
-pub fn read(context: &Context, folders: &[PathBuf]) -> Result<Vec<Recorded>, Failure> {
-    folders.iter().map(|folder| read_one(context, folder)).collect()
+pub fn read(context: &Context, folders: &[PathBuf], role: RunRole) -> Result<Vec<Recorded>, Failure> {
+    folders.iter().map(|folder| read_one(context, folder, role)).collect()
 }
 
-fn read_one(context: &Context, folder: &Path) -> Result<Recorded, Failure> {
+fn read_one(context: &Context, folder: &Path, role: RunRole) -> Result<Recorded, Failure> {
     let run = Run::at(folder)?;
     let (case, about) = (run.case()?, run.record()?);
     if about.kind == "prepare" {
@@ -66,6 +70,7 @@ fn read_one(context: &Context, folder: &Path) -> Result<Recorded, Failure> {
         eprintln!("warning: {} did not reach its end; the states that it has are taken", folder.display());
     }
     Ok(Recorded {
+        known: StudyRun::read(&run, role)?,
         name: folder.display().to_string(),
         seed: about.seed,
         end: case.shear.deviator_strain,
@@ -84,4 +89,20 @@ pub fn check_different(runs: &[&Recorded]) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// In what runs differ besides their seeds. That is refused unless the user asks for it: the difference between such runs
+/// is no scatter between samples, and a network that learned one test is not judged by another.
+pub fn check_one_test(runs: &[&Recorded], mixed: bool) -> Result<Vec<Difference>, Failure> {
+    let known: Vec<(&str, &StudyRun)> = runs.iter().map(|run| (run.name.as_str(), &run.known)).collect();
+    let found = differences_but_seed(&known);
+    if found.is_empty() || mixed {
+        return Ok(found);
+    }
+    let lines: Vec<String> = found.iter().map(|difference| format!("\n  {difference}")).collect();
+    Err(Failure::new(format!(
+        "the runs differ in more than the seed of their samples:{}\ntake runs of one case that differ in preparation.seed \
+         alone, or give --mixed to train and judge on all of them",
+        lines.concat()
+    )))
 }

@@ -98,7 +98,7 @@ fn document(folder: &Path) -> Result<Document, Failure> {
     if about.kind == "prepare" {
         if about.status != RunStatus::Finished {
             return Err(Failure::new(format!(
-                "{}: the sample is not finished; go on with it: `granum resume {}`",
+                "{}: the sample is not finished; continue it: `granum resume {}`",
                 folder.display(),
                 quoted_path(folder)
             )));

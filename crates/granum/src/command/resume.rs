@@ -17,8 +17,8 @@ use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 
-/// Go on with a preparation, test, training or reproduction that was interrupted or killed, to the same bits as if it never
-/// had been.
+/// Continue a preparation, test, training or reproduction that was interrupted or killed; it ends with exactly the results that
+/// it would have had without the interruption.
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum resume run-1")]
 pub struct Resume {

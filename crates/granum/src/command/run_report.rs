@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use granum_io::shell::quoted_path;
-use granum_io::{RunRecord, RunStatus};
+use granum_io::{QualityFlag, RunRecord, RunStatus};
 use serde_json::{Value, json};
 
 use crate::context::Context;
@@ -14,7 +14,7 @@ use crate::output;
 pub fn tell(context: &Context, folder: &Path, record: &RunRecord) -> Result<(), Failure> {
     if record.status == RunStatus::Interrupted {
         let left = format!(
-            "what was done is in {}; go on with `granum resume {}`",
+            "what was done is in {}; continue with `granum resume {}`",
             folder.display(),
             quoted_path(folder)
         );
@@ -75,10 +75,7 @@ fn text(record: &RunRecord) -> String {
     lines.extend(peak_and_late(record));
     let bad: Vec<_> = record.quality.iter().filter(|q| !q.passed).collect();
     for flag in &bad {
-        lines.push(format!(
-            "warning: {} is {:.3e}, good is up to {:.1e}: {}",
-            flag.name, flag.value, flag.limit, flag.advice
-        ));
+        lines.push(format!("warning: {}", warning(flag)));
     }
     if bad.is_empty() && !record.quality.is_empty() {
         lines.push(format!("all {} quality checks passed", record.quality.len()));
@@ -101,4 +98,14 @@ fn peak_and_late(record: &RunRecord) -> Option<String> {
         value("late_deviator_fabric")?,
         value("late_solid_fraction")?,
     ))
+}
+
+/// A judgement that is not good, for people.
+fn warning(flag: &QualityFlag) -> String {
+    // Its advice says target and value.
+    if flag.name == "solid_fraction_missed_by" {
+        return flag.advice.clone();
+    }
+    let name = flag.name.replace('_', " ");
+    format!("{name} is {:.3e} and should be at most {:.1e}: {}", flag.value, flag.limit, flag.advice)
 }

@@ -16,7 +16,7 @@ use crate::failure::Failure;
 use crate::output;
 use crate::progress::readable;
 
-/// Tell how far a run, a training or every run of a reproduction is, and what to do next.
+/// Print how far a run, a training or every run of a reproduction is, and what to do next.
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum status run-1\n  granum status reproduction")]
 pub struct Status {

@@ -11,20 +11,23 @@ use granum_hybrid::files::{STUDY_FILE, save_study};
 use granum_hybrid::keeping::{Keeper, PLAN_FILE, Plan};
 use granum_hybrid::laboratory::Field;
 use granum_hybrid::mapping::{PAPER_STRAIN, paper_mappings_to};
+use granum_hybrid::runs::{RunRole, StudyRun};
 use granum_hybrid::sufficiency::check_states;
 use granum_hybrid::summary::MappingSummary;
 use granum_hybrid::{
     Dataset, DatasetOptions, Form, HybridError, Study, StudyObserver, StudyOptions, StudyProgress,
 };
 use granum_io::OutputFolder;
+use granum_io::case::Difference;
 use granum_io::shell::quoted_path;
 use granum_nets::Model;
 use granum_nets::trainer::TrainerState;
 use serde_json::json;
 
 use super::checkpoints::CheckpointFlags;
-use super::records;
+use super::records::{self, Recorded};
 use super::scores;
+use super::spread::Spread;
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
 use crate::output;
@@ -33,10 +36,10 @@ use crate::progress::Progress;
 /// The trainer whose epochs are those of the paper's tables.
 const PAPER_TRAINER: &str = "traingdx";
 
-/// Train the eighteen networks of the paper's six mappings, and a twin of each that sees strain only.
+/// Train the eighteen networks of the paper's six mappings, and for each a network of the same size that sees strain only.
 ///
-/// Every second state of the runs trains, the others are held out and judge; unseen runs only judge. An interrupted
-/// training goes on with the same command.
+/// Every second state of the runs trains, the others are held out and judge; unseen runs only judge. All runs must be of one
+/// case and differ in preparation.seed alone, unless --mixed is given. The same command continues an interrupted training.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum train run-1 --unseen run-2 run-3 --out study\n  granum train run-1 --trainer traingdx \
@@ -52,6 +55,10 @@ pub struct Train {
     /// Run folders that no network sees, to judge by.
     #[arg(long, num_args = 1.., value_name = "RUN")]
     unseen: Vec<PathBuf>,
+    /// Take runs that differ in more than the seed. The keys that differ are named, and the difference between the runs is
+    /// not called the scatter between samples.
+    #[arg(long)]
+    mixed: bool,
     /// Trainer: levenberg-marquardt (with Bayesian regularisation) or traingdx (the paper's, with its epochs).
     #[arg(long, default_value = "levenberg-marquardt", value_name = "NAME")]
     trainer: String,
@@ -117,7 +124,7 @@ impl<'a> Show<'a> {
             (Some(failure), _) => failure.into(),
             (None, HybridError::Stopped { done, total }) => {
                 let left = format!(
-                    "{done} of {total} networks are in {}; go on with `granum resume {}`",
+                    "{done} of {total} networks are in {}; continue with `granum resume {}`",
                     folder.display(),
                     quoted_path(folder)
                 );
@@ -155,14 +162,17 @@ impl StudyObserver for Show<'_> {
 impl Train {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let mut options = self.options()?;
-        let training = records::read(context, &self.runs)?;
-        let unseen = records::read(context, &self.unseen)?;
-        records::check_different(&training.iter().chain(&unseen).collect::<Vec<_>>())?;
+        let training = records::read(context, &self.runs, RunRole::Training)?;
+        let unseen = records::read(context, &self.unseen, RunRole::Unseen)?;
+        let all: Vec<&Recorded> = training.iter().chain(&unseen).collect();
+        records::check_different(&all)?;
+        let differences = records::check_one_test(&all, self.mixed)?;
         let end = training.iter().map(|run| run.end).fold(f64::INFINITY, f64::min);
         options.mappings = paper_mappings_to(end);
         if end != PAPER_STRAIN && !context.json {
             eprintln!(
-                "note: the tests end at {end}; strain ranges of the paper's tables shrink or grow to fit"
+                "note: the tests end at a deviator strain of {end}, not of {PAPER_STRAIN}; the strain ranges of the paper's tables are \
+                 scaled to it"
             );
         }
         let dataset =
@@ -170,7 +180,8 @@ impl Train {
         // Before there is a folder, and before an older one is replaced.
         check_states(&dataset, &options.mappings)?;
         let every = self.checkpoints.every()?;
-        let plan = Plan::new(&self.runs, &self.unseen, dataset.hash()?, &options)?;
+        let mut plan = Plan::new(&self.runs, &self.unseen, dataset.hash()?, &options)?;
+        plan.mixed = self.mixed;
         let begun = Train::is_in(&self.out) && !context.force;
         let folder = self.folder(context, &plan)?;
         let show = Show::new(context, "networks", folder.path(), every);
@@ -184,8 +195,9 @@ impl Train {
                 return Err(show.failure(error, folder.path()));
             }
         };
-        save_study(folder.path(), &study)?;
-        self.tell(context, &study, &dataset)
+        let known: Vec<StudyRun> = all.iter().map(|run| run.known.clone()).collect();
+        save_study(folder.path(), &study, &known)?;
+        self.tell(context, &study, &dataset, &differences)
     }
 
     fn options(&self) -> Result<StudyOptions, Failure> {
@@ -198,7 +210,9 @@ impl Train {
                 )));
             }
             if !(factor > 0.0 && factor <= 1e3) {
-                return Err(Failure::new(format!("--epoch-factor {factor}: more than 0 and up to 1000")));
+                return Err(Failure::new(format!(
+                    "--epoch-factor {factor}: a number more than 0 and up to 1000 is needed"
+                )));
             }
         }
         if let Some(threads @ (0 | 1025..)) = self.threads {
@@ -229,9 +243,10 @@ impl Train {
             Form::Histogram => FormName::Histogram,
         };
         let epoch_factor = (plan.trainer == PAPER_TRAINER).then_some(plan.epoch_factor);
-        let (runs, unseen, trainer, seed) = (plan.runs, plan.unseen, plan.trainer, plan.seed);
+        let (runs, unseen, mixed, trainer, seed) =
+            (plan.runs, plan.unseen, plan.mixed, plan.trainer, plan.seed);
         let out = out.to_path_buf();
-        Ok(Train { runs, out, unseen, trainer, form, seed, epoch_factor, threads, checkpoints })
+        Ok(Train { runs, out, unseen, mixed, trainer, form, seed, epoch_factor, threads, checkpoints })
     }
 
     /// True if the folder holds a training, finished or not.
@@ -250,7 +265,7 @@ impl Train {
             let differences = Plan::read(&self.out)?.differences(plan);
             if !differences.is_empty() {
                 return Err(Failure::new(format!(
-                    "{}: holds an unfinished training that differs in {}; go on with that one (`granum resume {}`), choose \
+                    "{}: holds an unfinished training that differs in {}; continue that one (`granum resume {}`), choose \
                      another --out, or give --force to replace it",
                     self.out.display(),
                     differences.join(", "),
@@ -266,7 +281,14 @@ impl Train {
         Ok(folder)
     }
 
-    fn tell(&self, context: &Context, study: &Study, dataset: &Dataset) -> Result<(), Failure> {
+    fn tell(
+        &self,
+        context: &Context,
+        study: &Study,
+        dataset: &Dataset,
+        differences: &[Difference],
+    ) -> Result<(), Failure> {
+        let spread = Spread::of(differences);
         let mappings: BTreeMap<String, MappingSummary> = study
             .evaluate(dataset)?
             .iter()
@@ -276,10 +298,12 @@ impl Train {
             "study": self.out,
             "dataset_hash": study.dataset_hash,
             "training_seconds": study.training_seconds(),
-            "mappings": mappings,
+            "runs_differ_in": spread.keys(),
+            "mappings": spread.renamed(json!(mappings)),
         });
         output::say(context, &result, || {
-            let mut lines = scores::lines(&mappings);
+            let mut lines = scores::lines(&mappings, spread.name());
+            lines.extend(spread.explanation());
             lines.push(format!("wrote {}", self.out.display()));
             lines.join("\n")
         })

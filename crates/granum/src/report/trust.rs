@@ -104,7 +104,7 @@ fn table(label: &str, runs: &[RunReport]) -> Table {
         }
         table.row(cells);
     }
-    table.note = "An exclamation mark: the limit is broken.".to_owned();
+    table.note = "An exclamation mark: the value is beyond the limit.".to_owned();
     table
 }
 
@@ -139,11 +139,11 @@ fn verdict(runs: &[RunReport]) -> String {
     let broken: Vec<&str> = runs.iter().filter(|r| !r.run.is_good()).map(|r| r.name.as_str()).collect();
     let unjudged = runs.iter().any(|r| r.run.quality.is_empty());
     match (runs.len(), broken.len()) {
-        (_, 0) if unjudged => "A run judges itself when it ends; this one has not.".to_owned(),
-        (1, 0) => "The run keeps every limit.".to_owned(),
-        (_, 0) => "All runs keep every limit.".to_owned(),
-        (1, _) => "The run breaks a limit: read its results with care.".to_owned(),
-        _ => format!("Limits are broken by {}: read them with care.", broken.join(", ")),
+        (_, 0) if unjudged => "The checks are made when a run ends; one of these has not ended.".to_owned(),
+        (1, 0) => "The run passed every check.".to_owned(),
+        (_, 0) => "All runs passed every check.".to_owned(),
+        (1, _) => "The run did not pass every check: read its results with care.".to_owned(),
+        _ => format!("Not every check was passed by {}: read their results with care.", broken.join(", ")),
     }
 }
 

@@ -104,7 +104,7 @@ fn names_in_studies_lead_nowhere() {
     let (good_study, good_plan) = (fs::read(&study).unwrap(), fs::read(&plan).unwrap());
     for name in hostile(&place) {
         change(&study, |file| file["mappings"][0]["mapping"]["name"] = json!(name));
-        let words = "can be no part of a file's name";
+        let words = "cannot be part of the name of a file";
         place.refused(words, &["evaluate", "study", "run-1"]);
         place.refused(words, &["predict", "study", "-m", name.split('\0').next().unwrap(), "-s", "x=1"]);
         place.harmless(&["report", "study"]);

@@ -238,13 +238,13 @@ fn status_tells_the_exact_command_and_is_done_only_when_all_is() {
     };
     let (text, command) = next("quick-half");
     assert_eq!(command, "granum reproduce --quick --out quick-half");
-    assert_eq!(text, "go on with it: granum reproduce --quick --out quick-half");
+    assert_eq!(text, "continue it: granum reproduce --quick --out quick-half");
     assert!(next("my quick").0.starts_with("done; see my quick"), "{}", next("my quick").0);
     set_status(&here.join("my quick/runs/unseen-12"), "interrupted");
-    assert_eq!(next("my quick").0, "go on with it: granum reproduce --quick --out 'my quick'");
+    assert_eq!(next("my quick").0, "continue it: granum reproduce --quick --out 'my quick'");
     assert!(!done(here, &["status", "my quick"]).contains("done"));
     fs::remove_dir_all(here.join("full/runs/unseen-12")).unwrap();
-    assert_eq!(next("full").0, "go on with it: granum reproduce --out full");
+    assert_eq!(next("full").0, "continue it: granum reproduce --out full");
     let told = done(here, &["status", "full"]);
     assert!(told.contains("full/runs/unseen-12: not begun"), "{told}");
     fs::create_dir(here.join("full/runs/unseen-12")).unwrap();

@@ -24,7 +24,7 @@ fn states_and_snapshots_stand_where_the_case_says() {
     let told = shear(here, "usual", &[]);
 
     // The elastic rise of q/p lies between the first two of the usual states.
-    let slow = ["--set", "shear.inertial_number=3e-4", "--set", "recording.looks=1"];
+    let slow = ["--set", "shear.inertial_number=3e-4", "--set", "recording.observations_per_state=1"];
     let spaced = ["--set", "recording.first_strain=1e-5"];
     shear(here, "geometric", &[&slow[..], &spaced].concat());
     let series = table(here, "geometric/series.parquet");
@@ -135,7 +135,16 @@ fn samples_that_could_not_be_taken_are_told() {
     done(here, &["prepare", "case.toml", "--out", "sample"]);
     let output = run(
         here,
-        &["shear", "case.toml", "--sample", "sample", "--out", "r", "--set", "recording.looks=100000"],
+        &[
+            "shear",
+            "case.toml",
+            "--sample",
+            "sample",
+            "--out",
+            "r",
+            "--set",
+            "recording.observations_per_state=100000",
+        ],
     );
     let said = stderr(&output);
     assert!(output.status.success(), "{said}");

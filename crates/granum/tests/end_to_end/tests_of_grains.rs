@@ -29,7 +29,7 @@ fn a_small_case_from_sample_to_report_and_one_digest_on_any_hardware() {
 
     let message = refused(here, 1, &["shear", "case.toml", "--out", "one"]);
     assert!(
-        message.contains("one already holds a finished test; to go on from that: `granum report one`"),
+        message.contains("one already holds a finished test; to continue from that: `granum report one`"),
         "{message}"
     );
     let message = refused(here, 1, &["train", "sample", "--out", "study"]);
@@ -90,11 +90,11 @@ fn an_interrupted_run_tells_how_to_go_on_and_ends_in_the_same_bits() {
     assert!(signalled.success());
     let ended = child.wait_with_output().unwrap();
     assert_eq!(ended.status.code(), Some(130), "{}", stderr(&ended));
-    assert!(stderr(&ended).contains("go on with `granum resume broken`"), "{}", stderr(&ended));
+    assert!(stderr(&ended).contains("continue with `granum resume broken`"), "{}", stderr(&ended));
 
     let status = done_json(here, &["status", "broken"]);
     assert_eq!(status["status"], "interrupted");
-    assert_eq!(status["next"], "go on with it: granum resume broken");
+    assert_eq!(status["next"], "continue it: granum resume broken");
     let half = run(here, &["digest", "broken"]);
     assert!(String::from_utf8_lossy(&half.stdout).contains("of the part that is done"));
     done(here, &["resume", "broken"]);
@@ -127,6 +127,12 @@ fn forces_of_the_shipped_packing_are_those_known() {
     let mean_stress = told["mean_stress"].as_f64().unwrap();
     assert!((mean_stress - 20000.025).abs() < 0.01, "{mean_stress}");
     let table = granum_io::read_table(here.join("forces.csv")).unwrap();
+    let whole = done_json(here, &["forces", packing, "--normal", "hertz"]);
+    assert_eq!(whole["forces"]["id"][4], 5);
+    for name in ["fx", "tz"] {
+        let values: Vec<f64> = serde_json::from_value(whole["forces"][name].clone()).unwrap();
+        assert_eq!(values, table.column(name).unwrap());
+    }
     assert_eq!(table.rows(), 5000);
     for name in ["tx", "ty", "tz"] {
         assert!(table.column(name).unwrap().iter().all(|torque| *torque == 0.0), "{name}");

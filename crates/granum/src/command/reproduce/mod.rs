@@ -168,7 +168,7 @@ fn case(quick: bool) -> Case {
 
 /// The mappings with their errors, for the terminal.
 fn table(summary: &Summary) -> String {
-    let mut lines = scores::lines(&summary.mappings);
+    let mut lines = scores::lines(&summary.mappings, "seed scatter");
     lines.push(format!(
         "networks answer {:.0} times faster than DEM ({:.0} s against {:.2e} s)",
         summary.speed.factor, summary.speed.dem_seconds, summary.speed.network_seconds

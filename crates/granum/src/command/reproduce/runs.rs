@@ -146,7 +146,7 @@ pub fn all(
     for (_, result) in results {
         if result?.status == RunStatus::Interrupted {
             let (name, quoted) = (folder.display(), quoted_path(folder));
-            let left = format!("{name} holds what was done; go on with `granum resume {quoted}`");
+            let left = format!("{name} holds what was done; continue with `granum resume {quoted}`");
             return Err(Interrupted { left }.into());
         }
     }
