@@ -211,7 +211,9 @@ mod tests {
         assert!(
             message(text.replace("\"version\": 1", "\"version\": 2")).contains("version 2, but this program")
         );
-        assert!(message(text.replace("training-11", "../x")).contains("no part of a file's name"));
+        assert!(
+            message(text.replace("training-11", "../x")).contains("cannot be part of the name of a file")
+        );
         // An option that a file does not have has its default.
         std::fs::write(&path, text.replace("\"quick\": true,", "")).unwrap();
         assert_eq!(Reproduction::read(folder).unwrap().unwrap().options, options(false, "traingdx"));

@@ -282,7 +282,7 @@ fn note_sample(case: &Case, sample: &Sample, compacted: bool, found: &mut Found)
         let reached = sample.simulation.state().solid_fraction();
         let advice = if !compacted {
             format!(
-                "the packing was not compacted, since it carried its load or was dense enough, and came to rest at {reached:.4}; set \
+                "target {target} not reached: the packing was not compacted, since it carried its load or was dense enough, and came to rest at {reached:.4}; set \
                  preparation.solid_fraction = \"none\" or begin with a looser packing"
             )
         } else if let Some(friction) = p.friction {
@@ -291,9 +291,9 @@ fn note_sample(case: &Case, sample: &Sample, compacted: bool, found: &mut Found)
                  preparation.solid_fraction = \"none\""
             )
         } else {
-            let friction = sample.trials.last().map_or(0.0, |trial| trial.friction);
+            let friction = sample.trials.last().map_or(0.0, |trial| (trial.friction * 1e3).round() / 1e3);
             format!(
-                "target {target} not reached: friction {friction:.3} gives {reached:.4}, and no other came nearer; ask for another \
+                "target {target} not reached: friction {friction} gives {reached:.4}, and no other came nearer; ask for another \
                  preparation.solid_fraction, or \"none\""
             )
         };

@@ -229,7 +229,7 @@ fn reproductions_lead_nowhere() {
         for command in
             [&["status", "study"][..], &["resume", "study"], &["reproduce", "--force", "--out", "study"]]
         {
-            place.refused("can be no part of a file's name", command);
+            place.refused("cannot be part of the name of a file", command);
         }
     }
 }

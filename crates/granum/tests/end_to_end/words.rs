@@ -39,6 +39,6 @@ fn a_solid_fraction_that_was_not_reached_is_told_with_the_one_that_was() {
     let output = run(here, &["prepare", "case.toml", "--out", "sample"]);
     assert!(output.status.success(), "{}", stderr(&output));
     let text = stdout(&output);
-    assert!(text.contains("warning: target 0.72 not reached: friction 0 gives 0.6"), "{text}");
+    assert!(text.contains("warning: target 0.72 not reached: preparation.friction = 0 gives 0.6"), "{text}");
     assert!(!text.contains("solid_fraction_missed_by"), "{text}");
 }
