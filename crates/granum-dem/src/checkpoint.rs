@@ -217,7 +217,7 @@ fn check_numbers(body: &Body) -> Result<(), CheckpointError> {
     let watch = &state.watch;
     require(
         positive(watch.margin) && !watch.travel.is_nan() && watch.distortion.is_finite(),
-        "margin of the watch",
+        "margin of the pruned neighbour list",
     )?;
     let counts =
         [state.step, state.steps_since_rebuild, state.rebuilds, state.servo_error.steps, watch.steps];

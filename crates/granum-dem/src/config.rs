@@ -175,11 +175,31 @@ impl Default for Shear {
     }
 }
 
+/// At which deviator strains of a test states are recorded. State 0, the sample before it is strained, always is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Spacing {
+    /// At the ends of `states` equal intervals.
+    #[default]
+    Equal,
+    /// At `states` strains from this one to the end, each larger than the one before by the same factor.
+    Geometric(f64),
+    /// At these strains, rising.
+    Strains(Vec<f64>),
+}
+
 /// When the sensors look, and the bins of the force distribution.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Recording {
-    /// Number of equal intervals of deviator strain; a state is recorded at each end of an interval.
+    /// Number of intervals of deviator strain; a state is recorded at each end of an interval. Of no use with
+    /// [`Spacing::Strains`].
     pub states: usize,
+    /// At which strains the states stand.
+    #[serde(default, skip_serializing_if = "is_equal")]
+    pub spacing: Spacing,
+    /// Deviator strains at which a snapshot of all grains and contacts is taken, rising.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub snapshots: Vec<f64>,
     /// Looks averaged for one state, spread evenly over one interval around it.
     pub looks: usize,
     /// Width of a bin of `f = N/<N>`.
@@ -190,8 +210,19 @@ pub struct Recording {
 
 impl Default for Recording {
     fn default() -> Self {
-        Recording { states: 120, looks: 20, bin_width: 0.25, largest_force: 6.0 }
+        Recording {
+            states: 120,
+            spacing: Spacing::Equal,
+            snapshots: Vec::new(),
+            looks: 20,
+            bin_width: 0.25,
+            largest_force: 6.0,
+        }
     }
+}
+
+fn is_equal(spacing: &Spacing) -> bool {
+    *spacing == Spacing::Equal
 }
 
 /// Numerical choices that should not change a result beyond scatter.

@@ -88,6 +88,14 @@ impl State {
         (self.sums.virial[0] + self.sums.virial[4] + self.sums.virial[8]) / (3.0 * self.cell.volume())
     }
 
+    /// Mean stress of the fluctuating motion, Pa: `sum m v^2 / (3 V)`. It is no part of p.
+    pub fn kinetic_mean_stress(&self) -> f64 {
+        let twice: f64 = (self.place[..self.grains()].iter())
+            .map(|row| row.0[7] * (row.0[4] * row.0[4] + row.0[5] * row.0[5] + row.0[6] * row.0[6]))
+            .sum();
+        twice / (3.0 * self.cell.volume())
+    }
+
     /// Affine bulk modulus of the contacts, Pa.
     pub fn bulk_modulus(&self) -> f64 {
         self.sums.stiffness / (9.0 * self.cell.volume())

@@ -62,6 +62,16 @@ pub enum HybridError {
         /// What is wrong.
         reason: String,
     },
+    /// A folder holds something that would be replaced.
+    #[error("{} already holds {holds}; {advice}", folder.display())]
+    Taken {
+        /// The folder.
+        folder: std::path::PathBuf,
+        /// What is in it.
+        holds: String,
+        /// The command line that goes on from it, and what else can be done.
+        advice: String,
+    },
     /// A file cannot be read or written.
     #[error(transparent)]
     Files(#[from] granum_io::Error),

@@ -18,6 +18,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::{HybridError, Result};
 use crate::keeping::{Keeper, TIMES_FILE};
 use crate::mapping::{Form, Mapping};
+use crate::runs::StudyRun;
 use crate::study::{Study, TrainedMapping, network_name};
 use crate::surrogate::Surrogate;
 
@@ -25,7 +26,8 @@ use crate::surrogate::Surrogate;
 pub const STUDY_FILE: &str = "study.json";
 
 const FORMAT: &str = "granum study";
-const VERSION: u64 = 1;
+/// Version 1 did not say on which runs a study stands.
+const VERSION: u64 = 2;
 
 /// A series as a table.
 ///
@@ -61,7 +63,8 @@ pub fn write_record(folder: &RunFolder, record: &Record) -> Result<()> {
 /// If a file is missing or damaged, or the two are no record; the message names the file or folder.
 pub fn read_record(run: &granum_io::Run) -> Result<Record> {
     Record::from_tables(series_of(&run.series()?), &series_of(&run.forces()?)).map_err(|error| {
-        let message = format!("its series and forces are no record: {error}; run it again");
+        let message =
+            format!("its series.parquet and forces.parquet are not those of a test: {error}; run it again");
         Error::content(run.path(), message).into()
     })
 }
@@ -75,6 +78,9 @@ struct StudyFile {
     trainer: String,
     seed: u64,
     dataset_hash: String,
+    /// What was trained and judged on; nothing in files of version 1.
+    #[serde(default)]
+    runs: Option<Vec<StudyRun>>,
     /// Centres of the bins of f.
     forces: Vec<f64>,
     bin_width: f64,
@@ -97,11 +103,11 @@ pub fn network_file(network: &str) -> String {
     format!("{network}.json")
 }
 
-/// Writes a study into a folder that is there.
+/// Writes a study into a folder that is there, with the runs that it was trained and judged on.
 ///
 /// # Errors
 /// If a file cannot be written.
-pub fn save_study(folder: &Path, study: &Study) -> Result<()> {
+pub fn save_study(folder: &Path, study: &Study, runs: &[StudyRun]) -> Result<()> {
     for trained in &study.mappings {
         for (surrogate, strain_only) in [(&trained.surrogate, false), (&trained.strain_only, true)] {
             for (k, model) in surrogate.networks().iter().enumerate() {
@@ -119,6 +125,7 @@ pub fn save_study(folder: &Path, study: &Study) -> Result<()> {
         trainer: study.trainer.clone(),
         seed: study.seed,
         dataset_hash: study.dataset_hash.clone(),
+        runs: Some(runs.to_vec()),
         forces: study.forces.clone(),
         bin_width: study.bin_width,
         mappings: study
@@ -167,14 +174,7 @@ pub fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
 /// If a file is missing, damaged or of a newer version; the message names it.
 pub fn load_study(folder: &Path) -> Result<Study> {
     let path = folder.join(STUDY_FILE);
-    let text = std::fs::read_to_string(&path).map_err(Error::file("read", &path))?;
-    let file: StudyFile = serde_json::from_str(&text)
-        .map_err(|error| Error::content(&path, format!("this is no study: {error}; train it again")))?;
-    if file.format != FORMAT || file.version != VERSION {
-        let found = format!("format \"{}\" version {}", file.format, file.version);
-        let wanted = format!("this program reads \"{FORMAT}\" version {VERSION}");
-        return Err(Error::content(&path, format!("{found}, but {wanted}")).into());
-    }
+    let file = read_study_file(&path)?;
     let mut mappings = Vec::new();
     for entry in &file.mappings {
         check_mapping(&path, &entry.mapping)?;
@@ -204,6 +204,26 @@ pub fn load_study(folder: &Path) -> Result<Study> {
     };
     Keeper::new(folder, Duration::MAX).tell_seconds(&mut study);
     Ok(study)
+}
+
+/// The runs that the study of a folder was trained and judged on; nothing if it was written before studies said so.
+///
+/// # Errors
+/// If `study.json` is missing, damaged or of a newer version; the message names it.
+pub fn load_runs(folder: &Path) -> Result<Option<Vec<StudyRun>>> {
+    Ok(read_study_file(&folder.join(STUDY_FILE))?.runs)
+}
+
+fn read_study_file(path: &Path) -> Result<StudyFile> {
+    let text = std::fs::read_to_string(path).map_err(Error::file("read", path))?;
+    let file: StudyFile = serde_json::from_str(&text)
+        .map_err(|error| Error::content(path, format!("this is no study: {error}; train it again")))?;
+    if file.format != FORMAT || !(1..=VERSION).contains(&file.version) {
+        let found = format!("format \"{}\" version {}", file.format, file.version);
+        let wanted = format!("this program reads \"{FORMAT}\" up to version {VERSION}");
+        return Err(Error::content(path, format!("{found}, but {wanted}")).into());
+    }
+    Ok(file)
 }
 
 /// Most networks of a mapping.

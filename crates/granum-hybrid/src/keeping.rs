@@ -38,6 +38,9 @@ pub struct Plan {
     pub runs: Vec<PathBuf>,
     /// Run folders to judge by.
     pub unseen: Vec<PathBuf>,
+    /// True if the runs may differ in more than the seed of their samples.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub mixed: bool,
     /// See [`crate::Dataset::hash`].
     pub dataset_hash: String,
     /// How the force distribution enters.
@@ -74,6 +77,7 @@ impl Plan {
             granum_version: env!("CARGO_PKG_VERSION").into(),
             runs: absolute(runs)?,
             unseen: absolute(unseen)?,
+            mixed: false,
             dataset_hash,
             form: options.form,
             trainer: options.trainer.clone(),

@@ -11,6 +11,7 @@
 //! claims on size and speed.
 
 pub mod baseline;
+pub mod contents;
 pub mod dataset;
 mod error;
 pub mod figures;
@@ -21,10 +22,13 @@ mod lesson;
 pub mod mapping;
 mod pool;
 pub mod reading;
+pub mod reproduction;
+pub mod runs;
 pub mod score;
 pub mod size_study;
 pub mod speed;
 pub mod study;
+pub mod sufficiency;
 pub mod summary;
 mod surrogate;
 

@@ -184,7 +184,8 @@ fn a_study_survives_its_files_and_answers_rows() {
     let dataset = dataset(Law::Plain, 1, 1, 40);
     let study = Study::train(&dataset, &small(&["F1", "F2"], 3, "traingdx", 1e-3), &Silent).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    files::save_study(folder.path(), &study).unwrap();
+    files::save_study(folder.path(), &study, &[]).unwrap();
+    assert_eq!(files::load_runs(folder.path()).unwrap(), Some(vec![]));
     let loaded = files::load_study(folder.path()).unwrap();
     assert_eq!(loaded.dataset_hash, study.dataset_hash);
     assert_eq!(loaded.evaluate(&dataset).unwrap(), study.evaluate(&dataset).unwrap());
@@ -255,7 +256,7 @@ fn a_record_survives_its_files() {
     broken.forces.pop();
     files::write_record(&folder, &broken).unwrap();
     let error = files::read_record(&folder.run()).unwrap_err().to_string();
-    assert!(error.contains("run: its series and forces are no record"), "{error}");
+    assert!(error.contains("run: its series.parquet and forces.parquet are not those of a test"), "{error}");
 }
 
 #[test]

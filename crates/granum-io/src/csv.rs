@@ -199,7 +199,7 @@ pub(crate) fn number<R: BufRead>(lines: &Lines<R>, column: &str, start: usize, c
     cell.parse().map_err(|_| {
         let shown: String = cell.chars().take(40).collect();
         let message = match shown.as_str() {
-            "" => format!("{column} is empty; it must be a number (nan if there is none)"),
+            "" => format!("the cell of column {column} is empty; a number is needed"),
             _ => format!("{column} = {shown:?} is not a number"),
         };
         lines.cell_error(start, cell, message).into()
@@ -275,7 +275,7 @@ mod tests {
     #[test]
     fn mistakes_have_their_place() {
         assert_eq!(message("a,b\n1,2\n3,x4\n"), "t.csv:3:3: b = \"x4\" is not a number");
-        assert_eq!(message("a,b\n1,\n"), "t.csv:2:3: b is empty; it must be a number (nan if there is none)");
+        assert_eq!(message("a,b\n1,\n"), "t.csv:2:3: the cell of column b is empty; a number is needed");
         assert_eq!(message("a,b\n1\n"), "t.csv:2:1: the row has 1 cells, but the header names 2 columns");
         assert_eq!(
             message("1,2\n"),

@@ -30,19 +30,15 @@ impl OutputFolder {
     /// until [`OutputFolder::clear`] or a file of the same name takes its place.
     ///
     /// # Errors
-    /// [`Error::Exists`] if there is something in it and no `force`; [`Error::Content`] if with `force` it is not
-    /// granum's; [`Error::Locked`] if another process works there; [`Error::File`] if it cannot be made.
+    /// [`Error::Content`] if there is something in it that is not granum's; [`Error::Exists`] if it is granum's and there is
+    /// no `force`; [`Error::Locked`] if another process works there; [`Error::File`] if it cannot be made.
     pub fn create(path: impl AsRef<Path>, force: bool) -> Result<OutputFolder> {
         let path = path.as_ref();
         fs::create_dir_all(path).map_err(Error::file("make the folder", path))?;
         // Looked at before there is a lock file, so that a foreign folder stays as it is.
         let granum = is_lock(&path.join(LOCK));
         if !granum && !is_empty(path)? {
-            return Err(if force {
-                Error::content(path, "holds files that granum did not write; choose another folder")
-            } else {
-                Error::Exists(path.to_path_buf())
-            });
+            return Err(Error::content(path, "holds files that granum did not write; choose another folder"));
         }
         let folder = OutputFolder::lock(path)?;
         if !force && !is_empty(path)? {
@@ -64,6 +60,17 @@ impl OutputFolder {
             return Err(Error::content(path, "is not a folder that granum wrote"));
         }
         OutputFolder::lock(path)
+    }
+
+    /// True if nothing is there: no folder, or nothing in it but what a killed process left of its beginning.
+    pub fn is_free(path: impl AsRef<Path>) -> bool {
+        let path = path.as_ref();
+        !path.is_dir() || is_empty(path).unwrap_or(false)
+    }
+
+    /// True if granum wrote a folder.
+    pub fn is_granums(path: impl AsRef<Path>) -> bool {
+        is_lock(&path.as_ref().join(LOCK))
     }
 
     /// True if a process works in a folder; nothing is made or changed.
@@ -204,7 +211,7 @@ pub fn check_name(what: &str, name: &str) -> Result<()> {
         return Ok(());
     }
     let message =
-        format!("can be no part of a file's name; up to {LONGEST_NAME} letters, digits, - and _ are");
+        format!("cannot be part of the name of a file; up to {LONGEST_NAME} letters, digits, - and _ can");
     Err(Error::Value { name: what.into(), value: name.into(), message })
 }
 
@@ -308,9 +315,11 @@ mod tests {
     fn a_foreign_folder_stays_as_it_is_even_with_force() {
         let base = tempfile::tempdir().unwrap();
         fs::write(base.path().join("thesis.tex"), "mine").unwrap();
-        assert!(matches!(OutputFolder::create(base.path(), false), Err(Error::Exists(_))));
-        let error = OutputFolder::create(base.path(), true).unwrap_err().to_string();
-        assert!(error.contains("holds files that granum did not write"), "{error}");
+        for force in [false, true] {
+            let error = OutputFolder::create(base.path(), force).unwrap_err().to_string();
+            assert!(error.contains("holds files that granum did not write"), "{error}");
+        }
+        assert!(!OutputFolder::is_free(base.path()) && !OutputFolder::is_granums(base.path()));
         assert!(OutputFolder::open(base.path()).is_err());
         assert!(OutputFolder::open_or_create(base.path()).is_err());
         assert_eq!(fs::read_dir(base.path()).unwrap().count(), 1);
@@ -326,7 +335,7 @@ mod tests {
         {
             let message = check_name("snapshot", name).unwrap_err().to_string();
             assert!(
-                message.contains("snapshot = ") && message.contains("no part of a file's name"),
+                message.contains("snapshot = ") && message.contains("cannot be part of the name of a file"),
                 "{message}"
             );
         }

@@ -1,7 +1,7 @@
 //! Apache Parquet: flat numeric columns.
 //!
-//! Written uncompressed and plain (measured numbers do not compress), one `DOUBLE` column each, units as key-value
-//! metadata `granum.units` (JSON). Nothing in the file depends on time or machine: equal tables give equal bytes.
+//! Written uncompressed and plain (measured numbers do not compress), one `DOUBLE` column each (`INT64` or `BOOLEAN` for
+//! columns of that [`ColumnKind`]), units as key-value metadata `granum.units` (JSON). Nothing in the file depends on time or machine: equal tables give equal bytes.
 //! Read are flat columns of booleans, integers and floating-point numbers from any writer, uncompressed or snappy;
 //! a null becomes NaN. What a file claims is checked against its size before room is made for it.
 
@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 use parquet::basic::{ConvertedType, Encoding, Repetition, Type as Physical};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
-use parquet::data_type::{DataType, DoubleType};
+use parquet::data_type::{BoolType, DataType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::{KeyValue, ParquetMetaDataReader};
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
@@ -29,7 +29,7 @@ use parquet::schema::types::{ColumnDescriptor, Type};
 use crate::atomic::write_atomically;
 use crate::contain::contain;
 use crate::error::{Error, Result};
-use crate::table::{Column, Table, suggest};
+use crate::table::{Column, ColumnKind, Table, suggest};
 
 /// Rows of a group, and values decoded at a time.
 const GROUP: usize = 1 << 17;
@@ -84,7 +84,12 @@ fn keep(failed: &mut Option<Error>, error: Error) -> io::Error {
 /// A file with the columns of a table and no rows yet.
 fn start<W: Write + Send>(writer: W, table: &Table) -> parquet::errors::Result<SerializedFileWriter<W>> {
     let field = |column: &Column| {
-        let field = Type::primitive_type_builder(&column.name, Physical::DOUBLE);
+        let physical = match column.kind {
+            ColumnKind::Real => Physical::DOUBLE,
+            ColumnKind::Integer => Physical::INT64,
+            ColumnKind::Boolean => Physical::BOOLEAN,
+        };
+        let field = Type::primitive_type_builder(&column.name, physical);
         Ok(Arc::new(field.with_repetition(Repetition::REQUIRED).build()?))
     };
     let fields = table.columns().iter().map(field).collect::<parquet::errors::Result<_>>()?;
@@ -111,12 +116,49 @@ fn write_group<W: Write + Send>(
     let mut group = file.next_row_group()?;
     for column in table.columns() {
         if let Some(mut writer) = group.next_column()? {
-            writer.typed::<DoubleType>().write_batch(&column.values[rows.clone()], None, None)?;
+            let values = &column.values[rows.clone()];
+            match column.kind {
+                ColumnKind::Real => {
+                    writer.typed::<DoubleType>().write_batch(values, None, None)?;
+                }
+                ColumnKind::Integer => {
+                    let values = converted(column, values, whole_number)?;
+                    writer.typed::<Int64Type>().write_batch(&values, None, None)?;
+                }
+                ColumnKind::Boolean => {
+                    let values = converted(column, values, |value| match value {
+                        0.0 => Some(false),
+                        1.0 => Some(true),
+                        _ => None,
+                    })?;
+                    writer.typed::<BoolType>().write_batch(&values, None, None)?;
+                }
+            }
             writer.close()?;
         }
     }
     group.close()?;
     Ok(())
+}
+
+/// A double as the integer that it is; none if it is no whole number, or too large for each to be one.
+fn whole_number(value: f64) -> Option<i64> {
+    (value.fract() == 0.0 && value.abs() <= (1u64 << 53) as f64).then_some(value as i64)
+}
+
+/// The values of a column in another type.
+fn converted<T>(
+    column: &Column,
+    values: &[f64],
+    convert: impl Fn(f64) -> Option<T>,
+) -> parquet::errors::Result<Vec<T>> {
+    let one = |value: &f64| {
+        convert(*value).ok_or_else(|| {
+            let (name, kind) = (&column.name, column.kind);
+            ParquetError::General(format!("column {name}: {value} cannot be written as {kind:?}"))
+        })
+    };
+    values.iter().map(one).collect()
 }
 
 fn io_error(error: ParquetError) -> io::Error {
@@ -175,9 +217,17 @@ fn read_from(path: &Path, input: impl ChunkReader + 'static, names: Option<&[&st
     let mut columns: Vec<Column> = wanted
         .iter()
         .map(|at| {
-            let name = schema.column(*at).name().to_string();
+            let column = schema.column(*at);
+            let name = column.name().to_string();
             let unit = units.get(&name).cloned().unwrap_or_default();
-            Column::new(name, unit, Vec::new())
+            let kind = match column.physical_type() {
+                // A null becomes NaN, which is neither a whole number nor a truth value.
+                _ if column.max_def_level() > 0 => ColumnKind::Real,
+                Physical::INT32 | Physical::INT64 => ColumnKind::Integer,
+                Physical::BOOLEAN => ColumnKind::Boolean,
+                _ => ColumnKind::Real,
+            };
+            Column::new(name, unit, Vec::new()).of_kind(kind)
         })
         .collect();
     for group in 0..metadata.num_row_groups() {
@@ -382,6 +432,34 @@ mod tests {
         assert_eq!(one_column.columns(), &table(300_000).columns()[1..]);
         let error = read(&one, Some(&["mean_stres"])).unwrap_err().to_string();
         assert!(error.ends_with("there is no column mean_stres; did you mean mean_stress?"), "{error}");
+    }
+
+    #[test]
+    fn integers_and_booleans_are_stored_as_such_and_come_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x.parquet");
+        let of = |values: Vec<f64>, kind| {
+            Table::new(vec![Column::new("id", "", values.clone()).of_kind(kind)]).unwrap()
+        };
+        for (values, kind, physical) in [
+            (vec![1.0, 9007199254740992.0], ColumnKind::Integer, Physical::INT64),
+            (vec![0.0, 1.0], ColumnKind::Boolean, Physical::BOOLEAN),
+            (vec![0.5, f64::INFINITY], ColumnKind::Real, Physical::DOUBLE),
+        ] {
+            write(&path, &of(values.clone(), kind)).unwrap();
+            assert_eq!(read(&path, None).unwrap(), of(values, kind));
+            let file = SerializedFileReader::new(File::open(&path).unwrap()).unwrap();
+            assert_eq!(file.metadata().file_metadata().schema_descr().column(0).physical_type(), physical);
+        }
+        for (value, kind) in [
+            (0.5, ColumnKind::Integer),
+            (f64::NAN, ColumnKind::Integer),
+            (1e300, ColumnKind::Integer),
+            (2.0, ColumnKind::Boolean),
+        ] {
+            let error = write(&path, &of(vec![value], kind)).unwrap_err().to_string();
+            assert!(error.contains("column id") && error.contains(&format!("{value}")), "{error}");
+        }
     }
 
     #[test]

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::atomic::write_atomically;
 use crate::error::{Error, Result};
-use crate::table::{Column, Table};
+use crate::table::{Column, ColumnKind, Table};
 
 /// Newest layout that this version reads and writes.
 const FORMAT: u32 = 1;
@@ -97,7 +97,7 @@ pub fn grains_table(assembly: &Assembly) -> Result<Table> {
 }
 
 fn grain_rows(grains: &[Grain]) -> Result<Table> {
-    let ids = Column::new("id", "", grains.iter().map(|grain| grain.id as f64).collect());
+    let ids = whole_numbers("id", grains.iter().map(|grain| grain.id as f64).collect());
     Table::new(std::iter::once(ids).chain(columns(grains, &GRAIN)).collect())
 }
 
@@ -120,11 +120,15 @@ fn contact_rows(assembly: &Assembly, rows: Range<usize>) -> Result<Table> {
     let contacts = &assembly.contacts[rows];
     let first = contacts.iter().map(|contact| id(contact.i)).collect::<Result<_>>()?;
     let second = contacts.iter().map(|contact| id(contact.j)).collect::<Result<_>>()?;
-    let mut table = vec![Column::new("first", "", first), Column::new("second", "", second)];
+    let mut table = vec![whole_numbers("first", first), whole_numbers("second", second)];
     table.extend(columns(contacts, &CONTACT));
     let sliding = contacts.iter().map(|contact| f64::from(u8::from(contact.sliding))).collect();
-    table.push(Column::new("sliding", "", sliding));
+    table.push(Column::new("sliding", "", sliding).of_kind(ColumnKind::Boolean));
     Table::new(table)
+}
+
+fn whole_numbers(name: &str, values: Vec<f64>) -> Column {
+    Column::new(name, "", values).of_kind(ColumnKind::Integer)
 }
 
 /// What is neither grain nor contact: an assembly with empty lists, and their lengths.

@@ -4,6 +4,18 @@ use std::path::Path;
 
 use crate::error::{Error, Result, nearest};
 
+/// What the numbers of a column are: how Parquet stores them. In memory all are doubles, in CSV text.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ColumnKind {
+    /// Real numbers (`DOUBLE`).
+    #[default]
+    Real,
+    /// Whole numbers of at most 2^53 (`INT64`).
+    Integer,
+    /// Truth values, 0 or 1 (`BOOLEAN`).
+    Boolean,
+}
+
 /// A named column of numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Column {
@@ -13,12 +25,20 @@ pub struct Column {
     pub unit: String,
     /// One value a row.
     pub values: Vec<f64>,
+    /// What the values are.
+    pub kind: ColumnKind,
 }
 
 impl Column {
-    /// A column from its parts.
+    /// A column of real numbers from its parts.
     pub fn new(name: impl Into<String>, unit: impl Into<String>, values: Vec<f64>) -> Self {
-        Column { name: name.into(), unit: unit.into(), values }
+        Column { name: name.into(), unit: unit.into(), values, kind: ColumnKind::Real }
+    }
+
+    /// The same column of another kind. A value that is not of that kind (a fraction, NaN) is an error when the column is
+    /// written to Parquet.
+    pub fn of_kind(self, kind: ColumnKind) -> Self {
+        Column { kind, ..self }
     }
 }
 

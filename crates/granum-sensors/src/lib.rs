@@ -40,7 +40,7 @@ mod lattice;
 
 pub use look::Look;
 pub use record::{NamedColumn, Record, RecordError, Series};
-pub use recorder::Recorder;
+pub use recorder::{Recorder, Shortfall};
 pub use sensor::{Averaging, Column, Sensor};
 
 use granum_dem::assembly::Assembly;

@@ -10,7 +10,7 @@ pub const SENSOR: Sensor = Sensor {
     columns: &[Column::new(
         "largest_overlap",
         "1",
-        "largest alpha / (R_i + R_j) over the contacts and the looks",
+        "largest alpha / (R_i + R_j) over the contacts and the observations",
     )
     .averaged(Averaging::Largest)],
     measure: |look, row| row.push(largest_overlap(look)),

@@ -1,7 +1,7 @@
 //! Averages looks into recorded states as a test goes on.
 
 use granum_dem::assembly::Assembly;
-use granum_dem::config::Recording;
+use granum_dem::config::{Recording, Spacing};
 use serde::{Deserialize, Serialize};
 
 use crate::force_distribution::ForceHistogram;
@@ -14,6 +14,10 @@ use crate::{Averaging, Look, Record, all, columns};
 /// wide around it (half a window at the end). Looks are spread evenly over a window, half a spacing off its edges, so
 /// that the test is looked at in equal strides. A column of strain is averaged like every other, so each row pairs
 /// mean values of the same looks.
+///
+/// With another [`Spacing`] the window of a state is centred on it too, and as wide as the nearer of its two neighbours
+/// is far (the first state's neighbour below is the start, the last one's above is the end), so that windows never
+/// overlap.
 ///
 /// State 0 is the sample before it is strained: one look at strain zero. Its window would hold the elastic rise of the
 /// stress, which stiff grains have behind them after some 1e-3 of strain; a mean over that is neither the sample nor
@@ -45,6 +49,19 @@ pub struct Recorder {
     states: Vec<StateSums>,
 }
 
+/// Looks that were asked for and could not be taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Shortfall {
+    /// Looks asked for.
+    pub wanted: usize,
+    /// Looks that were not taken.
+    pub missing: usize,
+    /// States with fewer looks than asked for.
+    pub states: usize,
+    /// Those of them with none, which are not in the record.
+    pub empty_states: usize,
+}
+
 /// What the looks at one state add up to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct StateSums {
@@ -59,6 +76,8 @@ impl Recorder {
     pub fn new(recording: &Recording, end: f64) -> Self {
         let recording =
             Recording { states: recording.states.max(1), looks: recording.looks.max(1), ..recording.clone() };
+        // Snapshots are not its concern.
+        let recording = Recording { snapshots: Vec::new(), ..recording };
         Recorder { recording, end, next: (0, 0), states: Vec::new() }
     }
 
@@ -77,29 +96,92 @@ impl Recorder {
         let (state, look) = self.next;
         self.recording == own.recording
             && self.end == end
-            && state <= recording.states.max(1) + 1
+            && state <= own.last_state() + 1
             && look < own.recording.looks
             && self.states.iter().all(whole)
             && self.states.windows(2).all(|pair| pair[0].state < pair[1].state)
             && self.states.last().is_none_or(|last| last.state <= state)
     }
 
+    /// Number of the last state.
+    fn last_state(&self) -> usize {
+        match &self.recording.spacing {
+            Spacing::Strains(strains) => strains.len(),
+            Spacing::Equal | Spacing::Geometric(_) => self.recording.states,
+        }
+    }
+
+    /// Deviator strain of a state.
+    fn strain_of(&self, state: usize) -> f64 {
+        let states = self.recording.states;
+        match &self.recording.spacing {
+            _ if state == 0 => 0.0,
+            Spacing::Strains(strains) => strains.get(state - 1).copied().unwrap_or(self.end),
+            Spacing::Geometric(first) if state < states => {
+                first * (self.end / first).powf((state - 1) as f64 / (states - 1) as f64)
+            }
+            Spacing::Geometric(_) => self.end,
+            Spacing::Equal => self.end * (state as f64 / states as f64),
+        }
+    }
+
+    /// Half the width of the window of a state, where states are not spaced equally.
+    fn half_window(&self, state: usize) -> f64 {
+        let here = self.strain_of(state);
+        let below = 0.5 * (here - self.strain_of(state - 1));
+        if state < self.last_state() {
+            return below.min(0.5 * (self.strain_of(state + 1) - here));
+        }
+        if here < self.end { below.min(self.end - here) } else { below }
+    }
+
     /// Deviator strain at which the next look is due; infinite when there is none.
     pub fn next_look(&self) -> f64 {
         let (state, look) = self.next;
-        if state > self.recording.states {
+        if state > self.last_state() {
             return f64::INFINITY;
         }
         if state == 0 {
             return 0.0;
         }
         let offset = (2 * look + 1) as f64 / (2 * self.recording.looks) as f64 - 0.5;
-        self.end * ((state as f64 + offset) / self.recording.states as f64)
+        match self.recording.spacing {
+            Spacing::Equal => self.end * ((state as f64 + offset) / self.recording.states as f64),
+            _ => self.strain_of(state) + 2.0 * self.half_window(state) * offset,
+        }
+    }
+
+    /// Looks that are taken at a state: half of them where the window ends with the test.
+    fn looks_of(&self, state: usize) -> usize {
+        let looks = self.recording.looks;
+        match state {
+            0 => 1,
+            last if last == self.last_state() && self.strain_of(last) >= self.end => looks.div_ceil(2),
+            _ => looks,
+        }
+    }
+
+    /// Of the states that are over: how many were recorded with fewer looks than asked for, or with none, and how many looks
+    /// that leaves out of how many. Steps of the test that are long against a window are the cause.
+    pub fn shortfall(&self) -> Shortfall {
+        let mut found = Shortfall::default();
+        for state in 0..self.next.0.min(self.last_state() + 1) {
+            let wanted = self.looks_of(state);
+            let at = self.states.binary_search_by_key(&state, |sums| sums.state);
+            let taken = at.map_or(0, |at| self.states[at].looks as usize);
+            found.wanted += wanted;
+            if taken < wanted {
+                found.missing += wanted - taken;
+                found.states += 1;
+                found.empty_states += usize::from(taken == 0);
+            }
+        }
+        found
     }
 
     /// True when the last look has been taken.
     pub fn is_complete(&self) -> bool {
-        self.next.0 > self.recording.states
+        self.next.0 > self.last_state()
     }
 
     /// Looks once, for the last look that is due, and goes on to the first that is not. Before anything is due it does
@@ -131,13 +213,7 @@ impl Recorder {
 
     fn advance(&mut self) {
         let (state, look) = self.next;
-        let looks = self.recording.looks;
-        let last = match state {
-            0 => 1,
-            end if end == self.recording.states => looks.div_ceil(2),
-            _ => looks,
-        };
-        self.next = if look + 1 < last { (state, look + 1) } else { (state + 1, 0) };
+        self.next = if look + 1 < self.looks_of(state) { (state, look + 1) } else { (state + 1, 0) };
     }
 
     /// The record so far: one row a state that has been looked at.
@@ -258,6 +334,55 @@ mod tests {
         }
         assert_eq!(recorder.record().series.values("state").unwrap(), [0.0, 5.0, 10.0]);
         assert!(recorder.is_complete());
+    }
+
+    /// Strains of the looks that are due, one by one.
+    fn due(mut recorder: Recorder) -> Vec<f64> {
+        let mut due = Vec::new();
+        while !recorder.is_complete() {
+            due.push(recorder.next_look());
+            recorder.advance();
+        }
+        due
+    }
+
+    #[test]
+    fn states_stand_where_a_geometric_spacing_or_a_list_says() {
+        let near = |found: &[f64], wanted: &[f64]| {
+            assert_eq!(found.len(), wanted.len(), "{found:?}");
+            for (a, b) in found.iter().zip(wanted) {
+                assert!((a - b).abs() <= 1e-12 * b.abs(), "{found:?}");
+            }
+        };
+        let one = Recording { states: 4, looks: 1, ..Default::default() };
+        let geometric = Recording { spacing: Spacing::Geometric(1e-4), ..one.clone() };
+        near(&due(Recorder::new(&geometric, 0.1)), &[0.0, 1e-4, 1e-3, 1e-2, 0.1]);
+        let list = Recording { spacing: Spacing::Strains(vec![0.01, 0.02, 0.05]), ..one };
+        near(&due(Recorder::new(&list, 0.1)), &[0.0, 0.01, 0.02, 0.05]);
+        // A window is as wide as the nearer neighbour is far, and never reaches into the next.
+        let two = Recording { looks: 2, ..list.clone() };
+        near(&due(Recorder::new(&two, 0.1)), &[0.0, 0.0075, 0.0125, 0.0175, 0.0225, 0.0425, 0.0575]);
+        // At the end of the test half a window is left, with half of the looks.
+        near(&due(Recorder::new(&two, 0.05)), &[0.0, 0.0075, 0.0125, 0.0175, 0.0225, 0.0425]);
+        let mut recorder = Recorder::new(&list, 0.1);
+        run(&mut recorder, 1000, 0.1);
+        assert!(recorder.is_complete() && recorder.is_of(&list, 0.1) && !recorder.is_of(&geometric, 0.1));
+        assert_eq!(recorder.record().series.values("state").unwrap(), [0.0, 1.0, 2.0, 3.0]);
+        assert_eq!(recorder.shortfall(), Shortfall { wanted: 4, ..Shortfall::default() });
+    }
+
+    #[test]
+    fn looks_that_could_not_be_taken_are_counted() {
+        let recording = Recording { states: 10, looks: 4, ..Default::default() };
+        let mut recorder = Recorder::new(&recording, 1.0);
+        assert_eq!(recorder.shortfall(), Shortfall::default());
+        for strain in [0.0, 0.5, 1.0] {
+            recorder.look(&at(strain));
+        }
+        // State 0 wants one look, the last one two, the others four; one was taken at 0, 5 and 10.
+        let found = recorder.shortfall();
+        assert_eq!((found.wanted, found.missing), (1 + 9 * 4 + 2, 9 * 4 - 1 + 1));
+        assert_eq!((found.states, found.empty_states), (10, 8));
     }
 
     #[test]

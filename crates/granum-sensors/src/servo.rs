@@ -9,9 +9,9 @@ pub const SENSOR: Sensor = Sensor {
     name: "servo",
     description: "relative error of the mean stress against the target of the servo",
     columns: &[
-        Column::new("servo_error_rms", "1", "root mean square of p/p_target - 1 over the looks")
+        Column::new("servo_error_rms", "1", "root mean square of p/p_target - 1 over the observations")
             .averaged(Averaging::RootMeanSquare),
-        Column::new("servo_error_largest", "1", "largest |p/p_target - 1| over the looks")
+        Column::new("servo_error_largest", "1", "largest |p/p_target - 1| over the observations")
             .averaged(Averaging::Largest),
     ],
     measure,

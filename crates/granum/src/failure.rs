@@ -2,6 +2,7 @@
 
 use std::error::Error;
 use std::fmt;
+use std::io::IsTerminal;
 use std::process::ExitCode;
 
 use granum_io::InputError;
@@ -46,7 +47,7 @@ impl Failure {
         if context.json {
             eprintln!("{}", self.json());
         } else {
-            eprint!("{}", self.text());
+            eprint!("{}", self.text(std::io::stderr().is_terminal()));
         }
         let status = if self.0.is::<Interrupted>() { INTERRUPTED } else { 1 };
         ExitCode::from(status)
@@ -78,7 +79,9 @@ impl Failure {
         text
     }
 
-    fn text(&self) -> String {
+    /// For people: `drawn` with the line of the file where a place is wrong, or a line for each place, as editors and search
+    /// tools take it.
+    fn text(&self, drawn: bool) -> String {
         let places = self.places();
         if places.is_empty() {
             return format!("error: {}\n", self.message());
@@ -86,16 +89,29 @@ impl Failure {
         let handler = GraphicalReportHandler::new();
         let mut text = String::new();
         for place in places {
-            let drawn = handler.render_report(&mut text, &Drawn(place));
-            if drawn.is_err() {
+            let drawn = drawn && !place.source_text.is_empty();
+            if !drawn || handler.render_report(&mut text, &Drawn(place)).is_err() {
                 text.push_str(&format!("error: {place}\n"));
             }
         }
-        // The place in one line, for people and editors that look for it.
-        for place in places {
-            text.push_str(&format!("error: {place}\n"));
-        }
         text
+    }
+
+    /// Tells of a command line that cannot be understood, as JSON.
+    pub fn print_usage_as_json(error: &clap::Error) {
+        let told = error.render().to_string();
+        // The usage and the hint at the end stand apart by an empty line.
+        let lines = told.lines().map(str::trim).filter(|line| !line.is_empty());
+        let (usage, message): (Vec<&str>, Vec<&str>) = lines
+            .filter(|line| !line.starts_with("For more information"))
+            .partition(|line| line.starts_with("Usage:"));
+        let message = message.join(" ").replace(" tip: ", "; ");
+        let error = serde_json::json!({
+            "message": message.strip_prefix("error: ").unwrap_or(&message),
+            "usage": usage.first().map(|line| line.trim_start_matches("Usage:").trim()),
+            "places": [],
+        });
+        eprintln!("{}", serde_json::json!({ "error": error }));
     }
 
     fn json(&self) -> serde_json::Value {
@@ -162,5 +178,24 @@ impl SourceCode for Drawn<'_> {
             contents.column(),
             contents.line_count(),
         )))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_is_told_once_drawn_or_in_a_line() {
+        let failure =
+            Failure::from(granum_io::Case::parse("[grains]\ncount = -5\n", "case.toml").unwrap_err());
+        let (drawn, line) = (failure.text(true), failure.text(false));
+        assert_eq!(drawn.matches("grains.count = -5").count(), 1, "{drawn}");
+        assert_eq!(drawn.matches("case.toml:2:").count(), 1, "{drawn}");
+        assert!(drawn.contains("2 |") || drawn.contains("2 │"), "{drawn}");
+        assert!(
+            line.starts_with("error: case.toml:2:9: grains.count = -5") && line.lines().count() == 1,
+            "{line}"
+        );
     }
 }

@@ -13,6 +13,10 @@ use clap::Parser;
 
 use command::Command;
 use context::Context;
+use failure::Failure;
+
+/// Status of a program whose command line cannot be understood.
+const USAGE: u8 = 2;
 
 /// A discrete element laboratory for granular materials, with neural surrogates that say how sure they are.
 #[derive(Parser)]
@@ -32,12 +36,25 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return refuse(&error),
+    };
     let context = Context::new(arguments.json, arguments.force, arguments.verbose, interrupt::install());
     match arguments.command.run(&context) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.print(&context),
     }
+}
+
+/// Shows help, or tells why the command line cannot be understood.
+fn refuse(error: &clap::Error) -> ExitCode {
+    let json = std::env::args_os().skip(1).take_while(|word| word != "--").any(|word| word == "--json");
+    if !(json && error.use_stderr()) {
+        error.exit();
+    }
+    Failure::print_usage_as_json(error);
+    ExitCode::from(USAGE)
 }
 
 #[cfg(test)]

@@ -11,20 +11,44 @@ use crate::failure::Failure;
 
 /// Writes a table to a file, or to the standard output (CSV, or columns as JSON).
 pub fn put_table(context: &Context, output: Option<&Path>, table: &Table) -> Result<(), Failure> {
+    put_table_with(context, output, table, &[], "")
+}
+
+/// As [`put_table`], with numbers that go with the table as JSON, and a note on it for people, where it is not empty.
+pub fn put_table_with(
+    context: &Context,
+    output: Option<&Path>,
+    table: &Table,
+    more: &[(&str, Value)],
+    note: &str,
+) -> Result<(), Failure> {
+    let more = more.iter().map(|(name, value)| ((*name).to_string(), value.clone()));
     if let Some(path) = output {
         check_output_file(path, context.force)?;
         write_table(path, table)?;
-        return say(context, &json!({ "output": path, "rows": table.rows() }), || {
-            format!("wrote {} rows to {}", table.rows(), path.display())
+        let mut result =
+            Map::from_iter([("output".into(), json!(path)), ("rows".into(), json!(table.rows()))]);
+        result.extend(more);
+        return say(context, &Value::Object(result), || {
+            let wrote = format!("wrote {} rows to {}", table.rows(), path.display());
+            if note.is_empty() { wrote } else { format!("{wrote}\n{note}") }
         });
     }
     if context.json {
-        let columns: Map<String, Value> =
-            table.columns().iter().map(|column| (column.name.clone(), json!(column.values))).collect();
-        return print(&format!("{}\n", Value::Object(columns)));
+        let mut all = columns(table);
+        all.extend(more);
+        return print(&format!("{}\n", Value::Object(all)));
+    }
+    if !note.is_empty() {
+        eprintln!("note: {note}");
     }
     let mut out = BufWriter::new(io::stdout().lock());
     unless_closed(csv::write_rows(&mut out, table).and_then(|()| out.flush()))
+}
+
+/// The columns of a table by name, as JSON.
+pub fn columns(table: &Table) -> Map<String, Value> {
+    table.columns().iter().map(|column| (column.name.clone(), json!(column.values))).collect()
 }
 
 /// Prints the result of a command: as JSON, or as a sentence for people.

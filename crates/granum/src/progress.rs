@@ -4,12 +4,28 @@
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
+use granum_hybrid::laboratory::Field;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Time between plain lines.
 const LINE_EVERY: Duration = Duration::from_secs(5);
+/// Between two fields.
+const GAP: &str = "  ";
+/// Columns of a line beside the phase and the fields: "  42 %  " and the space before the bar.
+const AROUND: usize = 9;
+/// Columns where the terminal does not tell.
+const USUAL_COLUMNS: usize = 80;
 /// Steps of the bar.
 const LENGTH: u64 = 1000;
+
+/// How much room there is for what is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Room {
+    /// A line of its own, as long as it needs to be.
+    Line,
+    /// One line of a terminal.
+    Screen,
+}
 
 /// A display of progress through phases.
 pub struct Progress {
@@ -52,21 +68,20 @@ impl Progress {
         }
     }
 
-    /// Where the phase stands: the fraction done (if it can be told) and what to show, e.g.
-    /// "strain 0.120  q/p 0.61  p 20.0 kPa". Cheap to call often.
-    pub fn update(&mut self, fraction: Option<f64>, text: impl FnOnce() -> String) {
+    /// Where the phase stands: the fraction done (if it can be told) and what to show, e.g. "strain 0.120", "q/p 0.61". On
+    /// a terminal the fields of the highest ranks go where the line is too long. Cheap to call often.
+    pub fn update(&mut self, fraction: Option<f64>, fields: impl FnOnce(Room) -> Vec<Field>) {
         let elapsed = self.started.elapsed();
         let left = fraction.and_then(|fraction| time_left(fraction, elapsed));
         let done = fraction.unwrap_or(0.0).clamp(0.0, 1.0);
         match &mut self.display {
             Display::Silent => {}
             Display::Bar(bar) => {
+                let mut fields = fields(Room::Screen);
+                fields.extend(left.map(|left| Field::new(0, format!("{left} left"))));
+                let taken = self.phase.chars().count() + AROUND;
                 bar.set_position((done * LENGTH as f64) as u64);
-                bar.set_message(format!(
-                    "{}{}",
-                    text(),
-                    left.map_or(String::new(), |t| format!("  {t} left"))
-                ));
+                bar.set_message(fitting(fields, columns().saturating_sub(taken)));
             }
             Display::Lines { last } => {
                 if last.is_some_and(|last| last.elapsed() < LINE_EVERY) {
@@ -74,8 +89,9 @@ impl Progress {
                 }
                 *last = Some(Instant::now());
                 let percent = fraction.map_or(String::new(), |_| format!(" {:.0} %", 100.0 * done));
-                let left = left.map_or(String::new(), |left| format!("  {left} left"));
-                eprintln!("{}{percent}: {}{left}", self.phase, text());
+                let mut fields = fields(Room::Line);
+                fields.extend(left.map(|left| Field::new(0, format!("{left} left"))));
+                eprintln!("{}{percent}: {}", self.phase, fitting(fields, usize::MAX));
             }
         }
     }
@@ -102,10 +118,27 @@ impl Drop for Progress {
 fn bar() -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(LENGTH), ProgressDrawTarget::stderr_with_hz(5));
     // The template is constant; a bad one would only cost the looks.
-    if let Ok(style) = ProgressStyle::with_template("{prefix:>12} [{bar:24}] {percent:>3} %  {wide_msg}") {
-        bar.set_style(style.progress_chars("=> "));
+    if let Ok(style) = ProgressStyle::with_template("{prefix} {percent:>3} %  {msg} {wide_bar}") {
+        bar.set_style(style.progress_chars("=>-"));
     }
     bar
+}
+
+/// Columns of the terminal.
+fn columns() -> usize {
+    console::Term::stderr().size_checked().map_or(USUAL_COLUMNS, |(_, columns)| columns.into())
+}
+
+/// Fields in one line of at most so many columns; those of the highest rank go first where it is too long.
+fn fitting(mut fields: Vec<Field>, columns: usize) -> String {
+    loop {
+        let line = fields.iter().map(|field| field.text.as_str()).collect::<Vec<_>>().join(GAP);
+        let worst = fields.iter().map(|field| field.rank).max().unwrap_or(0);
+        if line.chars().count() <= columns || worst == 0 {
+            return line;
+        }
+        fields.retain(|field| field.rank < worst);
+    }
 }
 
 /// Time left at the mean rate so far; nothing before there is a rate.
@@ -139,6 +172,26 @@ mod tests {
             [shown(0.26), shown(59.4), shown(200.0), shown(7500.0)],
             ["0.3 s", "59 s", "3 min 20 s", "2 h 05 min"]
         );
+    }
+
+    #[test]
+    fn a_line_of_eighty_columns_keeps_strain_density_speed_and_time_left() {
+        let fields = || {
+            [(1, "strain 0.123"), (2, "q/p 0.612"), (3, "p 20.0 kPa"), (0, "density 0.620"), (0, "18.4 M/s")]
+                .into_iter()
+                .chain([(0, "59 min 59 s left")])
+                .map(|(rank, text)| Field::new(rank, text))
+                .collect::<Vec<_>>()
+        };
+        let room = |phase: &str, columns: usize| columns - phase.len() - AROUND;
+        let line = fitting(fields(), room("shear", 80));
+        assert_eq!(line, "strain 0.123  q/p 0.612  density 0.620  18.4 M/s  59 min 59 s left");
+        assert_eq!(fitting(fields(), room("shear", 100)).matches("p 20.0 kPa").count(), 1);
+        let mut many = vec![Field::new(0, "seed 11"), Field::new(4, "relaxation")];
+        many.extend(fields());
+        let line = fitting(many, room("DEM", 80));
+        assert_eq!(line, "seed 11  strain 0.123  density 0.620  18.4 M/s  59 min 59 s left");
+        assert_eq!(fitting(fields(), 1), "density 0.620  18.4 M/s  59 min 59 s left");
     }
 
     #[test]

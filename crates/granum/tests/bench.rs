@@ -59,7 +59,12 @@ fn a_packing_of_the_user_is_measured_and_wrong_flags_are_refused() {
     for (wrong, message) in [
         (&["--threads", "0"][..], "--threads 0: from 1 to 1024"),
         (&["--grains", "5000,100000000000"], "--grains 100000000000: up to 230000.1 GB of memory"),
-        (&["--isa", "sse"], "--isa sse: there is"),
+        (&["--isa", "sse"], "--isa sse: granum has no such instruction set; choose portable, avx2 or avx512"),
+        (&["--grains", "300"], "--grains 300: the packing has 5000 grains"),
+        (&["--grains", "12000"], "(here 10000 or 15000)"),
+        (&["--grains", "0"], "--grains 0: the packing has 5000 grains"),
+        (&["--skip-steps", "5"], "--steps"),
+        (&["--steps", "0"], "--steps"),
         (&["--law", "jkr"], "--law jkr: two names are needed"),
         (&["--law", "jkr,slippery"], "slippery"),
         (&["--law", "hertz,peeling"], "nothing peels without adhesion"),
@@ -71,4 +76,22 @@ fn a_packing_of_the_user_is_measured_and_wrong_flags_are_refused() {
         assert!(!failed.status.success(), "{wrong:?}");
         assert!(stderr(&failed).contains(message), "{wrong:?}: {}", stderr(&failed));
     }
+}
+
+#[test]
+fn one_stretch_of_given_steps_is_its_own_mean() {
+    let folder = tempfile::tempdir().unwrap();
+    let flags = ["bench", "--json", "--only", "dem", "--law", "hertz,no-slip", "--grains", "5000"];
+    let steps = ["--threads", "1", "--skip-steps", "20", "--steps", "30"];
+    let done = run(folder.path(), &[&flags[..], &steps].concat());
+    assert!(done.status.success(), "{}", stderr(&done));
+    let figure = &json(&stdout(&done))["dem"][0];
+    assert_eq!((&figure["steps"], &figure["grains"]), (&30.into(), &5000.into()));
+    assert_eq!(figure["grain_steps_per_second"], figure["mean_grain_steps_per_second"]);
+    assert!(figure["arithmetic_speed_up"].is_null(), "{figure}");
+    // Of several stretches the best is no slower than all of them together.
+    let done = run(folder.path(), &[&flags[..], &["--threads", "1", "--seconds", "0.05"]].concat());
+    let figure = &json(&stdout(&done))["dem"][0];
+    let value = |name: &str| figure[name].as_f64().unwrap();
+    assert!(value("mean_grain_steps_per_second") <= value("grain_steps_per_second"), "{figure}");
 }

@@ -67,6 +67,44 @@ fn pair_gives_the_force_of_hertz_and_slides_at_the_limit() {
     }
 }
 
+/// The example that `granum pair --help` prints: three rows, of which the last is back at no displacement.
+#[test]
+fn the_example_of_the_help_of_pair_shows_the_loop_of_mindlin_and_deresiewicz() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = stdout(&run(folder.path(), &["pair", "--help"]));
+    let printf = help.lines().find(|line| line.trim().starts_with("printf")).unwrap();
+    let path = printf.split('\'').nth(1).unwrap().replace("\\n", "\n");
+    fs::write(folder.path().join("path.csv"), &path).unwrap();
+    let command = help.lines().find(|line| line.trim().starts_with("granum pair path.csv")).unwrap();
+    let words: Vec<&str> = command.split_whitespace().skip(1).collect();
+    let done = run(folder.path(), &words);
+    assert!(done.status.success(), "{}", stderr(&done));
+    assert!(stdout(&done).contains(" steps from one row to the next"), "{}", stdout(&done));
+    let table = read_table(folder.path().join("forces.csv")).unwrap();
+    let tangential = table.column("tangential_force").unwrap();
+
+    // Mindlin and Deresiewicz 1953 at constant load, grains of 0.1 mm: E = 70 GPa, nu = 0.3, mu = 0.3.
+    let (modulus, shear_modulus) = (effective_modulus(70e9, 0.3), 70e9 / 2.6 / (2.0 * 1.7));
+    let (approach, displacement): (f64, f64) = (1e-8, 1e-9);
+    let radius = (25e-6 * approach).sqrt();
+    let limit = 0.3 * 4.0 / 3.0 * modulus * radius * approach;
+    let slides = 1.5 * limit / (8.0 * shear_modulus * radius);
+    let loading = |x: f64| limit * (1.0 - (1.0 - x / slides).powf(1.5));
+    let top = loading(displacement);
+    close(tangential[1], top, 1e-4);
+    close(tangential[2], top - 2.0 * loading(0.5 * displacement), 1e-2);
+    assert!(tangential[2] < 0.0);
+
+    // Without a file the number of steps does not disturb the table.
+    let done = run(folder.path(), &[&["--json"], &words[..words.len() - 2]].concat());
+    let told = json(&stdout(&done));
+    assert!(told["steps_per_row"].as_u64().unwrap() > 8, "{told}");
+    assert_eq!(told["tangential_force"].as_array().unwrap().len(), 3);
+    let done = run(folder.path(), &words[..words.len() - 2]);
+    assert_eq!(stdout(&done).lines().count(), 4);
+    assert!(stderr(&done).contains("steps from one row to the next"), "{}", stderr(&done));
+}
+
 #[test]
 fn impact_is_elastic_without_damping_and_slips_as_theory_says() {
     let folder = tempfile::tempdir().unwrap();

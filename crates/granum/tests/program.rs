@@ -33,6 +33,21 @@ fn init_writes_a_case_that_granum_reads_and_never_replaces_one_unasked() {
 #[test]
 fn errors_are_json_for_machines() {
     let folder = tempfile::tempdir().unwrap();
+    for (wrong, word) in [
+        (&["--json", "inti"][..], "unrecognized subcommand 'inti'"),
+        (&["shear", "--json"], "required arguments were not provided: <CASE>"),
+        (&["--json", "shear", "case.toml", "--grains", "5"], "unexpected argument '--grains'"),
+        (&["bench", "--threads", "many", "--json"], "invalid value 'many'"),
+        (&["--json"], "requires a subcommand"),
+    ] {
+        let failed = run(folder.path(), wrong);
+        assert_eq!((failed.status.code(), stdout(&failed)), (Some(2), String::new()));
+        let error = json(&stderr(&failed))["error"].clone();
+        assert!(error["message"].as_str().unwrap().contains(word), "{error}");
+        assert!(error["usage"].as_str().is_none_or(|usage| usage.starts_with("granum")), "{error}");
+        assert!(!error["message"].as_str().unwrap().contains("Usage"), "{error}");
+    }
+    assert!(stdout(&run(folder.path(), &["--json", "--help"])).contains("Usage: granum"));
     let failed = run(folder.path(), &["--json", "init", "nowhere/case.toml"]);
     assert_eq!(failed.status.code(), Some(1));
     let message = json(&stderr(&failed))["error"]["message"].as_str().unwrap().to_string();

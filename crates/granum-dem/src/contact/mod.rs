@@ -17,6 +17,7 @@ pub mod mindlin_deresiewicz;
 pub mod no_slip;
 pub mod pair;
 pub mod peeling;
+pub mod refined;
 pub mod registry;
 
 #[cfg(test)]

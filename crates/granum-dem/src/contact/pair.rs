@@ -2,7 +2,8 @@
 //!
 //! The centres keep a fixed direction n, at the distance `R_i + R_j - normal_approach`. Grain j is translated along a
 //! fixed direction t across n, without rolling and without spin; the tangential displacement of its surface against
-//! that of grain i is counted from zero before the first row. Each row is one step from the row before.
+//! that of grain i is counted from zero before the first row. Between rows the pair moves in a straight line, in one step
+//! or in several.
 //! Internally n is oblique to all axes, so that no error hides behind them.
 
 use granum_simd::{Isa, Kernel, Lanes, dispatch};
@@ -20,6 +21,21 @@ pub struct PathRow {
     pub normal_approach: f64,
     /// Tangential displacement of grain j against grain i, m.
     pub tangential_displacement: f64,
+}
+
+impl PathRow {
+    /// The place after some of all steps on the straight line to `end`, with the last of them at `end` itself.
+    fn towards(&self, end: &PathRow, step: usize, steps: usize) -> PathRow {
+        if step == steps {
+            return *end;
+        }
+        let share = step as f64 / steps as f64;
+        let mix = |from: f64, to: f64| share.mul_add(to - from, from);
+        PathRow {
+            normal_approach: mix(self.normal_approach, end.normal_approach),
+            tangential_displacement: mix(self.tangential_displacement, end.tangential_displacement),
+        }
+    }
 }
 
 /// What the contact answers at the end of a step.
@@ -61,13 +77,42 @@ pub enum PairError {
         /// Half of R_i + R_j, m.
         limit: f64,
     },
+    /// The forces still depend on the length of the steps.
+    #[error(
+        "row {row}: with {steps} steps a row its force still changes by {change:.1e} of the largest force of the path, and \
+         {tolerance:.1e} is allowed; give more rows in between"
+    )]
+    NotConverged {
+        /// Row whose force changes most, from 1.
+        row: usize,
+        /// Steps a row that were tried.
+        steps: usize,
+        /// Change against half as many steps, as a share of the largest force of its kind.
+        change: f64,
+        /// The change that is allowed.
+        tolerance: f64,
+    },
 }
 
-/// Runs a path with the laws of `contact` (its damping does not matter: the answers are the elastic forces).
+/// Runs a path with the laws of `contact` (its damping does not matter: the answers are the elastic forces), each row in one
+/// step. How long a step may be is the caller's business; [`super::refined::drive_pair_refined`] takes any rows.
+///
+/// # Errors
+/// If the laws do not go together, a number is not finite, or the grains would pass through each other.
 pub fn drive_pair(
     contact: &Contact,
     pair: &PairProperties,
     path: &[PathRow],
+) -> Result<Vec<PairRow>, PairError> {
+    drive_pair_in_steps(contact, pair, path, 1)
+}
+
+/// As [`drive_pair`], with the straight line to each row cut into so many equal steps.
+pub(super) fn drive_pair_in_steps(
+    contact: &Contact,
+    pair: &PairProperties,
+    path: &[PathRow],
+    steps: usize,
 ) -> Result<Vec<PairRow>, PairError> {
     check(contact)?;
     let limit = 0.5 * pair.radius_sum;
@@ -85,20 +130,22 @@ pub fn drive_pair(
             return Err(PairError::TooDeep { row: n + 1, value: row.normal_approach, limit });
         }
     }
-    Ok(with_law(contact.normal, contact.tangential, Drive { pair, path }))
+    Ok(with_law(contact.normal, contact.tangential, Drive { pair, path, steps }))
 }
 
 struct Drive<'a> {
     pair: &'a PairProperties,
     path: &'a [PathRow],
+    /// Of one row.
+    steps: usize,
 }
 
 impl LawVisitor for Drive<'_> {
     type Output = Vec<PairRow>;
     fn visit<N: NormalLaw, T: TangentialLaw>(self) -> Vec<PairRow> {
         let constants = PairConstants::new::<N, T>(self.pair);
-        let steps = Steps { constants, path: self.path, laws: std::marker::PhantomData::<(N, T)> };
-        dispatch(Isa::detect(), steps)
+        let laws = std::marker::PhantomData::<(N, T)>;
+        dispatch(Isa::detect(), Steps { constants, path: self.path, steps: self.steps, laws })
     }
 }
 
@@ -106,6 +153,7 @@ impl LawVisitor for Drive<'_> {
 struct Steps<'a, N, T> {
     constants: PairConstants<f64>,
     path: &'a [PathRow],
+    steps: usize,
     laws: std::marker::PhantomData<(N, T)>,
 }
 
@@ -126,27 +174,33 @@ impl<N: NormalLaw, T: TangentialLaw> Kernel for Steps<'_, N, T> {
         let mut before = PathRow::default();
         let mut answers = Vec::with_capacity(self.path.len());
         for row in self.path {
-            let distance = self.constants.radius_sum - row.normal_approach;
-            let slip = row.tangential_displacement - before.tangential_displacement;
-            let opening = before.normal_approach - row.normal_approach;
-            let kinematics = Kinematics {
-                branch: [distance * normal[0], distance * normal[1], distance * normal[2]],
-                velocity: [
-                    slip.mul_add(along[0], opening * normal[0]),
-                    slip.mul_add(along[1], opening * normal[1]),
-                    slip.mul_add(along[2], opening * normal[2]),
-                ],
-                rolling: [0.0; 3],
-                mean_spin: [0.0; 3],
-            };
-            // One step takes one second: the path has no rate.
-            let out = interact::<f64, N, T>(&self.constants, &kinematics, 1.0, &mut memory);
-            answers.push(PairRow {
-                normal_force: out.normal_force,
-                tangential_force: dot(out.elastic, along),
-                contact_radius: out.radius,
-            });
-            before = *row;
+            let start = before;
+            let mut answer = PairRow::default();
+            for step in 1..=self.steps {
+                let end = start.towards(row, step, self.steps);
+                let distance = self.constants.radius_sum - end.normal_approach;
+                let slip = end.tangential_displacement - before.tangential_displacement;
+                let opening = before.normal_approach - end.normal_approach;
+                let kinematics = Kinematics {
+                    branch: [distance * normal[0], distance * normal[1], distance * normal[2]],
+                    velocity: [
+                        slip.mul_add(along[0], opening * normal[0]),
+                        slip.mul_add(along[1], opening * normal[1]),
+                        slip.mul_add(along[2], opening * normal[2]),
+                    ],
+                    rolling: [0.0; 3],
+                    mean_spin: [0.0; 3],
+                };
+                // One step takes one second: the path has no rate.
+                let out = interact::<f64, N, T>(&self.constants, &kinematics, 1.0, &mut memory);
+                answer = PairRow {
+                    normal_force: out.normal_force,
+                    tangential_force: dot(out.elastic, along),
+                    contact_radius: out.radius,
+                };
+                before = end;
+            }
+            answers.push(answer);
         }
         answers
     }

@@ -66,7 +66,8 @@ pub fn follow(
         if here >= path.end() {
             return Ok(Ending::Complete);
         }
-        let progress = Progress { phase: Phase::Shear, trial: 1, simulation };
+        let (steps, time) = (simulation.state().step(), simulation.state().time());
+        let progress = Progress { phase: Phase::Shear, trial: 1, steps, time, simulation };
         if watcher.progress(&progress) == Flow::Stop {
             return Ok(Ending::Stopped);
         }

@@ -11,14 +11,22 @@
 //! A target solid fraction is met by searching the preparation friction: less friction packs denser. Each trial
 //! is a whole preparation from the same seed.
 //!
+//! A packing that was made elsewhere takes the place of the gas where it is loose ([`is_loose`]): it is compacted and
+//! relaxed by the same rules, and every trial begins from it again. One that carries its load only comes to rest.
+//!
+//! A finished sample is brought to another mean stress by a **consolidation**: all axes servoed to it, with the final
+//! properties, until it is at rest again.
+//!
 //! A preparation is a [`Preparing`] that goes stride by stride: nothing of it lives on the stack, so that it can be written down
 //! at any look and taken up again.
 
 mod friction_search;
+mod progress;
 
 use serde::{Deserialize, Serialize};
 
 use self::friction_search::{next_friction, repeats};
+pub use self::progress::{Flow, Phase, Progress, Sample, Trial};
 use crate::config::{Contact, Grains, Material, Preparation};
 use crate::gas::{GasError, gas};
 use crate::servo::Control;
@@ -38,73 +46,8 @@ const MOST_TRIALS: usize = 8;
 const CALM: u32 = 3;
 /// Most steps of the relaxation.
 const MOST_RELAXATION_STEPS: u64 = 400_000;
-
-/// Which part of a preparation or test runs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase {
-    /// Isotropic compression.
-    Compaction,
-    /// Coming to rest with the final properties.
-    Relaxation,
-    /// The loading path.
-    Shear,
-}
-
-impl Phase {
-    /// Its name for people.
-    pub fn name(self) -> &'static str {
-        match self {
-            Phase::Compaction => "compaction",
-            Phase::Relaxation => "relaxation",
-            Phase::Shear => "shear",
-        }
-    }
-}
-
-/// What an observer may do: go on or stop cleanly.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Flow {
-    /// Go on.
-    Continue,
-    /// Stop here.
-    Stop,
-}
-
-/// What a running phase tells its observer. Looking cannot disturb: everything is by shared reference.
-pub struct Progress<'a> {
-    /// Which phase.
-    pub phase: Phase,
-    /// Which trial of the preparation friction, from 1.
-    pub trial: usize,
-    /// The simulation.
-    pub simulation: &'a Simulation,
-}
-
-/// One trial of the preparation friction.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Trial {
-    /// Coefficient of friction while compacting.
-    pub friction: f64,
-    /// Solid fraction that came of it.
-    pub solid_fraction: f64,
-}
-
-/// A sample and how it was come by.
-pub struct Sample {
-    /// The simulation, at rest at the target stress with the final properties.
-    pub simulation: Simulation,
-    /// Every trial of the preparation friction; the last one made the sample.
-    pub trials: Vec<Trial>,
-    /// Steps of all trials together.
-    pub steps: u64,
-    /// Unbalanced force at the end.
-    pub unbalanced_force: f64,
-    /// True if the unbalanced force and the stress came within their bounds before the limit of steps.
-    pub settled: bool,
-    /// True if the target solid fraction was met (also when none was asked for).
-    pub solid_fraction_met: bool,
-}
+/// Fraction of the target stress below which a packing is loose.
+const STANDING: f64 = 0.5;
 
 /// Why there is no sample.
 #[derive(Debug, thiserror::Error)]
@@ -170,11 +113,55 @@ pub struct Course {
     trials: Vec<Trial>,
     /// Steps of phases that are over.
     steps: u64,
+    /// Simulated time of phases that are over, s.
+    #[serde(default)]
+    time: f64,
     /// Coefficient of friction of this trial; `None` where a packing is only brought to rest.
     friction: Option<f64>,
     stage: Stage,
     /// How many looks in a row found the phase's aim met.
     calm: u32,
+    /// True if it began from a packing instead of a gas.
+    #[serde(default)]
+    packing: bool,
+}
+
+/// The next trial of the preparation friction, and what the trials before it came to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NextTrial {
+    friction: f64,
+    trials: Vec<Trial>,
+    steps: u64,
+    time: f64,
+}
+
+impl NextTrial {
+    /// The first trial of a recipe.
+    pub fn first(recipe: &Recipe) -> NextTrial {
+        let p = recipe.preparation;
+        let friction = match (p.friction, p.solid_fraction) {
+            (Some(friction), _) => friction,
+            (None, Some(target)) => next_friction(&[], target),
+            (None, None) => recipe.grains.material.friction,
+        };
+        NextTrial { friction, trials: Vec::new(), steps: 0, time: 0.0 }
+    }
+
+    /// Material and law while this trial compacts.
+    pub fn properties(&self, recipe: &Recipe) -> Properties {
+        let interface_energy = recipe.preparation.interface_energy;
+        let material = Material { friction: self.friction, interface_energy, ..recipe.grains.material };
+        Properties { material, contact: *recipe.contact }
+    }
+}
+
+/// True if a packing is loose: it carries less than half of the target mean stress, and is less dense than the target
+/// solid fraction where there is one. It is then compacted like a gas.
+pub fn is_loose(packing: &Simulation, p: &Preparation) -> bool {
+    let state = packing.state();
+    let carries = state.mean_stress() >= STANDING * p.mean_stress;
+    let below = |target: f64| state.solid_fraction() < target - p.solid_fraction_tolerance;
+    !carries && p.solid_fraction.is_none_or(below)
 }
 
 /// A phase, with what it has to remember.
@@ -192,12 +179,19 @@ enum Stage {
     },
     /// Coming to rest.
     Relaxation,
+    /// Coming to rest at another mean stress.
+    Consolidation {
+        /// Most steps.
+        limit: u64,
+    },
 }
 
 /// How [`Preparing::go_on`] ended.
 pub enum Outcome {
     /// There is a sample.
     Sample(Box<Sample>),
+    /// The packing that it began from is needed again, for the next trial ([`Preparing::compacting`]).
+    Again(NextTrial),
     /// The observer stopped it; it can go on from here.
     Stopped(Box<Preparing>),
 }
@@ -208,7 +202,13 @@ impl Course {
         match self.stage {
             Stage::Compaction { .. } => Phase::Compaction,
             Stage::Relaxation => Phase::Relaxation,
+            Stage::Consolidation { .. } => Phase::Consolidation,
         }
+    }
+
+    /// Coefficient of friction while compacting; `None` where nothing is compacted.
+    pub fn friction(&self) -> Option<f64> {
+        self.friction
     }
 
     /// Which trial of the preparation friction runs, from 1.
@@ -254,6 +254,8 @@ fn complete(
     match preparing.go_on(recipe, observer)? {
         Outcome::Sample(sample) => Ok(*sample),
         Outcome::Stopped(at) => Err(PreparationError::Stopped { phase: at.course.phase() }),
+        // Only the compaction of a packing asks for its start again, and no caller of this begins one.
+        Outcome::Again(_) => Err(PreparationError::Stopped { phase: Phase::Compaction }),
     }
 }
 
@@ -263,17 +265,25 @@ impl Preparing {
     /// # Errors
     /// If the gas is too dense, or the laws do not go together.
     pub fn new(recipe: &Recipe) -> Result<Preparing, PreparationError> {
-        let p = recipe.preparation;
-        let friction = match (p.friction, p.solid_fraction) {
-            (Some(friction), _) => friction,
-            (None, Some(target)) => next_friction(&[], target),
-            (None, None) => recipe.grains.material.friction,
-        };
-        Preparing::trial(recipe, friction, Vec::new(), 0)
+        Preparing::trial(recipe, NextTrial::first(recipe))
     }
 
     /// The start of bringing a packing to rest, see [`settle`].
-    pub fn settling(mut simulation: Simulation, recipe: &Recipe) -> Preparing {
+    pub fn settling(simulation: Simulation, recipe: &Recipe) -> Preparing {
+        Preparing::resting(simulation, recipe, Stage::Relaxation)
+    }
+
+    /// The start of bringing a sample to the recipe's mean stress, which is another than its own. It is at rest there in
+    /// the end, as after [`settle`], or the limit of steps was reached.
+    pub fn consolidating(simulation: Simulation, recipe: &Recipe) -> Preparing {
+        let mut preparing = Preparing::resting(simulation, recipe, Stage::Relaxation);
+        let (s, p) = (&preparing.simulation, recipe.preparation);
+        let limit = most_steps(s, s.strain_rate(p.inertial_number, p.mean_stress));
+        preparing.course.stage = Stage::Consolidation { limit: limit + MOST_RELAXATION_STEPS };
+        preparing
+    }
+
+    fn resting(mut simulation: Simulation, recipe: &Recipe, stage: Stage) -> Preparing {
         let p = recipe.preparation;
         let s = &mut simulation;
         s.set_time_step_factor(recipe.time_step_factor);
@@ -281,31 +291,43 @@ impl Preparing {
         fade(s, recipe);
         begin_relaxation(s, p);
         let course =
-            Course { trials: Vec::new(), steps: 0, friction: None, stage: Stage::Relaxation, calm: 0 };
+            Course { trials: Vec::new(), steps: 0, time: 0.0, friction: None, stage, calm: 0, packing: true };
         Preparing { simulation, course }
     }
 
+    /// The start of compacting a loose packing, which has the [`NextTrial::properties`] of the trial.
+    pub fn compacting(simulation: Simulation, recipe: &Recipe, next: NextTrial) -> Preparing {
+        let diameter = simulation.mean_diameter();
+        let loaded = simulation.state().mean_stress() > LOADED * recipe.preparation.mean_stress;
+        let mut preparing = Preparing::compaction(simulation, recipe, next, diameter);
+        preparing.course.packing = true;
+        if let (true, Stage::Compaction { slow, loaded, .. }) = (loaded, &mut preparing.course.stage) {
+            *loaded = true;
+            preparing.simulation.set_rate_limit(*slow);
+        }
+        preparing
+    }
+
     /// The gas of a trial, about to be compacted.
-    fn trial(
-        recipe: &Recipe,
-        friction: f64,
-        trials: Vec<Trial>,
-        steps: u64,
-    ) -> Result<Preparing, PreparationError> {
+    fn trial(recipe: &Recipe, next: NextTrial) -> Result<Preparing, PreparationError> {
         let p = recipe.preparation;
-        let material = Material { friction, interface_energy: p.interface_energy, ..recipe.grains.material };
         let (cell, sites) = gas(recipe.grains, p.initial_solid_fraction, p.seed)?;
-        let mut s = Simulation::new(cell, &sites, Properties { material, contact: *recipe.contact })?;
+        let s = Simulation::new(cell, &sites, next.properties(recipe))?;
+        Ok(Preparing::compaction(s, recipe, next, recipe.grains.diameter))
+    }
+
+    /// Grains that do not carry the stress yet, about to be compacted.
+    fn compaction(mut s: Simulation, recipe: &Recipe, next: NextTrial, diameter: f64) -> Preparing {
+        let p = recipe.preparation;
+        let NextTrial { friction, trials, steps, time } = next;
         s.set_time_step_factor(recipe.time_step_factor);
-        s.expect_force(p.mean_stress * recipe.grains.diameter.powi(2));
+        s.expect_force(p.mean_stress * diameter.powi(2));
         fade(&mut s, recipe);
         let slow = s.strain_rate(p.inertial_number, p.mean_stress);
         s.set_control(Control::isotropic(p.mean_stress, GAS_SPEED * slow));
-        // Twenty times the strain from the gas to a dense packing at the slow rate.
-        let limit = (20.0 * 0.3 / (slow * s.state().time_step())) as u64 + 200_000;
-        let stage = Stage::Compaction { slow, limit, loaded: false };
-        let course = Course { trials, steps, friction: Some(friction), stage, calm: 0 };
-        Ok(Preparing { simulation: s, course })
+        let stage = Stage::Compaction { slow, limit: most_steps(&s, slow), loaded: false };
+        let course = Course { trials, steps, time, friction: Some(friction), stage, calm: 0, packing: false };
+        Preparing { simulation: s, course }
     }
 
     /// Goes on from where it stands until there is a sample or the observer stops it. The recipe must be the one that
@@ -320,8 +342,7 @@ impl Preparing {
     ) -> Result<Outcome, PreparationError> {
         self.simulation.set_hardware(recipe.hardware);
         loop {
-            let (phase, trial) = (self.course.phase(), self.course.trial());
-            if observer(&Progress { phase, trial, simulation: &self.simulation }) == Flow::Stop {
+            if observer(&self.progress()) == Flow::Stop {
                 return Ok(Outcome::Stopped(Box::new(self)));
             }
             self.simulation.advance(LOOK_EVERY)?;
@@ -330,16 +351,30 @@ impl Preparing {
                     self.look_at_compaction(recipe)?;
                     None
                 }
-                Stage::Relaxation => self.look_at_relaxation(recipe.preparation),
+                Stage::Relaxation => self.look_at_relaxation(recipe.preparation, MOST_RELAXATION_STEPS),
+                Stage::Consolidation { limit } => self.look_at_relaxation(recipe.preparation, limit),
             };
             let Some(settled) = settled else { continue };
+            let packing = self.course.packing;
             match self.end_trial(recipe, settled) {
                 Ended::Sample(sample) => return Ok(Outcome::Sample(sample)),
-                Ended::Again { friction, trials, steps } => {
-                    self = Preparing::trial(recipe, friction, trials, steps)?;
+                Ended::Again(next) if packing => return Ok(Outcome::Again(next)),
+                Ended::Again(next) => {
+                    self = Preparing::trial(recipe, next)?;
                     self.simulation.set_hardware(recipe.hardware);
                 }
             }
+        }
+    }
+
+    fn progress(&self) -> Progress<'_> {
+        let (course, state) = (&self.course, self.simulation.state());
+        Progress {
+            phase: course.phase(),
+            trial: course.trial(),
+            steps: course.steps.saturating_add(state.step()),
+            time: course.time + state.time(),
+            simulation: &self.simulation,
         }
     }
 
@@ -368,6 +403,7 @@ impl Preparing {
             });
         }
         course.steps += step;
+        course.time += s.state().time();
         s.set_properties(Properties { material: recipe.grains.material, contact: *recipe.contact })?;
         begin_relaxation(s, p);
         course.stage = Stage::Relaxation;
@@ -376,7 +412,7 @@ impl Preparing {
     }
 
     /// Whether the sample came to rest, once that is decided.
-    fn look_at_relaxation(&mut self, p: &Preparation) -> Option<bool> {
+    fn look_at_relaxation(&mut self, p: &Preparation, limit: u64) -> Option<bool> {
         let state = self.simulation.state();
         let ratio = state.mean_stress() / p.mean_stress;
         let near = (ratio - 1.0).abs() < 0.005 && state.unbalanced_force() < p.unbalanced_force;
@@ -384,7 +420,7 @@ impl Preparing {
         if self.course.calm >= CALM {
             return Some(true);
         }
-        (state.step() >= MOST_RELAXATION_STEPS).then_some(false)
+        (state.step() >= limit).then_some(false)
     }
 
     /// Takes the sample, or the next friction to try.
@@ -395,6 +431,7 @@ impl Preparing {
         let solid_fraction = state.solid_fraction();
         let unbalanced_force = state.unbalanced_force();
         let steps = course.steps + state.step();
+        let time = course.time + state.time();
         let mut trials = course.trials;
         let mut solid_fraction_met = true;
         if let Some(friction) = course.friction {
@@ -403,7 +440,8 @@ impl Preparing {
                 solid_fraction_met = (solid_fraction - target).abs() <= p.solid_fraction_tolerance;
                 let over = p.friction.is_some() || trials.len() >= MOST_TRIALS || repeats(&trials);
                 if !solid_fraction_met && !over {
-                    return Ended::Again { friction: next_friction(&trials, target), trials, steps };
+                    let friction = next_friction(&trials, target);
+                    return Ended::Again(NextTrial { friction, trials, steps, time });
                 }
             }
         }
@@ -412,6 +450,7 @@ impl Preparing {
             simulation,
             trials,
             steps,
+            time,
             unbalanced_force,
             settled,
             solid_fraction_met,
@@ -422,7 +461,12 @@ impl Preparing {
 /// How a trial ended.
 enum Ended {
     Sample(Box<Sample>),
-    Again { friction: f64, trials: Vec<Trial>, steps: u64 },
+    Again(NextTrial),
+}
+
+/// Twenty times the steps that the strain from a gas to a dense packing takes at a rate, 1/s, and some.
+fn most_steps(s: &Simulation, rate: f64) -> u64 {
+    (20.0 * 0.3 / (rate * s.state().time_step())) as u64 + 200_000
 }
 
 /// Global damping, slow against the vibrations of a contact.

@@ -44,6 +44,7 @@ fn in_pieces(mut preparing: Preparing, recipe: &Recipe, strides: u32) -> (Sample
         match preparing.go_on(recipe, &mut observer).unwrap() {
             Outcome::Sample(sample) => return (*sample, stops, seen),
             Outcome::Stopped(at) => preparing = *at,
+            Outcome::Again(next) => panic!("a gas or a sample needs no packing: {next:?}"),
         }
         stops += 1;
     }
@@ -87,6 +88,65 @@ fn a_packing_settles_in_pieces_to_the_same_sample() {
     let (pieces, stops, _) = in_pieces(Preparing::settling(packing, &second), &second, 2);
     assert!(stops >= 2 && straight.trials.is_empty(), "{stops}");
     assert_same(&straight, &pieces);
+}
+
+/// A sample of a loose packing, and how many trials it took.
+fn compacted(packing: &(crate::cell::Cell, Vec<crate::simulation::Site>), recipe: &Recipe) -> Sample {
+    let mut next = NextTrial::first(recipe);
+    loop {
+        let simulation = Simulation::new(packing.0, &packing.1, next.properties(recipe)).unwrap();
+        assert!(is_loose(&simulation, recipe.preparation));
+        let preparing = Preparing::compacting(simulation, recipe, next);
+        match preparing.go_on(recipe, &mut |_: &Progress| Flow::Continue).unwrap() {
+            Outcome::Sample(sample) => return *sample,
+            Outcome::Again(again) => next = again,
+            Outcome::Stopped(_) => panic!("nobody stopped it"),
+        }
+    }
+}
+
+#[test]
+fn a_loose_packing_is_compacted_by_friction_and_target_as_a_gas_is() {
+    let (grains, contact) = (grains(0.0), Contact::default());
+    let packing = gas(&grains, 0.3, 7).unwrap();
+    let with = |friction, solid_fraction| {
+        let preparation = Preparation { friction, solid_fraction, solid_fraction_tolerance: 1e-3, ..quick() };
+        compacted(&packing, &recipe(&grains, &contact, &preparation))
+    };
+    let (slippery, rough) = (with(Some(0.0), None), with(Some(1.0), None));
+    let density = |sample: &Sample| sample.simulation.state().solid_fraction();
+    assert!(density(&slippery) > density(&rough) + 0.01, "{} {}", density(&slippery), density(&rough));
+    assert_eq!((slippery.trials.len(), slippery.trials[0].friction), (1, 0.0));
+    let searched = with(None, Some(0.5 * (density(&slippery) + density(&rough))));
+    assert!(searched.trials.len() >= 2, "{:?}", searched.trials);
+    // The same grains at rest are not loose: they carry the stress.
+    let preparation = Preparation { solid_fraction: None, ..quick() };
+    assert!(!is_loose(&rough.simulation, &preparation));
+    let dense = Preparation { solid_fraction: Some(0.5), mean_stress: 1e9, ..quick() };
+    assert!(!is_loose(&rough.simulation, &dense), "denser than the target");
+}
+
+#[test]
+fn a_sample_is_brought_to_another_mean_stress_and_is_at_rest_there() {
+    let (grains, contact) = (grains(0.0), Contact::default());
+    let preparation = Preparation { solid_fraction: None, friction: Some(0.1), ..quick() };
+    let first = recipe(&grains, &contact, &preparation);
+    let sample = prepare(&first, &mut |_: &Progress| Flow::Continue).unwrap().simulation;
+    for mean_stress in [200e3, 5e3] {
+        let other = Preparation { mean_stress, ..preparation.clone() };
+        let recipe = recipe(&grains, &contact, &other);
+        let start = || Preparing::consolidating(sample.clone(), &recipe);
+        assert_eq!(start().course.phase(), Phase::Consolidation);
+        let Outcome::Sample(straight) = start().go_on(&recipe, &mut |_: &Progress| Flow::Continue).unwrap()
+        else {
+            panic!("nobody stopped it")
+        };
+        let state = straight.simulation.state();
+        assert!(straight.settled && (state.mean_stress() / mean_stress - 1.0).abs() < 0.005);
+        assert!(straight.unbalanced_force < other.unbalanced_force && straight.trials.is_empty());
+        let (pieces, _, _) = in_pieces(start(), &recipe, 2);
+        assert_same(&straight, &pieces);
+    }
 }
 
 #[test]

@@ -158,7 +158,7 @@ fn a_run_killed_before_its_first_checkpoint_begins_again() {
     assert!(record.status == RunStatus::Finished && record.unwritten_case.is_none());
     assert_same(&straight, &killed);
     // A case that was changed is another run.
-    killed.write_case(&Case::default()).unwrap();
+    killed.write_case(&Case::default(), None).unwrap();
     let message = lab.resume(&killed, &mut Nobody).unwrap_err().to_string();
     assert!(message.contains("case.toml: the case was changed since the run began"), "{message}");
 }
@@ -191,7 +191,7 @@ fn the_checkpoint_before_is_used_where_the_last_one_cannot_be() {
         let text = observer.warnings.join("\n");
         assert!(text.contains(word) || (k == 3 && text.contains("truncated")), "{text}");
         assert!(
-            text.contains("goes on from the one before") && text.contains("checkpoint.previous"),
+            text.contains("continues from the one before") && text.contains("checkpoint.previous"),
             "{text}"
         );
         assert_eq!(fs::read(folder.path().join(REFUSED_CHECKPOINT)).unwrap(), bytes);
@@ -214,7 +214,7 @@ fn a_missing_checkpoint_falls_back_and_two_bad_ones_are_refused() {
     fs::remove_file(&current).unwrap();
     let mut observer = Stopper::after(5);
     lab.resume(&folder, &mut observer).unwrap();
-    assert!(observer.warnings[0].contains("there is no checkpoint; goes on from the one before"));
+    assert!(observer.warnings[0].contains("there is no checkpoint; the run continues from the one before"));
     let good = fs::read(&current).unwrap();
     fs::write(&current, &good[..100]).unwrap();
     fs::write(&previous, "x").unwrap();
@@ -251,8 +251,11 @@ fn an_unfinished_sample_is_not_sheared() {
     let run = RunFolder::create(base.path().join("run"), false).unwrap();
     let source = Source::Folder(sample.path().to_path_buf());
     let message = lab.shear(&case, &source, &run, &mut Nobody).unwrap_err().to_string();
-    assert!(message.contains("its preparation is not finished; go on with `granum resume"), "{message}");
-    // Once it is mended the run goes on as well.
+    assert!(
+        message.contains("its preparation is not finished; continue it with `granum resume"),
+        "{message}"
+    );
+    // Once it is finished the same folder serves: nothing was left in it.
     lab.resume(&sample, &mut Nobody).unwrap();
-    assert_eq!(lab.resume(&run, &mut Nobody).unwrap().status, RunStatus::Finished);
+    assert_eq!(lab.shear(&case, &source, &run, &mut Nobody).unwrap().status, RunStatus::Finished);
 }

@@ -4,15 +4,22 @@
 //! Case --> prepare --> sample folder --> shear --> run folder
 //! ```
 //!
-//! A run is a [`Standing`] that goes from stage to stage: preparation, sample, test. It is written down as a
+//! A run is a [`Standing`] that goes from stage to stage: preparation, sample, consolidation (where the test is at another
+//! mean stress than the sample), test. It is written down as a
 //! checkpoint at an interval of wall time and when the user stops it, and everything that decides what comes next is in
 //! it: a run that is killed at any instant goes on to the same bits. Before the first checkpoint there are the case and
 //! where the sample comes from.
 
+mod consolidation;
+mod from_packing;
+mod measures;
 pub mod memory;
+mod pace;
+mod preparation_curve;
 mod quality;
 mod sample;
 mod standing;
+mod status;
 mod test;
 
 use std::path::PathBuf;
@@ -20,21 +27,27 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use granum_dem::preparation::{Phase, PreparationError};
-use granum_dem::simulation::{Hardware, Simulation, SimulationError};
-use granum_io::run::{Machine, RunFolder, RunRecord, RunStatus};
+use granum_dem::preparation::PreparationError;
+use granum_dem::simulation::{Hardware, SimulationError};
+use granum_io::run::{Machine, RunFolder, RunRecord, RunSource, RunStatus};
+use granum_io::shell::quoted_path;
 use granum_io::{Case, Error as FileError};
 use thiserror::Error;
 
+pub(crate) use self::pace::Interval;
 use self::standing::{Stage, Standing};
+use self::status::Speedometer;
 use crate::error::HybridError;
 use crate::files::write_record;
 
 pub use granum_io::run::{CHECKPOINT, PREVIOUS_CHECKPOINT};
+pub use measures::late_mean;
+pub use preparation_curve::PREPARATION_COLUMNS;
 pub use sample::{Source, cell, simulation, sites};
 pub use standing::check_beside;
+pub use status::{Field, Status};
 
-/// Name of the snapshot of a sample.
+/// Name of the snapshot of a sample, in the folder of a test as it is when the test begins.
 pub const SAMPLE: &str = "start";
 /// Name of the snapshot at the end of a test.
 pub const END: &str = "end";
@@ -83,8 +96,8 @@ pub enum LaboratoryError {
     },
     /// No checkpoint of a folder can be used.
     #[error(
-        "{what}: nothing is left to go on from; run it again, e.g. `granum shear {0}/case.toml --out OTHER`",
-        folder.display()
+        "{what}: no checkpoint can be used; run it again, e.g. `granum shear {} --out OTHER`",
+        quoted_path(&folder.join("case.toml"))
     )]
     Unusable {
         /// The folder.
@@ -92,44 +105,6 @@ pub enum LaboratoryError {
         /// What is wrong with each.
         what: String,
     },
-}
-
-/// What a running phase tells.
-pub struct Status<'a> {
-    /// Which phase.
-    pub phase: Phase,
-    /// Which trial of the preparation friction, from 1.
-    pub trial: usize,
-    /// Fraction of the phase done, where it can be told.
-    pub fraction: Option<f64>,
-    /// Grain-steps per second of the last stretch.
-    pub grain_steps_per_second: f64,
-    /// The simulation, for looking.
-    pub simulation: &'a Simulation,
-}
-
-impl Status<'_> {
-    /// Where it stands, in one line for people.
-    pub fn line(&self) -> String {
-        let s = self.simulation.state();
-        let stress = s.stress();
-        let p = s.mean_stress();
-        let rate = self.grain_steps_per_second / 1e6;
-        let common = format!(
-            "p {:.2} kPa  solid fraction {:.4}  {rate:.1} M grain-steps/s",
-            p / 1e3,
-            s.solid_fraction()
-        );
-        match self.phase {
-            Phase::Shear => {
-                let q = stress[0][0] - 0.5 * (stress[1][1] + stress[2][2]);
-                let ratio = if p == 0.0 { 0.0 } else { q / p };
-                format!("strain {:.4}  q/p {ratio:.3}  {common}", s.deviator_strain())
-            }
-            _ if self.trial > 1 => format!("trial {}  {common}", self.trial),
-            _ => common,
-        }
-    }
 }
 
 /// Who watches a run. Nothing that it does can change a result but to stop it.
@@ -194,6 +169,13 @@ pub struct Laboratory {
     pub version: String,
 }
 
+/// A run that is about to begin: what it begins with was found good, and nothing is written yet.
+pub struct Beginning {
+    case: Case,
+    record: RunRecord,
+    standing: Standing,
+}
+
 /// How a stretch of a run ended.
 enum Stretch {
     /// There is more to do.
@@ -235,7 +217,7 @@ impl Laboratory {
         folder: &RunFolder,
         observer: &mut dyn RunObserver,
     ) -> Result<RunRecord, LaboratoryError> {
-        self.begin("prepare", case, source, folder, observer)
+        self.run(self.beginning("prepare", case, source, observer)?, folder, observer)
     }
 
     /// Makes or takes a sample and shears it as the case says; leaves a run folder.
@@ -249,7 +231,7 @@ impl Laboratory {
         folder: &RunFolder,
         observer: &mut dyn RunObserver,
     ) -> Result<RunRecord, LaboratoryError> {
-        self.begin("shear", case, source, folder, observer)
+        self.run(self.beginning("shear", case, source, observer)?, folder, observer)
     }
 
     /// Goes on with a preparation or test that was interrupted, killed or failed: from its last good checkpoint, or from
@@ -265,7 +247,7 @@ impl Laboratory {
         let run = folder.run();
         let case = run.case()?;
         let mut record = run.record()?;
-        if case.digest() != record.case_digest {
+        if !record.is_of(&case) {
             let message =
                 "the case was changed since the run began; run the changed case anew in another folder";
             return Err(FileError::content(&folder.path().join("case.toml"), message).into());
@@ -276,50 +258,72 @@ impl Laboratory {
         }
         if record.granum_version != self.version {
             let (old, new) = (&record.granum_version, &self.version);
-            let text = format!("begun by granum {old}, resumed by {new}: bits may differ from either");
+            let text = format!(
+                "begun by granum {old} and resumed by {new}: its results may differ in the last digits from those of either version"
+            );
             observer.warn(&text);
             record.notes.push(text);
         }
         record.status = RunStatus::Running;
         self.finish(folder, &mut record, |record| {
             if record.unwritten_case.take().is_some() {
-                folder.write_case(&case)?;
+                write_case(folder, &case, record)?;
             }
             let standing = match standing {
                 Some(standing) => standing,
                 None => {
                     let source = Source::recorded(&record.source)?;
-                    self.start(&case, &source, record)?
+                    self.start(&case, &source, None, record, observer)?
                 }
             };
             self.go_on(&case, standing, folder, record, observer)
         })
     }
 
-    /// Begins a run. The record goes first and holds the case until that has its own file: from then on the run can be
-    /// resumed.
-    fn begin(
+    /// Reads what a run of a `kind` (`prepare`, `shear`) begins with and refuses what cannot be run. Nothing is written, so that
+    /// a mistake leaves no folder behind. The observer is told what the user should know of it.
+    ///
+    /// # Errors
+    /// [`LaboratoryError`] if the machine cannot hold the case, or its sample or packing cannot be used.
+    pub fn beginning(
         &self,
         kind: &str,
         case: &Case,
         source: &Source,
-        folder: &RunFolder,
         observer: &mut dyn RunObserver,
-    ) -> Result<RunRecord, LaboratoryError> {
+    ) -> Result<Beginning, LaboratoryError> {
         if *source == Source::Case {
             memory::check(case)?;
         }
+        let packing = Self::packing(source)?;
         let machine = Machine::here(self.hardware.isa.name(), self.hardware.threads);
         let mut record = RunRecord::new(kind, &self.version, case, machine);
         record.source = source.record()?;
+        if let (Some(packing), RunSource::Packing { file, sha256 }) = (&packing, &record.source) {
+            let packing = from_packing::describe(file, packing, sha256);
+            record.set_packing(case, packing);
+        }
+        let standing = self.start(case, source, packing, &mut record, observer)?;
+        Ok(Beginning { case: case.clone(), record, standing })
+    }
+
+    /// Runs from a beginning to the end. The record goes first and holds the case until that has its own file: from then
+    /// on the run can be resumed.
+    ///
+    /// # Errors
+    /// [`LaboratoryError`]; the record in the folder then has the status `failed`.
+    pub fn run(
+        &self,
+        beginning: Beginning,
+        folder: &RunFolder,
+        observer: &mut dyn RunObserver,
+    ) -> Result<RunRecord, LaboratoryError> {
+        let Beginning { case, mut record, standing } = beginning;
         record.unwritten_case = Some(case.resolved_toml());
         folder.write_record(&record)?;
-        folder.write_case(case)?;
+        write_case(folder, &case, &record)?;
         record.unwritten_case = None;
-        self.finish(folder, &mut record, |record| {
-            let standing = self.start(case, source, record)?;
-            self.go_on(case, standing, folder, record, observer)
-        })
+        self.finish(folder, &mut record, |record| self.go_on(&case, standing, folder, record, observer))
     }
 
     /// Goes from stage to stage until the run is complete or the observer stops it.
@@ -333,29 +337,48 @@ impl Laboratory {
     ) -> Result<(), LaboratoryError> {
         // At once, so that nothing outside the folder is needed from here on.
         save(folder, &standing, record)?;
+        let mut speedometer = Speedometer::new();
         loop {
             let started = Instant::now();
+            speedometer.begin();
             let phase = standing.phase();
             let stretch = match standing.stage {
                 Stage::Preparation(_) => {
-                    let (next, stretch) = self.prepare_on(case, standing, observer)?;
+                    let source = &record.source;
+                    let (next, stretch) =
+                        self.prepare_on(case, standing, source, &mut speedometer, observer)?;
                     standing = next;
                     stretch
                 }
                 Stage::Sample => {
-                    folder.write_snapshot(SAMPLE, &standing.simulation.assembly())?;
+                    write_sample(folder, &standing)?;
                     if record.kind == "prepare" {
                         return Ok(());
                     }
+                    match consolidation::wanted(case) {
+                        None => self.begin_test(case, &mut standing)?,
+                        Some(preparation) => {
+                            standing = self.begin_consolidation(case, standing, &preparation);
+                            Stretch::GoOn
+                        }
+                    }
+                }
+                Stage::Consolidation(_) => {
+                    let (next, stretch) = self.consolidate_on(case, standing, &mut speedometer, observer)?;
+                    standing = next;
+                    stretch
+                }
+                Stage::Consolidated => {
+                    write_sample(folder, &standing)?;
                     self.begin_test(case, &mut standing)?
                 }
-                Stage::Test(_) => self.test_on(&mut standing, observer)?,
+                Stage::Test(_) => self.test_on(&mut standing, folder, &mut speedometer, observer)?,
             };
             if let Some(phase) = phase {
                 *record.wall_seconds.entry(phase.into()).or_default() += started.elapsed().as_secs_f64();
             }
             match stretch {
-                Stretch::Complete => return complete(&standing, folder, record),
+                Stretch::Complete => return complete(&standing, folder, record, observer),
                 Stretch::GoOn if phase.is_none() => {}
                 Stretch::GoOn => save(folder, &standing, record)?,
                 Stretch::Stop => {
@@ -394,77 +417,56 @@ impl Laboratory {
 /// Writes down where a run stands: checkpoint, what the sensors saw, record.
 fn save(folder: &RunFolder, standing: &Standing, record: &mut RunRecord) -> Result<(), LaboratoryError> {
     standing.write(folder)?;
-    if let Stage::Test(test) = &standing.stage {
-        write_record(folder, &test.recorder.record())?;
+    match &standing.stage {
+        Stage::Test(test) => write_record(folder, &test.recorder.record())?,
+        Stage::Preparation(_) | Stage::Consolidation(_) => write_curve(folder, standing)?,
+        Stage::Sample | Stage::Consolidated => {}
     }
     standing.tell(record);
     folder.write_record(record)?;
     Ok(())
 }
 
+/// Writes the case; a packing in place of the gas is named in it.
+fn write_case(folder: &RunFolder, case: &Case, record: &RunRecord) -> Result<(), LaboratoryError> {
+    let packing = record.packing.as_ref().map(|packing| packing.file_name.as_str());
+    Ok(folder.write_case(case, packing)?)
+}
+
+/// Writes how the sample was come by, as far as it is.
+fn write_curve(folder: &RunFolder, standing: &Standing) -> Result<(), LaboratoryError> {
+    if let Some(table) = standing.found.curve.table()? {
+        folder.write_preparation(&table)?;
+    }
+    Ok(())
+}
+
+/// Writes a sample that is there.
+fn write_sample(folder: &RunFolder, standing: &Standing) -> Result<(), LaboratoryError> {
+    write_curve(folder, standing)?;
+    Ok(folder.write_snapshot(SAMPLE, &standing.simulation.assembly())?)
+}
+
 /// The end of a test: last snapshot, judgement.
-fn complete(standing: &Standing, folder: &RunFolder, record: &mut RunRecord) -> Result<(), LaboratoryError> {
+fn complete(
+    standing: &Standing,
+    folder: &RunFolder,
+    record: &mut RunRecord,
+    observer: &mut dyn RunObserver,
+) -> Result<(), LaboratoryError> {
     let Stage::Test(test) = &standing.stage else { return Ok(()) };
     let end = standing.simulation.assembly();
     folder.write_snapshot(END, &end)?;
     save(folder, standing, record)?;
     let seen = test.recorder.record();
     record.quality.extend(quality::judge(&standing.simulation, &end, &seen, &test.before));
+    measures::of_test(&seen, &mut record.measures);
+    if let Some(remark) = quality::remark_on_samples(&test.recorder.shortfall()) {
+        observer.warn(&remark);
+        record.notes.push(remark);
+    }
     record.phase.clear();
     Ok(())
-}
-
-/// Says when a checkpoint is due. Never at the first look of a stretch: a stretch must get on, however short the interval.
-pub(crate) struct Interval {
-    since: Option<Instant>,
-    every: Duration,
-}
-
-impl Interval {
-    pub(crate) fn new(every: Duration) -> Interval {
-        Interval { since: None, every }
-    }
-
-    pub(crate) fn is_over(&mut self) -> bool {
-        match self.since {
-            Some(since) => since.elapsed() > self.every,
-            None => {
-                self.since = Some(Instant::now());
-                false
-            }
-        }
-    }
-}
-
-/// Grain-steps per second, from stretch to stretch.
-pub(crate) struct Speedometer {
-    since: Instant,
-    /// Step at that time; none before the first look.
-    step: Option<u64>,
-    rate: f64,
-}
-
-impl Speedometer {
-    pub(crate) fn new() -> Self {
-        Speedometer { since: Instant::now(), step: None, rate: 0.0 }
-    }
-
-    pub(crate) fn rate(&mut self, simulation: &Simulation) -> f64 {
-        let step = simulation.state().step();
-        let seconds = self.since.elapsed().as_secs_f64();
-        match self.step {
-            Some(before) if before <= step => {
-                if seconds > 0.5 {
-                    let steps = (step - before) as f64;
-                    let rate = steps * simulation.state().grains() as f64 / seconds;
-                    *self = Speedometer { step: Some(step), rate, since: Instant::now() };
-                }
-            }
-            // Another phase has begun.
-            _ => *self = Speedometer { step: Some(step), rate: self.rate, since: Instant::now() },
-        }
-        self.rate
-    }
 }
 
 #[cfg(test)]

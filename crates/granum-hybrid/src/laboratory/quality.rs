@@ -1,10 +1,11 @@
 //! The run's judgement on itself: measures against thresholds, and what to change where one is exceeded.
 
 use granum_dem::assembly::Assembly;
-use granum_dem::config::MOST_CONTACTS;
+use granum_dem::config::{MOST_CONTACTS, Preparation};
 use granum_dem::simulation::Simulation;
 use granum_io::run::QualityFlag;
-use granum_sensors::Record;
+use granum_sensors::overlap::largest_overlap;
+use granum_sensors::{Look, Record, Shortfall};
 use serde::{Deserialize, Serialize};
 
 /// Energy that an assembly holds, J.
@@ -53,6 +54,62 @@ fn momentum_drift(assembly: &Assembly) -> f64 {
     if sum == 0.0 { 0.0 } else { net.iter().map(|x| x * x).sum::<f64>().sqrt() / sum }
 }
 
+/// Largest overlap over the sum of the radii that the theory of small contacts bears.
+const LARGEST_OVERLAP: f64 = 0.02;
+/// Relative distance of the mean stress of a sample at rest from its target.
+const MEAN_STRESS_MISSED: f64 = 0.005;
+
+/// The flags of a sample at rest, or of one brought to another mean stress: `what` begins their names.
+pub(super) fn judge_rest(
+    what: &str,
+    simulation: &Simulation,
+    unbalanced_force: f64,
+    p: &Preparation,
+) -> Vec<QualityFlag> {
+    let state = simulation.state();
+    vec![
+        QualityFlag::at_most(
+            format!("{what}_unbalanced_force"),
+            unbalanced_force,
+            p.unbalanced_force,
+            "the sample did not come to rest; raise preparation.unbalanced_force or lower preparation.inertial_number",
+        ),
+        QualityFlag::at_most(
+            format!("{what}_mean_stress_missed_by"),
+            (state.mean_stress() / p.mean_stress - 1.0).abs(),
+            MEAN_STRESS_MISSED,
+            "the sample did not come to rest at its mean stress; lower preparation.inertial_number",
+        ),
+        QualityFlag::at_most(
+            format!("{what}_largest_overlap"),
+            largest_overlap(&Look::new(&simulation.assembly())),
+            LARGEST_OVERLAP,
+            "contacts are too deep for the theory of small contacts; lower the stress or raise Young's modulus",
+        ),
+        QualityFlag::at_most(
+            format!("{what}_time_step_fraction"),
+            state.time_step_fraction(),
+            simulation.properties().contact.stable_fraction(MOST_CONTACTS),
+            "the time step is beyond the stability of twelve stiff contacts; lower numerics.time_step_factor",
+        ),
+    ]
+}
+
+/// What to say where states were recorded with fewer samples than the case asks for.
+pub(super) fn remark_on_samples(shortfall: &Shortfall) -> Option<String> {
+    let Shortfall { wanted, missing, states, empty_states } = *shortfall;
+    let none = match empty_states {
+        0 => String::new(),
+        some => format!(" ({some} of them with none: they are not recorded)"),
+    };
+    (missing > 0).then(|| {
+        format!(
+            "{missing} of the {wanted} samples asked for by recording.looks were not taken, at {states} states{none}: the test takes \
+             fewer steps there; lower recording.looks or shear.inertial_number, or ask for fewer states"
+        )
+    })
+}
+
 /// The flags of a finished test.
 pub(super) fn judge(
     simulation: &Simulation,
@@ -99,7 +156,7 @@ pub(super) fn judge(
         QualityFlag::at_most(
             "largest_overlap",
             largest("largest_overlap"),
-            0.02,
+            LARGEST_OVERLAP,
             "contacts are too deep for the theory of small contacts; lower the stress or raise Young's modulus",
         ),
         QualityFlag::at_most(

@@ -3,15 +3,19 @@
 use std::path::{Path, PathBuf};
 
 use granum_dem::cell::Cell;
-use granum_dem::preparation::{Flow, Outcome, Preparing, Progress, Recipe, Sample};
+use granum_dem::config::Preparation;
+use granum_dem::preparation::{Flow, Outcome, Phase, Preparing, Progress, Recipe, Sample};
 use granum_dem::simulation::{Properties, Simulation, Site};
+use granum_io::case::{decides_sample, differences};
 use granum_io::run::{Run, RunRecord, RunSource};
+use granum_io::shell::quoted_path;
 use granum_io::{Case, Packing, run};
 
+use super::preparation_curve::PreparationCurve;
 use super::standing::{Found, Stage, Standing};
 use super::{
     CHECKPOINT, Interval, Laboratory, LaboratoryError, PREVIOUS_CHECKPOINT, RunObserver, Speedometer, Status,
-    Stretch, memory,
+    Stretch, from_packing, memory, quality,
 };
 
 /// Where a sample comes from.
@@ -21,7 +25,8 @@ pub enum Source {
     Case,
     /// It is the one that `granum prepare` left in a folder.
     Folder(PathBuf),
-    /// A packing file; it has no contact history and is brought to rest at the case's mean stress.
+    /// A packing file; it has no contact history. A loose one is compacted as the case says, one that carries its load is
+    /// brought to rest at the case's mean stress.
     Packing(PathBuf),
 }
 
@@ -58,32 +63,42 @@ impl Source {
 }
 
 impl Laboratory {
-    /// The start of a run.
+    /// The start of a run. A packing that was read already need not be read again.
     pub(super) fn start(
         &self,
         case: &Case,
         source: &Source,
+        packing: Option<Packing>,
         record: &mut RunRecord,
+        observer: &mut dyn RunObserver,
     ) -> Result<Standing, LaboratoryError> {
-        let recipe = self.recipe(case, case.grains.count);
+        let recipe = self.recipe(case, &case.preparation, case.grains.count);
         let preparing = match source {
             Source::Folder(path) => return take_sample(case, path, record),
             Source::Case => Preparing::new(&recipe)?,
             Source::Packing(path) => {
-                let packing = Packing::read(path)?;
-                let properties = Properties { material: case.grains.material, contact: case.contact };
-                let simulation = simulation(&packing, properties)?;
-                Preparing::settling(simulation, &recipe)
+                let packing = packing.map_or_else(|| Packing::read(path), Ok)?;
+                let (preparing, why_not) = from_packing::begin(&packing, &recipe)?;
+                for remark in from_packing::remarks(case, path, why_not.as_deref()) {
+                    observer.warn(&remark);
+                    note(record, remark);
+                }
+                preparing
             }
         };
         Ok(Standing::new(preparing.simulation, Stage::Preparation(preparing.course)))
     }
 
-    fn recipe<'a>(&self, case: &'a Case, grains: usize) -> Recipe<'a> {
+    pub(super) fn recipe<'a>(
+        &self,
+        case: &'a Case,
+        preparation: &'a Preparation,
+        grains: usize,
+    ) -> Recipe<'a> {
         Recipe {
             grains: &case.grains,
             contact: &case.contact,
-            preparation: &case.preparation,
+            preparation,
             time_step_factor: case.numerics.time_step_factor,
             hardware: self.hardware_for(grains),
         }
@@ -94,6 +109,8 @@ impl Laboratory {
         &self,
         case: &Case,
         standing: Standing,
+        source: &RunSource,
+        speedometer: &mut Speedometer,
         observer: &mut dyn RunObserver,
     ) -> Result<(Standing, Stretch), LaboratoryError> {
         // By value: a large simulation would not fit into memory twice.
@@ -101,48 +118,77 @@ impl Laboratory {
         let Stage::Preparation(course) = stage else {
             return Ok((Standing { simulation, stage, found, older }, Stretch::GoOn));
         };
+        let compacted = course.friction().is_some();
+        let recipe = self.recipe(case, &case.preparation, found.grains);
         let preparing = Preparing { simulation, course };
-        let recipe = self.recipe(case, found.grains);
-        let mut speedometer = Speedometer::new();
-        let mut interval = Interval::new(self.checkpoint_every);
-        let mut stopped = false;
-        let mut watch = |p: &Progress| {
-            let grain_steps_per_second = speedometer.rate(p.simulation);
-            let fraction = None;
-            observer.status(&Status {
-                phase: p.phase,
-                trial: p.trial,
-                fraction,
-                grain_steps_per_second,
-                simulation: p.simulation,
-            });
-            stopped = observer.stop();
-            if stopped || interval.is_over() { Flow::Stop } else { Flow::Continue }
-        };
-        let (simulation, stage) = match preparing.go_on(&recipe, &mut watch)? {
+        let (outcome, stopped) =
+            self.compress(preparing, &recipe, &mut found.curve, speedometer, observer)?;
+        let (simulation, stage) = match outcome {
             Outcome::Stopped(at) => (at.simulation, Stage::Preparation(at.course)),
+            Outcome::Again(next) => {
+                let preparing = from_packing::again(source, &recipe, next)?;
+                (preparing.simulation, Stage::Preparation(preparing.course))
+            }
             Outcome::Sample(sample) => {
-                note_sample(case, &sample, &mut found);
+                found.curve.end(&sample, Phase::Relaxation);
+                note_sample(case, &sample, compacted, &mut found);
                 measure_sample(&sample.simulation, &mut found);
-                stopped = false;
                 (sample.simulation, Stage::Sample)
             }
         };
         let stretch = if stopped { Stretch::Stop } else { Stretch::GoOn };
         Ok((Standing { simulation, stage, found, older }, stretch))
     }
+
+    /// Goes on with a preparation or consolidation, and tells whether the observer stopped it.
+    pub(super) fn compress(
+        &self,
+        preparing: Preparing,
+        recipe: &Recipe,
+        curve: &mut PreparationCurve,
+        speedometer: &mut Speedometer,
+        observer: &mut dyn RunObserver,
+    ) -> Result<(Outcome, bool), LaboratoryError> {
+        let mut interval = Interval::new(self.checkpoint_every);
+        let mut stopped = false;
+        let mut watch = |p: &Progress| {
+            curve.observe(p);
+            observer.status(&Status {
+                phase: p.phase,
+                trial: p.trial,
+                fraction: None,
+                grain_steps_per_second: speedometer.rate(p.simulation),
+                simulation: p.simulation,
+            });
+            stopped = observer.stop();
+            if stopped || interval.is_over() { Flow::Stop } else { Flow::Continue }
+        };
+        let outcome = preparing.go_on(recipe, &mut watch)?;
+        // Once there is a sample, what was asked for in the last moment waits for the next.
+        let stopped = stopped && matches!(outcome, Outcome::Stopped(_));
+        Ok((outcome, stopped))
+    }
+}
+
+/// Notes something once: a run that was killed before its first checkpoint begins again with the record that it left.
+fn note(record: &mut RunRecord, text: String) {
+    if !record.notes.contains(&text) {
+        record.notes.push(text);
+    }
 }
 
 /// The sample of another folder.
 fn take_sample(case: &Case, path: &Path, record: &mut RunRecord) -> Result<Standing, LaboratoryError> {
-    let other = Run::at(path)?.record()?;
+    let folder = Run::at(path)?;
+    let other = folder.record()?;
     let checkpoint = path.join(CHECKPOINT);
     let bad = |what: String| LaboratoryError::Checkpoint { path: checkpoint.clone(), what };
-    let name = path.display();
-    if other.preparation_digest != case.preparation_digest() {
-        return Err(bad(
-            "the sample was prepared for other grains, contact law or preparation than this case asks for; prepare it anew".into(),
-        ));
+    let name = quoted_path(path);
+    if other.preparation_digest != case.preparation_digest_with(other.packing_digest()) {
+        return Err(bad(format!(
+            "the sample was prepared with other values than this case has: {}; prepare another sample, or change the case",
+            in_what(&folder.case()?, case)
+        )));
     }
     let standing = match Standing::read(&checkpoint, None) {
         Ok(Some(standing)) => standing,
@@ -155,16 +201,28 @@ fn take_sample(case: &Case, path: &Path, record: &mut RunRecord) -> Result<Stand
     match standing.stage {
         Stage::Sample => {
             record.wall_seconds.extend(other.wall_seconds);
-            record.notes.extend(other.notes);
+            other.notes.into_iter().for_each(|text| note(record, text));
+            if let Some(packing) = other.packing {
+                record.set_packing(case, packing);
+            }
             Ok(standing)
         }
         Stage::Preparation(_) => {
-            Err(bad(format!("its preparation is not finished; go on with `granum resume {name}`")))
+            Err(bad(format!("its preparation is not finished; continue it with `granum resume {name}`")))
         }
-        Stage::Test(_) => {
-            Err(bad("it is a test in progress, not a sample; give a folder made by `granum prepare`".into()))
+        Stage::Consolidation(_) | Stage::Consolidated | Stage::Test(_) => {
+            Err(bad("this is the folder of a test, not of a sample; give a folder made by `granum prepare`"
+                .into()))
         }
     }
+}
+
+/// In what a case differs from that of a sample, of the keys that decide a sample.
+fn in_what(sample: &Case, case: &Case) -> String {
+    let found = differences(&[("the sample", &sample.values()), ("the case", &case.values())]);
+    let keys: Vec<String> =
+        found.iter().filter(|found| decides_sample(&found.key)).map(ToString::to_string).collect();
+    keys.join("; ")
 }
 
 /// Largest radius over the smallest that a packing may have: the search for near pairs is made for the largest grain, and its
@@ -210,8 +268,8 @@ pub fn sites(packing: &Packing) -> Vec<Site> {
         .collect()
 }
 
-/// How the sample was come by.
-fn note_sample(case: &Case, sample: &Sample, found: &mut Found) {
+/// How the sample was come by. A packing that was not compacted has no friction to blame.
+fn note_sample(case: &Case, sample: &Sample, compacted: bool, found: &mut Found) {
     let p = &case.preparation;
     found.steps.insert("prepare".into(), sample.steps);
     found.measures.insert("sample_unbalanced_force".into(), sample.unbalanced_force);
@@ -219,25 +277,37 @@ fn note_sample(case: &Case, sample: &Sample, found: &mut Found) {
         found.measures.insert("preparation_friction".into(), trial.friction);
         found.measures.insert("preparation_trials".into(), sample.trials.len() as f64);
     }
-    found.quality.push(run::QualityFlag::at_most(
-        "sample_unbalanced_force",
-        sample.unbalanced_force,
-        p.unbalanced_force,
-        "the sample did not come to rest; raise preparation.unbalanced_force or lower preparation.inertial_number",
-    ));
+    found.quality.extend(quality::judge_rest("sample", &sample.simulation, sample.unbalanced_force, p));
     if let Some(target) = p.solid_fraction {
-        let missed = (sample.simulation.state().solid_fraction() - target).abs();
+        let reached = sample.simulation.state().solid_fraction();
+        let advice = if !compacted {
+            format!(
+                "target {target} not reached: the packing was not compacted, since it carried its load or was dense enough, and came to rest at {reached:.4}; set \
+                 preparation.solid_fraction = \"none\" or begin with a looser packing"
+            )
+        } else if let Some(friction) = p.friction {
+            format!(
+                "target {target} not reached: preparation.friction = {friction} gives {reached:.4}; set it to \"auto\", or \
+                 preparation.solid_fraction = \"none\""
+            )
+        } else {
+            let friction = sample.trials.last().map_or(0.0, |trial| (trial.friction * 1e3).round() / 1e3);
+            format!(
+                "target {target} not reached: friction {friction} gives {reached:.4}, and no other came nearer; ask for another \
+                 preparation.solid_fraction, or \"none\""
+            )
+        };
         found.quality.push(run::QualityFlag::at_most(
             "solid_fraction_missed_by",
-            missed,
+            (reached - target).abs(),
             p.solid_fraction_tolerance,
-            "this solid fraction is out of reach of the preparation friction; ask for another or drop preparation.solid_fraction",
+            advice,
         ));
     }
 }
 
 /// The sample as it stands before the test.
-fn measure_sample(simulation: &Simulation, found: &mut Found) {
+pub(super) fn measure_sample(simulation: &Simulation, found: &mut Found) {
     let row = granum_sensors::measure_row(&simulation.assembly());
     for name in [
         "solid_fraction",

@@ -14,6 +14,7 @@ use granum_io::run::{
 };
 use serde::{Deserialize, Serialize};
 
+use super::preparation_curve::PreparationCurve;
 use super::test::Test;
 use super::{LaboratoryError, RunObserver};
 
@@ -34,6 +35,10 @@ pub(super) enum Stage {
     Preparation(Course),
     /// It is there.
     Sample,
+    /// It is being brought to the mean stress of its test.
+    Consolidation(Course),
+    /// It is there, at the mean stress of its test.
+    Consolidated,
     /// It is being tested.
     Test(Box<Test>),
 }
@@ -46,6 +51,9 @@ pub(super) struct Found {
     #[serde(deserialize_with = "granum_io::run::nulls_are_nan")]
     pub(super) measures: BTreeMap<String, f64>,
     pub(super) quality: Vec<QualityFlag>,
+    /// How the sample was come by.
+    #[serde(default)]
+    pub(super) curve: PreparationCurve,
 }
 
 impl Standing {
@@ -58,7 +66,8 @@ impl Standing {
     pub(super) fn phase(&self) -> Option<&'static str> {
         match self.stage {
             Stage::Preparation(_) => Some("prepare"),
-            Stage::Sample => None,
+            Stage::Sample | Stage::Consolidated => None,
+            Stage::Consolidation(_) => Some(Phase::Consolidation.name()),
             Stage::Test(_) => Some("shear"),
         }
     }
@@ -87,7 +96,11 @@ impl Standing {
                     record.phase += &format!(", trial {}", course.trial());
                 }
             }
-            Stage::Sample => record.phase.clear(),
+            Stage::Sample | Stage::Consolidated => record.phase.clear(),
+            Stage::Consolidation(_) => {
+                record.steps.insert(Phase::Consolidation.name().into(), step);
+                record.phase = Phase::Consolidation.name().to_string();
+            }
             Stage::Test(_) => {
                 record.steps.insert("shear".into(), step);
                 record.phase = Phase::Shear.name().to_string();
@@ -112,11 +125,11 @@ impl Standing {
 /// What stands in a checkpoint beside the simulation, if it can be of a run (of the case).
 fn beside(text: &str, case: Option<&Case>) -> Result<(Stage, Found), String> {
     let (stage, found): (Stage, Found) = serde_json::from_str(text)
-        .map_err(|e| format!("what it says beside the simulation is not of a run ({e})"))?;
+        .map_err(|e| format!("its part on how far the run is cannot be read ({e})"))?;
     if let Stage::Test(test) = &stage
         && case.is_some_and(|case| !test.is_of(case))
     {
-        return Err("what it says beside the simulation is not of a test of this case".into());
+        return Err("its part on how far the run is belongs to a test of another case".into());
     }
     Ok((stage, found))
 }
@@ -154,10 +167,12 @@ pub(super) fn last_good(
     let path = previous.display();
     match current {
         // Killed between the two renames; hardly anything is lost.
-        None => observer.warn(&format!("there is no {CHECKPOINT}; goes on from the one before, {path}")),
+        None => {
+            observer.warn(&format!("there is no {CHECKPOINT}; the run continues from the one before, {path}"))
+        }
         Some(why) => {
             observer.warn(&format!(
-                "{why}; goes on from the one before, {path}, and keeps the other as {REFUSED_CHECKPOINT}"
+                "{why}; the run continues from the one before, {path}, and the other is kept as {REFUSED_CHECKPOINT}"
             ));
             folder.put_checkpoint_aside()?;
         }

@@ -4,7 +4,8 @@ use granum_dem::path::axisymmetric::AxisymmetricCompression;
 use granum_dem::path::{Ending, Watcher, density_scaling, follow, start};
 use granum_dem::preparation::{Flow, Progress};
 use granum_dem::simulation::{Properties, Simulation};
-use granum_io::Case;
+use granum_io::quantity::format_number;
+use granum_io::{Case, RunFolder};
 use granum_sensors::Recorder;
 use serde::{Deserialize, Serialize};
 
@@ -18,6 +19,14 @@ pub(super) struct Test {
     path: AxisymmetricCompression,
     /// Energy of the sample before the test.
     pub(super) before: quality::Stored,
+    /// Deviator strains at which a snapshot is still to be taken.
+    #[serde(default)]
+    snapshots: Vec<f64>,
+}
+
+/// Name of the snapshot at a strain, e.g. `strain-0_05`.
+fn snapshot_name(strain: f64) -> String {
+    format!("strain-{}", format_number(strain).replace('.', "_"))
 }
 
 impl Test {
@@ -28,16 +37,21 @@ impl Test {
         let stress = case.shear.mean_stress.unwrap_or(case.preparation.mean_stress);
         self.recorder.is_of(&case.recording, end)
             && (path.deviator_strain, path.mean_stress) == (end, stress)
+            && case.recording.snapshots.ends_with(&self.snapshots)
             && path.strain_rate > 0.0
             && path.strain_rate.is_finite()
     }
 }
 
-/// Watches a test: lets the recorder look, reports, stops for a checkpoint.
+/// Watches a test: lets the recorder look, takes snapshots, reports, stops for a checkpoint.
 struct Watch<'a> {
     recorder: &'a mut Recorder,
+    snapshots: &'a mut Vec<f64>,
+    folder: &'a RunFolder,
+    /// Why a snapshot could not be written; the test then stops.
+    failed: Option<granum_io::Error>,
     observer: &'a mut dyn RunObserver,
-    speedometer: Speedometer,
+    speedometer: &'a mut Speedometer,
     end: f64,
     interval: Interval,
     stopped: bool,
@@ -45,12 +59,26 @@ struct Watch<'a> {
 
 impl Watcher for Watch<'_> {
     fn next_look(&self) -> f64 {
-        self.recorder.next_look()
+        self.snapshots.first().copied().unwrap_or(f64::INFINITY).min(self.recorder.next_look())
     }
     fn look(&mut self, simulation: &Simulation) {
-        self.recorder.look(&simulation.assembly());
+        let strain = simulation.state().deviator_strain();
+        let assembly = simulation.assembly();
+        // The recorder may not look earlier for the sake of a snapshot.
+        if self.recorder.next_look() <= strain {
+            self.recorder.look(&assembly);
+        }
+        while self.snapshots.first().is_some_and(|due| *due <= strain) {
+            let name = snapshot_name(self.snapshots.remove(0));
+            if let Err(error) = self.folder.write_snapshot(&name, &assembly) {
+                self.failed.get_or_insert(error);
+            }
+        }
     }
     fn progress(&mut self, progress: &Progress) -> Flow {
+        if self.failed.is_some() {
+            return Flow::Stop;
+        }
         let simulation = progress.simulation;
         self.observer.status(&Status {
             phase: progress.phase,
@@ -82,6 +110,7 @@ impl Laboratory {
             recorder: Recorder::new(&case.recording, case.shear.deviator_strain),
             path,
             before: quality::Stored::of(&simulation.assembly()),
+            snapshots: case.recording.snapshots.clone(),
         };
         standing.stage = Stage::Test(Box::new(test));
         Ok(Stretch::GoOn)
@@ -91,6 +120,8 @@ impl Laboratory {
     pub(super) fn test_on(
         &self,
         standing: &mut Standing,
+        folder: &RunFolder,
+        speedometer: &mut Speedometer,
         observer: &mut dyn RunObserver,
     ) -> Result<Stretch, LaboratoryError> {
         let Stage::Test(test) = &mut standing.stage else { return Ok(Stretch::GoOn) };
@@ -98,13 +129,19 @@ impl Laboratory {
         simulation.set_hardware(self.hardware_for(simulation.state().grains()));
         let mut watch = Watch {
             recorder: &mut test.recorder,
+            snapshots: &mut test.snapshots,
+            folder,
+            failed: None,
             observer,
-            speedometer: Speedometer::new(),
+            speedometer,
             end: test.path.deviator_strain,
             interval: Interval::new(self.checkpoint_every),
             stopped: false,
         };
         let ending = follow(&test.path, simulation, &mut watch)?;
+        if let Some(error) = watch.failed {
+            return Err(error.into());
+        }
         Ok(match ending {
             Ending::Complete => Stretch::Complete,
             Ending::Stopped if watch.stopped => Stretch::Stop,

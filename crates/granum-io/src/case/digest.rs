@@ -2,35 +2,78 @@
 
 use sha2::{Digest, Sha256};
 
-use super::{Case, FIELDS, Value};
+use super::fields::RENAMED;
+use super::{Case, FIELDS, Field, Value};
 
 /// Sections that decide the sample.
 const PREPARATION: [&str; 5] = ["grains", "grains.material", "contact", "preparation", "numerics"];
 
+/// Keys that came after the first digests were given out: they are left out where they are not in use, so that a case that
+/// does without them keeps its digest.
+const LATER: [&str; 3] = ["recording.first_strain", "recording.strains", "recording.snapshots"];
+
 impl Case {
     /// SHA-256 (hexadecimal) of the whole case: equal exactly if every field has the same bits.
     pub fn digest(&self) -> String {
-        self.digest_of("granum case 1", |_| true)
+        self.digest_with(None)
+    }
+
+    /// SHA-256 (hexadecimal) of the whole case, and of the packing that the sample is made of where one takes the place of
+    /// the gas, by the SHA-256 of its file.
+    pub fn digest_with(&self, packing: Option<&str>) -> String {
+        self.digest_of("granum case 1", packing, |_| true)
     }
 
     /// SHA-256 (hexadecimal) of what decides the sample: grains, contact law, preparation and time step.
     pub fn preparation_digest(&self) -> String {
-        self.digest_of("granum preparation 1", |section| PREPARATION.contains(&section))
+        self.preparation_digest_with(None)
     }
 
-    fn digest_of(&self, title: &str, wanted: fn(&str) -> bool) -> String {
+    /// SHA-256 (hexadecimal) of what decides a sample made of a packing, as [`Case::digest_with`].
+    pub fn preparation_digest_with(&self, packing: Option<&str>) -> String {
+        self.digest_of("granum preparation 1", packing, |section| PREPARATION.contains(&section))
+    }
+
+    fn digest_of(&self, title: &str, packing: Option<&str>, wanted: fn(&str) -> bool) -> String {
         let mut text = format!("{title}\n");
+        if let Some(sha256) = packing {
+            text.push_str(&format!("packing={sha256}\n"));
+        }
         for field in FIELDS.iter().filter(|field| wanted(field.section)) {
-            let value = match field.value(self) {
+            let value = field.value(self);
+            let unused = match &value {
+                Some(Value::List(values)) => values.is_empty(),
+                Some(Value::Number(None)) | None => true,
+                Some(_) => false,
+            };
+            if unused && LATER.contains(&field.path().as_str()) {
+                continue;
+            }
+            let value = match value {
                 Some(Value::Number(Some(value))) => format!("{:016x}", value.to_bits()),
                 Some(Value::Number(None)) | None => "-".to_string(),
                 Some(Value::Count(value)) => value.to_string(),
                 Some(Value::Choice(name)) => name.to_string(),
+                Some(Value::List(values)) => {
+                    values.iter().map(|value| format!("{:016x} ", value.to_bits())).collect()
+                }
             };
-            text.push_str(&format!("{}={value}\n", field.path()));
+            text.push_str(&format!("{}={value}\n", name(field)));
         }
         hexadecimal(&Sha256::digest(text.as_bytes()))
     }
+}
+
+/// The name of a key in digests, which is its first one.
+fn name(field: &Field) -> String {
+    let path = field.path();
+    let first = RENAMED.iter().find(|[_, new]| *new == path);
+    first.map_or(path, |[old, _]| (*old).to_string())
+}
+
+/// True if a key decides the sample, and not only what is done with it.
+pub fn decides_sample(key: &str) -> bool {
+    key.rsplit_once('.').is_some_and(|(section, _)| PREPARATION.contains(&section))
 }
 
 /// Bytes as lower-case hexadecimal digits.

@@ -12,7 +12,12 @@ pub enum Value {
     Count(u64),
     /// One of the names that the field offers.
     Choice(&'static str),
+    /// Quantities, rising; empty where the field's keyword stands ("none").
+    List(Vec<f64>),
 }
+
+/// Most values of a list.
+const LONGEST_LIST: usize = 100_000;
 
 /// What a field holds, with its bounds and access.
 pub(super) enum Kind {
@@ -29,6 +34,15 @@ pub(super) enum Kind {
         bounds: [u64; 2],
         get: fn(&Case) -> u64,
         set: fn(&mut Case, u64),
+    },
+    List {
+        dimension: Dimension,
+        /// Smallest and largest of the values, as quantities.
+        bounds: [&'static str; 2],
+        /// The word that stands for no value, with its meaning.
+        absent: [&'static str; 2],
+        get: fn(&Case) -> Vec<f64>,
+        set: fn(&mut Case, Vec<f64>),
     },
     Choice {
         /// Name and meaning of each.
@@ -66,7 +80,18 @@ impl Field {
             },
             Kind::Count { get, .. } => Some(Value::Count(get(case))),
             Kind::Choice { get, .. } => Some(Value::Choice(get(case))),
+            Kind::List { get, .. } => Some(Value::List(get(case))),
         }
+    }
+
+    /// True if the field takes a list.
+    pub fn is_list(&self) -> bool {
+        matches!(self.kind, Kind::List { .. })
+    }
+
+    /// The value of this field in a case as a case file has it, e.g. `300` or `"auto"`; empty where it is not in use.
+    pub fn shown(&self, case: &Case) -> String {
+        self.value(case).map_or_else(String::new, |value| self.toml(&value))
     }
 
     /// Puts a value into a case. A value of another kind than the field's is left out.
@@ -75,6 +100,7 @@ impl Field {
             (Kind::Number { set, .. }, Value::Number(value)) => set(case, value),
             (Kind::Count { set, .. }, Value::Count(value)) => set(case, value),
             (Kind::Choice { set, .. }, Value::Choice(value)) => set(case, value),
+            (Kind::List { set, .. }, Value::List(value)) => set(case, value),
             _ => {}
         }
     }
@@ -106,6 +132,51 @@ impl Field {
                 Some([name, _]) => Ok(Value::Choice(name)),
                 None => Err(format!("is not known; it must be {}", self.bounds_text())),
             },
+            Kind::List { absent: [word, _], .. } => {
+                let text = text.trim();
+                if text == *word {
+                    return Ok(Value::List(Vec::new()));
+                }
+                let inner = text.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')).unwrap_or(text);
+                let items: Vec<&str> = inner.split(',').map(|item| item.trim().trim_matches('"')).collect();
+                // A comma may end a list, as in TOML.
+                let items = if items.last() == Some(&"") { &items[..items.len() - 1] } else { &items[..] };
+                self.parse_list(items.iter().copied()).map_err(|(at, why)| match at {
+                    Some(at) => format!("value {} ({:?}) {why}", at + 1, items[at]),
+                    None => why,
+                })
+            }
+        }
+    }
+
+    /// Reads the values of a list and checks that they are within bounds and rise.
+    ///
+    /// # Errors
+    /// As [`Field::parse`], with the number of the value that is wrong, from 0, if it is one.
+    pub fn parse_list<'a>(
+        &self,
+        items: impl IntoIterator<Item = &'a str>,
+    ) -> Result<Value, (Option<usize>, String)> {
+        let Kind::List { dimension, .. } = &self.kind else {
+            return Err((None, format!("is a list; it must be {}", self.bounds_text())));
+        };
+        let [low, high] = self.number_bounds();
+        let mut values: Vec<f64> = Vec::new();
+        for (at, item) in items.into_iter().enumerate() {
+            let wrong = |why: String| (Some(at), why);
+            let value = parse_quantity(item, *dimension).map_err(wrong)? + 0.0;
+            if !(value >= low && value <= high) {
+                return Err(wrong(format!("is out of bounds; it must be {}", self.bounds_text())));
+            }
+            if values.last().is_some_and(|before| *before >= value) {
+                return Err(wrong(format!("is not above the one before; it must be {}", self.bounds_text())));
+            }
+            values.push(value);
+        }
+        match values.len() {
+            0 => Err((None, format!("holds no value; it must be {}", self.bounds_text()))),
+            1..=LONGEST_LIST => Ok(Value::List(values)),
+            many => Err((None, format!("holds {many} values; at most {LONGEST_LIST} are possible"))),
         }
     }
 
@@ -130,14 +201,14 @@ impl Field {
     fn number_bounds(&self) -> [f64; 2] {
         match &self.kind {
             // A bound that cannot be read would be NaN and refuse every value; a test reads them all.
-            Kind::Number { bounds, dimension, .. } => {
+            Kind::Number { bounds, dimension, .. } | Kind::List { bounds, dimension, .. } => {
                 bounds.map(|bound| parse_quantity(bound, *dimension).unwrap_or(f64::NAN))
             }
             _ => [f64::NEG_INFINITY, f64::INFINITY],
         }
     }
 
-    /// "from 0 to 1", "\"hertz\" or \"jkr\"".
+    /// "from 0 to 1", "\"hertz\" or \"jkr\"", "a list of rising values from 0 to 1".
     pub fn bounds_text(&self) -> String {
         match &self.kind {
             Kind::Number { bounds: [low, high], .. } => format!("from {low} to {high}"),
@@ -146,6 +217,7 @@ impl Field {
                 let names: Vec<_> = options.iter().map(|[name, _]| format!("\"{name}\"")).collect();
                 names.join(" or ")
             }
+            Kind::List { bounds: [low, high], .. } => format!("a list of rising values from {low} to {high}"),
         }
     }
 
@@ -154,6 +226,7 @@ impl Field {
         match &self.kind {
             Kind::Number { absent, .. } => absent.as_slice(),
             Kind::Choice { options, .. } => options,
+            Kind::List { absent, .. } => std::slice::from_ref(absent),
             Kind::Count { .. } => &[],
         }
     }
@@ -165,13 +238,18 @@ impl Field {
             Value::Number(None) => format!("\"{}\"", self.words().first().map_or("none", |[word, _]| word)),
             Value::Count(value) => value.to_string(),
             Value::Choice(name) => format!("\"{name}\""),
+            Value::List(values) if values.is_empty() => self.toml(&Value::Number(None)),
+            Value::List(values) => {
+                let values: Vec<String> = values.iter().copied().map(format_number).collect();
+                format!("[{}]", values.join(", "))
+            }
         }
     }
 
     /// The SI unit of the field; empty where there is none.
     pub(super) fn si_unit(&self) -> String {
         match &self.kind {
-            Kind::Number { dimension, .. } => dimension.si_unit(),
+            Kind::Number { dimension, .. } | Kind::List { dimension, .. } => dimension.si_unit(),
             _ => String::new(),
         }
     }
@@ -190,6 +268,11 @@ impl Field {
             }
             Kind::Choice { options, .. } => {
                 Value::Choice(options[(place * 0.999 * options.len() as f64) as usize][0])
+            }
+            Kind::List { .. } if place < 0.5 => Value::List(Vec::new()),
+            Kind::List { .. } => {
+                let [low, high] = self.number_bounds();
+                Value::List(vec![low, low + (place - 0.5) * (high - low).min(1e-3)])
             }
         }
     }

@@ -1,6 +1,6 @@
 //! The list of all keys of the case file.
 
-use granum_dem::config::{NormalKind, Rate, TangentialKind};
+use granum_dem::config::{NormalKind, Rate, Spacing, TangentialKind};
 
 use super::field::{Field, Kind};
 use crate::quantity::Dimension;
@@ -10,6 +10,10 @@ pub fn field(path: &str) -> Option<&'static Field> {
     FIELDS.iter().find(|field| field.path() == path)
 }
 
+/// Keys that had another name: the old one and the new one. An old name is refused with the new one; digests are made with
+/// the old ones and do not change.
+pub(super) const RENAMED: &[[&str; 2]] = &[["recording.looks", "recording.observations_per_state"]];
+
 /// Help and meaning of every section, in the order of the file.
 pub(super) const SECTIONS: &[[&str; 2]] = &[
     ["grains", "The grains: how many and how large."],
@@ -17,10 +21,11 @@ pub(super) const SECTIONS: &[[&str; 2]] = &[
     ["contact", "The contact law."],
     [
         "preparation",
-        "The sample: a gas of grains from a seed, compressed isotropically, relaxed with the final properties.",
+        "The sample: a loose initial state of grains that do not touch, made from a seed, compressed isotropically and relaxed with \
+         the final properties.",
     ],
     ["shear", "The test: axisymmetric compression at constant mean stress."],
-    ["recording", "When the sensors look, and the bins of the force distribution P(f)."],
+    ["recording", "Which states the sensors record, and the bins of the force distribution P(f)."],
     ["numerics", "Numerical choices that should not change a result beyond scatter."],
 ];
 
@@ -128,11 +133,11 @@ pub const FIELDS: &[Field] = &[
     entry("contact", "damping", "Fraction zeta of critical damping in the contact dashpots.", "0.1",
         number!(NUMBER, "0"..="1", contact.damping)),
 
-    entry("preparation", "seed", "Seed of the initial gas: another seed is another sample of the same material.", "1",
+    entry("preparation", "seed", "Seed of the loose initial state: another seed is another sample of the same material.", "1",
         count!(0..=9_223_372_036_854_775_807, preparation.seed)),
     entry("preparation", "mean_stress", "Target mean stress p.", "20 kPa",
         number!(STRESS, "0.001 Pa"..="100 GPa", preparation.mean_stress)),
-    entry("preparation", "initial_solid_fraction", "Solid fraction of the initial gas.", "0.35",
+    entry("preparation", "initial_solid_fraction", "Solid fraction of the loose initial state, in which no grains touch.", "0.35",
         number!(NUMBER, "0.01"..="0.5", preparation.initial_solid_fraction)),
     entry("preparation", "friction", "Coefficient of friction while compacting.", "auto",
         optional!(NUMBER, "0"..="10", "auto": "found so that solid_fraction is met; without a target the friction of the material", preparation.friction)),
@@ -192,7 +197,44 @@ pub const FIELDS: &[Field] = &[
 
     entry("recording", "states", "Number of equal intervals of deviator strain; a state is recorded at each end of an interval.", "120",
         count!(1..=1_000_000, recording.states)),
-    entry("recording", "looks", "Looks averaged for one state, spread evenly over one interval around it.", "20",
+    entry("recording", "first_strain", "Deviator strain of the first state after the start: states are then spaced from there to the end by a constant factor.", "none", Kind::Number {
+        dimension: Dimension::NUMBER,
+        bounds: ["1e-9", "3"],
+        absent: Some(["none", "equal intervals"]),
+        get: |case| match case.recording.spacing {
+            Spacing::Geometric(first) => Some(first),
+            Spacing::Equal | Spacing::Strains(_) => None,
+        },
+        set: |case, value| match value {
+            Some(first) => case.recording.spacing = Spacing::Geometric(first),
+            None if matches!(case.recording.spacing, Spacing::Geometric(_)) => case.recording.spacing = Spacing::Equal,
+            None => {}
+        },
+    }),
+    entry("recording", "strains", "Deviator strains at which a state is recorded, instead of states and first_strain, e.g. [1e-5, 1e-4, 1e-3, 0.01, 0.1].", "none", Kind::List {
+        dimension: Dimension::NUMBER,
+        bounds: ["1e-9", "3"],
+        absent: ["none", "as states and first_strain say"],
+        get: |case| match &case.recording.spacing {
+            Spacing::Strains(strains) => strains.clone(),
+            Spacing::Equal | Spacing::Geometric(_) => Vec::new(),
+        },
+        set: |case, strains| {
+            if !strains.is_empty() {
+                case.recording.spacing = Spacing::Strains(strains);
+            } else if matches!(case.recording.spacing, Spacing::Strains(_)) {
+                case.recording.spacing = Spacing::Equal;
+            }
+        },
+    }),
+    entry("recording", "snapshots", "Deviator strains at which all grains and contacts are written down, beside those of the start and the end, e.g. [0.01, 0.1].", "none", Kind::List {
+        dimension: Dimension::NUMBER,
+        bounds: ["1e-9", "3"],
+        absent: ["none", "start and end only"],
+        get: |case| case.recording.snapshots.clone(),
+        set: |case, strains| case.recording.snapshots = strains,
+    }),
+    entry("recording", "observations_per_state", "Observations averaged for one recorded state, spread evenly over one interval of strain around it.", "20",
         count!(1..=100_000, recording.looks)),
     entry("recording", "bin_width", "Width of a bin of f = N/<N>.", "0.25",
         number!(NUMBER, "0.001"..="10", recording.bin_width)),

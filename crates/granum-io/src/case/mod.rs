@@ -3,6 +3,7 @@
 //! [`fields`] is the one list of keys with their bounds; reading, writing, the template of `granum init` and the
 //! digests all walk that list. A new key is one entry there.
 
+mod difference;
 mod digest;
 mod field;
 mod fields;
@@ -13,9 +14,20 @@ mod write;
 use granum_dem::config::{Contact, Grains, Numerics, Preparation, Recording, Shear};
 use serde::{Deserialize, Serialize};
 
+pub use difference::{CaseValues, Difference, SEED, differences};
+pub use digest::decides_sample;
 pub(crate) use digest::hexadecimal;
 pub use field::{Field, Value};
 pub use fields::{FIELDS, field};
+
+/// Keys that have no part in a run whose sample is made of a packing: its grains take the place of the gas.
+pub const UNUSED_WITH_PACKING: [&str; 5] = [
+    "grains.count",
+    "grains.diameter",
+    "grains.spread",
+    "preparation.seed",
+    "preparation.initial_solid_fraction",
+];
 
 /// Everything that decides a result. [`Default`] is the case of Antony, Zhou and Wang (2006).
 ///
@@ -37,7 +49,7 @@ pub struct Case {
     pub preparation: Preparation,
     /// The loading path.
     pub shear: Shear,
-    /// When the sensors look.
+    /// Which states the sensors record.
     pub recording: Recording,
     /// Numerical choices.
     pub numerics: Numerics,
@@ -45,6 +57,7 @@ pub struct Case {
 
 #[cfg(test)]
 mod tests {
+    use super::fields::RENAMED;
     use super::*;
     use granum_dem::config::Rate;
     use proptest::prelude::*;
@@ -84,6 +97,7 @@ mod tests {
         leaves(&serde_json::to_value(Case::default()).unwrap(), "", &mut paths);
         for path in paths {
             let path = path.replace("shear.rate.inertial-number", "shear.inertial_number");
+            let path = path.replace("recording.looks", "recording.observations_per_state");
             assert!(
                 field(&path).is_some(),
                 "{path} is in granum_dem::config, but is no key of the case file"
@@ -110,6 +124,64 @@ mod tests {
         assert_eq!(case.shear.rate, Rate::InertialNumber(1e-3));
         let case = parse("[shear]\nstrain_rate = 2\n");
         assert_eq!(case.shear.rate, Rate::StrainRate { strain_rate: 2.0, density_scaling: 1.0 });
+    }
+
+    #[test]
+    fn states_are_spaced_as_the_case_says() {
+        use granum_dem::config::Spacing;
+        assert_eq!(parse("[recording]\nfirst_strain = \"none\"\nstrains = \"none\"\n"), Case::default());
+        let geometric = parse("[recording]\nfirst_strain = 1e-5\n");
+        assert_eq!(geometric.recording.spacing, Spacing::Geometric(1e-5));
+        let listed = parse("[recording]\nstrains = [1e-5, \"0.1 %\", 0.2,]\nsnapshots = [0.1]\n");
+        assert_eq!(listed.recording.spacing, Spacing::Strains(vec![1e-5, 1e-3, 0.2]));
+        assert_eq!(listed.recording.snapshots, [0.1]);
+        for case in [&geometric, &listed] {
+            assert_eq!(&parse(&case.resolved_toml()), case);
+            assert_ne!(case.digest(), Case::default().digest());
+            assert_eq!(case.preparation_digest(), Case::default().preparation_digest());
+        }
+        let mut case = Case::default();
+        for text in ["[1e-5, 1e-3, 0.2]", "1e-5,1e-3,0.2", "[\"1e-5\", 1e-3, 0.2, ]"] {
+            case.set("recording.strains", text).unwrap();
+            assert_eq!(case.recording.spacing, listed.recording.spacing, "{text}");
+        }
+        let error = case.set("recording.strains", "0.1,0.05").unwrap_err().to_string();
+        assert!(error.contains("value 2 (\"0.05\") is not above the one before"), "{error}");
+        case.set("recording.strains", "none").unwrap();
+        assert_eq!(case, Case::default());
+    }
+
+    /// Digests that were given out: a new key must not change them where it is not in use.
+    #[test]
+    fn the_digest_of_the_default_case_stays() {
+        let whole = "c533b7cdb3edf215fdbefd56a92fd863819ef0168e388b8eeefd6d917d809e5d";
+        assert_eq!(Case::default().digest(), whole);
+        let preparation = "71b668edeaab91207393af95b99c0fecdf376c3196ca1fac8bfcf746b4be1b5f";
+        assert_eq!(Case::default().preparation_digest(), preparation);
+    }
+
+    #[test]
+    fn a_packing_is_part_of_the_digests() {
+        let case = Case::default();
+        let digests = [None, Some("aa"), Some("bb")].map(|packing| case.digest_with(packing));
+        assert!(digests[0] == case.digest() && digests[0] != digests[1] && digests[1] != digests[2]);
+        let digests = [None, Some("aa"), Some("bb")].map(|packing| case.preparation_digest_with(packing));
+        assert!(
+            digests[0] == case.preparation_digest() && digests[0] != digests[1] && digests[1] != digests[2]
+        );
+    }
+
+    #[test]
+    fn a_key_that_was_renamed_is_refused_with_its_new_name() {
+        for [old, new] in RENAMED {
+            assert!(field(old).is_none() && field(new).is_some());
+            let (section, key) = old.rsplit_once('.').unwrap();
+            let text = format!("[{section}]\n{key} = 20\n");
+            let error = Case::parse(&text, "case.toml").unwrap_err().to_string();
+            assert!(error.contains(&format!("case.toml:2:1: {old} is now called {new}")), "{error}");
+            let error = Case::default().set(old, "20").unwrap_err().to_string();
+            assert!(error.contains(&format!("is now called {new}")), "{error}");
+        }
     }
 
     #[test]

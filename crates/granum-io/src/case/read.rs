@@ -8,7 +8,7 @@ use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::fields::SECTIONS;
+use super::fields::{RENAMED, SECTIONS};
 use super::rules::RULES;
 use super::{Case, FIELDS, Field, Value, field};
 use crate::error::{Error, InputError, Result, nearest};
@@ -48,6 +48,7 @@ impl Case {
         };
         reader.table(document.get_ref(), "");
         reader.check_rate();
+        reader.check_spacing();
         let mut case = Case::default();
         for field in FIELDS {
             if let Some(value) = reader.values.get(&field.path()) {
@@ -69,13 +70,30 @@ impl Case {
         let wrong =
             |message: String| Error::Value { name: path.to_string(), value: text.to_string(), message };
         let section = path.rsplit_once('.').map_or("", |(section, _)| section);
-        let field = field(path).ok_or_else(|| wrong(format!("is no key; {}", suggestion(path, section))))?;
+        let field = field(path).ok_or_else(|| match new_name(path) {
+            Some(new) => wrong(format!("is now called {new}")),
+            None => wrong(format!("is no key; {}", suggestion(path, section))),
+        })?;
         let value = field.parse(text).map_err(wrong)?;
         if path == "shear.density_scaling" && field.value(self).is_none() {
             return Err(wrong("needs shear.strain_rate".into()));
         }
         field.apply(self, value);
         Ok(())
+    }
+}
+
+/// What is wrong with a list: with one of its values, from 1, and where that stands, or with the whole.
+type ListError = (Option<(usize, Range<usize>)>, String);
+
+/// The text of a single value.
+fn scalar(field: &Field, value: &DeValue<'_>) -> std::result::Result<String, String> {
+    match value {
+        DeValue::String(text) => Ok(text.to_string()),
+        DeValue::Float(number) => Ok(number.as_str().replace('_', "")),
+        DeValue::Integer(number) if number.radix() == 10 => Ok(number.as_str().replace('_', "")),
+        DeValue::Integer(_) => Err("must be written as a decimal number".into()),
+        other => Err(format!("is of type {}; it must be {}", other.type_str(), field.bounds_text())),
     }
 }
 
@@ -114,6 +132,10 @@ impl Reader<'_> {
                 }
             } else if let Some(field) = field(&path) {
                 self.field(field, key.span(), value);
+            } else if let Some(new) = new_name(&path) {
+                let name = new.rsplit('.').next().unwrap_or(new);
+                self.error(key.span(), format!("{path} is now called {new}")).help =
+                    Some(format!("write {name}"));
             } else {
                 let what = if section.is_empty() { "section" } else { "key" };
                 let help = suggestion(&path, section);
@@ -125,22 +147,49 @@ impl Reader<'_> {
     fn field(&mut self, field: &'static Field, key: Range<usize>, value: &Spanned<DeValue<'_>>) {
         self.keys.insert(field.path(), key);
         let parsed = match value.get_ref() {
-            DeValue::String(text) => field.parse(text),
-            DeValue::Float(number) => field.parse(&number.as_str().replace('_', "")),
-            DeValue::Integer(number) if number.radix() == 10 => field.parse(number.as_str()),
-            DeValue::Integer(_) => Err("must be written as a decimal number".into()),
-            other => Err(format!("is of type {}; it must be {}", other.type_str(), field.bounds_text())),
+            DeValue::Array(items) if field.is_list() => Self::list(field, items),
+            other => scalar(field, other).and_then(|text| field.parse(&text)).map_err(|why| (None, why)),
         };
         match parsed {
             Ok(value) => {
                 self.values.insert(field.path(), value);
             }
-            Err(why) => {
+            Err((Some((number, span)), why)) => {
+                let message = format!("{}: value {number} = {} {why}", field.path(), self.shown(&span));
+                self.error(span, message);
+            }
+            Err((None, why)) => {
                 let message = format!("{} = {} {why}", field.path(), self.shown(&value.span()));
                 let quoted = field.example.parse::<f64>().is_err();
                 let example = if quoted { format!("{:?}", field.example) } else { field.example.to_string() };
                 self.error(value.span(), message).help = Some(format!("e.g. {} = {example}", field.key));
             }
+        }
+    }
+
+    /// The values of a list; an error names the value that is wrong by its number, from 1, and its place.
+    fn list(field: &Field, items: &[Spanned<DeValue<'_>>]) -> std::result::Result<Value, ListError> {
+        let mut texts = Vec::with_capacity(items.len());
+        for (at, item) in items.iter().enumerate() {
+            let text = scalar(field, item.get_ref()).map_err(|why| (Some((at + 1, item.span())), why))?;
+            texts.push(text);
+        }
+        field
+            .parse_list(texts.iter().map(String::as_str))
+            .map_err(|(at, why)| (at.and_then(|at| Some((at + 1, items.get(at)?.span()))), why))
+    }
+
+    /// Where states stand is said in one way.
+    fn check_spacing(&mut self) {
+        let first = self.values.get("recording.first_strain");
+        let strains = self.values.get("recording.strains");
+        if let (Some(Value::Number(Some(_))), Some(Value::List(list))) = (first, strains)
+            && !list.is_empty()
+            && let Some(span) = self.keys.get("recording.strains").cloned()
+        {
+            let message = "recording.strains and recording.first_strain both say where states are recorded";
+            self.error(span, message.into()).help =
+                Some("keep strains, or first_strain with states; the other is \"none\"".into());
         }
     }
 
@@ -181,6 +230,11 @@ impl Reader<'_> {
             line.to_string()
         }
     }
+}
+
+/// The name that a key has now, where it was renamed.
+fn new_name(path: &str) -> Option<&'static str> {
+    RENAMED.iter().find(|[old, _]| *old == path).map(|[_, new]| *new)
 }
 
 /// What a user may have meant by an unknown path.

@@ -1,6 +1,6 @@
 //! Rules between fields: each field may be right on its own and the whole still wrong.
 
-use granum_dem::config::{NormalKind, TangentialKind};
+use granum_dem::config::{NormalKind, Spacing, TangentialKind};
 use granum_dem::simulation::{LARGEST_REACH, Properties};
 
 use super::Case;
@@ -38,9 +38,30 @@ pub(super) const RULES: &[Rule] = &[
             let target = case.preparation.solid_fraction.filter(|target| *target <= initial)?;
             Some(format!(
                 "preparation.initial_solid_fraction = {initial} must be below preparation.solid_fraction = {target}: \
-                 the gas is compressed to the sample"
+                 the loose initial state is compressed to the sample"
             ))
         },
+    },
+    Rule {
+        fields: &["recording.first_strain", "shear.deviator_strain"],
+        broken: |case| {
+            let Spacing::Geometric(first) = case.recording.spacing else { return None };
+            let end = case.shear.deviator_strain;
+            (first >= end).then(|| {
+                format!("recording.first_strain = {first} must be below shear.deviator_strain = {end}, the end of the test")
+            })
+        },
+    },
+    Rule {
+        fields: &["recording.strains", "shear.deviator_strain"],
+        broken: |case| {
+            let Spacing::Strains(strains) = &case.recording.spacing else { return None };
+            beyond_the_end(case, "recording.strains", strains)
+        },
+    },
+    Rule {
+        fields: &["recording.snapshots", "shear.deviator_strain"],
+        broken: |case| beyond_the_end(case, "recording.snapshots", &case.recording.snapshots),
     },
     Rule {
         fields: &["recording.bin_width", "recording.largest_force"],
@@ -61,6 +82,13 @@ pub(super) const RULES: &[Rule] = &[
         },
     },
 ];
+
+/// What is wrong where a list of strains goes on after the test has ended.
+fn beyond_the_end(case: &Case, key: &str, strains: &[f64]) -> Option<String> {
+    let end = case.shear.deviator_strain;
+    let last = strains.last().filter(|last| **last > end)?;
+    Some(format!("{key} goes up to {last}, but the test ends at shear.deviator_strain = {end}"))
+}
 
 /// What is wrong where adhesion reaches beyond the theory of small contacts.
 fn too_sticky(case: &Case, section: &str, interface_energy: f64) -> Option<String> {

@@ -1,7 +1,7 @@
 //! Writing a case: resolved (SI numbers, beside a result) and as the template that teaches the keys.
 
 use super::fields::SECTIONS;
-use super::{Case, FIELDS, Field};
+use super::{Case, FIELDS, Field, UNUSED_WITH_PACKING};
 
 const TEMPLATE_HEAD: &str = "\
 # A granum case: everything that decides a result.
@@ -35,13 +35,29 @@ impl Case {
 
     /// The whole case as TOML in SI units, with units in comments; reads back as the same case, bit for bit.
     pub fn resolved_toml(&self) -> String {
+        self.resolved_toml_with(None)
+    }
+
+    /// As [`Case::resolved_toml`], with a remark on every key that has no part where a packing of this name took the place
+    /// of the gas.
+    pub fn resolved_toml_with(&self, packing: Option<&str>) -> String {
         let mut text = RESOLVED_HEAD.to_string();
+        if let Some(name) = packing {
+            // A line break in the name of a file must not end the comment.
+            let name = name.replace(char::is_control, " ");
+            text.push_str(&format!("# The grains are those of the packing {name}.\n"));
+        }
         for [section, _] in SECTIONS {
             text.push_str(&format!("\n[{section}]\n"));
             for field in FIELDS.iter().filter(|field| field.section == *section) {
                 let Some(value) = field.value(self) else { continue };
                 let unit = field.si_unit();
-                let comment = if unit.is_empty() { String::new() } else { format!("  # {unit}") };
+                let unused = packing.is_some() && UNUSED_WITH_PACKING.contains(&field.path().as_str());
+                let comment = match (unit.as_str(), unused) {
+                    (_, true) => "  # no part in this run: the grains are those of the packing".to_string(),
+                    ("", false) => String::new(),
+                    (unit, false) => format!("  # {unit}"),
+                };
                 text.push_str(&format!("{} = {}{comment}\n", field.key, field.toml(&value)));
             }
         }

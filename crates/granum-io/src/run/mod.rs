@@ -18,7 +18,7 @@ use crate::folder::{OutputFolder, check_name};
 use crate::snapshot;
 use crate::table::Table;
 
-pub use record::{Machine, QualityFlag, RunRecord, RunSource, RunStatus, nulls_are_nan};
+pub use record::{Machine, PackingRecord, QualityFlag, RunRecord, RunSource, RunStatus, nulls_are_nan};
 
 /// Newest layout of `run.json` that this version reads and writes.
 pub const RUN_FORMAT: u32 = 1;
@@ -26,14 +26,15 @@ pub const RUN_FORMAT: u32 = 1;
 const CASE: &str = "case.toml";
 const SERIES: &str = "series.parquet";
 const FORCES: &str = "forces.parquet";
+const PREPARATION: &str = "preparation.parquet";
 const SNAPSHOTS: &str = "snapshots";
 const RECORD: &str = "run.json";
 const REPORT: &str = "report.html";
 const FIGURES: &str = "figures";
 /// Files that a run puts into its folder, and a report into it. The record goes first: what is left of a folder without one is no
 /// run.
-const CONTENTS: [&str; 8] =
-    [RECORD, CASE, SERIES, FORCES, CHECKPOINT, PREVIOUS_CHECKPOINT, REFUSED_CHECKPOINT, REPORT];
+const CONTENTS: [&str; 9] =
+    [RECORD, CASE, SERIES, FORCES, PREPARATION, CHECKPOINT, PREVIOUS_CHECKPOINT, REFUSED_CHECKPOINT, REPORT];
 /// Folders inside, and the ends of the names of granum's files in them.
 const FOLDERS: [(&str, &[&str]); 2] =
     [(SNAPSHOTS, &[".json", ".grains.parquet", ".contacts.parquet"]), (FIGURES, &[".svg"])];
@@ -124,6 +125,15 @@ impl Run {
         crate::parquet::read(&self.path.join(FORCES), None)
     }
 
+    /// The course of the preparation; none where it was not recorded.
+    ///
+    /// # Errors
+    /// As [`crate::parquet::read`].
+    pub fn preparation(&self) -> Result<Option<Table>> {
+        let path = self.path.join(PREPARATION);
+        path.is_file().then(|| crate::parquet::read(&path, None)).transpose()
+    }
+
     /// Names of the snapshots, sorted.
     ///
     /// # Errors
@@ -206,14 +216,21 @@ impl RunFolder {
         Run { path: self.folder.path().to_path_buf() }
     }
 
-    /// Writes the resolved case.
+    /// Writes the resolved case; with the name of the packing that takes the place of the gas, if one does.
     ///
     /// # Errors
     /// [`Error::File`] if it cannot be written.
-    pub fn write_case(&self, case: &Case) -> Result<()> {
-        write_atomically(&self.folder.file(CASE), |file| {
-            io::Write::write_all(file, case.resolved_toml().as_bytes())
-        })
+    pub fn write_case(&self, case: &Case, packing: Option<&str>) -> Result<()> {
+        let text = case.resolved_toml_with(packing);
+        write_atomically(&self.folder.file(CASE), |file| io::Write::write_all(file, text.as_bytes()))
+    }
+
+    /// Writes the course of the preparation.
+    ///
+    /// # Errors
+    /// As [`crate::parquet::write`].
+    pub fn write_preparation(&self, table: &Table) -> Result<()> {
+        crate::parquet::write(&self.folder.file(PREPARATION), table)
     }
 
     /// Writes the table of states.
@@ -248,7 +265,7 @@ impl RunFolder {
     pub fn write_record(&self, record: &RunRecord) -> Result<()> {
         let mut record = record.clone();
         record.format = RUN_FORMAT;
-        for name in [SERIES, FORCES] {
+        for name in [SERIES, FORCES, PREPARATION] {
             let path = self.folder.file(name);
             if path.is_file() {
                 record.content.insert(name.to_string(), file_digest(&path)?);
@@ -327,7 +344,7 @@ mod tests {
         let path = base.path().join("run");
         let assembly = crate::snapshot::tests::assembly();
         let folder = RunFolder::create(&path, false).unwrap();
-        folder.write_case(&Case::default()).unwrap();
+        folder.write_case(&Case::default(), None).unwrap();
         folder.write_series(&table()).unwrap();
         folder.write_forces(&table()).unwrap();
         folder.write_snapshot("end", &assembly).unwrap();
@@ -378,7 +395,7 @@ mod tests {
         record.unwritten_case = Some(Case::default().resolved_toml());
         folder.write_record(&record).unwrap();
         assert_eq!(folder.run().case().unwrap(), Case::default());
-        folder.write_case(&Case::default()).unwrap();
+        folder.write_case(&Case::default(), None).unwrap();
         fs::remove_file(base.path().join("run.json")).unwrap();
         let message = folder.run().record().unwrap_err().to_string();
         assert!(message.contains("holds a case but no run.json"), "{message}");

@@ -64,6 +64,21 @@ pub enum RunSource {
     },
 }
 
+/// The packing that the sample of a run is made of.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PackingRecord {
+    /// Name of its file.
+    pub file_name: String,
+    /// SHA-256 of its bytes.
+    pub sha256: String,
+    /// Number of its grains.
+    pub grains: usize,
+    /// Their mean diameter, m.
+    pub mean_diameter: f64,
+    /// Half the range of their diameters over the mean; 0 for equal grains.
+    pub spread: f64,
+}
+
 /// The machine that a run ran on. It decides times, never results.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
@@ -100,12 +115,16 @@ pub struct RunRecord {
     pub kind: String,
     /// How far it got.
     pub status: RunStatus,
-    /// Seed of the sample.
-    pub seed: u64,
-    /// [`Case::digest`] of the case.
+    /// Seed of the sample; none if it is made of a packing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
+    /// [`Case::digest_with`] of the case and the packing.
     pub case_digest: String,
-    /// [`Case::preparation_digest`] of the case.
+    /// [`Case::preparation_digest_with`] of the case and the packing.
     pub preparation_digest: String,
+    /// The packing that the sample is made of, if it is, also where the run took a sample that was made of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub packing: Option<PackingRecord>,
     /// Where the sample came from.
     #[serde(default)]
     pub source: RunSource,
@@ -151,13 +170,32 @@ impl RunRecord {
             format: RUN_FORMAT,
             granum_version: granum_version.into(),
             kind: kind.into(),
-            seed: case.preparation.seed,
+            seed: Some(case.preparation.seed),
             case_digest: case.digest(),
             preparation_digest: case.preparation_digest(),
             grains: case.grains.count,
             machine,
             ..RunRecord::default()
         }
+    }
+
+    /// Says that the sample is made of a packing: its grains, no seed, and digests that cover it.
+    pub fn set_packing(&mut self, case: &Case, packing: PackingRecord) {
+        self.seed = None;
+        self.grains = packing.grains;
+        self.case_digest = case.digest_with(Some(&packing.sha256));
+        self.preparation_digest = case.preparation_digest_with(Some(&packing.sha256));
+        self.packing = Some(packing);
+    }
+
+    /// SHA-256 of the packing that the sample is made of.
+    pub fn packing_digest(&self) -> Option<&str> {
+        self.packing.as_ref().map(|packing| packing.sha256.as_str())
+    }
+
+    /// True if the run is of this whole case and of the packing that it names.
+    pub fn is_of(&self, case: &Case) -> bool {
+        self.case_digest == case.digest_with(self.packing_digest())
     }
 
     /// Product of grains and steps over all phases.

@@ -51,7 +51,7 @@ fn digest(folder: &Path) -> Result<(String, RunStatus), Failure> {
     records::check_begun(&run, &record)?;
     let mut hash = Sha256::new();
     text(&mut hash, "granum digest 1");
-    text(&mut hash, &run.case()?.digest());
+    text(&mut hash, &run.case()?.digest_with(record.packing_digest()));
     // A sample has no tables of a test; a run that began has both.
     if record.kind != "prepare" {
         table(&mut hash, "series", &run.series()?);

@@ -4,17 +4,22 @@ use std::path::PathBuf;
 
 use clap::Args;
 use granum_hybrid::Score;
-use granum_hybrid::files::load_study;
+use granum_hybrid::files::{load_runs, load_study};
+use granum_hybrid::runs::RunRole;
 use granum_hybrid::study::RunScore;
 use serde_json::{Value, json};
 
-use super::records;
+use super::records::{self, Recorded};
+use super::relation::Relation;
 use super::scores::percent;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 
-/// Score a study on runs: relative RMSE and R2 of its networks, beside their twins that see strain only.
+/// Score a study on runs: relative RMSE and R2 of its networks, beside networks of the same sizes that see strain only.
+///
+/// Scores on a run that the networks were trained on are called so, and a run of another material, law or test than the
+/// training runs is told with the keys that differ.
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum evaluate study run-2 run-3")]
 pub struct Evaluate {
@@ -28,21 +33,32 @@ pub struct Evaluate {
 impl Evaluate {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let study = load_study(&self.study)?;
+        let known = load_runs(&self.study)?;
         let mut scored = Vec::new();
-        for run in records::read(context, &self.runs)? {
+        for run in records::read(context, &self.runs, RunRole::Unseen)? {
             let scores = study.score_run(&study.read(&run.named())?)?;
-            scored.push((run, scores));
+            let relation = Relation::of(&run, known.as_deref());
+            if let Some(warning) = relation.warning(&run.name) {
+                context.warn(&warning);
+            }
+            scored.push((run, relation, scores));
         }
         let runs: Vec<Value> = scored
             .iter()
-            .map(|(run, scores)| {
+            .map(|(run, relation, scores)| {
                 let scores: Vec<Value> = scores.iter().map(as_json).collect();
-                json!({ "run": run.name, "seed": run.seed, "mappings": scores })
+                json!({
+                    "run": run.name,
+                    "seed": run.seed,
+                    "kind": relation.kind(),
+                    "differs_from_training": relation.differences_json(),
+                    "mappings": scores,
+                })
             })
             .collect();
         let result = json!({ "study": self.study, "runs": runs });
         output::say(context, &result, || {
-            let tables = scored.iter().map(|(run, scores)| table(&run.name, run.seed, scores));
+            let tables = scored.iter().map(|(run, relation, scores)| table(run, relation, scores));
             tables.collect::<Vec<_>>().join("\n\n")
         })
     }
@@ -62,9 +78,10 @@ fn as_json(score: &RunScore) -> Value {
     })
 }
 
-fn table(name: &str, seed: u64, scores: &[RunScore]) -> String {
+fn table(run: &Recorded, relation: &Relation, scores: &[RunScore]) -> String {
+    let sample = run.seed.map_or_else(|| "of a packing".to_string(), |seed| format!("seed {seed}"));
     let mut lines = vec![
-        format!("{name} (seed {seed})"),
+        format!("{} ({sample}): {}", run.name, relation.kind()),
         format!(
             "{:<8} {:>13} {:>8}   {:>13} {:>8}   {:>7} {:>8}",
             "mapping", "relative RMSE", "R2", "strain only", "R2", "states", "outside"

@@ -16,7 +16,7 @@ use crate::output;
 /// Forces on every grain of a packing, with no history and no motion, and its stress tensor.
 ///
 /// The table has the columns id, fx, fy, fz (N), tx, ty, tz (N m). The stress tensor (Pa, compression positive) is
-/// printed, or stands in the JSON.
+/// printed. With --json all is one object: the columns are lists in `forces`, unless they go to a file.
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum forces packing.csv --normal hertz -o forces.csv")]
 pub struct Forces {
@@ -60,13 +60,18 @@ impl Forces {
         } else if !context.json {
             output::put_table(context, None, &table)?;
         }
-        let result = json!({
+        let mut result = json!({
             "output": self.output,
             "grains": assembly.grains.len(),
             "contacts": assembly.contacts.len(),
             "stress": stress,
             "mean_stress": simulation.state().mean_stress(),
         });
+        if self.output.is_none() {
+            let mut forces = output::columns(&table);
+            forces.insert("id".into(), assembly.grains.iter().map(|grain| grain.id).collect());
+            result["forces"] = forces.into();
+        }
         if context.json || self.output.is_some() {
             return output::say(context, &result, || {
                 let rows: Vec<String> = stress

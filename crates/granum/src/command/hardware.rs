@@ -3,17 +3,18 @@
 use clap::Args;
 use granum_dem::Isa;
 use granum_dem::simulation::Hardware;
-use granum_hybrid::laboratory::{Laboratory, RunObserver, Status};
+use granum_hybrid::laboratory::{Field, Laboratory, RunObserver, Status};
 
 use super::checkpoints::CheckpointFlags;
 use crate::context::Context;
 use crate::failure::Failure;
-use crate::progress::Progress;
+use crate::progress::{Progress, Room};
 
 /// Threads and instruction set.
 #[derive(Args, Clone, Debug)]
 pub struct HardwareFlags {
-    /// Threads that share the work of a step; all processors by default. Results do not depend on it.
+    /// Threads that share the work of a step; all processors by default, and never more than those. Results do not
+    /// depend on it.
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
     /// Instruction set: portable, avx2 or avx512; the widest by default. Results do not depend on it.
@@ -28,11 +29,15 @@ pub fn processors() -> usize {
 
 /// An instruction set that this machine has, by its name.
 pub fn instruction_set(name: &str) -> Result<Isa, Failure> {
-    let known = Isa::ALL.map(Isa::name).join(", ");
-    let isa = Isa::from_name(name).ok_or_else(|| Failure::new(format!("--isa {name}: there is {known}")))?;
+    let isa = Isa::from_name(name).ok_or_else(|| {
+        let known = Isa::ALL.map(Isa::name);
+        let (last, others) = known.split_last().unwrap_or((&"portable", &[]));
+        let known = format!("{} or {last}", others.join(", "));
+        Failure::new(format!("--isa {name}: granum has no such instruction set; choose {known}"))
+    })?;
     if !isa.available() {
         return Err(Failure::new(format!(
-            "--isa {name}: this machine does not have it; it has {}",
+            "--isa {name}: this processor does not have that instruction set; the widest that it has is {}",
             Isa::detect().name()
         )));
     }
@@ -40,6 +45,7 @@ pub fn instruction_set(name: &str) -> Result<Isa, Failure> {
 }
 
 impl HardwareFlags {
+    /// What to compute on; never more threads than processors.
     pub fn hardware(&self) -> Result<Hardware, Failure> {
         let threads = match self.threads {
             Some(0) => return Err(Failure::new("--threads 0: at least one thread is needed")),
@@ -48,7 +54,8 @@ impl HardwareFlags {
                     "--threads {n}: at most 1024 threads; a machine's cores are best"
                 )));
             }
-            Some(n) => n,
+            // More threads than processors wait for each other in every step.
+            Some(n) => n.min(processors()),
             None => processors(),
         };
         let isa = match &self.isa {
@@ -58,9 +65,23 @@ impl HardwareFlags {
         Ok(Hardware { threads, isa })
     }
 
-    pub fn laboratory(&self, checkpoints: &CheckpointFlags) -> Result<Laboratory, Failure> {
+    /// A laboratory on this hardware; warns if it has fewer threads than asked for.
+    pub fn laboratory(
+        &self,
+        context: &Context,
+        checkpoints: &CheckpointFlags,
+    ) -> Result<Laboratory, Failure> {
         let mut laboratory = Laboratory::new(self.hardware()?, env!("CARGO_PKG_VERSION"));
         laboratory.checkpoint_every = checkpoints.every()?;
+        let used = laboratory.hardware.threads;
+        if let Some(asked) = self.threads.filter(|asked| *asked > used) {
+            context.warn(&format!(
+                "--threads {asked}: this machine has {used} {}, and more threads only wait for each other; {used} {} used; \
+                 results do not depend on it",
+                if used == 1 { "processor" } else { "processors" },
+                if used == 1 { "is" } else { "are" },
+            ));
+        }
         if self.threads.is_some() {
             // Who asks for a number gets it, also where fewer would do better.
             laboratory.grains_per_thread = 1;
@@ -88,7 +109,10 @@ impl RunObserver for Show<'_> {
             self.phase = status.phase.name().to_string();
             self.progress.phase(self.phase.clone());
         }
-        self.progress.update(status.fraction, || status.line());
+        self.progress.update(status.fraction, |room| match room {
+            Room::Line => vec![Field::new(0, status.line())],
+            Room::Screen => status.fields(),
+        });
     }
     fn stop(&self) -> bool {
         self.context.stopped()

@@ -12,7 +12,7 @@ use crate::context::Context;
 use crate::failure::Failure;
 use crate::output::put_table;
 
-/// Let two equal grains collide and tell how they part.
+/// Let two equal grains collide and print how they separate.
 ///
 /// One row for every speed and angle; the angle is that between the relative velocity and the line of centres, 0 for a
 /// head-on impact. Tangential velocities are those at the contact point, spin included. Grains that stick together part

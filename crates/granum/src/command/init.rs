@@ -24,7 +24,10 @@ impl Init {
         check_output_file(&self.path, context.force)?;
         write_atomically(&self.path, |file| file.write_all(Case::template().as_bytes()))?;
         output::say(context, &serde_json::json!({ "case": self.path }), || {
-            format!("wrote {}; change what you like and run it", self.path.display())
+            let path = self.path.display();
+            format!(
+                "wrote {path}, with every key at its default; change values in it and run it: granum shear {path}"
+            )
         })
     }
 }

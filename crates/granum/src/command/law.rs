@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use granum_io::Case;
 
+use super::case_flags::SetFlags;
 use crate::failure::Failure;
 
 /// Where no case file and no flag says otherwise: grains and law of Antony, Zhou and Wang (2006).
@@ -14,6 +15,8 @@ pub struct LawFlags {
     /// Case file that gives law and grains.
     #[arg(long, value_name = "FILE")]
     pub case: Option<PathBuf>,
+    #[command(flatten)]
+    set: SetFlags,
     /// Normal law: hertz or jkr.
     #[arg(long, value_name = "LAW")]
     normal: Option<String>,
@@ -50,7 +53,7 @@ impl LawFlags {
             Some(path) => Case::read(path)?,
             None => Case::default(),
         };
-        for (flag, path, value) in [
+        let flags = [
             ("--normal", "contact.normal", &self.normal),
             ("--tangential", "contact.tangential", &self.tangential),
             ("--diameter", "grains.diameter", &self.diameter),
@@ -60,10 +63,14 @@ impl LawFlags {
             ("--friction", "grains.material.friction", &self.friction),
             ("--interface-energy", "grains.material.interface_energy", &self.interface_energy),
             ("--damping", "contact.damping", &self.damping),
-        ] {
+        ];
+        for (flag, path, value) in flags {
             let Some(value) = value else { continue };
             case.set(path, value).map_err(|error| named(flag, error))?;
         }
+        let given: Vec<(&str, &str)> =
+            flags.iter().filter(|flag| flag.2.is_some()).map(|flag| (flag.0, flag.1)).collect();
+        self.set.apply_law(&mut case, &["grains", "grains.material", "contact"], &given)?;
         case.check()?;
         Ok(case)
     }

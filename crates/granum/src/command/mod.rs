@@ -1,6 +1,7 @@
 //! The subcommands, one file each.
 
 mod bench;
+mod case_flags;
 mod checkpoints;
 mod digest;
 mod evaluate;
@@ -13,14 +14,17 @@ mod pair;
 mod predict;
 mod prepare;
 mod records;
+mod relation;
 mod report;
 mod reproduce;
 mod resume;
 mod run_report;
 mod scores;
 mod shear;
+mod spread;
 mod status;
 mod train;
+mod trained_range;
 
 use clap::Subcommand;
 

@@ -4,21 +4,26 @@ use std::path::PathBuf;
 
 use clap::Args;
 use granum_dem::contact::PairProperties;
-use granum_dem::contact::pair::{PairRow, PathRow, drive_pair};
+use granum_dem::contact::pair::{PairRow, PathRow};
+use granum_dem::contact::refined::drive_pair_refined;
 use granum_io::{Column, read_table};
 
 use super::law::LawFlags;
 use crate::context::Context;
 use crate::failure::Failure;
-use crate::output::put_table;
+use crate::output::put_table_with;
 
-/// Lead two equal grains through a path and tell the forces between them.
+/// Largest change of a force against half as many steps, over the largest force of its kind on the path.
+const TOLERANCE: f64 = 1e-5;
+
+/// Lead two equal grains through a path and print the forces between them.
 ///
 /// The path is a table (CSV or Parquet) with the columns `normal_approach` (how deep the grains are pressed together) and
-/// `tangential_displacement` (of one grain against the other), both in m, one row a step, from grains that never
+/// `tangential_displacement` (of one grain against the other), both in m, from grains that never
 /// touched. The answer is the same table with `normal_force` (N, compression positive), `tangential_force` (N, positive
 /// where it resists a growing displacement) and `contact_radius` (m). Between rows the grains move in a straight line,
-/// so the steps should be small against the displacement at which the contact slides.
+/// which is cut into as many equal steps as it takes until no force at a row changes by more than 1e-5 of the largest force
+/// of its kind: rows are needed only where the path turns or an answer is wanted. The number of steps is printed.
 #[derive(Args)]
 #[command(after_help = "\
 Example:
@@ -53,7 +58,9 @@ impl Pair {
             .collect();
         let side = (&case.grains.material, 0.5 * case.grains.diameter);
         let pair = PairProperties::new(side, side, case.contact.damping);
-        let rows = drive_pair(&case.contact, &pair, &path).map_err(|error| in_file(&error))?;
+        let answer =
+            drive_pair_refined(&case.contact, &pair, &path, TOLERANCE).map_err(|error| in_file(&error))?;
+        let rows = &answer.rows;
         let column = |name: &str, unit: &str, value: fn(&PairRow) -> f64| {
             Column::new(name, unit, rows.iter().map(value).collect())
         };
@@ -61,8 +68,13 @@ impl Pair {
         table.set(column("tangential_force", "N", |row| row.tangential_force))?;
         table.set(column("contact_radius", "m", |row| row.contact_radius))?;
         context.say(|| {
-            format!("{} steps with {:?} and {:?}", path.len(), case.contact.normal, case.contact.tangential)
+            format!("{} rows with {:?} and {:?}", path.len(), case.contact.normal, case.contact.tangential)
         });
-        put_table(context, self.output.as_deref(), &table)
+        let steps = answer.steps;
+        let note = format!(
+            "{steps} steps from one row to the next: with half as many no force at a row differs by more than {TOLERANCE:e} of \
+             the largest"
+        );
+        put_table_with(context, self.output.as_deref(), &table, &[("steps_per_row", steps.into())], &note)
     }
 }

@@ -7,6 +7,7 @@ use granum_hybrid::{HybridError, Surrogate, files::load_study};
 use granum_io::{Column, Table, check_output_file, nearest, read_columns, write_table};
 use serde_json::json;
 
+use super::trained_range::inputs;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -103,26 +104,6 @@ impl Predict {
         let result = json!({ "output": output, "rows": answers.rows(), "rows_outside": outside });
         output::say(context, &result, || format!("wrote {} rows to {}", answers.rows(), output.display()))
     }
-}
-
-/// The inputs with the ranges that a sub-model, or all together, were trained in; one a line.
-fn inputs(surrogate: &Surrogate, sub_model: Option<usize>) -> String {
-    let networks = surrogate.networks().iter().enumerate();
-    let networks: Vec<_> =
-        networks.filter(|(k, _)| sub_model.is_none_or(|m| m == *k)).map(|(_, network)| network).collect();
-    let line = |(k, name): (usize, &String)| {
-        let scalers = networks.iter().map(|network| network.input_scalers()[k]);
-        let range = scalers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| {
-            (low.min(s.minimum), high.max(s.maximum))
-        });
-        format!("  {name}: {} to {}", short(range.0), short(range.1))
-    };
-    surrogate.input_names().iter().enumerate().map(line).collect::<Vec<_>>().join("\n")
-}
-
-/// A number with at most five decimals.
-fn short(value: f64) -> f64 {
-    (1e5 * value).round() / 1e5
 }
 
 /// The row that `--set` flags give, in the order of the network's inputs.

@@ -3,16 +3,19 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use granum_hybrid::laboratory::{Source, memory};
-use granum_io::{Case, RunFolder};
+use granum_hybrid::contents::{Kind, check_free};
+use granum_hybrid::laboratory::Source;
+use granum_io::RunFolder;
 
+use super::case_flags::CaseFlags;
 use super::checkpoints::CheckpointFlags;
 use super::hardware::{HardwareFlags, Show};
 use super::run_report;
 use crate::context::Context;
 use crate::failure::Failure;
 
-/// Make a sample: a gas from a seed, compressed isotropically, relaxed with the final properties.
+/// Make a sample: grains placed at random from a seed so that none touch, compressed isotropically, and relaxed with the final
+/// properties.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum prepare my-sand.toml --out sample\n  granum shear my-sand.toml --sample sample"
@@ -23,9 +26,12 @@ pub struct Prepare {
     /// Folder to make.
     #[arg(short, long, default_value = "sample", value_name = "DIR")]
     out: PathBuf,
-    /// Take the grains of a packing file (CSV: id,x,y,z,radius) instead of a gas.
+    /// Take the grains of a packing file (CSV: id,x,y,z,radius) instead of placing grains at random: a loose one is compacted
+    /// as the case says, one that carries its load only comes to rest.
     #[arg(long, value_name = "FILE")]
     packing: Option<PathBuf>,
+    #[command(flatten)]
+    flags: CaseFlags,
     #[command(flatten)]
     checkpoints: CheckpointFlags,
     #[command(flatten)]
@@ -34,14 +40,15 @@ pub struct Prepare {
 
 impl Prepare {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
-        let case = Case::read(&self.case)?;
-        let laboratory = self.hardware.laboratory(&self.checkpoints)?;
+        let case = self.flags.read(&self.case, self.packing.is_some())?;
+        let laboratory = self.hardware.laboratory(context, &self.checkpoints)?;
         let source = self.packing.clone().map_or(Source::Case, Source::Packing);
-        if source == Source::Case {
-            memory::check(&case)?;
-        }
+        check_free(&self.out, Kind::Run, context.force)?;
+        // Before there is a folder: a mistake leaves none behind, and with --force costs no older run.
+        let mut show = Show::new(context);
+        let beginning = laboratory.beginning("prepare", &case, &source, &mut show)?;
         let folder = RunFolder::create(&self.out, context.force)?;
-        let record = laboratory.prepare(&case, &source, &folder, &mut Show::new(context))?;
+        let record = laboratory.run(beginning, &folder, &mut show)?;
         run_report::tell(context, &self.out, &record)
     }
 }

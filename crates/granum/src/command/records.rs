@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use granum_hybrid::runs::{RunRole, StudyRun, differences_but_seed};
 use granum_hybrid::{NamedRecord, files::read_record};
+use granum_io::case::Difference;
+use granum_io::shell::quoted_path;
 use granum_io::{Run, RunRecord, RunStatus};
 use granum_sensors::Record;
 
@@ -13,17 +16,19 @@ use crate::failure::Failure;
 pub struct Recorded {
     /// Its folder, as the user named it.
     pub name: String,
-    /// Seed of its sample.
-    pub seed: u64,
+    /// Seed of its sample; none if that is made of a packing.
+    pub seed: Option<u64>,
     /// Deviator strain at the end of its case.
     pub end: f64,
     /// What the sensors saw.
     pub record: Record,
+    /// What a study remembers of it.
+    pub known: StudyRun,
 }
 
 impl Recorded {
     pub fn named(&self) -> NamedRecord<'_> {
-        NamedRecord { name: &self.name, seed: self.seed, record: &self.record }
+        NamedRecord { name: &self.name, seed: self.seed.unwrap_or_default(), record: &self.record }
     }
 }
 
@@ -32,10 +37,10 @@ pub fn check_begun(run: &Run, about: &RunRecord) -> Result<(), Failure> {
     if about.kind == "prepare" || run.series_path().is_file() {
         return Ok(());
     }
-    let name = run.path().display();
+    let (name, quoted) = (run.path().display(), quoted_path(run.path()));
     let place = if about.phase.is_empty() { "the start" } else { about.phase.as_str() };
     Err(Failure::new(format!(
-        "{name}: was broken off in {place}, before there was anything of its test; go on with `granum resume {name}`"
+        "{name}: was interrupted in {place}, before its test began; continue it with `granum resume {quoted}`"
     )))
 }
 
@@ -45,18 +50,18 @@ pub fn named(runs: &[Recorded]) -> Vec<NamedRecord<'_>> {
 }
 
 /// Reads run folders; one that did not reach its end is taken with a warning.
-pub fn read(context: &Context, folders: &[PathBuf]) -> Result<Vec<Recorded>, Failure> {
-    folders.iter().map(|folder| read_one(context, folder)).collect()
+pub fn read(context: &Context, folders: &[PathBuf], role: RunRole) -> Result<Vec<Recorded>, Failure> {
+    folders.iter().map(|folder| read_one(context, folder, role)).collect()
 }
 
-fn read_one(context: &Context, folder: &Path) -> Result<Recorded, Failure> {
+fn read_one(context: &Context, folder: &Path, role: RunRole) -> Result<Recorded, Failure> {
     let run = Run::at(folder)?;
     let (case, about) = (run.case()?, run.record()?);
     if about.kind == "prepare" {
         return Err(Failure::new(format!(
             "{}: is a sample, not a test; shear it first: granum shear CASE --sample {}",
             folder.display(),
-            folder.display()
+            quoted_path(folder)
         )));
     }
     check_begun(&run, &about)?;
@@ -65,6 +70,7 @@ fn read_one(context: &Context, folder: &Path) -> Result<Recorded, Failure> {
         eprintln!("warning: {} did not reach its end; the states that it has are taken", folder.display());
     }
     Ok(Recorded {
+        known: StudyRun::read(&run, role)?,
         name: folder.display().to_string(),
         seed: about.seed,
         end: case.shear.deviator_strain,
@@ -83,4 +89,20 @@ pub fn check_different(runs: &[&Recorded]) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// In what runs differ besides their seeds. That is refused unless the user asks for it: the difference between such runs
+/// is no scatter between samples, and a network that learned one test is not judged by another.
+pub fn check_one_test(runs: &[&Recorded], mixed: bool) -> Result<Vec<Difference>, Failure> {
+    let known: Vec<(&str, &StudyRun)> = runs.iter().map(|run| (run.name.as_str(), &run.known)).collect();
+    let found = differences_but_seed(&known);
+    if found.is_empty() || mixed {
+        return Ok(found);
+    }
+    let lines: Vec<String> = found.iter().map(|difference| format!("\n  {difference}")).collect();
+    Err(Failure::new(format!(
+        "the runs differ in more than the seed of their samples:{}\ntake runs of one case that differ in preparation.seed \
+         alone, or give --mixed to train and judge on all of them",
+        lines.concat()
+    )))
 }

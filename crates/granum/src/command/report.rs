@@ -4,20 +4,23 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use granum::report::{Document, Role, RunReport, StudyReport, run_report, study_report};
+use granum::report::{Document, Role, RunReport, StudyReport, run_report, sample_report, study_report};
+use granum_hybrid::contents::{Contents, Kind, taken};
 use granum_hybrid::figures::figures;
 use granum_hybrid::files::load_study;
-use granum_hybrid::{Dataset, DatasetOptions, NamedRecord, Summary};
-use granum_io::{Run, atomic::write_atomically, check_output_file};
+use granum_hybrid::reproduction::{Reproduction, SUMMARY_FILE};
+use granum_hybrid::{Dataset, DatasetOptions, NamedRecord};
+use granum_io::shell::quoted_path;
+use granum_io::{Run, RunStatus, atomic::write_atomically, check_output_file};
 use serde_json::json;
 
 use super::records;
-use super::reproduce::command_line;
+use super::reproduce::read_summary;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 
-/// Write the report of a run folder, or of a reproduction, again from what is in it.
+/// Write the report of a run folder, a sample folder or a reproduction, again from what is in it.
 ///
 /// Leaves report.html, which opens offline and holds its figures, and the figures as SVG in the folder figures.
 #[derive(Args)]
@@ -25,7 +28,7 @@ use crate::output;
     after_help = "Example:\n  granum report run-1\n  granum report run-1 --out run-1.html\n  granum report reproduction --force"
 )]
 pub struct Report {
-    /// Folder of a run or of a reproduction.
+    /// Folder of a run, a sample or a reproduction.
     folder: PathBuf,
     /// Folder for report.html and figures, or a file that ends in .html for the page alone; the folder itself by
     /// default.
@@ -39,6 +42,9 @@ impl Report {
         let page = out.extension().is_some_and(|extension| extension == "html") && !out.is_dir();
         let file = if page { out.to_path_buf() } else { out.join("report.html") };
         check_output_file(&file, context.force)?;
+        if !page {
+            self.check_place(out)?;
+        }
         let document = document(&self.folder)?;
         if page {
             write_atomically(out, |file| file.write_all(document.html.as_bytes()))?;
@@ -56,24 +62,48 @@ impl Report {
     }
 }
 
+impl Report {
+    /// Refuses the folder of something else: it would hold two reports, or the wrong one.
+    fn check_place(&self, out: &Path) -> Result<(), Failure> {
+        let same =
+            |a: &Path, b: &Path| matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
+        let contents = Contents::of(out)?;
+        if contents.kind().is_none() || same(out, &self.folder) {
+            return Ok(());
+        }
+        let what = format!("the report of {}", self.folder.display());
+        Err(taken(out, &contents, &what, false).into())
+    }
+}
+
 fn document(folder: &Path) -> Result<Document, Failure> {
     let (runs, models) = (folder.join("runs"), folder.join("models"));
-    if folder.join("summary.json").is_file() && runs.is_dir() && models.is_dir() {
+    if folder.join(SUMMARY_FILE).is_file() && runs.is_dir() && models.is_dir() {
         return Ok(study_report(&study(folder, &runs, &models)?));
+    }
+    let contents = Contents::of(folder)?;
+    if contents.kind() == Some(Kind::Reproduction) {
+        let (name, next) = (folder.display(), contents.next(folder).text);
+        return Err(Failure::new(format!("{name}: the reproduction is not finished; {next}")));
     }
     if folder.join(granum_hybrid::files::STUDY_FILE).is_file() {
         return Err(Failure::new(format!(
-            "{}: holds networks but no runs to draw; `granum evaluate {0} RUN...` scores them on runs",
-            folder.display()
+            "{}: holds networks but no runs to draw; `granum evaluate {} RUN...` scores them on runs",
+            folder.display(),
+            quoted_path(folder)
         )));
     }
     let run = Run::at(folder)?;
     let about = run.record()?;
     if about.kind == "prepare" {
-        let name = folder.display();
-        return Err(Failure::new(format!(
-            "{name}: is a sample, not a test; `granum status {name}` tells of it, `granum shear CASE --sample {name}` shears it"
-        )));
+        if about.status != RunStatus::Finished {
+            return Err(Failure::new(format!(
+                "{}: the sample is not finished; continue it: `granum resume {}`",
+                folder.display(),
+                quoted_path(folder)
+            )));
+        }
+        return Ok(sample_report(&RunReport::read(&run, Role::Single)?));
     }
     records::check_begun(&run, &about)?;
     Ok(run_report(&RunReport::read(&run, Role::Single)?))
@@ -81,10 +111,7 @@ fn document(folder: &Path) -> Result<Document, Failure> {
 
 /// Everything in the folder of a reproduction, put together again.
 fn study(folder: &Path, runs: &Path, models: &Path) -> Result<StudyReport, Failure> {
-    let path = folder.join("summary.json");
-    let text = std::fs::read_to_string(&path).map_err(granum_io::Error::file("read", &path))?;
-    let summary: Summary = serde_json::from_str(&text)
-        .map_err(|error| Failure::new(format!("{}: is no summary of a study ({error})", path.display())))?;
+    let (path, summary) = (folder.join(SUMMARY_FILE), read_summary(folder)?);
     let reports: Vec<RunReport> = summary
         .dem
         .runs
@@ -104,21 +131,23 @@ fn study(folder: &Path, runs: &Path, models: &Path) -> Result<StudyReport, Failu
         .collect::<Result<_, Failure>>()?;
     let of = |role: Role| -> Vec<NamedRecord> {
         let own = reports.iter().filter(|report| report.role == role);
-        own.map(|r| NamedRecord { name: &r.name, seed: r.run.seed, record: &r.record }).collect()
+        own.map(|r| NamedRecord { name: &r.name, seed: r.run.seed.unwrap_or_default(), record: &r.record })
+            .collect()
     };
     let dataset = Dataset::new(&of(Role::Training), &of(Role::Unseen), &DatasetOptions::default())?;
     let study = load_study(models)?;
     let dataset_hash = dataset.hash()?;
     if dataset_hash != study.dataset_hash {
         return Err(Failure::new(format!(
-            "{}: the networks were trained on other runs than those in {}; run `granum reproduce` again",
+            "{}: the networks were trained on other runs than those in {}; train them again: granum resume {}",
             models.display(),
-            runs.display()
+            runs.display(),
+            quoted_path(folder)
         )));
     }
     Ok(StudyReport {
         figures: figures(&study, &dataset)?,
-        command: reports.first().map_or(String::new(), |run| command_line(&run.case, &study.trainer)),
+        command: Reproduction::read(folder)?.map_or(String::new(), |of| of.options.command_line(None)),
         runs: reports,
         summary,
         dataset_hash,

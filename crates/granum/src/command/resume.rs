@@ -1,25 +1,28 @@
-//! `granum resume`: go on with an interrupted run.
+//! `granum resume`: go on with an interrupted run, training or reproduction.
 
 use std::path::PathBuf;
 
 use clap::Args;
+use granum_hybrid::contents::Contents;
 use granum_hybrid::files::STUDY_FILE;
-use granum_io::RunFolder;
+use granum_io::{RunFolder, RunStatus};
 use serde_json::json;
 
 use super::checkpoints::CheckpointFlags;
 use super::hardware::{HardwareFlags, Show};
+use super::reproduce::Reproduce;
 use super::run_report;
 use super::train::Train;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 
-/// Go on with a preparation, test or training that was interrupted or killed, to the same bits as if it never had been.
+/// Continue a preparation, test, training or reproduction that was interrupted or killed; it ends with exactly the results that
+/// it would have had without the interruption.
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum resume run-1")]
 pub struct Resume {
-    /// The run folder, or the folder of a training.
+    /// The folder of the run, training or reproduction.
     folder: PathBuf,
     #[command(flatten)]
     checkpoints: CheckpointFlags,
@@ -29,12 +32,31 @@ pub struct Resume {
 
 impl Resume {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
-        if Train::is_in(&self.folder) {
-            return self.training(context);
+        // What is there is gone on with; nothing is to be replaced.
+        let context = &context.without_force();
+        match Contents::of(&self.folder)? {
+            Contents::Reproduction { of: Some(of), .. } => {
+                let (checkpoints, hardware) = (self.checkpoints.clone(), self.hardware.clone());
+                Reproduce::resumed(&self.folder, of.options, checkpoints, hardware).run(context)
+            }
+            unsaid @ Contents::Reproduction { of: None, .. } => {
+                let (name, next) = (self.folder.display(), unsaid.next(&self.folder).text);
+                Err(Failure::new(format!("{name}: {next}")))
+            }
+            Contents::Training { .. } if Train::is_in(&self.folder) => self.training(context),
+            _ => self.of_grains(context),
         }
-        let laboratory = self.hardware.laboratory(&self.checkpoints)?;
+    }
+
+    /// Goes on with a sample or a test.
+    fn of_grains(&self, context: &Context) -> Result<(), Failure> {
+        let laboratory = self.hardware.laboratory(context, &self.checkpoints)?;
         let folder = RunFolder::open(&self.folder)?;
+        let before = folder.run().record().ok().filter(|record| record.status == RunStatus::Finished);
         let record = laboratory.resume(&folder, &mut Show::new(context))?;
+        if before.as_ref() == Some(&record) {
+            return run_report::tell_finished(context, &self.folder, &record);
+        }
         run_report::tell(context, &self.folder, &record)
     }
 
@@ -45,8 +67,6 @@ impl Resume {
             let result = json!({ "study": self.folder, "status": "finished" });
             return output::say(context, &result, || format!("{name}: the training is finished"));
         }
-        // What is there is gone on with; nothing is to be replaced.
-        let context = context.without_force();
-        Train::resumed(&self.folder, self.hardware.threads, self.checkpoints.clone())?.run(&context)
+        Train::resumed(&self.folder, self.hardware.threads, self.checkpoints.clone())?.run(context)
     }
 }

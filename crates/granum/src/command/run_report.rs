@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use granum_io::{RunRecord, RunStatus};
-use serde_json::json;
+use granum_io::shell::quoted_path;
+use granum_io::{QualityFlag, RunRecord, RunStatus};
+use serde_json::{Value, json};
 
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
@@ -12,27 +13,46 @@ use crate::output;
 /// Tells of a run that ended in good order; an interruption is a failure with its own status.
 pub fn tell(context: &Context, folder: &Path, record: &RunRecord) -> Result<(), Failure> {
     if record.status == RunStatus::Interrupted {
-        let left = format!("what was done is in {0}; go on with `granum resume {0}`", folder.display());
+        let left = format!(
+            "what was done is in {}; continue with `granum resume {}`",
+            folder.display(),
+            quoted_path(folder)
+        );
         return Err(Interrupted { left }.into());
     }
-    let result = json!({
+    output::say(context, &result(folder, record), || format!("{}\nwrote {}", text(record), folder.display()))
+}
+
+/// Tells of a run that had reached its end before.
+pub fn tell_finished(context: &Context, folder: &Path, record: &RunRecord) -> Result<(), Failure> {
+    output::say(context, &result(folder, record), || {
+        format!("{}: it was finished before; nothing was left to do", folder.display())
+    })
+}
+
+fn result(folder: &Path, record: &RunRecord) -> Value {
+    json!({
         "folder": folder,
         "status": record.status,
+        "seed": record.seed,
+        "packing": record.packing,
+        "case_digest": record.case_digest,
         "measures": record.measures,
         "steps": record.steps,
         "wall_seconds": record.wall_seconds,
         "quality": record.quality,
-    });
-    output::say(context, &result, || text(folder, record))
+        "notes": record.notes,
+    })
 }
 
-fn text(folder: &Path, record: &RunRecord) -> String {
+fn text(record: &RunRecord) -> String {
     let mut lines = Vec::new();
     let measure = |name: &str| record.measures.get(name).copied();
     if let Some(solid_fraction) = measure("solid_fraction") {
         let value = |name: &str| measure(name).map_or("-".to_string(), |v| format!("{v:.3}"));
+        let packing = record.packing.as_ref().map_or(String::new(), |p| format!(" of {}", p.file_name));
         lines.push(format!(
-            "sample: {} grains, solid fraction {solid_fraction:.4}, coordination number {} (all grains), {} (grains with two \
+            "sample: {} grains{packing}, solid fraction {solid_fraction:.4}, coordination number {} (all grains), {} (grains with two \
              contacts or more), rattlers {:.1} %, p {:.2} kPa",
             record.grains,
             value("coordination_number"),
@@ -47,12 +67,15 @@ fn text(folder: &Path, record: &RunRecord) -> String {
             measure("preparation_trials").unwrap_or(1.0)
         ));
     }
+    if let Some(steps) = record.steps.get("consolidation") {
+        lines.push(format!(
+            "the sample was brought to this mean stress before the test, in {steps} steps of consolidation"
+        ));
+    }
+    lines.extend(peak_and_late(record));
     let bad: Vec<_> = record.quality.iter().filter(|q| !q.passed).collect();
     for flag in &bad {
-        lines.push(format!(
-            "warning: {} is {:.3e}, good is up to {:.1e}: {}",
-            flag.name, flag.value, flag.limit, flag.advice
-        ));
+        lines.push(format!("warning: {}", warning(flag)));
     }
     if bad.is_empty() && !record.quality.is_empty() {
         lines.push(format!("all {} quality checks passed", record.quality.len()));
@@ -60,6 +83,29 @@ fn text(folder: &Path, record: &RunRecord) -> String {
     let seconds: f64 = record.wall_seconds.values().sum();
     let rate = record.grain_steps() as f64 / seconds.max(1e-9) / 1e6;
     lines.push(format!("{:.2e} grain-steps in {seconds:.1} s ({rate:.1} M/s)", record.grain_steps() as f64));
-    lines.push(format!("wrote {}", folder.display()));
     lines.join("\n")
+}
+
+/// Peak and late values of a test that came to its end.
+fn peak_and_late(record: &RunRecord) -> Option<String> {
+    let value = |name: &str| record.measures.get(name).copied();
+    let peak = value("peak_stress_ratio")?;
+    Some(format!(
+        "test: peak q/p {peak:.3} at deviator strain {:.4}; means over the last quarter of the strain: q/p {:.3}, phi_d {:.4}, solid \
+         fraction {:.4}",
+        value("deviator_strain_at_peak")?,
+        value("late_stress_ratio")?,
+        value("late_deviator_fabric")?,
+        value("late_solid_fraction")?,
+    ))
+}
+
+/// A judgement that is not good, for people.
+fn warning(flag: &QualityFlag) -> String {
+    // Its advice says target and value.
+    if flag.name == "solid_fraction_missed_by" {
+        return flag.advice.clone();
+    }
+    let name = flag.name.replace('_', " ");
+    format!("{name} is {:.3e} and should be at most {:.1e}: {}", flag.value, flag.limit, flag.advice)
 }

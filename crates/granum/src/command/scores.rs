@@ -9,11 +9,11 @@ pub fn percent(share: Option<f64>) -> String {
     share.map_or_else(|| format!("{:>8}", "-"), |share| format!("{:6.2} %", 100.0 * share))
 }
 
-/// The mappings with their errors, a line each below a heading.
-pub fn lines(mappings: &BTreeMap<String, MappingSummary>) -> Vec<String> {
+/// The mappings with their errors, a line each below a heading; `spread` is what the difference between the runs is called.
+pub fn lines(mappings: &BTreeMap<String, MappingSummary>, spread: &str) -> Vec<String> {
     let heading = format!(
         "{:<34} {:>8} {:>8} {:>11} {:>12}",
-        "relative RMSE", "held out", "unseen", "strain only", "seed scatter"
+        "relative RMSE", "held out", "unseen", "strain only", spread
     );
     let line = |(name, m): (&String, &MappingSummary)| {
         format!(

@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use granum_hybrid::laboratory::{Source, memory};
-use granum_io::{Case, RunFolder};
+use granum_hybrid::contents::{Kind, check_free};
+use granum_hybrid::laboratory::Source;
+use granum_io::RunFolder;
 
+use super::case_flags::CaseFlags;
 use super::checkpoints::CheckpointFlags;
 use super::hardware::{HardwareFlags, Show};
 use super::run_report;
@@ -16,7 +18,8 @@ use crate::failure::Failure;
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum shear my-sand.toml --out run-1\n  granum shear my-sand.toml --sample sample --out run-2\n  \
-                  granum shear my-sand.toml --packing packing.csv --out run-3"
+                  granum shear my-sand.toml --packing packing.csv --out run-3\n  \
+                  granum shear my-sand.toml --set grains.material.friction=0.2 --seed 7 --out run-4"
 )]
 pub struct Shear {
     /// The case file.
@@ -27,9 +30,12 @@ pub struct Shear {
     /// Take the sample that `granum prepare` left in this folder.
     #[arg(long, value_name = "DIR", conflicts_with = "packing")]
     sample: Option<PathBuf>,
-    /// Take the grains of a packing file (CSV: id,x,y,z,radius), brought to rest first.
+    /// Take the grains of a packing file (CSV: id,x,y,z,radius): a loose one is compacted as the case says, one that carries
+    /// its load only comes to rest.
     #[arg(long, value_name = "FILE")]
     packing: Option<PathBuf>,
+    #[command(flatten)]
+    flags: CaseFlags,
     #[command(flatten)]
     checkpoints: CheckpointFlags,
     #[command(flatten)]
@@ -38,18 +44,19 @@ pub struct Shear {
 
 impl Shear {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
-        let case = Case::read(&self.case)?;
-        let laboratory = self.hardware.laboratory(&self.checkpoints)?;
+        let case = self.flags.read(&self.case, self.packing.is_some())?;
+        let laboratory = self.hardware.laboratory(context, &self.checkpoints)?;
         let source = match (&self.sample, &self.packing) {
             (Some(folder), _) => Source::Folder(folder.clone()),
             (_, Some(file)) => Source::Packing(file.clone()),
             _ => Source::Case,
         };
-        if source == Source::Case {
-            memory::check(&case)?;
-        }
+        check_free(&self.out, Kind::Run, context.force)?;
+        // Before there is a folder: a mistake leaves none behind, and with --force costs no older run.
+        let mut show = Show::new(context);
+        let beginning = laboratory.beginning("shear", &case, &source, &mut show)?;
         let folder = RunFolder::create(&self.out, context.force)?;
-        let record = laboratory.shear(&case, &source, &folder, &mut Show::new(context))?;
+        let record = laboratory.run(beginning, &folder, &mut show)?;
         run_report::tell(context, &self.out, &record)
     }
 }

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Args;
-use granum_hybrid::files::STUDY_FILE;
+use granum_hybrid::contents::{Contents, Next};
 use granum_hybrid::keeping::Plan;
 use granum_hybrid::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
-use granum_io::{Error, OutputFolder, Run, RunStatus};
+use granum_io::{OutputFolder, Run, RunStatus};
 use serde_json::{Value, json};
 
 use super::train::Train;
@@ -16,7 +16,7 @@ use crate::failure::Failure;
 use crate::output;
 use crate::progress::readable;
 
-/// Tell how far a run, a training or every run of a reproduction is, and what to do next.
+/// Print how far a run, a training or every run of a reproduction is, and what to do next.
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum status run-1\n  granum status reproduction")]
 pub struct Status {
@@ -26,56 +26,69 @@ pub struct Status {
 
 impl Status {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
-        if Train::is_in(&self.folder) {
-            return self.training(context);
+        match Contents::of(&self.folder)? {
+            Contents::Training { finished } => self.training(context, finished),
+            contents @ Contents::Reproduction { .. } => self.reproduction(context, &contents),
+            _ => {
+                let found = Found::of(&self.folder)?;
+                output::say(context, &found.json(), || found.text())
+            }
         }
-        let runs = self.folder.join("runs");
-        if !runs.is_dir() {
-            let found = Found::of(&self.folder)?;
-            return output::say(context, &found.json(), || found.text());
-        }
-        let read = std::fs::read_dir(&runs).map_err(Error::file("read", &runs))?;
-        // A link may lead anywhere; the runs of a reproduction are folders in it.
-        let real = |entry: &std::fs::DirEntry| entry.file_type().is_ok_and(|kind| kind.is_dir());
-        let mut folders: Vec<PathBuf> =
-            read.filter_map(|entry| entry.ok().filter(real).map(|entry| entry.path())).collect();
-        folders.sort();
-        let found = folders.iter().map(|folder| Found::of(folder)).collect::<Result<Vec<_>, _>>()?;
-        let done = self.folder.join("summary.json").is_file();
-        let next = if done { "done; see report.html" } else { "`granum reproduce` again goes on from here" };
-        let all: Vec<Value> = found.iter().map(Found::json).collect();
-        let result = json!({ "folder": self.folder, "runs": all, "finished": done, "next": next });
-        output::say(context, &result, || {
-            let mut lines: Vec<String> = found.iter().map(Found::text).collect();
-            lines.push(format!("{}: {next}", self.folder.display()));
-            lines.join("\n")
-        })
     }
-}
 
-impl Status {
+    /// How far every run of a reproduction is.
+    fn reproduction(&self, context: &Context, contents: &Contents) -> Result<(), Failure> {
+        let next = contents.next(&self.folder);
+        let (mut all, mut lines) = (Vec::new(), Vec::new());
+        for folder in contents.runs(&self.folder) {
+            if Contents::of(&folder)? == Contents::Nothing {
+                all.push(json!({ "folder": folder, "status": "not begun" }));
+                lines.push(format!("{}: not begun", folder.display()));
+                continue;
+            }
+            let found = Found::of(&folder)?;
+            all.push(found.json());
+            lines.push(found.text());
+        }
+        lines.push(format!("{}: {}", self.folder.display(), next.text));
+        let result = json!({
+            "folder": self.folder,
+            "runs": all,
+            "finished": matches!(contents, Contents::Reproduction { finished: true, .. }),
+            "next": next.text,
+            "command": next.command,
+        });
+        output::say(context, &result, || lines.join("\n"))
+    }
+
     /// How far a training is.
-    fn training(&self, context: &Context) -> Result<(), Failure> {
-        let (plan, name) = (Plan::read(&self.folder)?, self.folder.display());
-        let networks = plan.networks();
+    fn training(&self, context: &Context, finished: bool) -> Result<(), Failure> {
+        let name = self.folder.display();
+        // The networks of a reproduction have no plan of their own.
+        let networks =
+            if Train::is_in(&self.folder) { Plan::read(&self.folder)?.networks() } else { Vec::new() };
         let there = networks.iter().filter(|file| self.folder.join(file).is_file()).count();
-        let finished = self.folder.join(STUDY_FILE).is_file();
-        let at_work = OutputFolder::is_in_use(&self.folder);
-        let (word, next) = match (at_work, finished) {
-            (true, _) => ("running", "a process is at work in it; wait".to_string()),
-            (_, true) => ("finished", format!("judge it: granum evaluate {name} RUN...")),
-            _ => ("broken off", format!("go on with it: granum resume {name}")),
+        let word = match (OutputFolder::is_in_use(&self.folder), finished) {
+            (true, _) => "running",
+            (_, true) => "finished",
+            _ => "broken off",
         };
+        let next = Contents::Training { finished }.next(&self.folder);
         let result = json!({
             "folder": self.folder,
             "kind": "train",
             "status": word,
             "networks": there,
             "networks_end": networks.len(),
-            "next": next,
+            "next": next.text,
+            "command": next.command,
         });
         output::say(context, &result, || {
-            format!("{name}: training {word}, {there} of {} networks\n  {next}", networks.len())
+            let count = match networks.len() {
+                0 => String::new(),
+                all => format!(", {there} of {all} networks"),
+            };
+            format!("{name}: training {word}{count}\n  {}", next.text)
         })
     }
 }
@@ -96,7 +109,7 @@ struct Found {
     end: f64,
     checkpoint: Option<Duration>,
     failed_checks: Vec<String>,
-    next: String,
+    next: Next,
 }
 
 impl Found {
@@ -109,20 +122,7 @@ impl Found {
             .iter()
             .find_map(|name| std::fs::metadata(folder.join(name)).and_then(|file| file.modified()).ok())
             .map(|time| time.elapsed().unwrap_or_default());
-        let name = folder.display();
-        let next = match record.status {
-            _ if at_work => "a process is at work in it; wait".to_string(),
-            RunStatus::Finished if record.kind == "prepare" => {
-                format!("shear it: granum shear CASE --sample {name}")
-            }
-            RunStatus::Finished => format!("look at it: granum report {name}"),
-            RunStatus::Failed => format!(
-                "{}; once the cause is mended go on with it: granum resume {name}; or change the case and run it again with --force",
-                record.notes.last().map_or("it failed", String::as_str)
-            ),
-            _ if checkpoint.is_some() => format!("go on with it: granum resume {name}"),
-            _ => format!("there is no checkpoint yet; begin again from its case: granum resume {name}"),
-        };
+        let next = Contents::Run(Some(Box::new(record.clone()))).next(folder);
         Ok(Found {
             folder: folder.to_path_buf(),
             status: record.status,
@@ -162,7 +162,8 @@ impl Found {
             "deviator_strain_end": self.end,
             "checkpoint_age_seconds": self.checkpoint.map(|age| age.as_secs_f64()),
             "failed_checks": self.failed_checks,
-            "next": self.next,
+            "next": self.next.text,
+            "command": self.next.command,
         })
     }
 
@@ -183,6 +184,6 @@ impl Found {
         if !self.failed_checks.is_empty() {
             text += &format!("\n  quality checks not passed: {}", self.failed_checks.join(", "));
         }
-        text + &format!("\n  {}", self.next)
+        text + &format!("\n  {}", self.next.text)
     }
 }

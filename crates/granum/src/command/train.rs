@@ -6,21 +6,28 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
+use granum_hybrid::contents::{Kind, check_free};
 use granum_hybrid::files::{STUDY_FILE, save_study};
 use granum_hybrid::keeping::{Keeper, PLAN_FILE, Plan};
+use granum_hybrid::laboratory::Field;
 use granum_hybrid::mapping::{PAPER_STRAIN, paper_mappings_to};
+use granum_hybrid::runs::{RunRole, StudyRun};
+use granum_hybrid::sufficiency::check_states;
 use granum_hybrid::summary::MappingSummary;
 use granum_hybrid::{
     Dataset, DatasetOptions, Form, HybridError, Study, StudyObserver, StudyOptions, StudyProgress,
 };
 use granum_io::OutputFolder;
+use granum_io::case::Difference;
+use granum_io::shell::quoted_path;
 use granum_nets::Model;
 use granum_nets::trainer::TrainerState;
 use serde_json::json;
 
 use super::checkpoints::CheckpointFlags;
-use super::records;
+use super::records::{self, Recorded};
 use super::scores;
+use super::spread::Spread;
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
 use crate::output;
@@ -29,10 +36,10 @@ use crate::progress::Progress;
 /// The trainer whose epochs are those of the paper's tables.
 const PAPER_TRAINER: &str = "traingdx";
 
-/// Train the eighteen networks of the paper's six mappings, and a twin of each that sees strain only.
+/// Train the eighteen networks of the paper's six mappings, and for each a network of the same size that sees strain only.
 ///
-/// Every second state of the runs trains, the others are held out and judge; unseen runs only judge. An interrupted
-/// training goes on with the same command.
+/// Every second state of the runs trains, the others are held out and judge; unseen runs only judge. All runs must be of one
+/// case and differ in preparation.seed alone, unless --mixed is given. The same command continues an interrupted training.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum train run-1 --unseen run-2 run-3 --out study\n  granum train run-1 --trainer traingdx \
@@ -48,6 +55,10 @@ pub struct Train {
     /// Run folders that no network sees, to judge by.
     #[arg(long, num_args = 1.., value_name = "RUN")]
     unseen: Vec<PathBuf>,
+    /// Take runs that differ in more than the seed. The keys that differ are named, and the difference between the runs is
+    /// not called the scatter between samples.
+    #[arg(long)]
+    mixed: bool,
     /// Trainer: levenberg-marquardt (with Bayesian regularisation) or traingdx (the paper's, with its epochs).
     #[arg(long, default_value = "levenberg-marquardt", value_name = "NAME")]
     trainer: String,
@@ -94,14 +105,28 @@ impl<'a> Show<'a> {
         self.progress.into_inner().unwrap_or_else(PoisonError::into_inner).end(text);
     }
 
+    /// Ends the phase of a study that is trained, with the seconds of the networks that were found.
+    fn finish(self, mut study: Study) -> Study {
+        self.keeper.tell_seconds(&mut study);
+        let networks: usize = study.mappings.iter().map(|m| m.surrogate.networks().len()).sum();
+        self.end(|| format!("{networks} networks and as many that see strain only"));
+        study
+    }
+
+    /// True if a training that ended so can be gone on with: the user stopped it, or the disk was full.
+    fn can_go_on(&self, error: &HybridError) -> bool {
+        matches!(error, HybridError::Stopped { .. }) || self.keeper.failed()
+    }
+
     /// Why a training ended before its time: a file that could not be written, the user, or an error of its own.
     pub fn failure(&self, error: HybridError, folder: &Path) -> Failure {
         match (self.keeper.take_failure(), error) {
             (Some(failure), _) => failure.into(),
             (None, HybridError::Stopped { done, total }) => {
                 let left = format!(
-                    "{done} of {total} networks are in {}; the same command goes on from there",
-                    folder.display()
+                    "{done} of {total} networks are in {}; continue with `granum resume {}`",
+                    folder.display(),
+                    quoted_path(folder)
                 );
                 Interrupted { left }.into()
             }
@@ -113,7 +138,9 @@ impl<'a> Show<'a> {
 impl StudyObserver for Show<'_> {
     fn progress(&self, p: &StudyProgress) {
         let mut progress = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
-        progress.update(None, || format!("{} epoch {} error {:.2e}", p.network, p.epoch, p.error));
+        progress.update(None, |_| {
+            vec![Field::new(0, format!("{} epoch {} error {:.2e}", p.network, p.epoch, p.error))]
+        });
     }
     fn trained(&self, network: &str, model: &Model, seconds: f64) {
         self.keeper.trained(network, model, seconds);
@@ -135,23 +162,42 @@ impl StudyObserver for Show<'_> {
 impl Train {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let mut options = self.options()?;
-        let training = records::read(context, &self.runs)?;
-        let unseen = records::read(context, &self.unseen)?;
-        records::check_different(&training.iter().chain(&unseen).collect::<Vec<_>>())?;
+        let training = records::read(context, &self.runs, RunRole::Training)?;
+        let unseen = records::read(context, &self.unseen, RunRole::Unseen)?;
+        let all: Vec<&Recorded> = training.iter().chain(&unseen).collect();
+        records::check_different(&all)?;
+        let differences = records::check_one_test(&all, self.mixed)?;
         let end = training.iter().map(|run| run.end).fold(f64::INFINITY, f64::min);
         options.mappings = paper_mappings_to(end);
         if end != PAPER_STRAIN && !context.json {
             eprintln!(
-                "note: the tests end at {end}; strain ranges of the paper's tables shrink or grow to fit"
+                "note: the tests end at a deviator strain of {end}, not of {PAPER_STRAIN}; the strain ranges of the paper's tables are \
+                 scaled to it"
             );
         }
         let dataset =
             Dataset::new(&records::named(&training), &records::named(&unseen), &DatasetOptions::default())?;
-        let plan = Plan::new(&self.runs, &self.unseen, dataset.hash()?, &options)?;
+        // Before there is a folder, and before an older one is replaced.
+        check_states(&dataset, &options.mappings)?;
+        let every = self.checkpoints.every()?;
+        let mut plan = Plan::new(&self.runs, &self.unseen, dataset.hash()?, &options)?;
+        plan.mixed = self.mixed;
+        let begun = Train::is_in(&self.out) && !context.force;
         let folder = self.folder(context, &plan)?;
-        let study = self.train(context, &folder, &dataset, &options)?;
-        save_study(folder.path(), &study)?;
-        self.tell(context, &study, &dataset)
+        let show = Show::new(context, "networks", folder.path(), every);
+        let study = match Study::train(&dataset, &options, &show) {
+            Ok(study) => show.finish(study),
+            Err(error) => {
+                if !begun && !show.can_go_on(&error) {
+                    // Nothing can come of it: the corrected command finds the folder free.
+                    folder.clear(&plan.files().iter().map(String::as_str).collect::<Vec<_>>())?;
+                }
+                return Err(show.failure(error, folder.path()));
+            }
+        };
+        let known: Vec<StudyRun> = all.iter().map(|run| run.known.clone()).collect();
+        save_study(folder.path(), &study, &known)?;
+        self.tell(context, &study, &dataset, &differences)
     }
 
     fn options(&self) -> Result<StudyOptions, Failure> {
@@ -164,7 +210,9 @@ impl Train {
                 )));
             }
             if !(factor > 0.0 && factor <= 1e3) {
-                return Err(Failure::new(format!("--epoch-factor {factor}: more than 0 and up to 1000")));
+                return Err(Failure::new(format!(
+                    "--epoch-factor {factor}: a number more than 0 and up to 1000 is needed"
+                )));
             }
         }
         if let Some(threads @ (0 | 1025..)) = self.threads {
@@ -195,9 +243,10 @@ impl Train {
             Form::Histogram => FormName::Histogram,
         };
         let epoch_factor = (plan.trainer == PAPER_TRAINER).then_some(plan.epoch_factor);
-        let (runs, unseen, trainer, seed) = (plan.runs, plan.unseen, plan.trainer, plan.seed);
+        let (runs, unseen, mixed, trainer, seed) =
+            (plan.runs, plan.unseen, plan.mixed, plan.trainer, plan.seed);
         let out = out.to_path_buf();
-        Ok(Train { runs, out, unseen, trainer, form, seed, epoch_factor, threads, checkpoints })
+        Ok(Train { runs, out, unseen, mixed, trainer, form, seed, epoch_factor, threads, checkpoints })
     }
 
     /// True if the folder holds a training, finished or not.
@@ -209,15 +258,18 @@ impl Train {
     /// the training is of.
     fn folder(&self, context: &Context, plan: &Plan) -> Result<OutputFolder, Failure> {
         let unfinished = Train::is_in(&self.out) && !self.out.join(STUDY_FILE).exists();
-        if unfinished && !context.force {
+        if !unfinished || context.force {
+            check_free(&self.out, Kind::Training, context.force)?;
+        } else {
             let folder = OutputFolder::open(&self.out)?;
             let differences = Plan::read(&self.out)?.differences(plan);
             if !differences.is_empty() {
                 return Err(Failure::new(format!(
-                    "{}: holds an unfinished training that differs in {}; go on with that one (`granum resume {0}`), choose \
+                    "{}: holds an unfinished training that differs in {}; continue that one (`granum resume {}`), choose \
                      another --out, or give --force to replace it",
                     self.out.display(),
-                    differences.join(", ")
+                    differences.join(", "),
+                    quoted_path(&self.out)
                 )));
             }
             return Ok(folder);
@@ -229,23 +281,14 @@ impl Train {
         Ok(folder)
     }
 
-    fn train(
+    fn tell(
         &self,
         context: &Context,
-        folder: &OutputFolder,
+        study: &Study,
         dataset: &Dataset,
-        options: &StudyOptions,
-    ) -> Result<Study, Failure> {
-        let show = Show::new(context, "networks", folder.path(), self.checkpoints.every()?);
-        let mut study =
-            Study::train(dataset, options, &show).map_err(|error| show.failure(error, folder.path()))?;
-        show.keeper.tell_seconds(&mut study);
-        let networks: usize = study.mappings.iter().map(|m| m.surrogate.networks().len()).sum();
-        show.end(|| format!("{networks} networks and as many that see strain only"));
-        Ok(study)
-    }
-
-    fn tell(&self, context: &Context, study: &Study, dataset: &Dataset) -> Result<(), Failure> {
+        differences: &[Difference],
+    ) -> Result<(), Failure> {
+        let spread = Spread::of(differences);
         let mappings: BTreeMap<String, MappingSummary> = study
             .evaluate(dataset)?
             .iter()
@@ -255,10 +298,12 @@ impl Train {
             "study": self.out,
             "dataset_hash": study.dataset_hash,
             "training_seconds": study.training_seconds(),
-            "mappings": mappings,
+            "runs_differ_in": spread.keys(),
+            "mappings": spread.renamed(json!(mappings)),
         });
         output::say(context, &result, || {
-            let mut lines = scores::lines(&mappings);
+            let mut lines = scores::lines(&mappings, spread.name());
+            lines.extend(spread.explanation());
             lines.push(format!("wrote {}", self.out.display()));
             lines.join("\n")
         })

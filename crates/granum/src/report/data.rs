@@ -2,9 +2,10 @@
 
 use granum_dem::assembly::Assembly;
 use granum_hybrid::HybridError;
+use granum_hybrid::files::series_of;
 use granum_io::run::{RunRecord, RunStatus};
 use granum_io::{Case, Run};
-use granum_sensors::Record;
+use granum_sensors::{Record, Series};
 use serde::{Deserialize, Serialize};
 
 /// One DEM run.
@@ -20,6 +21,9 @@ pub struct RunReport {
     pub run: RunRecord,
     /// What the sensors saw.
     pub record: Record,
+    /// The course of the preparation; empty where it was not recorded.
+    #[serde(default)]
+    pub preparation: Series,
     /// The sample before shear, for pictures.
     pub start: Option<Assembly>,
     /// The assembly at the end, for pictures.
@@ -64,12 +68,19 @@ impl RunReport {
         let names = run.snapshots()?;
         let snapshot =
             |name: &str| names.iter().find(|found| *found == name).map(|name| run.snapshot(name)).transpose();
+        let about = run.record()?;
         Ok(RunReport {
             name: run.path().file_name().map_or("run".to_owned(), |name| name.to_string_lossy().into_owned()),
             role,
             case: run.case()?,
-            run: run.record()?,
-            record: granum_hybrid::files::read_record(run)?,
+            // A sample has none.
+            record: if about.kind == "prepare" {
+                Record::default()
+            } else {
+                granum_hybrid::files::read_record(run)?
+            },
+            run: about,
+            preparation: run.preparation()?.map_or_else(Series::default, |table| series_of(&table)),
             start: snapshot(granum_hybrid::laboratory::SAMPLE)?,
             end: snapshot(granum_hybrid::laboratory::END)?,
         })
@@ -78,6 +89,23 @@ impl RunReport {
     /// Whether the test reached its end.
     pub fn is_complete(&self) -> bool {
         self.run.status == RunStatus::Finished
+    }
+
+    /// Number of grains: those of the packing where the sample is made of one.
+    pub fn grains(&self) -> usize {
+        self.run.packing.as_ref().map_or(self.case.grains.count, |packing| packing.grains)
+    }
+
+    /// Mean diameter of the grains, m, and half the range of the diameters over it.
+    pub fn diameter(&self) -> (f64, f64) {
+        let of_case = (self.case.grains.diameter, self.case.grains.spread);
+        self.run.packing.as_ref().map_or(of_case, |packing| (packing.mean_diameter, packing.spread))
+    }
+
+    /// Mean stress, Pa: of the test, or of a sample that was not sheared.
+    pub fn mean_stress(&self) -> f64 {
+        let of_test = self.case.shear.mean_stress.filter(|_| self.run.kind != "prepare");
+        of_test.unwrap_or(self.case.preparation.mean_stress)
     }
 
     /// Wall time of all phases, s.
@@ -100,9 +128,12 @@ impl RunReport {
         self.points("deviator_strain", y)
     }
 
-    /// The first value of a column: the sample before shear.
+    /// The first value of a column: the sample before shear. Of a sample that was not sheared, what was measured of it.
     pub fn first(&self, name: &str) -> Option<f64> {
-        self.column(name).first().copied()
+        match self.run.kind.as_str() {
+            "prepare" => self.run.measures.get(name).copied(),
+            _ => self.column(name).first().copied(),
+        }
     }
 
     /// The row where a column is largest.
@@ -111,15 +142,9 @@ impl RunReport {
         (0..values.len()).filter(|&k| values[k].is_finite()).max_by(|&a, &b| values[a].total_cmp(&values[b]))
     }
 
-    /// Mean of a column over the last fifth of the strain.
+    /// Mean of a column over the last quarter of the strain.
     pub fn late_mean(&self, name: &str) -> Option<f64> {
-        let strain = self.column("deviator_strain");
-        let end = *strain.last()?;
-        let late: Vec<f64> = (strain.iter().zip(self.column(name)))
-            .filter(|(strain, value)| **strain >= 0.8 * end && value.is_finite())
-            .map(|(_, value)| *value)
-            .collect();
-        (!late.is_empty()).then(|| late.iter().sum::<f64>() / late.len() as f64)
+        granum_hybrid::laboratory::late_mean(self.column("deviator_strain"), self.column(name))
     }
 }
 
@@ -144,7 +169,8 @@ mod tests {
         let run = RunReport { record: Record { series, forces: Vec::new() }, ..Default::default() };
         assert_eq!(run.against_strain("stress_ratio").len(), 4);
         assert_eq!(run.peak_row("stress_ratio"), Some(1));
-        assert_eq!(run.late_mean("stress_ratio"), Some(0.7));
+        // From 0.225 to 0.3, between the state at 0.1, 0.9, and the one at 0.3, 0.7.
+        assert!((run.late_mean("stress_ratio").unwrap() - 0.7375).abs() < 1e-12);
         assert_eq!(run.first("stress_ratio"), Some(0.0));
         assert!(run.column("nothing").is_empty() && run.peak_row("nothing").is_none());
         assert_eq!(RunReport::default().late_mean("stress_ratio"), None);

@@ -101,7 +101,7 @@ pub fn figure(run: &RunReport) -> Option<(Figure, String)> {
         .with(Layer::stroked(vec![[0.0, 0.0], [1.0, 0.0]], Stroke::new(GREY, 0.8)))
         .with(Layer::line(points(&error), color(0)));
     let panels = vec![Panel::plot(energies), Panel::plot(closing)];
-    let caption = "(a) Work of the boundary since the first recorded state, and what became of it, over the whole of it; \
+    let caption = "(a) Work of the boundary since the first recorded state, and what became of it, as shares of that work; \
                    what is elastic (dashed) can be given back. (b) Boundary work that no mechanism accounts for, over the same.";
     Some((Figure::new("Energy by mechanism against deviator strain", 2, panels), caption.to_owned()))
 }

@@ -11,6 +11,7 @@ mod material;
 mod networks;
 mod numbers;
 mod page;
+mod preparation;
 mod run;
 mod sample;
 mod study;
@@ -20,5 +21,6 @@ mod trust;
 
 pub use data::{Role, RunReport};
 pub use page::Document;
+pub use preparation::report as sample_report;
 pub use run::report as run_report;
 pub use study::{StudyReport, report as study_report};

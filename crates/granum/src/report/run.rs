@@ -7,7 +7,7 @@ use super::forces;
 use super::material;
 use super::numbers::{duration, factor, quantity, significant, whole};
 use super::page::{Document, Page, paragraphs, rich, tiles};
-use super::{sample, trust};
+use super::{preparation, sample, trust};
 
 /// How signs and axes are meant; said once in every report.
 pub const SIGNS: &str = "Compression is positive, for stress, strain and normal force. Axis 1 is the axis of compression, \
@@ -24,13 +24,15 @@ pub fn report(run: &RunReport) -> Document {
     page.section("forces", "How the forces are spread", spread);
     let trust = trust::section(&mut page, runs);
     page.section("quality", "Can it be trusted?", trust);
+    let preparation =
+        preparation::figure(run).map(|(figure, caption)| page.own_figure("preparation", &caption, &figure));
     let label = page.own_table_label();
     page.section(
         "case",
         "The sample and the case",
         html! {
-            @if let Some(table) = sample::table(&label, runs) { (table.html()) }
-            (paragraphs(&sample::reading(runs)))
+            (sample::own_table(&label, run).html())
+            @if let Some(preparation) = preparation { (preparation) }
             (case_details(run))
         },
     );
@@ -45,7 +47,7 @@ pub fn report(run: &RunReport) -> Document {
 fn subtitle(run: &RunReport) -> String {
     let case = &run.case;
     let mut parts = vec![
-        format!("{} grains", whole(case.grains.count as f64)),
+        whose_grains(run),
         sample::law(case.contact.normal, case.contact.tangential),
         format!(
             "axisymmetric compression at *p* = {}",
@@ -56,6 +58,15 @@ fn subtitle(run: &RunReport) -> String {
         parts.push(format!("granum {}", run.run.granum_version));
     }
     parts.join(" · ")
+}
+
+/// How many grains there are, and of which packing where they are of one.
+pub fn whose_grains(run: &RunReport) -> String {
+    let grains = format!("{} grains", whole(run.grains() as f64));
+    match &run.run.packing {
+        Some(packing) => format!("{grains} of {}", packing.file_name),
+        None => grains,
+    }
 }
 
 fn headline(run: &RunReport) -> Vec<[String; 3]> {
@@ -70,7 +81,7 @@ fn headline(run: &RunReport) -> Vec<[String; 3]> {
     let where_peak =
         at("deviator_strain").map_or(String::new(), |e| format!("at *ε*_{{d}} = {}", significant(e, 2)));
     tile(at("stress_ratio"), 3, "peak *q*/*p*", where_peak);
-    tile(run.late_mean("stress_ratio"), 3, "late *q*/*p*", "mean over the last fifth of the strain".into());
+    tile(run.late_mean("stress_ratio"), 3, "late *q*/*p*", "mean over the last quarter of the strain".into());
     tile(run.first("solid_fraction"), 3, "solid fraction before shear", String::new());
     let z = run
         .first("coordination_number")
@@ -129,7 +140,13 @@ pub fn force_section(page: &mut Page, run: &RunReport) -> Markup {
 
 /// The whole case, its digest and the machine.
 pub fn case_details(run: &RunReport) -> Markup {
-    let mut facts = vec![format!("Case digest {}; seed {}.", run.case.digest(), run.case.preparation.seed)];
+    let digest = run.case.digest_with(run.run.packing_digest());
+    let mut facts = vec![match &run.run.packing {
+        Some(packing) => {
+            format!("Case digest {digest}; packing {}, SHA-256 {}.", packing.file_name, packing.sha256)
+        }
+        None => format!("Case digest {digest}; seed {}.", run.case.preparation.seed),
+    }];
     let machine = &run.run.machine;
     if !machine.system.is_empty() {
         facts.push(format!(
@@ -140,6 +157,6 @@ pub fn case_details(run: &RunReport) -> Markup {
     facts.extend(run.run.notes.iter().cloned());
     html! {
         (paragraphs(&facts))
-        details { summary { "The case in full" } pre { (run.case.resolved_toml()) } }
+        details { summary { "The case in full" } pre { (run.case.resolved_toml_with(run.run.packing.as_ref().map(|packing| packing.file_name.as_str()))) } }
     }
 }

@@ -79,16 +79,17 @@ pub fn reading(runs: &[RunReport]) -> Vec<String> {
     sentences
 }
 
-/// The sample beside the paper's; without runs nothing.
-pub fn table(label: &str, runs: &[RunReport]) -> Option<Table> {
-    let case = &runs.first()?.case;
-    let grains = &case.grains;
-    let material = &grains.material;
-    let caption = "The sample and the test beside the paper\u{2019}s. A dash: the paper does not say.";
-    let mut table = Table::new(label, caption, &["Quantity", "Paper", "Here"]);
-    let mut row = |name: &str, paper: &str, here: String| table.row(vec![name.into(), paper.into(), here]);
-    row("Grains", "5000", whole(grains.count as f64));
-    row("Diameter", "0.1 mm", format!("{} mm", significant(1e3 * grains.diameter, 3).trim_end_matches('0')));
+/// What is said of a sample and its test: name, the paper's value and the one here.
+fn rows(runs: &[RunReport]) -> Vec<[String; 3]> {
+    let Some(run) = runs.first() else { return Vec::new() };
+    let (case, material) = (&run.case, &run.case.grains.material);
+    let mut rows = Vec::new();
+    let mut row = |name: &str, paper: &str, here: String| rows.push([name.into(), paper.into(), here]);
+    if let Some(packing) = &run.run.packing {
+        row("Packing", "–", packing.file_name.clone());
+    }
+    row("Grains", "5000", whole(run.grains() as f64));
+    row("Diameter", "0.1 mm", diameter(run));
     row("Young\u{2019}s modulus *E*", "70 GPa", quantity(material.youngs_modulus, "Pa"));
     row("Poisson\u{2019}s ratio *ν*", "0.3", trimmed(material.poissons_ratio));
     row("Friction *μ*", "0.3", trimmed(material.friction));
@@ -100,13 +101,11 @@ pub fn table(label: &str, runs: &[RunReport]) -> Option<Table> {
         law(case.contact.normal, case.contact.tangential),
     );
     row("Contact damping", "–", format!("{} of critical", trimmed(case.contact.damping)));
-    row(
-        "Mean stress *p*",
-        "20 kPa",
-        quantity(case.shear.mean_stress.unwrap_or(case.preparation.mean_stress), "Pa"),
-    );
-    row("Rate of strain", "10^{−5} s^{−1}", rate(&case.shear.rate));
-    row("Deviator strain at the end", "0.3", trimmed(case.shear.deviator_strain));
+    row("Mean stress *p*", "20 kPa", quantity(run.mean_stress(), "Pa"));
+    if run.run.kind != "prepare" {
+        row("Rate of strain", "10^{−5} s^{−1}", rate(&case.shear.rate));
+        row("Deviator strain at the end", "0.3", trimmed(case.shear.deviator_strain));
+    }
     let start =
         |column: &str| mean_start(runs, column).map_or("–".to_owned(), |value| significant(value, 3));
     row("Solid fraction", "0.61", start("solid_fraction"));
@@ -116,11 +115,47 @@ pub fn table(label: &str, runs: &[RunReport]) -> Option<Table> {
         let paper = if column == "mechanical_coordination_number" { "4.8" } else { "–" };
         row(&name, paper, start(column));
     }
+    rows
+}
+
+/// Mean diameter, and how far the diameters go around it where they differ.
+fn diameter(run: &RunReport) -> String {
+    let (mean, spread) = run.diameter();
+    let mean = significant(1e3 * mean, 3);
+    let mean = if mean.contains('.') { mean.trim_end_matches('0').trim_end_matches('.') } else { &mean };
+    if spread > 0.0 {
+        format!("{mean} mm ± {} %", significant(100.0 * spread, 2))
+    } else {
+        format!("{mean} mm")
+    }
+}
+
+/// The sample beside the paper's; without runs nothing.
+pub fn table(label: &str, runs: &[RunReport]) -> Option<Table> {
+    runs.first()?;
+    let caption = "The sample and the test beside the paper\u{2019}s. A dash: the paper does not say.";
+    let mut table = Table::new(label, caption, &["Quantity", "Paper", "Here"]);
+    for row in rows(runs) {
+        table.row(row.into());
+    }
     if runs.len() > 1 {
         table.note =
             format!("Values of the sample are means over {} samples that differ in their seed.", runs.len());
     }
     Some(table)
+}
+
+/// The sample and the test of one run by themselves.
+pub fn own_table(label: &str, run: &RunReport) -> Table {
+    let caption = match run.run.kind.as_str() {
+        "prepare" => "The sample.",
+        _ => "The sample, as the test began, and the test.",
+    };
+    let mut table = Table::new(label, caption, &["Quantity", "Value"]);
+    for [name, _, here] in rows(std::slice::from_ref(run)) {
+        table.row(vec![name, here]);
+    }
+    table
 }
 
 fn trimmed(value: f64) -> String {

@@ -8,6 +8,7 @@ use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 
 use granum_hybrid::Summary;
+use granum_hybrid::reproduction::{Reproduction, ReproductionOptions};
 use granum_hybrid::summary::RunSummary;
 use serde_json::{Value, json};
 
@@ -103,7 +104,7 @@ fn names_in_studies_lead_nowhere() {
     let (good_study, good_plan) = (fs::read(&study).unwrap(), fs::read(&plan).unwrap());
     for name in hostile(&place) {
         change(&study, |file| file["mappings"][0]["mapping"]["name"] = json!(name));
-        let words = "can be no part of a file's name";
+        let words = "cannot be part of the name of a file";
         place.refused(words, &["evaluate", "study", "run-1"]);
         place.refused(words, &["predict", "study", "-m", name.split('\0').next().unwrap(), "-s", "x=1"]);
         place.harmless(&["report", "study"]);
@@ -198,6 +199,9 @@ fn reproductions_lead_nowhere() {
         }
     }
     // The folder of a reproduction whose runs are elsewhere.
+    let options = ReproductionOptions { quick: true, ..ReproductionOptions::default() };
+    let of = Reproduction::new(options, vec!["training-11".into()]);
+    of.write(&work.join("study")).unwrap();
     symlink("../../outside", work.join("study/runs")).unwrap();
     place.refused("runs: is a link", &["reproduce", "--quick", "--out", "study"]);
     fs::remove_file(work.join("study/runs")).unwrap();
@@ -212,5 +216,20 @@ fn reproductions_lead_nowhere() {
         fs::write(work.join("study/summary.json"), serde_json::to_vec(&summary).unwrap()).unwrap();
         place.harmless(&["status", "study"]);
         place.refused("is neither training nor unseen", &["report", "study", "--force"]);
+    }
+    // What the folder says that it is of leads nowhere either.
+    let file = work.join("study/reproduction.json");
+    for name in hostile(&place) {
+        of.write(&work.join("study")).unwrap();
+        change(&file, |file| file["options"]["trainer"] = json!(name));
+        place
+            .refused("already holds an unfinished reproduction", &["reproduce", "--quick", "--out", "study"]);
+        place.harmless(&["resume", "study"]);
+        change(&file, |file| file["runs"][0] = json!(name));
+        for command in
+            [&["status", "study"][..], &["resume", "study"], &["reproduce", "--force", "--out", "study"]]
+        {
+            place.refused("cannot be part of the name of a file", command);
+        }
     }
 }

@@ -4,9 +4,16 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod escape;
+mod mixed;
 mod networks;
+mod nothing_lost;
+mod packings;
+mod recordings;
 mod refusals;
+mod settings;
 mod tests_of_grains;
+mod tutorial;
+mod words;
 
 use std::path::Path;
 
@@ -27,7 +34,7 @@ deviator_strain = 0.02
 inertial_number = 3e-3
 [recording]
 states = 8
-looks = 3
+observations_per_state = 3
 "#;
 
 /// Runs granum, which must succeed, and gives what it printed.

@@ -8,13 +8,19 @@ use crate::{SMALL, done, done_json, refused};
 
 /// A test over the whole range of strain, with enough states for every sub-model.
 pub fn make_run(here: &Path, seed: u64) {
+    make_run_of(here, &format!("run-{seed}"), |case| {
+        case.replace("[preparation]", &format!("[preparation]\nseed = {seed}"))
+    });
+}
+
+/// Such a test of a case that was changed.
+pub fn make_run_of(here: &Path, name: &str, change: impl FnOnce(&str) -> String) {
     let case = SMALL
-        .replace("[preparation]", &format!("[preparation]\nseed = {seed}"))
         .replace("deviator_strain = 0.02", "deviator_strain = 0.3")
         .replace("inertial_number = 3e-3", "inertial_number = 1e-2")
         .replace("states = 8", "states = 40");
-    std::fs::write(here.join("case.toml"), case).unwrap();
-    done(here, &["shear", "case.toml", "--out", &format!("run-{seed}")]);
+    std::fs::write(here.join("case.toml"), change(&case)).unwrap();
+    done(here, &["shear", "case.toml", "--out", name]);
 }
 
 fn close(a: &Value, b: &Value) -> bool {
@@ -33,7 +39,7 @@ fn a_study_is_trained_judged_and_asked() {
     train.extend(quick);
     let trained = done_json(here, &train);
     let message = refused(here, 1, &train);
-    assert!(message.contains("study exists already; give --force"), "{message}");
+    assert!(message.contains("study already holds a finished training"), "{message}");
 
     // The same scores from the saved files as at the end of training, and the same ones again.
     let judged = done_json(here, &["evaluate", "study", "run-2"]);

@@ -28,7 +28,10 @@ fn a_small_case_from_sample_to_report_and_one_digest_on_any_hardware() {
     assert!((status["deviator_strain"].as_f64().unwrap() - 0.02).abs() < 2e-3, "{status}");
 
     let message = refused(here, 1, &["shear", "case.toml", "--out", "one"]);
-    assert!(message.contains("one exists already; give --force"), "{message}");
+    assert!(
+        message.contains("one already holds a finished test; to continue from that: `granum report one`"),
+        "{message}"
+    );
     let message = refused(here, 1, &["train", "sample", "--out", "study"]);
     assert!(message.contains("sample: is a sample, not a test"), "{message}");
 
@@ -42,6 +45,14 @@ fn reports(here: &Path) {
     assert!(figures >= 6 && told["figure_files"] == figures, "{told}");
     let page = std::fs::read_to_string(here.join("one/report.html")).unwrap();
     assert!(page.contains("150 grains") && page.contains("<svg"), "{}", page.len());
+    for words in ["The paper", "the paper", "paper\u{2019}s", "We kept"] {
+        assert!(!page.contains(words), "a run's own report says {words:?}");
+    }
+    // The energy ledger closes to one figure, that of the check.
+    let gap =
+        page.split("Energy ledger, gap over boundary work").nth(1).and_then(|rest| rest.split("<b>").nth(1));
+    let gap = gap.and_then(|rest| rest.split("</b>").next()).unwrap();
+    assert!(page.contains(&format!("the ledger closes to {gap} of that work")), "{gap}");
     let message = refused(here, 1, &["report", "one"]);
     assert!(message.contains("report.html exists already"), "{message}");
     done(here, &["report", "one", "--force"]);
@@ -79,16 +90,32 @@ fn an_interrupted_run_tells_how_to_go_on_and_ends_in_the_same_bits() {
     assert!(signalled.success());
     let ended = child.wait_with_output().unwrap();
     assert_eq!(ended.status.code(), Some(130), "{}", stderr(&ended));
-    assert!(stderr(&ended).contains("go on with `granum resume broken`"), "{}", stderr(&ended));
+    assert!(stderr(&ended).contains("continue with `granum resume broken`"), "{}", stderr(&ended));
 
     let status = done_json(here, &["status", "broken"]);
     assert_eq!(status["status"], "interrupted");
-    assert_eq!(status["next"], "go on with it: granum resume broken");
+    assert_eq!(status["next"], "continue it: granum resume broken");
     let half = run(here, &["digest", "broken"]);
     assert!(String::from_utf8_lossy(&half.stdout).contains("of the part that is done"));
     done(here, &["resume", "broken"]);
     done(here, &shear("straight"));
     assert_eq!(digest(here, "broken"), digest(here, "straight"));
+}
+
+#[test]
+fn more_threads_than_processors_are_not_taken_and_no_speed_is_told_before_it_is_known() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    std::fs::write(here.join("case.toml"), SMALL).unwrap();
+    let output = run(here, &["shear", "case.toml", "--threads", "1000", "--checkpoint-every", "0.1"]);
+    let told = stderr(&output);
+    assert!(output.status.success() && told.contains("warning: --threads 1000: this machine has"), "{told}");
+    assert!(told.contains("solid fraction") && !told.contains(" 0.0 M") && !told.contains(" 0 k"), "{told}");
+    let record = granum_io::Run::at(here.join("run")).unwrap().record().unwrap();
+    assert_eq!(record.machine.threads, record.machine.available_threads);
+    let output = run(here, &["--json", "prepare", "case.toml", "--threads", "1000"]);
+    let warning = crate::common::json(stderr(&output).lines().next().unwrap());
+    assert!(warning["warning"].as_str().unwrap().contains("results do not depend on it"), "{warning}");
 }
 
 #[test]
@@ -100,6 +127,12 @@ fn forces_of_the_shipped_packing_are_those_known() {
     let mean_stress = told["mean_stress"].as_f64().unwrap();
     assert!((mean_stress - 20000.025).abs() < 0.01, "{mean_stress}");
     let table = granum_io::read_table(here.join("forces.csv")).unwrap();
+    let whole = done_json(here, &["forces", packing, "--normal", "hertz"]);
+    assert_eq!(whole["forces"]["id"][4], 5);
+    for name in ["fx", "tz"] {
+        let values: Vec<f64> = serde_json::from_value(whole["forces"][name].clone()).unwrap();
+        assert_eq!(values, table.column(name).unwrap());
+    }
     assert_eq!(table.rows(), 5000);
     for name in ["tx", "ty", "tz"] {
         assert!(table.column(name).unwrap().iter().all(|torque| *torque == 0.0), "{name}");

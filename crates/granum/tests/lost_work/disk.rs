@@ -135,7 +135,7 @@ fn signals_end_a_preparation_in_good_order_and_a_second_process_is_refused() {
         let ended = interrupted(here, signal, &["prepare", "case.toml", "--out", name], &wait_for);
         let told = stderr(&ended);
         assert_eq!(ended.status.code(), Some(130), "{told}");
-        assert!(told.contains(&format!("go on with `granum resume {name}`")), "{told}");
+        assert!(told.contains(&format!("continue with `granum resume {name}`")), "{told}");
         let status = json(&stdout(&run(here, &["--json", "status", name])));
         assert_eq!(status["status"], "interrupted");
         assert!(status["phase"].as_str().unwrap().starts_with("compaction"), "{status}");
@@ -170,6 +170,6 @@ fn signals_end_a_preparation_in_good_order_and_a_second_process_is_refused() {
     // Broken off before the test: what there is to do is told.
     let output = run(here, &["report", "busy"]);
     assert_eq!(output.status.code(), Some(1));
-    assert!(stderr(&output).contains("go on with `granum resume busy`"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("continue it with `granum resume busy`"), "{}", stderr(&output));
     done(here, &["resume", "busy"]);
 }

@@ -27,7 +27,7 @@ deviator_strain = 0.05
 inertial_number = 3e-3
 [recording]
 states = 8
-looks = 3
+observations_per_state = 3
 "#;
 
 /// Runs granum, which must succeed.

@@ -26,12 +26,11 @@ fn any_threads_instruction_set_and_interval_leave_the_same_bytes() {
     }
     shear("often", &["--checkpoint-every", "0"]);
     shear("two-threads", &["--threads", "2"]);
-    // Four threads wait for each other a lot where there are fewer processors; the shorter half has to do.
     done(here, &["prepare", "case.toml", "--out", "sample"]);
     shear("from-sample", &["--sample", "sample", "--threads", "4"]);
 
     // Other recordings see other series of the very same grains.
-    let more = case.replace("states = 8", "states = 50").replace("looks = 3", "looks = 10");
+    let more = case.replace("states = 8", "states = 50").replace("per_state = 3", "per_state = 10");
     fs::write(here.join("case.toml"), more).unwrap();
     done(here, &["shear", "case.toml", "--out", "recorded"]);
     let bytes = |run: &str, name: &str| fs::read(here.join(run).join(name)).unwrap();

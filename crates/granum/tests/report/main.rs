@@ -172,7 +172,7 @@ fn a_run_is_read_from_its_folder_as_it_was_written() {
     let path = folder.path().join("run-5");
     {
         let out = granum_io::RunFolder::create(&path, false).expect("a new folder");
-        out.write_case(&run.case).expect("written");
+        out.write_case(&run.case, None).expect("written");
         out.write_record(&run.run).expect("written");
         granum_hybrid::files::write_record(&out, &run.record).expect("written");
         for (name, assembly) in

@@ -74,8 +74,19 @@ pub struct Course {
     /// The instruction sets beside `isa` too, for the last law at the first size.
     pub others: bool,
     pub seconds: f64,
+    /// One stretch of given steps in place of the best of several.
+    pub stretch: Option<Stretch>,
     pub time_step: Option<f64>,
     pub strain_rate: Option<f64>,
+}
+
+/// Steps that are measured once: other programs can go through the same ones.
+#[derive(Clone, Copy)]
+pub struct Stretch {
+    /// Steps from the packing to the first that counts.
+    pub skipped: u64,
+    /// Steps that count.
+    pub steps: u64,
 }
 
 /// A figure.
@@ -86,22 +97,36 @@ pub struct Figure {
     grains: usize,
     threads: usize,
     isa: &'static str,
+    /// Of the best stretch.
     grain_steps_per_second: f64,
+    /// Of all stretches together: all their steps over all their time.
+    mean_grain_steps_per_second: f64,
     /// Over the first number of threads.
     speed_up: f64,
     /// The same of arithmetic alone, measured in between.
-    arithmetic_speed_up: f64,
+    arithmetic_speed_up: Option<f64>,
     steps: u64,
 }
 
 /// All figures, printed as they come. All laws are measured at the first size, the last law at the others.
 pub fn measure(context: &Context, packing: &Packing, course: &Course) -> Result<Vec<Figure>, Failure> {
-    course.grains.iter().try_for_each(|&size| check_memory(size))?;
+    for &size in &course.grains {
+        check_memory(size)?;
+        check_size(size, packing.grains.len())?;
+    }
     let mut figures = Vec::new();
     if !context.json {
         println!(
-            "{:<7} {:<20} {:>9} {:>8} {:>9} {:>18} {:>9} {:>14}",
-            "normal", "tangential", "grains", "threads", "isa", "M grain-steps/s", "speed-up", "arithmetic's"
+            "{:<7} {:<20} {:>9} {:>8} {:>9} {:>18} {:>9} {:>9} {:>14}",
+            "normal",
+            "tangential",
+            "grains",
+            "threads",
+            "isa",
+            "M grain-steps/s",
+            "mean",
+            "speed-up",
+            "arithmetic's"
         );
     }
     let mut take = |law: Law, packing: &Packing, hardware: &[Hardware]| -> Result<(), Failure> {
@@ -131,13 +156,16 @@ pub fn measure(context: &Context, packing: &Packing, course: &Course) -> Result<
 
 fn print(figure: &Figure, compared: bool) {
     let Figure { normal, tangential, grains, threads, isa, .. } = figure;
-    let rate = figure.grain_steps_per_second / 1e6;
+    let (rate, mean) = (figure.grain_steps_per_second / 1e6, figure.mean_grain_steps_per_second / 1e6);
     let speed_up = if compared {
-        format!("{:>9.2} {:>14.2}", figure.speed_up, figure.arithmetic_speed_up)
+        let arithmetic = figure.arithmetic_speed_up.map_or("-".into(), |speed_up| format!("{speed_up:.2}"));
+        format!("{:>9.2} {arithmetic:>14}", figure.speed_up)
     } else {
         String::new()
     };
-    println!("{normal:<7} {tangential:<20} {grains:>9} {threads:>8} {isa:>9} {rate:>18.2} {speed_up}");
+    println!(
+        "{normal:<7} {tangential:<20} {grains:>9} {threads:>8} {isa:>9} {rate:>18.2} {mean:>9.2} {speed_up}"
+    );
 }
 
 /// Refuses a size that the machine cannot hold.
@@ -152,9 +180,22 @@ fn check_memory(grains: usize) -> Result<(), Failure> {
     })
 }
 
-/// The packing beside itself until it has about so many grains, as near a cube as it comes.
+/// Refuses a size that whole copies of the packing do not make: another would be measured than was asked for.
+fn check_size(grains: usize, base: usize) -> Result<(), Failure> {
+    if grains > 0 && grains.is_multiple_of(base) {
+        return Ok(());
+    }
+    let below = grains / base * base;
+    let near = if below == 0 { base.to_string() } else { format!("{below} or {}", below + base) };
+    Err(Failure::new(format!(
+        "--grains {grains}: the packing has {base} grains and is measured in whole copies side by side, so a multiple of {base} is \
+         possible (here {near}); for another size give a packing that has it, --packing FILE"
+    )))
+}
+
+/// Copies of the packing side by side that make so many grains, as near a cube as it comes.
 fn enlarged(packing: &Packing, grains: usize) -> Result<Packing, Failure> {
-    let mut copies = (grains as f64 / packing.grains.len() as f64).round().max(1.0) as usize;
+    let mut copies = grains / packing.grains.len();
     let mut counts = [1usize; 3];
     let mut factor = 2;
     let mut factors = Vec::new();
@@ -185,27 +226,35 @@ fn figures(
     let mut from = sheared(law, packing, course)?;
     let first = hardware.first().copied().unwrap_or_default();
     from.set_hardware(first);
+    if let Some(wanted) = course.stretch {
+        return one_stretch(context, law, packing.grains.len(), &from, hardware, wanted);
+    }
     let warm = warm_up(context, &mut from, 0.2 * course.seconds)?;
     // At most about the patience: slow machines and instruction sets see fewer steps than a list lives.
     let enough = FEWEST_STEPS.min((PATIENCE * course.seconds / warm) as u64);
     let steps = enough.max((course.seconds / 3.0 / warm) as u64).max(1);
     let mut best = vec![f64::INFINITY; hardware.len()];
     let mut arithmetic = vec![0.0; hardware.len()];
+    let mut sums = vec![0.0; hardware.len()];
     let mut made = 0;
     let clock = Instant::now();
     while made == 0 || clock.elapsed().as_secs_f64() < 0.9 * course.seconds * hardware.len() as f64 {
-        if let ([_], [best]) = (hardware, &mut best[..]) {
-            *best = best.min(stretch(context, &mut from, steps, warm)?);
+        if let ([_], [best], [sum]) = (hardware, &mut best[..], &mut sums[..]) {
+            let each = stretch(context, &mut from, steps, warm)?;
+            *best = best.min(each);
+            *sum += each * steps as f64;
             made += steps;
             continue;
         }
         let mut end = None;
-        for (hardware, best) in hardware.iter().zip(&mut best) {
+        for ((hardware, best), sum) in hardware.iter().zip(&mut best).zip(&mut sums) {
             // Only two are there at a time: they may be large.
             drop(end.take());
             let mut simulation = from.clone();
             simulation.set_hardware(*hardware);
-            *best = best.min(stretch(context, &mut simulation, steps, warm)?);
+            let each = stretch(context, &mut simulation, steps, warm)?;
+            *best = best.min(each);
+            *sum += each * steps as f64;
             end = Some(simulation);
         }
         for (hardware, sum) in hardware.iter().zip(&mut arithmetic) {
@@ -214,19 +263,62 @@ fn figures(
         made += steps;
         from = end.unwrap_or(from);
     }
-    let rates: Vec<f64> = best.iter().map(|each| packing.grains.len() as f64 / each).collect();
-    let figure = |((hardware, rate), sum): ((&Hardware, &f64), &f64)| Figure {
+    let grains = packing.grains.len() as f64;
+    let figure = |k: usize| Figure {
         normal: law.names.0,
         tangential: law.names.1,
         grains: packing.grains.len(),
-        threads: hardware.threads,
-        isa: hardware.isa.name(),
-        grain_steps_per_second: *rate,
-        speed_up: rate / rates[0],
-        arithmetic_speed_up: if hardware.threads == first.threads { 1.0 } else { sum / arithmetic[0] },
+        threads: hardware[k].threads,
+        isa: hardware[k].isa.name(),
+        grain_steps_per_second: grains / best[k],
+        mean_grain_steps_per_second: grains * made as f64 / sums[k],
+        speed_up: best[0] / best[k],
+        arithmetic_speed_up: Some(if hardware[k].threads == first.threads {
+            1.0
+        } else {
+            arithmetic[k] / arithmetic[0]
+        }),
         steps: made,
     };
-    Ok(hardware.iter().zip(&rates).zip(&arithmetic).map(figure).collect())
+    Ok((0..hardware.len()).map(figure).collect())
+}
+
+/// Goes through the same steps once for each number of threads, all of them from the packing as it is.
+fn one_stretch(
+    context: &Context,
+    law: Law,
+    grains: usize,
+    from: &Simulation,
+    hardware: &[Hardware],
+    wanted: Stretch,
+) -> Result<Vec<Figure>, Failure> {
+    let mut figures: Vec<Figure> = Vec::new();
+    for hardware in hardware {
+        let mut simulation = from.clone();
+        simulation.set_hardware(*hardware);
+        // Before anything is known of the machine a call is short.
+        let guess = 1e-6 * grains as f64;
+        let each = match wanted.skipped {
+            0 => guess,
+            skipped => stretch(context, &mut simulation, skipped, guess)?,
+        };
+        let rate = grains as f64 / stretch(context, &mut simulation, wanted.steps, each)?;
+        let first = figures.first().map_or(rate, |figure| figure.grain_steps_per_second);
+        figures.push(Figure {
+            normal: law.names.0,
+            tangential: law.names.1,
+            grains,
+            threads: hardware.threads,
+            isa: hardware.isa.name(),
+            grain_steps_per_second: rate,
+            mean_grain_steps_per_second: rate,
+            speed_up: rate / first,
+            // Steps that are measured once leave no time in between.
+            arithmetic_speed_up: None,
+            steps: wanted.steps,
+        });
+    }
+    Ok(figures)
 }
 
 /// The packing under shear.

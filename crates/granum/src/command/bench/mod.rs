@@ -23,8 +23,9 @@ const PACKING: &str = include_str!("../../../../../data/packing-5000.csv");
 /// Measure speed on this machine: grain-steps per second by law, size, threads and instruction set, and the networks.
 ///
 /// The packing is sheared at constant volume at an inertial number of 1e-3; larger samples are copies of it side by side.
-/// Every figure is the best of several stretches, in which all numbers of threads go through the same steps by turns. Beside
-/// their speed-up stands that of arithmetic in registers: what the processor itself gives. About a minute on two cores.
+/// Every figure is the best of several stretches, with the mean of all of them beside it; in a stretch all numbers of threads
+/// go through the same steps by turns. Beside their speed-up stands that of arithmetic in registers: what the processor itself
+/// gives. About a minute on two cores.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum bench\n  granum bench --threads 1,8 --grains 5000,1000000 --json > bench.json\n  granum bench \
@@ -40,7 +41,7 @@ pub struct Bench {
     /// Instruction set: portable, avx2 or avx512; the widest for every figure and the others for one by default.
     #[arg(long, value_name = "NAME")]
     isa: Option<String>,
-    /// Sizes, met by whole copies of the packing; the packing itself and 20 copies by default.
+    /// Sizes, multiples of the packing's number of grains; the packing itself and 20 copies by default.
     #[arg(long, value_name = "N,...", value_delimiter = ',')]
     grains: Vec<usize>,
     /// One pair of laws, as jkr,mindlin-deresiewicz; three pairs by default.
@@ -49,6 +50,12 @@ pub struct Bench {
     /// Time for each figure, s.
     #[arg(long, value_name = "S", default_value_t = 1.0, allow_negative_numbers = true)]
     seconds: f64,
+    /// Measure this many steps once, the same ones on every machine, in place of the best of several stretches.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    steps: Option<u64>,
+    /// Steps from the packing to the first of --steps.
+    #[arg(long, value_name = "N", requires = "steps", default_value_t = 0)]
+    skip_steps: u64,
     /// Time step of the engine's figures, s; a fraction of the stiffest contact's period by default.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     time_step: Option<f64>,
@@ -117,6 +124,7 @@ impl Bench {
             isa: isa.unwrap_or_else(Isa::detect),
             others: isa.is_none() && self.law.is_none(),
             seconds: self.seconds,
+            stretch: self.steps.map(|steps| dem::Stretch { skipped: self.skip_steps, steps }),
             time_step: self.time_step,
             strain_rate: self.strain_rate,
         })

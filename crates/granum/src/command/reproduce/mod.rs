@@ -3,12 +3,14 @@
 mod runs;
 mod study;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
 use granum_dem::config::Rate;
-use granum_hybrid::Summary;
+use granum_hybrid::contents::{Contents, Kind, check_free, taken};
+use granum_hybrid::reproduction::{Reproduction, ReproductionOptions, SUMMARY_FILE};
+use granum_hybrid::{HybridError, Summary};
 use granum_io::{Case, OutputFolder};
 use serde_json::json;
 
@@ -20,10 +22,13 @@ use crate::failure::Failure;
 use crate::output;
 use crate::progress::readable;
 
+/// Folders in that of a reproduction.
+const FOLDERS: [&str; 4] = ["runs", "models", "figures", "sizes"];
+
 /// Recompute Antony, Zhou and Wang (2006): three DEM tests, soft sensors, eighteen networks, comparison, report.
 ///
-/// One run trains the networks; two with other seeds are seen by none and judge them. Finished runs and networks are used
-/// again if their case has not changed.
+/// One run trains the networks; two with other seeds are seen by none and judge them. The folder keeps the options that it
+/// was made with: the same command, or `granum resume DIR`, goes on with it, and other options are refused.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum reproduce\n  granum reproduce --quick --out quick\n  granum reproduce --trainer traingdx"
@@ -32,7 +37,7 @@ pub struct Reproduce {
     /// 1000 grains, fewer states and a faster test: a minute to see that everything works, not to be cited.
     #[arg(long)]
     quick: bool,
-    /// Folder of the results; made if it is not there, gone on with if it is.
+    /// Folder of the results; made if it is not there, gone on with if it holds this very reproduction.
     #[arg(short, long, default_value = "reproduction", value_name = "DIR")]
     out: PathBuf,
     /// Trainer of the networks: levenberg-marquardt (with Bayesian regularisation) or traingdx (the paper's, with its
@@ -49,38 +54,102 @@ impl Reproduce {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let started = Instant::now();
         granum_nets::trainer::by_name(&self.trainer, &Default::default())?;
-        let folder = OutputFolder::open_or_create(&self.out)?;
-        let laboratory = self.hardware.laboratory(&self.checkpoints)?;
-        let runs = runs::all(context, &laboratory, &case(self.quick), folder.path())?;
+        let laboratory = self.hardware.laboratory(context, &self.checkpoints)?;
+        let case = case(self.quick);
+        let folder = self.folder(context)?;
+        if !context.force && self.is_finished(&folder, &case, &laboratory.version) {
+            return self.tell(context, &folder, &read_summary(folder.path())?, None);
+        }
+        let runs = runs::all(context, &laboratory, &case, &self.out)?;
         let summary = study::all(context, &folder, &runs, self)?;
-        let seconds = started.elapsed();
+        self.tell(context, &folder, &summary, Some(started))
+    }
+
+    /// The same reproduction again, as its folder says.
+    pub fn resumed(
+        out: &Path,
+        options: ReproductionOptions,
+        checkpoints: CheckpointFlags,
+        hardware: HardwareFlags,
+    ) -> Reproduce {
+        let ReproductionOptions { quick, trainer } = options;
+        Reproduce { quick, out: out.to_path_buf(), trainer, checkpoints, hardware }
+    }
+
+    /// The options that decide the results.
+    fn options(&self) -> ReproductionOptions {
+        ReproductionOptions { quick: self.quick, trainer: self.trainer.clone() }
+    }
+
+    /// The folder: new, that of this very reproduction to go on with, or with `--force` any reproduction's.
+    fn folder(&self, context: &Context) -> Result<OutputFolder, Failure> {
+        let wanted = Reproduction::new(self.options(), runs::names());
+        let Contents::Reproduction { .. } = Contents::of(&self.out)? else {
+            check_free(&self.out, Kind::Reproduction, context.force)?;
+            let folder = OutputFolder::create(&self.out, context.force)?;
+            wanted.write(folder.path())?;
+            return Ok(folder);
+        };
+        let folder = OutputFolder::open(&self.out)?;
+        folder.refuse_links(&FOLDERS)?;
+        let difference = match Reproduction::read(&self.out)? {
+            Some(of) if of.differences(&wanted).is_empty() => return Ok(folder),
+            Some(of) => format!(" that differs in {}", of.differences(&wanted).join(", ")),
+            None => " that does not say with which options it was made".to_string(),
+        };
+        if !context.force {
+            // Unlocked, so that nothing is at work in it.
+            drop(folder);
+            let mut refusal = taken(&self.out, &Contents::of(&self.out)?, "this one", true);
+            if let HybridError::Taken { holds, .. } = &mut refusal {
+                holds.push_str(&difference);
+            }
+            return Err(refusal.into());
+        }
+        // Runs and networks that fit are used again, others replaced one by one.
+        folder.clear(&[SUMMARY_FILE, "report.html", "models/study.json", "models/seconds.json"])?;
+        folder.clear_inside("figures", &[".svg"])?;
+        wanted.write(folder.path())?;
+        Ok(folder)
+    }
+
+    /// True if there is nothing left to do.
+    fn is_finished(&self, folder: &OutputFolder, case: &Case, version: &str) -> bool {
+        [SUMMARY_FILE, "report.html"].iter().all(|name| folder.file(name).is_file())
+            && runs::are_finished(folder.path(), case, version)
+    }
+
+    /// Tells of a reproduction that is finished, just now or before.
+    fn tell(
+        &self,
+        context: &Context,
+        folder: &OutputFolder,
+        summary: &Summary,
+        started: Option<Instant>,
+    ) -> Result<(), Failure> {
+        let (report, numbers) = (folder.file("report.html"), folder.file(SUMMARY_FILE));
+        let seconds = started.map(|started| started.elapsed());
         let result = json!({
-            "report": folder.file("report.html"),
-            "summary": folder.file("summary.json"),
-            "seconds": seconds.as_secs_f64(),
+            "report": report,
+            "summary": numbers,
+            "seconds": seconds.map(|seconds| seconds.as_secs_f64()),
         });
         output::say(context, &result, || {
-            format!(
-                "{}\nreport: {}\nnumbers: {}\ndone in {}",
-                table(&summary),
-                folder.file("report.html").display(),
-                folder.file("summary.json").display(),
-                readable(seconds)
-            )
+            let end = match seconds {
+                Some(seconds) => format!("done in {}", readable(seconds)),
+                None => "it was finished before; nothing was left to do".to_string(),
+            };
+            format!("{}\nreport: {}\nnumbers: {}\n{end}", table(summary), report.display(), numbers.display())
         })
     }
 }
 
-/// The command line that makes runs of a case and networks of a trainer again.
-pub(super) fn command_line(of: &Case, trainer: &str) -> String {
-    let mut quick_case = case(true);
-    quick_case.preparation.seed = of.preparation.seed;
-    let quick = if *of == quick_case { " --quick" } else { "" };
-    let trainer = match trainer {
-        "levenberg-marquardt" => String::new(),
-        other => format!(" --trainer {other}"),
-    };
-    format!("granum reproduce{quick}{trainer}")
+/// Reads the numbers of a finished reproduction.
+pub(super) fn read_summary(folder: &Path) -> Result<Summary, Failure> {
+    let path = folder.join(SUMMARY_FILE);
+    let text = std::fs::read_to_string(&path).map_err(granum_io::Error::file("read", &path))?;
+    serde_json::from_str(&text)
+        .map_err(|error| Failure::new(format!("{}: is no summary of a study ({error})", path.display())))
 }
 
 /// The paper's case, or a small and fast one like it.
@@ -99,7 +168,7 @@ fn case(quick: bool) -> Case {
 
 /// The mappings with their errors, for the terminal.
 fn table(summary: &Summary) -> String {
-    let mut lines = scores::lines(&summary.mappings);
+    let mut lines = scores::lines(&summary.mappings, "seed scatter");
     lines.push(format!(
         "networks answer {:.0} times faster than DEM ({:.0} s against {:.2e} s)",
         summary.speed.factor, summary.speed.dem_seconds, summary.speed.network_seconds

@@ -6,17 +6,20 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use granum_dem::preparation::Phase;
 use granum_hybrid::laboratory::{
-    GRAINS_PER_THREAD, Laboratory, LaboratoryError, RunObserver, Shared, Source, Status,
+    Field, GRAINS_PER_THREAD, Laboratory, LaboratoryError, RunObserver, Shared, Source, Status,
 };
+use granum_io::shell::quoted_path;
 use granum_io::{Case, Run, RunFolder, RunRecord, RunStatus, inner_folder};
 
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
-use crate::progress::Progress;
+use crate::progress::{Progress, Room};
 
 /// Roles and seeds of the runs. Not 1 to 3: samples of those seeds were looked at when defaults of the training were
 /// chosen (`StudyOptions::distribution_observations`), so they could no longer judge it.
 const RUNS: [(&str, u64); 3] = [("training", 11), ("unseen", 12), ("unseen", 13)];
+/// Folder of the runs.
+const FOLDER: &str = granum_hybrid::reproduction::RUNS;
 /// Share of the work that the preparation is of a whole run, for the bar.
 const PREPARATION_SHARE: f64 = 0.15;
 
@@ -48,8 +51,15 @@ impl RunObserver for Eyes<'_> {
             _ => done[self.number].max(PREPARATION_SHARE * status.simulation.state().solid_fraction()),
         };
         let all = done.iter().sum::<f64>() / done.len() as f64;
-        let name = format!("seed {} {}", RUNS[self.number].1, status.phase.name());
-        progress.update(Some(all), || format!("{name}  {}", status.line()));
+        let (seed, phase) = (RUNS[self.number].1, status.phase.name());
+        progress.update(Some(all), |room| match room {
+            Room::Line => vec![Field::new(0, format!("seed {seed} {phase}  {}", status.line()))],
+            Room::Screen => {
+                let mut fields = vec![Field::new(0, format!("seed {seed}")), Field::new(4, phase)];
+                fields.extend(status.fields());
+                fields
+            }
+        });
     }
     fn stop(&self) -> bool {
         self.board.context.stopped()
@@ -57,6 +67,30 @@ impl RunObserver for Eyes<'_> {
     fn warn(&mut self, text: &str) {
         self.board.context.warn(text);
     }
+}
+
+/// Names of the folders of the runs.
+pub fn names() -> Vec<String> {
+    RUNS.iter().map(|(role, seed)| format!("{role}-{seed}")).collect()
+}
+
+/// The case of every run.
+fn cases(case: &Case) -> Vec<Case> {
+    let with = |seed: u64| {
+        let mut case = case.clone();
+        case.preparation.seed = seed;
+        case
+    };
+    RUNS.iter().map(|&(_, seed)| with(seed)).collect()
+}
+
+/// True if every run has reached its end.
+pub fn are_finished(folder: &Path, case: &Case, version: &str) -> bool {
+    let answers = |(name, case): (String, Case)| {
+        let record = Run::at(folder.join(FOLDER).join(name)).and_then(|run| run.record());
+        record.is_ok_and(|record| record.answers(&case, version))
+    };
+    names().into_iter().zip(cases(case)).all(answers)
 }
 
 /// Makes all runs that are not there yet.
@@ -72,15 +106,19 @@ pub fn all(
         grains_per_thread: GRAINS_PER_THREAD,
         ..laboratory.clone()
     };
-    let runs = inner_folder(folder, "runs")?;
-    let jobs: Vec<(Case, PathBuf)> = RUNS
-        .iter()
-        .map(|&(role, seed)| {
-            let mut case = case.clone();
-            case.preparation.seed = seed;
-            Ok((case, inner_folder(&runs, &format!("{role}-{seed}"))?))
-        })
+    let runs = inner_folder(folder, FOLDER)?;
+    let jobs: Vec<(Case, PathBuf)> = cases(case)
+        .into_iter()
+        .zip(names())
+        .map(|(case, name)| Ok((case, inner_folder(&runs, &name)?)))
         .collect::<granum_io::Result<_>>()?;
+    for (case, path) in &jobs {
+        match check_own(&laboratory, case, path) {
+            // At once, so that a kill leaves no run that would be refused when this goes on without --force.
+            Err(_) if context.force => drop(RunFolder::create(path, true)?),
+            other => other?,
+        }
+    }
     let mut progress = context.progress();
     progress.phase("DEM");
     let board = Board { context, progress: Mutex::new((progress, vec![0.0; jobs.len()])) };
@@ -107,8 +145,8 @@ pub fn all(
     results.sort_by_key(|(number, _)| *number);
     for (_, result) in results {
         if result?.status == RunStatus::Interrupted {
-            let left =
-                format!("{} holds what was done; the same command goes on from there", folder.display());
+            let (name, quoted) = (folder.display(), quoted_path(folder));
+            let left = format!("{name} holds what was done; continue with `granum resume {quoted}`");
             return Err(Interrupted { left }.into());
         }
     }
@@ -117,14 +155,36 @@ pub fn all(
     Ok(RUNS.iter().zip(jobs).map(|(&(role, seed), (_, folder))| Done { role, seed, folder }).collect())
 }
 
+/// Refuses the folder of a run that is of another case or version, or whose record cannot be read: to make the run of this
+/// reproduction there would replace it.
+fn check_own(laboratory: &Laboratory, case: &Case, path: &Path) -> Result<(), Failure> {
+    if !path.join("run.json").is_file() {
+        return Ok(());
+    }
+    let otherwise = "give --force to run it again, or reproduce in another folder";
+    match Run::at(path)?.record() {
+        Ok(record) if is_of(&record, laboratory, case) => Ok(()),
+        Ok(record) => Err(Failure::new(format!(
+            "{}: holds a run of another case or version (granum {}) than this reproduction; {otherwise}",
+            path.display(),
+            record.granum_version
+        ))),
+        Err(error) => Err(Failure::new(format!("{error}; {otherwise}"))),
+    }
+}
+
+/// True if a run is or will be the run of this case by this version.
+fn is_of(record: &RunRecord, laboratory: &Laboratory, case: &Case) -> bool {
+    record.is_of(case) && record.granum_version == laboratory.version
+}
+
 /// One run: used again if finished, gone on with if it was begun, else made anew.
 fn one(laboratory: &Laboratory, case: &Case, path: &Path, eyes: &mut Eyes) -> Result<RunRecord, Failure> {
     if let Ok(record) = Run::at(path).and_then(|run| run.record()) {
         if record.answers(case, &laboratory.version) {
             return Ok(record);
         }
-        let same = record.case_digest == case.digest() && record.granum_version == laboratory.version;
-        if same {
+        if is_of(&record, laboratory, case) {
             let folder = RunFolder::open(path)?;
             match laboratory.resume(&folder, eyes) {
                 // A damaged checkpoint costs time, not the study: the run is made anew.

@@ -3,6 +3,7 @@
 use granum::report::{Role, RunReport, StudyReport, study_report};
 use granum_hybrid::figures::figures;
 use granum_hybrid::files::{save_study, write_json};
+use granum_hybrid::runs::{RunRole, StudyRun};
 use granum_hybrid::summary::{DemSummary, MappingSummary, RunSummary};
 use granum_hybrid::{
     Dataset, DatasetOptions, NamedRecord, SizeStudy, SizeStudyOptions, Study, StudyOptions, Summary, reading,
@@ -56,7 +57,7 @@ pub fn all(
     show.keeper.tell_seconds(&mut study);
     let networks: usize = study.mappings.iter().map(|m| m.surrogate.networks().len()).sum();
     show.end(|| format!("{networks} networks and as many that see strain only"));
-    save_study(&models, &study)?;
+    save_study(&models, &study, &known(runs)?)?;
 
     // Only needed until the summary holds what came of them.
     let sizes_folder = folder.subfolder(SIZES)?;
@@ -90,9 +91,7 @@ pub fn all(
     let report = StudyReport {
         summary,
         figures: figures(&study, &dataset)?,
-        command: reports
-            .first()
-            .map_or(String::new(), |run| super::command_line(&run.case, &arguments.trainer)),
+        command: arguments.options().command_line(None),
         runs: reports,
         dataset_hash: dataset.hash()?,
         network_seed: options.seed,
@@ -101,6 +100,12 @@ pub fn all(
     write_json(&folder.file("summary.json"), &report.summary)?;
     folder.clear_inside(SIZES, &[".json", ".unfinished", ".part"])?;
     Ok(report.summary)
+}
+
+/// What the study remembers of its runs.
+fn known(runs: &[Done]) -> Result<Vec<StudyRun>, Failure> {
+    let role = |run: &Done| if run.role == "training" { RunRole::Training } else { RunRole::Unseen };
+    runs.iter().map(|run| Ok(StudyRun::read(&Run::at(&run.folder)?, role(run))?)).collect()
 }
 
 fn dem_summary(reports: &[RunReport], runs: &[Done]) -> DemSummary {

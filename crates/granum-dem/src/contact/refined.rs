@@ -1,0 +1,180 @@
+//! A pair through a prescribed path whose answer does not depend on how far apart the rows of the path are.
+//!
+//! The tangential laws are incremental: a long step goes on with the stiffness at its start, misses how slip spreads, and
+//! so gives too large a force and too little hysteresis. The straight line between two rows is therefore cut into equal
+//! steps, twice as many each time, until the forces at the rows no longer change.
+
+use super::PairProperties;
+use super::pair::{PairError, PairRow, PathRow, drive_pair_in_steps};
+use crate::config::Contact;
+
+/// Most steps that a row is cut into.
+const MOST_STEPS: usize = 1 << 20;
+/// Most steps of a whole path: seconds of work.
+const MOST_STEPS_OF_PATH: usize = 1 << 27;
+
+/// The answer of [`drive_pair_refined`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct RefinedPath {
+    /// The forces at the rows of the path.
+    pub rows: Vec<PairRow>,
+    /// Equal steps between one row and the next.
+    pub steps: usize,
+    /// Largest change of a force against half as many steps, as a share of the largest force of its kind on the path.
+    pub change: f64,
+}
+
+/// Runs a path with the laws of `contact`, cutting the way between rows into 2, 4, 8 ... steps until no force at a row
+/// changes by more than `tolerance` times the largest force of its kind (normal, tangential) on the path.
+///
+/// # Errors
+/// As [`super::pair::drive_pair`]; [`PairError::NotConverged`] if that takes too many steps.
+pub fn drive_pair_refined(
+    contact: &Contact,
+    pair: &PairProperties,
+    path: &[PathRow],
+    tolerance: f64,
+) -> Result<RefinedPath, PairError> {
+    let most = MOST_STEPS.min(MOST_STEPS_OF_PATH / path.len().max(1)).max(2);
+    let mut steps = 1;
+    let mut rows = drive_pair_in_steps(contact, pair, path, steps)?;
+    loop {
+        steps *= 2;
+        let finer = drive_pair_in_steps(contact, pair, path, steps)?;
+        let (row, change) = largest_change(&rows, &finer);
+        if change <= tolerance {
+            return Ok(RefinedPath { rows: finer, steps, change });
+        }
+        if 2 * steps > most {
+            return Err(PairError::NotConverged { row: row + 1, steps, change, tolerance });
+        }
+        rows = finer;
+    }
+}
+
+/// The row where a force changes most, and by what share of the largest force of its kind.
+fn largest_change(coarse: &[PairRow], fine: &[PairRow]) -> (usize, f64) {
+    let kinds: [fn(&PairRow) -> f64; 2] = [|row| row.normal_force, |row| row.tangential_force];
+    let mut worst = (0, 0.0);
+    for force in kinds {
+        let largest = fine.iter().fold(0.0f64, |most, row| most.max(force(row).abs()));
+        for (k, (a, b)) in coarse.iter().zip(fine).enumerate() {
+            let change = (force(a) - force(b)).abs();
+            // A path without any such force has no change either.
+            if change > worst.1 * largest {
+                worst = (k, change / largest.max(f64::MIN_POSITIVE));
+            }
+        }
+    }
+    worst
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::{Material, NormalKind, TangentialKind};
+
+    const TOLERANCE: f64 = 1e-5;
+
+    fn pair() -> PairProperties {
+        let material = Material { interface_energy: 0.0, ..Material::default() };
+        PairProperties::new((&material, 5e-5), (&material, 5e-5), 0.0)
+    }
+
+    fn row(normal_approach: f64, tangential_displacement: f64) -> PathRow {
+        PathRow { normal_approach, tangential_displacement }
+    }
+
+    /// Mindlin and Deresiewicz 1953, at constant load: the curve of first loading over the limit mu N, the displacement
+    /// in units of that at which the contact slides.
+    fn loading(displacement: f64) -> f64 {
+        1.0 - (1.0 - displacement).max(0.0).powf(1.5)
+    }
+
+    #[test]
+    fn the_loop_of_mindlin_and_deresiewicz_comes_of_its_turning_points_alone() {
+        let p = pair();
+        let approach = 1e-8;
+        let radius = (p.effective_radius * approach).sqrt();
+        let limit = p.friction * 4.0 / 3.0 * p.effective_modulus * radius * approach;
+        // Tangential displacement at which the whole contact slides: 3 mu N / (16 G* a).
+        let slides = 1.5 * limit / (8.0 * p.effective_shear_modulus * radius);
+        let contact = Contact {
+            normal: NormalKind::Hertz,
+            tangential: TangentialKind::MindlinDeresiewicz,
+            damping: 0.1,
+        };
+        for amplitude in [0.1, 0.3, 0.6, 0.9] {
+            let at = |share: f64| row(approach, share * amplitude * slides);
+            let path = [row(approach, 0.0), at(1.0), at(0.0), at(-1.0), at(0.0), at(1.0)];
+            let answer = drive_pair_refined(&contact, &p, &path, TOLERANCE).unwrap();
+            // Unloading and reloading are the loading curve at twice the size, from the turning points.
+            let top = loading(amplitude);
+            let half = top - 2.0 * loading(0.5 * amplitude);
+            let wanted = [0.0, top, half, -top, -half, top];
+            for (k, (found, wanted)) in answer.rows.iter().zip(wanted).enumerate() {
+                let miss = (found.tangential_force / limit - wanted).abs();
+                assert!(
+                    miss < 2e-5,
+                    "amplitude {amplitude}, row {k}: misses by {miss} with {} steps",
+                    answer.steps
+                );
+            }
+            assert!(answer.change <= TOLERANCE && answer.steps > 2);
+        }
+    }
+
+    #[test]
+    fn rows_in_between_change_nothing() {
+        let p = pair();
+        for (normal, tangential) in [
+            (NormalKind::Hertz, TangentialKind::MindlinDeresiewicz),
+            (NormalKind::Hertz, TangentialKind::NoSlip),
+            (NormalKind::Jkr, TangentialKind::MindlinDeresiewicz),
+            (NormalKind::Jkr, TangentialKind::Peeling),
+        ] {
+            let material = Material { interface_energy: 0.1, ..Material::default() };
+            let p = if normal == NormalKind::Jkr {
+                PairProperties::new((&material, 5e-5), (&material, 5e-5), 0.0)
+            } else {
+                p
+            };
+            let contact = Contact { normal, tangential, damping: 0.1 };
+            let coarse = [row(1e-8, 0.0), row(1.5e-8, 2e-9), row(1e-8, 1e-9), row(2e-8, -2e-9)];
+            let mut fine = Vec::new();
+            let mut before = row(0.0, 0.0);
+            for end in coarse {
+                fine.extend((1..=7).map(|k| {
+                    let share = f64::from(k) / 7.0;
+                    let mix = |a: f64, b: f64| if k == 7 { b } else { a + share * (b - a) };
+                    row(
+                        mix(before.normal_approach, end.normal_approach),
+                        mix(before.tangential_displacement, end.tangential_displacement),
+                    )
+                }));
+                before = end;
+            }
+            let coarse = drive_pair_refined(&contact, &p, &coarse, TOLERANCE).unwrap();
+            let fine = drive_pair_refined(&contact, &p, &fine, TOLERANCE).unwrap();
+            let largest = fine.rows.iter().fold(0.0f64, |most, row| most.max(row.tangential_force.abs()));
+            for (k, end) in coarse.rows.iter().enumerate() {
+                let same = fine.rows[7 * k + 6];
+                let miss = (same.tangential_force - end.tangential_force).abs() / largest;
+                assert!(miss < 4e-5, "{normal:?} {tangential:?} row {k}: {miss}");
+                assert_eq!(same.normal_force, end.normal_force);
+            }
+        }
+    }
+
+    #[test]
+    fn what_does_not_settle_is_told_and_nothing_is_nothing() {
+        let contact = Contact { normal: NormalKind::Hertz, ..Contact::default() };
+        let path = [row(1e-8, 0.0), row(1e-8, 1e-9)];
+        let error = drive_pair_refined(&contact, &pair(), &path, 0.0).unwrap_err().to_string();
+        assert!(error.starts_with("row 2: ") && error.contains("steps"), "{error}");
+        let none = drive_pair_refined(&contact, &pair(), &[], TOLERANCE).unwrap();
+        assert!(none.rows.is_empty() && none.change == 0.0);
+        let apart = drive_pair_refined(&contact, &pair(), &[row(-1e-8, 1e-9)], TOLERANCE).unwrap();
+        assert_eq!(apart.rows, [PairRow::default()]);
+    }
+}

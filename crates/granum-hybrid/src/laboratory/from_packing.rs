@@ -1,0 +1,107 @@
+//! Samples of packings: whether one is compacted, and which keys of the case have no part in it then.
+
+use std::path::Path;
+
+use granum_dem::preparation::{NextTrial, Preparing, Recipe, is_loose};
+use granum_dem::simulation::Properties;
+use granum_io::case::{UNUSED_WITH_PACKING, field};
+use granum_io::run::{PackingRecord, RunSource, file_digest};
+use granum_io::{Case, Packing};
+
+use super::sample::{Source, simulation};
+use super::{Laboratory, LaboratoryError};
+
+/// Keys that have a part only where a packing is compacted.
+const USED_IN_COMPACTION: [&str; 2] = ["preparation.friction", "preparation.interface_energy"];
+
+/// Name of a packing's file without its folder.
+fn file_name(path: &Path) -> String {
+    path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
+}
+
+/// What the record of a run says of its packing.
+pub(super) fn describe(path: &Path, packing: &Packing, sha256: &str) -> PackingRecord {
+    let diameters = || packing.grains.iter().map(|grain| 2.0 * grain.radius);
+    let (smallest, largest) = diameters().fold((f64::INFINITY, 0.0f64), |(a, b), d| (a.min(d), b.max(d)));
+    let mean = diameters().sum::<f64>() / packing.grains.len().max(1) as f64;
+    // A sum of many equal numbers is off by rounding.
+    let mean_diameter = if largest > smallest { mean } else { largest };
+    let spread = 0.5 * (largest - smallest) / mean_diameter;
+    PackingRecord {
+        file_name: file_name(path),
+        sha256: sha256.to_owned(),
+        grains: packing.grains.len(),
+        mean_diameter,
+        spread,
+    }
+}
+
+/// The start of making a sample of a packing; where it is not compacted, why not.
+pub(super) fn begin(
+    packing: &Packing,
+    recipe: &Recipe,
+) -> Result<(Preparing, Option<String>), LaboratoryError> {
+    let next = NextTrial::first(recipe);
+    let loose = simulation(packing, next.properties(recipe))?;
+    if is_loose(&loose, recipe.preparation) {
+        return Ok((Preparing::compacting(loose, recipe, next), None));
+    }
+    let state = loose.state();
+    let why = format!(
+        "it stands already (mean stress {:.3} kPa, solid fraction {:.4}) and only comes to rest",
+        state.mean_stress() / 1e3,
+        state.solid_fraction()
+    );
+    drop(loose);
+    let properties = Properties { material: recipe.grains.material, contact: *recipe.contact };
+    Ok((Preparing::settling(simulation(packing, properties)?, recipe), Some(why)))
+}
+
+/// The next trial of the preparation friction, from the packing again.
+pub(super) fn again(
+    source: &RunSource,
+    recipe: &Recipe,
+    next: NextTrial,
+) -> Result<Preparing, LaboratoryError> {
+    let RunSource::Packing { file, sha256 } = source else {
+        return Err(LaboratoryError::Packing("its file is not known any more; run it anew".into()));
+    };
+    if file_digest(file)? != *sha256 {
+        let message = "was changed since the run began, and the search of the preparation friction needs it as it was; put it back \
+                       and resume the run, or run it anew";
+        return Err(granum_io::Error::content(file, message).into());
+    }
+    let simulation = simulation(&Packing::read(file)?, next.properties(recipe))?;
+    Ok(Preparing::compacting(simulation, recipe, next))
+}
+
+/// A sentence for every key that the case sets to another value than the default and that has no part in the run.
+pub(super) fn remarks(case: &Case, path: &Path, why_not: Option<&str>) -> Vec<String> {
+    let default = Case::default();
+    let name = file_name(path);
+    let set = |key: &&str| field(key).is_some_and(|field| field.value(case) != field.value(&default));
+    let shown = |key: &str| field(key).map_or_else(String::new, |field| field.shown(case));
+    let mut remarks: Vec<String> = (UNUSED_WITH_PACKING.iter().filter(|key| set(key)))
+        .map(|key| format!("{key} = {} has no part in this run: its grains are those of {name}", shown(key)))
+        .collect();
+    if let Some(why) = why_not {
+        let keys = USED_IN_COMPACTION.iter().filter(|key| set(key));
+        remarks.extend(keys.map(|key| {
+            format!("{key} = {} has no part in this run: {name} is not compacted, {why}", shown(key))
+        }));
+    }
+    remarks
+}
+
+impl Laboratory {
+    /// Reads the packing of a source, if it is one.
+    ///
+    /// # Errors
+    /// As [`Packing::read`].
+    pub(super) fn packing(source: &Source) -> Result<Option<Packing>, LaboratoryError> {
+        match source {
+            Source::Packing(path) => Ok(Some(Packing::read(path)?)),
+            Source::Case | Source::Folder(_) => Ok(None),
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! What a finished test comes to in a few numbers: peak and late values.
+
+use std::collections::BTreeMap;
+
+use granum_sensors::Record;
+
+/// Part of the strain at the end of a test over which late values are averaged.
+pub const LATE: f64 = 0.25;
+
+/// Mean of recorded values over the last quarter of the strain, between states linear; none without two states in it.
+///
+/// Weighted by strain, so that it does not depend on how states are spaced.
+pub fn late_mean(strains: &[f64], values: &[f64]) -> Option<f64> {
+    let points: Vec<(f64, f64)> = (strains.iter().copied().zip(values.iter().copied()))
+        .filter(|(strain, value)| strain.is_finite() && value.is_finite())
+        .collect();
+    let from = (1.0 - LATE) * points.last()?.0;
+    let (mut area, mut length) = (0.0, 0.0);
+    for pair in points.windows(2) {
+        let ((a, at_a), (b, at_b)) = (pair[0], pair[1]);
+        if b <= from || b <= a {
+            continue;
+        }
+        let begin = a.max(from);
+        let at_begin = at_a + (at_b - at_a) * (begin - a) / (b - a);
+        area += 0.5 * (at_begin + at_b) * (b - begin);
+        length += b - begin;
+    }
+    (length > 0.0).then(|| area / length)
+}
+
+/// Puts peak and late values of a test into the measures of its run.
+pub(super) fn of_test(record: &Record, measures: &mut BTreeMap<String, f64>) {
+    let column = |name: &str| record.series.values(name).unwrap_or(&[]);
+    let strains = column("deviator_strain");
+    let ratios = column("stress_ratio");
+    let peak =
+        (0..ratios.len()).filter(|k| ratios[*k].is_finite()).max_by(|a, b| ratios[*a].total_cmp(&ratios[*b]));
+    if let Some(peak) = peak {
+        for (name, column) in [
+            ("peak_stress_ratio", "stress_ratio"),
+            ("deviator_strain_at_peak", "deviator_strain"),
+            ("deviator_fabric_at_peak", "deviator_fabric"),
+            ("solid_fraction_at_peak", "solid_fraction"),
+        ] {
+            if let Some(value) = record.series.values(column).and_then(|values| values.get(peak)) {
+                measures.insert(name.into(), *value);
+            }
+        }
+    }
+    let largest =
+        column("deviator_fabric").iter().copied().filter(|value| value.is_finite()).fold(f64::NAN, f64::max);
+    if largest.is_finite() {
+        measures.insert("peak_deviator_fabric".into(), largest);
+    }
+    for (name, of) in [
+        ("late_stress_ratio", "stress_ratio"),
+        ("late_deviator_fabric", "deviator_fabric"),
+        ("late_solid_fraction", "solid_fraction"),
+    ] {
+        if let Some(mean) = late_mean(strains, column(of)) {
+            measures.insert(name.into(), mean);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn late_is_the_last_quarter_of_the_strain_however_states_are_spaced() {
+        let line = |strains: &[f64]| {
+            let values: Vec<f64> = strains.iter().map(|strain| 1.0 - strain).collect();
+            late_mean(strains, &values).unwrap()
+        };
+        // The mean of 1 - x from 0.3 to 0.4.
+        for strains in [&[0.0, 0.1, 0.2, 0.3, 0.4][..], &[0.0, 0.001, 0.01, 0.4], &[0.0, 0.31, 0.39, 0.4]] {
+            assert!((line(strains) - 0.65).abs() < 1e-12, "{strains:?}");
+        }
+        assert_eq!(late_mean(&[0.1], &[1.0]), None);
+        assert_eq!(late_mean(&[], &[]), None);
+        assert!((late_mean(&[0.0, 0.1, 0.2], &[0.0, f64::NAN, 0.8]).unwrap() - 0.7).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,137 @@
+//! What a running phase tells, and how fast it goes.
+
+use std::time::Instant;
+
+use granum_dem::preparation::Phase;
+use granum_dem::simulation::Simulation;
+
+/// What a running phase tells.
+pub struct Status<'a> {
+    /// Which phase.
+    pub phase: Phase,
+    /// Which trial of the preparation friction, from 1.
+    pub trial: usize,
+    /// Fraction of the phase done, where it can be told.
+    pub fraction: Option<f64>,
+    /// Grain-steps per second of the last stretch; `None` until it has been measured.
+    pub grain_steps_per_second: Option<f64>,
+    /// The simulation, for reading.
+    pub simulation: &'a Simulation,
+}
+
+/// A part of a line of progress.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Field {
+    /// For people.
+    pub text: String,
+    /// How soon it goes where the line is too long: the largest first, 0 never.
+    pub rank: u8,
+}
+
+impl Field {
+    /// A field.
+    pub fn new(rank: u8, text: impl Into<String>) -> Field {
+        Field { text: text.into(), rank }
+    }
+}
+
+impl Status<'_> {
+    /// Where it stands, in one line for people.
+    pub fn line(&self) -> String {
+        let s = self.simulation.state();
+        let mut parts = Vec::new();
+        match self.phase {
+            Phase::Shear => {
+                parts.push(format!("strain {:.4}  q/p {:.3}", s.deviator_strain(), self.stress_ratio()));
+            }
+            _ if self.trial > 1 => parts.push(format!("trial {}", self.trial)),
+            _ => {}
+        }
+        parts.push(format!("p {:.2} kPa  solid fraction {:.4}", s.mean_stress() / 1e3, s.solid_fraction()));
+        parts.extend(self.grain_steps_per_second.map(|rate| format!("{} grain-steps/s", speed(rate))));
+        parts.join("  ")
+    }
+
+    /// The same in short for a line on a terminal. Solid fraction and speed stay longest, then come strain, stress ratio and
+    /// mean stress, which is held in a test.
+    pub fn fields(&self) -> Vec<Field> {
+        let s = self.simulation.state();
+        let mut fields = Vec::new();
+        match self.phase {
+            Phase::Shear => {
+                fields.push(Field::new(1, format!("strain {:.3}", s.deviator_strain())));
+                fields.push(Field::new(2, format!("q/p {:.3}", self.stress_ratio())));
+            }
+            _ if self.trial > 1 => fields.push(Field::new(1, format!("trial {}", self.trial))),
+            _ => {}
+        }
+        fields.push(Field::new(3, format!("p {:.1} kPa", s.mean_stress() / 1e3)));
+        fields.push(Field::new(0, format!("density {:.3}", s.solid_fraction())));
+        fields.extend(self.grain_steps_per_second.map(|rate| Field::new(0, format!("{}/s", speed(rate)))));
+        fields
+    }
+
+    /// q/p, 0 where p is.
+    fn stress_ratio(&self) -> f64 {
+        let s = self.simulation.state();
+        let (stress, p) = (s.stress(), s.mean_stress());
+        let q = stress[0][0] - 0.5 * (stress[1][1] + stress[2][2]);
+        if p == 0.0 { 0.0 } else { q / p }
+    }
+}
+
+/// A number of grain-steps with three digits at most: "18.4 M", "840 k".
+fn speed(rate: f64) -> String {
+    match rate {
+        1e8.. => format!("{:.0} M", rate / 1e6),
+        1e6.. => format!("{:.1} M", rate / 1e6),
+        _ => format!("{:.0} k", rate / 1e3),
+    }
+}
+
+/// Grain-steps per second, over the stretches of a run.
+pub(crate) struct Speedometer {
+    since: Instant,
+    /// Step at that time; none before the first reading of a stretch.
+    step: Option<u64>,
+    rate: Option<f64>,
+}
+
+impl Speedometer {
+    pub(crate) fn new() -> Self {
+        Speedometer { since: Instant::now(), step: None, rate: None }
+    }
+
+    /// A stretch begins; what passed since the last one (a checkpoint was written) is no time of computing.
+    pub(crate) fn begin(&mut self) {
+        self.step = None;
+    }
+
+    /// The rate; the one before until this one has been measured for half a second.
+    pub(crate) fn rate(&mut self, simulation: &Simulation) -> Option<f64> {
+        let step = simulation.state().step();
+        let seconds = self.since.elapsed().as_secs_f64();
+        let steps = self.step.and_then(|before| step.checked_sub(before));
+        match steps {
+            Some(_) if seconds <= 0.5 => {}
+            Some(steps) => {
+                let rate = steps as f64 * simulation.state().grains() as f64 / seconds;
+                *self = Speedometer { step: Some(step), rate: Some(rate), since: Instant::now() };
+            }
+            // A stretch or another phase has begun.
+            None => *self = Speedometer { step: Some(step), rate: self.rate, since: Instant::now() },
+        }
+        self.rate
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn speeds_have_three_digits_and_are_never_nothing() {
+        let shown = [1.234e8, 1.84e7, 9.99e6, 8.4e5, 4.2e4].map(speed);
+        assert_eq!(shown, ["123 M", "18.4 M", "10.0 M", "840 k", "42 k"]);
+    }
+}

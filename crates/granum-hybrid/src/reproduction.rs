@@ -1,0 +1,221 @@
+//! What a reproduction is of: the options that decide its results, kept in its folder from the first moment.
+
+use std::path::Path;
+
+use granum_io::Error;
+use granum_io::shell::{quoted, quoted_path};
+use serde::{Deserialize, Serialize};
+
+use crate::error::Result;
+use crate::files::write_json;
+use crate::study::StudyOptions;
+
+/// File that says what the reproduction in a folder is of.
+pub const REPRODUCTION_FILE: &str = "reproduction.json";
+/// File with the numbers of a reproduction; it is the last that is written.
+pub const SUMMARY_FILE: &str = "summary.json";
+/// Folder of its runs.
+pub const RUNS: &str = "runs";
+
+const FORMAT: &str = "granum reproduction";
+const VERSION: u64 = 1;
+
+/// The options of `granum reproduce` that decide its results; threads, instruction set and checkpoints do not.
+///
+/// A further option is a field here and a line in [`ReproductionOptions::flags`]. A file that lacks an option means its
+/// default.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ReproductionOptions {
+    /// Fewer grains, fewer states and a faster test.
+    pub quick: bool,
+    /// Name of the trainer.
+    pub trainer: String,
+}
+
+impl Default for ReproductionOptions {
+    fn default() -> Self {
+        ReproductionOptions { quick: false, trainer: StudyOptions::default().trainer }
+    }
+}
+
+impl ReproductionOptions {
+    /// The flags of the command line that differ from their defaults, with their values.
+    fn flags(&self) -> Vec<(&'static str, Option<String>)> {
+        let usual = ReproductionOptions::default();
+        let mut flags = Vec::new();
+        if self.quick {
+            flags.push(("--quick", None));
+        }
+        if self.trainer != usual.trainer {
+            flags.push(("--trainer", Some(self.trainer.clone())));
+        }
+        flags
+    }
+
+    /// The command line that makes this reproduction (into a folder), as it can be pasted into a shell.
+    pub fn command_line(&self, out: Option<&Path>) -> String {
+        let mut line = "granum reproduce".to_string();
+        for (flag, value) in self.flags() {
+            line += &format!(" {flag}");
+            if let Some(value) = value {
+                line += &format!(" {}", quoted(&value));
+            }
+        }
+        if let Some(out) = out {
+            line += &format!(" --out {}", quoted_path(out));
+        }
+        line
+    }
+
+    /// The flags in which two differ.
+    pub fn differences(&self, other: &ReproductionOptions) -> Vec<&'static str> {
+        let (mine, theirs) = (self.flags(), other.flags());
+        let only = |flags: &[(&'static str, Option<String>)], others: &[(&'static str, Option<String>)]| {
+            flags.iter().filter(|flag| !others.contains(flag)).map(|flag| flag.0).collect::<Vec<_>>()
+        };
+        let mut names = only(&mine, &theirs);
+        names.extend(only(&theirs, &mine));
+        names.sort_unstable();
+        names.dedup();
+        names
+    }
+}
+
+/// What the reproduction in a folder is of.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Reproduction {
+    format: String,
+    version: u64,
+    /// Version of granum that made it.
+    pub granum_version: String,
+    /// Its options.
+    pub options: ReproductionOptions,
+    /// Names of the folders of its runs.
+    pub runs: Vec<String>,
+}
+
+impl Reproduction {
+    /// A reproduction by this version.
+    pub fn new(options: ReproductionOptions, runs: Vec<String>) -> Reproduction {
+        Reproduction {
+            format: FORMAT.into(),
+            version: VERSION,
+            granum_version: env!("CARGO_PKG_VERSION").into(),
+            options,
+            runs,
+        }
+    }
+
+    /// Writes it into a folder.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<()> {
+        write_json(&folder.join(REPRODUCTION_FILE), self)
+    }
+
+    /// Reads that of a folder; `None` if there is no such file.
+    ///
+    /// # Errors
+    /// If the file is damaged, of another layout, or names runs outside the folder.
+    pub fn read(folder: &Path) -> Result<Option<Reproduction>> {
+        let path = folder.join(REPRODUCTION_FILE);
+        if !path.is_file() {
+            return Ok(None);
+        }
+        let text = std::fs::read_to_string(&path).map_err(Error::file("read", &path))?;
+        let of: Reproduction = serde_json::from_str(&text).map_err(|error| {
+            let message = format!(
+                "does not say what the reproduction is of ({error}); it is damaged or of a newer granum"
+            );
+            Error::content(&path, message)
+        })?;
+        if of.format != FORMAT || of.version != VERSION {
+            let found = format!("format \"{}\" version {}", of.format, of.version);
+            let wanted = format!("this program reads \"{FORMAT}\" version {VERSION}");
+            return Err(Error::content(&path, format!("{found}, but {wanted}")).into());
+        }
+        for name in &of.runs {
+            granum_io::check_name("runs", name).map_err(|error| Error::content(&path, error.to_string()))?;
+        }
+        Ok(Some(of))
+    }
+
+    /// In what two differ, by flag; a reproduction by another version of granum may have other results.
+    pub fn differences(&self, other: &Reproduction) -> Vec<String> {
+        let mut names: Vec<String> =
+            self.options.differences(&other.options).into_iter().map(String::from).collect();
+        if self.granum_version != other.granum_version {
+            names.push(format!(
+                "the version of granum ({}, not {})",
+                self.granum_version, other.granum_version
+            ));
+        }
+        names
+    }
+
+    /// True if this version of granum made it.
+    pub fn is_of_this_version(&self) -> bool {
+        self.granum_version == env!("CARGO_PKG_VERSION")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn options(quick: bool, trainer: &str) -> ReproductionOptions {
+        ReproductionOptions { quick, trainer: trainer.into() }
+    }
+
+    #[test]
+    fn the_command_line_has_what_differs_from_the_defaults() {
+        let line = |options: ReproductionOptions, out: &str| options.command_line(Some(Path::new(out)));
+        assert_eq!(
+            line(ReproductionOptions::default(), "reproduction"),
+            "granum reproduce --out reproduction"
+        );
+        assert_eq!(
+            line(options(true, "traingdx"), "my study"),
+            "granum reproduce --quick --trainer traingdx --out 'my study'"
+        );
+        assert_eq!(options(true, "levenberg-marquardt").command_line(None), "granum reproduce --quick");
+    }
+
+    #[test]
+    fn differences_are_told_by_flag() {
+        let usual = ReproductionOptions::default();
+        assert!(usual.differences(&usual).is_empty());
+        assert_eq!(usual.differences(&options(true, &usual.trainer)), ["--quick"]);
+        assert_eq!(options(true, "traingdx").differences(&options(true, "other")), ["--trainer"]);
+        assert_eq!(options(true, "traingdx").differences(&usual), ["--quick", "--trainer"]);
+    }
+
+    #[test]
+    fn a_record_comes_back_and_one_that_cannot_be_read_says_why() {
+        let base = tempfile::tempdir().unwrap();
+        let folder = base.path();
+        assert_eq!(Reproduction::read(folder).unwrap(), None);
+        let of = Reproduction::new(options(true, "traingdx"), vec!["training-11".into()]);
+        of.write(folder).unwrap();
+        assert_eq!(Reproduction::read(folder).unwrap(), Some(of));
+        let path = folder.join(REPRODUCTION_FILE);
+        let text = std::fs::read_to_string(&path).unwrap();
+        let message = |text: String| {
+            std::fs::write(&path, text).unwrap();
+            Reproduction::read(folder).unwrap_err().to_string()
+        };
+        assert!(message(text.replace("\"quick\"", "\"slow\"")).contains("unknown field `slow`"));
+        assert!(
+            message(text.replace("\"version\": 1", "\"version\": 2")).contains("version 2, but this program")
+        );
+        assert!(
+            message(text.replace("training-11", "../x")).contains("cannot be part of the name of a file")
+        );
+        // An option that a file does not have has its default.
+        std::fs::write(&path, text.replace("\"quick\": true,", "")).unwrap();
+        assert_eq!(Reproduction::read(folder).unwrap().unwrap().options, options(false, "traingdx"));
+    }
+}

@@ -1,0 +1,141 @@
+//! In which keys cases differ.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use super::field::Field;
+use super::{Case, FIELDS};
+
+/// The key that makes another sample of the same material: runs that differ in it alone are repetitions of one test.
+pub const SEED: &str = "preparation.seed";
+
+/// What stands for a key that is not in use, e.g. `shear.strain_rate` where `shear.inertial_number` is given.
+const NOT_GIVEN: &str = "not given";
+
+/// The values of a case by key (`grains.material.friction`), as a case file has them, with their SI units. Two texts are
+/// equal exactly if the values have the same bits.
+pub type CaseValues = BTreeMap<String, String>;
+
+/// A key that does not have the same value in all cases.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Difference {
+    /// Section and key, e.g. `grains.material.friction`.
+    pub key: String,
+    /// Each value that it has, with the names of the cases that have it, in the order in which they were given.
+    pub values: Vec<(String, Vec<String>)>,
+}
+
+/// `grains.material.friction: 0.3 in run-1, run-2; 0.5 in run-3`.
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let value = |(value, names): &(String, Vec<String>)| format!("{value} in {}", names.join(", "));
+        write!(f, "{}: {}", self.key, self.values.iter().map(value).collect::<Vec<_>>().join("; "))
+    }
+}
+
+impl Case {
+    /// The value of every key of the case file.
+    ///
+    /// ```
+    /// use granum_io::case::{Case, differences};
+    /// let paper = Case::default();
+    /// let mut other = paper.clone();
+    /// other.set("grains.material.friction", "0.5").unwrap();
+    /// let found = differences(&[("run-1", &paper.values()), ("run-2", &other.values())]);
+    /// assert_eq!(found[0].to_string(), "grains.material.friction: 0.3 in run-1; 0.5 in run-2");
+    /// ```
+    pub fn values(&self) -> CaseValues {
+        FIELDS.iter().map(|field| (field.path(), shown(field, self))).collect()
+    }
+}
+
+/// The value of a field for people, with its unit.
+fn shown(field: &Field, case: &Case) -> String {
+    let Some(value) = field.value(case) else { return NOT_GIVEN.to_string() };
+    let (text, unit) = (field.toml(&value), field.si_unit());
+    if unit.is_empty() || text.starts_with('"') { text } else { format!("{text} {unit}") }
+}
+
+/// Every key that differs between named cases, those of the case file in its order and then any others. A key that some of
+/// them do not know (written by another version) is compared between the others.
+pub fn differences(cases: &[(&str, &CaseValues)]) -> Vec<Difference> {
+    let mut keys: Vec<String> = FIELDS.iter().map(Field::path).collect();
+    for key in cases.iter().flat_map(|(_, values)| values.keys()) {
+        if !keys.contains(key) {
+            keys.push(key.clone());
+        }
+    }
+    keys.into_iter().filter_map(|key| difference(key, cases)).collect()
+}
+
+fn difference(key: String, cases: &[(&str, &CaseValues)]) -> Option<Difference> {
+    let mut values: Vec<(String, Vec<String>)> = Vec::new();
+    for (name, case) in cases {
+        let Some(value) = case.get(&key) else { continue };
+        match values.iter_mut().find(|(known, _)| known == value) {
+            Some((_, names)) => names.push((*name).to_string()),
+            None => values.push((value.clone(), vec![(*name).to_string()])),
+        }
+    }
+    (values.len() > 1).then_some(Difference { key, values })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn between(one: &Case, two: &Case) -> Vec<Difference> {
+        differences(&[("one", &one.values()), ("two", &two.values())])
+    }
+
+    #[test]
+    fn every_key_is_compared() {
+        for field in FIELDS {
+            let mut one = Case::default();
+            if matches!(field.key, "strain_rate" | "density_scaling") {
+                one.set("shear.strain_rate", "1e-5 /s").unwrap();
+            }
+            let mut two = one.clone();
+            let values = [0.1, 0.3, 0.55, 0.99].map(|place| field.draw(place));
+            let value = values.into_iter().find(|value| Some(value) != field.value(&one).as_ref()).unwrap();
+            field.apply(&mut two, value);
+            let keys: Vec<String> = between(&one, &two).into_iter().map(|found| found.key).collect();
+            // The two ways of saying the rate exclude each other.
+            if field.path() == "shear.inertial_number" || keys.len() == 1 {
+                assert!(keys.contains(&field.path()), "{} is not compared", field.path());
+            } else {
+                panic!("{} and {keys:?}", field.path());
+            }
+            assert!(between(&one, &one.clone()).is_empty());
+        }
+    }
+
+    #[test]
+    fn values_are_shown_as_a_case_file_has_them() {
+        let one = Case::default();
+        let mut two = one.clone();
+        two.set("preparation.mean_stress", "50 kPa").unwrap();
+        two.set("contact.normal", "hertz").unwrap();
+        two.set("shear.strain_rate", "2 /s").unwrap();
+        let shown: Vec<String> = between(&one, &two).iter().map(Difference::to_string).collect();
+        let wanted = [
+            "contact.normal: \"jkr\" in one; \"hertz\" in two",
+            "preparation.mean_stress: 20000 Pa in one; 50000 Pa in two",
+            "shear.inertial_number: 3.64e-4 in one; not given in two",
+            "shear.strain_rate: not given in one; 2 1/s in two",
+            "shear.density_scaling: not given in one; 1 in two",
+        ];
+        assert_eq!(shown, wanted);
+    }
+
+    #[test]
+    fn names_stand_with_their_value_and_unknown_keys_are_passed_over() {
+        let values = |pairs: &[(&str, &str)]| -> CaseValues {
+            pairs.iter().map(|(key, value)| (key.to_string(), value.to_string())).collect()
+        };
+        let (a, b) = (values(&[("x", "1"), ("packing", "p")]), values(&[("x", "2"), ("new", "3")]));
+        let found = differences(&[("a", &a), ("b", &b), ("c", &a)]);
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].to_string(), "x: 1 in a, c; 2 in b");
+    }
+}

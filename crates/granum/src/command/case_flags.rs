@@ -1,0 +1,130 @@
+//! Flags that change a case on the command line, with the errors of the case file.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use clap::Args;
+use granum_io::case::{UNUSED_WITH_PACKING, field};
+use granum_io::{Case, Error};
+
+use crate::failure::Failure;
+
+/// Keys of the case, given on the command line.
+#[derive(Args, Clone, Debug, Default)]
+pub struct SetFlags {
+    /// Set a key of the case, as --set grains.material.friction=0.2; several times for several keys.
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+}
+
+/// Keys of the case and the seed, given on the command line.
+#[derive(Args, Clone, Debug, Default)]
+pub struct CaseFlags {
+    #[command(flatten)]
+    set: SetFlags,
+    /// Seed of the sample: --set preparation.seed=N.
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    seed: Option<String>,
+}
+
+/// A flag: how the user gave it, and the key and value that it means.
+struct Setting<'a> {
+    flag: String,
+    key: &'a str,
+    value: &'a str,
+}
+
+impl Setting<'_> {
+    fn of(text: &str) -> Result<Setting<'_>, Failure> {
+        let Some((key, value)) = text.split_once('=').filter(|(key, _)| !key.trim().is_empty()) else {
+            return Err(Failure::new(format!(
+                "--set {text:?}: a key and its value are needed, as --set grains.material.friction=0.2"
+            )));
+        };
+        let (key, value) = (key.trim(), value.trim());
+        // Quotes that the shell left, as a case file has them.
+        let bare = value.strip_prefix('"').and_then(|rest| rest.strip_suffix('"'));
+        Ok(Setting { flag: format!("--set {key}"), key, value: bare.unwrap_or(value) })
+    }
+}
+
+impl SetFlags {
+    fn settings(&self) -> Result<Vec<Setting<'_>>, Failure> {
+        self.set.iter().map(|text| Setting::of(text)).collect()
+    }
+
+    /// Sets the keys that belong to the sections given; others have no part in the command and are refused, and so are keys
+    /// that another flag (named with its key in `others`) says too.
+    pub fn apply_law(
+        &self,
+        case: &mut Case,
+        sections: &[&str],
+        others: &[(&str, &str)],
+    ) -> Result<(), Failure> {
+        let settings = self.settings()?;
+        for setting in &settings {
+            if field(setting.key).is_some_and(|field| !sections.contains(&field.section)) {
+                return Err(Failure::new(format!(
+                    "{} has no part in this command, which takes from a case only {}",
+                    setting.flag,
+                    sections.iter().map(|section| format!("[{section}]")).collect::<Vec<_>>().join(", ")
+                )));
+            }
+            if let Some((flag, _)) = others.iter().find(|(_, key)| *key == setting.key) {
+                return Err(Failure::new(format!("{} and {flag} both say {}", setting.flag, setting.key)));
+            }
+        }
+        apply(case, &settings)
+    }
+}
+
+impl CaseFlags {
+    /// Reads a case file and sets what the flags say. With `packing` what has no part in a run from one is refused.
+    pub fn read(&self, path: &Path, packing: bool) -> Result<Case, Failure> {
+        let mut settings = self.set.settings()?;
+        if let Some(seed) = &self.seed {
+            settings.push(Setting { flag: "--seed".into(), key: "preparation.seed", value: seed });
+        }
+        let unused = |setting: &&Setting| UNUSED_WITH_PACKING.contains(&setting.key);
+        if let Some(setting) = settings.iter().find(unused).filter(|_| packing) {
+            return Err(Failure::new(format!(
+                "{} has no part in a run from --packing: the grains are those of the packing",
+                setting.flag
+            )));
+        }
+        let mut case = Case::read(path)?;
+        apply(&mut case, &settings)?;
+        Ok(case)
+    }
+}
+
+/// Keys that exclude each other: the last one given would win without a word.
+const EXCLUSIVE: [[&str; 2]; 2] =
+    [["shear.inertial_number", "shear.strain_rate"], ["recording.first_strain", "recording.strains"]];
+
+fn apply(case: &mut Case, settings: &[Setting]) -> Result<(), Failure> {
+    let mut seen = BTreeSet::new();
+    for setting in settings {
+        if !seen.insert(setting.key) {
+            return Err(Failure::new(format!("{} is said twice", setting.key)));
+        }
+        let value = setting.value;
+        case.set(setting.key, value).map_err(|error| match error {
+            Error::Value { value, message, .. } => {
+                Error::Value { name: setting.flag.clone(), value, message }
+            }
+            other => other,
+        })?;
+    }
+    if let Some([one, other]) = EXCLUSIVE.iter().find(|pair| pair.iter().all(|key| seen.contains(key))) {
+        return Err(Failure::new(format!("--set {one} and --set {other} exclude each other")));
+    }
+    case.check().map_err(|error| match (error, settings) {
+        (error, []) => Failure::from(error),
+        (error, _) => {
+            let flags: Vec<String> =
+                settings.iter().map(|setting| format!("{}={}", setting.flag, setting.value)).collect();
+            Failure::new(format!("with {}: {error}", flags.join(" ")))
+        }
+    })
+}

@@ -1,0 +1,93 @@
+//! How a run stands to those that a study was trained on: scores on it are called accordingly.
+
+use granum_hybrid::runs::{RunRole, StudyRun, differences_but_seed};
+use granum_io::case::Difference;
+use serde_json::{Value, json};
+
+use super::records::Recorded;
+
+/// How a run stands to the training runs of a study.
+pub struct Relation {
+    /// True if networks were trained on it; `None` where the study does not say what it was trained on.
+    trained: Option<bool>,
+    /// Keys that have a value in this run which they have in no training run.
+    differences: Vec<NewValue>,
+}
+
+/// A key with a value that no network was trained at.
+struct NewValue {
+    key: String,
+    value: String,
+    trained: Vec<String>,
+}
+
+impl Relation {
+    /// Compares a run with those that a study knows.
+    pub fn of(run: &Recorded, known: Option<&[StudyRun]>) -> Relation {
+        let training: Vec<&StudyRun> =
+            known.unwrap_or_default().iter().filter(|other| other.role == RunRole::Training).collect();
+        if training.is_empty() {
+            return Relation { trained: None, differences: Vec::new() };
+        }
+        let trained = training.iter().any(|other| other.is_same_test(&run.known));
+        // Values are told by where they stand, so the run itself needs a name that no training run has.
+        let mut named: Vec<(&str, &StudyRun)> = training.iter().map(|other| ("training", *other)).collect();
+        named.push(("this", &run.known));
+        let differences = differences_but_seed(&named).into_iter().filter_map(NewValue::of).collect();
+        Relation { trained: Some(trained), differences }
+    }
+
+    /// What scores on the run are.
+    pub fn kind(&self) -> &'static str {
+        match (self.trained, self.differences.is_empty()) {
+            (Some(true), _) => "scores on a training run",
+            (Some(false), true) => "scores on an unseen run",
+            (Some(false), false) => "scores on an unseen run of another case",
+            (None, _) => "scores on a run of which the study does not say whether it was trained on it",
+        }
+    }
+
+    /// What a user must know before the scores are read.
+    pub fn warning(&self, name: &str) -> Option<String> {
+        match self.trained {
+            Some(true) => Some(format!(
+                "{name}: the networks were trained on every second state of this run; its scores say how well they fit it, \
+                 not how well they do on a run that they have not seen"
+            )),
+            Some(false) if !self.differences.is_empty() => {
+                let keys: Vec<String> = self.differences.iter().map(NewValue::sentence).collect();
+                Some(format!(
+                    "{name}: this run is of another case than the training runs: {}; its scores say how the networks do where they \
+                     were not trained",
+                    keys.join("; ")
+                ))
+            }
+            Some(false) => None,
+            None => Some(format!(
+                "{name}: the study was written by an earlier version and does not say which runs it was trained on; train it \
+                 again to know whether this is one of them"
+            )),
+        }
+    }
+
+    /// The keys that differ, their value in this run, and the values that were trained at.
+    pub fn differences_json(&self) -> Value {
+        let one = |d: &NewValue| json!({ "key": d.key, "value": d.value, "trained": d.trained });
+        self.differences.iter().map(one).collect()
+    }
+}
+
+impl NewValue {
+    /// A difference, if the value of this run is that of no training run.
+    fn of(difference: Difference) -> Option<NewValue> {
+        let key = difference.key;
+        let (own, trained): (Vec<_>, Vec<_>) =
+            difference.values.into_iter().partition(|(_, names)| names.iter().all(|name| name == "this"));
+        let value = own.into_iter().next()?.0;
+        Some(NewValue { key, value, trained: trained.into_iter().map(|(value, _)| value).collect() })
+    }
+
+    fn sentence(&self) -> String {
+        format!("{} is {}, trained at {}", self.key, self.value, self.trained.join(" and "))
+    }
+}

@@ -1,0 +1,63 @@
+//! The ranges of inputs that the networks of a mapping were trained in.
+
+use granum_hybrid::Surrogate;
+
+/// The inputs with the ranges that a sub-model, or each of them, was trained in; one a line.
+pub fn inputs(surrogate: &Surrogate, sub_model: Option<usize>) -> String {
+    let chosen = |k: &usize| sub_model.is_none_or(|wanted| wanted == *k);
+    let line = |(input, name): (usize, &String)| {
+        let networks = surrogate.networks().iter().enumerate().filter(|(k, _)| chosen(k));
+        let ranges: Vec<(usize, [f64; 2])> = networks
+            .map(|(k, network)| (k + 1, &network.input_scalers()[input]))
+            .map(|(number, scaler)| (number, [scaler.minimum, scaler.maximum]))
+            .collect();
+        // The sub-model is chosen by the strain, which is the first input; the others then have the range of that sub-model.
+        format!("  {name}: {}", text(&ranges, input == 0))
+    };
+    surrogate.input_names().iter().enumerate().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// The ranges of numbered sub-models: one range where they are alike, or where they may be joined and leave no gap, else
+/// that of each.
+fn text(ranges: &[(usize, [f64; 2])], may_join: bool) -> String {
+    let shown = |[low, high]: [f64; 2]| format!("{} to {}", short(low), short(high));
+    let alike = ranges.windows(2).all(|pair| pair[0].1 == pair[1].1);
+    let joined = may_join && ranges.windows(2).all(|pair| pair[1].1[0] <= pair[0].1[1]);
+    match ranges {
+        [] => String::new(),
+        [(_, [low, high]), ..] if alike || joined => {
+            let whole =
+                ranges.iter().fold([*low, *high], |[a, b], (_, [low, high])| [a.min(*low), b.max(*high)]);
+            shown(whole)
+        }
+        _ => {
+            let each = ranges.iter().map(|(number, range)| format!("{} (sub-model {number})", shown(*range)));
+            each.collect::<Vec<_>>().join(", ")
+        }
+    }
+}
+
+/// A number with at most five decimals.
+fn short(value: f64) -> f64 {
+    (1e5 * value).round() / 1e5
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gaps_between_sub_models_are_shown() {
+        let ranges = |second: f64| [(1, [0.0075, 0.0925]), (2, [second, 0.1975])];
+        assert_eq!(
+            text(&ranges(0.1025), true),
+            "0.0075 to 0.0925 (sub-model 1), 0.1025 to 0.1975 (sub-model 2)"
+        );
+        assert_eq!(text(&ranges(0.0925), true), "0.0075 to 0.1975");
+        assert_eq!(text(&ranges(0.08), true), "0.0075 to 0.1975");
+        // An input other than the strain does not choose the sub-model.
+        assert!(text(&ranges(0.08), false).contains("(sub-model 2)"));
+        assert_eq!(text(&[(1, [0.125, 3.375]), (2, [0.125, 3.375])], false), "0.125 to 3.375");
+        assert_eq!(text(&[(3, [0.1, 0.2])], false), "0.1 to 0.2");
+    }
+}

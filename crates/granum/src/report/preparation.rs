@@ -1,0 +1,85 @@
+//! How a sample was made: the compression curve and the way to rest, and the report of a sample by itself.
+
+use maud::html;
+
+use super::data::RunReport;
+use super::figure::palette::color;
+use super::figure::{Axis, Figure, Layer, Panel, Plot};
+use super::numbers::{duration, quantity, significant};
+use super::page::{Document, Page, tiles};
+use super::run::{case_details, whose_grains};
+use super::{sample, trust};
+
+/// Phases by their numbers in the table.
+const PHASES: [&str; 3] = ["compaction", "relaxation", "consolidation"];
+
+/// The rows of a phase of the last trial: they made the sample.
+fn points(run: &RunReport, phase: usize, x: &str, y: &str) -> Vec<[f64; 2]> {
+    let column = |name: &str| run.preparation.values(name).unwrap_or(&[]);
+    let last = column("trial").iter().copied().fold(1.0, f64::max);
+    (column("trial").iter().zip(column("phase")).zip(column(x).iter().zip(column(y))))
+        .filter(|((trial, of), _)| **trial == last && **of == phase as f64 || phase == 2 && **of == 2.0)
+        .map(|(_, (x, y))| [*x, *y])
+        .collect()
+}
+
+/// Compression curve and unbalanced force; none where the course of the preparation was not recorded.
+pub fn figure(run: &RunReport) -> Option<(Figure, String)> {
+    if run.preparation.rows() == 0 {
+        return None;
+    }
+    let lines = |mut plot: Plot, x: &str, y: &str| {
+        for (phase, name) in PHASES.iter().enumerate() {
+            let points = points(run, phase, x, y);
+            if !points.is_empty() {
+                plot = plot.with(Layer::line(points, color(phase)).named(name));
+            }
+        }
+        Panel::plot(plot)
+    };
+    let stress = Axis::new("Mean stress *p*").unit("Pa").logarithmic();
+    let curve = lines(Plot::new(stress, Axis::new("Solid fraction")), "mean_stress", "solid_fraction");
+    let rest = Plot::new(Axis::new("Step"), Axis::new("Unbalanced force").logarithmic());
+    let panels = vec![curve, lines(rest, "step", "unbalanced_force")];
+    let caption = "How the sample was made, in its last trial of the preparation friction. (a) Compression curve; (b) mean \
+                   unbalanced force over the mean contact force on the way to rest.";
+    Some((
+        Figure::new("Solid fraction against mean stress, and unbalanced force", 2, panels),
+        caption.to_owned(),
+    ))
+}
+
+/// Writes the report of a sample.
+pub fn report(run: &RunReport) -> Document {
+    let mut page = Page::default();
+    if let Some((figure, caption)) = figure(run) {
+        let body = page.own_figure("preparation", &caption, &figure);
+        page.section("preparation", "Preparation", body);
+    }
+    page.section("quality", "Can it be trusted?", trust::sample_section(run));
+    let label = page.own_table_label();
+    let body = html! { (sample::own_table(&label, run).html()) (case_details(run)) };
+    page.section("case", "The sample and the case", body);
+    let law = sample::law(run.case.contact.normal, run.case.contact.tangential);
+    let stress = quantity(run.case.preparation.mean_stress, "Pa");
+    let subtitle = format!("sample · {} · {law} · *p* = {stress}", whose_grains(run));
+    page.finish(&run.name, &subtitle, html! { (tiles(&headline(run))) })
+}
+
+fn headline(run: &RunReport) -> Vec<[String; 3]> {
+    let mut out = Vec::new();
+    let mut tile = |name: &str, title: &str| {
+        if let Some(value) = run.run.measures.get(name) {
+            out.push([significant(*value, 3), title.to_owned(), String::new()]);
+        }
+    };
+    tile("solid_fraction", "solid fraction");
+    tile("coordination_number", "coordination number of all grains");
+    tile("mechanical_coordination_number", "mechanical coordination number");
+    tile("preparation_friction", "preparation friction");
+    let seconds = run.wall_seconds();
+    if seconds > 0.0 {
+        out.push([duration(seconds), "wall time".into(), String::new()]);
+    }
+    out
+}
