@@ -18,6 +18,7 @@ pub mod figures;
 pub mod files;
 pub mod keeping;
 pub mod laboratory;
+pub mod learning_curve;
 mod lesson;
 pub mod mapping;
 mod pool;

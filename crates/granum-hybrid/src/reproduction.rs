@@ -31,11 +31,13 @@ pub struct ReproductionOptions {
     pub quick: bool,
     /// Name of the trainer.
     pub trainer: String,
+    /// Number of runs that the same mappings learn from beside the paper's one; `None` for as many as the time allows.
+    pub training_runs: Option<usize>,
 }
 
 impl Default for ReproductionOptions {
     fn default() -> Self {
-        ReproductionOptions { quick: false, trainer: StudyOptions::default().trainer }
+        ReproductionOptions { quick: false, trainer: StudyOptions::default().trainer, training_runs: None }
     }
 }
 
@@ -49,6 +51,9 @@ impl ReproductionOptions {
         }
         if self.trainer != usual.trainer {
             flags.push(("--trainer", Some(self.trainer.clone())));
+        }
+        if let Some(runs) = self.training_runs {
+            flags.push(("--training-runs", Some(runs.to_string())));
         }
         flags
     }

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::learning_curve::LearningCurve;
 use crate::score::Score;
 use crate::size_study::SizeStudy;
 use crate::study::Evaluation;
@@ -23,6 +24,9 @@ pub struct Summary {
     /// Smaller networks through a soft sensor, where it was measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub size_study: Option<SizeStudy>,
+    /// What networks learn from more runs than one, where it was measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub learning_curve: Option<LearningCurve>,
     /// What the networks learned, in plain sentences.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub reading: Vec<String>,

@@ -11,13 +11,11 @@ use granum_hybrid::laboratory::{
 use granum_io::shell::quoted_path;
 use granum_io::{Case, Run, RunFolder, RunRecord, RunStatus, inner_folder};
 
+use super::plan::{Plan, Role};
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
 use crate::progress::{Progress, Room};
 
-/// Roles and seeds of the runs. Not 1 to 3: samples of those seeds were looked at when defaults of the training were
-/// chosen (`StudyOptions::distribution_observations`), so they could no longer judge it.
-const RUNS: [(&str, u64); 3] = [("training", 11), ("unseen", 12), ("unseen", 13)];
 /// Folder of the runs.
 const FOLDER: &str = granum_hybrid::reproduction::RUNS;
 /// Share of the work that the preparation is of a whole run, for the bar.
@@ -25,7 +23,7 @@ const PREPARATION_SHARE: f64 = 0.15;
 
 /// A finished run.
 pub struct Done {
-    pub role: &'static str,
+    pub role: Role,
     pub seed: u64,
     pub folder: PathBuf,
 }
@@ -33,6 +31,7 @@ pub struct Done {
 /// Where each run stands.
 struct Board<'a> {
     context: &'a Context,
+    plan: &'a Plan,
     progress: Mutex<(Progress, Vec<f64>)>,
 }
 
@@ -50,8 +49,8 @@ impl RunObserver for Eyes<'_> {
             Phase::Shear => PREPARATION_SHARE + (1.0 - PREPARATION_SHARE) * status.fraction.unwrap_or(0.0),
             _ => done[self.number].max(PREPARATION_SHARE * status.simulation.state().solid_fraction()),
         };
-        let all = done.iter().sum::<f64>() / done.len() as f64;
-        let (seed, phase) = (RUNS[self.number].1, status.phase.name());
+        let all = share_done(self.board.plan, done);
+        let (seed, phase) = (self.board.plan.runs[self.number].seed, status.phase.name());
         progress.update(Some(all), |room| match room {
             Room::Line => vec![Field::new(0, format!("seed {seed} {phase}  {}", status.line()))],
             Room::Screen => {
@@ -69,35 +68,26 @@ impl RunObserver for Eyes<'_> {
     }
 }
 
-/// Names of the folders of the runs.
-pub fn names() -> Vec<String> {
-    RUNS.iter().map(|(role, seed)| format!("{role}-{seed}")).collect()
-}
-
-/// The case of every run.
-fn cases(case: &Case) -> Vec<Case> {
-    let with = |seed: u64| {
-        let mut case = case.clone();
-        case.preparation.seed = seed;
-        case
-    };
-    RUNS.iter().map(|&(_, seed)| with(seed)).collect()
+/// Share of all runs that is done; a run counts by its grains.
+fn share_done(plan: &Plan, done: &[f64]) -> f64 {
+    let grains = |k: usize| plan.runs[k].case.grains.count as f64;
+    let all: f64 = (0..done.len()).map(grains).sum();
+    done.iter().enumerate().map(|(k, share)| share * grains(k)).sum::<f64>() / all
 }
 
 /// True if every run has reached its end.
-pub fn are_finished(folder: &Path, case: &Case, version: &str) -> bool {
-    let answers = |(name, case): (String, Case)| {
-        let record = Run::at(folder.join(FOLDER).join(name)).and_then(|run| run.record());
-        record.is_ok_and(|record| record.answers(&case, version))
-    };
-    names().into_iter().zip(cases(case)).all(answers)
+pub fn are_finished(folder: &Path, plan: &Plan, version: &str) -> bool {
+    plan.runs.iter().all(|planned| {
+        let record = Run::at(folder.join(FOLDER).join(&planned.name)).and_then(|run| run.record());
+        record.is_ok_and(|record| record.answers(&planned.case, version))
+    })
 }
 
 /// Makes all runs that are not there yet.
 pub fn all(
     context: &Context,
     laboratory: &Laboratory,
-    case: &Case,
+    plan: &Plan,
     folder: &Path,
 ) -> Result<Vec<Done>, Failure> {
     let shared = Arc::new(Shared::default());
@@ -107,10 +97,10 @@ pub fn all(
         ..laboratory.clone()
     };
     let runs = inner_folder(folder, FOLDER)?;
-    let jobs: Vec<(Case, PathBuf)> = cases(case)
-        .into_iter()
-        .zip(names())
-        .map(|(case, name)| Ok((case, inner_folder(&runs, &name)?)))
+    let jobs: Vec<(&Case, PathBuf)> = plan
+        .runs
+        .iter()
+        .map(|planned| Ok((&planned.case, inner_folder(&runs, &planned.name)?)))
         .collect::<granum_io::Result<_>>()?;
     for (case, path) in &jobs {
         match check_own(&laboratory, case, path) {
@@ -121,7 +111,7 @@ pub fn all(
     }
     let mut progress = context.progress();
     progress.phase("DEM");
-    let board = Board { context, progress: Mutex::new((progress, vec![0.0; jobs.len()])) };
+    let board = Board { context, plan, progress: Mutex::new((progress, vec![0.0; jobs.len()])) };
     let next = AtomicUsize::new(0);
     let results: Mutex<Vec<(usize, Result<RunRecord, Failure>)>> = Mutex::new(Vec::new());
     let work = || {
@@ -151,8 +141,9 @@ pub fn all(
         }
     }
     let (mut progress, _) = board.progress.into_inner().unwrap_or_else(PoisonError::into_inner);
-    progress.end(|| format!("{} runs of {} grains", jobs.len(), case.grains.count));
-    Ok(RUNS.iter().zip(jobs).map(|(&(role, seed), (_, folder))| Done { role, seed, folder }).collect())
+    progress.end(|| format!("{} runs", jobs.len()));
+    let done = plan.runs.iter().zip(jobs);
+    Ok(done.map(|(planned, (_, folder))| Done { role: planned.role, seed: planned.seed, folder }).collect())
 }
 
 /// Refuses the folder of a run that is of another case or version, or whose record cannot be read: to make the run of this

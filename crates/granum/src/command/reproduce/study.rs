@@ -12,6 +12,8 @@ use granum_hybrid::{
 use granum_io::{OutputFolder, Run};
 
 use super::Reproduce;
+use super::many;
+use super::plan::{Plan, Role as PlannedRole};
 use super::runs::Done;
 use crate::command::train::Show;
 use crate::context::Context;
@@ -26,13 +28,15 @@ const REPETITIONS: usize = 50;
 pub fn all(
     context: &Context,
     folder: &OutputFolder,
-    runs: &[Done],
+    plan: &Plan,
+    all_runs: &[Done],
     arguments: &Reproduce,
 ) -> Result<Summary, Failure> {
+    let runs = &all_runs[..plan.paper()];
     let reports: Vec<RunReport> = runs
         .iter()
         .map(|run| {
-            let role = if run.role == "training" { Role::Training } else { Role::Unseen };
+            let role = if run.role == PlannedRole::Training { Role::Training } else { Role::Unseen };
             Ok(RunReport::read(&Run::at(&run.folder)?, role)?)
         })
         .collect::<Result<_, Failure>>()?;
@@ -41,7 +45,7 @@ pub fn all(
         .zip(runs)
         .map(|(report, run)| NamedRecord { name: &report.name, seed: run.seed, record: &report.record })
         .collect();
-    let count = runs.iter().filter(|run| run.role == "training").count();
+    let count = runs.iter().filter(|run| run.role == PlannedRole::Training).count();
     let dataset = Dataset::new(&named[..count], &named[count..], &DatasetOptions::default())?;
     let threads = arguments.hardware.hardware()?.threads;
     let options = StudyOptions { trainer: arguments.trainer.clone(), threads, ..StudyOptions::default() };
@@ -73,6 +77,8 @@ pub fn all(
         SizeStudy::run(&dataset, &sizes, &show).map_err(|error| show.failure(error, folder.path()))?;
     show.end(|| format!("F1 and F3 at {} sizes from {} seeds", sizes.neurons.len(), sizes.seeds));
 
+    let many = many::curve(context, folder, plan, all_runs, &options)?;
+
     let judged = dataset.unseen_runs.first().or(dataset.training_runs.first());
     let dem_seconds =
         reports.get(count).and_then(|r| r.run.wall_seconds.get("shear")).copied().unwrap_or(0.0);
@@ -87,6 +93,7 @@ pub fn all(
         reading: reading::read(&evaluations, Some(&size_study), Some(&speed)),
         speed,
         size_study: Some(size_study),
+        learning_curve: many,
     };
     let report = StudyReport {
         summary,
@@ -104,7 +111,10 @@ pub fn all(
 
 /// What the study remembers of its runs.
 fn known(runs: &[Done]) -> Result<Vec<StudyRun>, Failure> {
-    let role = |run: &Done| if run.role == "training" { RunRole::Training } else { RunRole::Unseen };
+    let role = |run: &Done| match run.role {
+        PlannedRole::Training => RunRole::Training,
+        PlannedRole::Unseen => RunRole::Unseen,
+    };
     runs.iter().map(|run| Ok(StudyRun::read(&Run::at(&run.folder)?, role(run))?)).collect()
 }
 
@@ -120,7 +130,7 @@ fn dem_summary(reports: &[RunReport], runs: &[Done]) -> DemSummary {
             .iter()
             .zip(runs)
             .map(|(report, run)| RunSummary {
-                role: run.role.to_string(),
+                role: run.role.name().to_string(),
                 seed: run.seed,
                 wall_seconds: report.wall_seconds(),
                 grain_steps: report.run.grain_steps() as f64,

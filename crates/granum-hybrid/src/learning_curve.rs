@@ -1,0 +1,258 @@
+//! What networks learn from more runs: error on unseen runs against the number of training runs.
+//!
+//! The paper trained on one run. On one path of one sample every quantity is a function of strain, and what a sensor could
+//! add does not show: it is in what runs differ by. So the same mappings are trained on 1, 2, 4, ... runs and scored on runs
+//! of other seeds, every time beside networks that see strain only, ridge regression, and the same networks told the sensors
+//! of another unseen run at the same strain. A difference counts if it is beyond its scatter over the unseen runs.
+
+use serde::{Deserialize, Serialize};
+
+use crate::dataset::{Dataset, DatasetOptions, NamedRecord, Run, State};
+use crate::error::Result;
+use crate::study::{Study, StudyObserver, StudyOptions, TrainedMapping};
+
+/// Sets of training runs of one number that are tried at the most; their errors are averaged.
+const MOST_SETS: usize = 2;
+
+/// A mean over unseen runs with its standard error.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Estimate {
+    /// The mean.
+    pub mean: f64,
+    /// Its standard error; 0 of a single run.
+    pub standard_error: f64,
+    /// Number of unseen runs.
+    pub runs: usize,
+}
+
+impl Estimate {
+    /// Of one value a run.
+    pub fn of(values: &[f64]) -> Estimate {
+        let n = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / n.max(1.0);
+        let square: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
+        let standard_error = if n > 1.0 { (square / (n - 1.0) / n).sqrt() } else { 0.0 };
+        Estimate { mean, standard_error, runs: values.len() }
+    }
+
+    /// True if the mean is above zero beyond its scatter: one-sided t test at 5 %.
+    pub fn is_positive(&self) -> bool {
+        // Quantiles of Student's t for 2, 3, ... runs.
+        const QUANTILES: [f64; 9] = [6.314, 2.920, 2.353, 2.132, 2.015, 1.943, 1.895, 1.860, 1.833];
+        let quantile = match self.runs {
+            0 | 1 => return false,
+            runs => QUANTILES.get(runs - 2).copied().unwrap_or(1.812),
+        };
+        self.mean > quantile * self.standard_error
+    }
+}
+
+/// Relative RMSE of the answers to a run when the sensors are those of other runs at the same strain, averaged over these.
+fn other_sensors_error(surrogate: &crate::Surrogate, run: &Run, others: &[&Run]) -> Result<Option<f64>> {
+    let mapping = surrogate.mapping();
+    let states = crate::surrogate::states_of(mapping, &run.states, None);
+    let mut sum = 0.0;
+    for other in others {
+        let told: Vec<State> = states
+            .iter()
+            .filter_map(|state| other.at(state.strain).map(|o| State { strain: state.strain, ..o }))
+            .collect();
+        let mut scorer = crate::score::Scorer::default();
+        for (answer, state) in surrogate.answer(&told)?.iter().zip(&states) {
+            scorer.add(state.values(mapping.output), &answer.values);
+        }
+        sum += scorer.score().relative_rmse;
+    }
+    Ok((!others.is_empty()).then(|| sum / others.len() as f64))
+}
+
+/// Error against number of training runs.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LearningCurve {
+    /// Grains of each run.
+    pub grains: usize,
+    /// Number of unseen runs.
+    pub unseen_runs: usize,
+    /// Name of the trainer.
+    pub trainer: String,
+    /// By mapping, then by number of training runs.
+    pub points: Vec<CurvePoint>,
+}
+
+/// One mapping trained on one number of runs. Errors are relative RMSE on unseen runs, with their standard error over these.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CurvePoint {
+    /// Name of the mapping.
+    pub mapping: String,
+    /// As the paper writes it.
+    pub formula: String,
+    /// Number of training runs.
+    pub training_runs: usize,
+    /// Number of different sets of so many runs, whose errors are averaged.
+    pub sets: usize,
+    /// The networks.
+    pub network: Estimate,
+    /// Networks of the same sizes that see strain only.
+    pub strain_only: Estimate,
+    /// Ridge regression on splines with the same inputs.
+    pub ridge: Estimate,
+    /// Ridge regression that sees strain only.
+    pub ridge_strain_only: Estimate,
+    /// The networks told the sensors of another unseen run at the same strain; `None` of a single unseen run.
+    pub other_sensors: Option<Estimate>,
+    /// What the sensors take off the error of the strain-only networks.
+    pub help: Estimate,
+}
+
+impl LearningCurve {
+    /// Trains the mappings on 1, 2, 4, ... and all of the training runs and scores them on the unseen runs.
+    ///
+    /// # Errors
+    /// As [`Study::train`].
+    pub fn new(
+        training: &[NamedRecord],
+        unseen: &[NamedRecord],
+        grains: usize,
+        options: &StudyOptions,
+        observer: &dyn StudyObserver,
+    ) -> Result<LearningCurve> {
+        let mut curve = LearningCurve {
+            grains,
+            unseen_runs: unseen.len(),
+            trainer: options.trainer.clone(),
+            points: Vec::new(),
+        };
+        for runs in numbers(training.len()) {
+            curve.points.extend(points(training, unseen, runs, options, observer)?);
+        }
+        let order = |point: &CurvePoint| options.mappings.iter().position(|m| m.name == point.mapping);
+        curve.points.sort_by_key(|point| (order(point), point.training_runs));
+        Ok(curve)
+    }
+
+    /// The points of one mapping, by number of training runs.
+    pub fn of<'a>(&'a self, mapping: &'a str) -> impl Iterator<Item = &'a CurvePoint> + 'a {
+        self.points.iter().filter(move |point| point.mapping == mapping)
+    }
+
+    /// The least number of training runs from which on the sensors of a mapping help beyond scatter; `None` if they never do.
+    pub fn helps_from(&self, mapping: &str) -> Option<usize> {
+        let mut from = None;
+        for point in self.of(mapping) {
+            from = if point.help.is_positive() { from.or(Some(point.training_runs)) } else { None };
+        }
+        from
+    }
+}
+
+/// 1, 2, 4, ... and all.
+fn numbers(all: usize) -> Vec<usize> {
+    let mut numbers: Vec<usize> =
+        std::iter::successors(Some(1), |n| Some(2 * n)).take_while(|n| *n < all).collect();
+    numbers.push(all);
+    numbers
+}
+
+/// All mappings trained on so many runs.
+fn points(
+    training: &[NamedRecord],
+    unseen: &[NamedRecord],
+    runs: usize,
+    options: &StudyOptions,
+    observer: &dyn StudyObserver,
+) -> Result<Vec<CurvePoint>> {
+    let sets: Vec<&[NamedRecord]> = training.chunks_exact(runs).take(MOST_SETS).collect();
+    let mut errors: Vec<Errors> = vec![Errors::default(); options.mappings.len()];
+    for set in &sets {
+        let dataset = Dataset::new(set, unseen, &DatasetOptions::default())?;
+        let study = Study::train(&dataset, options, observer)?;
+        for (trained, errors) in study.mappings.iter().zip(&mut errors) {
+            errors.add(trained, &dataset)?;
+        }
+    }
+    let count = sets.len() as f64;
+    let point = |(mapping, errors): (&crate::mapping::Mapping, &Errors)| CurvePoint {
+        mapping: mapping.name.clone(),
+        formula: mapping.formula(),
+        training_runs: runs,
+        sets: sets.len(),
+        network: Estimate::of(&errors.mean(0, count)),
+        strain_only: Estimate::of(&errors.mean(1, count)),
+        ridge: Estimate::of(&errors.mean(2, count)),
+        ridge_strain_only: Estimate::of(&errors.mean(3, count)),
+        other_sensors: (unseen.len() > 1).then(|| Estimate::of(&errors.mean(4, count))),
+        help: Estimate::of(&errors.difference(1, 0, count)),
+    };
+    Ok(options.mappings.iter().zip(&errors).map(point).collect())
+}
+
+/// Sums over sets, for each unseen run: of the network, strain only, ridge, ridge strain only, and with other sensors.
+#[derive(Clone, Debug, Default)]
+struct Errors {
+    by_run: Vec<[f64; 5]>,
+}
+
+impl Errors {
+    fn add(&mut self, trained: &TrainedMapping, dataset: &Dataset) -> Result<()> {
+        self.by_run.resize(dataset.unseen_runs.len(), [0.0; 5]);
+        let mapping = trained.surrogate.mapping();
+        let _ = mapping;
+        for (k, run) in dataset.unseen_runs.iter().enumerate() {
+            let others: Vec<&Run> =
+                dataset.unseen_runs.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, run)| run).collect();
+            let found = [
+                trained.surrogate.evaluate(&run.states, None)?.relative_rmse,
+                trained.strain_only.evaluate(&run.states, None)?.relative_rmse,
+                0.0,
+                0.0,
+                other_sensors_error(&trained.surrogate, run, &others)?.unwrap_or(0.0),
+            ];
+            for (sum, value) in self.by_run[k].iter_mut().zip(found) {
+                *sum += value;
+            }
+        }
+        Ok(())
+    }
+
+    fn mean(&self, kind: usize, sets: f64) -> Vec<f64> {
+        self.by_run.iter().map(|errors| errors[kind] / sets).collect()
+    }
+
+    fn difference(&self, a: usize, b: usize, sets: f64) -> Vec<f64> {
+        self.by_run.iter().map(|errors| (errors[a] - errors[b]) / sets).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mapping::paper_mapping;
+    use crate::study::Silent;
+    use crate::synthetic::{Law, record};
+
+    #[test]
+    fn a_sensor_that_shows_a_hidden_variable_helps_and_one_that_does_not_does_not() {
+        let curve = |law| {
+            let records: Vec<_> = (1..=6).map(|seed| record(law, seed, 60)).collect();
+            let named: Vec<NamedRecord> =
+                records.iter().map(|record| NamedRecord { name: "run", seed: 0, record }).collect();
+            let options =
+                StudyOptions { mappings: vec![paper_mapping("F3").unwrap()], ..StudyOptions::default() };
+            LearningCurve::new(&named[..2], &named[2..], 100, &options, &Silent).unwrap()
+        };
+        let hidden = curve(Law::Hidden);
+        assert_eq!(hidden.of("F3").map(|point| point.training_runs).collect::<Vec<_>>(), [1, 2]);
+        assert!(hidden.helps_from("F3").is_some(), "{hidden:?}");
+        let last = hidden.of("F3").last().unwrap();
+        assert!(last.network.mean < 0.5 * last.strain_only.mean);
+        assert!(last.other_sensors.unwrap().mean > 2.0 * last.network.mean);
+        assert_eq!(curve(Law::Blind).helps_from("F3"), None);
+    }
+
+    #[test]
+    fn numbers_of_runs_double_and_end_with_all() {
+        assert_eq!(numbers(1), [1]);
+        assert_eq!(numbers(8), [1, 2, 4, 8]);
+        assert_eq!(numbers(6), [1, 2, 4, 6]);
+    }
+}
