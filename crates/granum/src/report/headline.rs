@@ -99,6 +99,9 @@ pub fn tiles(study: &StudyReport) -> Vec<[String; 3]> {
 /// The findings, as sentences.
 pub fn findings(study: &StudyReport) -> Vec<String> {
     let mut out = Vec::new();
+    if let Some(curve) = &study.summary.learning_curve {
+        out.extend(curve.reading().iter().map(|text| symbols::markup(text)));
+    }
     out.extend(errors_sentence(study));
     out.extend(sensors_sentence(study));
     out.extend(scatter_sentence(study));

@@ -7,6 +7,7 @@ mod energy;
 pub mod figure;
 mod forces;
 mod headline;
+mod many_runs;
 mod material;
 mod networks;
 mod numbers;

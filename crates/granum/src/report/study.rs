@@ -10,7 +10,7 @@ use super::headline;
 use super::numbers::{duration, factor, whole};
 use super::page::{Document, Page, Table, paragraphs, rich, tiles};
 use super::run::{SIGNS, behaviour, case_details, force_section};
-use super::{networks, sample, symbols, tables, trust};
+use super::{many_runs, networks, sample, symbols, tables, trust};
 
 /// Everything that the report of a study is made from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -32,6 +32,7 @@ pub struct StudyReport {
 /// Writes the report of a study.
 pub fn report(study: &StudyReport) -> Document {
     let mut page = Page::default();
+    many_runs_section(&mut page, study);
     networks_section(&mut page, study);
     tables_section(&mut page, study);
     claims_section(&mut page, study);
@@ -68,6 +69,14 @@ fn subtitle(study: &StudyReport) -> String {
         text += &format!(" Computed by granum {version}.");
     }
     text
+}
+
+/// What the paper could not say: which sensors help, by how much, and from how many runs on.
+fn many_runs_section(page: &mut Page, study: &StudyReport) {
+    if let Some(curve) = &study.summary.learning_curve {
+        let body = many_runs::section(page, curve);
+        page.section("more-runs", "What more runs teach: which soft sensors help", body);
+    }
 }
 
 fn networks_section(page: &mut Page, study: &StudyReport) {
