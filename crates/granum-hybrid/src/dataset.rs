@@ -15,6 +15,7 @@
 
 use granum_nets::Data;
 use granum_sensors::Record;
+use serde::{Deserialize, Serialize};
 
 use crate::error::{HybridError, Result};
 use crate::mapping::{Form, Mapping, Quantity};
@@ -48,7 +49,8 @@ impl Default for DatasetOptions {
 }
 
 /// One recorded state of a test, as the mappings see it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct State {
     /// Deviator strain.
     pub strain: f64,
@@ -107,15 +109,20 @@ impl Run {
 
     /// The state at a strain, linear between recorded states; the first or last state outside them.
     pub fn at(&self, strain: f64) -> Option<State> {
-        let after = self.states.partition_point(|state| state.strain < strain);
-        if after == 0 {
-            return self.states.first().cloned();
-        }
-        let (a, Some(b)) = (&self.states[after - 1], self.states.get(after)) else {
-            return self.states.last().cloned();
-        };
-        Some(State::between(a, b, (strain - a.strain) / (b.strain - a.strain)))
+        state_at(&self.states, strain)
     }
+}
+
+/// The state at a strain, linear between states of rising strain; the first or last outside them.
+pub(crate) fn state_at(states: &[State], strain: f64) -> Option<State> {
+    let after = states.partition_point(|state| state.strain < strain);
+    if after == 0 {
+        return states.first().cloned();
+    }
+    let (a, Some(b)) = (&states[after - 1], states.get(after)) else {
+        return states.last().cloned();
+    };
+    Some(State::between(a, b, (strain - a.strain) / (b.strain - a.strain)))
 }
 
 /// States for learning and for judging, all with the same bins of f.

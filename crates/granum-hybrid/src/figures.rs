@@ -33,7 +33,7 @@ pub struct Panel {
     pub against_force: bool,
     /// Curves of the networks.
     pub lines: Vec<Curve>,
-    /// Curves of the twins that see strain only.
+    /// Curves of the strain-only networks.
     pub strain_only: Vec<Curve>,
     /// DEM, runs that no network saw.
     pub points: Vec<Curve>,

@@ -2,7 +2,7 @@
 //!
 //! A record is two tables of a run's folder, the series and the histograms of forces. A study is a folder: `study.json` says what was
 //! trained on what, and each network is a model file of its own, `F1-1.json` to `F6-3.json` and
-//! `F1-strain-only-1.json` to `F6-strain-only-3.json`.
+//! `F1-strain-only-1.json` to `F6-strain-only-3.json`. `baselines.json` holds what stands beside them.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -15,6 +15,7 @@ use granum_nets::Model;
 use granum_sensors::{NamedColumn, Record, Series};
 use serde::{Deserialize, Serialize};
 
+use crate::baseline::Baselines;
 use crate::error::{HybridError, Result};
 use crate::keeping::{Keeper, TIMES_FILE};
 use crate::mapping::{Form, Mapping};
@@ -24,6 +25,8 @@ use crate::surrogate::Surrogate;
 
 /// File that describes a study.
 pub const STUDY_FILE: &str = "study.json";
+/// File with the baselines of a study.
+pub const BASELINES_FILE: &str = "baselines.json";
 
 const FORMAT: &str = "granum study";
 /// Version 1 did not say on which runs a study stands.
@@ -111,7 +114,7 @@ pub fn save_study(folder: &Path, study: &Study, runs: &[StudyRun]) -> Result<()>
     for trained in &study.mappings {
         for (surrogate, strain_only) in [(&trained.surrogate, false), (&trained.strain_only, true)] {
             for (k, model) in surrogate.networks().iter().enumerate() {
-                // The name without the twin's mark: both surrogates carry the name of the mapping.
+                // Both surrogates carry the name of the mapping.
                 let name = network_name(surrogate.mapping(), strain_only, k);
                 let failed = |error: granum_nets::ModelError| network_error(&name, &error);
                 model.save(&folder.join(network_file(&name))).map_err(failed)?;
@@ -138,6 +141,9 @@ pub fn save_study(folder: &Path, study: &Study, runs: &[StudyRun]) -> Result<()>
             })
             .collect(),
     };
+    if let Some(baselines) = &study.baselines {
+        write_json(&folder.join(BASELINES_FILE), baselines)?;
+    }
     write_json(&folder.join(TIMES_FILE), &seconds_of(study))?;
     write_json(&folder.join(STUDY_FILE), &file)
 }
@@ -201,9 +207,28 @@ pub fn load_study(folder: &Path) -> Result<Study> {
         forces: file.forces,
         bin_width: file.bin_width,
         mappings,
+        baselines: None,
     };
+    study.baselines = load_baselines(folder, &study)?;
     Keeper::new(folder, Duration::MAX).tell_seconds(&mut study);
     Ok(study)
+}
+
+/// The baselines of a study; nothing if it was written before they were kept.
+fn load_baselines(folder: &Path, study: &Study) -> Result<Option<Baselines>> {
+    let path = folder.join(BASELINES_FILE);
+    if !path.exists() {
+        return Ok(None);
+    }
+    let text = std::fs::read_to_string(&path).map_err(Error::file("read", &path))?;
+    let baselines: Baselines = serde_json::from_str(&text)
+        .map_err(|error| Error::content(&path, format!("these are no baselines: {error}; train it again")))?;
+    let mappings = study.mappings.iter().map(|trained| trained.surrogate.mapping());
+    if !baselines.are_of(mappings, study.forces.len()) {
+        let message = "these are not the baselines of the mappings in study.json; train it again";
+        return Err(Error::content(&path, message).into());
+    }
+    Ok(Some(baselines))
 }
 
 /// The runs that the study of a folder was trained and judged on; nothing if it was written before studies said so.

@@ -15,7 +15,7 @@ use granum_nets::trainer::TrainerState;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{HybridError, Result};
-use crate::files::{STUDY_FILE, check_mapping, network_file, write_json};
+use crate::files::{BASELINES_FILE, STUDY_FILE, check_mapping, network_file, write_json};
 use crate::mapping::{Form, Mapping};
 use crate::study::{Study, StudyOptions, network_name};
 
@@ -131,7 +131,7 @@ impl Plan {
 
     /// Every file that the training may leave, the one that marks its end first.
     pub fn files(&self) -> Vec<String> {
-        let mut names = vec![STUDY_FILE.to_string(), PLAN_FILE.to_string(), TIMES_FILE.to_string()];
+        let mut names = [STUDY_FILE, PLAN_FILE, TIMES_FILE, BASELINES_FILE].map(String::from).to_vec();
         names.extend(self.names().iter().flat_map(|name| [network_file(name), state_file(name)]));
         names
     }
@@ -143,7 +143,7 @@ impl Plan {
 
     fn names(&self) -> Vec<String> {
         let of = |mapping: &Mapping| {
-            let names = |k| [false, true].map(|twin| network_name(mapping, twin, k));
+            let names = |k| [false, true].map(|strain_only| network_name(mapping, strain_only, k));
             (0..mapping.sub_models.len()).flat_map(names).collect::<Vec<_>>()
         };
         self.mappings.iter().flat_map(of).collect()
@@ -389,7 +389,7 @@ mod tests {
         assert!(one.differences(&plan(&["b".into()], "h", &options)).is_empty());
         let other = StudyOptions { seed: 2, trainer: "traingdx".into(), ..options };
         assert_eq!(one.differences(&plan(&["a".into()], "g", &other)), ["runs", "trainer", "seed"]);
-        assert_eq!((one.networks().len(), one.files().len()), (36, 75));
+        assert_eq!((one.networks().len(), one.files().len()), (36, 76));
         one.write(base.path()).unwrap();
         assert_eq!(Plan::read(base.path()).unwrap(), one);
         let path = base.path().join(PLAN_FILE);

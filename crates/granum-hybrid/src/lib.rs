@@ -6,8 +6,9 @@
 //! ```
 //!
 //! [`Dataset`] draws states from records and splits them, [`Study`] trains the six [`mapping`]s with their three
-//! sub-models, each beside a twin that sees strain only, and [`Evaluation`] scores both on held-out states and on
-//! unseen runs, next to the scatter between runs of different seeds. [`SizeStudy`] and [`speed`] measure the paper's
+//! sub-models, each beside a network of the same size that sees strain only, and [`Evaluation`] scores both on held-out
+//! states and on unseen runs, next to [`baseline`]s without networks and the scatter between runs of different seeds, and
+//! tells whether the networks use their sensors ([`sensor_use`]). [`SizeStudy`] and [`speed`] measure the paper's
 //! claims on size and speed.
 
 pub mod baseline;
@@ -26,8 +27,10 @@ pub mod reading;
 pub mod reproduction;
 pub mod runs;
 pub mod score;
+pub mod sensor_use;
 pub mod size_study;
 pub mod speed;
+pub mod student;
 pub mod study;
 pub mod sufficiency;
 pub mod summary;
@@ -42,6 +45,7 @@ pub use dataset::{Dataset, DatasetOptions, NamedRecord, Run, State};
 pub use error::{HybridError, Result};
 pub use mapping::{Form, Mapping, Quantity, SubModel, paper_mappings};
 pub use score::Score;
+pub use sensor_use::{SensorUse, Verdict};
 pub use size_study::{SizeStudy, SizeStudyOptions};
 pub use study::{Evaluation, Study, StudyObserver, StudyOptions, StudyProgress};
 pub use summary::Summary;

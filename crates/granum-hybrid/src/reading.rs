@@ -1,84 +1,113 @@
 //! What the networks learned, in plain sentences from the numbers.
 
+use crate::sensor_use::Verdict;
 use crate::size_study::SizeStudy;
+use crate::student::PairedTest;
 use crate::study::Evaluation;
 use crate::summary::SpeedSummary;
 
-/// Differences between errors below this share of them are not told apart.
-const NOTICEABLE: f64 = 0.05;
-
-/// What the soft sensors of a mapping did for it on unseen runs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// The networks do better than twins that see strain only.
-    Helps,
-    /// No noticeable difference.
-    NoDifference,
-    /// They do worse.
-    Hurts,
+fn percent(share: f64) -> String {
+    format!("{:.2} %", 100.0 * share)
 }
 
-/// Compares networks with twins that see strain only, on unseen runs or else on held-out states.
-pub fn verdict(evaluation: &Evaluation) -> Verdict {
-    let (own, twin) = compared(evaluation);
-    if own < twin * (1.0 - NOTICEABLE) {
-        Verdict::Helps
-    } else if own > twin * (1.0 + NOTICEABLE) {
-        Verdict::Hurts
-    } else {
-        Verdict::NoDifference
+/// A mean difference with its standard error, in percentage points.
+fn points(test: &PairedTest) -> String {
+    let error = test.standard_error.map_or(String::new(), |error| format!(" ± {:.2}", 100.0 * error));
+    format!("{:.2}{error} percentage points", 100.0 * test.mean)
+}
+
+/// Words in a row: `a`, `a and b`, `a, b and c`.
+fn listed(words: &[String]) -> String {
+    match words {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
     }
 }
 
-fn compared(evaluation: &Evaluation) -> (f64, f64) {
-    if evaluation.network.unseen.states > 0 {
-        (evaluation.network.unseen.relative_rmse, evaluation.strain_only.unseen.relative_rmse)
-    } else {
-        (evaluation.network.held_out.relative_rmse, evaluation.strain_only.held_out.relative_rmse)
-    }
-}
-
-/// A sentence or two on a mapping.
+/// A few sentences on a mapping.
 pub fn read_mapping(evaluation: &Evaluation) -> String {
+    let mut sentences = vec![errors(evaluation)];
+    sentences.extend(sensors(evaluation));
+    sentences.extend(constants(evaluation));
+    sentences.join(" ")
+}
+
+/// How far the networks and what stands beside them miss.
+fn errors(evaluation: &Evaluation) -> String {
     let mapping = &evaluation.mapping;
-    let (own, twin) = compared(evaluation);
-    let of = if evaluation.network.unseen.states > 0 { "unseen runs" } else { "held-out states" };
-    let sensors: Vec<&str> = mapping.inputs.iter().skip(1).map(|input| input.symbol()).collect();
-    let sensors = sensors.join(" and ");
-    let percent = |x: f64| format!("{:.1} %", 100.0 * x);
-    let mut text = format!(
-        "{}: on {of} the networks miss {} by {} (relative RMSE), networks of the same size that see strain only by {}: ",
-        mapping.formula(),
-        mapping.output.symbol(),
-        percent(own),
-        percent(twin)
-    );
-    text += &match verdict(evaluation) {
-        Verdict::Helps => format!("{sensors} took away {} of the error.", percent(1.0 - own / twin)),
-        Verdict::NoDifference => {
-            format!("{sensors} added nothing that strain alone does not tell on this path.")
-        }
-        Verdict::Hurts => {
-            format!(
-                "being told {sensors} made the answer worse, the network follows peculiarities of its training run."
-            )
-        }
+    let unseen = evaluation.network.unseen.states > 0;
+    let of = |parts: &crate::study::Parts| {
+        percent(if unseen { parts.unseen } else { parts.held_out }.relative_rmse)
     };
-    let best = evaluation.best_without_sensors().filter(|best| *best > 0.0);
-    if let Some(best) = best.filter(|_| evaluation.network.unseen.states > 0) {
-        let times = own / best;
-        text += &format!(" Knowing the training run by heart would miss it by {}", percent(best));
-        text += &if times < 1.0 - NOTICEABLE && verdict(evaluation) == Verdict::Helps {
-            ", so the networks do use what they are told of the unseen run.".to_owned()
-        } else if times < 1.0 - NOTICEABLE {
-            ", a smooth curve by less, without using what it is told of the unseen run.".to_owned()
-        } else if times <= 1.0 + 2.0 * NOTICEABLE {
-            ", the scatter between samples: the networks are as good as that.".to_owned()
-        } else {
-            format!(", the scatter between samples; the networks miss it {times:.1} times as far.")
-        };
+    format!(
+        "{}: on {} the networks miss {} by {} (relative RMSE), strain-only networks by {}, ridge regression on the same \
+         sensors by {}, the mean curve of the training runs by {}.",
+        mapping.formula(),
+        if unseen { "unseen runs" } else { "held-out states" },
+        mapping.output.symbol(),
+        of(&evaluation.network),
+        of(&evaluation.strain_only),
+        of(&evaluation.ridge),
+        of(&evaluation.mean_curve),
+    )
+}
+
+/// What the networks make of their sensors; nothing to say without unseen runs.
+fn sensors(evaluation: &Evaluation) -> Option<String> {
+    let names: Vec<String> =
+        evaluation.mapping.inputs.iter().skip(1).map(|input| input.symbol().to_owned()).collect();
+    let names = listed(&names);
+    let sensor_use = &evaluation.sensor_use;
+    let runs = sensor_use.runs.len();
+    let Some(lost) = sensor_use.lost_with_other() else {
+        let found = if runs == 1 { "one unseen run" } else { "no unseen run" };
+        return Some(format!("Whether they use {names} cannot be told from {found}."));
+    };
+    let with_other = sensor_use
+        .with_other
+        .map_or(String::new(), |score| format!(" they miss it by {}", percent(score.relative_rmse)));
+    let exchanged = format!(
+        "Given {names} of another unseen run at the same strain{with_other}, {} {}",
+        points(&PairedTest { mean: lost.mean.abs(), ..lost }),
+        if lost.mean < 0.0 { "less" } else { "more" }
+    );
+    let help = sensor_use.help()?;
+    let help_points = points(&PairedTest { mean: help.mean.abs(), ..help });
+    Some(match sensor_use.verdict() {
+        Verdict::Gains => format!(
+            "{exchanged}: they use their sensors, and gain by it {help_points} against strain-only networks."
+        ),
+        Verdict::WithoutGain => format!(
+            "{exchanged}: they use their sensors, but without gain against strain-only networks ({help_points} {}).",
+            if help.mean < 0.0 { "worse" } else { "better, which is within the scatter" }
+        ),
+        Verdict::DoesNotUse => {
+            format!("{exchanged}, which is within the scatter of {runs} runs: they do not use their sensors.")
+        }
+        Verdict::TooFewRuns => {
+            format!("{exchanged}; {runs} unseen runs are too few to test whether they use their sensors.")
+        }
+    })
+}
+
+/// Names the sub-models whose networks are constants.
+fn constants(evaluation: &Evaluation) -> Option<String> {
+    let numbers: Vec<String> = (evaluation.sub_models.iter().enumerate())
+        .filter(|(_, sub_model)| sub_model.constant)
+        .map(|(k, _)| (k + 1).to_string())
+        .collect();
+    match numbers.len() {
+        0 => None,
+        1 => Some(format!(
+            "The network of sub-model {} answers with a constant: it has learned nothing.",
+            numbers[0]
+        )),
+        _ => Some(format!(
+            "The networks of sub-models {} answer with constants: they have learned nothing.",
+            listed(&numbers)
+        )),
     }
-    text
 }
 
 /// Sentences on the size of networks with and without a further soft sensor.

@@ -7,9 +7,9 @@
 //!
 //! The yardstick is the **seed scatter**, in the same measure: runs of the same case that differ in their seed alone,
 //! the unbiased standard deviation between them at each strain, pooled over strain, over the root mean square of their
-//! mean. Who knew the true mean curve would score 1 times the scatter against an unseen run; who knew the mean of n
-//! runs, and nothing else, sqrt(1 + 1/n) times. An answer below that has made use of what it was told of the unseen
-//! run.
+//! mean. Who knew the true mean curve would score 1 times the scatter against an unseen run; who repeated the mean of n
+//! runs, and knew nothing else, sqrt(1 + 1/n) times. An answer below that may be a smooth curve only: whether it comes of
+//! the sensors of the unseen run is told by [`crate::sensor_use`].
 
 use serde::{Deserialize, Serialize};
 

@@ -1,16 +1,17 @@
-//! Trains every sub-model of every mapping, with a twin of the same size that sees strain only, and scores them.
+//! Trains every sub-model of every mapping, each beside a network of the same size that sees strain only, and scores them.
 
 use granum_nets::trainer::{self, Control, Options, TrainerState};
 use granum_nets::{Column, Data, Model, Recipe};
 use serde::Serialize;
 
-use crate::baseline::MeanCurve;
+use crate::baseline::{Baselines, MappingBaselines};
 use crate::dataset::{Dataset, NamedRecord, Run, State};
 use crate::error::{HybridError, Result};
 use crate::lesson;
 use crate::mapping::{Form, Mapping, Quantity, paper_mappings};
 use crate::pool;
 use crate::score::{Scatter, Score, Scorer, best_without_sensors};
+use crate::sensor_use::{SensorUse, is_constant};
 use crate::summary::SubModelSummary;
 use crate::surrogate::{Surrogate, states_of};
 
@@ -52,7 +53,7 @@ impl Default for StudyOptions {
 /// Where a study stands, told from the thread that trains.
 #[derive(Clone, Copy, Debug)]
 pub struct StudyProgress<'a> {
-    /// Name of the network: `F1-2`, or `F1-strain-only-2` for its twin.
+    /// Name of the network: `F1-2`, or `F1-strain-only-2` for the one that sees strain only.
     pub network: &'a str,
     /// Epochs done.
     pub epoch: u64,
@@ -106,8 +107,10 @@ pub struct Study {
     pub forces: Vec<f64>,
     /// Width of a bin.
     pub bin_width: f64,
-    /// The mappings, each with its twin.
+    /// The mappings, each with its strain-only networks.
     pub mappings: Vec<TrainedMapping>,
+    /// What stands beside the networks; `None` of a study that was saved before they were kept.
+    pub baselines: Option<Baselines>,
 }
 
 /// Scores of one mapping on one run.
@@ -119,6 +122,13 @@ pub struct RunScore {
     pub network: Score,
     /// Networks of the same sizes that see strain only.
     pub strain_only: Score,
+    /// Ridge regression on the same sensors, the same on strain alone, and the mean curve of the training runs; null of a
+    /// study that does not hold them.
+    pub ridge: Option<Score>,
+    /// See `ridge`.
+    pub ridge_strain_only: Option<Score>,
+    /// See `ridge`.
+    pub mean_curve: Option<Score>,
     /// States of the run that lie, in strain or in an input, outside what the networks were trained on.
     pub states_outside: usize,
 }
@@ -146,8 +156,8 @@ pub(crate) struct Job<'a> {
 
 /// Name of the network of a sub-model.
 pub fn network_name(mapping: &Mapping, strain_only: bool, sub_model: usize) -> String {
-    let twin = if strain_only { "-strain-only" } else { "" };
-    format!("{}{twin}-{}", mapping.name, sub_model + 1)
+    let mark = if strain_only { "-strain-only" } else { "" };
+    format!("{}{mark}-{}", mapping.name, sub_model + 1)
 }
 
 impl Study {
@@ -156,9 +166,9 @@ impl Study {
     /// # Errors
     /// If a sub-model has too few training states, the trainer is unknown or refuses, or the observer ends it.
     pub fn train(dataset: &Dataset, options: &StudyOptions, observer: &dyn StudyObserver) -> Result<Study> {
-        let twins: Vec<Mapping> = options.mappings.iter().map(Mapping::strain_only).collect();
+        let alone: Vec<Mapping> = options.mappings.iter().map(Mapping::strain_only).collect();
         let mut jobs = Vec::new();
-        for (mappings, strain_only) in [(&options.mappings, false), (&twins, true)] {
+        for (mappings, strain_only) in [(&options.mappings, false), (&alone, true)] {
             for mapping in mappings {
                 for sub_model in 0..mapping.sub_models.len() {
                     let name = network_name(mapping, strain_only, sub_model);
@@ -173,12 +183,12 @@ impl Study {
             mappings.iter().map(|mapping| gather(mapping, options.form, dataset, &mut trained)).collect()
         };
         let surrogates = collect(&options.mappings)?;
-        let strain_only = collect(&twins)?;
-        let mappings = surrogates.into_iter().zip(strain_only).map(|(own, twin)| TrainedMapping {
+        let strain_only = collect(&alone)?;
+        let mappings = surrogates.into_iter().zip(strain_only).map(|(own, alone)| TrainedMapping {
             surrogate: own.0,
             seconds: own.1,
-            strain_only: twin.0,
-            strain_only_seconds: twin.1,
+            strain_only: alone.0,
+            strain_only_seconds: alone.1,
         });
         Ok(Study {
             form: options.form,
@@ -188,6 +198,7 @@ impl Study {
             forces: dataset.forces.clone(),
             bin_width: dataset.bin_width,
             mappings: mappings.collect(),
+            baselines: Some(Baselines::fit(&options.mappings, dataset)?),
         })
     }
 
@@ -216,28 +227,47 @@ impl Study {
     /// If a state holds a value that is not finite.
     pub fn score_run(&self, run: &Run) -> Result<Vec<RunScore>> {
         let score = |trained: &TrainedMapping| -> Result<RunScore> {
+            let mapping = trained.surrogate.mapping();
             let answers = trained.surrogate.answer(&run.states)?;
+            let states: Vec<&State> = run.states.iter().collect();
+            let baselines = self.baselines.as_ref();
+            let both = baselines.and_then(|baselines| baselines.mappings.get(&mapping.name));
+            let by = |answer: &dyn Fn(&State) -> Vec<f64>| score_answers(mapping, &states, answer);
             Ok(RunScore {
-                mapping: trained.surrogate.mapping().name.clone(),
+                mapping: mapping.name.clone(),
                 network: trained.surrogate.evaluate(&run.states, None)?,
                 strain_only: trained.strain_only.evaluate(&run.states, None)?,
+                ridge: both.map(|both| by(&|state| both.ridge.answer(state))),
+                ridge_strain_only: both.map(|both| by(&|state| both.strain_only.answer(state))),
+                mean_curve: baselines
+                    .map(|baselines| by(&|state| baselines.mean_curve.answer(mapping.output, state.strain))),
                 states_outside: answers.iter().filter(|answer| answer.outside).count(),
             })
         };
         self.mappings.iter().map(score).collect()
     }
 
-    /// Seconds of training of all networks that answer (twins left out).
+    /// Seconds of training of all networks that answer (strain-only networks left out).
     pub fn training_seconds(&self) -> f64 {
         self.mappings.iter().flat_map(|mapping| &mapping.seconds).sum()
+    }
+
+    /// What every mapping makes of the sensors of unseen runs.
+    ///
+    /// # Errors
+    /// If a state holds a value that is not finite.
+    pub fn sensor_use(&self, runs: &[&Run]) -> Result<Vec<SensorUse>> {
+        self.mappings.iter().map(|trained| SensorUse::new(trained, runs)).collect()
     }
 
     /// Scores every mapping.
     ///
     /// # Errors
-    /// If a state holds a value that is not finite.
+    /// If a state holds a value that is not finite, or a baseline must be fitted and cannot be.
     pub fn evaluate(&self, dataset: &Dataset) -> Result<Vec<Evaluation>> {
-        self.mappings.iter().map(|mapping| Evaluation::new(mapping, dataset)).collect()
+        let fit = || Baselines::fit(self.mappings.iter().map(|trained| trained.surrogate.mapping()), dataset);
+        let baselines = self.baselines.clone().map_or_else(fit, Ok)?;
+        self.mappings.iter().map(|mapping| Evaluation::new(mapping, &baselines, dataset)).collect()
     }
 }
 
@@ -411,6 +441,12 @@ pub struct Evaluation {
     pub strain_only: Parts,
     /// The mean curve of the training runs, with no network.
     pub mean_curve: Parts,
+    /// Ridge regression on the same sensors.
+    pub ridge: Parts,
+    /// Ridge regression on strain alone.
+    pub ridge_strain_only: Parts,
+    /// What the networks make of the sensors of the unseen runs.
+    pub sensor_use: SensorUse,
     /// Scatter between all runs, relative, within the ranges of the mapping; `None` of a single run.
     pub seed_scatter: Option<f64>,
     /// Number of training runs.
@@ -423,17 +459,26 @@ impl Evaluation {
     /// Judges a trained mapping.
     ///
     /// # Errors
-    /// If a state holds a value that is not finite.
-    pub fn new(trained: &TrainedMapping, dataset: &Dataset) -> Result<Evaluation> {
+    /// If a state holds a value that is not finite, or the baselines lack the mapping and cannot be fitted.
+    pub fn new(trained: &TrainedMapping, baselines: &Baselines, dataset: &Dataset) -> Result<Evaluation> {
         let mapping = trained.surrogate.mapping();
-        let curve = MeanCurve::new(dataset);
+        let kept = baselines.mappings.get(&mapping.name).cloned();
+        let both = kept.map_or_else(|| MappingBaselines::fit(mapping, dataset), Ok)?;
+        let curve = &baselines.mean_curve;
         let sub_models = (0..mapping.sub_models.len()).map(|k| describe(trained, dataset, k));
+        let by = |answer: &dyn Fn(&State) -> Vec<f64>| {
+            Parts::new(dataset, |states| Ok(score_answers(mapping, states, answer)))
+        };
+        let unseen: Vec<&Run> = dataset.unseen_runs.iter().collect();
         Ok(Evaluation {
             network: Parts::new(dataset, |states| trained.surrogate.evaluate(states.iter().copied(), None))?,
             strain_only: Parts::new(dataset, |states| {
                 trained.strain_only.evaluate(states.iter().copied(), None)
             })?,
-            mean_curve: Parts::new(dataset, |states| Ok(score_curve(&curve, mapping, states)))?,
+            mean_curve: by(&|state| curve.answer(mapping.output, state.strain))?,
+            ridge: by(&|state| both.ridge.answer(state))?,
+            ridge_strain_only: by(&|state| both.strain_only.answer(state))?,
+            sensor_use: SensorUse::new(trained, &unseen)?,
             seed_scatter: scatter(dataset, mapping, mapping.output).map(|scatter| scatter.relative),
             training_runs: dataset.training_runs.len(),
             sub_models: sub_models.collect::<Result<_>>()?,
@@ -454,10 +499,11 @@ pub(crate) fn scatter(dataset: &Dataset, mapping: &Mapping, quantity: Quantity) 
     Scatter::new(quantity, &runs, [first.strain_range[0], last.strain_range[1]])
 }
 
-fn score_curve(curve: &MeanCurve, mapping: &Mapping, states: &[&State]) -> Score {
+/// Scores answers to the states within the ranges of a mapping.
+fn score_answers(mapping: &Mapping, states: &[&State], answer: &dyn Fn(&State) -> Vec<f64>) -> Score {
     let mut scorer = Scorer::default();
     for state in states_of(mapping, states.iter().copied(), None) {
-        scorer.add(state.values(mapping.output), &curve.answer(mapping.output, state.strain));
+        scorer.add(state.values(mapping.output), &answer(state));
     }
     scorer.score()
 }
@@ -475,6 +521,7 @@ fn describe(trained: &TrainedMapping, dataset: &Dataset, k: usize) -> Result<Sub
         termination: provenance.termination.to_string(),
         seconds: trained.seconds[k],
         effective_parameters: model.training_fit().evidence.map(|evidence| evidence.gamma),
+        constant: is_constant(&trained.surrogate, &dataset.training(), k)?,
         held_out: trained.surrogate.evaluate(dataset.held_out(), Some(k))?,
         unseen: trained.surrogate.evaluate(dataset.unseen(), Some(k))?,
     })

@@ -9,7 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::learning_curve::LearningCurve;
 use crate::score::Score;
+use crate::sensor_use::Verdict;
 use crate::size_study::SizeStudy;
+use crate::student::PairedTest;
 use crate::study::Evaluation;
 
 /// Everything in `summary.json`.
@@ -78,6 +80,31 @@ pub struct MappingSummary {
     pub formula: String,
     /// Relative RMSE of the mean curve of the training runs, with no network, on unseen runs.
     pub mean_curve: Option<f64>,
+    /// Relative RMSE of ridge regression on the same sensors, on unseen runs.
+    #[serde(default)]
+    pub ridge: Option<f64>,
+    /// Relative RMSE of ridge regression on strain alone, on unseen runs.
+    #[serde(default)]
+    pub ridge_strain_only: Option<f64>,
+    /// Relative RMSE of the networks on unseen runs with the sensors of every other unseen run in turn, at the same
+    /// strain; null of fewer than two unseen runs.
+    #[serde(default)]
+    pub with_other_sensors: Option<f64>,
+    /// The same with the sensors of the run permuted over its states, within the range of each sub-model.
+    #[serde(default)]
+    pub with_permuted_sensors: Option<f64>,
+    /// Relative RMSE with the sensors of other runs minus that with its own, over the unseen runs.
+    #[serde(default, rename = "use")]
+    pub sensor_use: Option<PairedTest>,
+    /// Relative RMSE with permuted sensors minus that with its own, over the unseen runs.
+    #[serde(default)]
+    pub use_against_permuted: Option<PairedTest>,
+    /// Relative RMSE of the strain-only networks minus that of the networks, over the unseen runs.
+    #[serde(default)]
+    pub help: Option<PairedTest>,
+    /// What follows from `use` and `help`.
+    #[serde(default)]
+    pub verdict: Verdict,
     /// Relative RMSE of the networks on the states they were trained on.
     pub training: f64,
     /// Relative RMSE of the strain-only networks on held-out states.
@@ -114,6 +141,9 @@ pub struct SubModelSummary {
     pub seconds: f64,
     /// Effective number of parameters, where the trainer finds it.
     pub effective_parameters: Option<f64>,
+    /// True if it answers all training states in its range with nearly one number: it has learned nothing.
+    #[serde(default)]
+    pub constant: bool,
     /// Score on held-out states in its range.
     pub held_out: Score,
     /// Score on unseen runs in its range.
@@ -159,6 +189,14 @@ impl MappingSummary {
             best_without_sensors: e.best_without_sensors(),
             formula: e.mapping.formula(),
             mean_curve: unseen(e.mean_curve.unseen).map(|score| score.relative_rmse),
+            ridge: unseen(e.ridge.unseen).map(|score| score.relative_rmse),
+            ridge_strain_only: unseen(e.ridge_strain_only.unseen).map(|score| score.relative_rmse),
+            with_other_sensors: e.sensor_use.with_other.map(|score| score.relative_rmse),
+            with_permuted_sensors: e.sensor_use.permuted.map(|score| score.relative_rmse),
+            sensor_use: e.sensor_use.lost_with_other(),
+            use_against_permuted: e.sensor_use.lost_permuted(),
+            help: e.sensor_use.help(),
+            verdict: e.sensor_use.verdict(),
             training: e.network.training.relative_rmse,
             strain_only_held_out: e.strain_only.held_out.relative_rmse,
         }
@@ -182,6 +220,12 @@ mod tests {
             }],
             seed_scatter: Some(0.03),
             relative_rmse: PartScores { unseen: Some(0.05), ..Default::default() },
+            ridge: Some(0.04),
+            ridge_strain_only: Some(0.05),
+            with_other_sensors: Some(0.06),
+            with_permuted_sensors: Some(0.07),
+            sensor_use: PairedTest::new(&[0.01, 0.02, 0.03]),
+            help: PairedTest::new(&[0.01, 0.02, 0.03]),
             ..Default::default()
         };
         let summary = Summary {
@@ -207,6 +251,13 @@ mod tests {
             "/mappings/F1/r2/held_out",
             "/mappings/F1/r2/strain_only",
             "/mappings/F1/seed_scatter",
+            "/mappings/F1/ridge",
+            "/mappings/F1/ridge_strain_only",
+            "/mappings/F1/with_other_sensors",
+            "/mappings/F1/with_permuted_sensors",
+            "/mappings/F1/use/mean",
+            "/mappings/F1/use/standard_error",
+            "/mappings/F1/help/t",
             "/speed/dem_seconds",
             "/speed/network_seconds",
             "/speed/factor",
@@ -216,6 +267,8 @@ mod tests {
         }
         assert!(json.pointer("/dem/runs/0/role").unwrap().is_string());
         assert!(json.pointer("/mappings/F1/sub_models/0/trainer").unwrap().is_string());
+        assert!(json.pointer("/mappings/F1/verdict").unwrap().is_string());
+        assert!(json.pointer("/mappings/F1/sub_models/0/constant").unwrap().is_boolean());
         let back: Summary = serde_json::from_value(json).unwrap();
         assert_eq!(back, summary);
     }

@@ -3,20 +3,25 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use granum_hybrid::Score;
+use granum_hybrid::dataset::Run;
 use granum_hybrid::files::{load_runs, load_study};
 use granum_hybrid::runs::RunRole;
-use granum_hybrid::study::RunScore;
+use granum_hybrid::study::{RunScore, Study};
+use granum_hybrid::{Score, SensorUse};
 use serde_json::{Value, json};
 
 use super::records::{self, Recorded};
 use super::relation::Relation;
-use super::scores::percent;
+use super::scores::{SensorRow, percent, sensor_table};
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 
-/// Score a study on runs: relative RMSE and R2 of its networks, beside networks of the same sizes that see strain only.
+/// Score a study on runs: relative RMSE and R2 of its networks, beside networks of the same sizes that see strain only,
+/// ridge regression and the mean curve of the training runs.
+///
+/// With two runs or more that no network was trained on, every run is answered with the sensors of the others too, and
+/// from three on a test says whether the networks use their sensors.
 ///
 /// Scores on a run that the networks were trained on are called so, and a run of another material, law or test than the
 /// training runs is told with the keys that differ.
@@ -35,14 +40,20 @@ impl Evaluate {
         let study = load_study(&self.study)?;
         let known = load_runs(&self.study)?;
         let mut scored = Vec::new();
+        let mut unseen: Vec<Run> = Vec::new();
         for run in records::read(context, &self.runs, RunRole::Unseen)? {
-            let scores = study.score_run(&study.read(&run.named())?)?;
+            let states = study.read(&run.named())?;
+            let scores = study.score_run(&states)?;
             let relation = Relation::of(&run, known.as_deref());
+            if !relation.is_training() {
+                unseen.push(states);
+            }
             if let Some(warning) = relation.warning(&run.name) {
                 context.warn(&warning);
             }
             scored.push((run, relation, scores));
         }
+        let sensors = sensors(&study, &unseen)?;
         let runs: Vec<Value> = scored
             .iter()
             .map(|(run, relation, scores)| {
@@ -56,12 +67,57 @@ impl Evaluate {
                 })
             })
             .collect();
-        let result = json!({ "study": self.study, "runs": runs });
+        let result = json!({
+            "study": self.study,
+            "runs": runs,
+            "sensors": sensors.iter().map(sensors_as_json).collect::<Vec<_>>(),
+        });
         output::say(context, &result, || {
             let tables = scored.iter().map(|(run, relation, scores)| table(run, relation, scores));
-            tables.collect::<Vec<_>>().join("\n\n")
+            let mut parts: Vec<String> = tables.collect();
+            if !sensors.is_empty() {
+                let rows: Vec<SensorRow> = sensors.iter().map(sensor_row).collect();
+                parts.push(sensor_table(&rows).join("\n"));
+            }
+            parts.join("\n\n")
         })
     }
+}
+
+/// What each mapping makes of the sensors of unseen runs; nothing without such a run.
+fn sensors(study: &Study, unseen: &[Run]) -> Result<Vec<(String, SensorUse)>, Failure> {
+    if unseen.is_empty() {
+        return Ok(Vec::new());
+    }
+    let names = study.mappings.iter().map(|trained| trained.surrogate.mapping().name.clone());
+    let used = study.sensor_use(&unseen.iter().collect::<Vec<_>>())?;
+    Ok(names.zip(used).collect())
+}
+
+fn sensor_row((name, sensors): &(String, SensorUse)) -> SensorRow {
+    let relative = |score: Option<Score>| score.map(|score| score.relative_rmse);
+    SensorRow {
+        name: name.clone(),
+        own: relative(sensors.own),
+        with_other: relative(sensors.with_other),
+        permuted: relative(sensors.permuted),
+        lost: sensors.lost_with_other(),
+        help: sensors.help(),
+        verdict: sensors.verdict().to_string(),
+    }
+}
+
+fn sensors_as_json((name, sensors): &(String, SensorUse)) -> Value {
+    json!({
+        "mapping": name,
+        "network": sensors.own,
+        "with_other_sensors": sensors.with_other,
+        "with_permuted_sensors": sensors.permuted,
+        "use": sensors.lost_with_other(),
+        "use_against_permuted": sensors.lost_permuted(),
+        "help": sensors.help(),
+        "verdict": sensors.verdict(),
+    })
 }
 
 /// A score, or nothing where no state lay in the range of the mapping.
@@ -74,6 +130,9 @@ fn as_json(score: &RunScore) -> Value {
         "mapping": score.mapping,
         "network": some(&score.network),
         "strain_only": some(&score.strain_only),
+        "ridge": score.ridge.as_ref().and_then(some),
+        "ridge_strain_only": score.ridge_strain_only.as_ref().and_then(some),
+        "mean_curve": score.mean_curve.as_ref().and_then(some),
         "states_outside": score.states_outside,
     })
 }
@@ -83,20 +142,34 @@ fn table(run: &Recorded, relation: &Relation, scores: &[RunScore]) -> String {
     let mut lines = vec![
         format!("{} ({sample}): {}", run.name, relation.kind()),
         format!(
-            "{:<8} {:>13} {:>8}   {:>13} {:>8}   {:>7} {:>8}",
-            "mapping", "relative RMSE", "R2", "strain only", "R2", "states", "outside"
+            "{:<8} {:>13} {:>8}   {:>13} {:>8}   {:>8} {:>18} {:>10}   {:>7} {:>8}",
+            "mapping",
+            "relative RMSE",
+            "R2",
+            "strain only",
+            "R2",
+            "ridge",
+            "ridge, strain only",
+            "mean curve",
+            "states",
+            "outside"
         ),
     ];
     let r2 = |score: &Score| some(score).map_or("-".to_string(), |score| format!("{:.4}", score.r2));
     let relative = |score: &Score| percent(some(score).map(|score| score.relative_rmse));
+    let baseline =
+        |score: &Option<Score>| percent(score.as_ref().and_then(some).map(|score| score.relative_rmse));
     for score in scores {
         lines.push(format!(
-            "{:<8} {:>13} {:>8}   {:>13} {:>8}   {:>7} {:>8}",
+            "{:<8} {:>13} {:>8}   {:>13} {:>8}   {} {:>18} {:>10}   {:>7} {:>8}",
             score.mapping,
             relative(&score.network),
             r2(&score.network),
             relative(&score.strain_only),
             r2(&score.strain_only),
+            baseline(&score.ridge),
+            baseline(&score.ridge_strain_only),
+            baseline(&score.mean_curve),
             score.network.states,
             score.states_outside,
         ));

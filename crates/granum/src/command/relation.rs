@@ -37,6 +37,11 @@ impl Relation {
         Relation { trained: Some(trained), differences }
     }
 
+    /// True if networks are known to have been trained on it.
+    pub fn is_training(&self) -> bool {
+        self.trained == Some(true)
+    }
+
     /// What scores on the run are.
     pub fn kind(&self) -> &'static str {
         match (self.trained, self.differences.is_empty()) {

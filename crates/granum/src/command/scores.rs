@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use granum_hybrid::student::PairedTest;
 use granum_hybrid::summary::MappingSummary;
 
 /// A share as a percentage, a dash where there is none.
@@ -9,21 +10,104 @@ pub fn percent(share: Option<f64>) -> String {
     share.map_or_else(|| format!("{:>8}", "-"), |share| format!("{:6.2} %", 100.0 * share))
 }
 
-/// The mappings with their errors, a line each below a heading; `spread` is what the difference between the runs is called.
+/// A mean difference and its standard error in percentage points.
+pub fn points(test: Option<PairedTest>) -> String {
+    let Some(test) = test else { return "-".to_owned() };
+    let error = test.standard_error.map_or(String::new(), |error| format!(" ± {:.2}", 100.0 * error));
+    format!("{:+.2}{error}", 100.0 * test.mean)
+}
+
+/// The mappings with their errors, a line each below a heading, and what they make of their sensors; `spread` is what the
+/// difference between the runs is called.
 pub fn lines(mappings: &BTreeMap<String, MappingSummary>, spread: &str) -> Vec<String> {
     let heading = format!(
-        "{:<34} {:>8} {:>8} {:>11} {:>12}",
-        "relative RMSE", "held out", "unseen", "strain only", spread
+        "{:<34} {:>8} {:>8} {:>11} {:>8} {:>10} {:>12}",
+        "relative RMSE", "held out", "unseen", "strain only", "ridge", "mean curve", spread
     );
     let line = |(name, m): (&String, &MappingSummary)| {
         format!(
-            "{name} {:<31} {} {} {:>11} {:>12}",
+            "{name} {:<31} {} {} {:>11} {} {:>10} {:>12}",
             m.formula,
             percent(Some(m.relative_rmse.held_out)),
             percent(m.relative_rmse.unseen),
             percent(Some(m.relative_rmse.strain_only)),
+            percent(m.ridge),
+            percent(m.mean_curve),
             percent(m.seed_scatter),
         )
     };
-    std::iter::once(heading).chain(mappings.iter().map(line)).collect()
+    let mut lines: Vec<String> = std::iter::once(heading).chain(mappings.iter().map(line)).collect();
+    lines.extend(sensor_lines(mappings));
+    lines.extend(mappings.iter().filter_map(|(name, mapping)| constants(name, mapping)));
+    lines
+}
+
+/// What the mappings make of the sensors of unseen runs; nothing without unseen runs.
+fn sensor_lines(mappings: &BTreeMap<String, MappingSummary>) -> Vec<String> {
+    if mappings.values().all(|m| m.with_permuted_sensors.is_none()) {
+        return Vec::new();
+    }
+    let rows = mappings.iter().map(|(name, m)| SensorRow {
+        name: name.clone(),
+        own: m.relative_rmse.unseen,
+        with_other: m.with_other_sensors,
+        permuted: m.with_permuted_sensors,
+        lost: m.sensor_use,
+        help: m.help,
+        verdict: m.verdict.to_string(),
+    });
+    sensor_table(&rows.collect::<Vec<_>>())
+}
+
+/// Errors of a mapping on unseen runs with sensors of different origin.
+pub struct SensorRow {
+    pub name: String,
+    pub own: Option<f64>,
+    pub with_other: Option<f64>,
+    pub permuted: Option<f64>,
+    pub lost: Option<PairedTest>,
+    pub help: Option<PairedTest>,
+    pub verdict: String,
+}
+
+/// Errors with sensors of different origin, a line a mapping between a heading and an explanation.
+pub fn sensor_table(rows: &[SensorRow]) -> Vec<String> {
+    let mut lines = vec![format!(
+        "{:<8} {:>8} {:>11} {:>8}   {:>15} {:>15}   verdict",
+        "sensors", "its own", "another run", "permuted", "use", "help"
+    )];
+    lines.extend(rows.iter().map(|row| {
+        format!(
+            "{:<8} {} {:>11} {}   {:>15} {:>15}   {}",
+            row.name,
+            percent(row.own),
+            percent(row.with_other),
+            percent(row.permuted),
+            points(row.lost),
+            points(row.help),
+            row.verdict,
+        )
+    }));
+    let runs = rows.iter().filter_map(|row| row.lost.or(row.help)).map(|test| test.runs).max().unwrap_or(0);
+    let plural = if runs == 1 { "" } else { "s" };
+    lines.push(format!(
+        "use: error with the sensors of another unseen run minus error with its own; help: error of the strain-only networks \
+         minus that of the networks; percentage points, mean ± standard error over {runs} unseen run{plural}, one-sided t test \
+         at 5 %"
+    ));
+    lines
+}
+
+/// Names the networks that answer with a constant.
+fn constants(name: &str, mapping: &MappingSummary) -> Option<String> {
+    let numbers: Vec<String> = (mapping.sub_models.iter().enumerate())
+        .filter(|(_, sub_model)| sub_model.constant)
+        .map(|(k, _)| format!("{name}-{}", k + 1))
+        .collect();
+    let verb = if numbers.len() == 1 {
+        "answers with a constant: it has"
+    } else {
+        "answer with constants: they have"
+    };
+    (!numbers.is_empty()).then(|| format!("{} {verb} learned nothing", numbers.join(", ")))
 }

@@ -1,5 +1,6 @@
 //! The first page of a study: its numbers and findings, by explicit rules.
 
+use granum_hybrid::Verdict;
 use granum_hybrid::summary::MappingSummary;
 
 use super::numbers::{factor, listed, percent, significant};
@@ -7,10 +8,10 @@ use super::sample;
 use super::study::StudyReport;
 use super::symbols;
 
-/// Differences between errors below this share of them are not told apart (as in the reading of granum-hybrid).
-const NOTICEABLE: f64 = 0.05;
 /// An error up to this many times the best possible without soft sensors counts as being as good as the scatter allows.
 const AS_GOOD: f64 = 1.1;
+/// One below this many times that counts as less.
+const ALIKE: f64 = 0.95;
 
 /// The error that counts: on unseen runs, or, without any, on held-out states.
 fn error(mapping: &MappingSummary) -> f64 {
@@ -21,14 +22,6 @@ fn error(mapping: &MappingSummary) -> f64 {
 fn those(study: &StudyReport, condition: impl Fn(&MappingSummary) -> bool) -> Vec<String> {
     let mappings = study.summary.mappings.iter();
     mappings.filter(|(_, mapping)| condition(mapping)).map(|(name, _)| symbols::mapping(name)).collect()
-}
-
-fn sensors_help(mapping: &MappingSummary) -> bool {
-    error(mapping) < mapping.relative_rmse.strain_only * (1.0 - NOTICEABLE)
-}
-
-fn sensors_hurt(mapping: &MappingSummary) -> bool {
-    error(mapping) > mapping.relative_rmse.strain_only * (1.0 + NOTICEABLE)
 }
 
 /// Error over the best that an answer without soft sensors of the unseen run can do.
@@ -54,11 +47,7 @@ pub fn tiles(study: &StudyReport) -> Vec<[String; 3]> {
             format!("median error on {on}"),
             format!("from {} to {} over the mappings", percent(*first), percent(*last)),
         ]);
-        out.push([
-            format!("{} of {}", those(study, sensors_help).len(), mappings.len()),
-            "mappings gain from their soft sensors".into(),
-            "against networks that see strain only".into(),
-        ]);
+        out.push(sensors_tile(study));
     }
     if mappings.values().any(|mapping| over_best(mapping).is_some()) {
         let good = those(study, |mapping| over_best(mapping).is_some_and(|times| times <= AS_GOOD));
@@ -94,6 +83,23 @@ pub fn tiles(study: &StudyReport) -> Vec<[String; 3]> {
         out.push([significant(mean, 3), "peak *q*/*p*, mean of the runs".into(), remark]);
     }
     out
+}
+
+/// How many mappings gain by their sensors.
+fn sensors_tile(study: &StudyReport) -> [String; 3] {
+    let mappings = &study.summary.mappings;
+    let what = "mappings use their soft sensors and gain by it".to_owned();
+    if mappings.values().all(|mapping| mapping.verdict == Verdict::TooFewRuns) {
+        return ["–".to_owned(), what, "fewer than three unseen runs are too few to test".into()];
+    }
+    let gain = those(study, |mapping| mapping.verdict == Verdict::Gains).len();
+    let used = those(study, |mapping| mapping.verdict == Verdict::WithoutGain).len();
+    let remark = match used {
+        0 => "by a t test over the unseen runs".to_owned(),
+        1 => "1 more uses them without gain".to_owned(),
+        _ => format!("{used} more use them without gain"),
+    };
+    [format!("{gain} of {}", mappings.len()), what, remark]
 }
 
 /// The findings, as sentences.
@@ -146,51 +152,66 @@ fn errors_sentence(study: &StudyReport) -> Option<String> {
 }
 
 fn sensors_sentence(study: &StudyReport) -> Option<String> {
-    let count = study.summary.mappings.len();
-    if count == 0 {
+    let mappings = &study.summary.mappings;
+    if mappings.is_empty() {
         return None;
     }
-    let (help, hurt) = (those(study, sensors_help), those(study, sensors_hurt));
-    let same = those(study, |mapping| !sensors_help(mapping) && !sensors_hurt(mapping));
-    let mut text = match help.len() {
-        0 => "No mapping does better for its soft sensors than a network of the same size that sees strain only: on this \
-              one path strain alone tells what there is to tell."
-            .to_owned(),
-        n if n == count => {
-            "Every mapping does better for its soft sensors than a network of the same size that sees strain only.".to_owned()
+    let with = |verdict: Verdict| those(study, |mapping| mapping.verdict == verdict);
+    let (gains, without) = (with(Verdict::Gains), with(Verdict::WithoutGain));
+    let (unused, untold) = (with(Verdict::DoesNotUse), with(Verdict::TooFewRuns));
+    let mut parts = Vec::new();
+    let mut say = |names: &[String], one: &str, several: &str| {
+        if !names.is_empty() {
+            parts.push(format!("{} {}", listed(names), if names.len() == 1 { one } else { several }));
         }
-        _ => format!(
-            "Soft sensors take error away in {}, against networks of the same size that see strain only.",
-            listed(&help)
-        ),
     };
-    if !same.is_empty() && !help.is_empty() {
-        text += &format!(" In {} they add nothing that strain does not tell.", listed(&same));
+    say(&gains, "uses its soft sensors and gains by it", "use their soft sensors and gain by it");
+    say(&without, "uses its sensors without gain", "use their sensors without gain");
+    say(
+        &unused,
+        "does as well with another run\u{2019}s sensors as with its own, so it does not use them",
+        "do as well with another run\u{2019}s sensors as with their own, so they do not use them",
+    );
+    if untold.len() == mappings.len() {
+        let runs =
+            mappings.values().filter_map(|mapping| mapping.help).map(|test| test.runs).max().unwrap_or(0);
+        let found = match runs {
+            0 => "there is no unseen run".to_owned(),
+            1 => "there is one unseen run only".to_owned(),
+            _ => format!("{runs} unseen runs are too few to test it"),
+        };
+        return Some(format!("Whether the networks use their soft sensors cannot be told: {found}."));
     }
-    if !hurt.is_empty() {
-        text += &format!(" In {} they make the answer worse.", listed(&hurt));
-    }
-    Some(text)
+    say(&untold, "was judged on too few runs", "were judged on too few runs");
+    let best =
+        mappings.iter().filter(|(_, mapping)| mapping.verdict == Verdict::Gains).filter_map(|(name, m)| {
+            let alone = m.relative_rmse.strain_only;
+            (alone > 0.0).then_some((name, 1.0 - m.relative_rmse.unseen? / alone))
+        });
+    let best = best.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(String::new(), |(name, share)| {
+        format!(
+            " The most is gained in {}: {} of the error of strain-only networks.",
+            symbols::mapping(name),
+            percent(share)
+        )
+    });
+    Some(format!("Given the sensors of another unseen run in place of its own: {}.{best}", parts.join("; ")))
 }
 
 fn scatter_sentence(study: &StudyReport) -> Option<String> {
-    let judged: Vec<(&String, &MappingSummary, f64)> = (study.summary.mappings.iter())
-        .filter_map(|(name, mapping)| Some((name, mapping, over_best(mapping)?)))
+    let judged: Vec<(&String, f64)> = (study.summary.mappings.iter())
+        .filter_map(|(name, mapping)| Some((name, over_best(mapping)?)))
         .collect();
     if judged.is_empty() {
         return None;
     }
-    let pick = |condition: &dyn Fn(&MappingSummary, f64) -> bool| -> Vec<String> {
-        let chosen = judged.iter().filter(|(_, mapping, times)| condition(mapping, *times));
-        chosen.map(|(name, _, _)| symbols::mapping(name)).collect()
+    let pick = |condition: &dyn Fn(f64) -> bool| -> Vec<String> {
+        judged.iter().filter(|(_, times)| condition(*times)).map(|(name, _)| symbols::mapping(name)).collect()
     };
-    let below = 1.0 - NOTICEABLE;
-    // Coming below the yardstick proves nothing alone: a smooth curve does so too. The twins that see strain only tell.
-    let used = pick(&|mapping, times| times < below && sensors_help(mapping));
-    let smooth = pick(&|mapping, times| times < below && !sensors_help(mapping));
-    let alike = pick(&|_, times| (below..=AS_GOOD).contains(&times));
-    let worse: Vec<String> = (judged.iter().filter(|(_, _, times)| *times > AS_GOOD))
-        .map(|(name, _, times)| format!("{} ({} times)", symbols::mapping(name), factor(*times)))
+    let below = pick(&|times| times < ALIKE);
+    let alike = pick(&|times| (ALIKE..=AS_GOOD).contains(&times));
+    let worse: Vec<String> = (judged.iter().filter(|(_, times)| *times > AS_GOOD))
+        .map(|(name, times)| format!("{} ({} times)", symbols::mapping(name), factor(*times)))
         .collect();
     let mut parts = Vec::new();
     let mut say = |names: &[String], one: &str, several: &str| {
@@ -198,21 +219,12 @@ fn scatter_sentence(study: &StudyReport) -> Option<String> {
             parts.push(format!("{} {}", listed(names), if names.len() == 1 { one } else { several }));
         }
     };
-    say(
-        &used,
-        "stays below it by putting the sensors of the unseen run to use",
-        "stay below it by putting the sensors of the unseen run to use",
-    );
-    say(
-        &smooth,
-        "stays below it, but so does a smooth curve through strain alone",
-        "stay below it, but so do smooth curves through strain alone",
-    );
+    say(&below, "stays below it", "stay below it");
     say(&alike, "comes to it", "come to it");
     say(&worse, "misses by more", "miss by more");
     Some(format!(
-        "The yardstick is the scatter between samples: what an unseen run would be missed by if the training run were \
-         repeated as the answer. {}.",
+        "Beside the scatter between samples, which is what an unseen run would be missed by if the training runs were \
+         repeated as the answer: {}.",
         parts.join("; ")
     ))
 }
@@ -221,13 +233,16 @@ fn scatter_sentence(study: &StudyReport) -> Option<String> {
 mod tests {
     use super::*;
     use granum_hybrid::Summary;
+    use granum_hybrid::student::PairedTest;
     use granum_hybrid::summary::PartScores;
 
-    fn mapping(unseen: f64, strain_only: f64, best: f64) -> MappingSummary {
+    fn mapping(unseen: f64, best: f64, verdict: Verdict) -> MappingSummary {
         MappingSummary {
             formula: "q/p = F1(ε_d, P(f))".into(),
-            relative_rmse: PartScores { held_out: 0.5 * unseen, unseen: Some(unseen), strain_only },
+            relative_rmse: PartScores { held_out: 0.5 * unseen, unseen: Some(unseen), strain_only: 0.04 },
             best_without_sensors: Some(best),
+            help: PairedTest::new(&[0.01, 0.011]),
+            verdict,
             ..Default::default()
         }
     }
@@ -238,36 +253,34 @@ mod tests {
     }
 
     #[test]
-    fn sentences_follow_the_numbers() {
-        let nothing = study(&[("F1", mapping(0.03, 0.03, 0.03)), ("F2", mapping(0.05, 0.051, 0.02))]);
-        let text = findings(&nothing).join(" ");
-        assert!(text.contains("No mapping does better") && text.contains("strain alone tells"), "{text}");
+    fn sentences_follow_the_verdicts() {
+        let all = study(&[
+            ("F1", mapping(0.03, 0.03, Verdict::Gains)),
+            ("F2", mapping(0.05, 0.02, Verdict::WithoutGain)),
+            ("F3", mapping(0.01, 0.02, Verdict::DoesNotUse)),
+        ]);
+        let text = findings(&all).join(" ");
         assert!(
-            text.contains("*F*_{1} comes to it") && text.contains("*F*_{2} (2.5 times) misses by more"),
+            text.contains("*F*_{1} uses its soft sensors and gains by it; *F*_{2} uses its sensors without"),
             "{text}"
         );
-
-        let some = study(&[("F1", mapping(0.01, 0.03, 0.03)), ("F2", mapping(0.09, 0.05, 0.05))]);
-        let text = findings(&some).join(" ");
         assert!(
-            text.contains("take error away in *F*_{1}") && text.contains("In *F*_{2} they make"),
+            text.contains("*F*_{3} does as well with another run\u{2019}s sensors as with its own"),
             "{text}"
         );
-        assert!(text.contains("*F*_{1} stays below it by putting"), "{text}");
+        assert!(text.contains("gained in *F*_{1}: 25\u{202f}% of the error"), "{text}");
+        assert!(
+            text.contains("*F*_{3} stays below it; *F*_{1} comes to it; *F*_{2} (2.5 times) misses"),
+            "{text}"
+        );
+        assert_eq!(tiles(&all)[1][0], "1 of 3");
+        assert_eq!(tiles(&all)[1][2], "1 more uses them without gain");
+        assert_eq!(tiles(&all)[2][0], "2 of 3");
 
-        let smooth = study(&[("F1", mapping(0.02, 0.02, 0.03))]);
-        assert!(findings(&smooth).join(" ").contains("so does a smooth curve through strain alone"));
-
-        let all = study(&[("F1", mapping(0.01, 0.03, 0.03))]);
-        assert!(findings(&all).join(" ").contains("Every mapping does better"));
+        let few = study(&[("F1", mapping(0.01, 0.03, Verdict::TooFewRuns))]);
+        let text = findings(&few).join(" ");
+        assert!(text.contains("cannot be told: 2 unseen runs are too few to test it"), "{text}");
+        assert_eq!(tiles(&few)[1][0], "–");
         assert!(findings(&StudyReport::default()).is_empty() && tiles(&StudyReport::default()).is_empty());
-    }
-
-    #[test]
-    fn tiles_count_what_the_sentences_say() {
-        let study = study(&[("F1", mapping(0.01, 0.03, 0.03)), ("F2", mapping(0.09, 0.05, 0.05))]);
-        let tiles = tiles(&study);
-        assert_eq!(tiles[1][0], "1 of 2");
-        assert_eq!(tiles[2][0], "1 of 2");
     }
 }

@@ -8,7 +8,7 @@ use super::figure::palette::{COLORS, GREY, INK, PALE, color};
 use super::figure::ticks::fixed;
 use super::figure::{Axis, Figure, Layer, Legend, Note, Panel, Plot, SHAPES, Shape, Stroke};
 use super::material::STRAIN;
-use super::numbers::percent;
+use super::numbers::{percent, points};
 use super::page::Table;
 use super::symbols;
 
@@ -264,31 +264,71 @@ fn first_point(curve: &Curve) -> Option<[f64; 2]> {
     pairs(curve).into_iter().find(|point| point[0] > 0.0 && point[1] > 0.0 && point[1].is_finite())
 }
 
-/// The scores as a table.
+/// The scores as a table: the networks, what stands beside them, and the networks with sensors that are not the run's own.
 pub fn score_table(label: &str, summary: &Summary) -> Table {
-    let caption = "Relative RMSE of the mappings: root mean square error over the root mean square of the DEM values. \
-                   Held-out: states of the training run that were kept from training. Unseen: DEM runs with other seeds. \
-                   Strain only: networks of the same size that see nothing but strain, on unseen runs. Scatter: between \
-                   DEM runs that differ in the seed.";
-    let columns =
-        ["Mapping", "Held-out", "Unseen", "Strain only", "Mean curve", "Scatter", "*R*^{2}, unseen"];
+    let caption = "Relative RMSE of the mappings on unseen DEM runs (without any, on held-out states): root mean square \
+                   error over the root mean square of the DEM values. Strain only: networks of the same size that see \
+                   nothing but strain. Ridge: linear regression on the same sensors and splines over strain. Mean curve: \
+                   the training runs repeated as the answer. Scatter: between DEM runs that differ in the seed. Another \
+                   run\u{2019}s, permuted: the networks again, given the sensors of another unseen run at the same strain, or \
+                   the run\u{2019}s own in another order.";
+    let columns = [
+        "Mapping",
+        "Networks",
+        "Strain only",
+        "Ridge",
+        "Mean curve",
+        "Seed scatter",
+        "Another run\u{2019}s sensors",
+        "Permuted sensors",
+    ];
     let mut table = Table::new(label, caption, &columns);
     let share = |value: Option<f64>| value.map_or("–".to_owned(), percent);
     for mapping in summary.mappings.values() {
         table.row(vec![
             symbols::markup(&mapping.formula),
-            percent(mapping.relative_rmse.held_out),
-            share(mapping.relative_rmse.unseen),
+            percent(mapping.relative_rmse.unseen.unwrap_or(mapping.relative_rmse.held_out)),
             percent(mapping.relative_rmse.strain_only),
+            share(mapping.ridge),
             share(mapping.mean_curve),
             share(mapping.seed_scatter),
-            mapping.r2.unseen.map_or("–".to_owned(), |r2| fixed(r2, 3)),
+            share(mapping.with_other_sensors),
+            share(mapping.with_permuted_sensors),
         ]);
     }
-    table.note = "Mean curve: no network at all, the training run repeated as the answer. *R*^{2} means little where a \
-                  curve is flat."
-        .to_owned();
+    table.note = "Networks that use their sensors do worse with another run\u{2019}s.".to_owned();
     table
+}
+
+/// Whether the mappings use their sensors, and what for; `None` without unseen runs.
+pub fn sensor_table(label: &str, summary: &Summary) -> Option<Table> {
+    let runs = summary.mappings.values().filter_map(|mapping| mapping.help).map(|test| test.runs).max()?;
+    let caption = format!(
+        "Do the networks use their sensors? Use: error with another unseen run\u{2019}s sensors minus error with the run\u{2019}s \
+         own. Help: error of the strain-only networks minus error of the networks. In percentage points of relative RMSE, \
+         mean and standard error over {runs} unseen run{}; † above zero by a one-sided *t* test at 5{}%.",
+        if runs == 1 { "" } else { "s" },
+        '\u{202f}',
+    );
+    let columns =
+        ["Mapping", "Use", "Use, against permuted", "Help", "Held-out", "*R*^{2}, unseen", "Verdict"];
+    let mut table = Table::new(label, &caption, &columns);
+    for mapping in summary.mappings.values() {
+        table.row(vec![
+            symbols::markup(&mapping.formula),
+            points(mapping.sensor_use),
+            points(mapping.use_against_permuted),
+            points(mapping.help),
+            percent(mapping.relative_rmse.held_out),
+            mapping.r2.unseen.map_or("–".to_owned(), |r2| fixed(r2, 3)),
+            mapping.verdict.to_string(),
+        ]);
+    }
+    table.note =
+        "Held-out: relative RMSE on states of the training runs that were kept from training. *R*^{2} means little where a \
+         curve is flat. Fewer than three unseen runs are too few to test."
+            .to_owned();
+    Some(table)
 }
 
 /// The scores as a picture.
@@ -313,11 +353,15 @@ pub fn score_figure(summary: &Summary) -> (Figure, String) {
         plot = plot.with(Layer::stroked(vec![[1e-9, row(k)], [1e9, row(k)]], Stroke::new(PALE, 0.8)));
     }
     let drawn = [
-        Layer::dots(points(&|m| m.best_without_sensors), Shape::Bar, 8.0, INK).named("training run repeated"),
+        Layer::dots(points(&|m| m.best_without_sensors), Shape::Bar, 8.0, INK)
+            .named("training runs repeated"),
         Layer::dots(points(&|m| Some(m.relative_rmse.strain_only)), Shape::Diamond, 4.0, "#8a8a8a")
             .named("strain only"),
+        Layer::dots(points(&|m| m.ridge), Shape::Square, 3.4, "#8a8a8a").named("ridge"),
         Layer::points(points(&|m| Some(m.relative_rmse.held_out)), Shape::Circle, color(0))
             .named("held-out states"),
+        Layer::points(points(&|m| m.with_other_sensors), Shape::Circle, color(1))
+            .named("unseen runs, another run\u{2019}s sensors"),
         Layer::dots(points(&|m| m.relative_rmse.unseen), Shape::Circle, 4.4, color(1)).named("unseen runs"),
     ];
     // The lines of the rows must not stretch the axis: its range is that of the marks.
@@ -334,9 +378,9 @@ pub fn score_figure(summary: &Summary) -> (Figure, String) {
     let range = Axis::new("").logarithmic().resolve((low <= high).then_some([low, high]));
     plot.x = plot.x.between(range.low, range.high);
     let plot = plot.with_all(drawn);
-    let caption = "How far the networks miss. The bar is what an unseen run would be missed by if the training runs were \
-                   repeated as the answer: the seed scatter times √(1 + 1/*n*) for *n* training runs. A network well to \
-                   the left of both the bar and its strain-only twin puts the soft sensors of the unseen run to use.";
+    let caption = "How far the networks miss. The bar is what an unseen run would be missed by if the mean of *n* training \
+                   runs were repeated as the answer: the seed scatter times √(1 + 1/*n*). A network to the left of the \
+                   bar may be a smooth curve only; networks that use their soft sensors lose by those of another run.";
     let figure = Figure::new("Relative errors of the mappings", 1, vec![Panel::plot(plot)]);
     (figure.sized(640.0, 60.0 + 36.0 * count.max(2) as f64).legend(Legend::Above), caption.to_owned())
 }

@@ -1,5 +1,7 @@
 //! Numbers as people read them.
 
+use granum_hybrid::student::PairedTest;
+
 use super::figure::ticks::fixed;
 
 /// Narrow space that does not break, between groups of digits and before units.
@@ -41,6 +43,14 @@ pub fn percent(share: f64) -> String {
         _ => 2,
     };
     format!("{}{THIN}%", fixed(value, decimals))
+}
+
+/// A mean difference of shares in percentage points with its standard error, marked where it is above zero by its test.
+pub fn points(test: Option<PairedTest>) -> String {
+    let Some(test) = test.filter(|test| test.mean.is_finite()) else { return "–".to_owned() };
+    let error = test.standard_error.map_or(String::new(), |error| format!(" ± {}", fixed(100.0 * error, 2)));
+    let mark = if test.above_zero == Some(true) { " †" } else { "" };
+    format!("{}{error}{mark}", fixed(100.0 * test.mean, 2))
 }
 
 /// A whole number with groups of three digits.
@@ -159,6 +169,13 @@ mod tests {
         assert_eq!(duration(272.0), "4\u{202f}min 32\u{202f}s");
         assert_eq!(duration(0.0021), "2.10\u{202f}ms");
         assert_eq!(duration(7300.0), "2\u{202f}h 01\u{202f}min");
+    }
+
+    #[test]
+    fn differences_carry_their_error_and_test() {
+        assert_eq!(points(PairedTest::new(&[0.01, 0.02, 0.03])), "2.00 ± 0.58 †");
+        assert_eq!(points(PairedTest::new(&[-0.01])), "−1.00");
+        assert_eq!(points(None), "–");
     }
 
     #[test]

@@ -69,7 +69,11 @@ fn our_cells(model: &SubModelSummary) -> Vec<String> {
         neurons(&model.hidden),
         whole(model.epochs as f64),
         whole(model.rows as f64),
-        model.effective_parameters.map_or("–".to_owned(), whole),
+        if model.constant {
+            "a constant".to_owned()
+        } else {
+            model.effective_parameters.map_or("–".to_owned(), whole)
+        },
         percent(model.held_out.relative_rmse),
         unseen,
     ]
