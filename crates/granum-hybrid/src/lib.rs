@@ -44,4 +44,4 @@ pub use score::Score;
 pub use size_study::{SizeStudy, SizeStudyOptions};
 pub use study::{Evaluation, Study, StudyObserver, StudyOptions, StudyProgress};
 pub use summary::Summary;
-pub use surrogate::{Answer, RowAnswer, Surrogate};
+pub use surrogate::{Answer, Outside, RowAnswer, Surrogate};
