@@ -72,9 +72,12 @@ pub(crate) fn data(
     form: Form,
     rule: Rule,
 ) -> Result<Data, DataError> {
-    let states = match rule {
-        Rule::Paper => states_of(mapping, dataset.training(), Some(sub_model)),
-        Rule::Pooled => thinned(dataset),
+    let (blocks, states): (Vec<usize>, Vec<&State>) = match rule {
+        Rule::Paper => {
+            let states = states_of(mapping, dataset.training(), Some(sub_model));
+            (vec![0; states.len()], states)
+        }
+        Rule::Pooled => thinned(dataset).into_iter().unzip(),
     };
     let distribution = mapping.output == Quantity::ForceDistribution;
     let rows = Rows::new(mapping, form, &dataset.forces, states.iter().copied());
@@ -85,16 +88,22 @@ pub(crate) fn data(
     let each = if distribution { DISTRIBUTION_OBSERVATIONS } else { STATE_OBSERVATIONS };
     // States further apart are more independent: what they count together does not change.
     let observations = dataset.training().len() as f64 * each;
-    data.with_points(points(mapping, form, dataset.forces.len(), rule))?.with_observations(observations)
+    let bins = dataset.forces.len();
+    let data = data.with_points(points(mapping, form, bins, rule))?.with_observations(observations)?;
+    // Of a distribution every bin is an observation; its scatter differs from bin to bin, and f is the last input.
+    let each = if distribution { bins } else { 1 };
+    let column = if distribution { data.input_columns() - 1 } else { 0 };
+    let blocks = blocks.iter().flat_map(|&block| std::iter::repeat_n(block, each)).collect();
+    data.with_blocks(blocks)?.with_spread_column(column)
 }
 
-/// The training states; of many runs every so manieth state of each, beginning with another one in each run.
-fn thinned(dataset: &Dataset) -> Vec<&State> {
+/// The training states with the number of their run; of many runs every so manieth state of each, beginning with another one in each run.
+fn thinned(dataset: &Dataset) -> Vec<(usize, &State)> {
     let every = dataset.training().len().div_ceil(MOST_STATES).max(1);
     let runs = dataset.training_runs.iter().enumerate();
     let states = runs.flat_map(|(k, run)| {
         let training = run.states.iter().zip(&run.numbers).filter(|(_, number)| dataset.trains(**number));
-        training.map(|(state, _)| state).skip(k % every).step_by(every)
+        training.map(move |(state, _)| (k, state)).skip(k % every).step_by(every)
     });
     states.collect()
 }

@@ -49,4 +49,4 @@ pub use sensor_use::{SensorUse, Verdict};
 pub use size_study::{SizeStudy, SizeStudyOptions};
 pub use study::{Evaluation, Study, StudyObserver, StudyOptions, StudyProgress};
 pub use summary::Summary;
-pub use surrogate::{Answer, RowAnswer, Surrogate};
+pub use surrogate::{Answer, Outside, RowAnswer, Surrogate};

@@ -27,18 +27,31 @@ pub struct Answer {
     pub outside: bool,
 }
 
-/// What a surrogate says of one row of network inputs.
+/// An input of a state that lies outside what the networks were trained on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outside {
+    /// Its name, one of [`Surrogate::input_names`].
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// What the network that answered was trained on.
+    pub range: [f64; 2],
+}
+
+/// What a surrogate says of one row, see [`Surrogate::input_names`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct RowAnswer {
     /// The output.
     pub value: f64,
     /// Standard deviation of an observation around it, where the network knows it.
     pub standard_deviation: Option<f64>,
+    /// Lower and upper end of the interval asked for, where the network knows it.
+    pub interval: Option<[f64; 2]>,
     /// Number of the sub-model that answered, from 0.
     pub sub_model: usize,
-    /// Names of the inputs that lie outside the range the network was trained in; the strain is among them where no
-    /// sub-model covers it.
-    pub outside: Vec<String>,
+    /// The inputs that lie outside the range the network was trained in; the strain is among them where no sub-model covers
+    /// it.
+    pub outside: Vec<Outside>,
 }
 
 impl Surrogate {
@@ -88,29 +101,157 @@ impl Surrogate {
         &self.networks
     }
 
-    /// Names of the values of a row that [`Surrogate::predict`] takes.
+    /// Names of the values of a row that [`Surrogate::predict`] takes, those of a state in both forms: strain, fabric, stress
+    /// ratio, the densities of all bins where the distribution is read, and the force where it is the answer.
     pub fn input_names(&self) -> Vec<String> {
-        self.mapping.network_inputs(self.form, &self.forces)
+        self.mapping.network_inputs(Form::Histogram, &self.forces)
     }
 
-    /// Answers one row of network inputs, the deviator strain first: the sub-model is chosen by it.
+    /// What the network of a sub-model was trained on, for each of [`Surrogate::input_names`]. In point form all bins share
+    /// the range of the densities.
+    pub fn trained_ranges(&self, sub_model: usize) -> Vec<[f64; 2]> {
+        let network = &self.networks[sub_model];
+        let range = |name: &String| {
+            let stands_for = |input: &str| {
+                input == name || (input == "probability_density" && name.starts_with("probability_density_"))
+            };
+            let place = network.inputs().iter().position(|column| stands_for(&column.name));
+            let scaler = &network.input_scalers()[place.unwrap_or(0)];
+            [scaler.minimum, scaler.maximum]
+        };
+        self.input_names().iter().map(range).collect()
+    }
+
+    /// Answers one row, the deviator strain first: the sub-model is chosen by it. The interval holds that share of the
+    /// states of unseen runs.
     ///
     /// # Errors
     /// If the row has the wrong length or a value is not finite.
-    pub fn predict(&self, row: &[f64]) -> Result<RowAnswer> {
-        let strain = row.first().copied().unwrap_or(f64::NAN);
-        let (sub_model, inside) = self.mapping.sub_model_at(strain);
-        let prediction =
-            self.networks[sub_model].predict(row).map_err(|error| self.failed(sub_model, &error))?;
-        let mut outside = prediction.outside;
-        if !inside && !outside.iter().any(|name| name == "deviator_strain") {
-            outside.insert(0, "deviator_strain".to_owned());
+    pub fn predict(&self, row: &[f64], level: f64) -> Result<RowAnswer> {
+        let one = self.predict_rows(row, level)?.pop();
+        one.ok_or_else(|| HybridError::Network {
+            network: self.mapping.name.clone(),
+            reason: "there is no row to answer".into(),
+        })
+    }
+
+    /// As [`Surrogate::predict`] for many rows, one after the other.
+    ///
+    /// # Errors
+    /// As [`Surrogate::predict`].
+    pub fn predict_rows(&self, rows: &[f64], level: f64) -> Result<Vec<RowAnswer>> {
+        let names = self.input_names();
+        let problem = |reason: String| HybridError::Network { network: self.mapping.name.clone(), reason };
+        if !rows.len().is_multiple_of(names.len()) {
+            let (found, list) = (rows.len() % names.len(), names.join(", "));
+            return Err(problem(format!("a row has {} values ({list}), not {found}", names.len())));
         }
-        Ok(RowAnswer {
-            value: prediction.value,
-            standard_deviation: prediction.standard_deviation,
-            sub_model,
-            outside,
+        if let Some(k) = rows.iter().position(|value| !value.is_finite()) {
+            let (row, name) = (k / names.len() + 1, &names[k % names.len()]);
+            return Err(problem(format!("row {row}: {name} is {}, not a finite number", rows[k])));
+        }
+        let rows: Vec<&[f64]> = rows.chunks_exact(names.len()).collect();
+        let mut answers = vec![None; rows.len()];
+        for sub_model in 0..self.networks.len() {
+            let own: Vec<usize> =
+                (0..rows.len()).filter(|&k| self.mapping.sub_model_at(rows[k][0]).0 == sub_model).collect();
+            if own.is_empty() {
+                continue;
+            }
+            let inputs: Vec<f64> = own.iter().flat_map(|&k| self.network_rows(rows[k])).collect();
+            let spread = self.spread(sub_model, &inputs, self.row_points(), level)?;
+            let ranges = self.trained_ranges(sub_model);
+            for (place, &k) in own.iter().enumerate() {
+                answers[k] = Some(RowAnswer {
+                    value: spread.values[place],
+                    standard_deviation: spread.deviations.as_ref().map(|deviations| deviations[place]),
+                    interval: spread.interval(place),
+                    sub_model,
+                    outside: self.outside(rows[k], &names, &ranges),
+                });
+            }
+        }
+        Ok(answers.into_iter().flatten().collect())
+    }
+
+    fn outside(&self, row: &[f64], names: &[String], ranges: &[[f64; 2]]) -> Vec<Outside> {
+        let uncovered = !self.mapping.sub_model_at(row[0]).1;
+        let beyond = |k: &usize| {
+            let [low, high] = ranges[*k];
+            !(row[*k] >= low && row[*k] <= high) || (*k == 0 && uncovered)
+        };
+        let found = (0..row.len()).filter(beyond);
+        found.map(|k| Outside { name: names[k].clone(), value: row[k], range: ranges[k] }).collect()
+    }
+
+    /// Rows of network inputs that answer one row together.
+    fn row_points(&self) -> usize {
+        let number = self.mapping.output != Quantity::ForceDistribution;
+        if number && self.mapping.has_point_rows(self.form) { self.forces.len() } else { 1 }
+    }
+
+    /// The network inputs of one row of [`Surrogate::input_names`]: the row itself, or a row a bin of f.
+    fn network_rows(&self, row: &[f64]) -> Vec<f64> {
+        if self.form == Form::Histogram || !self.mapping.inputs.contains(&Quantity::ForceDistribution) {
+            return row.to_vec();
+        }
+        let mut rows = Vec::new();
+        for (bin, &force) in self.forces.iter().enumerate() {
+            let mut at = 0;
+            for &input in &self.mapping.inputs {
+                if input == Quantity::ForceDistribution {
+                    rows.extend([force, row[at + bin]]);
+                    at += self.forces.len();
+                } else {
+                    rows.push(row[at]);
+                    at += 1;
+                }
+            }
+        }
+        rows
+    }
+
+    /// Intervals that hold that share of the states of unseen runs, for states: `[lower, upper]` of the output, or of each bin
+    /// of f. Nothing for a state whose network knows no standard deviation.
+    ///
+    /// # Errors
+    /// As [`Surrogate::answer`].
+    pub fn intervals<'a>(
+        &self,
+        states: impl IntoIterator<Item = &'a State>,
+        level: f64,
+    ) -> Result<Vec<Option<Vec<[f64; 2]>>>> {
+        let states: Vec<&State> = states.into_iter().collect();
+        let mut intervals = vec![None; states.len()];
+        for sub_model in 0..self.networks.len() {
+            let own: Vec<usize> = (0..states.len())
+                .filter(|&k| self.mapping.sub_model_at(states[k].strain).0 == sub_model)
+                .collect();
+            if own.is_empty() {
+                continue;
+            }
+            let group: Vec<&State> = own.iter().map(|&k| states[k]).collect();
+            let inputs = self.inputs(&group, &self.forces);
+            let spread = self.spread(sub_model, &inputs, self.row_points(), level)?;
+            let each = spread.values.len() / own.len();
+            for (place, &k) in own.iter().enumerate() {
+                intervals[k] = (place * each..(place + 1) * each).map(|i| spread.interval(i)).collect();
+            }
+        }
+        Ok(intervals)
+    }
+
+    /// Answers of a network to observations of so many points, with what they scatter by.
+    fn spread(&self, sub_model: usize, inputs: &[f64], points: usize, level: f64) -> Result<Spread> {
+        let network = &self.networks[sub_model];
+        let failed = |error: granum_nets::ModelError| self.failed(sub_model, &error);
+        let batch = network.predict_batch(inputs).map_err(failed)?.values;
+        let deviations = network.standard_deviations_of(inputs, points).map_err(failed)?;
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / points as f64;
+        Ok(Spread {
+            values: batch.chunks(points).map(mean).collect(),
+            deviations,
+            quantile: network.quantile(level),
         })
     }
 
@@ -214,6 +355,20 @@ impl Surrogate {
     fn failed(&self, sub_model: usize, error: &granum_nets::ModelError) -> HybridError {
         let network = format!("{} sub-model {}", self.mapping.name, sub_model + 1);
         HybridError::Network { network, reason: error.to_string() }
+    }
+}
+
+/// Answers with their standard deviations, and how many of these an interval reaches to either side.
+struct Spread {
+    values: Vec<f64>,
+    deviations: Option<Vec<f64>>,
+    quantile: f64,
+}
+
+impl Spread {
+    fn interval(&self, k: usize) -> Option<[f64; 2]> {
+        let half = self.quantile * self.deviations.as_ref()?[k];
+        Some([self.values[k] - half, self.values[k] + half])
     }
 }
 

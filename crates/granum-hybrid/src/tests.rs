@@ -272,13 +272,15 @@ fn a_study_survives_its_files_and_answers_rows() {
     let f2 = &loaded.mapping("F2").unwrap().surrogate;
     assert_eq!(f2.input_names(), ["deviator_strain", "stress_ratio", "force"]);
     let state = dataset.unseen_runs[0].at(0.1).unwrap();
-    let answer = f2.predict(&[0.1, state.stress_ratio, dataset.forces[2]]).unwrap();
+    let answer = f2.predict(&[0.1, state.stress_ratio, dataset.forces[2]], 0.9).unwrap();
     assert_eq!(answer.sub_model, 1);
     assert_eq!(answer.value, f2.answer([&state]).unwrap()[0].values[2]);
     let ratio = dataset.training_runs[0].at(0.28).unwrap().stress_ratio;
-    let far = f2.predict(&[0.5, ratio, 9.0]).unwrap();
-    assert_eq!((far.sub_model, far.outside), (2, vec!["deviator_strain".to_owned(), "force".to_owned()]));
-    assert!(f2.predict(&[]).is_err() && f2.predict(&[f64::NAN, 0.5, 1.0]).is_err());
+    let far = f2.predict(&[0.5, ratio, 9.0], 0.9).unwrap();
+    let names: Vec<&str> = far.outside.iter().map(|outside| outside.name.as_str()).collect();
+    assert_eq!((far.sub_model, names), (2, vec!["deviator_strain", "force"]));
+    assert_eq!(far.outside[1].range, [dataset.forces[0], dataset.forces[13]]);
+    assert!(f2.predict(&[], 0.9).is_err() && f2.predict(&[f64::NAN, 0.5, 1.0], 0.9).is_err());
     let message = loaded.mapping("F3").unwrap_err().to_string();
     assert_eq!(message, "there is no mapping `F3`; there are: F1, F2");
 

@@ -152,6 +152,7 @@ impl Workspace {
             inputs: data.inputs.repeat(m),
             targets: data.targets.repeat(m),
             weights: data.weights.as_ref().map(|w| w.repeat(m)),
+            blocks: Vec::new(),
             validation: None,
             ..*data
         };

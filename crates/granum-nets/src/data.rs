@@ -52,6 +52,10 @@ pub struct Data {
     #[serde(default = "one")]
     pub(crate) points: usize,
     pub(crate) observations: f64,
+    #[serde(default)]
+    pub(crate) blocks: Vec<usize>,
+    #[serde(default)]
+    pub(crate) spread_column: Option<usize>,
     pub(crate) validation: Option<Box<Data>>,
 }
 
@@ -109,6 +113,8 @@ impl Data {
             weights,
             points,
             observations,
+            blocks: Vec::new(),
+            spread_column: None,
             validation,
         })
     }
@@ -137,6 +143,7 @@ impl Data {
             ));
         }
         self.points = points;
+        self.blocks.clear();
         self.observations = (self.rows / points) as f64;
         self.weights = (points > 1).then(|| vec![1.0 / points as f64; self.rows]);
         Ok(self)
@@ -190,6 +197,37 @@ impl Data {
         let weights = self.weights.unwrap_or_else(|| vec![1.0; self.rows]);
         self.weights = Some(weights.into_iter().map(|w| w * factor).collect());
         self.observations = observations;
+        Ok(self)
+    }
+
+    /// The same rows, with the number of the block (the run, the sample) that each observation belongs to, one an observation
+    /// (see [`Data::with_points`]). Blocks share what makes them differ from each other, so how far a prediction for a new
+    /// block may be off is learned by leaving each of them out, see [`crate::Intervals`]. What is trained does not change.
+    ///
+    /// # Errors
+    /// If there is not one number an observation.
+    pub fn with_blocks(mut self, blocks: Vec<usize>) -> Result<Data, DataError> {
+        let observations = self.rows / self.points;
+        if blocks.len() != observations {
+            let found = blocks.len();
+            return Err(DataError::Shape(format!(
+                "{observations} observations need as many numbers of blocks, not {found}"
+            )));
+        }
+        self.blocks = blocks;
+        Ok(self)
+    }
+
+    /// The same rows, whose scatter between blocks is told apart by the values of this input column, from 0.
+    ///
+    /// # Errors
+    /// If there is no such column.
+    pub fn with_spread_column(mut self, column: usize) -> Result<Data, DataError> {
+        if column >= self.input_columns {
+            let columns = self.input_columns;
+            return Err(DataError::Shape(format!("there is no input column {column} of {columns}, from 0")));
+        }
+        self.spread_column = Some(column);
         Ok(self)
     }
 
@@ -250,6 +288,24 @@ impl Data {
         self.weights.as_deref()
     }
 
+    /// Number of the block of each observation; empty if they were not given.
+    pub fn blocks(&self) -> &[usize] {
+        &self.blocks
+    }
+
+    /// How many blocks there are; 0 if they were not given.
+    pub fn block_count(&self) -> usize {
+        self.blocks.iter().collect::<std::collections::BTreeSet<_>>().len()
+    }
+
+    /// What each observation counts: the sum over the weights of its rows.
+    pub(crate) fn observation_weights(&self) -> Vec<f64> {
+        match &self.weights {
+            Some(weights) => weights.chunks(self.points).map(|points| points.iter().sum()).collect(),
+            None => vec![1.0; self.rows / self.points],
+        }
+    }
+
     /// The rows for early stopping, if they were given.
     pub fn validation(&self) -> Option<&Data> {
         self.validation.as_deref()
@@ -269,6 +325,12 @@ impl Data {
         let weights = self.weights.as_deref().unwrap_or(&[]);
         for value in self.inputs.iter().chain(&self.targets).chain(weights) {
             hash.write(&value.to_bits().to_le_bytes());
+        }
+        for block in &self.blocks {
+            hash.write(&(*block as u64).to_le_bytes());
+        }
+        if let Some(column) = self.spread_column {
+            hash.write(&(column as u64).to_le_bytes());
         }
         if let Some(validation) = &self.validation {
             validation.feed(hash);

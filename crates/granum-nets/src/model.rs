@@ -7,6 +7,7 @@ use granum_simd::Isa;
 use serde::{Deserialize, Serialize};
 
 use crate::data::{Data, DataError};
+use crate::intervals::Intervals;
 use crate::forward::{self, RowNetwork, Scalers};
 use crate::model_file;
 use crate::network::{Network, NetworkError};
@@ -146,7 +147,7 @@ pub struct Provenance {
 }
 
 /// How well a model fits the rows it was trained on.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fit {
     /// Root of the mean squared error over the training rows, in the unit of the output.
@@ -158,7 +159,16 @@ pub struct Fit {
     pub noise: Option<f64>,
     /// What Bayesian regularisation found, in scaled units.
     pub evidence: Option<Evidence>,
+    /// Least and largest answer to the training observations, in the unit of the output.
+    #[serde(default)]
+    pub answer_range: Option<[f64; 2]>,
+    /// How much farther than the Laplace approximation says new blocks (runs) are off, where there were several.
+    #[serde(default)]
+    pub intervals: Option<Intervals>,
 }
+
+/// Share of the range of the targets below which answers that differ are called constant.
+const CONSTANT: f64 = 1e-3;
 
 /// A trained network in the units of its columns.
 #[derive(Clone, Debug)]
@@ -251,6 +261,8 @@ impl Model {
             validation_rms_error: report.validation_error.map(|e| e.sqrt() * unit),
             noise: report.evidence.map(|e| unit / e.beta.sqrt()),
             evidence: report.evidence,
+            answer_range: None,
+            intervals: None,
         };
         let provenance = Provenance {
             granum_version: env!("CARGO_PKG_VERSION").into(),
@@ -268,8 +280,32 @@ impl Model {
             weights: scaled.weights,
             points: scaled.points,
         });
-        let model = Model::assemble(columns, input_scalers, output_scaler, network, provenance, fit, rows);
+        let mut model =
+            Model::assemble(columns, input_scalers, output_scaler, network, provenance, fit, rows);
+        model.fit.answer_range = model.answer_range(data)?;
+        model.fit.intervals = model.intervals_of(data, report.left_out.as_deref())?;
         Ok((model, report))
+    }
+
+    /// Least and largest answer to the observations.
+    fn answer_range(&self, data: &Data) -> Result<Option<[f64; 2]>, ModelError> {
+        let values = self.predict_batch(data.inputs())?.values;
+        let means = values.chunks(data.points()).map(|points| points.iter().sum::<f64>() / points.len() as f64);
+        let none = [f64::INFINITY, f64::NEG_INFINITY];
+        let range = means.fold(none, |[low, high], value| [low.min(value), high.max(value)]);
+        Ok(range.iter().all(|end| end.is_finite()).then_some(range))
+    }
+
+    /// What the errors of left-out blocks say of the standard deviations of the training observations.
+    fn intervals_of(&self, data: &Data, left_out: Option<&[f64]>) -> Result<Option<Intervals>, ModelError> {
+        let Some(left_out) = left_out else { return Ok(None) };
+        let Some(deviations) = self.standard_deviations_of(data.inputs(), data.points())? else {
+            return Ok(None);
+        };
+        let unit = self.output_scaler.inverse_factor();
+        let errors: Vec<f64> = left_out.iter().map(|error| error * unit).collect();
+        let names: Vec<&str> = self.inputs.iter().map(|column| column.name.as_str()).collect();
+        Ok(Intervals::new(data, &names, &errors, &deviations))
     }
 
     pub(crate) fn assemble(
@@ -332,6 +368,26 @@ impl Model {
         &self.fit
     }
 
+    /// How many blocks (runs) of the training rows the standard deviations were judged by; none if there was but one, and
+    /// they do not contain what blocks differ by.
+    pub fn blocks(&self) -> Option<usize> {
+        self.fit.intervals.as_ref().map(|intervals| intervals.blocks)
+    }
+
+    /// True if the network learned a constant: its answers to the training rows differ by less than a thousandth of the
+    /// range of the targets.
+    pub fn is_constant(&self) -> bool {
+        let range = self.output_scaler.maximum - self.output_scaler.minimum;
+        self.fit.answer_range.is_some_and(|[low, high]| high - low < CONSTANT * range)
+    }
+
+    /// Of how many standard deviations an interval reaches to either side so that it holds that share of the observations:
+    /// Student's quantile where the deviations were judged by blocks, else the normal one.
+    pub fn quantile(&self, level: f64) -> f64 {
+        let degrees = self.fit.intervals.as_ref().map_or(f64::INFINITY, |i| i.degrees_of_freedom);
+        crate::student::two_sided_quantile(level, degrees)
+    }
+
     /// Predicts one row, with what there is to say about its trustworthiness.
     ///
     /// # Errors
@@ -378,7 +434,8 @@ impl Model {
     }
 
     /// Standard deviations of observations around the predictions of many rows (flat, row by row), in the unit of the
-    /// output; none if the model was trained without Bayesian regularisation.
+    /// output; none if the model was trained without Bayesian regularisation. Where it was trained on several blocks (runs),
+    /// [`Intervals`] widens or narrows them to what blocks that are left out are off by.
     ///
     /// The first call factorises the curvature over the training rows, later ones use it.
     ///
@@ -414,7 +471,15 @@ impl Model {
         let scaled = rows.iter().enumerate().map(|(i, v)| scalers[i % scalers.len()].scale(*v)).collect();
         let unit = self.output_scaler.inverse_factor();
         let variances = laplace.variances(&self.network, scaled, points);
-        Ok(Some(variances.into_iter().map(|v| v.sqrt() * unit).collect()))
+        let factors: Vec<f64> = match &self.fit.intervals {
+            None => vec![1.0; variances.len()],
+            Some(intervals) => {
+                let column = self.inputs.iter().position(|input| Some(&input.name) == intervals.input.as_ref());
+                let first_points = rows.chunks(points * self.inputs.len());
+                first_points.map(|row| intervals.factor(column.map_or(0.0, |column| row[column]))).collect()
+            }
+        };
+        Ok(Some(variances.iter().zip(&factors).map(|(v, c)| c * v.sqrt() * unit).collect()))
     }
 
     /// Writes the model beside `path` and renames it there.
@@ -478,6 +543,7 @@ fn scale(data: &Data, inputs: &[Scaler], output: &Scaler) -> Data {
         targets: data.targets.iter().map(|v| output.scale(*v)).collect(),
         validation: data.validation().map(|v| Box::new(scale(v, inputs, output))),
         weights: data.weights.clone(),
+        blocks: data.blocks.clone(),
         ..*data
     }
 }

@@ -15,7 +15,8 @@ use crate::trainer::Evidence;
 use crate::uncertainty::TrainingRows;
 
 const FORMAT: &str = "granum model";
-const VERSION: u64 = 1;
+/// Version 1 had neither intervals nor the range of the answers.
+const VERSION: u64 = 2;
 /// Largest file that is read.
 const LARGEST_FILE: u64 = 1 << 27;
 /// What comes before the checksum, which covers every byte before it.
@@ -79,7 +80,7 @@ pub(crate) fn to_json(model: &Model) -> String {
         inputs: model.inputs.iter().zip(&model.input_scalers).map(|(c, s)| column(c, s)).collect(),
         output: column(&model.output, &model.output_scaler),
         provenance: model.provenance.clone(),
-        fit: model.fit,
+        fit: model.fit.clone(),
         layers: layers.collect(),
         training_rows: model.training_rows.clone(),
         _checksum: String::new(),
@@ -120,13 +121,13 @@ fn parse(text: &str) -> Result<Model, String> {
         return Err(format!("this is no model file: \"format\" should be \"{FORMAT}\", found {found}"));
     }
     match header.version {
-        Some(VERSION) => {}
+        Some(1..=VERSION) => {}
         Some(version) if version > VERSION => {
             return Err(format!(
                 "written by a newer granum (format version {version}, this program reads {VERSION})"
             ));
         }
-        _ => return Err(format!("\"version\" should be {VERSION}")),
+        _ => return Err(format!("\"version\" should be 1 to {VERSION}")),
     }
     let body = text.rfind(CHECKSUM).map(|at| (&text[..at], &text[at + CHECKSUM.len()..]));
     let intact = body.is_some_and(|(body, rest)| rest.trim_end() == format!("{}\"\n}}", checksum(body)));
@@ -171,6 +172,10 @@ fn assemble(file: File) -> Result<Model, String> {
         && !(alpha > 0.0 && beta > 0.0 && alpha.is_finite() && beta.is_finite())
     {
         return Err("the evidence needs a positive alpha and beta".into());
+    }
+    if let Some(intervals) = &file.fit.intervals {
+        let names: Vec<&str> = file.inputs.iter().map(|column| column.name.as_str()).collect();
+        intervals.check(&names)?;
     }
     let split = |c: FileColumn| (Column { name: c.name, unit: c.unit }, c.scaler);
     let (inputs, input_scalers) = file.inputs.into_iter().map(split).unzip();

@@ -178,6 +178,10 @@ impl Trainer for LevenbergMarquardt {
             error = search.workspace.squared_error(&best.weights) / search.values;
             validation_error = Some(best.error);
         }
+        let left_out = match termination {
+            TerminationReason::Stopped => None,
+            _ => search.left_out(network.weights(), data),
+        };
         Ok(TrainingReport {
             trainer: LevenbergMarquardt::NAME,
             epochs: search.course.epoch,
@@ -186,6 +190,7 @@ impl Trainer for LevenbergMarquardt {
             history: search.course.history.clone(),
             termination,
             evidence: (self.regularisation == Regularisation::Bayesian).then_some(search.evidence),
+            left_out,
             seconds: clock.elapsed().as_secs_f64(),
             state: search.state(),
         })
@@ -431,6 +436,27 @@ impl<'a> Search<'a> {
             self.damping *= 10.0;
         }
         Err(TerminationReason::MaximumDamping)
+    }
+
+    /// Errors of the observations of each block if the block had not been trained on; nothing for a single block.
+    fn left_out(&mut self, weights: &[f64], data: &Data) -> Option<Vec<f64>> {
+        if data.block_count() < 2 || data.target_columns() > 1 || !(self.decay() > 0.0) {
+            return None;
+        }
+        self.workspace.squared_error(weights);
+        self.workspace.sensitivities(weights);
+        self.workspace.residuals(&mut self.residuals);
+        let shift = self.decay();
+        if !self.curvature.form(&self.workspace) || !self.curvature.factorise(shift) {
+            return None;
+        }
+        let weights = data.observation_weights();
+        let residuals = &Row8::numbers(&self.residuals)[..weights.len()];
+        let mut errors = self.curvature.left_out_residuals(data.blocks(), residuals, shift)?;
+        for (error, weight) in errors.iter_mut().zip(&weights) {
+            *error = if *weight > 0.0 { *error / weight.sqrt() } else { f64::NAN };
+        }
+        Some(errors)
     }
 
     /// Estimates the precisions of weights and noise at the present weights.

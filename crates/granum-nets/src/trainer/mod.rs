@@ -201,6 +201,9 @@ pub struct TrainingReport {
     pub termination: TerminationReason,
     /// What Bayesian regularisation found, where the trainer does that.
     pub evidence: Option<Evidence>,
+    /// Errors (answer less target, in scaled units) that the observations of each block would have if the block had not been
+    /// trained on, to first order; where the trainer does that and there are two blocks or more.
+    pub left_out: Option<Vec<f64>>,
     /// Wall time. No part of what may be hashed.
     pub seconds: f64,
     /// From here training can go on, see [`Trainer::resume`].

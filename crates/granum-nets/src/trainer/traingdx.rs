@@ -116,6 +116,7 @@ impl Trainer for Traingdx {
             history: descent.course.history.clone(),
             termination,
             evidence: None,
+            left_out: None,
             seconds: clock.elapsed().as_secs_f64(),
             state: descent.state(),
         })
