@@ -7,9 +7,15 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::dataset::{Dataset, DatasetOptions, NamedRecord, Run, State};
+use crate::baseline::{MappingBaselines, Ridge};
+use crate::dataset::{Dataset, DatasetOptions, NamedRecord, Run};
 use crate::error::Result;
+use crate::mapping::Mapping;
+use crate::score::Scorer;
+use crate::sensor_use::SensorUse;
+use crate::student::PairedTest;
 use crate::study::{PAPER_TRAINER, Study, StudyObserver, StudyOptions, TrainedMapping};
+use crate::surrogate::states_of;
 
 /// Sets of training runs of one number that are tried at the most; their errors are averaged.
 const MOST_SETS: usize = 2;
@@ -34,36 +40,6 @@ impl Estimate {
         let standard_error = if n > 1.0 { (square / (n - 1.0) / n).sqrt() } else { 0.0 };
         Estimate { mean, standard_error, runs: values.len() }
     }
-
-    /// True if the mean is above zero beyond its scatter: one-sided t test at 5 %.
-    pub fn is_positive(&self) -> bool {
-        // Quantiles of Student's t for 2, 3, ... runs.
-        const QUANTILES: [f64; 9] = [6.314, 2.920, 2.353, 2.132, 2.015, 1.943, 1.895, 1.860, 1.833];
-        let quantile = match self.runs {
-            0 | 1 => return false,
-            runs => QUANTILES.get(runs - 2).copied().unwrap_or(1.812),
-        };
-        self.mean > quantile * self.standard_error
-    }
-}
-
-/// Relative RMSE of the answers to a run when the sensors are those of other runs at the same strain, averaged over these.
-fn other_sensors_error(surrogate: &crate::Surrogate, run: &Run, others: &[&Run]) -> Result<Option<f64>> {
-    let mapping = surrogate.mapping();
-    let states = crate::surrogate::states_of(mapping, &run.states, None);
-    let mut sum = 0.0;
-    for other in others {
-        let told: Vec<State> = states
-            .iter()
-            .filter_map(|state| other.at(state.strain).map(|o| State { strain: state.strain, ..o }))
-            .collect();
-        let mut scorer = crate::score::Scorer::default();
-        for (answer, state) in surrogate.answer(&told)?.iter().zip(&states) {
-            scorer.add(state.values(mapping.output), &answer.values);
-        }
-        sum += scorer.score().relative_rmse;
-    }
-    Ok((!others.is_empty()).then(|| sum / others.len() as f64))
 }
 
 /// Error against number of training runs.
@@ -100,8 +76,17 @@ pub struct CurvePoint {
     pub ridge_strain_only: Estimate,
     /// The networks told the sensors of another unseen run at the same strain; `None` of a single unseen run.
     pub other_sensors: Option<Estimate>,
-    /// What the sensors take off the error of the strain-only networks.
-    pub help: Estimate,
+    /// What the sensors take off the error of the strain-only networks, and whether that is beyond scatter.
+    pub help: PairedTest,
+    /// What the networks lose with the sensors of another run; `None` of a single unseen run.
+    pub lost_with_other: Option<PairedTest>,
+}
+
+impl CurvePoint {
+    /// True if the sensors take something off the error beyond its scatter over the unseen runs.
+    pub fn helps(&self) -> bool {
+        self.help.above_zero == Some(true)
+    }
 }
 
 impl LearningCurve {
@@ -143,7 +128,7 @@ impl LearningCurve {
     pub fn helps_from(&self, mapping: &str) -> Option<usize> {
         let mut from = None;
         for point in self.of(mapping) {
-            from = if point.help.is_positive() { from.or(Some(point.training_runs)) } else { None };
+            from = if point.helps() { from.or(Some(point.training_runs)) } else { None };
         }
         from
     }
@@ -234,7 +219,7 @@ fn points(
         }
     }
     let count = sets.len() as f64;
-    let point = |(mapping, errors): (&crate::mapping::Mapping, &Errors)| CurvePoint {
+    let point = |(mapping, errors): (&Mapping, &Errors)| CurvePoint {
         mapping: mapping.name.clone(),
         formula: mapping.formula(),
         training_runs: runs,
@@ -244,7 +229,8 @@ fn points(
         ridge: Estimate::of(&errors.mean(2, count)),
         ridge_strain_only: Estimate::of(&errors.mean(3, count)),
         other_sensors: (unseen.len() > 1).then(|| Estimate::of(&errors.mean(4, count))),
-        help: Estimate::of(&errors.difference(1, 0, count)),
+        help: PairedTest::new(&errors.difference(1, 0, count)).unwrap_or_default(),
+        lost_with_other: PairedTest::new(&errors.difference(4, 0, count)).filter(|_| unseen.len() > 1),
     };
     Ok(options.mappings.iter().zip(&errors).map(point).collect())
 }
@@ -259,16 +245,16 @@ impl Errors {
     fn add(&mut self, trained: &TrainedMapping, dataset: &Dataset) -> Result<()> {
         self.by_run.resize(dataset.unseen_runs.len(), [0.0; 5]);
         let mapping = trained.surrogate.mapping();
-        let _ = mapping;
-        for (k, run) in dataset.unseen_runs.iter().enumerate() {
-            let others: Vec<&Run> =
-                dataset.unseen_runs.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, run)| run).collect();
+        let ridges = MappingBaselines::fit(mapping, dataset)?;
+        let runs: Vec<&Run> = dataset.unseen_runs.iter().collect();
+        let usage = SensorUse::new(trained, &runs)?;
+        for (k, (errors, run)) in usage.runs.iter().zip(&dataset.unseen_runs).enumerate() {
             let found = [
-                trained.surrogate.evaluate(&run.states, None)?.relative_rmse,
-                trained.strain_only.evaluate(&run.states, None)?.relative_rmse,
-                0.0,
-                0.0,
-                other_sensors_error(&trained.surrogate, run, &others)?.unwrap_or(0.0),
+                errors.own,
+                errors.strain_only,
+                ridge_error(&ridges.ridge, mapping, run),
+                ridge_error(&ridges.strain_only, mapping, run),
+                errors.with_other.unwrap_or(errors.own),
             ];
             for (sum, value) in self.by_run[k].iter_mut().zip(found) {
                 *sum += value;
@@ -284,6 +270,14 @@ impl Errors {
     fn difference(&self, a: usize, b: usize, sets: f64) -> Vec<f64> {
         self.by_run.iter().map(|errors| (errors[a] - errors[b]) / sets).collect()
     }
+}
+
+fn ridge_error(ridge: &Ridge, mapping: &Mapping, run: &Run) -> f64 {
+    let mut scorer = Scorer::default();
+    for state in states_of(mapping, &run.states, None) {
+        scorer.add(state.values(mapping.output), &ridge.answer(state));
+    }
+    scorer.score().relative_rmse
 }
 
 #[cfg(test)]

@@ -36,12 +36,7 @@ pub struct Intervals {
 impl Intervals {
     /// From the errors of left-out blocks and the standard deviations of the Laplace approximation, one an observation;
     /// none if they make no factor.
-    pub(crate) fn new(
-        data: &Data,
-        names: &[&str],
-        errors: &[f64],
-        deviations: &[f64],
-    ) -> Option<Intervals> {
+    pub(crate) fn new(data: &Data, names: &[&str], errors: &[f64], deviations: &[f64]) -> Option<Intervals> {
         let width = data.input_columns() * data.points();
         let place = |k: usize| data.spread_column.map_or(0.0, |column| data.inputs()[k * width + column]);
         let usable = |k: &usize| errors[*k].is_finite() && deviations[*k].is_finite() && deviations[*k] > 0.0;

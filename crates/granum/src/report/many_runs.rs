@@ -95,7 +95,7 @@ fn table(label: &str, curve: &LearningCurve) -> Table {
         format!("{:.2} \u{b1} {:.2} %", 100.0 * estimate.mean, 100.0 * estimate.standard_error)
     };
     for point in &curve.points {
-        let mark = if point.help.is_positive() { "" } else { " (within scatter)" };
+        let mark = if point.helps() { "" } else { " (within scatter)" };
         table.row(vec![
             symbols::markup(&point.formula),
             point.training_runs.to_string(),
@@ -103,7 +103,11 @@ fn table(label: &str, curve: &LearningCurve) -> Table {
             of(point.strain_only),
             of(point.ridge),
             point.other_sensors.map_or("\u{2013}".to_owned(), of),
-            format!("{}{mark}", of(point.help)),
+            format!(
+                "{:.2} \u{b1} {:.2} %{mark}",
+                100.0 * point.help.mean,
+                100.0 * point.help.standard_error.unwrap_or(0.0)
+            ),
         ]);
     }
     table
