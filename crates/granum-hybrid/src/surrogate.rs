@@ -107,17 +107,23 @@ impl Surrogate {
         self.mapping.network_inputs(Form::Histogram, &self.forces)
     }
 
-    /// What the network of a sub-model was trained on, for each of [`Surrogate::input_names`]. In point form all bins share
-    /// the range of the densities.
+    /// What the network of a sub-model was trained on, for each of [`Surrogate::input_names`]; of the strain the part that
+    /// the mapping answers. In point form all bins share the range of the densities.
     pub fn trained_ranges(&self, sub_model: usize) -> Vec<[f64; 2]> {
         let network = &self.networks[sub_model];
+        let covered = self.mapping.sub_models.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], s| {
+            [a.min(s.strain_range[0]), b.max(s.strain_range[1])]
+        });
         let range = |name: &String| {
             let stands_for = |input: &str| {
                 input == name || (input == "probability_density" && name.starts_with("probability_density_"))
             };
             let place = network.inputs().iter().position(|column| stands_for(&column.name));
             let scaler = &network.input_scalers()[place.unwrap_or(0)];
-            [scaler.minimum, scaler.maximum]
+            match name.as_str() {
+                "deviator_strain" => [scaler.minimum.max(covered[0]), scaler.maximum.min(covered[1])],
+                _ => [scaler.minimum, scaler.maximum],
+            }
         };
         self.input_names().iter().map(range).collect()
     }

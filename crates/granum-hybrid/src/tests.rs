@@ -281,6 +281,14 @@ fn a_study_survives_its_files_and_answers_rows() {
     assert_eq!((far.sub_model, names), (2, vec!["deviator_strain", "force"]));
     assert_eq!(far.outside[1].range, [dataset.forces[0], dataset.forces[13]]);
     assert!(f2.predict(&[], 0.9).is_err() && f2.predict(&[f64::NAN, 0.5, 1.0], 0.9).is_err());
+    // A row of F1 is a state, and its answer that to the state: the mean over the points.
+    let f1 = &loaded.mapping("F1").unwrap().surrogate;
+    assert_eq!(f1.input_names().len(), 15);
+    let row: Vec<f64> = [0.1].iter().chain(&state.densities).copied().collect();
+    let [one, two] = &f1.predict_rows(&[row.clone(), row.clone()].concat(), 0.9).unwrap()[..] else { panic!() };
+    assert_eq!((one.value, one), (f1.answer([&state]).unwrap()[0].values[0], two));
+    let message = f1.predict(&row[..3], 0.9).unwrap_err().to_string();
+    assert!(message.contains("a row has 15 values (deviator_strain, probability_density_0.125"), "{message}");
     let message = loaded.mapping("F3").unwrap_err().to_string();
     assert_eq!(message, "there is no mapping `F3`; there are: F1, F2");
 

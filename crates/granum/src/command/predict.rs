@@ -1,25 +1,32 @@
 //! `granum predict`: what the networks of a study answer.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use granum_hybrid::{HybridError, Surrogate, files::load_study};
+use granum_hybrid::{RowAnswer, Surrogate, files::load_study};
 use granum_io::{Column, Table, check_output_file, nearest, read_columns, write_table};
 use serde_json::json;
 
-use super::trained_range::inputs;
+use super::trained_range::{inputs, short};
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 
-/// Ask the networks of a study: one row of inputs by flags, or many from a table.
+/// Share of the states of unseen runs that intervals hold.
+const LEVEL: f64 = 0.9;
+
+/// Ask the networks of a study: one state by flags, or many from a table.
 ///
-/// A row outside the range that a network was trained in is answered all the same, and said to be outside: do not trust
+/// The inputs are those of a state of a test, whatever the form of the networks: deviator_strain, deviator_fabric, stress_ratio,
+/// every bin of P(f) (probability_density_0.125, ...) where the mapping reads it, and force where P(f) is the answer. The
+/// answer comes with the interval that holds 90 % of the states of unseen runs; of networks that were trained on a single
+/// run it does not contain the scatter between samples. A row outside the range that a network was trained in is answered all the same, and said to be outside: do not trust
 /// it. Without --set and --input the error lists the inputs with their ranges.
 #[derive(Args)]
 #[command(
-    after_help = "Example:\n  granum predict study --mapping F1 --set deviator_strain=0.12 --set force=1.125 --set \
-                  probability_density=0.3\n  granum predict study --mapping F2 --input rows.csv -o answers.csv"
+    after_help = "Example:\n  granum predict study --mapping F4 --set deviator_strain=0.12 --set \
+                  deviator_fabric=0.1 --set force=1.125\n  granum predict study --mapping F1 --input rows.csv -o answers.csv"
 )]
 pub struct Predict {
     /// Folder of the study that `granum train` left (or `models` of a reproduction).
@@ -49,37 +56,41 @@ impl Predict {
     }
 
     fn one(&self, context: &Context, surrogate: &Surrogate) -> Result<(), Failure> {
-        let answer = surrogate.predict(&row(surrogate, &self.values)?)?;
+        let answer = surrogate.predict(&row(surrogate, &self.values)?, LEVEL)?;
+        let network = &surrogate.networks()[answer.sub_model];
         let output = surrogate.mapping().network_output();
         let range = surrogate.mapping().sub_models[answer.sub_model].strain_range;
+        let outside = answer.outside.iter().map(|o| json!({ "input": o.name, "value": o.value, "range": o.range }));
         let result = json!({
             "mapping": self.mapping,
             "output": output,
             "value": answer.value,
             "standard_deviation": answer.standard_deviation,
+            "level": LEVEL,
+            "lower": answer.interval.map(|[lower, _]| lower),
+            "upper": answer.interval.map(|[_, upper]| upper),
+            "runs_of_interval": network.blocks(),
+            "constant": network.is_constant(),
             "sub_model": answer.sub_model + 1,
             "strain_range": range,
-            "outside": answer.outside,
+            "outside": outside.collect::<Vec<_>>(),
         });
         output::say(context, &result, || {
-            let deviation = answer.standard_deviation.map_or(String::new(), |d| format!(" +- {d:.2e}"));
-            let mut text = format!(
-                "{output} = {:.6}{deviation}  ({} sub-model {}, deviator strain {} to {})",
+            let interval = answer.interval.map_or(String::new(), |[lower, upper]| {
+                format!(", 90 % interval {lower:.6} to {upper:.6}")
+            });
+            let head = format!(
+                "{output} = {:.6}{interval}  ({} sub-model {}, deviator strain {} to {})",
                 answer.value,
                 self.mapping,
                 answer.sub_model + 1,
                 range[0],
                 range[1]
             );
-            if !answer.outside.is_empty() {
-                text += &format!(
-                    "\nOUTSIDE the trained range: {}; do not trust this answer. {} was trained on:\n{}",
-                    answer.outside.join(", "),
-                    self.mapping,
-                    inputs(surrogate, Some(answer.sub_model))
-                );
-            }
-            text
+            let mut lines = vec![head];
+            lines.extend(remarks(surrogate, &[answer.sub_model]));
+            lines.extend(outside_text(&answer));
+            lines.join("\n")
         })
     }
 
@@ -91,7 +102,7 @@ impl Predict {
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let table = read_columns(path, &names)?;
         check_finite(path, &table)?;
-        let (answers, outside) = answer(surrogate, &table)?;
+        let (answers, outside, sub_models) = answer(surrogate, &table)?;
         let warning = format!(
             "{outside} of {} rows lie outside the trained range (column outside is 1): do not trust their answers",
             answers.rows()
@@ -99,9 +110,17 @@ impl Predict {
         if outside > 0 && !context.json {
             eprintln!("warning: {warning}");
         }
+        if !context.json {
+            remarks(surrogate, &sub_models).iter().for_each(|remark| eprintln!("note: {remark}"));
+        }
         let Some(output) = &self.output else { return output::put_table(context, None, &answers) };
         write_table(output, &answers)?;
-        let result = json!({ "output": output, "rows": answers.rows(), "rows_outside": outside });
+        let result = json!({
+            "output": output,
+            "rows": answers.rows(),
+            "rows_outside": outside,
+            "constant_sub_models": constants(surrogate, &sub_models),
+        });
         output::say(context, &result, || format!("wrote {} rows to {}", answers.rows(), output.display()))
     }
 }
@@ -151,43 +170,64 @@ fn check_finite(path: &Path, table: &Table) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The rows with their answers, and how many of them lie outside.
-fn answer(surrogate: &Surrogate, table: &Table) -> Result<(Table, usize), Failure> {
-    let mapping = surrogate.mapping();
+/// Numbers, from 1, of those of the sub-models whose networks learned a constant.
+fn constants(surrogate: &Surrogate, sub_models: &[usize]) -> Vec<usize> {
+    let networks = surrogate.networks();
+    sub_models.iter().filter(|k| networks[**k].is_constant()).map(|k| k + 1).collect()
+}
+
+/// What there is to know about answers of these sub-models.
+fn remarks(surrogate: &Surrogate, sub_models: &[usize]) -> Vec<String> {
+    let name = &surrogate.mapping().name;
+    let constant = constants(surrogate, sub_models).into_iter().map(|number| {
+        format!("{name} sub-model {number}: this network learned a constant: it does not use its inputs.")
+    });
+    let mut remarks: Vec<String> = constant.collect();
+    let asked = || sub_models.iter().map(|&k| &surrogate.networks()[k]);
+    if asked().any(|network| network.training_fit().evidence.is_none()) {
+        let trainer = &surrogate.networks()[0].provenance().trainer;
+        remarks.push(format!("There is no interval: networks trained by {trainer} do not know how sure they are."));
+    } else if let Some(runs) = asked().map(granum_nets::Model::blocks).min().flatten() {
+        remarks.push(format!("The interval contains the scatter between samples, judged by {runs} training runs."));
+    } else {
+        remarks.push(
+            "The interval does not contain the scatter between samples: the network was trained on one run, or cannot tell \
+             runs apart."
+                .into(),
+        );
+    }
+    remarks
+}
+
+/// The inputs that lie outside, in words.
+fn outside_text(answer: &RowAnswer) -> Option<String> {
+    let each = answer.outside.iter().map(|outside| {
+        let [low, high] = outside.range;
+        format!("{} = {} (trained from {} to {})", outside.name, outside.value, short(low), short(high))
+    });
+    let all = each.collect::<Vec<_>>().join(", ");
+    (!all.is_empty()).then(|| format!("OUTSIDE the trained range: {all}; do not trust this answer."))
+}
+
+/// The rows with their answers, how many of them lie outside, and the sub-models that answered.
+fn answer(surrogate: &Surrogate, table: &Table) -> Result<(Table, usize, Vec<usize>), Failure> {
     let columns: Vec<&[f64]> = table.columns().iter().map(|column| column.values.as_slice()).collect();
-    let count = table.rows();
-    let at: Vec<(usize, bool)> = (0..count).map(|row| mapping.sub_model_at(columns[0][row])).collect();
-    let mut values = vec![0.0; count];
-    let mut deviations = vec![f64::NAN; count];
-    let mut outside = vec![0.0; count];
-    for (k, network) in surrogate.networks().iter().enumerate() {
-        let own: Vec<usize> = (0..count).filter(|&row| at[row].0 == k).collect();
-        if own.is_empty() {
-            continue;
-        }
-        let rows: Vec<f64> =
-            own.iter().flat_map(|&row| columns.iter().map(move |column| column[row])).collect();
-        let failed = |error: granum_nets::ModelError| HybridError::Network {
-            network: format!("{} sub-model {}", mapping.name, k + 1),
-            reason: error.to_string(),
-        };
-        let batch = network.predict_batch(&rows).map_err(failed)?;
-        let spread = network.standard_deviations(&rows).map_err(failed)?;
-        for (place, &row) in own.iter().enumerate() {
-            values[row] = batch.values[place];
-            outside[row] = f64::from(u8::from(batch.outside[place] || !at[row].1));
-            if let Some(spread) = &spread {
-                deviations[row] = spread[place];
-            }
-        }
-    }
-    let beyond = outside.iter().filter(|&&flag| flag > 0.0).count();
+    let rows: Vec<f64> =
+        (0..table.rows()).flat_map(|row| columns.iter().map(move |column| column[row])).collect();
+    let answers = surrogate.predict_rows(&rows, LEVEL)?;
+    let beyond = answers.iter().filter(|answer| !answer.outside.is_empty()).count();
     let mut all = table.columns().to_vec();
-    all.push(Column::new(format!("predicted_{}", mapping.network_output()), "", values));
-    if deviations.iter().any(|deviation| !deviation.is_nan()) {
-        all.push(Column::new("standard_deviation", "", deviations));
+    let mut add = |name: &str, value: &dyn Fn(&RowAnswer) -> f64| {
+        all.push(Column::new(name, "", answers.iter().map(value).collect()));
+    };
+    add(&format!("predicted_{}", surrogate.mapping().network_output()), &|answer| answer.value);
+    if answers.iter().any(|answer| answer.interval.is_some()) {
+        add("standard_deviation", &|answer| answer.standard_deviation.unwrap_or(f64::NAN));
+        add("lower", &|answer| answer.interval.map_or(f64::NAN, |[lower, _]| lower));
+        add("upper", &|answer| answer.interval.map_or(f64::NAN, |[_, upper]| upper));
     }
-    all.push(Column::new("sub_model", "", at.iter().map(|(k, _)| (k + 1) as f64).collect()));
-    all.push(Column::new("outside", "", outside));
-    Ok((Table::new(all)?, beyond))
+    add("sub_model", &|answer| (answer.sub_model + 1) as f64);
+    add("outside", &|answer| f64::from(u8::from(!answer.outside.is_empty())));
+    let sub_models: BTreeSet<usize> = answers.iter().map(|answer| answer.sub_model).collect();
+    Ok((Table::new(all)?, beyond, sub_models.into_iter().collect()))
 }

@@ -2,19 +2,28 @@
 
 use granum_hybrid::Surrogate;
 
-/// The inputs with the ranges that a sub-model, or each of them, was trained in; one a line.
+/// The inputs with the ranges that a sub-model, or each of them, was trained in; one a line, bins with the same range
+/// together.
 pub fn inputs(surrogate: &Surrogate, sub_model: Option<usize>) -> String {
-    let chosen = |k: &usize| sub_model.is_none_or(|wanted| wanted == *k);
-    let line = |(input, name): (usize, &String)| {
-        let networks = surrogate.networks().iter().enumerate().filter(|(k, _)| chosen(k));
-        let ranges: Vec<(usize, [f64; 2])> = networks
-            .map(|(k, network)| (k + 1, &network.input_scalers()[input]))
-            .map(|(number, scaler)| (number, [scaler.minimum, scaler.maximum]))
-            .collect();
-        // The sub-model is chosen by the strain, which is the first input; the others then have the range of that sub-model.
-        format!("  {name}: {}", text(&ranges, input == 0))
+    let chosen: Vec<(usize, Vec<[f64; 2]>)> = (0..surrogate.networks().len())
+        .filter(|k| sub_model.is_none_or(|wanted| wanted == *k))
+        .map(|k| (k + 1, surrogate.trained_ranges(k)))
+        .collect();
+    let ranges = |input: usize| -> Vec<(usize, [f64; 2])> {
+        chosen.iter().map(|(number, ranges)| (*number, ranges[input])).collect()
     };
-    surrogate.input_names().iter().enumerate().map(line).collect::<Vec<_>>().join("\n")
+    // The sub-model is chosen by the strain, which is the first input; the others then have the range of that sub-model.
+    let names = surrogate.input_names().into_iter().enumerate();
+    let lines: Vec<(String, String)> =
+        names.map(|(input, name)| (name, text(&ranges(input), input == 0))).collect();
+    let together = |a: &(String, String), b: &(String, String)| {
+        a.1 == b.1 && [a, b].iter().all(|line| line.0.starts_with("probability_density_"))
+    };
+    let shown = lines.chunk_by(together).map(|group| match group {
+        [(first, range), .., (last, _)] => format!("  {first} to {last} ({} bins): {range}", group.len()),
+        _ => group.iter().map(|(name, range)| format!("  {name}: {range}")).collect(),
+    });
+    shown.collect::<Vec<_>>().join("\n")
 }
 
 /// The ranges of numbered sub-models: one range where they are alike, or where they may be joined and leave no gap, else
@@ -38,7 +47,7 @@ fn text(ranges: &[(usize, [f64; 2])], may_join: bool) -> String {
 }
 
 /// A number with at most five decimals.
-fn short(value: f64) -> f64 {
+pub fn short(value: f64) -> f64 {
     (1e5 * value).round() / 1e5
 }
 

@@ -60,32 +60,59 @@ fn a_study_is_trained_judged_and_asked() {
     let again = done_json(here, &train);
     assert_eq!(again["mappings"]["F3"]["relative_rmse"], trained["mappings"]["F3"]["relative_rmse"]);
 
-    one_row(here);
-    many_rows(here);
-
-    // The default trainer knows how sure it is.
+    // The default trainer knows how sure it is; of one run it knows that it does not know the scatter between samples.
     done(here, &["train", "run-1", "--form", "histogram", "--out", "sure"]);
     let ask =
         ["predict", "sure", "-m", "F4", "-s", "deviator_strain=0.1", "-s", "deviator_fabric=0.08", "-s"];
-    let answer = done_json(here, &[&ask[..], &["force=1.125"]].concat());
-    let deviation = answer["standard_deviation"].as_f64().unwrap();
+    let ask = [&ask[..], &["force=1.125"]].concat();
+    let answer = done_json(here, &ask);
+    let number = |key: &str| answer[key].as_f64().unwrap();
+    let deviation = number("standard_deviation");
     assert!(deviation > 0.0 && deviation < 0.5, "{answer}");
+    assert!(number("lower") < number("value") && number("value") < number("upper"), "{answer}");
+    assert!(answer["runs_of_interval"].is_null() && answer["constant"] == false, "{answer}");
+    let text = done(here, &ask);
+    assert!(text.contains("90 % interval") && text.contains("does not contain the scatter"), "{text}");
+    done(here, &["train", "run-1", "run-2", "--out", "two"]);
+    let text = done(here, &[&["predict", "two"], &ask[2..]].concat());
+    assert!(text.contains("the scatter between samples, judged by 2 training runs"), "{text}");
+
+    one_row(here);
+    many_rows(here);
+}
+
+/// Centres of the learned bins of f.
+fn bins() -> impl Iterator<Item = f64> {
+    (0..14).map(|bin| 0.125 + 0.25 * bin as f64)
+}
+
+/// A state for F1, as `--set` takes it; the networks of `study` are in point form.
+fn state(strain: &str) -> Vec<String> {
+    let density = |f: f64| format!("probability_density_{f}={}", (-f).exp());
+    let values = std::iter::once(format!("deviator_strain={strain}")).chain(bins().map(density));
+    values.flat_map(|value| ["--set".to_string(), value]).collect()
 }
 
 fn one_row(here: &Path) {
-    let inside =
-        ["--set", "deviator_strain=0.12", "--set", "force=1.125", "--set", "probability_density=0.4"];
-    let mut ask = vec!["predict", "study", "--mapping", "F1"];
-    ask.extend(inside);
-    let answer = done_json(here, &ask);
+    let ask = |strain: &str| -> Vec<String> {
+        let head = ["predict", "study", "--mapping", "F1"].map(str::to_string);
+        head.into_iter().chain(state(strain)).collect()
+    };
+    let words = |all: &[String]| -> Vec<String> { all.to_vec() };
+    let inside = words(&ask("0.12"));
+    let answer = done_json(here, &inside.iter().map(String::as_str).collect::<Vec<_>>());
     assert_eq!((&answer["sub_model"], &answer["output"]), (&2.into(), &"stress_ratio".into()));
-    assert!(answer["standard_deviation"].is_null() && answer["outside"] == serde_json::json!([]), "{answer}");
+    assert!(answer["standard_deviation"].is_null() && answer["lower"].is_null(), "{answer}");
     let ratio = answer["value"].as_f64().unwrap();
     assert!((0.2..1.2).contains(&ratio), "{ratio}");
 
-    ask[5] = "deviator_strain=0.4";
-    let text = done(here, &ask);
-    assert!(text.contains("OUTSIDE the trained range: deviator_strain"), "{text}");
+    let far = ask("0.4");
+    let text = done(here, &far.iter().map(String::as_str).collect::<Vec<_>>());
+    assert!(text.contains("OUTSIDE the trained range: deviator_strain = 0.4 (trained from"), "{text}");
+    assert!(text.contains("networks trained by traingdx do not know how sure they are"), "{text}");
+    let message = refused(here, 1, &inside[..inside.len() - 2].iter().map(String::as_str).collect::<Vec<_>>());
+    assert!(message.contains("missing: probability_density_3.375"), "{message}");
+    assert!(message.contains("probability_density_0.125 to probability_density_3.375 (14 bins):"), "{message}");
 
     let ask = |values: &[&str]| {
         let mut all = vec!["predict", "study", "--mapping", "F2"];
@@ -103,27 +130,39 @@ fn one_row(here: &Path) {
 }
 
 fn many_rows(here: &Path) {
-    let rows =
-        "id,deviator_strain,force,probability_density\n1,0.12,1.125,0.4\n2,0.05,0.625,0.5\n3,0.5,1.0,0.4\n";
-    std::fs::write(here.join("rows.csv"), rows).unwrap();
+    let names: Vec<String> = bins().map(|f| format!("probability_density_{f}")).collect();
+    let densities: Vec<String> = bins().map(|f| (-f).exp().to_string()).collect();
+    let densities = densities.join(",");
+    let rows = format!(
+        "id,deviator_strain,{}\n1,0.12,{densities}\n2,0.05,{densities}\n3,0.5,{densities}\n",
+        names.join(",")
+    );
+    std::fs::write(here.join("rows.csv"), &rows).unwrap();
     let ask = ["predict", "study", "--mapping", "F1", "--input", "rows.csv", "-o", "answers.csv"];
     let told = done_json(here, &ask);
     assert_eq!((&told["rows"], &told["rows_outside"]), (&3.into(), &1.into()));
     let table = granum_io::read_table(here.join("answers.csv")).unwrap();
     assert_eq!(table.column("outside").unwrap(), [0.0, 0.0, 1.0]);
     assert_eq!(table.column("sub_model").unwrap(), [2.0, 1.0, 3.0]);
-    let ask_one = ["predict", "study", "-m", "F1", "-s", "deviator_strain=0.05", "-s", "force=0.625", "-s"];
-    let one = done_json(here, &[&ask_one[..], &["probability_density=0.5"]].concat());
+    let ask_one: Vec<String> = state("0.05");
+    let mut one = vec!["predict", "study", "-m", "F1"];
+    one.extend(ask_one.iter().map(String::as_str));
+    let one = done_json(here, &one);
     let same = table.column("predicted_stress_ratio").unwrap()[1];
     assert!((one["value"].as_f64().unwrap() - same).abs() < 1e-12);
+    let two = done_json(here, &["predict", "two", "-m", "F1", "--input", "rows.csv"]);
+    assert!(two["lower"][0].as_f64().unwrap() < two["upper"][0].as_f64().unwrap(), "{two}");
 
     assert!(refused(here, 1, &ask).contains("answers.csv exists already"));
-    std::fs::write(here.join("rows.csv"), rows.replace("0.625", "many")).unwrap();
+    std::fs::write(here.join("rows.csv"), rows.replacen("2,0.05", "2,many", 1)).unwrap();
     let message = refused(here, 1, &ask[..6]);
     assert!(message.contains("rows.csv:3:"), "{message}");
-    std::fs::write(here.join("rows.csv"), rows.replace(",force", ",farce")).unwrap();
+    std::fs::write(here.join("rows.csv"), rows.replacen("2,0.05,", "2,0.05,,", 1).replacen(&format!("{}\n3,", &densities[densities.rfind(',').unwrap()..]), "\n3,", 1)).unwrap();
     let message = refused(here, 1, &ask[..6]);
-    assert!(message.contains("force") && message.contains("rows.csv"), "{message}");
+    assert!(message.contains("probability_density_0.125") && message.contains("empty"), "{message}");
+    std::fs::write(here.join("rows.csv"), rows.replace("density_1.375", "density_1.3")).unwrap();
+    let message = refused(here, 1, &ask[..6]);
+    assert!(message.contains("probability_density_1.375") && message.contains("rows.csv"), "{message}");
 }
 
 #[test]
