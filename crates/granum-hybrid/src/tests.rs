@@ -165,9 +165,9 @@ fn a_forged_constant_is_called_one() {
 fn the_point_form_finds_the_information_too() {
     let dataset = dataset(Law::Hidden, 1, 1, 120);
     for evaluation in evaluate(&dataset, &small(&["F3"], 4, DEFAULT, 1.0)) {
-        let (own, twin) =
+        let (own, alone) =
             (evaluation.network.unseen.relative_rmse, evaluation.strain_only.unseen.relative_rmse);
-        assert!(own < 0.6 * twin, "{own} {twin}");
+        assert!(own < 0.6 * alone, "{own} {alone}");
     }
 }
 
