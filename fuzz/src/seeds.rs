@@ -90,6 +90,8 @@ fn models() -> Vec<Seed> {
     let recipe = Recipe {
         inputs: vec![column("deviator_strain", "1"), column("force", "N")],
         output: column("stress", "Pa"),
+        quantities: Vec::new(),
+        shares: Vec::new(),
         hidden: vec![2, 2],
         seed: 3,
     };

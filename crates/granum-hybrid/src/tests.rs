@@ -165,9 +165,9 @@ fn a_forged_constant_is_called_one() {
 fn the_point_form_finds_the_information_too() {
     let dataset = dataset(Law::Hidden, 1, 1, 120);
     for evaluation in evaluate(&dataset, &small(&["F3"], 4, DEFAULT, 1.0)) {
-        let (own, twin) =
+        let (own, alone) =
             (evaluation.network.unseen.relative_rmse, evaluation.strain_only.unseen.relative_rmse);
-        assert!(own < 0.6 * twin, "{own} {twin}");
+        assert!(own < 0.6 * alone, "{own} {alone}");
     }
 }
 
@@ -285,7 +285,9 @@ fn a_study_survives_its_files_and_answers_rows() {
     let f1 = &loaded.mapping("F1").unwrap().surrogate;
     assert_eq!(f1.input_names().len(), 15);
     let row: Vec<f64> = [0.1].iter().chain(&state.densities).copied().collect();
-    let [one, two] = &f1.predict_rows(&[row.clone(), row.clone()].concat(), 0.9).unwrap()[..] else { panic!() };
+    let [one, two] = &f1.predict_rows(&[row.clone(), row.clone()].concat(), 0.9).unwrap()[..] else {
+        panic!()
+    };
     assert_eq!((one.value, one), (f1.answer([&state]).unwrap()[0].values[0], two));
     let message = f1.predict(&row[..3], 0.9).unwrap_err().to_string();
     assert!(message.contains("a row has 15 values (deviator_strain, probability_density_0.125"), "{message}");

@@ -50,9 +50,34 @@ fn a_study_is_trained_judged_and_asked() {
         assert!(close(&scored["network"]["relative_rmse"], &before["relative_rmse"]["unseen"]), "{scored}");
         assert!(close(&scored["network"]["r2"], &before["r2"]["unseen"]), "{scored}");
         assert!(close(&scored["strain_only"]["r2"], &before["r2"]["strain_only"]), "{scored}");
+        // Baselines are kept with the study.
+        for name in ["ridge", "ridge_strain_only", "mean_curve"] {
+            assert!(close(&scored[name]["relative_rmse"], &before[name]), "{name}: {scored}");
+        }
+        assert_eq!(before["verdict"], "cannot be told from so few runs");
+        assert!(before["with_other_sensors"].is_null() && before["use"].is_null(), "{before}");
+        assert!(
+            before["with_permuted_sensors"].is_number() && before["help"]["mean"].is_number(),
+            "{before}"
+        );
+        assert!(before["sub_models"][0]["constant"].is_boolean(), "{before}");
     }
     let text = done(here, &["evaluate", "study", "run-1", "run-2"]);
     assert!(text.contains("run-2 (seed 2)") && text.contains("relative RMSE"), "{text}");
+    assert!(text.contains("ridge, strain only") && text.contains("mean curve"), "{text}");
+    // The run that was trained on is no other unseen run.
+    assert!(
+        text.contains("over 1 unseen run,") && text.contains("cannot be told from so few runs"),
+        "{text}"
+    );
+    make_run(here, 3);
+    let judged = done_json(here, &["evaluate", "study", "run-2", "run-3"]);
+    let sensors = judged["sensors"].as_array().unwrap();
+    assert_eq!(sensors.len(), 6);
+    for used in sensors {
+        assert!(used["with_other_sensors"]["relative_rmse"].is_number(), "{used}");
+        assert_eq!((&used["use"]["runs"], &used["use"]["above_zero"]), (&2.into(), &Value::Null), "{used}");
+    }
 
     // A training that was ended before its last file goes on, to the same networks.
     std::fs::remove_file(here.join("study/study.json")).unwrap();
@@ -110,9 +135,13 @@ fn one_row(here: &Path) {
     let text = done(here, &far.iter().map(String::as_str).collect::<Vec<_>>());
     assert!(text.contains("OUTSIDE the trained range: deviator_strain = 0.4 (trained from"), "{text}");
     assert!(text.contains("networks trained by traingdx do not know how sure they are"), "{text}");
-    let message = refused(here, 1, &inside[..inside.len() - 2].iter().map(String::as_str).collect::<Vec<_>>());
+    let message =
+        refused(here, 1, &inside[..inside.len() - 2].iter().map(String::as_str).collect::<Vec<_>>());
     assert!(message.contains("missing: probability_density_3.375"), "{message}");
-    assert!(message.contains("probability_density_0.125 to probability_density_3.375 (14 bins):"), "{message}");
+    assert!(
+        message.contains("probability_density_0.125 to probability_density_3.375 (14 bins):"),
+        "{message}"
+    );
 
     let ask = |values: &[&str]| {
         let mut all = vec!["predict", "study", "--mapping", "F2"];
@@ -157,7 +186,15 @@ fn many_rows(here: &Path) {
     std::fs::write(here.join("rows.csv"), rows.replacen("2,0.05", "2,many", 1)).unwrap();
     let message = refused(here, 1, &ask[..6]);
     assert!(message.contains("rows.csv:3:"), "{message}");
-    std::fs::write(here.join("rows.csv"), rows.replacen("2,0.05,", "2,0.05,,", 1).replacen(&format!("{}\n3,", &densities[densities.rfind(',').unwrap()..]), "\n3,", 1)).unwrap();
+    std::fs::write(
+        here.join("rows.csv"),
+        rows.replacen("2,0.05,", "2,0.05,,", 1).replacen(
+            &format!("{}\n3,", &densities[densities.rfind(',').unwrap()..]),
+            "\n3,",
+            1,
+        ),
+    )
+    .unwrap();
     let message = refused(here, 1, &ask[..6]);
     assert!(message.contains("probability_density_0.125") && message.contains("empty"), "{message}");
     std::fs::write(here.join("rows.csv"), rows.replace("density_1.375", "density_1.3")).unwrap();

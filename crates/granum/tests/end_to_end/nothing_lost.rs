@@ -53,7 +53,7 @@ fn reproduction(here: &Path, name: &str, quick: bool, trainer: &str, finished: b
     }
     copy(&here.join("study"), &folder.join("models"));
     fs::copy(here.join("study/.granum-lock"), folder.join(".granum-lock")).unwrap();
-    let options = ReproductionOptions { quick, trainer: trainer.into() };
+    let options = ReproductionOptions { quick, trainer: trainer.into(), ..Default::default() };
     Reproduction::new(options, names).write(&folder).unwrap();
     if finished {
         let summary = serde_json::to_vec(&granum_hybrid::Summary::default()).unwrap();
