@@ -24,7 +24,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             ("--judge", _) => judging.push(word),
             ("--form", "histogram") => form = Form::Histogram,
             ("--form", "point") => form = Form::Point,
-            _ => return Err(format!("{word}: write --runs A B ... --judge C D ... [--form histogram]").into()),
+            _ => {
+                return Err(format!("{word}: write --runs A B ... --judge C D ... [--form histogram]").into());
+            }
         }
     }
     let (training, judging) = (read(&training)?, read(&judging)?);
@@ -38,7 +40,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         let percent = |c: &(usize, usize, f64)| format!("{:5.1}", 100.0 * c.0 as f64 / c.1 as f64);
         let each: Vec<String> = counts.iter().map(percent).collect();
         let width = all.2 / all.1 as f64;
-        println!("{} {} | {} | width {width:.4}", trained.surrogate.mapping().name, each.join(" "), percent(&all));
+        println!(
+            "{} {} | {} | width {width:.4}",
+            trained.surrogate.mapping().name,
+            each.join(" "),
+            percent(&all)
+        );
     }
     Ok(())
 }

@@ -206,7 +206,9 @@ fn a_study_survives_its_files_and_answers_rows() {
     let f1 = &loaded.mapping("F1").unwrap().surrogate;
     assert_eq!(f1.input_names().len(), 15);
     let row: Vec<f64> = [0.1].iter().chain(&state.densities).copied().collect();
-    let [one, two] = &f1.predict_rows(&[row.clone(), row.clone()].concat(), 0.9).unwrap()[..] else { panic!() };
+    let [one, two] = &f1.predict_rows(&[row.clone(), row.clone()].concat(), 0.9).unwrap()[..] else {
+        panic!()
+    };
     assert_eq!((one.value, one), (f1.answer([&state]).unwrap()[0].values[0], two));
     let message = f1.predict(&row[..3], 0.9).unwrap_err().to_string();
     assert!(message.contains("a row has 15 values (deviator_strain, probability_density_0.125"), "{message}");

@@ -45,8 +45,8 @@ mod model;
 mod model_file;
 mod network;
 mod scaler;
-mod symmetric;
 mod student;
+mod symmetric;
 pub mod trainer;
 mod uncertainty;
 

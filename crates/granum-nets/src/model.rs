@@ -7,8 +7,8 @@ use granum_simd::Isa;
 use serde::{Deserialize, Serialize};
 
 use crate::data::{Data, DataError};
-use crate::intervals::Intervals;
 use crate::forward::{self, RowNetwork, Scalers};
+use crate::intervals::Intervals;
 use crate::model_file;
 use crate::network::{Network, NetworkError};
 use crate::scaler::Scaler;
@@ -290,7 +290,8 @@ impl Model {
     /// Least and largest answer to the observations.
     fn answer_range(&self, data: &Data) -> Result<Option<[f64; 2]>, ModelError> {
         let values = self.predict_batch(data.inputs())?.values;
-        let means = values.chunks(data.points()).map(|points| points.iter().sum::<f64>() / points.len() as f64);
+        let means =
+            values.chunks(data.points()).map(|points| points.iter().sum::<f64>() / points.len() as f64);
         let none = [f64::INFINITY, f64::NEG_INFINITY];
         let range = means.fold(none, |[low, high], value| [low.min(value), high.max(value)]);
         Ok(range.iter().all(|end| end.is_finite()).then_some(range))
@@ -374,11 +375,11 @@ impl Model {
         self.fit.intervals.as_ref().map(|intervals| intervals.blocks)
     }
 
-    /// True if the network learned a constant: its answers to the training rows differ by less than a thousandth of the
+    /// True if the network learned a constant: its answers to the training rows differ by no more than a thousandth of the
     /// range of the targets.
     pub fn is_constant(&self) -> bool {
         let range = self.output_scaler.maximum - self.output_scaler.minimum;
-        self.fit.answer_range.is_some_and(|[low, high]| high - low < CONSTANT * range)
+        self.fit.answer_range.is_some_and(|[low, high]| high - low <= CONSTANT * range)
     }
 
     /// Of how many standard deviations an interval reaches to either side so that it holds that share of the observations:
@@ -474,7 +475,8 @@ impl Model {
         let factors: Vec<f64> = match &self.fit.intervals {
             None => vec![1.0; variances.len()],
             Some(intervals) => {
-                let column = self.inputs.iter().position(|input| Some(&input.name) == intervals.input.as_ref());
+                let column =
+                    self.inputs.iter().position(|input| Some(&input.name) == intervals.input.as_ref());
                 let first_points = rows.chunks(points * self.inputs.len());
                 first_points.map(|row| intervals.factor(column.map_or(0.0, |column| row[column]))).collect()
             }

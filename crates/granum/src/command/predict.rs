@@ -24,10 +24,8 @@ const LEVEL: f64 = 0.9;
 /// run it does not contain the scatter between samples. A row outside the range that a network was trained in is answered all the same, and said to be outside: do not trust
 /// it. Without --set and --input the error lists the inputs with their ranges.
 #[derive(Args)]
-#[command(
-    after_help = "Example:\n  granum predict study --mapping F4 --set deviator_strain=0.12 --set \
-                  deviator_fabric=0.1 --set force=1.125\n  granum predict study --mapping F1 --input rows.csv -o answers.csv"
-)]
+#[command(after_help = "Example:\n  granum predict study --mapping F4 --set deviator_strain=0.12 --set \
+                  deviator_fabric=0.1 --set force=1.125\n  granum predict study --mapping F1 --input rows.csv -o answers.csv")]
 pub struct Predict {
     /// Folder of the study that `granum train` left (or `models` of a reproduction).
     study: PathBuf,
@@ -60,7 +58,8 @@ impl Predict {
         let network = &surrogate.networks()[answer.sub_model];
         let output = surrogate.mapping().network_output();
         let range = surrogate.mapping().sub_models[answer.sub_model].strain_range;
-        let outside = answer.outside.iter().map(|o| json!({ "input": o.name, "value": o.value, "range": o.range }));
+        let outside =
+            answer.outside.iter().map(|o| json!({ "input": o.name, "value": o.value, "range": o.range }));
         let result = json!({
             "mapping": self.mapping,
             "output": output,
@@ -76,9 +75,9 @@ impl Predict {
             "outside": outside.collect::<Vec<_>>(),
         });
         output::say(context, &result, || {
-            let interval = answer.interval.map_or(String::new(), |[lower, upper]| {
-                format!(", 90 % interval {lower:.6} to {upper:.6}")
-            });
+            let interval = answer
+                .interval
+                .map_or(String::new(), |[lower, upper]| format!(", 90 % interval {lower:.6} to {upper:.6}"));
             let head = format!(
                 "{output} = {:.6}{interval}  ({} sub-model {}, deviator strain {} to {})",
                 answer.value,
@@ -186,9 +185,13 @@ fn remarks(surrogate: &Surrogate, sub_models: &[usize]) -> Vec<String> {
     let asked = || sub_models.iter().map(|&k| &surrogate.networks()[k]);
     if asked().any(|network| network.training_fit().evidence.is_none()) {
         let trainer = &surrogate.networks()[0].provenance().trainer;
-        remarks.push(format!("There is no interval: networks trained by {trainer} do not know how sure they are."));
+        remarks.push(format!(
+            "There is no interval: networks trained by {trainer} do not know how sure they are."
+        ));
     } else if let Some(runs) = asked().map(granum_nets::Model::blocks).min().flatten() {
-        remarks.push(format!("The interval contains the scatter between samples, judged by {runs} training runs."));
+        remarks.push(format!(
+            "The interval contains the scatter between samples, judged by {runs} training runs."
+        ));
     } else {
         remarks.push(
             "The interval does not contain the scatter between samples: the network was trained on one run, or cannot tell \

@@ -63,7 +63,7 @@ fn a_study_is_trained_judged_and_asked() {
     // The default trainer knows how sure it is; of one run it knows that it does not know the scatter between samples.
     done(here, &["train", "run-1", "--form", "histogram", "--out", "sure"]);
     let ask =
-        ["predict", "sure", "-m", "F4", "-s", "deviator_strain=0.1", "-s", "deviator_fabric=0.08", "-s"];
+        ["predict", "sure", "-m", "F4", "-s", "deviator_strain=0.1", "-s", "deviator_fabric=0.12", "-s"];
     let ask = [&ask[..], &["force=1.125"]].concat();
     let answer = done_json(here, &ask);
     let number = |key: &str| answer[key].as_f64().unwrap();
@@ -110,9 +110,13 @@ fn one_row(here: &Path) {
     let text = done(here, &far.iter().map(String::as_str).collect::<Vec<_>>());
     assert!(text.contains("OUTSIDE the trained range: deviator_strain = 0.4 (trained from"), "{text}");
     assert!(text.contains("networks trained by traingdx do not know how sure they are"), "{text}");
-    let message = refused(here, 1, &inside[..inside.len() - 2].iter().map(String::as_str).collect::<Vec<_>>());
+    let message =
+        refused(here, 1, &inside[..inside.len() - 2].iter().map(String::as_str).collect::<Vec<_>>());
     assert!(message.contains("missing: probability_density_3.375"), "{message}");
-    assert!(message.contains("probability_density_0.125 to probability_density_3.375 (14 bins):"), "{message}");
+    assert!(
+        message.contains("probability_density_0.125 to probability_density_3.375 (14 bins):"),
+        "{message}"
+    );
 
     let ask = |values: &[&str]| {
         let mut all = vec!["predict", "study", "--mapping", "F2"];
@@ -157,7 +161,15 @@ fn many_rows(here: &Path) {
     std::fs::write(here.join("rows.csv"), rows.replacen("2,0.05", "2,many", 1)).unwrap();
     let message = refused(here, 1, &ask[..6]);
     assert!(message.contains("rows.csv:3:"), "{message}");
-    std::fs::write(here.join("rows.csv"), rows.replacen("2,0.05,", "2,0.05,,", 1).replacen(&format!("{}\n3,", &densities[densities.rfind(',').unwrap()..]), "\n3,", 1)).unwrap();
+    std::fs::write(
+        here.join("rows.csv"),
+        rows.replacen("2,0.05,", "2,0.05,,", 1).replacen(
+            &format!("{}\n3,", &densities[densities.rfind(',').unwrap()..]),
+            "\n3,",
+            1,
+        ),
+    )
+    .unwrap();
     let message = refused(here, 1, &ask[..6]);
     assert!(message.contains("probability_density_0.125") && message.contains("empty"), "{message}");
     std::fs::write(here.join("rows.csv"), rows.replace("density_1.375", "density_1.3")).unwrap();
