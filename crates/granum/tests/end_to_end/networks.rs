@@ -67,14 +67,17 @@ fn a_study_is_trained_judged_and_asked() {
     let ask = [&ask[..], &["force=1.125"]].concat();
     let answer = done_json(here, &ask);
     let number = |key: &str| answer[key].as_f64().unwrap();
-    let deviation = number("standard_deviation");
-    assert!(deviation > 0.0 && deviation < 0.5, "{answer}");
+    // Of 20 states of one run nothing more is known than that it is positive.
+    assert!(number("standard_deviation") > 0.0, "{answer}");
     assert!(number("lower") < number("value") && number("value") < number("upper"), "{answer}");
     assert!(answer["runs_of_interval"].is_null() && answer["constant"] == false, "{answer}");
     let text = done(here, &ask);
     assert!(text.contains("90 % interval") && text.contains("does not contain the scatter"), "{text}");
     done(here, &["train", "run-1", "run-2", "--out", "two"]);
-    let text = done(here, &[&["predict", "two"], &ask[2..]].concat());
+    let ask = [&["predict", "two"], &ask[2..]].concat();
+    let answer = done_json(here, &ask);
+    assert!(answer["standard_deviation"].as_f64().unwrap() < 0.5, "{answer}");
+    let text = done(here, &ask);
     assert!(text.contains("the scatter between samples, judged by 2 training runs"), "{text}");
 
     one_row(here);
