@@ -91,7 +91,7 @@ fn bins() -> impl Iterator<Item = f64> {
 
 /// A state for F1, as `--set` takes it; the networks of `study` are in point form.
 fn state(strain: &str) -> Vec<String> {
-    let density = |f: f64| format!("probability_density_{f}={}", (-f).exp());
+    let density = |f: f64| format!("probability_density_{f}={}", 0.05 + 0.4 * (-f).exp());
     let values = std::iter::once(format!("deviator_strain={strain}")).chain(bins().map(density));
     values.flat_map(|value| ["--set".to_string(), value]).collect()
 }
@@ -138,7 +138,7 @@ fn one_row(here: &Path) {
 
 fn many_rows(here: &Path) {
     let names: Vec<String> = bins().map(|f| format!("probability_density_{f}")).collect();
-    let densities: Vec<String> = bins().map(|f| (-f).exp().to_string()).collect();
+    let densities: Vec<String> = bins().map(|f| (0.05 + 0.4 * 0.05 + 0.4 * (-f).exp()).to_string()).collect();
     let densities = densities.join(",");
     let rows = format!(
         "id,deviator_strain,{}\n1,0.12,{densities}\n2,0.05,{densities}\n3,0.5,{densities}\n",
