@@ -138,7 +138,7 @@ fn one_row(here: &Path) {
 
 fn many_rows(here: &Path) {
     let names: Vec<String> = bins().map(|f| format!("probability_density_{f}")).collect();
-    let densities: Vec<String> = bins().map(|f| (0.05 + 0.4 * 0.05 + 0.4 * (-f).exp()).to_string()).collect();
+    let densities: Vec<String> = bins().map(|f| (0.05 + 0.4 * (-f).exp()).to_string()).collect();
     let densities = densities.join(",");
     let rows = format!(
         "id,deviator_strain,{}\n1,0.12,{densities}\n2,0.05,{densities}\n3,0.5,{densities}\n",
