@@ -172,7 +172,7 @@ mod tests {
     use super::*;
 
     fn options(quick: bool, trainer: &str) -> ReproductionOptions {
-        ReproductionOptions { quick, trainer: trainer.into() }
+        ReproductionOptions { quick, trainer: trainer.into(), ..Default::default() }
     }
 
     #[test]

@@ -375,11 +375,11 @@ impl Model {
         self.fit.intervals.as_ref().map(|intervals| intervals.blocks)
     }
 
-    /// True if the network learned a constant: its answers to the training rows differ by less than a thousandth of the
+    /// True if the network learned a constant: its answers to the training rows differ by no more than a thousandth of the
     /// range of the targets.
     pub fn is_constant(&self) -> bool {
         let range = self.output_scaler.maximum - self.output_scaler.minimum;
-        self.fit.answer_range.is_some_and(|[low, high]| high - low < CONSTANT * range)
+        self.fit.answer_range.is_some_and(|[low, high]| high - low <= CONSTANT * range)
     }
 
     /// Of how many standard deviations an interval reaches to either side so that it holds that share of the observations:

@@ -183,8 +183,8 @@ fn damaged_files_are_told_apart() {
     assert!(message(&text[..text.rfind(",\n  \"checksum\"").unwrap()]).contains("truncated"));
     assert!(message("{}").contains("\"format\" should be \"granum model\""));
     assert!(message("strain,stress\n1,2\n").contains("no model file"));
-    let newer = text.replacen("\"version\": 1", "\"version\": 2", 1);
-    assert!(message(&newer).contains("written by a newer granum (format version 2, this program reads 1)"));
+    let newer = text.replacen("\"version\": 2", "\"version\": 3", 1);
+    assert!(message(&newer).contains("written by a newer granum (format version 3, this program reads 2)"));
     let altered = text.replacen("\"seed\": 11", "\"seed\": 12", 1);
     assert!(message(&altered).starts_with("f.json: the checksum does not fit"));
     let error = Model::load(&std::env::temp_dir().join("granum-there-is-no-such-model.json")).unwrap_err();
@@ -208,6 +208,12 @@ fn sealed(text: &str) -> String {
 fn forged_files_are_refused_without_harm() {
     let text = model().to_json();
     assert!(Model::from_json(&sealed(&text), "f").is_ok());
+    // Files of version 1 know no intervals; they answer all the same.
+    let old = text.replacen("\"version\": 2", "\"version\": 1", 1);
+    let from = old.find(",\n    \"answer_range\"").unwrap();
+    let to = old[from..].find("\n  },\n  \"layers\"").unwrap() + from;
+    let old = Model::from_json(&sealed(&format!("{}{}", &old[..from], &old[to..])), "f").unwrap();
+    assert_eq!((old.blocks(), old.is_constant(), old.training_fit().answer_range), (None, false, None));
     let forged = |from: &str, to: &str| {
         assert!(text.contains(from), "{from}");
         Model::from_json(&sealed(&text.replacen(from, to, 1)), "f").unwrap_err().to_string()

@@ -88,18 +88,21 @@ fn a_study_is_trained_judged_and_asked() {
     // The default trainer knows how sure it is; of one run it knows that it does not know the scatter between samples.
     done(here, &["train", "run-1", "--form", "histogram", "--out", "sure"]);
     let ask =
-        ["predict", "sure", "-m", "F4", "-s", "deviator_strain=0.1", "-s", "deviator_fabric=0.08", "-s"];
+        ["predict", "sure", "-m", "F4", "-s", "deviator_strain=0.1", "-s", "deviator_fabric=0.12", "-s"];
     let ask = [&ask[..], &["force=1.125"]].concat();
     let answer = done_json(here, &ask);
     let number = |key: &str| answer[key].as_f64().unwrap();
-    let deviation = number("standard_deviation");
-    assert!(deviation > 0.0 && deviation < 0.5, "{answer}");
+    // Of 20 states of one run nothing more is known than that it is positive.
+    assert!(number("standard_deviation") > 0.0, "{answer}");
     assert!(number("lower") < number("value") && number("value") < number("upper"), "{answer}");
     assert!(answer["runs_of_interval"].is_null() && answer["constant"] == false, "{answer}");
     let text = done(here, &ask);
     assert!(text.contains("90 % interval") && text.contains("does not contain the scatter"), "{text}");
     done(here, &["train", "run-1", "run-2", "--out", "two"]);
-    let text = done(here, &[&["predict", "two"], &ask[2..]].concat());
+    let ask = [&["predict", "two"], &ask[2..]].concat();
+    let answer = done_json(here, &ask);
+    assert!(answer["standard_deviation"].as_f64().unwrap() < 0.5, "{answer}");
+    let text = done(here, &ask);
     assert!(text.contains("the scatter between samples, judged by 2 training runs"), "{text}");
 
     one_row(here);
@@ -113,7 +116,7 @@ fn bins() -> impl Iterator<Item = f64> {
 
 /// A state for F1, as `--set` takes it; the networks of `study` are in point form.
 fn state(strain: &str) -> Vec<String> {
-    let density = |f: f64| format!("probability_density_{f}={}", (-f).exp());
+    let density = |f: f64| format!("probability_density_{f}={}", 0.05 + 0.4 * (-f).exp());
     let values = std::iter::once(format!("deviator_strain={strain}")).chain(bins().map(density));
     values.flat_map(|value| ["--set".to_string(), value]).collect()
 }
@@ -160,7 +163,7 @@ fn one_row(here: &Path) {
 
 fn many_rows(here: &Path) {
     let names: Vec<String> = bins().map(|f| format!("probability_density_{f}")).collect();
-    let densities: Vec<String> = bins().map(|f| (-f).exp().to_string()).collect();
+    let densities: Vec<String> = bins().map(|f| (0.05 + 0.4 * (-f).exp()).to_string()).collect();
     let densities = densities.join(",");
     let rows = format!(
         "id,deviator_strain,{}\n1,0.12,{densities}\n2,0.05,{densities}\n3,0.5,{densities}\n",
