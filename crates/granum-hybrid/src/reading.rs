@@ -83,7 +83,9 @@ fn sensors(evaluation: &Evaluation) -> Option<String> {
             if help.mean < 0.0 { "worse" } else { "better, which is within the scatter" }
         ),
         Verdict::DoesNotUse => {
-            format!("{exchanged}, which is within the scatter of {runs} runs: they do not use their sensors.")
+            format!(
+                "{exchanged}, which is no more than the scatter over {runs} runs: they do not use their sensors."
+            )
         }
         Verdict::TooFewRuns => {
             format!("{exchanged}; {runs} unseen runs are too few to test whether they use their sensors.")

@@ -14,7 +14,9 @@ pub fn percent(share: Option<f64>) -> String {
 pub fn points(test: Option<PairedTest>) -> String {
     let Some(test) = test else { return "-".to_owned() };
     let error = test.standard_error.map_or(String::new(), |error| format!(" ± {:.2}", 100.0 * error));
-    format!("{:+.2}{error}", 100.0 * test.mean)
+    // No "-0.00": a zero has no sign once it is rounded.
+    let mean = (1e4 * test.mean).round() / 100.0 + 0.0;
+    format!("{mean:+.2}{error}")
 }
 
 /// The mappings with their errors, a line each below a heading, and what they make of their sensors; `spread` is what the
@@ -110,4 +112,16 @@ fn constants(name: &str, mapping: &MappingSummary) -> Option<String> {
         "answer with constants: they have"
     };
     (!numbers.is_empty()).then(|| format!("{} {verb} learned nothing", numbers.join(", ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_difference_that_rounds_to_zero_has_no_minus() {
+        assert_eq!(points(PairedTest::new(&[-1e-6])), "+0.00");
+        assert_eq!(points(PairedTest::new(&[-0.01, -0.02])), "-1.50 ± 0.50");
+        assert_eq!(points(None), "-");
+    }
 }
