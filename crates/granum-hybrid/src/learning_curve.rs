@@ -83,9 +83,11 @@ pub struct CurvePoint {
 }
 
 impl CurvePoint {
-    /// True if the sensors take something off the error beyond its scatter over the unseen runs.
+    /// True if the sensors take something off the error of strain-only networks, and if it is lost with the sensors of
+    /// another run, both beyond their scatter over the unseen runs.
     pub fn helps(&self) -> bool {
-        self.help.above_zero == Some(true)
+        let used = self.lost_with_other.is_some_and(|lost| lost.above_zero == Some(true));
+        used && self.help.above_zero == Some(true)
     }
 }
 

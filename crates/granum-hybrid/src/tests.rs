@@ -46,12 +46,14 @@ const DEFAULT: &str = "levenberg-marquardt";
 
 #[test]
 fn smooth_curves_are_learned_down_to_their_noise() {
+    // Noise here differs from state to state, that of real runs lasts over several: states count as a fraction of an
+    // observation, so that curves are held a little smoother than these records would bear.
     let dataset = dataset(Law::Plain, 1, 2, 120);
     for evaluation in evaluate(&dataset, &small(&["F1", "F2", "F3", "F4", "F5", "F6"], 6, DEFAULT, 1.0)) {
         let name = &evaluation.mapping.name;
         let scatter = evaluation.seed_scatter.unwrap();
-        assert!(evaluation.network.held_out.relative_rmse < 3.0 * scatter, "{name}: {evaluation:?}");
-        assert!(evaluation.network.unseen.relative_rmse < 3.0 * scatter, "{name}: {evaluation:?}");
+        assert!(evaluation.network.held_out.relative_rmse < 4.0 * scatter, "{name}: {evaluation:?}");
+        assert!(evaluation.network.unseen.relative_rmse < 4.0 * scatter, "{name}: {evaluation:?}");
         assert!(evaluation.network.unseen.r2 > 0.9, "{name}: {evaluation:?}");
         assert_eq!(evaluation.sub_models.len(), 3);
     }
