@@ -440,7 +440,7 @@ impl<'a> Search<'a> {
 
     /// Errors of the observations of each block if the block had not been trained on; nothing for a single block.
     fn left_out(&mut self, weights: &[f64], data: &Data) -> Option<Vec<f64>> {
-        if data.block_count() < 2 || data.target_columns() > 1 || !(self.decay() > 0.0) {
+        if data.block_count() < 2 || data.target_columns() > 1 || self.decay() <= 0.0 {
             return None;
         }
         self.workspace.squared_error(weights);
