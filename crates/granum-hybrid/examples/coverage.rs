@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for trained in &study.mappings {
         let counts = coverage(&trained.surrogate, &dataset.unseen())?;
         let all = counts.iter().fold((0, 0, 0.0), |a, c| (a.0 + c.0, a.1 + c.1, a.2 + c.2));
-        let percent = |c: &(usize, usize, f64)| format!("{:5.1}", 100.0 * c.0 as f64 / c.1 as f64);
+        let percent = |c: &Count| format!("{:5.1}", 100.0 * c.0 as f64 / c.1 as f64);
         let each: Vec<String> = counts.iter().map(percent).collect();
         let width = all.2 / all.1 as f64;
         println!(
@@ -51,7 +51,9 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// Values within the interval, values, and the sum of the widths, for each sub-model.
-fn coverage(surrogate: &Surrogate, states: &[&State]) -> Result<Vec<(usize, usize, f64)>, Box<dyn Error>> {
+type Count = (usize, usize, f64);
+
+fn coverage(surrogate: &Surrogate, states: &[&State]) -> Result<Vec<Count>, Box<dyn Error>> {
     let mapping = surrogate.mapping();
     let mut counts = vec![(0, 0, 0.0); mapping.sub_models.len()];
     let intervals = surrogate.intervals(states.iter().copied(), LEVEL)?;
