@@ -36,6 +36,12 @@ for name, neurons in tables.items():
     check(0 < mapping["seed_scatter"] < 0.5, f"{name}: seed scatter {mapping['seed_scatter']}")
 check(summary["speed"]["factor"] > 10, f"speed factor {summary['speed']['factor']}")
 
+curve = summary["learning_curve"]["points"]
+check([p["training_runs"] for p in curve if p["mapping"] == "F3"] == [1, 2, 4], "numbers of training runs")
+last = [p for p in curve if p["mapping"] == "F3"][-1]
+check(last["network"]["mean"] < last["strain_only"]["mean"], "the sensors of F3 help from four runs on")
+check(last["network"]["mean"] < last["other_sensors"]["mean"], "the sensors of F3 are used")
+
 report = (folder / "report.html").read_text()
 check(all(f"Figure {k}" in report for k in range(3, 9)), "Figures 3-8 in the report")
 check(all(f"Table {k}" in report for k in range(1, 7)), "Tables 1-6 in the report")

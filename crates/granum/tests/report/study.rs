@@ -3,6 +3,7 @@
 use std::sync::OnceLock;
 
 use granum::report::{Role, RunReport, StudyReport};
+use granum_hybrid::learning_curve::LearningCurve;
 use granum_hybrid::reading;
 use granum_hybrid::size_study::SizeStudyOptions;
 use granum_hybrid::study::Silent;
@@ -38,6 +39,8 @@ fn train() -> StudyReport {
     let options = StudyOptions { mappings: small_mappings(), threads: 2, ..Default::default() };
     let study = Study::train(&dataset, &options, &Silent).expect("small networks train");
     let evaluations = study.evaluate(&dataset).expect("states are finite");
+    let curve =
+        LearningCurve::new(&training, &unseen, 2000, &options, &Silent).expect("small networks train");
     let size_options =
         SizeStudyOptions { neurons: vec![1, 2, 4], seeds: 2, study: options, ..Default::default() };
     let size_study = SizeStudy::run(&dataset, &size_options, &Silent).expect("small networks train");
@@ -56,6 +59,7 @@ fn train() -> StudyReport {
         mappings: evaluations.iter().map(|e| (e.mapping.name.clone(), MappingSummary::new(e))).collect(),
         reading: reading::read(&evaluations, Some(&size_study), Some(&speed)),
         size_study: Some(size_study),
+        learning_curve: Some(curve),
         speed,
     };
     StudyReport {
