@@ -47,7 +47,7 @@ pub fn tiles(study: &StudyReport) -> Vec<[String; 3]> {
             format!("median error on {on}"),
             format!("from {} to {} over the mappings", percent(*first), percent(*last)),
         ]);
-        out.push(sensors_tile(study));
+        out.push(many_runs_tile(study).unwrap_or_else(|| sensors_tile(study)));
     }
     if mappings.values().any(|mapping| over_best(mapping).is_some()) {
         let good = those(study, |mapping| over_best(mapping).is_some_and(|times| times <= AS_GOOD));
@@ -100,6 +100,19 @@ fn sensors_tile(study: &StudyReport) -> [String; 3] {
         _ => format!("{used} more use them without gain"),
     };
     [format!("{gain} of {}", mappings.len()), what, remark]
+}
+
+/// How many mappings gain by their sensors once they learn from several runs.
+fn many_runs_tile(study: &StudyReport) -> Option<[String; 3]> {
+    let curve = study.summary.learning_curve.as_ref()?;
+    let names: Vec<&String> = study.summary.mappings.keys().collect();
+    let most = curve.points.iter().map(|point| point.training_runs).max()?;
+    let gain = names.iter().filter(|name| curve.helps_from(name).is_some()).count();
+    Some([
+        format!("{gain} of {}", names.len()),
+        "mappings gain by their soft sensors".into(),
+        format!("with {most} training runs, on {} unseen ones", curve.unseen_runs),
+    ])
 }
 
 /// The findings, as sentences.
@@ -180,7 +193,11 @@ fn sensors_sentence(study: &StudyReport) -> Option<String> {
             1 => "there is one unseen run only".to_owned(),
             _ => format!("{runs} unseen runs are too few to test it"),
         };
-        return Some(format!("Whether the networks use their soft sensors cannot be told: {found}."));
+        let of = match study.summary.learning_curve {
+            Some(_) => " of the paper\u{2019}s protocol, trained on one run,",
+            None => "",
+        };
+        return Some(format!("Whether the networks{of} use their soft sensors cannot be told: {found}."));
     }
     say(&untold, "was judged on too few runs", "were judged on too few runs");
     let best =

@@ -65,6 +65,14 @@ fn subtitle(study: &StudyReport) -> String {
         dem.runs.len(),
         whole(dem.grains as f64)
     );
+    if let Some(curve) = &study.summary.learning_curve {
+        let most = curve.points.iter().map(|point| point.training_runs).max().unwrap_or(0);
+        text += &format!(
+            " Beside them the same networks trained on up to {most} runs of {} grains, judged on {} more.",
+            whole(curve.grains as f64),
+            curve.unseen_runs
+        );
+    }
     if !version.is_empty() {
         text += &format!(" Computed by granum {version}.");
     }
