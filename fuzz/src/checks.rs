@@ -7,7 +7,6 @@ use std::hint::black_box;
 
 use granum_dem::config::{Contact, Material, Rate, Recording};
 use granum_dem::simulation::{Properties, Simulation};
-use granum_hybrid::files::series_of;
 use granum_hybrid::keeping::Plan;
 use granum_hybrid::laboratory;
 use granum_io::{Case, Packing, RunRecord, Table};
@@ -188,8 +187,7 @@ fn assert_same(table: &Table, back: &Table) {
 
 /// A table may claim to be the series of a run, its forces, or both.
 fn use_table(table: &Table) {
-    let series = series_of(table);
-    if let Ok(record) = granum_sensors::Record::from_tables(series.clone(), &series) {
+    if let Ok(record) = granum_sensors::Record::from_tables(table.clone(), table) {
         black_box(record.force_table());
     }
 }

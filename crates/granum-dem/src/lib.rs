@@ -4,8 +4,6 @@
 //! Sign convention, stated once for the whole project: **compression is positive** for stress, strain, strain
 //! rate and normal force. SI units throughout.
 
-pub mod assembly;
-pub mod cell;
 pub mod checkpoint;
 pub mod config;
 pub mod contact;
@@ -25,4 +23,5 @@ mod search;
 mod stepping;
 mod team;
 
+pub use granum_core::{assembly, cell};
 pub use granum_simd::Isa;

@@ -6,11 +6,12 @@
 use granum_simd::{LANES, Row4, Row8};
 use serde::{Deserialize, Serialize};
 
-use crate::cell::{Cell, apply, invert};
+use crate::cell::Cell;
 use crate::checkpoint::rows;
 use crate::contact::MAX_HISTORY;
 use crate::contact::interaction::Memory;
 use crate::kernel::NORMAL_COLUMNS;
+use granum_core::geometry::{apply, invert};
 
 /// Largest number of cells by which an image may be displaced along an edge.
 pub(crate) const REACH: i32 = 2;

@@ -6,8 +6,9 @@
 use granum_simd::{Isa, Kernel, LANES, Lanes, Mask, Row8, dispatch};
 
 use crate::assembly::{Matrix, Vector};
-use crate::cell::{Cell, apply, invert};
+use crate::cell::Cell;
 use crate::pairs::{REACH, image_code, image_table};
+use granum_core::geometry::{apply, invert};
 
 /// A near pair as the search finds it: places of i < j (i <= j for an image of itself) and image code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

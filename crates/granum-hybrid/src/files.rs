@@ -10,9 +10,9 @@ use std::path::Path;
 use std::time::Duration;
 
 use granum_io::atomic::write_atomically;
-use granum_io::{Column, Error, RunFolder, Table};
+use granum_io::{Error, RunFolder};
 use granum_nets::Model;
-use granum_sensors::{NamedColumn, Record, Series};
+use granum_sensors::Record;
 use serde::{Deserialize, Serialize};
 
 use crate::baseline::Baselines;
@@ -32,31 +32,13 @@ const FORMAT: &str = "granum study";
 /// Version 1 did not say on which runs a study stands.
 const VERSION: u64 = 2;
 
-/// A series as a table.
-///
-/// # Errors
-/// If two columns have one name or different lengths.
-pub fn table_of(series: &Series) -> Result<Table> {
-    let unit = |unit: &str| if unit == "1" { String::new() } else { unit.to_owned() };
-    let columns = series.columns.iter().map(|c| Column::new(&c.name, unit(&c.unit), c.values.clone()));
-    Ok(Table::new(columns.collect())?)
-}
-
-/// A table as a series.
-pub fn series_of(table: &Table) -> Series {
-    let unit = |unit: &str| if unit.is_empty() { "1".to_owned() } else { unit.to_owned() };
-    let column =
-        |c: &Column| NamedColumn { name: c.name.clone(), unit: unit(&c.unit), values: c.values.clone() };
-    Series { columns: table.columns().iter().map(column).collect() }
-}
-
 /// Writes a record into the folder of a run.
 ///
 /// # Errors
 /// If a file cannot be written.
 pub fn write_record(folder: &RunFolder, record: &Record) -> Result<()> {
-    folder.write_series(&table_of(&record.series)?)?;
-    folder.write_forces(&table_of(&record.force_table())?)?;
+    folder.write_series(&record.series)?;
+    folder.write_forces(&record.force_table())?;
     Ok(())
 }
 
@@ -65,7 +47,7 @@ pub fn write_record(folder: &RunFolder, record: &Record) -> Result<()> {
 /// # Errors
 /// If a file is missing or damaged, or the two are no record; the message names the file or folder.
 pub fn read_record(run: &granum_io::Run) -> Result<Record> {
-    Record::from_tables(series_of(&run.series()?), &series_of(&run.forces()?)).map_err(|error| {
+    Record::from_tables(run.series()?, &run.forces()?).map_err(|error| {
         let message =
             format!("its series.parquet and forces.parquet are not those of a test: {error}; run it again");
         Error::content(run.path(), message).into()

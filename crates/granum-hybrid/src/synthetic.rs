@@ -1,7 +1,8 @@
 //! Records with known laws, for the tests: curves like those of a sheared sample, with seeded noise.
 
+use granum_core::{Column, Table};
+use granum_sensors::Record;
 use granum_sensors::force_distribution::ForceHistogram;
-use granum_sensors::{NamedColumn, Record, Series};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
@@ -49,12 +50,8 @@ pub(crate) fn record(law: Law, seed: u64, intervals: usize) -> Record {
             column.1.push(value);
         }
     }
-    let columns = columns.into_iter().map(|(name, values)| NamedColumn {
-        name: name.to_owned(),
-        unit: "1".to_owned(),
-        values,
-    });
-    Record { series: Series { columns: columns.collect() }, forces }
+    let columns = columns.into_iter().map(|(name, values)| Column::new(name, "", values));
+    Record { series: Table::new(columns.collect()).unwrap(), forces }
 }
 
 /// Counts of a Gamma-like distribution of forces, noisy as 200,000 contacts are.

@@ -356,11 +356,7 @@ fn a_record_survives_its_files() {
     let mut record = record;
     for name in ["forces_below", "forces_above"] {
         let values = vec![0.0; record.forces.len()];
-        record.series.columns.push(granum_sensors::NamedColumn {
-            name: name.into(),
-            unit: "1".into(),
-            values,
-        });
+        record.series.set(granum_core::Column::new(name, "", values)).unwrap();
     }
     let parent = tempfile::tempdir().unwrap();
     let folder = granum_io::RunFolder::create(parent.path().join("run"), false).unwrap();

@@ -9,8 +9,9 @@ use std::path::Path;
 
 use crate::atomic::write_atomically;
 use crate::error::{Error, InputError, Result};
-use crate::quantity::format_number;
-use crate::table::{Column, Table, suggest};
+use granum_core::names::suggestion;
+use granum_core::quantity::format_number;
+use granum_core::{Column, Table};
 
 /// A longer line is no row of numbers.
 const LONGEST_LINE: u64 = 1 << 20;
@@ -152,7 +153,7 @@ fn read_lines<R: BufRead>(lines: &mut Lines<R>, names: Option<&[&str]>) -> Resul
     }
     let columns =
         wanted.iter().zip(values).map(|(at, values)| Column::new(&header[*at], "", values)).collect();
-    Table::new(columns)
+    Ok(Table::new(columns)?)
 }
 
 /// The names in the first line that is neither blank nor a comment.
@@ -189,7 +190,7 @@ pub(crate) fn names<R: BufRead>(lines: &Lines<R>) -> Result<Vec<String>> {
 
 pub(crate) fn position(file: &str, header: &[String], name: &str) -> Result<usize> {
     header.iter().position(|known| known == name).ok_or_else(|| {
-        let help = suggest(name, header.iter().map(String::as_str));
+        let help = suggestion(name, header.iter().map(String::as_str));
         Error::content(Path::new(file), format!("there is no column {name}; {help}"))
     })
 }
@@ -209,10 +210,10 @@ pub(crate) fn number<R: BufRead>(lines: &Lines<R>, column: &str, start: usize, c
 /// Writes a table beside and renames it.
 ///
 /// # Errors
-/// [`Error::Table`] if a name would not read back (a comma, a quote, a number); [`Error::File`] if the file cannot be
+/// [`Error::Rule`] if a name would not read back (a comma, a quote, a number); [`Error::File`] if the file cannot be
 /// written.
 pub fn write(path: &Path, table: &Table) -> Result<()> {
-    check_names(table).map_err(Error::Table)?;
+    check_names(table).map_err(Error::Rule)?;
     write_atomically(path, |file| write_rows(file, table))
 }
 

@@ -123,8 +123,8 @@ pub enum Error {
         message: String,
     },
     /// A table has no such column, or columns that do not fit together.
-    #[error("{0}")]
-    Table(String),
+    #[error(transparent)]
+    Table(#[from] granum_core::TableError),
     /// Something is there already, and nobody said that it may be replaced.
     #[error("{} exists already; give --force to replace it, or another name", .0.display())]
     Exists(PathBuf),
@@ -173,17 +173,6 @@ fn join(errors: &[InputError]) -> String {
 /// Shorthand for results of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// The name nearest to `wrong` among `names`, if one is near enough to be meant.
-pub fn nearest<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let plain = |name: &str| name.to_lowercase().replace('-', "_");
-    names
-        .into_iter()
-        .map(|name| (strsim::jaro_winkler(&plain(wrong), &plain(name)), name))
-        .filter(|(score, _)| *score > 0.75)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, name)| name)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -201,13 +190,5 @@ mod tests {
     fn a_span_inside_a_character_or_beyond_the_end_does_not_panic() {
         let text: Arc<str> = Arc::from("ö");
         assert_eq!(InputError::in_text("f", &text, 1..9, String::new()).span, 0..2);
-    }
-
-    #[test]
-    fn nearest_knows_slips_and_leaves_strangers_alone() {
-        let names = ["youngs_modulus", "poissons_ratio", "friction"];
-        assert_eq!(nearest("young_modulus", names), Some("youngs_modulus"));
-        assert_eq!(nearest("Poissons-Ratio", names), Some("poissons_ratio"));
-        assert_eq!(nearest("zzz", names), None);
     }
 }

@@ -29,7 +29,8 @@ use parquet::schema::types::{ColumnDescriptor, Type};
 use crate::atomic::write_atomically;
 use crate::contain::contain;
 use crate::error::{Error, Result};
-use crate::table::{Column, ColumnKind, Table, suggest};
+use granum_core::names::suggestion;
+use granum_core::{Column, ColumnKind, Table};
 
 /// Rows of a group, and values decoded at a time.
 const GROUP: usize = 1 << 17;
@@ -43,10 +44,10 @@ const VALUES_PER_BYTE: u64 = 64;
 /// Writes a table beside and renames it.
 ///
 /// # Errors
-/// [`Error::Table`] for a table without columns; [`Error::File`] if the file cannot be written.
+/// [`Error::Rule`] for a table without columns; [`Error::File`] if the file cannot be written.
 pub fn write(path: &Path, table: &Table) -> Result<()> {
     if table.columns().is_empty() {
-        return Err(Error::Table("a Parquet file needs at least one column".into()));
+        return Err(Error::Rule("a Parquet file needs at least one column".into()));
     }
     write_atomically(path, |file| {
         let mut writer = start(file, table).map_err(io_error)?;
@@ -245,7 +246,7 @@ fn read_from(path: &Path, input: impl ChunkReader + 'static, names: Option<&[&st
             format!("column {name} has {length} values, but the file {rows} rows"),
         ));
     }
-    Table::new(columns)
+    Ok(Table::new(columns)?)
 }
 
 /// Indices of the wanted columns.
@@ -265,7 +266,7 @@ fn choose(path: &Path, columns: &[Arc<ColumnDescriptor>], names: Option<&[&str]>
                 .iter()
                 .position(|c| c.name() == *name && c.path().parts().len() == 1)
                 .ok_or_else(|| {
-                    let help = suggest(name, columns.iter().map(|column| column.name()));
+                    let help = suggestion(name, columns.iter().map(|column| column.name()));
                     Error::content(path, format!("there is no column {name}; {help}"))
                 })?;
             match not_numeric(&columns[at]) {
@@ -420,12 +421,12 @@ mod tests {
             let whole = table(rows);
             let part = |range: Range<usize>| {
                 let cut = |c: &Column| Column::new(&c.name, &c.unit, c.values[range.clone()].to_vec());
-                Table::new(whole.columns().iter().map(cut).collect())
+                Ok(Table::new(whole.columns().iter().map(cut).collect())?)
             };
             write_parts(&two, rows, part).unwrap();
             assert_eq!(fs::read(&one).unwrap(), fs::read(&two).unwrap(), "in parts");
         }
-        let bad = write_parts(&one, 3, |_| Err(Error::Table("no such grain".into())));
+        let bad = write_parts(&one, 3, |_| Err(Error::Rule("no such grain".into())));
         assert!(bad.unwrap_err().to_string().contains("no such grain"));
         assert_eq!(read(&one, None).unwrap().rows(), 300_000, "what stood there stands");
         let one_column = read(&one, Some(&["mean_stress"])).unwrap();

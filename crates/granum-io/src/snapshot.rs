@@ -5,12 +5,12 @@ use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use granum_dem::assembly::{Assembly, Contact, Grain, Vector};
+use granum_core::assembly::{Assembly, Contact, Grain, Vector};
 use serde::{Deserialize, Serialize};
 
 use crate::atomic::write_atomically;
 use crate::error::{Error, Result};
-use crate::table::{Column, ColumnKind, Table};
+use granum_core::{Column, ColumnKind, Table};
 
 /// Newest layout that this version reads and writes.
 const FORMAT: u32 = 1;
@@ -98,14 +98,14 @@ pub fn grains_table(assembly: &Assembly) -> Result<Table> {
 
 fn grain_rows(grains: &[Grain]) -> Result<Table> {
     let ids = whole_numbers("id", grains.iter().map(|grain| grain.id as f64).collect());
-    Table::new(std::iter::once(ids).chain(columns(grains, &GRAIN)).collect())
+    Ok(Table::new(std::iter::once(ids).chain(columns(grains, &GRAIN)).collect())?)
 }
 
 /// The contacts of an assembly: `first` and `second` (ids of the grains), `branch_x`... `tangential_energy`, and
 /// `sliding` (0 or 1), in SI units.
 ///
 /// # Errors
-/// [`Error::Table`] if a contact names a grain that is not there.
+/// [`Error::Rule`] if a contact names a grain that is not there.
 pub fn contacts_table(assembly: &Assembly) -> Result<Table> {
     contact_rows(assembly, 0..assembly.contacts.len())
 }
@@ -115,7 +115,7 @@ fn contact_rows(assembly: &Assembly, rows: Range<usize>) -> Result<Table> {
         let grain = assembly.grains.get(index);
         grain
             .map(|grain| grain.id as f64)
-            .ok_or_else(|| Error::Table(format!("a contact names grain index {index}")))
+            .ok_or_else(|| Error::Rule(format!("a contact names grain index {index}")))
     };
     let contacts = &assembly.contacts[rows];
     let first = contacts.iter().map(|contact| id(contact.i)).collect::<Result<_>>()?;
@@ -124,7 +124,7 @@ fn contact_rows(assembly: &Assembly, rows: Range<usize>) -> Result<Table> {
     table.extend(columns(contacts, &CONTACT));
     let sliding = contacts.iter().map(|contact| f64::from(u8::from(contact.sliding))).collect();
     table.push(Column::new("sliding", "", sliding).of_kind(ColumnKind::Boolean));
-    Table::new(table)
+    Ok(Table::new(table)?)
 }
 
 fn whole_numbers(name: &str, values: Vec<f64>) -> Column {
@@ -147,7 +147,7 @@ fn part(folder: &Path, name: &str, end: &str) -> PathBuf {
 /// Writes a snapshot into a folder, which is made if need be.
 ///
 /// # Errors
-/// [`Error::File`] if a file cannot be written; [`Error::Table`] for an assembly without grains or with a contact of a
+/// [`Error::File`] if a file cannot be written; [`Error::Rule`] for an assembly without grains or with a contact of a
 /// grain that is not there.
 pub fn write_snapshot(folder: &Path, name: &str, assembly: &Assembly) -> Result<()> {
     fs::create_dir_all(folder).map_err(Error::file("make the folder", folder))?;
@@ -260,7 +260,7 @@ pub fn list_snapshots(folder: &Path) -> Result<Vec<String>> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use granum_dem::assembly::EnergyLedger;
+    use granum_core::assembly::EnergyLedger;
 
     /// Three grains and two contacts with numbers that do not repeat.
     pub(crate) fn assembly() -> Assembly {

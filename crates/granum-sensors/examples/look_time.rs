@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p granum-sensors --example look_time`
 
-use granum_dem::assembly::{Assembly, Contact, Grain};
+use granum_core::assembly::{Assembly, Contact, Grain};
 use granum_dem::config::Recording;
 use granum_sensors::Recorder;
 use std::time::Instant;

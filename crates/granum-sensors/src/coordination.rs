@@ -10,30 +10,30 @@
 //!
 //! Rattlers are the grains with fewer than two contacts: N_0 + N_1.
 
-use granum_dem::assembly::Contact;
+use granum_core::assembly::Contact;
 
 use crate::look::mean;
-use crate::{Column, Look, Sensor};
+use crate::{Look, Sensor, SensorColumn};
 
 /// The sensor.
 pub const SENSOR: Sensor = Sensor {
     name: "coordination",
     description: "mean number of contacts a grain, by several definitions",
     columns: &[
-        Column::new("coordination_number", "1", "Z = 2 N_k / N over all grains"),
-        Column::new(
+        SensorColumn::new("coordination_number", "1", "Z = 2 N_k / N over all grains"),
+        SensorColumn::new(
             "mechanical_coordination_number",
             "1",
             "Z_m of Thornton (2000): over grains with two contacts or more",
         ),
-        Column::new("compressive_coordination_number", "1", "Z of the contacts in compression alone"),
-        Column::new(
+        SensorColumn::new("compressive_coordination_number", "1", "Z of the contacts in compression alone"),
+        SensorColumn::new(
             "backbone_coordination_number",
             "1",
             "Z after grains with fewer than two contacts are taken out until none is left",
         ),
-        Column::new("rattler_fraction", "1", "grains with fewer than two contacts over all grains"),
-        Column::new("contacts", "1", "number N_k of contacts"),
+        SensorColumn::new("rattler_fraction", "1", "grains with fewer than two contacts over all grains"),
+        SensorColumn::new("contacts", "1", "number N_k of contacts"),
     ],
     measure,
 };
@@ -114,7 +114,7 @@ fn measure(look: &Look, row: &mut Vec<f64>) {
 mod tests {
     use super::*;
     use crate::lattice;
-    use granum_dem::assembly::{Assembly, Grain};
+    use granum_core::assembly::{Assembly, Grain};
 
     #[test]
     fn lattices_have_six_and_twelve() {

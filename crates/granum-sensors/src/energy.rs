@@ -6,35 +6,39 @@
 //! slipped: `tangential_work = change of elastic tangential + friction + micro-slip`; each is found by itself, so that
 //! what is missing here is the inconsistency of the tangential law (none without micro-slip).
 
-use crate::{Column, Look, Sensor};
+use crate::{Look, Sensor, SensorColumn};
 
 /// The sensor.
 pub const SENSOR: Sensor = Sensor {
     name: "energy",
     description: "stored energies and the ledger of work and losses since the start of the phase",
     columns: &[
-        Column::new("kinetic_energy", "J", "of the fluctuating velocities and the spins"),
-        Column::new(
+        SensorColumn::new("kinetic_energy", "J", "of the fluctuating velocities and the spins"),
+        SensorColumn::new(
             "elastic_normal_energy",
             "J",
             "of the normal approach of all contacts, that of their joined surfaces included",
         ),
-        Column::new(
+        SensorColumn::new(
             "elastic_tangential_energy",
             "J",
             "stored by the tangential displacement of all contacts",
         ),
-        Column::new("boundary_work", "J", "work that the deformation of the cell did on the grains"),
-        Column::new("tangential_work", "J", "work taken up by the elastic tangential forces"),
-        Column::new("friction_loss", "J", "lost to sliding at the friction limit, part of tangential_work"),
-        Column::new(
+        SensorColumn::new("boundary_work", "J", "work that the deformation of the cell did on the grains"),
+        SensorColumn::new("tangential_work", "J", "work taken up by the elastic tangential forces"),
+        SensorColumn::new(
+            "friction_loss",
+            "J",
+            "lost to sliding at the friction limit, part of tangential_work",
+        ),
+        SensorColumn::new(
             "micro_slip_loss",
             "J",
             "lost in the zones of slip of contacts that do not slide, part of tangential_work",
         ),
-        Column::new("damping_loss", "J", "lost in the contact dashpots"),
-        Column::new("adhesion_made_loss", "J", "lost when adhesive contacts were made"),
-        Column::new("adhesion_broken_loss", "J", "lost when adhesive contacts broke"),
+        SensorColumn::new("damping_loss", "J", "lost in the contact dashpots"),
+        SensorColumn::new("adhesion_made_loss", "J", "lost when adhesive contacts were made"),
+        SensorColumn::new("adhesion_broken_loss", "J", "lost when adhesive contacts broke"),
     ],
     measure,
 };
@@ -76,7 +80,7 @@ fn measure(look: &Look, row: &mut Vec<f64>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use granum_dem::assembly::{Assembly, Grain};
+    use granum_core::assembly::{Assembly, Grain};
 
     #[test]
     fn a_rolling_sphere_has_seven_tenths_m_v_squared() {

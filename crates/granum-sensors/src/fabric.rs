@@ -6,27 +6,27 @@
 //! difference of the largest and smallest eigenvalue is given beside: it knows no axis, but is biased upward by
 //! noise (a finite isotropic sample has a small positive one).
 
-use granum_dem::assembly::{Contact, Matrix};
+use granum_core::assembly::{Contact, Matrix};
 
 use crate::tensor::{add_dyad, deviator, eigenvalues, scaled};
-use crate::{Column, Look, Sensor};
+use crate::{Look, Sensor, SensorColumn};
 
 /// The sensor.
 pub const SENSOR: Sensor = Sensor {
     name: "fabric",
     description: "Satake's fabric tensor and its deviator, also of strong and weak contacts alone",
     columns: &[
-        Column::new("fabric_11", "1", "phi_11 = <n_1 n_1>"),
-        Column::new("fabric_22", "1", "phi_22"),
-        Column::new("fabric_33", "1", "phi_33"),
-        Column::new("fabric_12", "1", "phi_12"),
-        Column::new("fabric_13", "1", "phi_13"),
-        Column::new("fabric_23", "1", "phi_23"),
-        Column::new("deviator_fabric", "1", "phi_d = phi_1 - phi_3, axes 2 and 3 averaged"),
-        Column::new("strong_deviator_fabric", "1", "phi_d of the strong contacts, N > <N>"),
-        Column::new("weak_deviator_fabric", "1", "phi_d of the weak contacts, N <= <N>"),
-        Column::new("principal_deviator_fabric", "1", "largest minus smallest eigenvalue of phi"),
-        Column::new("strong_fraction", "1", "strong contacts over all contacts"),
+        SensorColumn::new("fabric_11", "1", "phi_11 = <n_1 n_1>"),
+        SensorColumn::new("fabric_22", "1", "phi_22"),
+        SensorColumn::new("fabric_33", "1", "phi_33"),
+        SensorColumn::new("fabric_12", "1", "phi_12"),
+        SensorColumn::new("fabric_13", "1", "phi_13"),
+        SensorColumn::new("fabric_23", "1", "phi_23"),
+        SensorColumn::new("deviator_fabric", "1", "phi_d = phi_1 - phi_3, axes 2 and 3 averaged"),
+        SensorColumn::new("strong_deviator_fabric", "1", "phi_d of the strong contacts, N > <N>"),
+        SensorColumn::new("weak_deviator_fabric", "1", "phi_d of the weak contacts, N <= <N>"),
+        SensorColumn::new("principal_deviator_fabric", "1", "largest minus smallest eigenvalue of phi"),
+        SensorColumn::new("strong_fraction", "1", "strong contacts over all contacts"),
     ],
     measure,
 };

@@ -11,19 +11,19 @@ use serde::{Deserialize, Serialize};
 
 use crate::look::{mean, ratio};
 use crate::numerics::{ln, mills_ratio};
-use crate::{Column, Look, Sensor};
+use crate::{Look, Sensor, SensorColumn};
 
 /// The sensor.
 pub const SENSOR: Sensor = Sensor {
     name: "force_distribution",
     description: "moments and tail of the distribution of f = N/<N>",
     columns: &[
-        Column::new("mean_normal_force", "N", "<N> over all contacts, tension negative"),
-        Column::new("mean_square_force", "1", "<f^2>, f = N/<N>"),
-        Column::new("tensile_fraction", "1", "contacts in tension over all contacts"),
-        Column::new("exponential_decay", "1", "beta of beta exp(-beta (f - 1)) fitted to f > 1"),
-        Column::new("half_gaussian_width", "1", "s of exp(-f^2 / 2 s^2) fitted to f > 1"),
-        Column::new(
+        SensorColumn::new("mean_normal_force", "N", "<N> over all contacts, tension negative"),
+        SensorColumn::new("mean_square_force", "1", "<f^2>, f = N/<N>"),
+        SensorColumn::new("tensile_fraction", "1", "contacts in tension over all contacts"),
+        SensorColumn::new("exponential_decay", "1", "beta of beta exp(-beta (f - 1)) fitted to f > 1"),
+        SensorColumn::new("half_gaussian_width", "1", "s of exp(-f^2 / 2 s^2) fitted to f > 1"),
+        SensorColumn::new(
             "exponential_advantage",
             "1",
             "log-likelihood per contact with f > 1, exponential minus half-Gaussian",
@@ -210,11 +210,11 @@ mod tests {
     use proptest::prelude::*;
 
     /// Contacts whose forces are the quantiles of a distribution, so that means are integrals.
-    fn assembly_of(forces: impl Iterator<Item = f64>) -> granum_dem::assembly::Assembly {
+    fn assembly_of(forces: impl Iterator<Item = f64>) -> granum_core::assembly::Assembly {
         let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4);
         let contact = assembly.contacts[0];
         assembly.contacts =
-            forces.map(|normal_force| granum_dem::assembly::Contact { normal_force, ..contact }).collect();
+            forces.map(|normal_force| granum_core::assembly::Contact { normal_force, ..contact }).collect();
         assembly
     }
 

@@ -6,13 +6,13 @@
 //! positive.
 
 use crate::solid_fraction::grain_volume;
-use crate::{Column, Look, Sensor};
+use crate::{Look, Sensor, SensorColumn};
 
 /// The sensor.
 pub const SENSOR: Sensor = Sensor {
     name: "inertial_number",
     description: "ratio of inertia to confinement; quasi-static below about 1e-3",
-    columns: &[Column::new("inertial_number", "1", "I = strain_rate d sqrt(rho / p)")],
+    columns: &[SensorColumn::new("inertial_number", "1", "I = strain_rate d sqrt(rho / p)")],
     measure: |look, row| row.push(inertial_number(look)),
 };
 

@@ -1,6 +1,6 @@
 //! Assemblies built by hand, for the tests of the sensors.
 
-use granum_dem::assembly::{Assembly, Contact, Grain, Matrix, Vector};
+use granum_core::assembly::{Assembly, Contact, Grain, Matrix, Vector};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 

@@ -8,7 +8,7 @@
 //! strong contacts) is 0, and the count that tells so stands in a column beside it.
 //!
 //! ```
-//! use granum_dem::assembly::Assembly;
+//! use granum_core::assembly::Assembly;
 //!
 //! let row = granum_sensors::measure_row(&Assembly::default());
 //! let q_over_p = granum_sensors::column_index("stress_ratio").map(|column| row[column]);
@@ -39,11 +39,11 @@ pub mod unbalanced_force;
 mod lattice;
 
 pub use look::Look;
-pub use record::{NamedColumn, Record, RecordError, Series};
+pub use record::{Record, RecordError};
 pub use recorder::{Recorder, Shortfall};
-pub use sensor::{Averaging, Column, Sensor};
+pub use sensor::{Averaging, Sensor, SensorColumn};
 
-use granum_dem::assembly::Assembly;
+use granum_core::assembly::Assembly;
 
 /// Every sensor, in the order of the columns of a series. A new sensor is one file and one line here.
 pub fn all() -> &'static [Sensor] {
@@ -66,7 +66,7 @@ pub fn all() -> &'static [Sensor] {
 }
 
 /// The columns of every sensor, in the order of [`measure_row`].
-pub fn columns() -> impl Iterator<Item = &'static Column> {
+pub fn columns() -> impl Iterator<Item = &'static SensorColumn> {
     all().iter().flat_map(|sensor| sensor.columns)
 }
 

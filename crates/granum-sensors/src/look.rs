@@ -1,6 +1,6 @@
 //! One look at an assembly: the assembly and what several sensors need of it.
 
-use granum_dem::assembly::{Assembly, Contact};
+use granum_core::assembly::{Assembly, Contact};
 
 use crate::stress::Stress;
 

@@ -1,13 +1,13 @@
 //! Largest overlap `alpha / (R_i + R_j)`: elastic spheres are a fair model while it is small (below about 1e-2).
 
 use crate::look::ratio;
-use crate::{Averaging, Column, Look, Sensor};
+use crate::{Averaging, Look, Sensor, SensorColumn};
 
 /// The sensor.
 pub const SENSOR: Sensor = Sensor {
     name: "overlap",
     description: "how deep the grains are pressed into each other",
-    columns: &[Column::new(
+    columns: &[SensorColumn::new(
         "largest_overlap",
         "1",
         "largest alpha / (R_i + R_j) over the contacts and the observations",

@@ -1,68 +1,18 @@
 //! What the sensors saw over a test: a series of rows and the histogram of forces of each.
 
+use granum_core::{Column, Table, TableError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::columns;
 use crate::force_distribution::ForceHistogram;
 
-/// A named column of numbers.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct NamedColumn {
-    /// Its name.
-    pub name: String,
-    /// Its unit; `1` for a number.
-    pub unit: String,
-    /// One value a row.
-    pub values: Vec<f64>,
-}
-
-/// A table of named columns, all of one length.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Series {
-    /// The columns.
-    pub columns: Vec<NamedColumn>,
-}
-
-impl Series {
-    /// Number of rows.
-    pub fn rows(&self) -> usize {
-        self.columns.first().map_or(0, |column| column.values.len())
-    }
-
-    /// The values of a column, if there is one of that name.
-    pub fn values(&self, name: &str) -> Option<&[f64]> {
-        self.columns.iter().find(|column| column.name == name).map(|column| column.values.as_slice())
-    }
-
-    /// The values of a column that must be there.
-    ///
-    /// # Errors
-    /// [`RecordError::MissingColumn`].
-    pub fn required(&self, name: &str) -> Result<&[f64], RecordError> {
-        self.values(name).ok_or_else(|| RecordError::MissingColumn { name: name.to_owned() })
-    }
-}
-
 /// What is wrong with a table that should be a record.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RecordError {
-    /// A column is not there.
-    #[error("the table has no column `{name}`")]
-    MissingColumn {
-        /// Name of the column.
-        name: String,
-    },
-    /// Columns of one table have different lengths.
-    #[error("column `{name}` has {found} rows, the first column has {expected}")]
-    Ragged {
-        /// Name of the column.
-        name: String,
-        /// Its rows.
-        found: usize,
-        /// Rows of the first column.
-        expected: usize,
-    },
+    /// A column is not there, or the columns do not fit together.
+    #[error(transparent)]
+    Table(#[from] TableError),
     /// A value cannot be.
     #[error("column `{name}`, row {row}: {value} is not {wanted}")]
     BadValue {
@@ -92,7 +42,7 @@ pub enum RecordError {
 pub struct Record {
     /// One row a state: `state`, `looks`, every column of every sensor, then `forces_below` and `forces_above`, the
     /// contacts outside the bins of the histogram.
-    pub series: Series,
+    pub series: Table,
     /// The histogram of forces of each row.
     pub forces: Vec<ForceHistogram>,
 }
@@ -100,7 +50,7 @@ pub struct Record {
 impl Record {
     /// From state number, looks and values of each state, and its histogram.
     pub(crate) fn from_states(rows: &[(usize, u64, Vec<f64>)], forces: Vec<ForceHistogram>) -> Self {
-        let number = |name: &str, values: Vec<f64>| column(name, "1", values);
+        let number = |name: &str, values: Vec<f64>| column(name, "", values);
         let mut table = vec![
             number("state", rows.iter().map(|row| row.0 as f64).collect()),
             number("looks", rows.iter().map(|row| row.1 as f64).collect()),
@@ -114,16 +64,16 @@ impl Record {
         }
         table.push(number("forces_below", forces.iter().map(|h| h.below as f64).collect()));
         table.push(number("forces_above", forces.iter().map(|h| h.above as f64).collect()));
-        Record { series: Series { columns: table }, forces }
+        Record { series: table_of(table), forces }
     }
 
     /// The histograms as a table, one row a bin: `state`, `deviator_strain`, `force` (centre of the bin),
     /// `bin_width`, `count`, `probability_density`. With [`Record::series`] it is the whole record.
-    pub fn force_table(&self) -> Series {
+    pub fn force_table(&self) -> Table {
         let states = self.series.values("state").unwrap_or(&[]);
         let strains = self.series.values("deviator_strain").unwrap_or(&[]);
         let mut table = ["state", "deviator_strain", "force", "bin_width", "count", "probability_density"]
-            .map(|name| column(name, "1", Vec::new()));
+            .map(|name| column(name, "", Vec::new()));
         for ((histogram, &state), &strain) in self.forces.iter().zip(states).zip(strains) {
             for bin in 0..histogram.bins() {
                 let row = [
@@ -139,21 +89,18 @@ impl Record {
                 }
             }
         }
-        Series { columns: table.into() }
+        table_of(table)
     }
 
     /// Puts a record together again from its two tables.
     ///
     /// # Errors
     /// A missing or ragged column, a count that is not a whole number, bins that do not follow one another.
-    pub fn from_tables(series: Series, force_table: &Series) -> Result<Self, RecordError> {
-        for table in [&series, force_table] {
-            check_lengths(table)?;
-        }
-        let states = series.required("state")?;
-        let below = series.required("forces_below")?;
-        let above = series.required("forces_above")?;
-        let of = force_table.required("state")?;
+    pub fn from_tables(series: Table, force_table: &Table) -> Result<Self, RecordError> {
+        let states = series.column("state")?;
+        let below = series.column("forces_below")?;
+        let above = series.column("forces_above")?;
+        let of = force_table.column("state")?;
         let mut forces = Vec::with_capacity(states.len());
         let mut row = 0;
         for (k, &state) in states.iter().enumerate() {
@@ -178,19 +125,18 @@ impl Record {
     }
 }
 
-fn column(name: &str, unit: &str, values: Vec<f64>) -> NamedColumn {
-    NamedColumn { name: name.to_owned(), unit: unit.to_owned(), values }
+fn column(name: &str, unit: &str, values: Vec<f64>) -> Column {
+    Column::new(name, if unit == "1" { "" } else { unit }, values)
 }
 
-fn check_lengths(table: &Series) -> Result<(), RecordError> {
-    let expected = table.rows();
-    for column in &table.columns {
-        let found = column.values.len();
-        if found != expected {
-            return Err(RecordError::Ragged { name: column.name.clone(), found, expected });
-        }
+/// A table of columns of one length.
+fn table_of(columns: impl IntoIterator<Item = Column>) -> Table {
+    let mut table = Table::default();
+    for column in columns {
+        // Nothing is refused: every column has one value a row of the record.
+        let _ = table.set(column);
     }
-    Ok(())
+    table
 }
 
 fn whole(name: &str, row: usize, value: f64) -> Result<u64, RecordError> {
@@ -203,14 +149,14 @@ fn whole(name: &str, row: usize, value: f64) -> Result<u64, RecordError> {
 }
 
 fn read_histogram(
-    table: &Series,
+    table: &Table,
     start: usize,
     end: usize,
     state: f64,
 ) -> Result<ForceHistogram, RecordError> {
-    let centres = &table.required("force")?[start..end];
-    let widths = &table.required("bin_width")?[start..end];
-    let counts = &table.required("count")?[start..end];
+    let centres = &table.column("force")?[start..end];
+    let widths = &table.column("bin_width")?[start..end];
+    let counts = &table.column("count")?[start..end];
     let (Some(&first_centre), Some(&bin_width)) = (centres.first(), widths.first()) else {
         return Err(RecordError::BrokenBins { row: start, state, bin_width: 0.0 });
     };
@@ -267,41 +213,44 @@ mod tests {
         assert_eq!(Record::from_tables(record.series.clone(), &forces), Ok(record));
     }
 
+    /// The table with one of its columns changed.
+    fn with(table: &Table, name: &str, change: impl Fn(&mut Vec<f64>)) -> Table {
+        let mut columns = table.columns().to_vec();
+        let column = columns.iter_mut().find(|column| column.name == name).unwrap();
+        change(&mut column.values);
+        Table::new(columns).unwrap()
+    }
+
+    /// The table with all of its columns changed.
+    fn with_all(table: &Table, change: impl Fn(&mut Vec<f64>)) -> Table {
+        let mut columns = table.columns().to_vec();
+        columns.iter_mut().for_each(|column| change(&mut column.values));
+        Table::new(columns).unwrap()
+    }
+
     #[test]
     fn broken_tables_are_refused_with_the_place() {
         let record = record();
         let good = record.force_table();
-        let message =
-            |series: Series, forces: &Series| Record::from_tables(series, forces).unwrap_err().to_string();
+        let message = |series: &Table, forces: &Table| {
+            Record::from_tables(series.clone(), forces).unwrap_err().to_string()
+        };
 
-        let mut series = record.series.clone();
-        series.columns.retain(|column| column.name != "forces_above");
-        assert_eq!(message(series, &good), "the table has no column `forces_above`");
+        let columns = record.series.columns().iter().filter(|column| column.name != "forces_above");
+        let series = Table::new(columns.cloned().collect()).unwrap();
+        assert!(message(&series, &good).starts_with("there is no column forces_above"));
 
-        let mut series = record.series.clone();
-        series.columns[4].values.pop();
-        assert_eq!(message(series, &good), "column `lateral_strain_2` has 3 rows, the first column has 4");
-
-        let mut forces = good.clone();
-        forces.columns[4].values[7] = 2.5;
-        let text = message(record.series.clone(), &forces);
+        let forces = with(&good, "count", |values| values[7] = 2.5);
+        let text = message(&record.series, &forces);
         assert_eq!(text, "column `count`, row 7: 2.5 is not a whole number of contacts");
 
-        let mut forces = good.clone();
-        forces.columns[2].values.swap(3, 4);
-        assert!(message(record.series.clone(), &forces).contains("row 3: the bins of state 0"));
+        let forces = with(&good, "force", |values| values.swap(3, 4));
+        assert!(message(&record.series, &forces).contains("row 3: the bins of state 0"));
 
-        let mut forces = good.clone();
-        for column in &mut forces.columns {
-            column.values.truncate(2 * record.forces[0].bins());
-        }
+        let forces = with_all(&good, |values| values.truncate(2 * record.forces[0].bins()));
         assert!(Record::from_tables(record.series.clone(), &forces).is_err(), "two states have no bins");
 
-        let mut forces = good;
-        for column in &mut forces.columns {
-            let last = *column.values.last().unwrap();
-            column.values.push(last);
-        }
+        let forces = with_all(&good, |values| values.push(*values.last().unwrap()));
         assert!(Record::from_tables(record.series, &forces).is_err(), "a bin too many");
     }
 }

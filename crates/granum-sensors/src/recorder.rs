@@ -1,6 +1,6 @@
 //! Averages looks into recorded states as a test goes on.
 
-use granum_dem::assembly::Assembly;
+use granum_core::assembly::Assembly;
 use granum_dem::config::{Recording, Spacing};
 use serde::{Deserialize, Serialize};
 

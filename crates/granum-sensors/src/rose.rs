@@ -5,7 +5,7 @@
 //! force is `<N>_b / <N>` (Rothenburg and Bathurst 1989).
 
 use crate::look::{mean, ratio};
-use crate::{Column, Look, Sensor};
+use crate::{Look, Sensor, SensorColumn};
 
 /// Number of bins.
 pub const BINS: usize = 9;
@@ -29,24 +29,24 @@ pub const SENSOR: Sensor = Sensor {
     name: "rose",
     description: "contact normals and forces by their angle to the axis of compression",
     columns: &[
-        Column::new("rose_05", "1", "density of normals at 0-10 degrees, 1 if isotropic"),
-        Column::new("rose_15", "1", "density of normals at 10-20 degrees, 1 if isotropic"),
-        Column::new("rose_25", "1", "density of normals at 20-30 degrees, 1 if isotropic"),
-        Column::new("rose_35", "1", "density of normals at 30-40 degrees, 1 if isotropic"),
-        Column::new("rose_45", "1", "density of normals at 40-50 degrees, 1 if isotropic"),
-        Column::new("rose_55", "1", "density of normals at 50-60 degrees, 1 if isotropic"),
-        Column::new("rose_65", "1", "density of normals at 60-70 degrees, 1 if isotropic"),
-        Column::new("rose_75", "1", "density of normals at 70-80 degrees, 1 if isotropic"),
-        Column::new("rose_85", "1", "density of normals at 80-90 degrees, 1 if isotropic"),
-        Column::new("rose_force_05", "1", "mean normal force at 0-10 degrees over <N>"),
-        Column::new("rose_force_15", "1", "mean normal force at 10-20 degrees over <N>"),
-        Column::new("rose_force_25", "1", "mean normal force at 20-30 degrees over <N>"),
-        Column::new("rose_force_35", "1", "mean normal force at 30-40 degrees over <N>"),
-        Column::new("rose_force_45", "1", "mean normal force at 40-50 degrees over <N>"),
-        Column::new("rose_force_55", "1", "mean normal force at 50-60 degrees over <N>"),
-        Column::new("rose_force_65", "1", "mean normal force at 60-70 degrees over <N>"),
-        Column::new("rose_force_75", "1", "mean normal force at 70-80 degrees over <N>"),
-        Column::new("rose_force_85", "1", "mean normal force at 80-90 degrees over <N>"),
+        SensorColumn::new("rose_05", "1", "density of normals at 0-10 degrees, 1 if isotropic"),
+        SensorColumn::new("rose_15", "1", "density of normals at 10-20 degrees, 1 if isotropic"),
+        SensorColumn::new("rose_25", "1", "density of normals at 20-30 degrees, 1 if isotropic"),
+        SensorColumn::new("rose_35", "1", "density of normals at 30-40 degrees, 1 if isotropic"),
+        SensorColumn::new("rose_45", "1", "density of normals at 40-50 degrees, 1 if isotropic"),
+        SensorColumn::new("rose_55", "1", "density of normals at 50-60 degrees, 1 if isotropic"),
+        SensorColumn::new("rose_65", "1", "density of normals at 60-70 degrees, 1 if isotropic"),
+        SensorColumn::new("rose_75", "1", "density of normals at 70-80 degrees, 1 if isotropic"),
+        SensorColumn::new("rose_85", "1", "density of normals at 80-90 degrees, 1 if isotropic"),
+        SensorColumn::new("rose_force_05", "1", "mean normal force at 0-10 degrees over <N>"),
+        SensorColumn::new("rose_force_15", "1", "mean normal force at 10-20 degrees over <N>"),
+        SensorColumn::new("rose_force_25", "1", "mean normal force at 20-30 degrees over <N>"),
+        SensorColumn::new("rose_force_35", "1", "mean normal force at 30-40 degrees over <N>"),
+        SensorColumn::new("rose_force_45", "1", "mean normal force at 40-50 degrees over <N>"),
+        SensorColumn::new("rose_force_55", "1", "mean normal force at 50-60 degrees over <N>"),
+        SensorColumn::new("rose_force_65", "1", "mean normal force at 60-70 degrees over <N>"),
+        SensorColumn::new("rose_force_75", "1", "mean normal force at 70-80 degrees over <N>"),
+        SensorColumn::new("rose_force_85", "1", "mean normal force at 80-90 degrees over <N>"),
     ],
     measure,
 };

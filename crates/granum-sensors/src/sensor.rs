@@ -15,7 +15,7 @@ pub enum Averaging {
 
 /// One column of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Column {
+pub struct SensorColumn {
     /// Its name, unique among all sensors.
     pub name: &'static str,
     /// Its unit; `1` for a number.
@@ -26,15 +26,15 @@ pub struct Column {
     pub averaging: Averaging,
 }
 
-impl Column {
+impl SensorColumn {
     /// A column whose looks are averaged by their mean.
     pub const fn new(name: &'static str, unit: &'static str, description: &'static str) -> Self {
-        Column { name, unit, description, averaging: Averaging::Mean }
+        SensorColumn { name, unit, description, averaging: Averaging::Mean }
     }
 
     /// The same column with another way to average its looks.
     pub const fn averaged(self, averaging: Averaging) -> Self {
-        Column { averaging, ..self }
+        SensorColumn { averaging, ..self }
     }
 }
 
@@ -46,7 +46,7 @@ pub struct Sensor {
     /// What it measures, in one line.
     pub description: &'static str,
     /// Its columns.
-    pub columns: &'static [Column],
+    pub columns: &'static [SensorColumn],
     /// Appends one value a column.
     pub measure: fn(&Look, &mut Vec<f64>),
 }

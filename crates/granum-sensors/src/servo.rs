@@ -2,16 +2,16 @@
 //!
 //! Relative error `p/p_target - 1`; 0 where the servo aims at no mean stress.
 
-use crate::{Averaging, Column, Look, Sensor};
+use crate::{Averaging, Look, Sensor, SensorColumn};
 
 /// The sensor.
 pub const SENSOR: Sensor = Sensor {
     name: "servo",
     description: "relative error of the mean stress against the target of the servo",
     columns: &[
-        Column::new("servo_error_rms", "1", "root mean square of p/p_target - 1 over the observations")
+        SensorColumn::new("servo_error_rms", "1", "root mean square of p/p_target - 1 over the observations")
             .averaged(Averaging::RootMeanSquare),
-        Column::new("servo_error_largest", "1", "largest |p/p_target - 1| over the observations")
+        SensorColumn::new("servo_error_largest", "1", "largest |p/p_target - 1| over the observations")
             .averaged(Averaging::Largest),
     ],
     measure,

@@ -1,15 +1,15 @@
 //! Sliding fraction: contacts at the friction limit in the last step over contacts, also among strong ones.
 
 use crate::look::mean;
-use crate::{Column, Look, Sensor};
+use crate::{Look, Sensor, SensorColumn};
 
 /// The sensor.
 pub const SENSOR: Sensor = Sensor {
     name: "sliding",
     description: "contacts whose tangential force stands at the friction limit",
     columns: &[
-        Column::new("sliding_fraction", "1", "sliding contacts over all contacts"),
-        Column::new("strong_sliding_fraction", "1", "sliding strong contacts over strong contacts"),
+        SensorColumn::new("sliding_fraction", "1", "sliding contacts over all contacts"),
+        SensorColumn::new("strong_sliding_fraction", "1", "sliding strong contacts over strong contacts"),
     ],
     measure,
 };

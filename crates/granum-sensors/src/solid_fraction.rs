@@ -1,13 +1,13 @@
 //! Solid fraction: `sum (4/3) pi R^3 / V`, overlaps counted twice as is usual (they are some 1e-4 of the volume).
 
 use crate::look::ratio;
-use crate::{Column, Look, Sensor};
+use crate::{Look, Sensor, SensorColumn};
 
 /// The sensor.
 pub const SENSOR: Sensor = Sensor {
     name: "solid_fraction",
     description: "volume of the grains over the volume of the cell",
-    columns: &[Column::new("solid_fraction", "1", "sum of (4/3) pi R^3 over the volume of the cell")],
+    columns: &[SensorColumn::new("solid_fraction", "1", "sum of (4/3) pi R^3 over the volume of the cell")],
     measure: |look, row| row.push(solid_fraction(look)),
 };
 

@@ -4,22 +4,22 @@
 //! `eps_d = eps_1 - eps_3` with axes 2 and 3 averaged; the volumetric strain `eps_v = eps_1 + eps_2 + eps_3` is
 //! positive in compaction, so a dilating sample has a negative one.
 
-use granum_dem::assembly::Assembly;
+use granum_core::assembly::Assembly;
 
 use crate::tensor::{deviator, trace};
-use crate::{Column, Look, Sensor};
+use crate::{Look, Sensor, SensorColumn};
 
 /// The sensor.
 pub const SENSOR: Sensor = Sensor {
     name: "strain",
     description: "strain of the cell since the start of the phase, compression positive, and the clock",
     columns: &[
-        Column::new("deviator_strain", "1", "eps_d = eps_1 - eps_3, axes 2 and 3 averaged"),
-        Column::new("axial_strain", "1", "eps_1"),
-        Column::new("lateral_strain_2", "1", "eps_2"),
-        Column::new("lateral_strain_3", "1", "eps_3"),
-        Column::new("volumetric_strain", "1", "eps_1 + eps_2 + eps_3, positive in compaction"),
-        Column::new("time", "s", "time since the start of the phase"),
+        SensorColumn::new("deviator_strain", "1", "eps_d = eps_1 - eps_3, axes 2 and 3 averaged"),
+        SensorColumn::new("axial_strain", "1", "eps_1"),
+        SensorColumn::new("lateral_strain_2", "1", "eps_2"),
+        SensorColumn::new("lateral_strain_3", "1", "eps_3"),
+        SensorColumn::new("volumetric_strain", "1", "eps_1 + eps_2 + eps_3, positive in compaction"),
+        SensorColumn::new("time", "s", "time since the start of the phase"),
     ],
     measure,
 };

@@ -9,34 +9,38 @@
 //! `p = tr(sigma)/3`, `q = sigma_1 - sigma_3`, axes 2 and 3 averaged. The shares of q are divided by p, so that
 //! normal + tangential = strong + weak = q/p.
 
-use granum_dem::assembly::{Matrix, Vector};
+use granum_core::assembly::{Matrix, Vector};
 
 use crate::look::ratio;
 use crate::tensor::{add_dyad, deviator, scaled, trace};
-use crate::{Column, Look, Sensor};
+use crate::{Look, Sensor, SensorColumn};
 
 /// The sensor.
 pub const SENSOR: Sensor = Sensor {
     name: "stress",
     description: "stress tensor of the elastic contact forces and the parts of its deviator",
     columns: &[
-        Column::new("stress_11", "Pa", "sigma_11, compression positive"),
-        Column::new("stress_12", "Pa", "sigma_12"),
-        Column::new("stress_13", "Pa", "sigma_13"),
-        Column::new("stress_21", "Pa", "sigma_21"),
-        Column::new("stress_22", "Pa", "sigma_22"),
-        Column::new("stress_23", "Pa", "sigma_23"),
-        Column::new("stress_31", "Pa", "sigma_31"),
-        Column::new("stress_32", "Pa", "sigma_32"),
-        Column::new("stress_33", "Pa", "sigma_33"),
-        Column::new("mean_stress", "Pa", "p = (sigma_1 + sigma_2 + sigma_3) / 3"),
-        Column::new("deviator_stress", "Pa", "q = sigma_1 - sigma_3, axes 2 and 3 averaged"),
-        Column::new("stress_ratio", "1", "q/p"),
-        Column::new("normal_stress_ratio", "1", "part of q/p carried by normal forces"),
-        Column::new("tangential_stress_ratio", "1", "part of q/p carried by tangential forces"),
-        Column::new("strong_stress_ratio", "1", "part of q/p carried by strong contacts, N > <N>"),
-        Column::new("weak_stress_ratio", "1", "part of q/p carried by weak contacts, N <= <N>"),
-        Column::new("kinetic_mean_stress", "Pa", "mean stress of the fluctuating motion, not part of p"),
+        SensorColumn::new("stress_11", "Pa", "sigma_11, compression positive"),
+        SensorColumn::new("stress_12", "Pa", "sigma_12"),
+        SensorColumn::new("stress_13", "Pa", "sigma_13"),
+        SensorColumn::new("stress_21", "Pa", "sigma_21"),
+        SensorColumn::new("stress_22", "Pa", "sigma_22"),
+        SensorColumn::new("stress_23", "Pa", "sigma_23"),
+        SensorColumn::new("stress_31", "Pa", "sigma_31"),
+        SensorColumn::new("stress_32", "Pa", "sigma_32"),
+        SensorColumn::new("stress_33", "Pa", "sigma_33"),
+        SensorColumn::new("mean_stress", "Pa", "p = (sigma_1 + sigma_2 + sigma_3) / 3"),
+        SensorColumn::new("deviator_stress", "Pa", "q = sigma_1 - sigma_3, axes 2 and 3 averaged"),
+        SensorColumn::new("stress_ratio", "1", "q/p"),
+        SensorColumn::new("normal_stress_ratio", "1", "part of q/p carried by normal forces"),
+        SensorColumn::new("tangential_stress_ratio", "1", "part of q/p carried by tangential forces"),
+        SensorColumn::new("strong_stress_ratio", "1", "part of q/p carried by strong contacts, N > <N>"),
+        SensorColumn::new("weak_stress_ratio", "1", "part of q/p carried by weak contacts, N <= <N>"),
+        SensorColumn::new(
+            "kinetic_mean_stress",
+            "Pa",
+            "mean stress of the fluctuating motion, not part of p",
+        ),
     ],
     measure,
 };
@@ -129,7 +133,7 @@ fn measure(look: &Look, row: &mut Vec<f64>) {
 mod tests {
     use super::*;
     use crate::lattice;
-    use granum_dem::assembly::Assembly;
+    use granum_core::assembly::Assembly;
     use proptest::prelude::*;
 
     fn stress(assembly: &Assembly) -> Stress {

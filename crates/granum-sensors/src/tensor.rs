@@ -1,6 +1,6 @@
 //! Small tensors: trace, deviator, eigenvalues.
 
-use granum_dem::assembly::Matrix;
+use granum_core::assembly::Matrix;
 
 /// Sum of the diagonal.
 pub fn trace(t: &Matrix) -> f64 {
@@ -88,7 +88,7 @@ mod tests {
             prop_assert!((a + b + c - trace(&t)).abs() < 1e-13);
             let square: f64 = t.iter().flatten().map(|v| v * v).sum();
             prop_assert!((a * a + b * b + c * c - square).abs() < 1e-13);
-            prop_assert!((a * b * c - granum_dem::assembly::determinant(&t)).abs() < 1e-13);
+            prop_assert!((a * b * c - granum_core::geometry::determinant(&t)).abs() < 1e-13);
         }
     }
 }

@@ -6,13 +6,13 @@
 //! the largest contact force, which looks smaller.
 
 use crate::look::{mean, ratio};
-use crate::{Column, Look, Sensor};
+use crate::{Look, Sensor, SensorColumn};
 
 /// The sensor.
 pub const SENSOR: Sensor = Sensor {
     name: "unbalanced_force",
     description: "mean resultant force on a grain over the mean contact force",
-    columns: &[Column::new(
+    columns: &[SensorColumn::new(
         "unbalanced_force",
         "1",
         "mean |resultant force| over grains / mean |contact force| over contacts",

@@ -4,7 +4,6 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use granum_io::{Column, Table, read_table, write_table};
-use granum_sensors::Series;
 
 use super::runs::{CURVES, Test, distance, mean, packed, sheared, within};
 
@@ -25,7 +24,7 @@ pub fn study() -> Result<(), Box<dyn Error>> {
     let granum = FACTORS
         .into_iter()
         .map(|time_step_factor| sheared(&sample, Test { time_step_factor, ..Test::default() }))
-        .collect::<Result<Vec<Series>, _>>()?;
+        .collect::<Result<Vec<Table>, _>>()?;
     let mut columns = Vec::new();
     println!(
         "curve: means of LAMMPS, granum, difference; rms distance of the means, of copies of LAMMPS, of granum"
@@ -44,10 +43,10 @@ pub fn study() -> Result<(), Box<dyn Error>> {
             distance(&ours[0], &ours[1]).max(distance(&ours[0], &ours[2])),
         );
         let all =
-            granum.iter().map(|s| s.required(name).map(<[f64]>::to_vec)).collect::<Result<Vec<_>, _>>()?;
+            granum.iter().map(|s| s.column(name).map(<[f64]>::to_vec)).collect::<Result<Vec<_>, _>>()?;
         columns.push(Column::new(name, "1", middle(&all)));
     }
-    let strain = granum[0].required("deviator_strain")?.to_vec();
+    let strain = granum[0].column("deviator_strain")?.to_vec();
     columns.insert(0, Column::new("deviator_strain", "1", strain));
     write_table(data("validation/granum.csv"), &Table::new(columns)?)?;
     Ok(())

@@ -4,6 +4,7 @@ use std::error::Error;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use granum_core::Table;
 use granum_dem::config::{Contact, Grains, Material, NormalKind, Preparation, Recording, TangentialKind};
 use granum_dem::path::axisymmetric::AxisymmetricCompression;
 use granum_dem::path::{Watcher, follow, start};
@@ -11,7 +12,7 @@ use granum_dem::preparation::{Flow, Progress, Recipe, prepare, settle};
 use granum_dem::simulation::{Hardware, Properties, Simulation};
 use granum_hybrid::laboratory::{cell, sites};
 use granum_io::Packing;
-use granum_sensors::{Recorder, Series};
+use granum_sensors::Recorder;
 
 /// Mean stress, Pa.
 pub const MEAN_STRESS: f64 = 20e3;
@@ -101,7 +102,7 @@ impl Default for Test {
 const LOOKS: usize = 7;
 
 /// What the sensors saw of a test at constant mean stress.
-pub fn sheared(sample: &Simulation, test: Test) -> Result<Series, Box<dyn Error>> {
+pub fn sheared(sample: &Simulation, test: Test) -> Result<Table, Box<dyn Error>> {
     let mut simulation = sample.clone();
     simulation.set_time_step_factor(test.time_step_factor);
     let path = AxisymmetricCompression {
@@ -119,8 +120,8 @@ pub fn sheared(sample: &Simulation, test: Test) -> Result<Series, Box<dyn Error>
 /// What a run gives for the seeds 1, 2, ..., one run a core; in the order of the seeds.
 pub fn of_seeds(
     seeds: usize,
-    run: impl Fn(u64) -> Result<Series, Box<dyn Error>> + Sync,
-) -> Result<Vec<Series>, Box<dyn Error>> {
+    run: impl Fn(u64) -> Result<Table, Box<dyn Error>> + Sync,
+) -> Result<Vec<Table>, Box<dyn Error>> {
     let next = AtomicU64::new(1);
     let done = Mutex::new(Vec::new());
     std::thread::scope(|scope| {
@@ -157,13 +158,9 @@ impl Watcher for Watch {
 }
 
 /// Values of a column at the states whose strain lies in a range.
-pub fn within(
-    series: &Series,
-    column: &str,
-    range: std::ops::Range<f64>,
-) -> Result<Vec<f64>, Box<dyn Error>> {
-    let strain = series.required("deviator_strain")?;
-    let values = series.required(column)?;
+pub fn within(series: &Table, column: &str, range: std::ops::Range<f64>) -> Result<Vec<f64>, Box<dyn Error>> {
+    let strain = series.column("deviator_strain")?;
+    let values = series.column(column)?;
     Ok(strain.iter().zip(values).filter(|(e, _)| range.contains(e)).map(|(_, &v)| v).collect())
 }
 

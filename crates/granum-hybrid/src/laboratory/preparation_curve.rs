@@ -102,6 +102,6 @@ impl PreparationCurve {
             let kind = if k < WHOLE { ColumnKind::Integer } else { ColumnKind::Real };
             Column::new(*name, *unit, self.rows.iter().map(|row| row[k]).collect()).of_kind(kind)
         };
-        Table::new(PREPARATION_COLUMNS.iter().enumerate().map(column).collect()).map(Some)
+        Ok(Some(Table::new(PREPARATION_COLUMNS.iter().enumerate().map(column).collect())?))
     }
 }

@@ -1,6 +1,6 @@
 //! The run's judgement on itself: measures against thresholds, and what to change where one is exceeded.
 
-use granum_dem::assembly::Assembly;
+use granum_core::assembly::Assembly;
 use granum_dem::config::{MOST_CONTACTS, Preparation};
 use granum_dem::simulation::Simulation;
 use granum_io::run::QualityFlag;

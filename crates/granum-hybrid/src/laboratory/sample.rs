@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use granum_dem::cell::Cell;
+use granum_core::cell::Cell;
 use granum_dem::config::Preparation;
 use granum_dem::preparation::{Flow, Outcome, Phase, Preparing, Progress, Recipe, Sample};
 use granum_dem::simulation::{Properties, Simulation, Site};

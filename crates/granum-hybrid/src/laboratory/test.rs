@@ -1,10 +1,10 @@
 //! The test itself: the loading path with its recorder.
 
+use granum_core::quantity::format_number;
 use granum_dem::path::axisymmetric::AxisymmetricCompression;
 use granum_dem::path::{Ending, Watcher, density_scaling, follow, start};
 use granum_dem::preparation::{Flow, Progress};
 use granum_dem::simulation::{Properties, Simulation};
-use granum_io::quantity::format_number;
 use granum_io::{Case, RunFolder};
 use granum_sensors::Recorder;
 use serde::{Deserialize, Serialize};

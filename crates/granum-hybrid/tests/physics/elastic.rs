@@ -1,6 +1,6 @@
 //! The elastic range against effective-medium theory.
 
-use granum_dem::assembly::Matrix;
+use granum_core::assembly::Matrix;
 use granum_dem::servo::Control;
 use granum_dem::simulation::Simulation;
 

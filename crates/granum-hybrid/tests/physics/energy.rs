@@ -1,6 +1,6 @@
 //! Energy over whole tests.
 
-use granum_dem::assembly::{Assembly, Contact as Pair};
+use granum_core::assembly::{Assembly, Contact as Pair};
 use granum_dem::config::{Contact, Grains, Material, NormalKind, TangentialKind};
 use granum_dem::gas::gas;
 use granum_dem::servo::Control;
@@ -10,7 +10,7 @@ use super::sample::{compress, prepared, properties};
 
 fn kinetic(assembly: &Assembly) -> f64 {
     let square = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>();
-    let of = |g: &granum_dem::assembly::Grain| {
+    let of = |g: &granum_core::assembly::Grain| {
         0.5 * g.mass * (square(&g.velocity) + 0.4 * g.radius * g.radius * square(&g.spin))
     };
     assembly.grains.iter().map(of).sum()

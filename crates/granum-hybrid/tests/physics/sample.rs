@@ -2,8 +2,8 @@
 
 use std::sync::OnceLock;
 
-use granum_dem::assembly::{Assembly, Matrix};
-use granum_dem::cell::Cell;
+use granum_core::assembly::{Assembly, Matrix};
+use granum_core::cell::Cell;
 use granum_dem::config::{Contact, Grains, Material, NormalKind, Preparation, TangentialKind};
 use granum_dem::preparation::{Flow, Progress, Recipe, prepare};
 use granum_dem::servo::Control;

@@ -1,6 +1,6 @@
 //! A whole test does not know how its axes are called.
 
-use granum_dem::assembly::Matrix;
+use granum_core::assembly::Matrix;
 
 use super::sample::{compress, mapped, multiply, properties, sample};
 

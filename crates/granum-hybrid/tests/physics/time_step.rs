@@ -1,6 +1,6 @@
 //! Order of the time integration, and its stability.
 
-use granum_dem::cell::Cell;
+use granum_core::cell::Cell;
 use granum_dem::simulation::{Simulation, Site};
 
 use super::sample::properties;

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use granum_dem::assembly::{Assembly, Matrix};
+use granum_core::assembly::{Assembly, Matrix};
 use granum_sensors::{column_index, measure_row};
 
 use super::sample::{compress, mapped, properties, sample};
@@ -116,7 +116,7 @@ fn fabric_from_the_centres() {
 /// `E(n) = (1 + a_c : n n) / 4 pi` and so on).
 fn anisotropies(a: &Assembly) -> [f64; 3] {
     let count = a.contacts.len() as f64;
-    let diagonal = |of: &dyn Fn(usize, &granum_dem::assembly::Contact) -> f64| -> [f64; 3] {
+    let diagonal = |of: &dyn Fn(usize, &granum_core::assembly::Contact) -> f64| -> [f64; 3] {
         std::array::from_fn(|k| a.contacts.iter().map(|c| of(k, c)).sum::<f64>() / count)
     };
     let deviator = |t: [f64; 3]| t[0] - 0.5 * (t[1] + t[2]);
@@ -124,7 +124,7 @@ fn anisotropies(a: &Assembly) -> [f64; 3] {
     let fabric = diagonal(&|k, c| c.normal[k] * c.normal[k]);
     let contact = fabric.map(|x| 7.5 * (x - 1.0 / 3.0));
     // Means over directions, not over contacts.
-    let share = |c: &granum_dem::assembly::Contact| {
+    let share = |c: &granum_core::assembly::Contact| {
         1.0 + (0..3).map(|k| contact[k] * c.normal[k] * c.normal[k]).sum::<f64>()
     };
     let normal = diagonal(&|k, c| c.normal_force * c.normal[k] * c.normal[k] / share(c));

@@ -1,7 +1,7 @@
 //! One key of the case file: its place, meaning, bounds, and how it gets in and out of a [`Case`].
 
 use super::Case;
-use crate::quantity::{Dimension, format_number, parse_quantity};
+use granum_core::quantity::{Dimension, format_number, parse_quantity};
 
 /// A value of a field in SI units.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 use granum_dem::config::{NormalKind, Rate, Spacing, TangentialKind};
 
 use super::field::{Field, Kind};
-use crate::quantity::Dimension;
+use granum_core::quantity::Dimension;
 
 /// The field at a path such as `grains.material.friction`.
 pub fn field(path: &str) -> Option<&'static Field> {

@@ -11,7 +11,8 @@ use toml::de::{DeTable, DeValue};
 use super::fields::{RENAMED, SECTIONS};
 use super::rules::RULES;
 use super::{Case, FIELDS, Field, Value, field};
-use crate::error::{Error, InputError, Result, nearest};
+use crate::error::{Error, InputError, Result};
+use granum_core::names::nearest;
 
 /// A case file is a page or two; what is larger is something else.
 const LARGEST_FILE: u64 = 1 << 20;

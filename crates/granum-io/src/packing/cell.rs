@@ -1,12 +1,12 @@
-//! The line of a packing file that gives the periodic cell, and what is needed of its geometry.
+//! The line of a packing file that gives the periodic cell.
 
 use std::io::BufRead;
 
-use granum_dem::assembly::{Matrix, Vector, determinant};
+use granum_core::geometry::{Matrix, Vector, determinant, invert};
 
 use crate::csv::Lines;
 use crate::error::Result;
-use crate::quantity::format_number;
+use granum_core::quantity::format_number;
 
 /// What such a line looks like.
 pub(super) const EXAMPLE: &str =
@@ -46,7 +46,7 @@ pub(super) fn parse<R: BufRead>(lines: &Lines<R>) -> Result<Option<(Vector, Matr
     }
     let (origin, edges) = if tilted { from_box(&numbers) } else { from_edges(&numbers) };
     let volume = determinant(&edges);
-    let inverse = invert(&edges, volume);
+    let inverse = invert(&edges);
     if !(volume > 0.0 && volume.is_finite()) || inverse.iter().flatten().any(|x| !x.is_finite()) {
         return Err(wrong(format!("the cell has the volume {volume:e} m3; it must be positive")).into());
     }
@@ -84,28 +84,4 @@ pub(super) fn text(origin: &Vector, cell: &Matrix) -> String {
         .map(|(name, x)| format!("{name}={}", format_number(*x)))
         .collect();
     format!("# periodic {kind}, m: {}", pairs.join(" "))
-}
-
-/// Inverse of a matrix whose determinant is known.
-fn invert(m: &Matrix, determinant: f64) -> Matrix {
-    let minor = |r: usize, c: usize| {
-        let (r1, r2, c1, c2) = ((r + 1) % 3, (r + 2) % 3, (c + 1) % 3, (c + 2) % 3);
-        m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]
-    };
-    std::array::from_fn(|r| std::array::from_fn(|c| minor(c, r) / determinant))
-}
-
-/// Inverse of the edges of a valid cell.
-pub(super) fn inverse(edges: &Matrix) -> Matrix {
-    invert(edges, determinant(edges))
-}
-
-/// Distances between opposite faces, m.
-pub(super) fn heights(edges: &Matrix) -> Vector {
-    inverse(edges).map(|row| 1.0 / row.iter().map(|x| x * x).sum::<f64>().sqrt())
-}
-
-/// Matrix times vector.
-pub(super) fn apply(m: &Matrix, v: &Vector) -> Vector {
-    std::array::from_fn(|r| m[r][0] * v[0] + m[r][1] * v[1] + m[r][2] * v[2])
 }

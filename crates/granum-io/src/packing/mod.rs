@@ -17,12 +17,14 @@ mod repeat;
 use std::io::{BufRead, Write};
 use std::path::Path;
 
-use granum_dem::assembly::{Assembly, Matrix, Vector, determinant};
+use granum_core::Cell;
+use granum_core::assembly::{Assembly, Matrix, Vector};
+use granum_core::geometry::{apply, determinant};
 
 use crate::atomic::write_atomically;
 use crate::csv::{Lines, names, number, position};
 use crate::error::{Error, InputError, Result};
-use crate::quantity::format_number;
+use granum_core::quantity::format_number;
 
 pub use overlap::GROSS_OVERLAP;
 
@@ -54,7 +56,7 @@ pub struct Packing {
 impl Packing {
     /// The grains and cell of an assembly, whose cell has a corner at the origin.
     pub fn from_assembly(assembly: &Assembly) -> Packing {
-        let grain = |g: &granum_dem::assembly::Grain| PackedGrain {
+        let grain = |g: &granum_core::assembly::Grain| PackedGrain {
             id: g.id,
             position: g.position,
             radius: g.radius,
@@ -200,7 +202,7 @@ fn check_inside<R: BufRead>(
     inverse: &Matrix,
 ) -> Result<()> {
     let from_corner: Vector = std::array::from_fn(|a| grain.position[a] - origin[a]);
-    let place = cell::apply(inverse, &from_corner);
+    let place = apply(inverse, from_corner);
     let whole = 0..lines.line().len();
     if let Some(axis) = (0..3).find(|k| !(-ROUNDING..=1.0 + ROUNDING).contains(&place[*k])) {
         let [x, y, z] = grain.position;
@@ -212,7 +214,7 @@ fn check_inside<R: BufRead>(
         );
         return Err(lines.error(whole, message).with_help("wrap it into the periodic cell").into());
     }
-    let narrow = cell::heights(edges).into_iter().fold(f64::INFINITY, f64::min);
+    let narrow = Cell { edges: *edges }.heights().into_iter().fold(f64::INFINITY, f64::min);
     if 2.0 * grain.radius > narrow {
         let message = format!(
             "grain {}: radius = {:e} m does not fit in the cell, {narrow:e} m wide",

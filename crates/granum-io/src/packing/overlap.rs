@@ -4,9 +4,10 @@
 //! diameter. A grain looks into its own level and into those of smaller grains, so that one large grain among many
 //! small ones costs little.
 
-use granum_dem::assembly::{Matrix, Vector};
+use granum_core::Cell;
+use granum_core::geometry::{Matrix, Vector, apply, invert};
 
-use super::{PackedGrain, cell};
+use super::PackedGrain;
 use crate::error::{InputError, Result};
 
 /// Overlap as a fraction of the smaller diameter above which a packing is refused.
@@ -54,12 +55,10 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn new(edges: &'a Matrix, grains: &'a [(PackedGrain, usize)]) -> Self {
-        let inverse = cell::inverse(edges);
+        let inverse = invert(edges);
         // The corner of the cell does not matter: differences and wrapped places are the same.
-        let places: Vec<Vector> = grains
-            .iter()
-            .map(|(grain, _)| cell::apply(&inverse, &grain.position).map(|s| s - s.floor()))
-            .collect();
+        let places: Vec<Vector> =
+            grains.iter().map(|(grain, _)| apply(&inverse, grain.position).map(|s| s - s.floor())).collect();
         let largest = grains.iter().map(|(grain, _)| grain.radius).fold(0.0, f64::max);
         let octaves: Vec<u32> =
             grains.iter().map(|(grain, _)| (largest / grain.radius).log2() as u32).collect();
@@ -68,8 +67,14 @@ impl<'a> Search<'a> {
         present.dedup();
         let level_of: Vec<u32> =
             octaves.iter().map(|octave| present.partition_point(|known| known < octave) as u32).collect();
-        let mut search =
-            Search { edges, heights: cell::heights(edges), grains, places, level_of, levels: vec![] };
+        let mut search = Search {
+            edges,
+            heights: Cell { edges: *edges }.heights(),
+            grains,
+            places,
+            level_of,
+            levels: vec![],
+        };
         search.levels = (0..present.len() as u32).map(|level| search.fill(level)).collect();
         search
     }
@@ -146,7 +151,7 @@ impl<'a> Search<'a> {
         }
         let (one, two) = (&self.grains[at].0, &self.grains[other].0);
         let apart: Vector = std::array::from_fn(|a| self.places[other][a] + image[a] - self.places[at][a]);
-        let distance = cell::apply(self.edges, &apart).iter().map(|x| x * x).sum::<f64>().sqrt();
+        let distance = apply(self.edges, apart).iter().map(|x| x * x).sum::<f64>().sqrt();
         let overlap = one.radius + two.radius - distance;
         (overlap > GROSS_OVERLAP * 2.0 * one.radius.min(two.radius)).then_some((other, overlap))
     }

@@ -102,7 +102,7 @@ fn brute_force(packing: &Packing) -> bool {
         (i + 1..grains.len()).any(|j| {
             (0..125).any(|n| {
                 let image = [n % 5, n / 5 % 5, n / 25].map(|a| f64::from(a) - 2.0);
-                let shift = cell::apply(&packing.cell, &image);
+                let shift = apply(&packing.cell, image);
                 let square: f64 =
                     (0..3).map(|a| (grains[j].position[a] + shift[a] - grains[i].position[a]).powi(2)).sum();
                 let overlap = grains[i].radius + grains[j].radius - square.sqrt();
@@ -122,7 +122,7 @@ proptest! {
         let cell = [[1.0, tilt[0], tilt[1]], [0.0, 1.0, tilt[2]], [0.0, 0.0, 1.0]];
         let grains: Vec<PackedGrain> = grains.iter().enumerate().map(|(at, (place, size))| PackedGrain {
             id: at as u64 + 1,
-            position: cell::apply(&cell, place),
+            position: apply(&cell, *place),
             radius: 0.2 * smallest.powf(*size),
         }).collect();
         let packing = Packing { origin: [0.0; 3], cell, grains };

@@ -7,7 +7,7 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use granum_dem::assembly::Assembly;
+use granum_core::assembly::Assembly;
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
 
@@ -16,7 +16,7 @@ use crate::case::Case;
 use crate::error::{Error, Result};
 use crate::folder::{OutputFolder, check_name};
 use crate::snapshot;
-use crate::table::Table;
+use granum_core::Table;
 
 pub use record::{Machine, PackingRecord, QualityFlag, RunRecord, RunSource, RunStatus, nulls_are_nan};
 
@@ -320,7 +320,7 @@ pub(crate) fn damaged(path: &Path, error: &serde_json::Error) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::Column;
+    use granum_core::Column;
     use std::collections::BTreeMap;
     use std::fs;
 

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use granum_core::quantity::{Dimension, parse_quantity};
 use granum_dem::contact::impact::{self, AGREEMENT, collide};
-use granum_io::quantity::{Dimension, parse_quantity};
 use granum_io::{Column, Table};
 
 use super::law::LawFlags;

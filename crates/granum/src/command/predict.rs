@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use granum_core::names::nearest;
 use granum_hybrid::{RowAnswer, Surrogate, files::load_study};
-use granum_io::{Column, Table, check_output_file, nearest, read_columns, write_table};
+use granum_io::{Column, Table, check_output_file, read_columns, write_table};
 use serde_json::json;
 
 use super::trained_range::{inputs, short};

@@ -1,11 +1,11 @@
 //! What a report is made from.
 
-use granum_dem::assembly::Assembly;
+use granum_core::Table;
+use granum_core::assembly::Assembly;
 use granum_hybrid::HybridError;
-use granum_hybrid::files::series_of;
 use granum_io::run::{RunRecord, RunStatus};
 use granum_io::{Case, Run};
-use granum_sensors::{Record, Series};
+use granum_sensors::Record;
 use serde::{Deserialize, Serialize};
 
 /// One DEM run.
@@ -23,7 +23,7 @@ pub struct RunReport {
     pub record: Record,
     /// The course of the preparation; empty where it was not recorded.
     #[serde(default)]
-    pub preparation: Series,
+    pub preparation: Table,
     /// The sample before shear, for pictures.
     pub start: Option<Assembly>,
     /// The assembly at the end, for pictures.
@@ -80,7 +80,7 @@ impl RunReport {
                 granum_hybrid::files::read_record(run)?
             },
             run: about,
-            preparation: run.preparation()?.map_or_else(Series::default, |table| series_of(&table)),
+            preparation: run.preparation()?.unwrap_or_default(),
             start: snapshot(granum_hybrid::laboratory::SAMPLE)?,
             end: snapshot(granum_hybrid::laboratory::END)?,
         })
@@ -151,21 +151,16 @@ impl RunReport {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use granum_sensors::{NamedColumn, Series};
+    use granum_core::Column;
 
     #[test]
     fn columns_are_found_or_empty() {
-        let column = |name: &str, values: &[f64]| NamedColumn {
-            name: name.to_owned(),
-            unit: "1".to_owned(),
-            values: values.to_vec(),
-        };
-        let series = Series {
-            columns: vec![
-                column("deviator_strain", &[0.0, 0.1, 0.2, 0.3]),
-                column("stress_ratio", &[0.0, 0.9, f64::NAN, 0.7]),
-            ],
-        };
+        let column = |name: &str, values: &[f64]| Column::new(name, "", values.to_vec());
+        let series = Table::new(vec![
+            column("deviator_strain", &[0.0, 0.1, 0.2, 0.3]),
+            column("stress_ratio", &[0.0, 0.9, f64::NAN, 0.7]),
+        ])
+        .unwrap();
         let run = RunReport { record: Record { series, forces: Vec::new() }, ..Default::default() };
         assert_eq!(run.against_strain("stress_ratio").len(), 4);
         assert_eq!(run.peak_row("stress_ratio"), Some(1));

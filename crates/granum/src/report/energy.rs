@@ -109,7 +109,7 @@ pub fn figure(run: &RunReport) -> Option<(Figure, String)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use granum_sensors::{NamedColumn, Series};
+    use granum_core::{Column, Table};
 
     #[test]
     fn what_no_mechanism_accounts_for_is_the_error() {
@@ -125,14 +125,8 @@ mod tests {
             ("elastic_normal_energy", [5.0, 7.0]),
             ("elastic_tangential_energy", [1.0, 2.0]),
         ];
-        let columns = columns
-            .map(|(name, values)| NamedColumn {
-                name: name.into(),
-                unit: "J".into(),
-                values: values.to_vec(),
-            })
-            .to_vec();
-        let record = Record { series: Series { columns }, forces: Vec::new() };
+        let columns = columns.map(|(name, values)| Column::new(name, "J", values.to_vec())).to_vec();
+        let record = Record { series: Table::new(columns).unwrap(), forces: Vec::new() };
         // 10 of work: 4 friction, 1 micro-slip, 1 tangential, 1 damping, 0.5 adhesion, 0.1 kinetic, 2 normal; 0.4 is missing.
         assert!((closure(&record).unwrap() - 0.04).abs() < 1e-12);
         let shares = shares(&record);

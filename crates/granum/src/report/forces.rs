@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use granum_dem::assembly::Assembly;
+use granum_core::assembly::Assembly;
 use granum_sensors::force_distribution::ForceHistogram;
 
 use super::data::RunReport;

@@ -192,18 +192,17 @@ fn rate(rate: &Rate) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use granum_sensors::{NamedColumn, Record, Series};
+    use granum_core::{Column, Table};
+    use granum_sensors::Record;
 
     fn run(solid: f64, mechanical: f64, all: f64) -> RunReport {
-        let column =
-            |name: &str, value| NamedColumn { name: name.into(), unit: "1".into(), values: vec![value] };
-        let series = Series {
-            columns: vec![
-                column("solid_fraction", solid),
-                column("mechanical_coordination_number", mechanical),
-                column("coordination_number", all),
-            ],
-        };
+        let column = |name: &str, value| Column::new(name, "", vec![value]);
+        let series = Table::new(vec![
+            column("solid_fraction", solid),
+            column("mechanical_coordination_number", mechanical),
+            column("coordination_number", all),
+        ])
+        .unwrap();
         RunReport { record: Record { series, forces: Vec::new() }, ..Default::default() }
     }
 

@@ -183,7 +183,7 @@ fn a_run_is_read_from_its_folder_as_it_was_written() {
     }
     let read = RunReport::read(&granum_io::Run::at(&path).expect("a run"), Role::Single).expect("readable");
     assert_eq!(read.name, "run-5");
-    for (found, written) in read.record.series.columns.iter().zip(&run.record.series.columns) {
+    for (found, written) in read.record.series.columns().iter().zip(run.record.series.columns()) {
         assert!(found == written, "{} differs", written.name);
     }
     assert!(read.record.forces == run.record.forces, "the histograms differ");

@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use granum::report::{Role, RunReport};
-use granum_dem::assembly::{Assembly, Contact, Grain};
+use granum_core::assembly::{Assembly, Contact, Grain};
+use granum_core::{Column, Table};
 use granum_io::packing::Packing;
 use granum_io::run::{Machine, QualityFlag, RunRecord, RunStatus};
+use granum_sensors::Record;
 use granum_sensors::force_distribution::ForceHistogram;
-use granum_sensors::{NamedColumn, Record, Series};
 
 /// A generator of numbers in -1..1.
 pub struct Noise(u64);
@@ -37,7 +38,7 @@ pub fn record(seed: u64, states: usize) -> Record {
     let offset = noise.next();
     let strain: Vec<f64> =
         (0..=states).map(|k| 0.3 * (k as f64 + if k == 0 { 0.25 } else { 0.0 }) / states as f64).collect();
-    let mut columns: Vec<NamedColumn> = Vec::new();
+    let mut columns: Vec<Column> = Vec::new();
     for column in granum_sensors::columns() {
         let mut drift = 0.0;
         let values = strain
@@ -47,20 +48,16 @@ pub fn record(seed: u64, states: usize) -> Record {
                 value(column.name, e, drift + 0.15 * offset)
             })
             .collect();
-        columns.push(NamedColumn { name: column.name.to_owned(), unit: column.unit.to_owned(), values });
+        columns.push(Column::new(column.name, if column.unit == "1" { "" } else { column.unit }, values));
     }
     let count = strain.len();
-    let simple = |name: &str, f: &dyn Fn(usize) -> f64| NamedColumn {
-        name: name.into(),
-        unit: "1".into(),
-        values: (0..count).map(f).collect(),
-    };
+    let simple = |name: &str, f: &dyn Fn(usize) -> f64| Column::new(name, "", (0..count).map(f).collect());
     columns.push(simple("state", &|k| k as f64));
     columns.push(simple("looks", &|_| 20.0));
     columns.push(simple("forces_below", &|_| 0.0));
     columns.push(simple("forces_above", &|_| 40.0));
     let forces = strain.iter().map(|&e| histogram(e, &mut noise)).collect();
-    Record { series: Series { columns }, forces }
+    Record { series: Table::new(columns).expect("columns that fit"), forces }
 }
 
 /// The value of a sensor at a strain, `noise` about in -0.5..0.5.

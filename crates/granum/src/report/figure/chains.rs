@@ -4,7 +4,8 @@
 //! The picture is an orthographic projection of the periodic cell or of a slice of it. A contact across the boundary
 //! is drawn at both of its images, each cut off where it leaves the cell, so that no chain runs across the picture.
 
-use granum_dem::assembly::{Assembly, Contact, Matrix, Vector, determinant};
+use granum_core::assembly::{Assembly, Contact, Matrix, Vector};
+use granum_core::geometry::determinant;
 
 use super::clip::{self, Rect};
 use super::palette::{GREY, INK, TICK_SIZE, sequential};
@@ -407,7 +408,7 @@ fn inverse(m: &Matrix) -> Option<Matrix> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use granum_dem::assembly::Grain;
+    use granum_core::assembly::Grain;
 
     fn two_grains(x: f64, y: f64, branch: Vector) -> Assembly {
         let grain = |id, x| Grain { id, position: [x, 0.5, 0.5], radius: 0.1, ..Default::default() };

@@ -2,7 +2,7 @@
 
 use super::rose::Series;
 use super::*;
-use granum_dem::assembly::{Assembly, Contact, Grain};
+use granum_core::assembly::{Assembly, Contact, Grain};
 use proptest::prelude::*;
 
 /// Every number that a figure could be given.

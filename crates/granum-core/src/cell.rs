@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::assembly::{Matrix, Vector, determinant};
+use crate::geometry::{Matrix, Vector, apply, determinant, invert, multiply};
 
 /// Periodic cell.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -50,50 +50,9 @@ impl Cell {
     }
 }
 
-/// Matrix times vector.
-#[inline(always)]
-pub fn apply(m: &Matrix, v: Vector) -> Vector {
-    // No closure: it would fall back to the baseline instruction set in a kernel.
-    [times(&m[0], v), times(&m[1], v), times(&m[2], v)]
-}
-
-#[inline(always)]
-fn times(row: &Vector, v: Vector) -> f64 {
-    row[0].mul_add(v[0], row[1].mul_add(v[1], row[2] * v[2]))
-}
-
-/// Matrix product.
-pub fn multiply(a: &Matrix, b: &Matrix) -> Matrix {
-    std::array::from_fn(|r| {
-        std::array::from_fn(|c| a[r][0].mul_add(b[0][c], a[r][1].mul_add(b[1][c], a[r][2] * b[2][c])))
-    })
-}
-
-/// Inverse of a matrix that is not singular.
-pub fn invert(m: &Matrix) -> Matrix {
-    let d = determinant(m);
-    let minor = |r: usize, c: usize| {
-        let (r1, r2) = ((r + 1) % 3, (r + 2) % 3);
-        let (c1, c2) = ((c + 1) % 3, (c + 2) % 3);
-        m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]
-    };
-    std::array::from_fn(|r| std::array::from_fn(|c| minor(c, r) / d))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn inverse_of_a_skew_cell() {
-        let m = [[2.0, 0.3, -0.1], [0.0, 1.5, 0.2], [0.1, 0.0, 3.0]];
-        let product = multiply(&m, &invert(&m));
-        for r in 0..3 {
-            for c in 0..3 {
-                assert!((product[r][c] - f64::from(r == c)).abs() < 1e-15);
-            }
-        }
-    }
 
     #[test]
     fn heights_of_a_cuboid_are_its_edges() {

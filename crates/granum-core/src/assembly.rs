@@ -5,10 +5,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A vector or a row of a matrix.
-pub type Vector = [f64; 3];
-/// A 3 x 3 matrix, row by row.
-pub type Matrix = [[f64; 3]; 3];
+use crate::geometry::determinant;
+pub use crate::geometry::{Matrix, Vector};
 
 /// One grain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -114,10 +112,4 @@ impl Assembly {
     pub fn volume(&self) -> f64 {
         determinant(&self.cell).abs()
     }
-}
-
-/// Determinant of a 3 x 3 matrix.
-pub fn determinant(m: &Matrix) -> f64 {
-    m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
-        + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
 }

@@ -1,0 +1,58 @@
+//! Vectors and 3 x 3 matrices, in a fixed order of fused operations, so that results have the same bits everywhere.
+
+/// A vector or a row of a matrix.
+pub type Vector = [f64; 3];
+/// A 3 x 3 matrix, row by row.
+pub type Matrix = [[f64; 3]; 3];
+
+/// Matrix times vector.
+#[inline(always)]
+pub fn apply(m: &Matrix, v: Vector) -> Vector {
+    // No closure: it would fall back to the baseline instruction set in a kernel.
+    [times(&m[0], v), times(&m[1], v), times(&m[2], v)]
+}
+
+#[inline(always)]
+fn times(row: &Vector, v: Vector) -> f64 {
+    row[0].mul_add(v[0], row[1].mul_add(v[1], row[2] * v[2]))
+}
+
+/// Matrix product.
+pub fn multiply(a: &Matrix, b: &Matrix) -> Matrix {
+    std::array::from_fn(|r| {
+        std::array::from_fn(|c| a[r][0].mul_add(b[0][c], a[r][1].mul_add(b[1][c], a[r][2] * b[2][c])))
+    })
+}
+
+/// Inverse of a matrix that is not singular.
+pub fn invert(m: &Matrix) -> Matrix {
+    let d = determinant(m);
+    let minor = |r: usize, c: usize| {
+        let (r1, r2) = ((r + 1) % 3, (r + 2) % 3);
+        let (c1, c2) = ((c + 1) % 3, (c + 2) % 3);
+        m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]
+    };
+    std::array::from_fn(|r| std::array::from_fn(|c| minor(c, r) / d))
+}
+
+/// Determinant of a 3 x 3 matrix.
+pub fn determinant(m: &Matrix) -> f64 {
+    m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
+        + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inverse_of_a_skew_cell() {
+        let m = [[2.0, 0.3, -0.1], [0.0, 1.5, 0.2], [0.1, 0.0, 3.0]];
+        let product = multiply(&m, &invert(&m));
+        for r in 0..3 {
+            for c in 0..3 {
+                assert!((product[r][c] - f64::from(r == c)).abs() < 1e-15);
+            }
+        }
+    }
+}

@@ -1,0 +1,16 @@
+//! What all parts of granum speak of: a periodic [`cell`], an [`assembly`] of grains and contacts at one moment, tables of
+//! named columns, [`quantity`] with units, and the nearest name to one that is not known.
+//!
+//! Sign convention, stated once for the whole project: **compression is positive** for stress, strain, strain
+//! rate and normal force. SI units throughout.
+
+pub mod assembly;
+pub mod cell;
+pub mod geometry;
+pub mod names;
+pub mod quantity;
+mod table;
+
+pub use assembly::Assembly;
+pub use cell::Cell;
+pub use table::{Column, ColumnKind, Table, TableError};

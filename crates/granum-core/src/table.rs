@@ -1,0 +1,229 @@
+//! Tables of numbers by column, the common shape of every series, data set and snapshot.
+
+use serde::{Deserialize, Serialize};
+
+use crate::names::suggestion;
+
+/// What is wrong with a table.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TableError {
+    /// A column has no name.
+    #[error("a column has no name")]
+    NoName,
+    /// Two columns have one name.
+    #[error("two columns have the name {0}")]
+    SameName(String),
+    /// Columns have different lengths.
+    #[error("column {name} has {rows} rows, but {other} has {other_rows}")]
+    Lengths {
+        /// The column.
+        name: String,
+        /// Its rows.
+        rows: usize,
+        /// Another column.
+        other: String,
+        /// Its rows.
+        other_rows: usize,
+    },
+    /// A column is not there.
+    #[error("there is no column {name}; {suggestion}")]
+    Missing {
+        /// Name of the column.
+        name: String,
+        /// The nearest name, or all names that there are.
+        suggestion: String,
+    },
+}
+
+type Result<T> = std::result::Result<T, TableError>;
+
+/// What the numbers of a column are: how Parquet stores them. In memory all are doubles, in CSV text.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ColumnKind {
+    /// Real numbers (`DOUBLE`).
+    #[default]
+    Real,
+    /// Whole numbers of at most 2^53 (`INT64`).
+    Integer,
+    /// Truth values, 0 or 1 (`BOOLEAN`).
+    Boolean,
+}
+
+/// A named column of numbers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Column {
+    /// Name, unique in its table.
+    pub name: String,
+    /// SI unit, e.g. "Pa"; empty for a pure number or where the file does not tell (CSV).
+    pub unit: String,
+    /// One value a row.
+    pub values: Vec<f64>,
+    /// What the values are.
+    pub kind: ColumnKind,
+}
+
+impl Column {
+    /// A column of real numbers from its parts.
+    pub fn new(name: impl Into<String>, unit: impl Into<String>, values: Vec<f64>) -> Self {
+        Column { name: name.into(), unit: unit.into(), values, kind: ColumnKind::Real }
+    }
+
+    /// The same column of another kind. A value that is not of that kind (a fraction, NaN) is an error when the column is
+    /// written to Parquet.
+    pub fn of_kind(self, kind: ColumnKind) -> Self {
+        Column { kind, ..self }
+    }
+}
+
+/// Columns of equal length with different names.
+///
+/// ```
+/// use granum_core::{Column, Table};
+/// let table = Table::new(vec![
+///     Column::new("strain", "", vec![0.0, 0.1]),
+///     Column::new("mean_stress", "Pa", vec![2e4, 2.01e4]),
+/// ]).unwrap();
+/// assert_eq!(table.column("mean_stress").unwrap(), [2e4, 2.01e4]);
+/// let error = table.column("mean_stres").unwrap_err();
+/// assert_eq!(error.to_string(), "there is no column mean_stres; did you mean mean_stress?");
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Table {
+    columns: Vec<Column>,
+}
+
+impl Table {
+    /// A table from columns.
+    ///
+    /// # Errors
+    /// [`TableError`] if two columns have one name, a name is empty, or their lengths differ.
+    pub fn new(columns: Vec<Column>) -> Result<Table> {
+        let mut names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+        names.sort_unstable();
+        if names.contains(&"") {
+            return Err(TableError::NoName);
+        }
+        if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+            return Err(TableError::SameName(pair[0].to_string()));
+        }
+        let rows = columns.first().map_or(0, |column| column.values.len());
+        if let Some(odd) = columns.iter().find(|column| column.values.len() != rows) {
+            return Err(lengths(odd, &columns[0]));
+        }
+        Ok(Table { columns })
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.columns.first().map_or(0, |column| column.values.len())
+    }
+
+    /// The columns in their order.
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+
+    /// The names in their order.
+    pub fn names(&self) -> impl Iterator<Item = &str> + Clone {
+        self.columns.iter().map(|column| column.name.as_str())
+    }
+
+    /// True if there is a column of that name.
+    pub fn has(&self, name: &str) -> bool {
+        self.names().any(|known| known == name)
+    }
+
+    /// The values of a column.
+    ///
+    /// # Errors
+    /// [`TableError`] that suggests the nearest name.
+    pub fn column(&self, name: &str) -> Result<&[f64]> {
+        match self.columns.iter().find(|column| column.name == name) {
+            Some(column) => Ok(&column.values),
+            None => {
+                let suggestion = suggestion(name, self.names());
+                Err(TableError::Missing { name: name.to_string(), suggestion })
+            }
+        }
+    }
+
+    /// The values of a column, if there is one of that name.
+    pub fn values(&self, name: &str) -> Option<&[f64]> {
+        self.columns.iter().find(|column| column.name == name).map(|column| column.values.as_slice())
+    }
+
+    /// The values of several columns, in the order asked for.
+    ///
+    /// # Errors
+    /// As [`Table::column`].
+    pub fn select<const N: usize>(&self, names: [&str; N]) -> Result<[&[f64]; N]> {
+        let mut found = [&[] as &[f64]; N];
+        for (slot, name) in found.iter_mut().zip(names) {
+            *slot = self.column(name)?;
+        }
+        Ok(found)
+    }
+
+    /// Takes out the column of a name, if there is one.
+    pub fn remove(&mut self, name: &str) -> Option<Column> {
+        let at = self.columns.iter().position(|column| column.name == name)?;
+        Some(self.columns.remove(at))
+    }
+
+    /// Adds a column, or replaces the one of the same name.
+    ///
+    /// # Errors
+    /// [`TableError`] if its length is not that of the table.
+    pub fn set(&mut self, column: Column) -> Result<()> {
+        let others = self.columns.iter().filter(|known| known.name != column.name);
+        if let Some(other) = others.clone().next()
+            && other.values.len() != column.values.len()
+        {
+            return Err(lengths(&column, other));
+        }
+        match self.columns.iter_mut().find(|known| known.name == column.name) {
+            Some(known) => *known = column,
+            None => self.columns.push(column),
+        }
+        Ok(())
+    }
+}
+
+fn lengths(odd: &Column, other: &Column) -> TableError {
+    TableError::Lengths {
+        name: odd.name.clone(),
+        rows: odd.values.len(),
+        other: other.name.clone(),
+        other_rows: other.values.len(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_must_fit_together() {
+        let column = |name: &str, rows: usize| Column::new(name, "", vec![0.0; rows]);
+        let message = |columns| Table::new(columns).unwrap_err().to_string();
+        assert_eq!(message(vec![column("a", 2), column("b", 3)]), "column b has 3 rows, but a has 2");
+        assert_eq!(message(vec![column("a", 2), column("a", 2)]), "two columns have the name a");
+        assert_eq!(message(vec![column("", 2)]), "a column has no name");
+        let mut table = Table::new(vec![column("a", 2)]).unwrap();
+        assert!(table.set(column("b", 3)).is_err());
+        table.set(column("a", 3)).unwrap();
+        table.set(column("b", 3)).unwrap();
+        assert_eq!((table.rows(), table.names().collect::<Vec<_>>()), (3, vec!["a", "b"]));
+    }
+
+    #[test]
+    fn select_keeps_the_order_asked_for() {
+        let table =
+            Table::new(vec![Column::new("a", "", vec![1.0]), Column::new("b", "", vec![2.0])]).unwrap();
+        let [b, a] = table.select(["b", "a"]).unwrap();
+        assert_eq!((a, b), (&[1.0][..], &[2.0][..]));
+        let error = table.column("zeta").unwrap_err().to_string();
+        assert_eq!(error, "there is no column zeta; there are: a, b");
+    }
+}
