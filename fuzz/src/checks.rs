@@ -7,11 +7,11 @@ use std::hint::black_box;
 
 use granum_dem::config::{Contact, Material, Rate, Recording};
 use granum_dem::simulation::{Properties, Simulation};
-use granum_hybrid::keeping::Plan;
-use granum_hybrid::laboratory;
 use granum_io::{Case, Packing, RunRecord, Table};
+use granum_learn::keeping::Plan;
 use granum_nets::trainer::{Control, Progress, TrainerState, by_name};
 use granum_nets::{Data, Model, Network};
+use granum_run::laboratory;
 
 /// A target and its check.
 pub type Target = (&'static str, fn(&[u8]));

@@ -1,5 +1,6 @@
 //! What all parts of granum speak of: a periodic [`cell`], an [`assembly`] of grains and contacts at one moment, tables of
-//! named columns, [`quantity`] with units, and the nearest name to one that is not known.
+//! named columns, [`quantity`] with units, the nearest name to one that is not
+//! known, and [`parallel`] work.
 //!
 //! Sign convention, stated once for the whole project: **compression is positive** for stress, strain, strain
 //! rate and normal force. SI units throughout.
@@ -8,6 +9,7 @@ pub mod assembly;
 pub mod cell;
 pub mod geometry;
 pub mod names;
+pub mod parallel;
 pub mod quantity;
 mod table;
 

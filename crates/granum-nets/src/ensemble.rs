@@ -1,7 +1,6 @@
 //! Several networks from different seeds: their mean, and their scatter as a second opinion on the uncertainty.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
+use granum_core::parallel;
 
 use crate::data::Data;
 use crate::model::{BatchPrediction, Model, ModelError, Prediction, Recipe};
@@ -26,30 +25,10 @@ impl Ensemble {
         seeds: &[u64],
         threads: usize,
     ) -> Result<(Ensemble, Vec<TrainingReport>), ModelError> {
-        type Fitted = Result<(Model, TrainingReport), ModelError>;
-        let results: Mutex<Vec<Option<Fitted>>> = Mutex::new(seeds.iter().map(|_| None).collect());
-        let next = AtomicUsize::new(0);
-        let work = || {
-            loop {
-                let k = next.fetch_add(1, Ordering::Relaxed);
-                let Some(&seed) = seeds.get(k) else { return };
-                let fitted = Model::fit(&Recipe { seed, ..recipe.clone() }, data, trainer, &mut Silent);
-                results.lock().unwrap_or_else(PoisonError::into_inner)[k] = Some(fitted);
-            }
-        };
-        std::thread::scope(|scope| {
-            for _ in 1..threads.min(seeds.len()) {
-                scope.spawn(work);
-            }
-            work();
-        });
-        let results = results.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let (mut members, mut reports) = (Vec::new(), Vec::new());
-        for fitted in results.into_iter().flatten() {
-            let (model, report) = fitted?;
-            members.push(model);
-            reports.push(report);
-        }
+        let fitted = parallel::map(seeds.len(), threads.max(1), |k| {
+            Model::fit(&Recipe { seed: seeds[k], ..recipe.clone() }, data, trainer, &mut Silent)
+        })?;
+        let (members, reports) = fitted.into_iter().unzip();
         Ok((Ensemble::from_models(members)?, reports))
     }
 

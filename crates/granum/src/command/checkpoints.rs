@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use clap::Args;
-use granum_hybrid::laboratory::CHECKPOINT_EVERY;
+use granum_run::laboratory::CHECKPOINT_EVERY;
 
 use crate::failure::Failure;
 

@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use granum_hybrid::dataset::Run;
-use granum_hybrid::files::{load_runs, load_study};
-use granum_hybrid::runs::RunRole;
-use granum_hybrid::study::{RunScore, Study};
-use granum_hybrid::{Score, SensorUse};
+use granum_learn::dataset::Run;
+use granum_learn::files::{load_runs, load_study};
+use granum_learn::runs::RunRole;
+use granum_learn::study::{RunScore, Study};
+use granum_learn::{Score, SensorUse};
 use serde_json::{Value, json};
 
 use super::records::{self, Recorded};

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use granum_dem::simulation::Properties;
-use granum_hybrid::laboratory::simulation;
 use granum_io::{Column, Packing, Table};
+use granum_run::laboratory::simulation;
 use serde_json::json;
 
 use super::law::LawFlags;

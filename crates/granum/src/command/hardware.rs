@@ -3,7 +3,7 @@
 use clap::Args;
 use granum_dem::Isa;
 use granum_dem::simulation::Hardware;
-use granum_hybrid::laboratory::{Field, Laboratory, RunObserver, Status};
+use granum_run::laboratory::{Field, Laboratory, RunObserver, Status};
 
 use super::checkpoints::CheckpointFlags;
 use crate::context::Context;

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use granum_core::names::nearest;
-use granum_hybrid::{RowAnswer, Surrogate, files::load_study};
 use granum_io::{Column, Table, check_output_file, read_columns, write_table};
+use granum_learn::{RowAnswer, Surrogate, files::load_study};
 use serde_json::json;
 
 use super::trained_range::{inputs, short};

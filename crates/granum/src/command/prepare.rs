@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use granum_hybrid::contents::{Kind, check_free};
-use granum_hybrid::laboratory::Source;
 use granum_io::RunFolder;
+use granum_learn::contents::{Kind, check_free};
+use granum_run::laboratory::Source;
 
 use super::case_flags::CaseFlags;
 use super::checkpoints::CheckpointFlags;

@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use granum_hybrid::runs::{RunRole, StudyRun, differences_but_seed};
-use granum_hybrid::{NamedRecord, files::read_record};
 use granum_io::case::Difference;
 use granum_io::shell::quoted_path;
 use granum_io::{Run, RunRecord, RunStatus};
+use granum_learn::NamedRecord;
+use granum_learn::runs::{RunRole, StudyRun, differences_but_seed};
+use granum_run::record::read_record;
 use granum_sensors::Record;
 
 use crate::context::Context;

@@ -1,7 +1,7 @@
 //! How a run stands to those that a study was trained on: scores on it are called accordingly.
 
-use granum_hybrid::runs::{RunRole, StudyRun, differences_but_seed};
 use granum_io::case::Difference;
+use granum_learn::runs::{RunRole, StudyRun, differences_but_seed};
 use serde_json::{Value, json};
 
 use super::records::Recorded;

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use granum_hybrid::contents::Contents;
-use granum_hybrid::files::STUDY_FILE;
 use granum_io::{RunFolder, RunStatus};
+use granum_learn::contents::Contents;
+use granum_learn::files::STUDY_FILE;
 use serde_json::json;
 
 use super::checkpoints::CheckpointFlags;

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use granum_hybrid::student::PairedTest;
-use granum_hybrid::summary::MappingSummary;
+use granum_learn::antony2006::summary::MappingSummary;
+use granum_learn::student::PairedTest;
 
 /// A share as a percentage, a dash where there is none.
 pub fn percent(share: Option<f64>) -> String {

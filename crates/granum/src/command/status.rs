@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Args;
-use granum_hybrid::contents::{Contents, Next};
-use granum_hybrid::keeping::Plan;
-use granum_hybrid::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
 use granum_io::{OutputFolder, Run, RunStatus};
+use granum_learn::contents::{Contents, Next};
+use granum_learn::keeping::Plan;
+use granum_run::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
 use serde_json::{Value, json};
 
 use super::train::Train;

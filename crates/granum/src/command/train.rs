@@ -6,22 +6,22 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use granum_hybrid::contents::{Kind, check_free};
-use granum_hybrid::files::{STUDY_FILE, save_study};
-use granum_hybrid::keeping::{Keeper, PLAN_FILE, Plan};
-use granum_hybrid::laboratory::Field;
-use granum_hybrid::mapping::{PAPER_STRAIN, paper_mappings_to};
-use granum_hybrid::runs::{RunRole, StudyRun};
-use granum_hybrid::sufficiency::check_states;
-use granum_hybrid::summary::MappingSummary;
-use granum_hybrid::{
-    Dataset, DatasetOptions, Form, HybridError, Study, StudyObserver, StudyOptions, StudyProgress,
-};
 use granum_io::OutputFolder;
 use granum_io::case::Difference;
 use granum_io::shell::quoted_path;
+use granum_learn::antony2006::sufficiency::check_states;
+use granum_learn::antony2006::summary::MappingSummary;
+use granum_learn::contents::{Kind, check_free};
+use granum_learn::files::{STUDY_FILE, save_study};
+use granum_learn::keeping::{Keeper, PLAN_FILE, Plan};
+use granum_learn::mapping::{PAPER_STRAIN, paper_mappings_to};
+use granum_learn::runs::{RunRole, StudyRun};
+use granum_learn::{
+    Dataset, DatasetOptions, Form, LearnError, Study, StudyObserver, StudyOptions, StudyProgress,
+};
 use granum_nets::Model;
 use granum_nets::trainer::TrainerState;
+use granum_run::laboratory::Field;
 use serde_json::json;
 
 use super::checkpoints::CheckpointFlags;
@@ -114,15 +114,15 @@ impl<'a> Show<'a> {
     }
 
     /// True if a training that ended so can be gone on with: the user stopped it, or the disk was full.
-    fn can_go_on(&self, error: &HybridError) -> bool {
-        matches!(error, HybridError::Stopped { .. }) || self.keeper.failed()
+    fn can_go_on(&self, error: &LearnError) -> bool {
+        matches!(error, LearnError::Stopped { .. }) || self.keeper.failed()
     }
 
     /// Why a training ended before its time: a file that could not be written, the user, or an error of its own.
-    pub fn failure(&self, error: HybridError, folder: &Path) -> Failure {
+    pub fn failure(&self, error: LearnError, folder: &Path) -> Failure {
         match (self.keeper.take_failure(), error) {
             (Some(failure), _) => failure.into(),
-            (None, HybridError::Stopped { done, total }) => {
+            (None, LearnError::Stopped { done, total }) => {
                 let left = format!(
                     "{done} of {total} networks are in {}; continue with `granum resume {}`",
                     folder.display(),

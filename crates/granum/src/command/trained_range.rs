@@ -1,6 +1,6 @@
 //! The ranges of inputs that the networks of a mapping were trained in.
 
-use granum_hybrid::Surrogate;
+use granum_learn::Surrogate;
 
 /// The inputs with the ranges that a sub-model, or each of them, was trained in; one a line, bins with the same range
 /// together.

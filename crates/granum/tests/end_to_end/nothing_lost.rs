@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use granum_hybrid::reproduction::{Reproduction, ReproductionOptions};
+use granum_learn::antony2006::reproduction::{Reproduction, ReproductionOptions};
 use serde_json::{Value, json};
 
 use crate::common::{run, stderr};
@@ -56,7 +56,7 @@ fn reproduction(here: &Path, name: &str, quick: bool, trainer: &str, finished: b
     let options = ReproductionOptions { quick, trainer: trainer.into(), ..Default::default() };
     Reproduction::new(options, names).write(&folder).unwrap();
     if finished {
-        let summary = serde_json::to_vec(&granum_hybrid::Summary::default()).unwrap();
+        let summary = serde_json::to_vec(&granum_learn::Summary::default()).unwrap();
         fs::write(folder.join("summary.json"), summary).unwrap();
         fs::write(folder.join("report.html"), "a report").unwrap();
     } else {

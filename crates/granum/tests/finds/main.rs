@@ -151,7 +151,7 @@ fn seeds_are_good() {
     for (name, bytes) in seeds::of("checkpoint") {
         let bytes = checks::with_header(&bytes);
         let (_, beside) = granum_dem::simulation::Simulation::restore(&bytes).unwrap();
-        let known = granum_hybrid::laboratory::check_beside(&beside, &checks::tested());
+        let known = granum_run::laboratory::check_beside(&beside, &checks::tested());
         assert!(beside.is_empty() || known.is_ok(), "{name}: {known:?}");
     }
     for (name, bytes) in seeds::of("parquet") {

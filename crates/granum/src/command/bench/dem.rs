@@ -6,8 +6,8 @@ use granum_dem::Isa;
 use granum_dem::config::{Contact, Material, NormalKind, TangentialKind};
 use granum_dem::servo::Control;
 use granum_dem::simulation::{Hardware, Properties, Simulation};
-use granum_hybrid::laboratory::{cell, memory, sites};
 use granum_io::{Case, Packing};
+use granum_run::laboratory::{cell, memory, sites};
 use serde::Serialize;
 
 use super::arithmetic::rounds_per_second;
@@ -170,7 +170,7 @@ fn print(figure: &Figure, compared: bool) {
 
 /// Refuses a size that the machine cannot hold.
 fn check_memory(grains: usize) -> Result<(), Failure> {
-    use granum_hybrid::laboratory::LaboratoryError::Memory;
+    use granum_run::laboratory::LaboratoryError::Memory;
     memory::check_grains(grains).map_err(|error| match error {
         Memory { needed, available, fitting, .. } => Failure::new(format!(
             "--grains {grains}: up to {needed:.1} GB of memory are needed, and this machine has {available:.1} GB free; at most \

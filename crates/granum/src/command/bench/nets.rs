@@ -1,8 +1,8 @@
 //! Speed of training and prediction, on synthetic rows of the size of Antony, Zhou and Wang (2006).
 
 use std::hint::black_box;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
+use granum_core::parallel;
 use granum_dem::Isa;
 use granum_nets::trainer::{LevenbergMarquardt, Silent, Trainer, Traingdx};
 use granum_nets::{Column, Data, Model, Network, Recipe};
@@ -125,25 +125,15 @@ fn second_order(context: &Context, isa: Isa, seconds: f64) -> Result<f64, Failur
 fn eighteen(context: &Context, isa: Isa, threads: usize) -> Result<f64, Failure> {
     let jobs: Vec<(usize, usize)> = PAPER.iter().flat_map(|(c, h)| h.map(|h| (*c, h))).collect();
     let data = [rows(3)?, rows(4)?];
-    let next = AtomicUsize::new(0);
-    let work = || -> Result<(), Failure> {
-        while let Some(&(columns, hidden)) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
+    best(context, 0.0, || {
+        parallel::map(jobs.len(), threads.max(1), |k| -> Result<(), Failure> {
+            let (columns, hidden) = jobs[k];
             let mut network = Network::new(&[columns, hidden, hidden, 1], 1)?;
             let rule = LevenbergMarquardt { isa, ..Default::default() };
             rule.train(&mut network, &data[columns - 3], &mut Silent)?;
-        }
-        Ok(())
-    };
-    best(context, 0.0, || {
-        next.store(0, Ordering::Relaxed);
-        std::thread::scope(|scope| {
-            let others: Vec<_> = (1..threads.min(jobs.len())).map(|_| scope.spawn(work)).collect();
-            let mine = work();
-            others.into_iter().try_fold((), |(), other| {
-                other.join().unwrap_or_else(|_| Err(Failure::new("a thread of the bench died")))
-            })?;
-            mine
+            Ok(())
         })
+        .map(drop)
     })
 }
 

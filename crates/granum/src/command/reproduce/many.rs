@@ -2,12 +2,12 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use granum_hybrid::files::read_record;
-use granum_hybrid::laboratory::Field;
-use granum_hybrid::learning_curve::LearningCurve;
-use granum_hybrid::{HybridError, NamedRecord, StudyObserver, StudyOptions, StudyProgress};
 use granum_io::shell::quoted_path;
 use granum_io::{OutputFolder, Run};
+use granum_learn::antony2006::learning_curve::LearningCurve;
+use granum_learn::{LearnError, NamedRecord, StudyObserver, StudyOptions, StudyProgress};
+use granum_run::laboratory::Field;
+use granum_run::record::read_record;
 
 use super::plan::{Plan, Role};
 use super::runs::Done;
@@ -61,7 +61,7 @@ pub fn curve(
     let show = Show { context, progress: Mutex::new(progress) };
     let curve = LearningCurve::new(&training, &unseen, grains, options, &show);
     let curve = curve.map_err(|error| match error {
-        HybridError::Stopped { .. } => {
+        LearnError::Stopped { .. } => {
             let quoted = quoted_path(folder.path());
             let left = format!("all runs are there; continue with `granum resume {quoted}`");
             Failure::from(Interrupted { left })

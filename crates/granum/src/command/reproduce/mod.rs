@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use granum_hybrid::contents::{Contents, Kind, check_free, taken};
-use granum_hybrid::reproduction::{Reproduction, ReproductionOptions, SUMMARY_FILE};
-use granum_hybrid::{HybridError, Summary};
 use granum_io::OutputFolder;
+use granum_learn::antony2006::reproduction::{Reproduction, ReproductionOptions, SUMMARY_FILE};
+use granum_learn::contents::{Contents, Kind, check_free, taken};
+use granum_learn::{LearnError, Summary};
 use serde_json::json;
 
 use self::plan::Plan;
@@ -111,7 +111,7 @@ impl Reproduce {
             // Unlocked, so that nothing is at work in it.
             drop(folder);
             let mut refusal = taken(&self.out, &Contents::of(&self.out)?, "this one", true);
-            if let HybridError::Taken { holds, .. } = &mut refusal {
+            if let LearnError::Taken { holds, .. } = &mut refusal {
                 holds.push_str(&difference);
             }
             return Err(refusal.into());

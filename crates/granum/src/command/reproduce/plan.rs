@@ -1,8 +1,8 @@
 //! Which DEM runs a reproduction makes, and what each is for.
 
 use granum_dem::config::Rate;
-use granum_hybrid::reproduction::ReproductionOptions;
 use granum_io::Case;
+use granum_learn::antony2006::reproduction::ReproductionOptions;
 
 /// Seeds of the paper's own protocol: one run trains, two judge. Not 1 to 3 nor 101 to 124: samples of those seeds were looked
 /// at when defaults of the training were chosen, so they can no longer judge it.

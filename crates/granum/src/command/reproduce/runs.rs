@@ -1,15 +1,15 @@
 //! The DEM runs of a reproduction, one a core, those that are finished used again.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use granum_core::parallel;
 use granum_dem::preparation::Phase;
-use granum_hybrid::laboratory::{
-    Field, GRAINS_PER_THREAD, Laboratory, LaboratoryError, RunObserver, Shared, Source, Status,
-};
 use granum_io::shell::quoted_path;
 use granum_io::{Case, Run, RunFolder, RunRecord, RunStatus, inner_folder};
+use granum_run::laboratory::{
+    Field, GRAINS_PER_THREAD, Laboratory, LaboratoryError, RunObserver, Shared, Source, Status,
+};
 
 use super::plan::{Plan, Role};
 use crate::context::Context;
@@ -17,7 +17,7 @@ use crate::failure::{Failure, Interrupted};
 use crate::progress::{Progress, Room};
 
 /// Folder of the runs.
-const FOLDER: &str = granum_hybrid::reproduction::RUNS;
+const FOLDER: &str = granum_learn::antony2006::reproduction::RUNS;
 /// Share of the work that the preparation is of a whole run, for the bar.
 const PREPARATION_SHARE: f64 = 0.15;
 
@@ -112,29 +112,17 @@ pub fn all(
     let mut progress = context.progress();
     progress.phase("DEM");
     let board = Board { context, plan, progress: Mutex::new((progress, vec![0.0; jobs.len()])) };
-    let next = AtomicUsize::new(0);
-    let results: Mutex<Vec<(usize, Result<RunRecord, Failure>)>> = Mutex::new(Vec::new());
-    let work = || {
-        loop {
-            let number = next.fetch_add(1, Ordering::Relaxed);
-            let Some((case, path)) = jobs.get(number) else { return };
-            let _entered = shared.enter();
-            let mut eyes = Eyes { board: &board, number };
-            let result = one(&laboratory, case, path, &mut eyes);
-            board.progress.lock().unwrap_or_else(PoisonError::into_inner).1[number] = 1.0;
-            results.lock().unwrap_or_else(PoisonError::into_inner).push((number, result));
-        }
-    };
-    std::thread::scope(|scope| {
-        for _ in 1..laboratory.hardware.threads.min(jobs.len()) {
-            scope.spawn(work);
-        }
-        work();
-    });
-    let mut results = results.into_inner().unwrap_or_else(PoisonError::into_inner);
-    results.sort_by_key(|(number, _)| *number);
-    for (_, result) in results {
-        if result?.status == RunStatus::Interrupted {
+    let threads = laboratory.hardware.threads.max(1);
+    // One that fails keeps no other from its end: they need not be run again.
+    let records = parallel::map(jobs.len(), threads, |number| {
+        let (case, path): &(&Case, PathBuf) = &jobs[number];
+        let _entered = shared.enter();
+        let record = one(&laboratory, case, path, &mut Eyes { board: &board, number });
+        board.progress.lock().unwrap_or_else(PoisonError::into_inner).1[number] = 1.0;
+        Ok::<_, Failure>(record)
+    })?;
+    for record in records {
+        if record?.status == RunStatus::Interrupted {
             let (name, quoted) = (folder.display(), quoted_path(folder));
             let left = format!("{name} holds what was done; continue with `granum resume {quoted}`");
             return Err(Interrupted { left }.into());

@@ -1,15 +1,15 @@
 //! The networks of a reproduction: trained, judged, written down.
 
-use granum::report::{Role, RunReport, StudyReport, study_report};
-use granum_hybrid::figures::figures;
-use granum_hybrid::files::{save_study, write_json};
-use granum_hybrid::runs::{RunRole, StudyRun};
-use granum_hybrid::summary::{DemSummary, MappingSummary, RunSummary};
-use granum_hybrid::{
-    Dataset, DatasetOptions, NamedRecord, SizeStudy, SizeStudyOptions, Study, StudyOptions, Summary, reading,
-    speed,
-};
 use granum_io::{OutputFolder, Run};
+use granum_learn::antony2006::figures::figures;
+use granum_learn::antony2006::summary::{DemSummary, MappingSummary, RunSummary};
+use granum_learn::antony2006::{reading, speed};
+use granum_learn::files::{save_study, write_json};
+use granum_learn::runs::{RunRole, StudyRun};
+use granum_learn::{
+    Dataset, DatasetOptions, NamedRecord, SizeStudy, SizeStudyOptions, Study, StudyOptions, Summary,
+};
+use granum_report::{Role, RunReport, StudyReport, study_report};
 
 use super::Reproduce;
 use super::many;

@@ -1,0 +1,172 @@
+//! What the networks learned, in plain sentences from the numbers.
+
+use crate::antony2006::size_study::SizeStudy;
+use crate::antony2006::summary::SpeedSummary;
+use crate::sensor_use::Verdict;
+use crate::student::PairedTest;
+use crate::study::Evaluation;
+
+fn percent(share: f64) -> String {
+    format!("{:.2} %", 100.0 * share)
+}
+
+/// A mean difference with its standard error, in percentage points.
+fn points(test: &PairedTest) -> String {
+    let error = test.standard_error.map_or(String::new(), |error| format!(" ± {:.2}", 100.0 * error));
+    format!("{:.2}{error} percentage points", 100.0 * test.mean)
+}
+
+/// Words in a row: `a`, `a and b`, `a, b and c`.
+fn listed(words: &[String]) -> String {
+    match words {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+/// A few sentences on a mapping.
+pub fn read_mapping(evaluation: &Evaluation) -> String {
+    let mut sentences = vec![errors(evaluation)];
+    sentences.extend(sensors(evaluation));
+    sentences.extend(constants(evaluation));
+    sentences.join(" ")
+}
+
+/// How far the networks and what stands beside them miss.
+fn errors(evaluation: &Evaluation) -> String {
+    let mapping = &evaluation.mapping;
+    let unseen = evaluation.network.unseen.states > 0;
+    let of = |parts: &crate::study::Parts| {
+        percent(if unseen { parts.unseen } else { parts.held_out }.relative_rmse)
+    };
+    format!(
+        "{}: on {} the networks miss {} by {} (relative RMSE), strain-only networks by {}, ridge regression on the same \
+         sensors by {}, the mean curve of the training runs by {}.",
+        mapping.formula(),
+        if unseen { "unseen runs" } else { "held-out states" },
+        mapping.output.symbol(),
+        of(&evaluation.network),
+        of(&evaluation.strain_only),
+        of(&evaluation.ridge),
+        of(&evaluation.mean_curve),
+    )
+}
+
+/// What the networks make of their sensors; nothing to say without unseen runs.
+fn sensors(evaluation: &Evaluation) -> Option<String> {
+    let names: Vec<String> =
+        evaluation.mapping.inputs.iter().skip(1).map(|input| input.symbol().to_owned()).collect();
+    let names = listed(&names);
+    let sensor_use = &evaluation.sensor_use;
+    let runs = sensor_use.runs.len();
+    let Some(lost) = sensor_use.lost_with_other() else {
+        let found = if runs == 1 { "one unseen run" } else { "no unseen run" };
+        return Some(format!("Whether they use {names} cannot be told from {found}."));
+    };
+    let with_other = sensor_use
+        .with_other
+        .map_or(String::new(), |score| format!(" they miss it by {}", percent(score.relative_rmse)));
+    let exchanged = format!(
+        "Given {names} of another unseen run at the same strain{with_other}, {} {}",
+        points(&PairedTest { mean: lost.mean.abs(), ..lost }),
+        if lost.mean < 0.0 { "less" } else { "more" }
+    );
+    let help = sensor_use.help()?;
+    let help_points = points(&PairedTest { mean: help.mean.abs(), ..help });
+    Some(match sensor_use.verdict() {
+        Verdict::Gains => format!(
+            "{exchanged}: they use their sensors, and gain by it {help_points} against strain-only networks."
+        ),
+        Verdict::WithoutGain => format!(
+            "{exchanged}: they use their sensors, but without gain against strain-only networks ({help_points} {}).",
+            if help.mean < 0.0 { "worse" } else { "better, which is within the scatter" }
+        ),
+        Verdict::DoesNotUse => {
+            format!(
+                "{exchanged}, which is no more than the scatter over {runs} runs: they do not use their sensors."
+            )
+        }
+        Verdict::TooFewRuns => {
+            format!("{exchanged}; {runs} unseen runs are too few to test whether they use their sensors.")
+        }
+    })
+}
+
+/// Names the sub-models whose networks are constants.
+fn constants(evaluation: &Evaluation) -> Option<String> {
+    let numbers: Vec<String> = (evaluation.sub_models.iter().enumerate())
+        .filter(|(_, sub_model)| sub_model.constant)
+        .map(|(k, _)| (k + 1).to_string())
+        .collect();
+    match numbers.len() {
+        0 => None,
+        1 => Some(format!(
+            "The network of sub-model {} answers with a constant: it has learned nothing.",
+            numbers[0]
+        )),
+        _ => Some(format!(
+            "The networks of sub-models {} answer with constants: they have learned nothing.",
+            listed(&numbers)
+        )),
+    }
+}
+
+/// Sentences on the size of networks with and without a further soft sensor.
+pub fn read_size_study(study: &SizeStudy) -> Vec<String> {
+    let [first, others @ ..] = study.curves.as_slice() else { return Vec::new() };
+    let size = |neurons: Option<usize>| match neurons {
+        Some(1) => "1 neuron".to_owned(),
+        Some(neurons) => format!("{neurons} neurons"),
+        None => "more neurons than were tried".to_owned(),
+    };
+    let sentence = |other: &crate::antony2006::size_study::SizeCurve| {
+        let (a, b) = (first.neurons_for_held_out, other.neurons_for_held_out);
+        let claim = match (a, b) {
+            (Some(a), Some(b)) if b < a => "so here the further input does let the network be smaller",
+            (None, Some(_)) => "so here the further input does let the network be smaller",
+            (Some(a), Some(b)) if b == a => {
+                "so here the further input does not change the size that is needed"
+            }
+            _ => "so here the further input does not let the network be smaller",
+        };
+        format!(
+            "To come within {:.0} % of the best held-out error of {}, {} needs {} in each hidden layer and {} {}; {claim}.",
+            100.0 * study.tolerance,
+            first.mapping,
+            first.mapping,
+            size(a),
+            other.mapping,
+            size(b),
+        )
+    };
+    others.iter().map(sentence).collect()
+}
+
+/// A sentence on speed.
+pub fn read_speed(speed: &SpeedSummary) -> String {
+    // Two figures: the time of the networks wavers by more.
+    let magnitude = 10f64.powf(speed.factor.max(1.0).log10().floor() - 1.0);
+    let factor = (speed.factor / magnitude).round() * magnitude;
+    format!(
+        "The networks answer {} states of all mappings in {:.2} ms, the DEM test took {:.0} s: {factor:.0} times faster (the \
+         paper says 5 to 10). That leaves out {:.1} s of training, the DEM it learned from, and that the networks are \
+         told soft sensors of the test they answer.",
+        speed.states,
+        1e3 * speed.network_seconds,
+        speed.dem_seconds,
+        speed.training_seconds
+    )
+}
+
+/// The whole reading.
+pub fn read(
+    evaluations: &[Evaluation],
+    size_study: Option<&SizeStudy>,
+    speed: Option<&SpeedSummary>,
+) -> Vec<String> {
+    let mut sentences: Vec<String> = evaluations.iter().map(read_mapping).collect();
+    sentences.extend(size_study.map(read_size_study).unwrap_or_default());
+    sentences.extend(speed.map(read_speed));
+    sentences
+}

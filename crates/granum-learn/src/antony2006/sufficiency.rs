@@ -1,0 +1,31 @@
+//! Whether a data set can train mappings at all, told before anything is written.
+
+use crate::dataset::Dataset;
+use crate::error::{LearnError, Result};
+use crate::mapping::Mapping;
+use crate::study::FEWEST_STATES;
+use crate::surrogate::states_of;
+
+/// Refuses mappings of which a sub-model would have too few training states.
+///
+/// # Errors
+/// [`LearnError::TooFewStates`] for the first such sub-model.
+pub fn check_states(dataset: &Dataset, mappings: &[Mapping]) -> Result<()> {
+    let states = dataset.training();
+    for mapping in mappings {
+        for (k, sub_model) in mapping.sub_models.iter().enumerate() {
+            let found = states_of(mapping, states.iter().copied(), Some(k)).len();
+            if found < FEWEST_STATES {
+                return Err(LearnError::TooFewStates {
+                    mapping: mapping.name.clone(),
+                    sub_model: k + 1,
+                    low: sub_model.strain_range[0],
+                    high: sub_model.strain_range[1],
+                    found,
+                    needed: FEWEST_STATES,
+                });
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,232 @@
+//! Ridge regression on splines.
+//!
+//! ```text
+//! answer = B(strain) a + sum_k b_k z_k,   z_k = (sensor_k - B(strain) c_k) / s_k
+//! ```
+//!
+//! with `B` the cubic B-splines of [`super::spline`]. A sensor enters as its deviation from its own mean over strain
+//! (`c_k`, by the same splines), divided by the standard deviation `s_k` of that. The coefficients minimise the sum of
+//! squared errors over the training states plus `1e-6 |a|^2 + 0.05 n |b|^2` for `n` states (Hoerl and Kennard 1970). A
+//! distribution as a sensor enters with each of its bins, and as an answer has coefficients of its own for each of them.
+
+use serde::{Deserialize, Serialize};
+
+use super::cholesky::Cholesky;
+use super::spline::{FUNCTIONS, basis};
+use crate::dataset::State;
+use crate::error::{LearnError, Result};
+use crate::mapping::{Mapping, Quantity};
+
+/// Penalty on the squared coefficients of the splines: so little that it only keeps the equations solvable.
+const SPLINE_PENALTY: f64 = 1e-6;
+/// Penalty on the squared coefficients of the sensors, times the number of states.
+const SENSOR_PENALTY: f64 = 0.05;
+
+/// A fitted ridge regression.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Ridge {
+    /// Largest strain of the training states.
+    end: f64,
+    sensors: Vec<Quantity>,
+    output: Quantity,
+    /// One a value of the sensors.
+    deviations: Vec<Deviation>,
+    /// For each value of the output those of the splines, then those of the deviations.
+    coefficients: Vec<Vec<f64>>,
+}
+
+/// How a value of a sensor deviates from its mean over strain.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Deviation {
+    /// Coefficients of the splines of its mean.
+    mean: Vec<f64>,
+    /// Standard deviation from it over the training states.
+    standard_deviation: f64,
+}
+
+impl Deviation {
+    /// Of a value at a state with these spline functions; 0 where the training states do not differ.
+    fn of(&self, value: f64, splines: &[f64]) -> f64 {
+        let deviation = value - dot(&self.mean, splines);
+        if self.standard_deviation > 0.0 { deviation / self.standard_deviation } else { 0.0 }
+    }
+}
+
+impl Ridge {
+    /// Fits the inputs and output of a mapping to states.
+    ///
+    /// # Errors
+    /// [`LearnError::Dataset`] if there is no state or the equations cannot be solved.
+    pub fn fit(mapping: &Mapping, states: &[&State]) -> Result<Ridge> {
+        if states.is_empty() {
+            return Err(LearnError::Dataset("ridge regression has no training state".to_owned()));
+        }
+        let unsolved =
+            || LearnError::Dataset(format!("{}: the ridge regression has no solution", mapping.name));
+        let end = states.iter().fold(0.0f64, |end, state| end.max(state.strain));
+        let splines: Vec<Vec<f64>> = states.iter().map(|state| basis(state.strain, end).to_vec()).collect();
+        let sensors: Vec<Quantity> =
+            mapping.inputs.iter().copied().filter(|&input| input != Quantity::DeviatorStrain).collect();
+        let by_strain = Equations::new(&splines, &[SPLINE_PENALTY; FUNCTIONS]).ok_or_else(unsolved)?;
+        let deviations: Vec<Deviation> = columns(states, &sensors)
+            .iter()
+            .map(|values| {
+                let mean = by_strain.solve(&splines, values);
+                let squares: f64 =
+                    values.iter().zip(&splines).map(|(value, row)| (value - dot(&mean, row)).powi(2)).sum();
+                Deviation { standard_deviation: (squares / states.len() as f64).sqrt(), mean }
+            })
+            .collect();
+        let mut ridge = Ridge { end, sensors, output: mapping.output, deviations, coefficients: Vec::new() };
+        let rows: Vec<Vec<f64>> = states.iter().map(|state| ridge.row(state)).collect();
+        let mut penalties = vec![SPLINE_PENALTY; FUNCTIONS];
+        penalties.resize(FUNCTIONS + ridge.deviations.len(), SENSOR_PENALTY * states.len() as f64);
+        let equations = Equations::new(&rows, &penalties).ok_or_else(unsolved)?;
+        ridge.coefficients = columns(states, &[mapping.output])
+            .iter()
+            .map(|targets| equations.solve(&rows, targets))
+            .collect();
+        Ok(ridge)
+    }
+
+    /// What it answers a state: one value, or one a bin of f.
+    pub fn answer(&self, state: &State) -> Vec<f64> {
+        let row = self.row(state);
+        self.coefficients.iter().map(|coefficients| dot(coefficients, &row)).collect()
+    }
+
+    fn row(&self, state: &State) -> Vec<f64> {
+        let mut row = basis(state.strain, self.end).to_vec();
+        let values = self.sensors.iter().flat_map(|&sensor| state.values(sensor));
+        let deviations: Vec<f64> =
+            self.deviations.iter().zip(values).map(|(deviation, &value)| deviation.of(value, &row)).collect();
+        row.extend(deviations);
+        row
+    }
+
+    /// True if it was fitted to the inputs and the output of this mapping, with so many bins of f.
+    pub(super) fn is_of(&self, mapping: &Mapping, bins: usize) -> bool {
+        let values = |quantity: &Quantity| if *quantity == Quantity::ForceDistribution { bins } else { 1 };
+        let sensors: Vec<Quantity> =
+            mapping.inputs.iter().copied().filter(|&input| input != Quantity::DeviatorStrain).collect();
+        let columns: usize = sensors.iter().map(values).sum();
+        self.sensors == sensors
+            && self.output == mapping.output
+            && self.deviations.len() == columns
+            && self.deviations.iter().all(|deviation| deviation.mean.len() == FUNCTIONS)
+            && self.coefficients.len() == values(&mapping.output)
+            && self.coefficients.iter().all(|row| row.len() == FUNCTIONS + columns)
+    }
+}
+
+/// The values of quantities at states, one column a value.
+fn columns(states: &[&State], quantities: &[Quantity]) -> Vec<Vec<f64>> {
+    let mut columns = Vec::new();
+    for &quantity in quantities {
+        let count = states.first().map_or(0, |state| state.values(quantity).len());
+        columns.extend((0..count).map(|k| states.iter().map(|state| state.values(quantity)[k]).collect()));
+    }
+    columns
+}
+
+/// The normal equations of penalised least squares, factored.
+struct Equations {
+    factor: Cholesky,
+}
+
+impl Equations {
+    fn new(rows: &[Vec<f64>], penalties: &[f64]) -> Option<Equations> {
+        let size = penalties.len();
+        let mut matrix = vec![0.0; size * size];
+        for row in rows {
+            for i in 0..size {
+                for j in 0..=i {
+                    matrix[i * size + j] += row[i] * row[j];
+                }
+            }
+        }
+        for (i, penalty) in penalties.iter().enumerate() {
+            matrix[i * size + i] += penalty;
+        }
+        Cholesky::new(size, &matrix).map(|factor| Equations { factor })
+    }
+
+    fn solve(&self, rows: &[Vec<f64>], targets: &[f64]) -> Vec<f64> {
+        let mut sums = vec![0.0; rows.first().map_or(0, Vec::len)];
+        for (row, target) in rows.iter().zip(targets) {
+            for (sum, value) in sums.iter_mut().zip(row) {
+                *sum += value * target;
+            }
+        }
+        self.factor.solve(&sums)
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mapping::paper_mapping;
+
+    /// Sensors far from any function of strain: +1, -1 by turns about a curve.
+    fn states(slope: f64) -> Vec<State> {
+        (1..=240)
+            .map(|k| {
+                let strain = 0.3 * f64::from(k) / 240.0;
+                let shown = if (k / 2) % 2 == 0 { 0.01 } else { -0.01 };
+                State {
+                    strain,
+                    stress_ratio: 0.5 + 2.0 * strain + slope * shown,
+                    deviator_fabric: 0.1 + strain + shown,
+                    densities: vec![0.3 - strain, 0.2 + 2.0 * slope * shown],
+                }
+            })
+            .collect()
+    }
+
+    /// A target that is a spline and a multiple of a deviation that no spline follows: by hand the penalty of 0.05 n on
+    /// a coefficient whose inputs have squares that sum to n takes it down to 1 / 1.05.
+    #[test]
+    fn coefficients_as_solved_by_hand() {
+        let mut mapping = paper_mapping("F4").unwrap();
+        mapping.output = Quantity::StressRatio;
+        let states = states(3.0);
+        let all: Vec<&State> = states.iter().collect();
+        let ridge = Ridge::fit(&mapping, &all).unwrap();
+        let sensed = ridge.coefficients[0][FUNCTIONS];
+        assert!((ridge.deviations[0].standard_deviation - 0.01).abs() < 2e-4, "{ridge:?}");
+        let by_hand = 3.0 * ridge.deviations[0].standard_deviation / 1.05;
+        assert!((sensed / by_hand - 1.0).abs() < 1e-6, "{sensed} {by_hand}");
+        let mut state = states[100].clone();
+        let before = ridge.answer(&state)[0];
+        state.deviator_fabric += 0.005;
+        assert!((ridge.answer(&state)[0] - before - 0.005 * 3.0 / 1.05).abs() < 1e-7);
+        // Strain alone answers with the curve.
+        let alone = Ridge::fit(&mapping.strain_only(), &all).unwrap();
+        assert!((alone.answer(&state)[0] - (0.5 + 2.0 * state.strain)).abs() < 2e-3);
+        assert_eq!(alone.deviations.len(), 0);
+        assert!(ridge.is_of(&mapping, 2) && !ridge.is_of(&mapping.strain_only(), 2));
+        assert!(Ridge::fit(&mapping, &[]).is_err());
+    }
+
+    #[test]
+    fn distributions_are_inputs_and_answers_bin_by_bin() {
+        let states = states(1.0);
+        let all: Vec<&State> = states.iter().collect();
+        let read = Ridge::fit(&paper_mapping("F1").unwrap(), &all).unwrap();
+        assert_eq!((read.deviations.len(), read.coefficients.len()), (2, 1));
+        // The first bin is a function of strain: what is left of it after its mean is rounding, and teaches nothing.
+        assert!(read.deviations[0].standard_deviation < 1e-3);
+        let given = Ridge::fit(&paper_mapping("F5").unwrap(), &all).unwrap();
+        assert_eq!((given.deviations.len(), given.coefficients.len()), (2, 2));
+        let answer = given.answer(&states[50]);
+        assert!((answer[1] - states[50].densities[1]).abs() < 1e-3, "{answer:?}");
+        let text = serde_json::to_string(&given).unwrap();
+        assert_eq!(serde_json::from_str::<Ridge>(&text).unwrap(), given);
+    }
+}

@@ -1,0 +1,276 @@
+//! What is in a folder, and the command line that goes on from it: the one place that every command asks.
+
+use std::path::{Path, PathBuf};
+
+use granum_io::shell::quoted_path;
+use granum_io::{OutputFolder, Run, RunRecord, RunStatus};
+
+use crate::antony2006::reproduction::{RUNS, Reproduction, SUMMARY_FILE};
+use crate::error::{LearnError, Result};
+use crate::files::STUDY_FILE;
+use crate::keeping::PLAN_FILE;
+use granum_run::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
+
+/// Page of a report.
+const REPORT_FILE: &str = "report.html";
+
+/// What a folder is made to hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A sample or a test.
+    Run,
+    /// A training.
+    Training,
+    /// A reproduction of the paper.
+    Reproduction,
+}
+
+impl Kind {
+    /// With its article.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Run => "a sample or test",
+            Kind::Training => "a training",
+            Kind::Reproduction => "a reproduction",
+        }
+    }
+}
+
+/// What is in a folder.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Contents {
+    /// No folder, or nothing in it.
+    Nothing,
+    /// Files that are none of the following.
+    Other,
+    /// A sample or a test; without its record if that cannot be read.
+    Run(Option<Box<RunRecord>>),
+    /// Networks.
+    Training {
+        /// All are there.
+        finished: bool,
+    },
+    /// A reproduction.
+    Reproduction {
+        /// What it is of; `None` if an earlier version did not say.
+        of: Option<Reproduction>,
+        /// All runs have reached their end and the numbers are there.
+        finished: bool,
+    },
+}
+
+/// What to do with a folder.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Next {
+    /// For people, with the command line.
+    pub text: String,
+    /// The command line that goes on from the folder, where there is one.
+    pub command: Option<String>,
+}
+
+impl Next {
+    fn new(what: &str, command: String) -> Next {
+        Next { text: format!("{what}: {command}"), command: Some(command) }
+    }
+
+    fn only(text: impl Into<String>) -> Next {
+        Next { text: text.into(), command: None }
+    }
+}
+
+impl Contents {
+    /// Reads what is in a folder; nothing is locked or changed.
+    ///
+    /// # Errors
+    /// If the file that says what a reproduction is of cannot be read.
+    pub fn of(folder: &Path) -> Result<Contents> {
+        let has = |name: &str| folder.join(name).is_file();
+        let of = Reproduction::read(folder)?;
+        let unsaid = || OutputFolder::is_granums(folder) && is_real_folder(&folder.join(RUNS));
+        if of.is_some() || (!has("run.json") && !has(PLAN_FILE) && unsaid()) {
+            let finished = has(SUMMARY_FILE) && runs_are_finished(folder, of.as_ref());
+            return Ok(Contents::Reproduction { of, finished });
+        }
+        if has(PLAN_FILE) || has(STUDY_FILE) {
+            return Ok(Contents::Training { finished: has(STUDY_FILE) });
+        }
+        if has("run.json") {
+            let record = Run::at(folder).and_then(|run| run.record()).ok();
+            return Ok(Contents::Run(record.map(Box::new)));
+        }
+        Ok(if OutputFolder::is_free(folder) { Contents::Nothing } else { Contents::Other })
+    }
+
+    /// Its kind, if granum made it.
+    pub fn kind(&self) -> Option<Kind> {
+        match self {
+            Contents::Nothing | Contents::Other => None,
+            Contents::Run(_) => Some(Kind::Run),
+            Contents::Training { .. } => Some(Kind::Training),
+            Contents::Reproduction { .. } => Some(Kind::Reproduction),
+        }
+    }
+
+    /// In words, as "an interrupted test".
+    pub fn name(&self) -> String {
+        let ended = |finished: bool| if finished { "a finished" } else { "an unfinished" };
+        match self {
+            Contents::Nothing => "nothing".into(),
+            Contents::Other => "files that granum did not write".into(),
+            Contents::Run(None) => "a sample or test whose run.json cannot be read".into(),
+            Contents::Run(Some(record)) => {
+                let word = match record.status {
+                    RunStatus::Running => "a killed",
+                    RunStatus::Interrupted => "an interrupted",
+                    RunStatus::Finished => "a finished",
+                    RunStatus::Failed => "a failed",
+                };
+                format!(
+                    "{word} {}",
+                    if record.kind == "prepare" { "preparation of a sample" } else { "test" }
+                )
+            }
+            Contents::Training { finished } => format!("{} training", ended(*finished)),
+            Contents::Reproduction { finished, .. } => format!("{} reproduction", ended(*finished)),
+        }
+    }
+
+    /// The folders of its runs, if it is a reproduction; some may not be there yet. Links are left out.
+    pub fn runs(&self, folder: &Path) -> Vec<PathBuf> {
+        let Contents::Reproduction { of, .. } = self else { return Vec::new() };
+        let is_link = |path: &Path| std::fs::symlink_metadata(path).is_ok_and(|kind| kind.is_symlink());
+        let mut folders = runs_of(folder, of.as_ref());
+        folders.retain(|path| !is_link(path) && !is_link(&folder.join(RUNS)));
+        folders
+    }
+
+    /// What to do with the folder that holds it.
+    pub fn next(&self, folder: &Path) -> Next {
+        let name = quoted_path(folder);
+        if OutputFolder::is_in_use(folder) {
+            return Next::only("a process is at work in it; wait");
+        }
+        let resume = || format!("granum resume {name}");
+        match self {
+            Contents::Nothing | Contents::Other => Next::only("nothing to continue"),
+            Contents::Run(None) => {
+                Next::only("its run.json cannot be read; run its case again, with --force")
+            }
+            Contents::Run(Some(record)) => next_of_run(record, folder),
+            Contents::Training { finished: true } => {
+                Next::new("judge it", format!("granum evaluate {name} RUN..."))
+            }
+            Contents::Training { .. } => Next::new("continue it", resume()),
+            Contents::Reproduction { of: None, .. } => Next::only(
+                "no reproduction.json says with which options it was made; reproduce in another folder, or replace it with --force",
+            ),
+            Contents::Reproduction { of: Some(of), finished } => {
+                let line = of.options.command_line(Some(folder));
+                if *finished {
+                    let page = folder.join(REPORT_FILE);
+                    return Next { text: format!("done; see {}", page.display()), command: Some(line) };
+                }
+                if of.is_of_this_version() {
+                    return Next::new("continue it", line);
+                }
+                Next::new(
+                    &format!("it was begun by granum {}; continue it by that version", of.granum_version),
+                    line,
+                )
+            }
+        }
+    }
+}
+
+fn next_of_run(record: &RunRecord, folder: &Path) -> Next {
+    let name = quoted_path(folder);
+    let resume = format!("granum resume {name}");
+    let checkpoint = [CHECKPOINT, PREVIOUS_CHECKPOINT].iter().any(|file| folder.join(file).is_file());
+    match record.status {
+        RunStatus::Finished if record.kind == "prepare" => {
+            Next::new("shear it", format!("granum shear CASE --sample {name}"))
+        }
+        RunStatus::Finished if folder.join(REPORT_FILE).is_file() => {
+            let what = format!("its report is {}; write it again", folder.join(REPORT_FILE).display());
+            Next::new(&what, format!("granum report {name} --force"))
+        }
+        RunStatus::Finished => Next::new("write its report", format!("granum report {name}")),
+        RunStatus::Failed => {
+            let why = record.notes.last().map_or("it failed", String::as_str);
+            Next {
+                text: format!(
+                    "{why}; once the cause is mended continue it: {resume}; or change the case and run it again with --force"
+                ),
+                command: Some(resume),
+            }
+        }
+        _ if checkpoint => Next::new("continue it", resume),
+        _ => Next::new("there is no checkpoint yet; begin again from its case", resume),
+    }
+}
+
+/// Refuses a folder in which a command would replace what is there: anything of its own kind without `force`, and anything
+/// of another kind always. A folder in which a process is at work is left to its lock.
+///
+/// # Errors
+/// [`LearnError::Taken`] with the command line that goes on from what is there.
+pub fn check_free(folder: &Path, wanted: Kind, force: bool) -> Result<()> {
+    let contents = Contents::of(folder)?;
+    let Some(kind) = contents.kind() else { return Ok(()) };
+    let same = kind == wanted;
+    if (same && force) || OutputFolder::is_in_use(folder) {
+        return Ok(());
+    }
+    Err(taken(folder, &contents, wanted.name(), same))
+}
+
+/// The refusal of a folder for what it holds; `replaceable` if `--force` would replace that.
+pub fn taken(folder: &Path, contents: &Contents, wanted: &str, replaceable: bool) -> LearnError {
+    let go_on = match contents.next(folder) {
+        Next { command: Some(command), .. } => format!("to continue from that: `{command}`; else choose"),
+        Next { text, .. } => format!("{text}; else choose"),
+    };
+    let replace = if replaceable {
+        "another name, or give --force to replace it".to_string()
+    } else {
+        format!("another name for {wanted}")
+    };
+    LearnError::Taken {
+        folder: folder.to_path_buf(),
+        holds: contents.name(),
+        advice: format!("{go_on} {replace}"),
+    }
+}
+
+/// The folders of runs that are in that of a reproduction, sorted. A link may lead anywhere and is none.
+fn run_folders(folder: &Path) -> Vec<PathBuf> {
+    let runs = folder.join(RUNS);
+    let Some(read) = is_real_folder(&runs).then(|| std::fs::read_dir(&runs).ok()).flatten() else {
+        return Vec::new();
+    };
+    let paths = read.filter_map(|entry| entry.ok().map(|entry| entry.path()));
+    let mut folders: Vec<PathBuf> = paths.filter(|path| is_real_folder(path)).collect();
+    folders.sort();
+    folders
+}
+
+/// The folders of the runs of a reproduction, whether they are there yet or not.
+fn runs_of(folder: &Path, of: Option<&Reproduction>) -> Vec<PathBuf> {
+    match of {
+        Some(of) => of.runs.iter().map(|name| folder.join(RUNS).join(name)).collect(),
+        None => run_folders(folder),
+    }
+}
+
+fn runs_are_finished(folder: &Path, of: Option<&Reproduction>) -> bool {
+    let folders = runs_of(folder, of);
+    let finished = |path: &PathBuf| {
+        let record = Run::at(path).and_then(|run| run.record());
+        is_real_folder(path) && record.is_ok_and(|record| record.status == RunStatus::Finished)
+    };
+    !folders.is_empty() && folders.iter().all(finished)
+}
+
+fn is_real_folder(path: &Path) -> bool {
+    std::fs::symlink_metadata(path).is_ok_and(|kind| kind.is_dir())
+}

@@ -1,0 +1,173 @@
+//! What a report is made from.
+
+use granum_core::Table;
+use granum_core::assembly::Assembly;
+use granum_io::run::{RunRecord, RunStatus};
+use granum_io::{Case, Run};
+use granum_learn::LearnError;
+use granum_sensors::Record;
+use serde::{Deserialize, Serialize};
+
+/// One DEM run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RunReport {
+    /// Its name, as of its folder.
+    pub name: String,
+    /// What it was for.
+    pub role: Role,
+    /// Everything that decided it.
+    pub case: Case,
+    /// What its `run.json` says.
+    pub run: RunRecord,
+    /// What the sensors saw.
+    pub record: Record,
+    /// The course of the preparation; empty where it was not recorded.
+    #[serde(default)]
+    pub preparation: Table,
+    /// The sample before shear, for pictures.
+    pub start: Option<Assembly>,
+    /// The assembly at the end, for pictures.
+    pub end: Option<Assembly>,
+}
+
+/// What a run was for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Role {
+    /// A run for itself.
+    #[default]
+    Single,
+    /// Networks were trained on it.
+    Training,
+    /// No network saw it.
+    Unseen,
+}
+
+impl Role {
+    /// As a word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Role::Single => "run",
+            Role::Training => "training",
+            Role::Unseen => "unseen",
+        }
+    }
+}
+
+/// A column of a record; empty where there is none.
+pub fn column<'a>(record: &'a Record, name: &str) -> &'a [f64] {
+    record.series.values(name).unwrap_or(&[])
+}
+
+impl RunReport {
+    /// Reads the folder of a run, its pictures from the snapshots of the sample and of the end, where they are there.
+    ///
+    /// # Errors
+    /// If the case, the record or a snapshot is missing or damaged; the message names the file.
+    pub fn read(run: &Run, role: Role) -> Result<Self, LearnError> {
+        let names = run.snapshots()?;
+        let snapshot =
+            |name: &str| names.iter().find(|found| *found == name).map(|name| run.snapshot(name)).transpose();
+        let about = run.record()?;
+        Ok(RunReport {
+            name: run.path().file_name().map_or("run".to_owned(), |name| name.to_string_lossy().into_owned()),
+            role,
+            case: run.case()?,
+            // A sample has none.
+            record: if about.kind == "prepare" {
+                Record::default()
+            } else {
+                granum_run::record::read_record(run)?
+            },
+            run: about,
+            preparation: run.preparation()?.unwrap_or_default(),
+            start: snapshot(granum_run::laboratory::SAMPLE)?,
+            end: snapshot(granum_run::laboratory::END)?,
+        })
+    }
+
+    /// Whether the test reached its end.
+    pub fn is_complete(&self) -> bool {
+        self.run.status == RunStatus::Finished
+    }
+
+    /// Number of grains: those of the packing where the sample is made of one.
+    pub fn grains(&self) -> usize {
+        self.run.packing.as_ref().map_or(self.case.grains.count, |packing| packing.grains)
+    }
+
+    /// Mean diameter of the grains, m, and half the range of the diameters over it.
+    pub fn diameter(&self) -> (f64, f64) {
+        let of_case = (self.case.grains.diameter, self.case.grains.spread);
+        self.run.packing.as_ref().map_or(of_case, |packing| (packing.mean_diameter, packing.spread))
+    }
+
+    /// Mean stress, Pa: of the test, or of a sample that was not sheared.
+    pub fn mean_stress(&self) -> f64 {
+        let of_test = self.case.shear.mean_stress.filter(|_| self.run.kind != "prepare");
+        of_test.unwrap_or(self.case.preparation.mean_stress)
+    }
+
+    /// Wall time of all phases, s.
+    pub fn wall_seconds(&self) -> f64 {
+        self.run.wall_seconds.values().sum()
+    }
+
+    /// A column of the record; empty where there is none.
+    pub fn column(&self, name: &str) -> &[f64] {
+        column(&self.record, name)
+    }
+
+    /// Two columns as points.
+    pub fn points(&self, x: &str, y: &str) -> Vec<[f64; 2]> {
+        self.column(x).iter().zip(self.column(y)).map(|(&x, &y)| [x, y]).collect()
+    }
+
+    /// A column against the deviator strain.
+    pub fn against_strain(&self, y: &str) -> Vec<[f64; 2]> {
+        self.points("deviator_strain", y)
+    }
+
+    /// The first value of a column: the sample before shear. Of a sample that was not sheared, what was measured of it.
+    pub fn first(&self, name: &str) -> Option<f64> {
+        match self.run.kind.as_str() {
+            "prepare" => self.run.measures.get(name).copied(),
+            _ => self.column(name).first().copied(),
+        }
+    }
+
+    /// The row where a column is largest.
+    pub fn peak_row(&self, name: &str) -> Option<usize> {
+        let values = self.column(name);
+        (0..values.len()).filter(|&k| values[k].is_finite()).max_by(|&a, &b| values[a].total_cmp(&values[b]))
+    }
+
+    /// Mean of a column over the last quarter of the strain.
+    pub fn late_mean(&self, name: &str) -> Option<f64> {
+        granum_run::laboratory::late_mean(self.column("deviator_strain"), self.column(name))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use granum_core::Column;
+
+    #[test]
+    fn columns_are_found_or_empty() {
+        let column = |name: &str, values: &[f64]| Column::new(name, "", values.to_vec());
+        let series = Table::new(vec![
+            column("deviator_strain", &[0.0, 0.1, 0.2, 0.3]),
+            column("stress_ratio", &[0.0, 0.9, f64::NAN, 0.7]),
+        ])
+        .unwrap();
+        let run = RunReport { record: Record { series, forces: Vec::new() }, ..Default::default() };
+        assert_eq!(run.against_strain("stress_ratio").len(), 4);
+        assert_eq!(run.peak_row("stress_ratio"), Some(1));
+        // From 0.225 to 0.3, between the state at 0.1, 0.9, and the one at 0.3, 0.7.
+        assert!((run.late_mean("stress_ratio").unwrap() - 0.7375).abs() < 1e-12);
+        assert_eq!(run.first("stress_ratio"), Some(0.0));
+        assert!(run.column("nothing").is_empty() && run.peak_row("nothing").is_none());
+        assert_eq!(RunReport::default().late_mean("stress_ratio"), None);
+    }
+}

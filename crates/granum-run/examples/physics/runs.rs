@@ -1,0 +1,162 @@
+//! Samples and tests of the studies: friction 0.3, 20 kPa; Hertz, no-slip, or the laws of the paper.
+
+use std::error::Error;
+
+use granum_core::{Table, parallel};
+use granum_dem::config::{Contact, Grains, Material, NormalKind, Preparation, Recording, TangentialKind};
+use granum_dem::path::axisymmetric::AxisymmetricCompression;
+use granum_dem::path::{Watcher, follow, start};
+use granum_dem::preparation::{Flow, Progress, Recipe, prepare, settle};
+use granum_dem::simulation::{Hardware, Properties, Simulation};
+use granum_io::Packing;
+use granum_run::laboratory::{cell, sites};
+use granum_sensors::Recorder;
+
+/// Mean stress, Pa.
+pub const MEAN_STRESS: f64 = 20e3;
+
+/// What is compared.
+pub const CURVES: [&str; 5] = [
+    "stress_ratio",
+    "solid_fraction",
+    "coordination_number",
+    "mechanical_coordination_number",
+    "deviator_fabric",
+];
+
+/// Contact laws and grains of a study.
+#[derive(Clone, Copy)]
+pub enum Laws {
+    /// Hertz, no slip, no adhesion.
+    Plain,
+    /// JKR, Mindlin-Deresiewicz, the interface energy of the paper.
+    Paper,
+}
+
+impl Laws {
+    fn contact(self) -> Contact {
+        match self {
+            Laws::Plain => {
+                Contact { normal: NormalKind::Hertz, tangential: TangentialKind::NoSlip, damping: 0.1 }
+            }
+            Laws::Paper => Contact::default(),
+        }
+    }
+
+    fn grains(self, count: usize) -> Grains {
+        let material = match self {
+            Laws::Plain => Material { interface_energy: 0.0, ..Material::default() },
+            Laws::Paper => Material::default(),
+        };
+        Grains { count, material, ..Grains::default() }
+    }
+}
+
+/// A sample from a gas, compacted with a friction of its own.
+pub fn sample(laws: Laws, count: usize, friction: f64, seed: u64) -> Result<Simulation, Box<dyn Error>> {
+    let (contact, grains) = (laws.contact(), laws.grains(count));
+    let preparation = Preparation {
+        seed,
+        friction: Some(friction),
+        solid_fraction: None,
+        inertial_number: 2e-3,
+        unbalanced_force: 2e-3,
+        ..Preparation::default()
+    };
+    Ok(prepare(&recipe(&grains, &contact, &preparation), &mut |_: &Progress| Flow::Continue)?.simulation)
+}
+
+/// A packing of another program, brought to rest.
+pub fn packed(path: &std::path::Path) -> Result<Simulation, Box<dyn Error>> {
+    let packing = Packing::read(path)?;
+    let (contact, grains) = (Laws::Plain.contact(), Laws::Plain.grains(packing.grains.len()));
+    let preparation = Preparation::default();
+    let properties = Properties { material: grains.material, contact };
+    let simulation = Simulation::new(cell(&packing), &sites(&packing), properties)?;
+    Ok(settle(simulation, &recipe(&grains, &contact, &preparation), &mut |_: &Progress| Flow::Continue)?
+        .simulation)
+}
+
+fn recipe<'a>(grains: &'a Grains, contact: &'a Contact, preparation: &'a Preparation) -> Recipe<'a> {
+    Recipe { grains, contact, preparation, time_step_factor: 0.2, hardware: Hardware::default() }
+}
+
+/// How a test is done.
+#[derive(Clone, Copy)]
+pub struct Test {
+    pub inertial_number: f64,
+    pub deviator_strain: f64,
+    pub time_step_factor: f64,
+    pub states: usize,
+}
+
+impl Default for Test {
+    fn default() -> Self {
+        Test { inertial_number: 1e-3, deviator_strain: 0.1, time_step_factor: 0.2, states: 20 }
+    }
+}
+
+/// Looks averaged for a state.
+const LOOKS: usize = 7;
+
+/// What the sensors saw of a test at constant mean stress.
+pub fn sheared(sample: &Simulation, test: Test) -> Result<Table, Box<dyn Error>> {
+    let mut simulation = sample.clone();
+    simulation.set_time_step_factor(test.time_step_factor);
+    let path = AxisymmetricCompression {
+        strain_rate: simulation.strain_rate(test.inertial_number, MEAN_STRESS),
+        mean_stress: MEAN_STRESS,
+        deviator_strain: test.deviator_strain,
+    };
+    let recording = Recording { states: test.states, looks: LOOKS, ..Recording::default() };
+    let mut watch = Watch(Recorder::new(&recording, test.deviator_strain));
+    start(&path, &mut simulation);
+    follow(&path, &mut simulation, &mut watch)?;
+    Ok(watch.0.record().series)
+}
+
+/// What a run gives for the seeds 1, 2, ..., one run a core; in the order of the seeds.
+pub fn of_seeds(
+    seeds: usize,
+    run: impl Fn(u64) -> Result<Table, Box<dyn Error>> + Sync,
+) -> Result<Vec<Table>, Box<dyn Error>> {
+    let one = |k: usize| run(k as u64 + 1).map_err(|error| error.to_string());
+    Ok(parallel::map(seeds, 0, one)?)
+}
+
+struct Watch(Recorder);
+
+impl Watcher for Watch {
+    fn next_look(&self) -> f64 {
+        self.0.next_look()
+    }
+    fn look(&mut self, simulation: &Simulation) {
+        self.0.look(&simulation.assembly());
+    }
+    fn progress(&mut self, _: &Progress) -> Flow {
+        Flow::Continue
+    }
+}
+
+/// Values of a column at the states whose strain lies in a range.
+pub fn within(series: &Table, column: &str, range: std::ops::Range<f64>) -> Result<Vec<f64>, Box<dyn Error>> {
+    let strain = series.column("deviator_strain")?;
+    let values = series.column(column)?;
+    Ok(strain.iter().zip(values).filter(|(e, _)| range.contains(e)).map(|(_, &v)| v).collect())
+}
+
+pub fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// Root mean square of the differences.
+pub fn distance(a: &[f64], b: &[f64]) -> f64 {
+    let square: f64 = a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum();
+    (square / a.len().min(b.len()) as f64).sqrt()
+}
+
+/// Standard deviation, of a population seen through a few.
+pub fn deviation(values: &[f64]) -> f64 {
+    let m = mean(values);
+    (values.iter().map(|v| (v - m).powi(2)).sum::<f64>() / (values.len() as f64 - 1.0)).sqrt()
+}

@@ -1,0 +1,192 @@
+//! One case: run, run again in its other way, looked over.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use granum_dem::Isa;
+use granum_dem::simulation::{Hardware, Simulation};
+use granum_io::{Case, RunFolder, RunRecord, RunStatus};
+use granum_run::laboratory::{CHECKPOINT, Laboratory, RunObserver, Source, Status};
+
+use crate::draw::Way;
+
+/// A case that takes longer is given up.
+pub const LONGEST: Duration = Duration::from_secs(120);
+/// Gap of the energy ledger that a quasi-static test may have.
+const GAP: f64 = 1e-3;
+/// Share of what dashpots lose that comes to it: they take velocities half a step old, so their loss is counted up to a
+/// quarter of `(w dt)^2` too large. It matters where they take most of the work: without friction.
+const GAP_OF_DASHPOTS: f64 = 0.01;
+/// Judgements that say whether a test was quasi-static.
+const QUASI_STATIC: [&str; 6] = [
+    "inertial_number",
+    "unbalanced_force",
+    "servo_error_rms",
+    "servo_error_largest",
+    "mean_stress_lost",
+    "time_step_fraction",
+];
+
+/// What came of a case.
+#[derive(Default)]
+pub struct Outcome {
+    pub runs: u64,
+    pub grain_steps: f64,
+    pub given_up: bool,
+    pub told: Option<String>,
+    pub flags: Vec<String>,
+    pub quasi_static: bool,
+    pub energy_gap: Option<f64>,
+    pub failure: Option<String>,
+}
+
+/// Stops after so many looks, or when it takes too long.
+struct Eyes {
+    looks: u64,
+    stop_at: u64,
+    since: Instant,
+}
+
+impl RunObserver for Eyes {
+    fn status(&mut self, _: &Status) {
+        self.looks += 1;
+    }
+    fn stop(&self) -> bool {
+        self.looks >= self.stop_at || self.since.elapsed() > LONGEST
+    }
+}
+
+/// Runs a case in a folder of its own. `place` is where in the run it is interrupted, if at all, from 0 to 1.
+pub fn trial(case: &Case, way: Way, place: f64) -> Outcome {
+    let mut outcome = Outcome::default();
+    let work = AssertUnwindSafe(|| attempt(case, way, place, &mut outcome));
+    match catch_unwind(work) {
+        Ok(Ok(())) => {}
+        Ok(Err(why)) => outcome.failure = Some(why),
+        Err(panic) => {
+            let text = panic.downcast_ref::<String>().cloned();
+            let text = text.or_else(|| panic.downcast_ref::<&str>().map(ToString::to_string));
+            outcome.failure = Some(format!("panic: {}", text.unwrap_or_default()));
+        }
+    }
+    outcome
+}
+
+fn attempt(case: &Case, way: Way, place: f64, outcome: &mut Outcome) -> Result<(), String> {
+    let base = tempfile::tempdir().map_err(|error| error.to_string())?;
+    case.check().map_err(|error| format!("the draw is no case: {error}"))?;
+    let one = folder(base.path(), "one")?;
+    let mut eyes = Eyes { looks: 0, stop_at: u64::MAX, since: Instant::now() };
+    let hardware = Hardware::default();
+    let Some(record) = run(case, hardware, &one, &mut eyes, outcome)? else { return Ok(()) };
+    look_over(case, &one, &record, outcome)?;
+    let other = match way {
+        Way::Plain => return Ok(()),
+        Way::Interrupted => hardware,
+        Way::TwoThreads => Hardware { threads: 2, ..hardware },
+        Way::Portable => Hardware { isa: Isa::Portable, ..hardware },
+    };
+    let stop_at = if way == Way::Interrupted { 1 + (place * eyes.looks as f64) as u64 } else { u64::MAX };
+    let two = folder(base.path(), "two")?;
+    let mut again = Eyes { looks: 0, stop_at, since: Instant::now() };
+    let Some(record) = run(case, other, &two, &mut again, outcome)? else { return Ok(()) };
+    if record.status == RunStatus::Interrupted {
+        let mut rest = Eyes { looks: 0, stop_at: u64::MAX, since: Instant::now() };
+        let record = laboratory(hardware).resume(&two, &mut rest).map_err(|error| error.to_string())?;
+        if record.status != RunStatus::Finished {
+            outcome.given_up = true;
+            return Ok(());
+        }
+    }
+    for name in ["series.parquet", "forces.parquet", CHECKPOINT] {
+        let read = |folder: &RunFolder| std::fs::read(folder.path().join(name)).map_err(|e| e.to_string());
+        if read(&one)? != read(&two)? {
+            return Err(format!("{name} has other bytes"));
+        }
+    }
+    Ok(())
+}
+
+fn folder(base: &Path, name: &str) -> Result<RunFolder, String> {
+    RunFolder::create(base.join(name), false).map_err(|error| error.to_string())
+}
+
+fn laboratory(hardware: Hardware) -> Laboratory {
+    Laboratory {
+        grains_per_thread: 1,
+        checkpoint_every: Duration::from_secs(5),
+        ..Laboratory::new(hardware, "soak")
+    }
+}
+
+/// Runs the case; nothing if it ended with a message or took too long.
+fn run(
+    case: &Case,
+    hardware: Hardware,
+    folder: &RunFolder,
+    eyes: &mut Eyes,
+    outcome: &mut Outcome,
+) -> Result<Option<RunRecord>, String> {
+    outcome.runs += 1;
+    let record = match laboratory(hardware).shear(case, &Source::Case, folder, eyes) {
+        Ok(record) => record,
+        Err(error) => {
+            let text = error.to_string();
+            // What it says of itself first, without its numbers.
+            let kind = text.split([' ', ',']).take_while(|word| !word.contains(|c: char| c.is_ascii_digit()));
+            outcome.told = Some(kind.collect::<Vec<_>>().join(" "));
+            return Err(text);
+        }
+    };
+    outcome.grain_steps += record.grain_steps() as f64;
+    let early = record.status == RunStatus::Interrupted && eyes.looks < eyes.stop_at;
+    outcome.given_up |= early;
+    Ok((!early).then_some(record))
+}
+
+/// The work of the boundary and the loss in dashpots over what gaps are measured by: that work, but at least a tenth of the
+/// mean stress times volume and strain. Over a short strain the sum of compression and shear may come to next to nothing.
+fn of_the_work(case: &Case, folder: &RunFolder) -> Result<[f64; 2], String> {
+    let bytes = std::fs::read(folder.path().join(CHECKPOINT)).map_err(|error| error.to_string())?;
+    let (simulation, _) = Simulation::restore(&bytes).map_err(|error| error.to_string())?;
+    let state = simulation.state();
+    let work = state.energy().boundary_work.abs();
+    let least = 0.1 * state.mean_stress() * state.cell().volume() * case.shear.deviator_strain;
+    Ok([work, state.energy().damping].map(|energy| energy / work.max(least)))
+}
+
+/// No NaN anywhere, energy closed.
+fn look_over(
+    case: &Case,
+    folder: &RunFolder,
+    record: &RunRecord,
+    outcome: &mut Outcome,
+) -> Result<(), String> {
+    if record.status != RunStatus::Finished {
+        return Err(format!("it ended as {:?}", record.status));
+    }
+    let tables = [folder.run().series(), folder.run().forces()];
+    for table in tables {
+        let table = table.map_err(|error| error.to_string())?;
+        for column in table.columns() {
+            if let Some(row) = column.values.iter().position(|value| !value.is_finite()) {
+                return Err(format!("{} is {} in row {row}", column.name, column.values[row]));
+            }
+        }
+    }
+    if let Some((name, value)) = record.measures.iter().find(|(_, value)| !value.is_finite()) {
+        return Err(format!("{name} is {value}"));
+    }
+    let failed = |name: &str| record.quality.iter().any(|flag| flag.name == name && !flag.passed);
+    outcome.quasi_static = !QUASI_STATIC.iter().any(|name| failed(name));
+    outcome.flags = record.quality.iter().filter(|flag| !flag.passed).map(|flag| flag.name.clone()).collect();
+    let gap = record.quality.iter().find(|flag| flag.name == "energy_gap").map(|flag| flag.value);
+    let [work, damping] = of_the_work(case, folder)?;
+    let gap = gap.ok_or("it says nothing of its energy")? * work;
+    outcome.energy_gap = Some(gap);
+    if outcome.quasi_static && (gap.is_nan() || gap > GAP + GAP_OF_DASHPOTS * damping) {
+        return Err(format!("the energy ledger of a quasi-static test has a gap of {gap:.2e}"));
+    }
+    Ok(())
+}

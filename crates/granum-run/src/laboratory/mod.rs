@@ -1,0 +1,471 @@
+//! The laboratory: makes samples and tests them, and leaves run folders.
+//!
+//! ```text
+//! Case --> prepare --> sample folder --> shear --> run folder
+//! ```
+//!
+//! A run is a [`Standing`] that goes from stage to stage: preparation, sample, consolidation (where the test is at another
+//! mean stress than the sample), test. It is written down as a
+//! checkpoint at an interval of wall time and when the user stops it, and everything that decides what comes next is in
+//! it: a run that is killed at any instant goes on to the same bits. Before the first checkpoint there are the case and
+//! where the sample comes from.
+
+mod consolidation;
+mod from_packing;
+mod measures;
+pub mod memory;
+mod pace;
+mod preparation_curve;
+mod quality;
+mod sample;
+mod standing;
+mod status;
+mod test;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use granum_dem::preparation::PreparationError;
+use granum_dem::simulation::{Hardware, SimulationError};
+use granum_io::run::{Machine, RunFolder, RunRecord, RunSource, RunStatus};
+use granum_io::shell::quoted_path;
+use granum_io::{Case, Error as FileError};
+use thiserror::Error;
+
+pub(crate) use self::pace::Interval;
+use self::standing::{Stage, Standing};
+use self::status::Speedometer;
+use crate::record::write_record;
+
+pub use granum_io::run::{CHECKPOINT, PREVIOUS_CHECKPOINT};
+pub use measures::late_mean;
+pub use preparation_curve::PREPARATION_COLUMNS;
+pub use sample::{Source, cell, simulation, sites};
+pub use standing::check_beside;
+pub use status::{Field, Status};
+
+/// Name of the snapshot of a sample, in the folder of a test as it is when the test begins.
+pub const SAMPLE: &str = "start";
+/// Name of the snapshot at the end of a test.
+pub const END: &str = "end";
+
+/// Why a run failed.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum LaboratoryError {
+    /// A file or folder.
+    #[error(transparent)]
+    File(#[from] granum_io::Error),
+    /// The preparation.
+    #[error(transparent)]
+    Preparation(#[from] PreparationError),
+    /// The engine.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// The machine cannot hold it.
+    #[error(
+        "{grains} grains need up to {needed:.1} GB of memory, and this machine has {available:.1} GB free: grains.count can be \
+         at most {fitting} here"
+    )]
+    Memory {
+        /// Grains asked for.
+        grains: usize,
+        /// Estimate, GB.
+        needed: f64,
+        /// Free, GB.
+        available: f64,
+        /// Grains that would fit.
+        fitting: usize,
+    },
+    /// A packing that cannot be simulated.
+    #[error("the packing cannot be simulated: {0}")]
+    Packing(String),
+    /// A checkpoint.
+    #[error("{}: {what}", path.display())]
+    Checkpoint {
+        /// Its file.
+        path: PathBuf,
+        /// What is wrong, and what would be right.
+        what: String,
+    },
+    /// No checkpoint of a folder can be used.
+    #[error(
+        "{what}: no checkpoint can be used; run it again, e.g. `granum shear {} --out OTHER`",
+        quoted_path(&folder.join("case.toml"))
+    )]
+    Unusable {
+        /// The folder.
+        folder: PathBuf,
+        /// What is wrong with each.
+        what: String,
+    },
+}
+
+/// Who watches a run. Nothing that it does can change a result but to stop it.
+pub trait RunObserver {
+    /// Called every few hundred steps.
+    fn status(&mut self, status: &Status);
+    /// True to end the run in good order.
+    fn stop(&self) -> bool {
+        false
+    }
+    /// Something that the user should know and that does not end the run.
+    fn warn(&mut self, _text: &str) {}
+}
+
+/// An observer that looks away.
+pub struct Nobody;
+
+impl RunObserver for Nobody {
+    fn status(&mut self, _: &Status) {}
+}
+
+/// Processors that several runs share: a run that is alone gets all of them, many get one each.
+#[derive(Debug, Default)]
+pub struct Shared {
+    running: AtomicUsize,
+}
+
+impl Shared {
+    /// Counts a run in until the value returned is dropped.
+    pub fn enter(self: &Arc<Self>) -> Entered {
+        self.running.fetch_add(1, Ordering::Relaxed);
+        Entered(self.clone())
+    }
+}
+
+/// A run that counts.
+pub struct Entered(Arc<Shared>);
+
+impl Drop for Entered {
+    fn drop(&mut self) {
+        self.0.running.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+/// Fewest grains that are worth a thread of their own.
+pub const GRAINS_PER_THREAD: usize = 1500;
+/// Wall time between two checkpoints, where nothing else is asked for.
+pub const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
+
+/// Makes samples and tests them.
+#[derive(Clone, Debug)]
+pub struct Laboratory {
+    /// What runs the simulations; results do not depend on it.
+    pub hardware: Hardware,
+    /// Fewest grains for each thread; 1 to take as many threads as `hardware` says.
+    pub grains_per_thread: usize,
+    /// Set where several runs share the processors.
+    pub shared: Option<Arc<Shared>>,
+    /// Wall time between two checkpoints; results do not depend on it.
+    pub checkpoint_every: Duration,
+    /// Version to write into records.
+    pub version: String,
+}
+
+/// A run that is about to begin: what it begins with was found good, and nothing is written yet.
+pub struct Beginning {
+    case: Case,
+    record: RunRecord,
+    standing: Standing,
+}
+
+/// How a stretch of a run ended.
+enum Stretch {
+    /// There is more to do.
+    GoOn,
+    /// The observer wants to stop.
+    Stop,
+    /// The run is complete.
+    Complete,
+}
+
+impl Laboratory {
+    /// A laboratory of its own, with checkpoints at the usual interval.
+    pub fn new(hardware: Hardware, version: impl Into<String>) -> Laboratory {
+        Laboratory {
+            hardware,
+            grains_per_thread: GRAINS_PER_THREAD,
+            shared: None,
+            checkpoint_every: CHECKPOINT_EVERY,
+            version: version.into(),
+        }
+    }
+
+    /// What to run a simulation of so many grains on just now.
+    pub(crate) fn hardware_for(&self, grains: usize) -> Hardware {
+        let running = self.shared.as_ref().map_or(1, |s| s.running.load(Ordering::Relaxed).max(1));
+        let useful = grains / self.grains_per_thread.max(1);
+        Hardware { threads: (self.hardware.threads / running).min(useful).max(1), ..self.hardware }
+    }
+
+    /// Makes a sample and leaves it in a folder: case, snapshot, checkpoint, record. The record's status tells whether it
+    /// was interrupted.
+    ///
+    /// # Errors
+    /// [`LaboratoryError`]; the record in the folder then has the status `failed`.
+    pub fn prepare(
+        &self,
+        case: &Case,
+        source: &Source,
+        folder: &RunFolder,
+        observer: &mut dyn RunObserver,
+    ) -> Result<RunRecord, LaboratoryError> {
+        self.run(self.beginning("prepare", case, source, observer)?, folder, observer)
+    }
+
+    /// Makes or takes a sample and shears it as the case says; leaves a run folder.
+    ///
+    /// # Errors
+    /// [`LaboratoryError`]; the record in the folder then has the status `failed`.
+    pub fn shear(
+        &self,
+        case: &Case,
+        source: &Source,
+        folder: &RunFolder,
+        observer: &mut dyn RunObserver,
+    ) -> Result<RunRecord, LaboratoryError> {
+        self.run(self.beginning("shear", case, source, observer)?, folder, observer)
+    }
+
+    /// Goes on with a preparation or test that was interrupted, killed or failed: from its last good checkpoint, or from
+    /// the case if there is none yet.
+    ///
+    /// # Errors
+    /// [`LaboratoryError`] if what is there cannot be used, or it fails again.
+    pub fn resume(
+        &self,
+        folder: &RunFolder,
+        observer: &mut dyn RunObserver,
+    ) -> Result<RunRecord, LaboratoryError> {
+        let run = folder.run();
+        let case = run.case()?;
+        let mut record = run.record()?;
+        if !record.is_of(&case) {
+            let message =
+                "the case was changed since the run began; run the changed case anew in another folder";
+            return Err(FileError::content(&folder.path().join("case.toml"), message).into());
+        }
+        let standing = standing::last_good(folder, &case, observer)?;
+        if record.status == RunStatus::Finished && standing.as_ref().is_none_or(|s| !s.older) {
+            return Ok(record);
+        }
+        if record.granum_version != self.version {
+            let (old, new) = (&record.granum_version, &self.version);
+            let text = format!(
+                "begun by granum {old} and resumed by {new}: its results may differ in the last digits from those of either version"
+            );
+            observer.warn(&text);
+            record.notes.push(text);
+        }
+        record.status = RunStatus::Running;
+        self.finish(folder, &mut record, |record| {
+            if record.unwritten_case.take().is_some() {
+                write_case(folder, &case, record)?;
+            }
+            let standing = match standing {
+                Some(standing) => standing,
+                None => {
+                    let source = Source::recorded(&record.source)?;
+                    self.start(&case, &source, None, record, observer)?
+                }
+            };
+            self.go_on(&case, standing, folder, record, observer)
+        })
+    }
+
+    /// Reads what a run of a `kind` (`prepare`, `shear`) begins with and refuses what cannot be run. Nothing is written, so that
+    /// a mistake leaves no folder behind. The observer is told what the user should know of it.
+    ///
+    /// # Errors
+    /// [`LaboratoryError`] if the machine cannot hold the case, or its sample or packing cannot be used.
+    pub fn beginning(
+        &self,
+        kind: &str,
+        case: &Case,
+        source: &Source,
+        observer: &mut dyn RunObserver,
+    ) -> Result<Beginning, LaboratoryError> {
+        if *source == Source::Case {
+            memory::check(case)?;
+        }
+        let packing = Self::packing(source)?;
+        let machine = Machine::here(self.hardware.isa.name(), self.hardware.threads);
+        let mut record = RunRecord::new(kind, &self.version, case, machine);
+        record.source = source.record()?;
+        if let (Some(packing), RunSource::Packing { file, sha256 }) = (&packing, &record.source) {
+            let packing = from_packing::describe(file, packing, sha256);
+            record.set_packing(case, packing);
+        }
+        let standing = self.start(case, source, packing, &mut record, observer)?;
+        Ok(Beginning { case: case.clone(), record, standing })
+    }
+
+    /// Runs from a beginning to the end. The record goes first and holds the case until that has its own file: from then
+    /// on the run can be resumed.
+    ///
+    /// # Errors
+    /// [`LaboratoryError`]; the record in the folder then has the status `failed`.
+    pub fn run(
+        &self,
+        beginning: Beginning,
+        folder: &RunFolder,
+        observer: &mut dyn RunObserver,
+    ) -> Result<RunRecord, LaboratoryError> {
+        let Beginning { case, mut record, standing } = beginning;
+        record.unwritten_case = Some(case.resolved_toml());
+        folder.write_record(&record)?;
+        write_case(folder, &case, &record)?;
+        record.unwritten_case = None;
+        self.finish(folder, &mut record, |record| self.go_on(&case, standing, folder, record, observer))
+    }
+
+    /// Goes from stage to stage until the run is complete or the observer stops it.
+    fn go_on(
+        &self,
+        case: &Case,
+        mut standing: Standing,
+        folder: &RunFolder,
+        record: &mut RunRecord,
+        observer: &mut dyn RunObserver,
+    ) -> Result<(), LaboratoryError> {
+        // At once, so that nothing outside the folder is needed from here on.
+        save(folder, &standing, record)?;
+        let mut speedometer = Speedometer::new();
+        loop {
+            let started = Instant::now();
+            speedometer.begin();
+            let phase = standing.phase();
+            let stretch = match standing.stage {
+                Stage::Preparation(_) => {
+                    let source = &record.source;
+                    let (next, stretch) =
+                        self.prepare_on(case, standing, source, &mut speedometer, observer)?;
+                    standing = next;
+                    stretch
+                }
+                Stage::Sample => {
+                    write_sample(folder, &standing)?;
+                    if record.kind == "prepare" {
+                        return Ok(());
+                    }
+                    match consolidation::wanted(case) {
+                        None => self.begin_test(case, &mut standing)?,
+                        Some(preparation) => {
+                            standing = self.begin_consolidation(case, standing, &preparation);
+                            Stretch::GoOn
+                        }
+                    }
+                }
+                Stage::Consolidation(_) => {
+                    let (next, stretch) = self.consolidate_on(case, standing, &mut speedometer, observer)?;
+                    standing = next;
+                    stretch
+                }
+                Stage::Consolidated => {
+                    write_sample(folder, &standing)?;
+                    self.begin_test(case, &mut standing)?
+                }
+                Stage::Test(_) => self.test_on(&mut standing, folder, &mut speedometer, observer)?,
+            };
+            if let Some(phase) = phase {
+                *record.wall_seconds.entry(phase.into()).or_default() += started.elapsed().as_secs_f64();
+            }
+            match stretch {
+                Stretch::Complete => return complete(&standing, folder, record, observer),
+                Stretch::GoOn if phase.is_none() => {}
+                Stretch::GoOn => save(folder, &standing, record)?,
+                Stretch::Stop => {
+                    save(folder, &standing, record)?;
+                    record.status = RunStatus::Interrupted;
+                    return Ok(());
+                }
+            }
+        }
+    }
+
+    /// Does the work and writes the record with the status that it came to.
+    fn finish(
+        &self,
+        folder: &RunFolder,
+        record: &mut RunRecord,
+        work: impl FnOnce(&mut RunRecord) -> Result<(), LaboratoryError>,
+    ) -> Result<RunRecord, LaboratoryError> {
+        let result = work(record);
+        match &result {
+            Ok(()) if record.status == RunStatus::Running => record.status = RunStatus::Finished,
+            Ok(()) => {}
+            Err(error) => {
+                record.status = RunStatus::Failed;
+                record.notes.push(format!("failed: {error}"));
+            }
+        }
+        let written = folder.write_record(record);
+        // Of two errors the first is the one to tell: a full disk fails twice.
+        result?;
+        written?;
+        Ok(record.clone())
+    }
+}
+
+/// Writes down where a run stands: checkpoint, what the sensors saw, record.
+fn save(folder: &RunFolder, standing: &Standing, record: &mut RunRecord) -> Result<(), LaboratoryError> {
+    standing.write(folder)?;
+    match &standing.stage {
+        Stage::Test(test) => write_record(folder, &test.recorder.record())?,
+        Stage::Preparation(_) | Stage::Consolidation(_) => write_curve(folder, standing)?,
+        Stage::Sample | Stage::Consolidated => {}
+    }
+    standing.tell(record);
+    folder.write_record(record)?;
+    Ok(())
+}
+
+/// Writes the case; a packing in place of the gas is named in it.
+fn write_case(folder: &RunFolder, case: &Case, record: &RunRecord) -> Result<(), LaboratoryError> {
+    let packing = record.packing.as_ref().map(|packing| packing.file_name.as_str());
+    Ok(folder.write_case(case, packing)?)
+}
+
+/// Writes how the sample was come by, as far as it is.
+fn write_curve(folder: &RunFolder, standing: &Standing) -> Result<(), LaboratoryError> {
+    if let Some(table) = standing.found.curve.table()? {
+        folder.write_preparation(&table)?;
+    }
+    Ok(())
+}
+
+/// Writes a sample that is there.
+fn write_sample(folder: &RunFolder, standing: &Standing) -> Result<(), LaboratoryError> {
+    write_curve(folder, standing)?;
+    Ok(folder.write_snapshot(SAMPLE, &standing.simulation.assembly())?)
+}
+
+/// The end of a test: last snapshot, judgement.
+fn complete(
+    standing: &Standing,
+    folder: &RunFolder,
+    record: &mut RunRecord,
+    observer: &mut dyn RunObserver,
+) -> Result<(), LaboratoryError> {
+    let Stage::Test(test) = &standing.stage else { return Ok(()) };
+    let end = standing.simulation.assembly();
+    folder.write_snapshot(END, &end)?;
+    save(folder, standing, record)?;
+    let seen = test.recorder.record();
+    record.quality.extend(quality::judge(&standing.simulation, &end, &seen, &test.before));
+    measures::of_test(&seen, &mut record.measures);
+    if let Some(remark) = quality::remark_on_samples(&test.recorder.shortfall()) {
+        observer.warn(&remark);
+        record.notes.push(remark);
+    }
+    record.phase.clear();
+    Ok(())
+}
+
+#[cfg(test)]
+mod interruption_tests;
+#[cfg(test)]
+mod tests;

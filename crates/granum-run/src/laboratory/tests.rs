@@ -1,0 +1,109 @@
+use granum_dem::config::{Rate, Recording};
+use granum_dem::preparation::Phase;
+use granum_io::run::Run;
+
+use super::*;
+use crate::record::read_record;
+
+/// A case that runs in a second or two.
+pub(super) fn small() -> Case {
+    let mut case = Case::default();
+    case.grains.count = 150;
+    case.preparation.friction = Some(0.1);
+    case.preparation.solid_fraction = None;
+    case.preparation.inertial_number = 5e-3;
+    case.preparation.unbalanced_force = 1e-2;
+    case.shear.deviator_strain = 0.02;
+    case.shear.rate = Rate::InertialNumber(3e-3);
+    case.recording = Recording { states: 8, looks: 3, ..Recording::default() };
+    case
+}
+
+pub(super) fn laboratory() -> Laboratory {
+    Laboratory::new(Hardware::default(), "test")
+}
+
+/// Stops after so many calls.
+struct Stopper(std::cell::Cell<u32>);
+impl RunObserver for Stopper {
+    fn status(&mut self, status: &Status) {
+        assert!(status.line().contains("kPa"));
+        if status.phase == Phase::Shear {
+            self.0.set(self.0.get().saturating_sub(1));
+        }
+    }
+    fn stop(&self) -> bool {
+        self.0.get() == 0
+    }
+}
+
+#[test]
+fn an_interrupted_run_resumes_to_the_same_bits() {
+    let base = tempfile::tempdir().unwrap();
+    let (case, lab) = (small(), laboratory());
+    let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
+    let record = lab.shear(&case, &Source::Case, &straight, &mut Nobody).unwrap();
+    assert_eq!(record.status, RunStatus::Finished);
+    assert!(record.quality.iter().any(|q| q.name == "energy_gap" && q.passed), "{:?}", record.quality);
+
+    let broken = RunFolder::create(base.path().join("broken"), false).unwrap();
+    let mut stopper = Stopper(std::cell::Cell::new(5));
+    let record = lab.shear(&case, &Source::Case, &broken, &mut stopper).unwrap();
+    assert_eq!(record.status, RunStatus::Interrupted);
+    let record = lab.resume(&broken, &mut Nobody).unwrap();
+    assert_eq!(record.status, RunStatus::Finished);
+    let bytes = |folder: &RunFolder, name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    for name in ["series.parquet", "forces.parquet"] {
+        assert_eq!(bytes(&straight, name), bytes(&broken, name), "{name}");
+    }
+}
+
+#[test]
+fn a_prepared_sample_shears_as_a_case_in_one_go() {
+    let base = tempfile::tempdir().unwrap();
+    let (case, lab) = (small(), laboratory());
+    let sample = RunFolder::create(base.path().join("sample"), false).unwrap();
+    lab.prepare(&case, &Source::Case, &sample, &mut Nobody).unwrap();
+    let source = Source::Folder(sample.path().to_path_buf());
+    let two = RunFolder::create(base.path().join("two"), false).unwrap();
+    lab.shear(&case, &source, &two, &mut Nobody).unwrap();
+    let one = RunFolder::create(base.path().join("one"), false).unwrap();
+    lab.shear(&case, &Source::Case, &one, &mut Nobody).unwrap();
+    let record = |folder: &RunFolder| read_record(&Run::at(folder.path()).unwrap()).unwrap();
+    assert_eq!(record(&one), record(&two));
+
+    let mut other = case.clone();
+    other.grains.material.youngs_modulus = 30e9;
+    let three = RunFolder::create(base.path().join("three"), false).unwrap();
+    let error = lab.shear(&other, &source, &three, &mut Nobody).unwrap_err();
+    let wanted = "grains.material.youngs_modulus: 7e10 Pa in the sample; 3e10 Pa in the case";
+    assert!(error.to_string().contains(wanted), "{error}");
+    assert!(Run::at(three.path()).is_err(), "a sample that cannot be used leaves nothing behind");
+}
+
+#[test]
+fn density_scaling_says_the_same_physics() {
+    let base = tempfile::tempdir().unwrap();
+    let lab = laboratory();
+    let mut case = small();
+    case.shear.deviator_strain = 0.004;
+    let number = RunFolder::create(base.path().join("number"), false).unwrap();
+    lab.shear(&case, &Source::Case, &number, &mut Nobody).unwrap();
+    // A power of four scales time by a power of two, so that even the rounding agrees.
+    let scaling = 4f64.powi(20);
+    let fast = 3e-3 * (20e3f64 / 2650.0).sqrt() / 1e-4;
+    case.shear.rate = Rate::StrainRate { strain_rate: fast / 2f64.powi(20), density_scaling: scaling };
+    let scaled = RunFolder::create(base.path().join("scaled"), false).unwrap();
+    let record = lab.shear(&case, &Source::Case, &scaled, &mut Nobody).unwrap();
+    // The first step works half with the power of the sample's last one, which ran on another clock.
+    let gap = record.quality.iter().find(|flag| flag.name == "energy_gap").unwrap().value;
+    assert!(gap < 1e-3, "{gap}");
+    let ratio = |folder: &RunFolder| {
+        let record = read_record(&Run::at(folder.path()).unwrap()).unwrap();
+        record.series.values("stress_ratio").unwrap().to_vec()
+    };
+    for (a, b) in ratio(&number).iter().zip(ratio(&scaled)) {
+        // Rounding differs, and grains are chaotic; a wrong scaling would be off by orders.
+        assert!((a - b).abs() < 5e-2, "{a} {b}");
+    }
+}

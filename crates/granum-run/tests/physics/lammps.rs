@@ -1,0 +1,63 @@
+//! The first percent of the test that `data/validation/lammps.csv` holds whole.
+
+use std::path::{Path, PathBuf};
+
+use granum_dem::config::{Grains, Preparation, Recording};
+use granum_dem::preparation::{Flow, Progress, Recipe, settle};
+use granum_dem::simulation::{Hardware, Simulation};
+use granum_io::{Packing, read_table};
+use granum_run::laboratory::{cell, sites};
+use granum_sensors::Recorder;
+
+use super::sample::{compress, properties};
+
+fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name)
+}
+
+/// The shipped packing brought to rest and sheared to 1 %, against LAMMPS on the same path.
+#[test]
+fn the_start_of_the_curves_is_that_of_lammps() {
+    let packing = Packing::read(data("packing-5000.csv")).unwrap();
+    let properties = properties(0.3, 0.1);
+    let simulation = Simulation::new(cell(&packing), &sites(&packing), properties).unwrap();
+    let grains = Grains { material: properties.material, ..Grains::default() };
+    let preparation = Preparation { unbalanced_force: 5e-3, ..Preparation::default() };
+    let hardware = Hardware { threads: 2, ..Hardware::default() };
+    let recipe = Recipe {
+        grains: &grains,
+        contact: &properties.contact,
+        preparation: &preparation,
+        time_step_factor: 0.2,
+        hardware,
+    };
+    let mut s = settle(simulation, &recipe, &mut |_: &Progress| Flow::Continue).unwrap().simulation;
+    s.set_hardware(hardware);
+    compress(&mut s, 0, 1e-3);
+    // States as in the stored table: 0, 0.005, 0.01.
+    let mut recorder = Recorder::new(&Recording { states: 2, looks: 7, ..Recording::default() }, 0.01);
+    loop {
+        if s.state().deviator_strain() >= recorder.next_look() {
+            recorder.look(&s.assembly());
+        }
+        if recorder.is_complete() {
+            break;
+        }
+        s.advance(50).unwrap();
+    }
+    let series = recorder.record().series;
+    let table = read_table(data("validation/lammps.csv")).unwrap();
+    // At the start the same packing came to rest under other damping.
+    for (column, limits) in [
+        ("stress_ratio", [1e-3, 0.02, 0.03]),
+        ("solid_fraction", [2e-4, 2e-4, 2e-4]),
+        ("coordination_number", [0.05, 0.05, 0.05]),
+        ("deviator_fabric", [0.003, 0.003, 0.005]),
+    ] {
+        let (ours, theirs) = (series.values(column).unwrap(), table.column(column).unwrap());
+        for (k, limit) in limits.into_iter().enumerate() {
+            println!("{column} {k}: {:.5} {:.5}", ours[k], theirs[k]);
+            assert!((ours[k] - theirs[k]).abs() < limit, "{column}, state {k}: {} {}", ours[k], theirs[k]);
+        }
+    }
+}
