@@ -9,6 +9,7 @@ mod contain;
 pub mod csv;
 mod error;
 mod folder;
+mod format;
 pub mod packing;
 pub mod parquet;
 pub mod run;

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::atomic::write_atomically;
 use crate::error::{Error, Result};
+use crate::format::{check_format, damaged};
 use granum_core::{Column, ColumnKind, Table};
 
 /// Newest layout that this version reads and writes.
@@ -185,8 +186,8 @@ pub fn write_snapshot(folder: &Path, name: &str, assembly: &Assembly) -> Result<
 pub fn read_snapshot(folder: &Path, name: &str) -> Result<Assembly> {
     let path = part(folder, name, "json");
     let text = crate::text::read_small(&path, 1 << 20)?;
-    crate::run::check_format(&path, &text, FORMAT)?;
-    let state: State = serde_json::from_str(&text).map_err(|error| crate::run::damaged(&path, &error))?;
+    check_format(&path, &text, FORMAT)?;
+    let state: State = serde_json::from_str(&text).map_err(|error| damaged(&path, &error))?;
     let mut assembly = state.assembly;
     assembly.grains = read_grains(&part(folder, name, "grains.parquet"), state.grains)?;
     let contacts = part(folder, name, "contacts.parquet");

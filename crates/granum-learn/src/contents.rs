@@ -7,8 +7,8 @@ use granum_io::{OutputFolder, Run, RunRecord, RunStatus};
 
 use crate::antony2006::reproduction::{RUNS, Reproduction, SUMMARY_FILE};
 use crate::error::{LearnError, Result};
-use crate::files::STUDY_FILE;
-use crate::keeping::PLAN_FILE;
+use crate::layout::PLAN_FILE;
+use crate::layout::STUDY_FILE;
 use granum_run::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
 
 /// Page of a report.

@@ -5,27 +5,21 @@
 //! `F1-strain-only-1.json` to `F6-strain-only-3.json`. `baselines.json` holds what stands beside them.
 
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::Path;
 use std::time::Duration;
 
 use granum_io::Error;
-use granum_io::atomic::write_atomically;
 use granum_nets::Model;
 use serde::{Deserialize, Serialize};
 
 use crate::baseline::Baselines;
 use crate::error::{LearnError, Result};
-use crate::keeping::{Keeper, TIMES_FILE};
+use crate::keeping::Keeper;
+use crate::layout::{BASELINES_FILE, STUDY_FILE, TIMES_FILE, check_mapping, network_file, write_json};
 use crate::mapping::{Form, Mapping};
 use crate::runs::StudyRun;
 use crate::study::{Study, TrainedMapping, network_name};
 use crate::surrogate::Surrogate;
-
-/// File that describes a study.
-pub const STUDY_FILE: &str = "study.json";
-/// File with the baselines of a study.
-pub const BASELINES_FILE: &str = "baselines.json";
 
 const FORMAT: &str = "granum study";
 /// Version 1 did not say on which runs a study stands.
@@ -58,11 +52,6 @@ struct MappingFile {
     training_seconds: Vec<f64>,
     #[serde(default, skip_serializing)]
     strain_only_training_seconds: Vec<f64>,
-}
-
-/// File of a network in the folder of a study.
-pub fn network_file(network: &str) -> String {
-    format!("{network}.json")
 }
 
 /// Writes a study into a folder that is there, with the runs that it was trained and judged on.
@@ -119,18 +108,6 @@ fn seconds_of(study: &Study) -> BTreeMap<String, f64> {
         }
     }
     all
-}
-
-/// Writes a value as JSON that a person can read.
-///
-/// # Errors
-/// If the file cannot be written.
-pub fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
-    write_atomically(path, |file| {
-        serde_json::to_writer_pretty(&mut *file, value)?;
-        file.write_all(b"\n")
-    })?;
-    Ok(())
 }
 
 /// Reads the study of a folder.
@@ -208,19 +185,6 @@ fn read_study_file(path: &Path) -> Result<StudyFile> {
         return Err(Error::content(path, format!("{found}, but {wanted}")).into());
     }
     Ok(file)
-}
-
-/// Most networks of a mapping.
-const MOST_SUB_MODELS: usize = 1000;
-
-/// The name of a mapping becomes part of the names of files: it must not lead out of the folder.
-pub(crate) fn check_mapping(path: &Path, mapping: &Mapping) -> Result<()> {
-    let wrong = |why: String| Error::content(path, format!("mapping {:?}: {why}", mapping.name)).into();
-    granum_io::check_name("name", &mapping.name).map_err(|error| wrong(error.to_string()))?;
-    match mapping.sub_models.len() {
-        0..=MOST_SUB_MODELS => Ok(()),
-        many => Err(wrong(format!("{many} sub-models; at most {MOST_SUB_MODELS} are possible"))),
-    }
 }
 
 /// Seconds for every sub-model, 0 where the file has none.

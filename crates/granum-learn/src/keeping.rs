@@ -15,14 +15,11 @@ use granum_nets::trainer::TrainerState;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{LearnError, Result};
-use crate::files::{BASELINES_FILE, STUDY_FILE, check_mapping, network_file, write_json};
+use crate::layout::{
+    BASELINES_FILE, PLAN_FILE, STUDY_FILE, TIMES_FILE, check_mapping, network_file, write_json,
+};
 use crate::mapping::{Form, Mapping};
 use crate::study::{Study, StudyOptions, network_name};
-
-/// File that says what the training in a folder is of.
-pub const PLAN_FILE: &str = "training.json";
-/// File of the seconds that each network took. They are apart because all other files have the same bytes again.
-pub const TIMES_FILE: &str = "seconds.json";
 
 const FORMAT: &str = "granum training";
 const VERSION: u64 = 1;

@@ -18,6 +18,7 @@ pub mod dataset;
 mod error;
 pub mod files;
 pub mod keeping;
+pub mod layout;
 mod lesson;
 pub mod mapping;
 pub mod runs;

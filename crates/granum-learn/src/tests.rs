@@ -296,7 +296,7 @@ fn a_study_survives_its_files_and_answers_rows() {
     let message = loaded.mapping("F3").unwrap_err().to_string();
     assert_eq!(message, "there is no mapping `F3`; there are: F1, F2");
 
-    let kept = folder.path().join(files::BASELINES_FILE);
+    let kept = folder.path().join(crate::layout::BASELINES_FILE);
     let text = std::fs::read_to_string(&kept).unwrap();
     std::fs::write(&kept, text.replace("\"F2\"", "\"F9\"")).unwrap();
     let message = files::load_study(folder.path()).unwrap_err().to_string();
@@ -316,7 +316,7 @@ fn a_study_survives_its_files_and_answers_rows() {
 
     std::fs::write(folder.path().join("F1-2.json"), "{}").unwrap();
     assert!(files::load_study(folder.path()).unwrap_err().to_string().contains("F1-2.json"));
-    let manifest = folder.path().join(files::STUDY_FILE);
+    let manifest = folder.path().join(crate::layout::STUDY_FILE);
     let text = std::fs::read_to_string(&manifest).unwrap().replace("\"F1\"", "\"../F1\"");
     std::fs::write(&manifest, text).unwrap();
     assert!(files::load_study(folder.path()).unwrap_err().to_string().contains("letters, digits"));

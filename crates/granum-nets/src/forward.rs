@@ -4,7 +4,7 @@ use granum_simd::{Isa, Kernel, LANES, Lanes, Row8, dispatch, sigmoid, tanh};
 
 use crate::activation::Activation;
 use crate::kernels::{Scalars, blocks, odd, scalar_times_lanes};
-use crate::network::Network;
+use crate::network::{Network, NetworkError};
 use crate::scaler::Scaler;
 
 /// Lane blocks of a chunk of a batch: its activations stay in the first cache.
@@ -112,6 +112,31 @@ fn activate<L: Lanes>(
 pub(crate) struct Scalers<'a> {
     pub inputs: &'a [Scaler],
     pub outputs: &'a [Scaler],
+}
+
+impl Network {
+    /// Outputs for many rows (`rows x inputs`, row by row), `rows x outputs`.
+    ///
+    /// # Errors
+    /// If `inputs` is no whole number of rows.
+    pub fn forward(&self, inputs: &[f64]) -> Result<Vec<f64>, NetworkError> {
+        self.forward_on(Isa::detect(), inputs)
+    }
+
+    /// As [`Network::forward`] on a given instruction set; the bits are the same on each.
+    ///
+    /// # Errors
+    /// As [`Network::forward`].
+    pub fn forward_on(&self, isa: Isa, inputs: &[f64]) -> Result<Vec<f64>, NetworkError> {
+        let columns = self.inputs();
+        if !inputs.len().is_multiple_of(columns) {
+            let text = format!("{} values are no whole number of rows of {columns} inputs", inputs.len());
+            return Err(NetworkError::Row(text));
+        }
+        let mut outputs = vec![0.0; inputs.len() / columns * self.outputs()];
+        batch(isa, self, None, inputs, &mut outputs);
+        Ok(outputs)
+    }
 }
 
 /// Outputs for a flat table of rows, scaled on the way in and out where scalers are given.

@@ -1,9 +1,6 @@
 //! Feed-forward multilayer perceptron.
 
-use granum_simd::Isa;
-
 use crate::activation::Activation;
-use crate::forward;
 use crate::initialisation::nguyen_widrow;
 
 /// Most neurons in a layer, and most inputs.
@@ -138,29 +135,6 @@ impl Network {
     /// The weights, to be changed in place.
     pub fn weights_mut(&mut self) -> &mut [f64] {
         &mut self.weights
-    }
-
-    /// Outputs for many rows (`rows x inputs`, row by row), `rows x outputs`.
-    ///
-    /// # Errors
-    /// If `inputs` is no whole number of rows.
-    pub fn forward(&self, inputs: &[f64]) -> Result<Vec<f64>, NetworkError> {
-        self.forward_on(Isa::detect(), inputs)
-    }
-
-    /// As [`Network::forward`] on a given instruction set; the bits are the same on each.
-    ///
-    /// # Errors
-    /// As [`Network::forward`].
-    pub fn forward_on(&self, isa: Isa, inputs: &[f64]) -> Result<Vec<f64>, NetworkError> {
-        let columns = self.inputs();
-        if !inputs.len().is_multiple_of(columns) {
-            let text = format!("{} values are no whole number of rows of {columns} inputs", inputs.len());
-            return Err(NetworkError::Row(text));
-        }
-        let mut outputs = vec![0.0; inputs.len() / columns * self.outputs()];
-        forward::batch(isa, self, None, inputs, &mut outputs);
-        Ok(outputs)
     }
 }
 

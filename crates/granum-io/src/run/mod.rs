@@ -8,13 +8,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use granum_core::assembly::Assembly;
-use serde::Deserialize;
 use sha2::{Digest, Sha256};
 
 use crate::atomic::{write_atomically, write_keeping_previous};
 use crate::case::Case;
 use crate::error::{Error, Result};
 use crate::folder::{OutputFolder, check_name};
+use crate::format::{check_format, damaged};
 use crate::snapshot;
 use granum_core::Table;
 
@@ -292,29 +292,6 @@ pub fn file_digest(path: &Path) -> Result<String> {
             count => hash.update(&buffer[..count]),
         }
     }
-}
-
-/// Refuses JSON whose `format` is newer than `newest`.
-pub(crate) fn check_format(path: &Path, text: &str, newest: u32) -> Result<()> {
-    #[derive(Deserialize)]
-    struct Head {
-        format: u32,
-    }
-    let head: Head = serde_json::from_str(text).map_err(|error| damaged(path, &error))?;
-    if head.format > newest {
-        let message = format!(
-            "was written by a newer granum (format {}, known here up to {newest}); use that version",
-            head.format
-        );
-        return Err(Error::content(path, message));
-    }
-    Ok(())
-}
-
-/// JSON that cannot be read: cut short, or wrong somewhere.
-pub(crate) fn damaged(path: &Path, error: &serde_json::Error) -> Error {
-    let why = if error.is_eof() { "is cut short" } else { "is damaged" };
-    Error::content(path, format!("{why} ({error})"))
 }
 
 #[cfg(test)]

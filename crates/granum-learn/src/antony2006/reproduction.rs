@@ -7,7 +7,7 @@ use granum_io::shell::{quoted, quoted_path};
 use serde::{Deserialize, Serialize};
 
 use crate::error::Result;
-use crate::files::write_json;
+use crate::layout::write_json;
 use crate::study::StudyOptions;
 
 /// File that says what the reproduction in a folder is of.

@@ -86,7 +86,7 @@ fn document(folder: &Path) -> Result<Document, Failure> {
         let (name, next) = (folder.display(), contents.next(folder).text);
         return Err(Failure::new(format!("{name}: the reproduction is not finished; {next}")));
     }
-    if folder.join(granum_learn::files::STUDY_FILE).is_file() {
+    if folder.join(granum_learn::layout::STUDY_FILE).is_file() {
         return Err(Failure::new(format!(
             "{}: holds networks but no runs to draw; `granum evaluate {} RUN...` scores them on runs",
             folder.display(),

@@ -12,8 +12,9 @@ use granum_io::shell::quoted_path;
 use granum_learn::antony2006::sufficiency::check_states;
 use granum_learn::antony2006::summary::MappingSummary;
 use granum_learn::contents::{Kind, check_free};
-use granum_learn::files::{STUDY_FILE, save_study};
-use granum_learn::keeping::{Keeper, PLAN_FILE, Plan};
+use granum_learn::files::save_study;
+use granum_learn::keeping::{Keeper, Plan};
+use granum_learn::layout::{PLAN_FILE, STUDY_FILE};
 use granum_learn::mapping::{PAPER_STRAIN, paper_mappings_to};
 use granum_learn::runs::{RunRole, StudyRun};
 use granum_learn::{

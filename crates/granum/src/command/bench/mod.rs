@@ -18,7 +18,7 @@ use crate::failure::Failure;
 use crate::output;
 
 /// The packing that every figure of BENCHMARKS.md stands on.
-const PACKING: &str = include_str!("../../../../../data/packing-5000.csv");
+const PACKING: &str = include_str!("../../../data/packing-5000.csv");
 
 /// Measure speed on this machine: grain-steps per second by law, size, threads and instruction set, and the networks.
 ///

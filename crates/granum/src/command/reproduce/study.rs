@@ -4,7 +4,8 @@ use granum_io::{OutputFolder, Run};
 use granum_learn::antony2006::figures::figures;
 use granum_learn::antony2006::summary::{DemSummary, MappingSummary, RunSummary};
 use granum_learn::antony2006::{reading, speed};
-use granum_learn::files::{save_study, write_json};
+use granum_learn::files::save_study;
+use granum_learn::layout::write_json;
 use granum_learn::runs::{RunRole, StudyRun};
 use granum_learn::{
     Dataset, DatasetOptions, NamedRecord, SizeStudy, SizeStudyOptions, Study, StudyOptions, Summary,

@@ -1,0 +1,30 @@
+//! The number of the format in a JSON file, and what is said of a file that cannot be read.
+
+use std::path::Path;
+
+use serde::Deserialize;
+
+use crate::error::{Error, Result};
+
+/// Refuses JSON whose `format` is newer than `newest`.
+pub(crate) fn check_format(path: &Path, text: &str, newest: u32) -> Result<()> {
+    #[derive(Deserialize)]
+    struct Head {
+        format: u32,
+    }
+    let head: Head = serde_json::from_str(text).map_err(|error| damaged(path, &error))?;
+    if head.format > newest {
+        let message = format!(
+            "was written by a newer granum (format {}, known here up to {newest}); use that version",
+            head.format
+        );
+        return Err(Error::content(path, message));
+    }
+    Ok(())
+}
+
+/// JSON that cannot be read: cut short, or wrong somewhere.
+pub(crate) fn damaged(path: &Path, error: &serde_json::Error) -> Error {
+    let why = if error.is_eof() { "is cut short" } else { "is damaged" };
+    Error::content(path, format!("{why} ({error})"))
+}
