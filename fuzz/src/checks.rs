@@ -7,7 +7,7 @@ use std::hint::black_box;
 
 use granum_dem::config::{Contact, Material, Rate, Recording};
 use granum_dem::simulation::{Properties, Simulation};
-use granum_io::{Case, Packing, RunRecord, Table};
+use granum_io::{Case, RunRecord, Table};
 use granum_learn::keeping::Plan;
 use granum_nets::trainer::{Control, Progress, TrainerState, by_name};
 use granum_nets::{Data, Model, Network};
@@ -61,7 +61,7 @@ fn plan(json: &[u8]) {
 
 /// A packing file: what is accepted makes a simulation that can be looked at.
 pub fn packing(data: &[u8]) {
-    let Ok(packing) = Packing::read_from(data, "packing.csv") else { return };
+    let Ok(packing) = granum_io::formats::packing_csv::read_from(data, "packing.csv") else { return };
     black_box(packing.solid_fraction());
     let properties = Properties { material: Material::default(), contact: Contact::default() };
     let Ok(mut simulation) = laboratory::simulation(&packing, properties) else { return };
@@ -159,19 +159,22 @@ pub fn with_header(body: &[u8]) -> Vec<u8> {
 
 /// A table as CSV.
 pub fn csv(data: &[u8]) {
-    let Ok(table) = granum_io::csv::read_from(data, "table.csv", None) else { return };
+    let Ok(table) = granum_io::formats::csv::read_from(data, "table.csv", None) else { return };
     use_table(&table);
     let mut text = Vec::new();
-    if let Err(error) = granum_io::csv::write_rows(&mut text, &table) {
+    if let Err(error) = granum_io::formats::csv::write_rows(&mut text, &table) {
         return assert!(error.to_string().contains("cannot hold a column named"), "{error}");
     }
-    let back = granum_io::csv::read_from(&text[..], "again.csv", None).expect("a written table reads back");
+    let back =
+        granum_io::formats::csv::read_from(&text[..], "again.csv", None).expect("a written table reads back");
     assert_same(&table, &back);
 }
 
 /// A table as Parquet.
 pub fn parquet(data: &[u8]) {
-    let Ok(table) = granum_io::parquet::read_bytes(data.to_vec(), "table.parquet", None) else { return };
+    let Ok(table) = granum_io::formats::parquet::read_bytes(data.to_vec(), "table.parquet", None) else {
+        return;
+    };
     use_table(&table);
 }
 

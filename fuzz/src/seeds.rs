@@ -73,7 +73,7 @@ fn packings() -> Vec<Seed> {
         let simulation = running(count, spread, Contact::default(), 0);
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("packing.csv");
-        Packing::from_assembly(&simulation.assembly()).write(&file).expect("a packing");
+        granum_io::write_packing(&file, &Packing::from_assembly(&simulation.assembly())).expect("a packing");
         seed(format!("gas-{count}"), std::fs::read(&file).expect("a packing"))
     });
     let mut seeds = vec![seed("tilted", tilted), seed("small", small)];
@@ -176,7 +176,7 @@ fn parquets() -> Vec<Seed> {
         Column::new("deviator_strain", "", vec![0.0, 0.1, 0.2]),
         Column::new("mean_stress", "Pa", vec![2e4, 2.1e4, f64::NAN]),
     ]);
-    granum_io::parquet::write(&file, &own.expect("a table")).expect("a file");
+    granum_io::formats::parquet::write(&file, &own.expect("a table")).expect("a file");
     vec![
         seed("own", std::fs::read(&file).expect("a file")),
         seed("foreign-snappy-1", foreign(WriterVersion::PARQUET_1_0, true)),

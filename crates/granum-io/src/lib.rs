@@ -6,22 +6,20 @@
 pub mod atomic;
 pub mod case;
 mod contain;
-pub mod csv;
 mod error;
 mod folder;
 mod format;
+pub mod formats;
 pub mod packing;
-pub mod parquet;
 pub mod run;
 pub mod shell;
 pub mod snapshot;
-mod table;
 mod text;
 
 pub use case::Case;
 pub use error::{Error, InputError, Result};
 pub use folder::{OutputFolder, check_name, check_output_file, inner_folder};
+pub use formats::{Formats, read_columns, read_packing, read_table, write_packing, write_table};
 pub use granum_core::{Column, ColumnKind, Table};
 pub use packing::Packing;
 pub use run::{Machine, QualityFlag, Run, RunFolder, RunRecord, RunSource, RunStatus};
-pub use table::{TableFormat, read_columns, read_table, write_table};

@@ -155,9 +155,9 @@ pub fn write_snapshot(folder: &Path, name: &str, assembly: &Assembly) -> Result<
     // In parts: the tables of a large sample would take as much memory as its simulation.
     let (grains, contacts) = (&assembly.grains, &assembly.contacts);
     let path = part(folder, name, "grains.parquet");
-    crate::parquet::write_parts(&path, grains.len(), |rows| grain_rows(&grains[rows]))?;
+    crate::formats::parquet::write_parts(&path, grains.len(), |rows| grain_rows(&grains[rows]))?;
     let path = part(folder, name, "contacts.parquet");
-    crate::parquet::write_parts(&path, contacts.len(), |rows| contact_rows(assembly, rows))?;
+    crate::formats::parquet::write_parts(&path, contacts.len(), |rows| contact_rows(assembly, rows))?;
     let bare = Assembly {
         time: assembly.time,
         step: assembly.step,
@@ -196,7 +196,7 @@ pub fn read_snapshot(folder: &Path, name: &str) -> Result<Assembly> {
 }
 
 fn read_rows(path: &Path, rows: usize) -> Result<Table> {
-    let table = crate::parquet::read(path, None)?;
+    let table = crate::formats::parquet::read(path, None)?;
     if table.rows() == rows {
         return Ok(table);
     }

@@ -141,7 +141,7 @@ mod tests {
     }
 
     /// Lattices of equal spheres: SC `p = N/L^2`, FCC `p = 2 sqrt(2) N/L^2`, `L = d (1 - eps)`, with the Hertz and
-    /// JKR forces of d = 0.1 mm, E = 70 GPa, nu = 0.3, Gamma = 0.6 J/m2 (theory chapter, case vi).
+    /// JKR forces of d = 0.1 mm, E = 70 GPa, nu = 0.3, Gamma = 0.6 J/m2 (theory chapter, a pair of the paper's spheres).
     #[test]
     fn lattices_have_their_analytic_pressure() {
         let d = 1e-4;

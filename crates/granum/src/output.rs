@@ -3,7 +3,8 @@
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use granum_io::{Table, check_output_file, csv, write_table};
+use granum_io::formats::csv;
+use granum_io::{Table, check_output_file, write_table};
 use serde_json::{Map, Value, json};
 
 use crate::context::Context;

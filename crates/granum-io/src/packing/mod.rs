@@ -1,28 +1,14 @@
-//! Packings: grains in a periodic cell, as CSV.
-//!
-//! ```text
-//! # periodic box, m: xlo=-0.0008 ylo=-0.0008 zlo=-0.0008 xhi=0.0008 yhi=0.0008 zhi=0.0008
-//! id,x,y,z,radius
-//! 1,1.7e-05,0.0006,-0.0005,5e-05
-//! ```
-//!
-//! The box may be tilted as in LAMMPS (`xy= xz= yz=` after `zhi`). A cell of any other shape is given by its corner
-//! and its three edges: `# periodic cell, m: ox= oy= oz= ax= ay= az= bx= by= bz= cx= cy= cz=`. Other columns than the
-//! five are passed over. Grains may stand in any order; their ids must be 1, 2, ... without a gap.
+//! Packings: grains in a periodic cell, and the checks that every format of them shares.
 
-mod cell;
 mod overlap;
 mod repeat;
 
-use std::io::{BufRead, Write};
 use std::path::Path;
 
 use granum_core::Cell;
 use granum_core::assembly::{Assembly, Matrix, Vector};
-use granum_core::geometry::{apply, determinant};
+use granum_core::geometry::{apply, determinant, invert};
 
-use crate::atomic::write_atomically;
-use crate::csv::{Lines, names, number, position};
 use crate::error::{Error, InputError, Result};
 use granum_core::quantity::format_number;
 
@@ -75,127 +61,41 @@ impl Packing {
         4.0 / 3.0 * std::f64::consts::PI * cubes / determinant(&self.cell).abs()
     }
 
-    /// Reads and checks a packing.
+    /// A packing from what a file holds: corner and edges of the cell, and the grains, each with the number of its line (or
+    /// record) for messages.
     ///
     /// # Errors
-    /// If the file cannot be read; [`Error::Input`] with line and grain for a cell that is missing or flat, numbers
-    /// that are not finite, radii that are not positive, grains outside the cell, ids that are missing or doubled,
-    /// and overlaps above [`GROSS_OVERLAP`] of the smaller diameter.
-    pub fn read(path: impl AsRef<Path>) -> Result<Packing> {
-        Packing::read_lines(&mut Lines::open(path.as_ref())?)
-    }
-
-    /// Reads and checks a packing from any reader of text; `file` is its name for messages.
-    ///
-    /// # Errors
-    /// As [`Packing::read`].
-    pub fn read_from(reader: impl BufRead, file: &str) -> Result<Packing> {
-        Packing::read_lines(&mut Lines::new(reader, file))
-    }
-
-    fn read_lines<R: BufRead>(lines: &mut Lines<R>) -> Result<Packing> {
-        let mut cell = None;
-        let mut columns = None;
-        let mut grains: Vec<(PackedGrain, usize)> = Vec::new();
-        while lines.advance()? {
-            if lines.is_empty() {
-                if let Some(found) = cell::parse(lines)? {
-                    cell = Some(found);
-                }
-                continue;
-            }
-            let Some(columns) = &columns else {
-                columns = Some(Columns::from_header(lines)?);
-                continue;
-            };
-            let Some((origin, edges, inverse)) = &cell else {
-                let message = "the periodic cell is not given".to_string();
-                return Err(lines.error(0..0, message).with_help(cell::EXAMPLE).into());
-            };
-            let grain = columns.grain(lines)?;
-            check_inside(lines, &grain, origin, edges, inverse)?;
-            grains.push((grain, lines.number()));
+    /// [`Error::Input`] with line and grain for a flat cell, grains outside the cell, ids that are missing or doubled,
+    /// and overlaps above [`GROSS_OVERLAP`] of the smaller diameter; [`Error::Content`] if there are no grains.
+    pub fn checked(
+        file: &str,
+        origin: Vector,
+        cell: Matrix,
+        grains: Vec<(PackedGrain, usize)>,
+    ) -> Result<Packing> {
+        if grains.is_empty() {
+            let message = "holds no packing: it needs a cell and grains";
+            return Err(Error::content(Path::new(file), message));
         }
-        let (Some((origin, cell, _)), false) = (cell, grains.is_empty()) else {
-            return Err(Error::content(
-                Path::new(lines.file()),
-                "holds no packing: it needs a cell and grains",
-            ));
-        };
-        let grains = check_ids(lines.file(), grains)?;
-        overlap::check(lines.file(), &cell, &grains)?;
+        let inverse = invert(&cell);
+        if inverse.iter().flatten().any(|x| !x.is_finite()) {
+            let volume = determinant(&cell);
+            let message = format!("the cell has the volume {volume:e} m3; it must be positive");
+            return Err(Error::content(Path::new(file), message));
+        }
+        for (grain, line) in &grains {
+            check_inside(file, *line, grain, &origin, &cell, &inverse)?;
+        }
+        let grains = check_ids(file, grains)?;
+        overlap::check(file, &cell, &grains)?;
         Ok(Packing { origin, cell, grains: grains.into_iter().map(|(grain, _)| grain).collect() })
-    }
-
-    /// Writes the packing beside and renames it; it reads back bit for bit.
-    ///
-    /// # Errors
-    /// [`Error::File`] if it cannot be written.
-    pub fn write(&self, path: impl AsRef<Path>) -> Result<()> {
-        write_atomically(path.as_ref(), |file| {
-            writeln!(file, "{}", cell::text(&self.origin, &self.cell))?;
-            writeln!(file, "id,x,y,z,radius")?;
-            for grain in &self.grains {
-                let [x, y, z] = grain.position.map(format_number);
-                writeln!(file, "{},{x},{y},{z},{}", grain.id, format_number(grain.radius))?;
-            }
-            Ok(())
-        })
-    }
-}
-
-/// Where the five columns are.
-struct Columns {
-    header: Vec<String>,
-    places: [usize; 5],
-}
-
-impl Columns {
-    const NAMES: [&'static str; 5] = ["id", "x", "y", "z", "radius"];
-
-    fn from_header<R: BufRead>(lines: &Lines<R>) -> Result<Columns> {
-        let header = names(lines)?;
-        let mut places = [0; 5];
-        for (place, name) in places.iter_mut().zip(Self::NAMES) {
-            *place = position(lines.file(), &header, name)?;
-        }
-        Ok(Columns { header, places })
-    }
-
-    fn grain<R: BufRead>(&self, lines: &Lines<R>) -> Result<PackedGrain> {
-        let cells: Vec<(usize, &str)> = lines.cells().collect();
-        if cells.len() != self.header.len() {
-            let message =
-                format!("the row has {} cells, but the header names {}", cells.len(), self.header.len());
-            return Err(lines.error(0..lines.line().len(), message).into());
-        }
-        let [id, numbers @ ..] = self.places;
-        let (start, text) = cells[id];
-        let id: u64 = text.parse().ok().filter(|id| *id > 0).ok_or_else(|| {
-            let message = format!("id = {text:?} is no whole number from 1");
-            Error::from(lines.cell_error(start, text, message))
-        })?;
-        let mut values = [0.0; 4];
-        for ((value, place), name) in values.iter_mut().zip(numbers).zip(&Self::NAMES[1..]) {
-            let (start, text) = cells[place];
-            *value = number(lines, name, start, text)?;
-            let wrong = if !value.is_finite() {
-                "must be finite"
-            } else if *name == "radius" && *value <= 0.0 {
-                "must be positive"
-            } else {
-                continue;
-            };
-            return Err(lines.cell_error(start, text, format!("grain {id}: {name} = {text} {wrong}")).into());
-        }
-        let [x, y, z, radius] = values;
-        Ok(PackedGrain { id, position: [x, y, z], radius })
     }
 }
 
 /// A grain must be inside the cell, and the cell wide enough to hold it.
-fn check_inside<R: BufRead>(
-    lines: &Lines<R>,
+fn check_inside(
+    file: &str,
+    line: usize,
     grain: &PackedGrain,
     origin: &Vector,
     edges: &Matrix,
@@ -203,7 +103,7 @@ fn check_inside<R: BufRead>(
 ) -> Result<()> {
     let from_corner: Vector = std::array::from_fn(|a| grain.position[a] - origin[a]);
     let place = apply(inverse, from_corner);
-    let whole = 0..lines.line().len();
+    let error = |message: String| InputError::in_line(file, line, "", 0..0, message);
     if let Some(axis) = (0..3).find(|k| !(-ROUNDING..=1.0 + ROUNDING).contains(&place[*k])) {
         let [x, y, z] = grain.position;
         let message = format!(
@@ -212,7 +112,7 @@ fn check_inside<R: BufRead>(
             format_number(place[axis]),
             ["a", "b", "c"][axis]
         );
-        return Err(lines.error(whole, message).with_help("wrap it into the periodic cell").into());
+        return Err(error(message).with_help("wrap it into the periodic cell").into());
     }
     let narrow = Cell { edges: *edges }.heights().into_iter().fold(f64::INFINITY, f64::min);
     if 2.0 * grain.radius > narrow {
@@ -220,7 +120,7 @@ fn check_inside<R: BufRead>(
             "grain {}: radius = {:e} m does not fit in the cell, {narrow:e} m wide",
             grain.id, grain.radius
         );
-        return Err(lines.error(whole, message).with_help("lengths are in m").into());
+        return Err(error(message).with_help("lengths are in m").into());
     }
     Ok(())
 }

@@ -65,8 +65,8 @@ mod tests {
         // It is a packing that reads back.
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("many.csv");
-        many.write(&file).unwrap();
-        assert_eq!(Packing::read(&file).unwrap(), many);
+        crate::write_packing(&file, &many).unwrap();
+        assert_eq!(crate::read_packing(&file).unwrap(), many);
     }
 
     #[test]

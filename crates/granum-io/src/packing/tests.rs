@@ -8,7 +8,7 @@ fn shipped() -> &'static str {
 }
 
 fn parse(body: &str) -> Result<Packing> {
-    Packing::read_from(format!("{HEAD}{body}").as_bytes(), "p.csv")
+    crate::formats::packing_csv::read_from(format!("{HEAD}{body}").as_bytes(), "p.csv")
 }
 
 fn message(body: &str) -> String {
@@ -17,7 +17,7 @@ fn message(body: &str) -> String {
 
 #[test]
 fn the_shipped_packing_is_what_its_readme_says() {
-    let packing = Packing::read(shipped()).unwrap();
+    let packing = crate::read_packing(shipped()).unwrap();
     assert_eq!(packing.grains.len(), 5000);
     assert!((packing.solid_fraction() - 0.6078).abs() < 5e-5, "{}", packing.solid_fraction());
     assert_eq!(packing.grains[0].position[0], 1.7791878558753196e-05);
@@ -28,17 +28,17 @@ fn the_shipped_packing_is_what_its_readme_says() {
 fn what_is_written_reads_back_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("p.csv");
-    let packing = Packing::read(shipped()).unwrap();
-    packing.write(&path).unwrap();
-    assert_eq!(Packing::read(&path).unwrap(), packing);
+    let packing = crate::read_packing(shipped()).unwrap();
+    crate::write_packing(&path, &packing).unwrap();
+    assert_eq!(crate::read_packing(&path).unwrap(), packing);
     let grains = vec![PackedGrain { id: 1, position: [0.1, 0.2, 0.3], radius: 0.1 }];
     for cell in [
         [[1.0, 0.2, 0.1], [0.0, 1.0, -0.3], [0.0, 0.0, 1.0]],
         [[1.0, 0.2, 0.1], [0.1, 1.0, -0.3], [0.0, 0.05, 1.0 / 3.0]],
     ] {
         let packing = Packing { origin: [-0.1, 0.0, 0.1], cell, grains: grains.clone() };
-        packing.write(&path).unwrap();
-        assert_eq!(Packing::read(&path).unwrap(), packing);
+        crate::write_packing(&path, &packing).unwrap();
+        assert_eq!(crate::read_packing(&path).unwrap(), packing);
     }
 }
 
@@ -81,8 +81,12 @@ fn gross_overlaps_are_refused_also_across_the_boundary_and_between_sizes() {
 
 #[test]
 fn a_cell_that_is_none_is_refused() {
-    let cell_message =
-        |text: &str| Packing::read_from(format!("{text}\nid,x,y,z,radius\n1,1,1,1,1\n").as_bytes(), "p.csv");
+    let cell_message = |text: &str| {
+        crate::formats::packing_csv::read_from(
+            format!("{text}\nid,x,y,z,radius\n1,1,1,1,1\n").as_bytes(),
+            "p.csv",
+        )
+    };
     let message = |text: &str| cell_message(text).unwrap_err().to_string();
     assert!(
         message("# grains")
@@ -132,6 +136,6 @@ proptest! {
 
     #[test]
     fn any_text_gives_a_packing_or_a_message(text in "(# periodic (box|cell) ?([a-z]{2,3}=-?[0-9]e?[0-9]? ){0,9}|id,x,y,z,radius|[0-9.,e-]{1,20}|\n|\\PC){0,12}") {
-        let _ = Packing::read_from(text.as_bytes(), "p.csv");
+        let _ = crate::formats::packing_csv::read_from(text.as_bytes(), "p.csv");
     }
 }

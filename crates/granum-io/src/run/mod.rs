@@ -112,26 +112,26 @@ impl Run {
     /// The table of states.
     ///
     /// # Errors
-    /// As [`crate::parquet::read`].
+    /// As [`crate::formats::parquet::read`].
     pub fn series(&self) -> Result<Table> {
-        crate::parquet::read(&self.path.join(SERIES), None)
+        crate::formats::parquet::read(&self.path.join(SERIES), None)
     }
 
     /// The table of force histograms.
     ///
     /// # Errors
-    /// As [`crate::parquet::read`].
+    /// As [`crate::formats::parquet::read`].
     pub fn forces(&self) -> Result<Table> {
-        crate::parquet::read(&self.path.join(FORCES), None)
+        crate::formats::parquet::read(&self.path.join(FORCES), None)
     }
 
     /// The course of the preparation; none where it was not recorded.
     ///
     /// # Errors
-    /// As [`crate::parquet::read`].
+    /// As [`crate::formats::parquet::read`].
     pub fn preparation(&self) -> Result<Option<Table>> {
         let path = self.path.join(PREPARATION);
-        path.is_file().then(|| crate::parquet::read(&path, None)).transpose()
+        path.is_file().then(|| crate::formats::parquet::read(&path, None)).transpose()
     }
 
     /// Names of the snapshots, sorted.
@@ -228,25 +228,25 @@ impl RunFolder {
     /// Writes the course of the preparation.
     ///
     /// # Errors
-    /// As [`crate::parquet::write`].
+    /// As [`crate::formats::parquet::write`].
     pub fn write_preparation(&self, table: &Table) -> Result<()> {
-        crate::parquet::write(&self.folder.file(PREPARATION), table)
+        crate::formats::parquet::write(&self.folder.file(PREPARATION), table)
     }
 
     /// Writes the table of states.
     ///
     /// # Errors
-    /// As [`crate::parquet::write`].
+    /// As [`crate::formats::parquet::write`].
     pub fn write_series(&self, table: &Table) -> Result<()> {
-        crate::parquet::write(&self.folder.file(SERIES), table)
+        crate::formats::parquet::write(&self.folder.file(SERIES), table)
     }
 
     /// Writes the table of force histograms.
     ///
     /// # Errors
-    /// As [`crate::parquet::write`].
+    /// As [`crate::formats::parquet::write`].
     pub fn write_forces(&self, table: &Table) -> Result<()> {
-        crate::parquet::write(&self.folder.file(FORCES), table)
+        crate::formats::parquet::write(&self.folder.file(FORCES), table)
     }
 
     /// Writes a snapshot, e.g. `sample` or `end`.

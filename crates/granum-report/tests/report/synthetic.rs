@@ -4,7 +4,6 @@ use std::path::Path;
 
 use granum_core::assembly::{Assembly, Contact, Grain};
 use granum_core::{Column, Table};
-use granum_io::packing::Packing;
 use granum_io::run::{Machine, QualityFlag, RunRecord, RunStatus};
 use granum_report::{Role, RunReport};
 use granum_sensors::Record;
@@ -141,7 +140,7 @@ fn histogram(strain: f64, noise: &mut Noise) -> ForceHistogram {
 /// The shipped packing of 5000 grains, its contacts given Hertzian forces and, with `bias`, stronger ones along axis 1.
 pub fn assembly(bias: f64) -> Assembly {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/packing-5000.csv");
-    let packing = Packing::read(path).expect("the shipped packing can be read");
+    let packing = granum_io::read_packing(path).expect("the shipped packing can be read");
     let grains: Vec<Grain> = (packing.grains.iter())
         .map(|grain| Grain {
             id: grain.id,

@@ -8,7 +8,6 @@ use granum_dem::path::axisymmetric::AxisymmetricCompression;
 use granum_dem::path::{Watcher, follow, start};
 use granum_dem::preparation::{Flow, Progress, Recipe, prepare, settle};
 use granum_dem::simulation::{Hardware, Properties, Simulation};
-use granum_io::Packing;
 use granum_run::laboratory::{cell, sites};
 use granum_sensors::Recorder;
 
@@ -68,7 +67,7 @@ pub fn sample(laws: Laws, count: usize, friction: f64, seed: u64) -> Result<Simu
 
 /// A packing of another program, brought to rest.
 pub fn packed(path: &std::path::Path) -> Result<Simulation, Box<dyn Error>> {
-    let packing = Packing::read(path)?;
+    let packing = granum_io::read_packing(path)?;
     let (contact, grains) = (Laws::Plain.contact(), Laws::Plain.grains(packing.grains.len()));
     let preparation = Preparation::default();
     let properties = Properties { material: grains.material, contact };

@@ -71,7 +71,7 @@ pub(super) fn again(
                        and resume the run, or run it anew";
         return Err(granum_io::Error::content(file, message).into());
     }
-    let simulation = simulation(&Packing::read(file)?, next.properties(recipe))?;
+    let simulation = simulation(&granum_io::read_packing(file)?, next.properties(recipe))?;
     Ok(Preparing::compacting(simulation, recipe, next))
 }
 
@@ -97,10 +97,10 @@ impl Laboratory {
     /// Reads the packing of a source, if it is one.
     ///
     /// # Errors
-    /// As [`Packing::read`].
+    /// As [`granum_io::read_packing`].
     pub(super) fn packing(source: &Source) -> Result<Option<Packing>, LaboratoryError> {
         match source {
-            Source::Packing(path) => Ok(Some(Packing::read(path)?)),
+            Source::Packing(path) => Ok(Some(granum_io::read_packing(path)?)),
             Source::Case | Source::Folder(_) => Ok(None),
         }
     }

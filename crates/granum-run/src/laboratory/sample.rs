@@ -77,7 +77,7 @@ impl Laboratory {
             Source::Folder(path) => return take_sample(case, path, record),
             Source::Case => Preparing::new(&recipe)?,
             Source::Packing(path) => {
-                let packing = packing.map_or_else(|| Packing::read(path), Ok)?;
+                let packing = packing.map_or_else(|| granum_io::read_packing(path), Ok)?;
                 let (preparing, why_not) = from_packing::begin(&packing, &recipe)?;
                 for remark in from_packing::remarks(case, path, why_not.as_deref()) {
                     observer.warn(&remark);
@@ -338,7 +338,7 @@ mod tests {
                 "# periodic box, m: xlo=0 ylo=0 zlo=0 xhi={edge} yhi={edge} zhi={edge}\n\
                  id,x,y,z,radius\n1,0.1,0.1,0.1,1e-3\n2,0.2,0.2,0.2,{radius}\n"
             );
-            let packing = Packing::read_from(file.as_bytes(), "p.csv").unwrap();
+            let packing = granum_io::formats::packing_csv::read_from(file.as_bytes(), "p.csv").unwrap();
             let properties = Properties { material: Material::default(), contact: Contact::default() };
             simulation(&packing, properties).err().map(|error| error.to_string()).unwrap_or_default()
         };

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use granum_dem::config::{Grains, Preparation, Recording};
 use granum_dem::preparation::{Flow, Progress, Recipe, settle};
 use granum_dem::simulation::{Hardware, Simulation};
-use granum_io::{Packing, read_table};
+use granum_io::read_table;
 use granum_run::laboratory::{cell, sites};
 use granum_sensors::Recorder;
 
@@ -18,7 +18,7 @@ fn data(name: &str) -> PathBuf {
 /// The shipped packing brought to rest and sheared to 1 %, against LAMMPS on the same path.
 #[test]
 fn the_start_of_the_curves_is_that_of_lammps() {
-    let packing = Packing::read(data("packing-5000.csv")).unwrap();
+    let packing = granum_io::read_packing(data("packing-5000.csv")).unwrap();
     let properties = properties(0.3, 0.1);
     let simulation = Simulation::new(cell(&packing), &sites(&packing), properties).unwrap();
     let grains = Grains { material: properties.material, ..Grains::default() };

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use granum_dem::simulation::Properties;
-use granum_io::{Column, Packing, Table};
+use granum_io::{Column, Table};
 use granum_run::laboratory::simulation;
 use serde_json::json;
 
@@ -33,7 +33,7 @@ impl Forces {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let case = self.law.case()?;
         let (material, contact) = (case.grains.material, case.contact);
-        let packing = Packing::read(&self.packing)?;
+        let packing = granum_io::read_packing(&self.packing)?;
         let simulation = simulation(&packing, Properties { material, contact })?;
         let assembly = simulation.assembly();
         let mut columns =

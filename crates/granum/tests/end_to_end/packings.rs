@@ -12,7 +12,7 @@ use crate::{SMALL, digest, done, done_json, refused};
 fn packing_of_a_sample(here: &Path, name: &str, seed: &str) {
     done(here, &["prepare", "case.toml", "--seed", seed, "--out", &format!("made-{name}")]);
     let assembly = Run::at(here.join(format!("made-{name}"))).unwrap().snapshot("start").unwrap();
-    Packing::from_assembly(&assembly).write(here.join(name)).unwrap();
+    granum_io::write_packing(here.join(name), &Packing::from_assembly(&assembly)).unwrap();
 }
 
 /// Grains of two sizes on a wide lattice: they do not touch.

@@ -55,7 +55,7 @@ fn states_and_snapshots_stand_where_the_case_says() {
     assert_eq!(end("listed"), end("usual"));
 
     let grains = std::fs::read(here.join("listed/snapshots/end.grains.parquet")).unwrap();
-    let table = granum_io::parquet::read_bytes(grains, "end", Some(&["id"])).unwrap();
+    let table = granum_io::formats::parquet::read_bytes(grains, "end", Some(&["id"])).unwrap();
     assert_eq!(table.columns()[0].kind, granum_io::ColumnKind::Integer);
     let contacts = self::table(here, "listed/snapshots/end.contacts.parquet");
     let kind = |name: &str| contacts.columns().iter().find(|column| column.name == name).unwrap().kind;

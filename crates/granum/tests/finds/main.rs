@@ -155,14 +155,14 @@ fn seeds_are_good() {
         assert!(beside.is_empty() || known.is_ok(), "{name}: {known:?}");
     }
     for (name, bytes) in seeds::of("parquet") {
-        let table = granum_io::parquet::read_bytes(bytes, &name, None).unwrap();
+        let table = granum_io::formats::parquet::read_bytes(bytes, &name, None).unwrap();
         assert!(table.rows() == 3 || table.rows() == 6, "{name}");
     }
     for (name, bytes) in seeds::of("packing") {
-        assert!(granum_io::Packing::read_from(&bytes[..], &name).is_ok(), "{name}");
+        assert!(granum_io::formats::packing_csv::read_from(&bytes[..], &name).is_ok(), "{name}");
     }
     for (name, bytes) in seeds::of("csv") {
-        assert!(granum_io::csv::read_from(&bytes[..], &name, None).is_ok(), "{name}");
+        assert!(granum_io::formats::csv::read_from(&bytes[..], &name, None).is_ok(), "{name}");
     }
     for (name, bytes) in seeds::of("model").into_iter().filter(|(_, bytes)| bytes[0] != b'T') {
         let text = String::from_utf8(bytes).unwrap();

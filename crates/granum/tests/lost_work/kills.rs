@@ -57,7 +57,7 @@ fn check_readable(folder: &Path) {
                 drop(Simulation::restore(&std::fs::read(&path).unwrap()).unwrap());
             }
             _ if name.ends_with(".json") => drop(crate::common::json(&text())),
-            _ if name.ends_with(".parquet") => drop(granum_io::parquet::read(&path, None).unwrap()),
+            _ if name.ends_with(".parquet") => drop(granum_io::formats::parquet::read(&path, None).unwrap()),
             // Checksum and content of a network under way.
             _ if name.ends_with(".unfinished") => {
                 let text = text();

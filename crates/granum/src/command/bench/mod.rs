@@ -9,7 +9,6 @@ use std::time::Instant;
 
 use clap::Args;
 use granum_dem::Isa;
-use granum_io::Packing;
 use serde_json::json;
 
 use super::hardware::{instruction_set, processors};
@@ -83,8 +82,10 @@ impl Bench {
         });
         if wanted("dem") {
             let packing = match &self.packing {
-                Some(path) => Packing::read(path)?,
-                None => Packing::read_from(PACKING.as_bytes(), "the shipped packing")?,
+                Some(path) => granum_io::read_packing(path)?,
+                None => {
+                    granum_io::formats::packing_csv::read_from(PACKING.as_bytes(), "the shipped packing")?
+                }
             };
             answer["dem"] = json!(dem::measure(context, &packing, &self.course(isa, packing.grains.len())?)?);
         }

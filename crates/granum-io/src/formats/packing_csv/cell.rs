@@ -4,8 +4,8 @@ use std::io::BufRead;
 
 use granum_core::geometry::{Matrix, Vector, determinant, invert};
 
-use crate::csv::Lines;
 use crate::error::Result;
+use crate::formats::csv::Lines;
 use granum_core::quantity::format_number;
 
 /// What such a line looks like.
@@ -16,8 +16,8 @@ const BOX: [&str; 6] = ["xlo", "ylo", "zlo", "xhi", "yhi", "zhi"];
 const TILT: [&str; 3] = ["xy", "xz", "yz"];
 const CELL: [&str; 12] = ["ox", "oy", "oz", "ax", "ay", "az", "bx", "by", "bz", "cx", "cy", "cz"];
 
-/// Origin, edges and inverse of the edges, if the line is a comment that gives the cell.
-pub(super) fn parse<R: BufRead>(lines: &Lines<R>) -> Result<Option<(Vector, Matrix, Matrix)>> {
+/// Origin and edges, if the line is a comment that gives the cell.
+pub(super) fn parse<R: BufRead>(lines: &Lines<R>) -> Result<Option<(Vector, Matrix)>> {
     let line = lines.line();
     let comment = line.trim_start().trim_start_matches('#').trim_start();
     let tilted = comment.starts_with("periodic box");
@@ -50,7 +50,7 @@ pub(super) fn parse<R: BufRead>(lines: &Lines<R>) -> Result<Option<(Vector, Matr
     if !(volume > 0.0 && volume.is_finite()) || inverse.iter().flatten().any(|x| !x.is_finite()) {
         return Err(wrong(format!("the cell has the volume {volume:e} m3; it must be positive")).into());
     }
-    Ok(Some((origin, edges, inverse)))
+    Ok(Some((origin, edges)))
 }
 
 fn from_box(n: &[f64; 12]) -> (Vector, Matrix) {

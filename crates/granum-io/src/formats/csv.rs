@@ -9,9 +9,28 @@ use std::path::Path;
 
 use crate::atomic::write_atomically;
 use crate::error::{Error, InputError, Result};
+use crate::formats::TableFormat;
 use granum_core::names::suggestion;
 use granum_core::quantity::format_number;
 use granum_core::{Column, Table};
+
+/// The format.
+pub struct Csv;
+
+impl TableFormat for Csv {
+    fn name(&self) -> &'static str {
+        "CSV"
+    }
+    fn extensions(&self) -> &'static [&'static str] {
+        &["csv"]
+    }
+    fn read(&self, path: &Path, names: Option<&[&str]>) -> Result<Table> {
+        read(path, names)
+    }
+    fn write(&self, path: &Path, table: &Table) -> Result<()> {
+        write(path, table)
+    }
+}
 
 /// A longer line is no row of numbers.
 const LONGEST_LINE: u64 = 1 << 20;

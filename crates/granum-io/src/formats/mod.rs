@@ -1,0 +1,266 @@
+//! File formats, one file each: tables and packings. A new one is its file and its line in [`Formats::standard`]; a program of
+//! one's own adds its formats with [`Formats::with_table`] and [`Formats::with_packing`].
+//!
+//! ```
+//! use granum_io::formats::Formats;
+//!
+//! let names: Vec<&str> = Formats::standard().tables().map(|format| format.name()).collect();
+//! assert_eq!(names, ["CSV", "Parquet"]);
+//! ```
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use granum_core::Table;
+
+use crate::error::{Error, Result};
+use crate::packing::Packing;
+
+pub mod csv;
+pub mod packing_csv;
+pub mod parquet;
+
+/// Bytes of a file by which a format may be recognised.
+const HEAD: u64 = 4096;
+
+/// A format of tables of numbers.
+pub trait TableFormat: Send + Sync {
+    /// Its name, e.g. "Parquet".
+    fn name(&self) -> &'static str;
+    /// The extensions of its files, in lower case and without the dot.
+    fn extensions(&self) -> &'static [&'static str];
+    /// Reads the named columns in the order asked for, or all that are numbers.
+    ///
+    /// # Errors
+    /// If the file cannot be read or is not of this format; if a column is missing, with the nearest name.
+    fn read(&self, path: &Path, names: Option<&[&str]>) -> Result<Table>;
+    /// Writes a table beside and renames it. Equal tables give equal bytes.
+    ///
+    /// # Errors
+    /// If the table cannot be held by this format, or the file cannot be written.
+    fn write(&self, path: &Path, table: &Table) -> Result<()>;
+}
+
+/// A format of packings: grains in a periodic cell.
+pub trait PackingFormat: Send + Sync {
+    /// Its name, e.g. "granum packing".
+    fn name(&self) -> &'static str;
+    /// The extensions of its files, in lower case and without the dot.
+    fn extensions(&self) -> &'static [&'static str];
+    /// True if a file that begins so is of this format, whatever its name.
+    fn recognises(&self, head: &[u8]) -> bool;
+    /// Reads and checks a packing; [`Packing::checked`] has the checks that all formats share.
+    ///
+    /// # Errors
+    /// If the file cannot be read or holds no packing, with line and grain.
+    fn read(&self, path: &Path) -> Result<Packing>;
+    /// Writes a packing beside and renames it.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    fn write(&self, path: &Path, packing: &Packing) -> Result<()>;
+}
+
+/// The formats that a program knows.
+pub struct Formats {
+    tables: Vec<Box<dyn TableFormat>>,
+    packings: Vec<Box<dyn PackingFormat>>,
+}
+
+impl Formats {
+    /// Those that come with granum.
+    pub fn standard() -> Formats {
+        Formats {
+            tables: vec![Box::new(csv::Csv), Box::new(parquet::Parquet)],
+            packings: vec![Box::new(packing_csv::PackingCsv)],
+        }
+    }
+
+    /// The same formats and one more for tables.
+    pub fn with_table(mut self, format: impl TableFormat + 'static) -> Formats {
+        self.tables.push(Box::new(format));
+        self
+    }
+
+    /// The same formats and one more for packings.
+    pub fn with_packing(mut self, format: impl PackingFormat + 'static) -> Formats {
+        self.packings.push(Box::new(format));
+        self
+    }
+
+    /// The formats of tables.
+    pub fn tables(&self) -> impl Iterator<Item = &dyn TableFormat> {
+        self.tables.iter().map(|format| &**format)
+    }
+
+    /// The formats of packings.
+    pub fn packings(&self) -> impl Iterator<Item = &dyn PackingFormat> {
+        self.packings.iter().map(|format| &**format)
+    }
+
+    /// The format of tables that a file name asks for by its extension.
+    ///
+    /// # Errors
+    /// If no format has that extension.
+    pub fn table(&self, path: &Path) -> Result<&dyn TableFormat> {
+        let wanted = extension(path);
+        self.tables().find(|format| format.extensions().contains(&wanted.as_str())).ok_or_else(|| {
+            let known = self.tables().flat_map(|format| format.extensions());
+            Error::content(path, format!("the name of a table must end in {}", any_of(known)))
+        })
+    }
+
+    /// Reads the named columns of a table, or all that are numbers.
+    ///
+    /// # Errors
+    /// As [`Formats::table`] and [`TableFormat::read`].
+    pub fn read_table(&self, path: &Path, names: Option<&[&str]>) -> Result<Table> {
+        self.table(path)?.read(path, names)
+    }
+
+    /// Writes a table.
+    ///
+    /// # Errors
+    /// As [`Formats::table`] and [`TableFormat::write`].
+    pub fn write_table(&self, path: &Path, table: &Table) -> Result<()> {
+        self.table(path)?.write(path, table)
+    }
+
+    /// Reads a packing. Its format is the one that recognises how the file begins, else that of its extension.
+    ///
+    /// # Errors
+    /// If no format fits, or as [`PackingFormat::read`].
+    pub fn read_packing(&self, path: &Path) -> Result<Packing> {
+        let mut head = Vec::new();
+        let file = File::open(path).map_err(Error::file("read", path))?;
+        file.take(HEAD).read_to_end(&mut head).map_err(Error::file("read", path))?;
+        let recognised = self.packings().find(|format| format.recognises(&head));
+        recognised.map_or_else(|| self.packing(path), Ok)?.read(path)
+    }
+
+    /// Writes a packing in the format of the file's extension.
+    ///
+    /// # Errors
+    /// If no format has that extension, or as [`PackingFormat::write`].
+    pub fn write_packing(&self, path: &Path, packing: &Packing) -> Result<()> {
+        self.packing(path)?.write(path, packing)
+    }
+
+    fn packing(&self, path: &Path) -> Result<&dyn PackingFormat> {
+        let wanted = extension(path);
+        self.packings().find(|format| format.extensions().contains(&wanted.as_str())).ok_or_else(|| {
+            let known = self.packings().flat_map(|format| format.extensions());
+            Error::content(
+                path,
+                format!("is no packing that is known: its name should end in {}", any_of(known)),
+            )
+        })
+    }
+}
+
+fn extension(path: &Path) -> String {
+    path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
+}
+
+/// ".csv or .parquet".
+fn any_of<'a>(extensions: impl Iterator<Item = &'a &'static str>) -> String {
+    let all: Vec<String> = extensions.map(|extension| format!(".{extension}")).collect();
+    match all.split_last() {
+        Some((last, [])) => last.clone(),
+        Some((last, others)) => format!("{} or {last}", others.join(", ")),
+        None => "a known extension".into(),
+    }
+}
+
+/// Reads all numeric columns of a table in one of the [standard formats](Formats::standard).
+///
+/// # Errors
+/// As [`Formats::read_table`].
+pub fn read_table(path: impl AsRef<Path>) -> Result<Table> {
+    Formats::standard().read_table(path.as_ref(), None)
+}
+
+/// Reads the named columns of a table, in the order asked for; others are passed over.
+///
+/// # Errors
+/// As [`Formats::read_table`].
+pub fn read_columns(path: impl AsRef<Path>, names: &[&str]) -> Result<Table> {
+    Formats::standard().read_table(path.as_ref(), Some(names))
+}
+
+/// Writes a table beside and renames it. Equal tables give equal bytes.
+///
+/// # Errors
+/// As [`Formats::write_table`].
+pub fn write_table(path: impl AsRef<Path>, table: &Table) -> Result<()> {
+    Formats::standard().write_table(path.as_ref(), table)
+}
+
+/// Reads and checks a packing in one of the [standard formats](Formats::standard).
+///
+/// # Errors
+/// As [`Formats::read_packing`].
+pub fn read_packing(path: impl AsRef<Path>) -> Result<Packing> {
+    Formats::standard().read_packing(path.as_ref())
+}
+
+/// Writes a packing beside and renames it.
+///
+/// # Errors
+/// As [`Formats::write_packing`].
+pub fn write_packing(path: impl AsRef<Path>, packing: &Packing) -> Result<()> {
+    Formats::standard().write_packing(path.as_ref(), packing)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_extension_chooses_the_format() {
+        let formats = Formats::standard();
+        let name = |file: &str| formats.table(Path::new(file)).map(|format| format.name());
+        assert_eq!(name("x/Y.CSV").unwrap(), "CSV");
+        assert_eq!(name("y.parquet").unwrap(), "Parquet");
+        let error = name("y.xlsx").unwrap_err().to_string();
+        assert_eq!(error, "y.xlsx: the name of a table must end in .csv or .parquet");
+    }
+
+    struct Pair;
+    impl PackingFormat for Pair {
+        fn name(&self) -> &'static str {
+            "pair"
+        }
+        fn extensions(&self) -> &'static [&'static str] {
+            &["pair"]
+        }
+        fn recognises(&self, head: &[u8]) -> bool {
+            head.starts_with(b"pair")
+        }
+        fn read(&self, path: &Path) -> Result<Packing> {
+            let grain =
+                |id: u64| crate::packing::PackedGrain { id, position: [id as f64, 1.0, 1.0], radius: 0.5 };
+            let cell = [[4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0]];
+            let file = path.display().to_string();
+            Packing::checked(&file, [0.0; 3], cell, vec![(grain(1), 1), (grain(2), 2)])
+        }
+        fn write(&self, _: &Path, _: &Packing) -> Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_format_of_ones_own_is_recognised_by_how_a_file_begins() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("data.txt");
+        std::fs::write(&file, "pair").unwrap();
+        let error = read_packing(&file).unwrap_err().to_string();
+        assert!(
+            error.ends_with("data.txt: is no packing that is known: its name should end in .csv"),
+            "{error}"
+        );
+        let formats = Formats::standard().with_packing(Pair);
+        assert_eq!(formats.read_packing(&file).unwrap().grains.len(), 2);
+    }
+}

@@ -1,0 +1,141 @@
+//! Packings: grains in a periodic cell, as CSV.
+//!
+//! ```text
+//! # periodic box, m: xlo=-0.0008 ylo=-0.0008 zlo=-0.0008 xhi=0.0008 yhi=0.0008 zhi=0.0008
+//! id,x,y,z,radius
+//! 1,1.7e-05,0.0006,-0.0005,5e-05
+//! ```
+//!
+//! The box may be tilted as in LAMMPS (`xy= xz= yz=` after `zhi`). A cell of any other shape is given by its corner
+//! and its three edges: `# periodic cell, m: ox= oy= oz= ax= ay= az= bx= by= bz= cx= cy= cz=`. Other columns than the
+//! five are passed over. Grains may stand in any order; their ids must be 1, 2, ... without a gap.
+
+mod cell;
+
+use std::io::{BufRead, Write};
+use std::path::Path;
+
+use granum_core::quantity::format_number;
+
+use crate::atomic::write_atomically;
+use crate::error::{Error, Result};
+use crate::formats::PackingFormat;
+use crate::formats::csv::{Lines, names, number, position};
+use crate::packing::{PackedGrain, Packing};
+
+/// The format.
+pub struct PackingCsv;
+
+impl PackingFormat for PackingCsv {
+    fn name(&self) -> &'static str {
+        "granum packing"
+    }
+    fn extensions(&self) -> &'static [&'static str] {
+        &["csv"]
+    }
+    fn recognises(&self, head: &[u8]) -> bool {
+        let text = String::from_utf8_lossy(head);
+        text.lines().map(str::trim_start).any(|line| {
+            line.strip_prefix('#').is_some_and(|comment| comment.trim_start().starts_with("periodic "))
+        })
+    }
+    fn read(&self, path: &Path) -> Result<Packing> {
+        read_lines(&mut Lines::open(path)?)
+    }
+    fn write(&self, path: &Path, packing: &Packing) -> Result<()> {
+        write_atomically(path, |file| {
+            writeln!(file, "{}", cell::text(&packing.origin, &packing.cell))?;
+            writeln!(file, "id,x,y,z,radius")?;
+            for grain in &packing.grains {
+                let [x, y, z] = grain.position.map(format_number);
+                writeln!(file, "{},{x},{y},{z},{}", grain.id, format_number(grain.radius))?;
+            }
+            Ok(())
+        })
+    }
+}
+
+/// Reads and checks a packing from any reader of text; `file` is its name for messages.
+///
+/// # Errors
+/// As [`Packing::checked`]; also [`Error::Input`] for a cell that is missing and numbers that are none.
+pub fn read_from(reader: impl BufRead, file: &str) -> Result<Packing> {
+    read_lines(&mut Lines::new(reader, file))
+}
+
+fn read_lines<R: BufRead>(lines: &mut Lines<R>) -> Result<Packing> {
+    let mut cell = None;
+    let mut columns = None;
+    let mut grains: Vec<(PackedGrain, usize)> = Vec::new();
+    while lines.advance()? {
+        if lines.is_empty() {
+            if let Some(found) = cell::parse(lines)? {
+                cell = Some(found);
+            }
+            continue;
+        }
+        let Some(columns) = &columns else {
+            columns = Some(Columns::from_header(lines)?);
+            continue;
+        };
+        if cell.is_none() {
+            let message = "the periodic cell is not given".to_string();
+            return Err(lines.error(0..0, message).with_help(cell::EXAMPLE).into());
+        }
+        grains.push((columns.grain(lines)?, lines.number()));
+    }
+    let Some((origin, cell)) = cell else {
+        let message = "holds no packing: it needs a cell and grains";
+        return Err(Error::content(Path::new(lines.file()), message));
+    };
+    Packing::checked(lines.file(), origin, cell, grains)
+}
+
+/// Where the five columns are.
+struct Columns {
+    header: Vec<String>,
+    places: [usize; 5],
+}
+
+impl Columns {
+    const NAMES: [&'static str; 5] = ["id", "x", "y", "z", "radius"];
+
+    fn from_header<R: BufRead>(lines: &Lines<R>) -> Result<Columns> {
+        let header = names(lines)?;
+        let mut places = [0; 5];
+        for (place, name) in places.iter_mut().zip(Self::NAMES) {
+            *place = position(lines.file(), &header, name)?;
+        }
+        Ok(Columns { header, places })
+    }
+
+    fn grain<R: BufRead>(&self, lines: &Lines<R>) -> Result<PackedGrain> {
+        let cells: Vec<(usize, &str)> = lines.cells().collect();
+        if cells.len() != self.header.len() {
+            let message =
+                format!("the row has {} cells, but the header names {}", cells.len(), self.header.len());
+            return Err(lines.error(0..lines.line().len(), message).into());
+        }
+        let [id, numbers @ ..] = self.places;
+        let (start, text) = cells[id];
+        let id: u64 = text.parse().ok().filter(|id| *id > 0).ok_or_else(|| {
+            let message = format!("id = {text:?} is no whole number from 1");
+            Error::from(lines.cell_error(start, text, message))
+        })?;
+        let mut values = [0.0; 4];
+        for ((value, place), name) in values.iter_mut().zip(numbers).zip(&Self::NAMES[1..]) {
+            let (start, text) = cells[place];
+            *value = number(lines, name, start, text)?;
+            let wrong = if !value.is_finite() {
+                "must be finite"
+            } else if *name == "radius" && *value <= 0.0 {
+                "must be positive"
+            } else {
+                continue;
+            };
+            return Err(lines.cell_error(start, text, format!("grain {id}: {name} = {text} {wrong}")).into());
+        }
+        let [x, y, z, radius] = values;
+        Ok(PackedGrain { id, position: [x, y, z], radius })
+    }
+}
