@@ -52,11 +52,11 @@ fn text(record: &RunRecord) -> String {
         let value = |name: &str| measure(name).map_or("-".to_string(), |v| format!("{v:.3}"));
         let packing = record.packing.as_ref().map_or(String::new(), |p| format!(" of {}", p.file_name));
         lines.push(format!(
-            "sample: {} grains{packing}, solid fraction {solid_fraction:.4}, coordination number {} (all grains), {} (grains with two \
-             contacts or more), rattlers {:.1} %, p {:.2} kPa",
+            "sample: {} grains{packing}, solid fraction {solid_fraction:.4}, coordination number {} (all grains), {} \
+             (mechanical: of the grains with two contacts or more), rattlers {:.1} %, p {:.2} kPa",
             record.grains,
             value("coordination_number"),
-            value("backbone_coordination_number"),
+            value("mechanical_coordination_number"),
             100.0 * measure("rattler_fraction").unwrap_or(0.0),
             measure("mean_stress").unwrap_or(0.0) / 1e3,
         ));
