@@ -164,6 +164,7 @@ pub fn write_snapshot(folder: &Path, name: &str, assembly: &Assembly) -> Result<
         cell: assembly.cell,
         velocity_gradient: assembly.velocity_gradient,
         strain: assembly.strain,
+        arc_length: assembly.arc_length,
         target_mean_stress: assembly.target_mean_stress,
         energy: assembly.energy,
         ..Assembly::default()

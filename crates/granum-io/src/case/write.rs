@@ -1,6 +1,7 @@
 //! Writing a case: resolved (SI numbers, beside a result) and as the template that teaches the keys.
 
 use super::fields::SECTIONS;
+use super::stage::has_no_part;
 use super::{Case, FIELDS, Field, UNUSED_WITH_PACKING};
 
 const TEMPLATE_HEAD: &str = "\
@@ -48,9 +49,15 @@ impl Case {
             text.push_str(&format!("# The grains are those of the packing {name}.\n"));
         }
         for [section, _] in SECTIONS {
+            if self.has_stages() && *section == "shear" {
+                continue;
+            }
             text.push_str(&format!("\n[{section}]\n"));
             for field in FIELDS.iter().filter(|field| field.section == *section) {
                 let Some(value) = field.value(self) else { continue };
+                if self.has_stages() && has_no_part(&field.path()) {
+                    continue;
+                }
                 let unit = field.si_unit();
                 let unused = packing.is_some() && UNUSED_WITH_PACKING.contains(&field.path().as_str());
                 let comment = match (unit.as_str(), unused) {
@@ -61,6 +68,7 @@ impl Case {
                 text.push_str(&format!("{} = {}{comment}\n", field.key, field.toml(&value)));
             }
         }
+        text.push_str(&self.stages_toml());
         text
     }
 }
