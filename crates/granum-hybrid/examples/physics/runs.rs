@@ -4,9 +4,10 @@ use std::error::Error;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use granum_dem::config::{Contact, Grains, Material, NormalKind, Preparation, Recording, TangentialKind};
-use granum_dem::path::axisymmetric::AxisymmetricCompression;
-use granum_dem::path::{Watcher, follow, start};
+use granum_dem::config::{
+    Contact, Grains, Material, NormalKind, Preparation, Rate, Recording, Shear, TangentialKind,
+};
+use granum_dem::loading::{Watcher, begin, follow, preset};
 use granum_dem::preparation::{Flow, Progress, Recipe, prepare, settle};
 use granum_dem::simulation::{Hardware, Properties, Simulation};
 use granum_hybrid::laboratory::{cell, sites};
@@ -104,15 +105,16 @@ const LOOKS: usize = 7;
 pub fn sheared(sample: &Simulation, test: Test) -> Result<Series, Box<dyn Error>> {
     let mut simulation = sample.clone();
     simulation.set_time_step_factor(test.time_step_factor);
-    let path = AxisymmetricCompression {
-        strain_rate: simulation.strain_rate(test.inertial_number, MEAN_STRESS),
-        mean_stress: MEAN_STRESS,
+    let shear = Shear {
+        rate: Rate::InertialNumber(test.inertial_number),
+        mean_stress: Some(MEAN_STRESS),
         deviator_strain: test.deviator_strain,
     };
     let recording = Recording { states: test.states, looks: LOOKS, ..Recording::default() };
     let mut watch = Watch(Recorder::new(&recording, test.deviator_strain));
-    start(&path, &mut simulation);
-    follow(&path, &mut simulation, &mut watch)?;
+    let stage = preset::antony2006(&shear, &recording, MEAN_STRESS);
+    let mut watched = begin(&stage, &mut simulation)?;
+    follow(&stage, &mut watched, &mut simulation, &mut watch)?;
     Ok(watch.0.record().series)
 }
 
