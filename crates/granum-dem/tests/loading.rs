@@ -259,7 +259,7 @@ fn no_stage_can_hang() {
     let speed = Speed::InertialNumber { number: 1e-2, at: None };
     let until = Until::Reaches { measure: Measure::Strain(0), value: 0.1 };
     let hold = Control::of(speed, [held, held, held, fixed, fixed, fixed]);
-    let stage = Stage { most_arc_length: 1e-3, ..Stage::new("hold", hold, vec![until]) };
+    let stage = Stage { most_arc_length: Some(1e-3), ..Stage::new("hold", hold, vec![until]) };
     let (ends, _) = run(&mut s, &[stage]);
     assert!(matches!(ends[0].reason, Reason::TooLong { .. }), "{}", ends[0].reason);
     assert!(ends[0].reason.to_string().contains("none of its ends came"));

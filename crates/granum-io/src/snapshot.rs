@@ -303,6 +303,7 @@ pub(crate) mod tests {
             cell: [next3(), next3(), next3()],
             velocity_gradient: [next3(), next3(), next3()],
             strain: [next3(), next3(), next3()],
+            arc_length: 0.375,
             target_mean_stress: Some(2e4),
             grains,
             contacts,

@@ -39,8 +39,8 @@ pub struct Stage {
     /// Its ends; the first that comes ends it.
     pub until: Vec<Until>,
     /// Arc length of strain after which it ends in any case. It also ends after the time that the stage's speed takes for
-    /// four times that.
-    pub most_arc_length: f64,
+    /// four times that, and when the sample no longer carries stress. `None` for a stage that cannot but come to its end.
+    pub most_arc_length: Option<f64>,
     /// Which states are recorded.
     pub record: Record,
     /// True if velocities are damped globally, so that the sample comes to rest.
@@ -68,7 +68,7 @@ impl Stage {
             control,
             turns: None,
             until,
-            most_arc_length: 1.0,
+            most_arc_length: Some(1.0),
             record: Record::default(),
             settling: false,
             resets: false,
@@ -176,11 +176,16 @@ pub fn follow(
     loop {
         let here = measure.of(&simulation.state().reading()) - origin;
         while watcher.next_look() <= here {
+            let due = watcher.next_look();
             watcher.look(simulation);
+            if watcher.next_look() == due {
+                // It measures another way and finds itself a rounding short: the next step will do.
+                break;
+            }
         }
         turn(stage, watched, simulation);
         let end = watched.look(&stage.until, simulation.state());
-        if let Some(reason) = end.or_else(|| too_long(stage, watched, simulation, most_time)) {
+        if let Some(reason) = end.or_else(|| cut_short(stage, watched, simulation, most_time)) {
             return Ok(Ending::Complete(reason));
         }
         let (steps, time) = (simulation.state().step(), simulation.state().time());
@@ -220,14 +225,19 @@ fn turning_point(stage: &Stage, watched: &Watched) -> Option<Event> {
 fn most_time(stage: &Stage, simulation: &Simulation) -> f64 {
     let control = simulation.state().control();
     let limit = control.rate_limit / stage.control.servo_limit.max(f64::MIN_POSITIVE);
-    if limit > 0.0 { 4.0 * stage.most_arc_length / limit } else { f64::INFINITY }
+    if limit > 0.0 { 4.0 * stage.most_arc_length.unwrap_or(f64::MAX) / limit } else { f64::INFINITY }
 }
 
-fn too_long(stage: &Stage, watched: &Watched, simulation: &Simulation, most_time: f64) -> Option<Reason> {
+/// Why a stage cannot go on, where it cannot.
+fn cut_short(stage: &Stage, watched: &Watched, simulation: &Simulation, most_time: f64) -> Option<Reason> {
+    let most = stage.most_arc_length?;
+    if let Some(reason) = watched.unjammed(simulation.state()) {
+        return Some(reason);
+    }
     let reading = simulation.state().reading();
     let arc_length = reading.arc_length - watched.start.arc_length;
     let time = reading.time - watched.start.time;
-    (arc_length > stage.most_arc_length || time > most_time).then_some(Reason::TooLong { arc_length, time })
+    (arc_length > most || time > most_time).then_some(Reason::TooLong { arc_length, time })
 }
 
 /// The factor on the density of the grains that a [`Rate`] asks for.

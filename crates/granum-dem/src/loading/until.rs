@@ -169,10 +169,15 @@ impl Watched {
                 reason.get_or_insert(Reason::End(*until));
             }
         }
+        reason
+    }
+
+    /// The reason if stresses are controlled that the sample no longer carries.
+    pub(super) fn unjammed(&self, state: &State) -> Option<Reason> {
         let before = invariants::mean(&self.start.stress);
         let mean_stress = state.mean_stress();
         let lost = state.control().rows().next().is_some() && mean_stress < UNJAMMED * before;
-        reason.or(lost.then_some(Reason::Unjammed { mean_stress, before }))
+        lost.then_some(Reason::Unjammed { mean_stress, before })
     }
 
     /// The steps at which something of the ends may come.

@@ -216,6 +216,10 @@ impl Laboratory {
         let Stage::Test(test) = &mut standing.stage else { return Ok(Stretch::GoOn) };
         let simulation = &mut standing.simulation;
         let at = test.ends.len();
+        if test.recorders.len() == at {
+            // The last stage is over, or one was cut short.
+            return Ok(Stretch::Complete);
+        }
         let (Some(stage), Some(recorder)) = (test.stages.get(at), test.recorders.last_mut()) else {
             return Ok(Stretch::Complete);
         };

@@ -159,7 +159,9 @@ fn stage_toml(stage: &Stage) -> String {
         text.push_str(&format!("turns = {{ measure = \"{}\", high = {high}, low = {low} }}\n", measure.name()));
     }
     text.push_str(&format!("until = {{ {} }}\n", stage.until.iter().map(until_toml).collect::<Vec<_>>().join(", ")));
-    text.push_str(&format!("most_arc_length = {}\n", format_number(stage.most_arc_length)));
+    if let Some(most) = stage.most_arc_length {
+        text.push_str(&format!("most_arc_length = {}\n", format_number(most)));
+    }
     if let Some(record) = record_toml(&stage.record) {
         text.push_str(&format!("record = {{ {record} }}\n"));
     }

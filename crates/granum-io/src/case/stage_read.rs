@@ -182,7 +182,7 @@ impl Place<'_, '_> {
             name,
             turns,
             until,
-            most_arc_length: most.unwrap_or(default.most_arc_length),
+            most_arc_length: most.or(default.most_arc_length),
             record: record.unwrap_or_else(|| default.record.clone()),
             settling: settling.unwrap_or(false),
             resets: resets.unwrap_or(false),

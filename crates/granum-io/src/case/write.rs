@@ -11,6 +11,13 @@ const TEMPLATE_HEAD: &str = "\
 # may be left out: what stands here are the defaults, the sample and test of Antony, Zhou and Wang (2006).
 ";
 
+const TEMPLATE_TAIL: &str = "
+# Another test: stages in place of [shear], each a named path (`granum run --list` shows them all) or a control of its own.
+# [[stage]]
+# path = \"drained-triaxial\"
+# axial_strain = 0.2
+";
+
 const RESOLVED_HEAD: &str = "\
 # The resolved case of a granum run: every key, in SI units. It can be run again as it is.
 ";
@@ -31,7 +38,7 @@ impl Case {
                 text.push_str(&format!("{unused}{} = {value}\n", field.key));
             }
         }
-        text
+        text + TEMPLATE_TAIL
     }
 
     /// The whole case as TOML in SI units, with units in comments; reads back as the same case, bit for bit.

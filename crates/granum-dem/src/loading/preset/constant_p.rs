@@ -64,5 +64,5 @@ pub fn antony2006(shear: &Shear, recording: &Recording, sample_stress: f64) -> S
     };
     let mut stage = stage(speed, 1.0, Some(mean_stress), until);
     stage.control.response = RESPONSE;
-    Stage { resets: true, most_arc_length: f64::MAX, ..stage }.recording(record)
+    Stage { resets: true, most_arc_length: None, ..stage }.recording(record)
 }

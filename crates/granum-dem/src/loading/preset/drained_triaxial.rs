@@ -13,7 +13,7 @@ pub(super) const PRESET: Preset = Preset {
         let fixed = Drive::Fixed;
         let drives = [Drive::Rate(end.signum()), held, held, fixed, fixed, fixed];
         let until = Until::Reaches { measure: Measure::Strain(0), value: end };
-        let record = Record::equal(Measure::ArcLength, values.states(), end.abs());
+        let record = Record::every(Measure::ArcLength, end.abs() / values.number("states"));
         let test = Stage {
             most_arc_length: generous(end),
             resets: true,
