@@ -97,6 +97,9 @@ pub struct Assembly {
     pub velocity_gradient: Matrix,
     /// Logarithmic strain of the cell since the start of the phase, compression positive.
     pub strain: Matrix,
+    /// Arc length of the strain path since then.
+    #[serde(default)]
+    pub arc_length: f64,
     /// Mean stress that the servo aims at, Pa, where it aims at one.
     pub target_mean_stress: Option<f64>,
     /// The grains, in order of their ids.

@@ -39,6 +39,8 @@ impl Dimension {
     pub const FORCE: Dimension = dimension(1, 1, -2, 0);
     /// Stress, pressure or modulus, Pa.
     pub const STRESS: Dimension = dimension(1, -1, -2, 0);
+    /// Rate of a stress, Pa/s.
+    pub const STRESS_RATE: Dimension = dimension(1, -1, -3, 0);
     /// Density, kg/m3.
     pub const DENSITY: Dimension = dimension(1, -3, 0, 0);
     /// Energy, J.
@@ -47,7 +49,7 @@ impl Dimension {
     pub const SURFACE_ENERGY: Dimension = dimension(1, 0, -2, 0);
 
     /// Name and example units of the dimensions that granum uses.
-    const KNOWN: [(Dimension, &'static str, &'static str); 12] = [
+    const KNOWN: [(Dimension, &'static str, &'static str); 13] = [
         (Self::NUMBER, "a pure number", ""),
         (Self::ANGLE, "an angle", "rad or deg"),
         (Self::LENGTH, "a length", "m, mm or um"),
@@ -56,6 +58,7 @@ impl Dimension {
         (Self::RATE, "a rate", "1/s"),
         (Self::VELOCITY, "a velocity", "m/s or mm/s"),
         (Self::FORCE, "a force", "N, mN or uN"),
+        (Self::STRESS_RATE, "a rate of stress", "Pa/s or kPa/s"),
         (Self::STRESS, "a stress", "Pa, kPa, MPa or GPa"),
         (Self::DENSITY, "a density", "kg/m3 or g/cm3"),
         (Self::ENERGY, "an energy", "J or uJ"),

@@ -17,7 +17,7 @@ use crate::state::State;
 const MAGIC: &[u8; 8] = b"GRANUMCP";
 const HEADER: usize = 24;
 /// Version that this granum writes.
-pub const VERSION: u32 = 4;
+pub const VERSION: u32 = 5;
 
 /// Why bytes are no usable checkpoint.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -209,19 +209,19 @@ fn check_numbers(body: &Body) -> Result<(), CheckpointError> {
     require(positive(state.dt) && body.fixed_time_step.is_none_or(positive), "time step")?;
     require(positive(body.time_step_factor) && not_negative(body.expected_force), "time step")?;
     require(not_negative(control.rate_limit) && not_negative(state.fading), "control of the cell")?;
-    let targets =
-        control.stress.iter().flatten().flatten().chain(control.mean_stress.as_ref().map(|m| &m.target));
-    let rates = control.rate.iter().chain(&state.gradient).chain(&state.strain).flatten();
-    require(targets.chain(rates).all(|x| x.is_finite()), "control of the cell")?;
+    let rates = state.gradient.iter().chain(&state.strain).chain(&state.anchor).flatten();
+    require(
+        control.is_finite() && rates.chain([&state.walked]).all(|x| x.is_finite()),
+        "control of the cell",
+    )?;
     require(positive(state.skin) && state.time.is_finite() && !state.judge_from.is_nan(), "time and margin")?;
     let watch = &state.watch;
     require(
         positive(watch.margin) && !watch.travel.is_nan() && watch.distortion.is_finite(),
         "margin of the pruned neighbour list",
     )?;
-    let counts =
-        [state.step, state.steps_since_rebuild, state.rebuilds, state.servo_error.steps, watch.steps];
-    require(counts.iter().all(|n| *n < MOST_STEPS), "number of steps")
+    let counts = [state.step, state.steps_since_rebuild, state.rebuilds, watch.steps];
+    require(counts.iter().chain(&state.servo_error.steps).all(|n| *n < MOST_STEPS), "number of steps")
 }
 
 /// A checksum can be forged; indices out of range must not reach the kernels.

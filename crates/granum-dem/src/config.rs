@@ -186,6 +186,8 @@ pub enum Spacing {
     Geometric(f64),
     /// At these strains, rising.
     Strains(Vec<f64>),
+    /// At every multiple of this, however far the test goes.
+    Every(f64),
 }
 
 /// When the sensors look, and the bins of the force distribution.

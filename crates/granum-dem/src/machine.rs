@@ -8,6 +8,7 @@ use crate::cell::Cell;
 use crate::config::{Contact, MOST_CONTACTS};
 use crate::contact::{PairConstants, PairProperties};
 use crate::kernel::{ContactSums, NORMAL_COLUMNS, Nearness, Views, Watch};
+use crate::loading::Event;
 use crate::pairs::{self, IMAGES};
 use crate::search;
 use crate::servo::Sample;
@@ -40,6 +41,8 @@ pub(crate) struct Machine {
     pub(crate) contact_sums: Vec<ContactSums>,
     fastest_grain: Vec<f64>,
     nearness: Vec<Nearness>,
+    /// What ends a run of steps early.
+    pub(crate) events: Vec<Event>,
     /// Largest and mean radius, m.
     largest_radius: f64,
     mean_radius: f64,
@@ -59,6 +62,7 @@ impl Machine {
             contact_sums: Vec::new(),
             fastest_grain: Vec::new(),
             nearness: Vec::new(),
+            events: Vec::new(),
             largest_radius: 0.0,
             mean_radius: 0.0,
         };
@@ -186,19 +190,15 @@ impl Machine {
         let volume = state.cell.volume();
         let sample = Sample {
             stress: state.stress(),
+            strain: state.strain,
             bulk_modulus: state.sums.stiffness / (9.0 * volume),
+            time: state.time,
             dt: state.dt,
         };
         let control = state.control;
         let before = state.gradient;
         state.gradient = state.servo.gradient(&control, &sample);
-        let started = state.deviator_strain() >= state.judge_from;
-        if let Some(target) = state.target_mean_stress().filter(|t| started && *t != 0.0) {
-            let error = (state.mean_stress() - target) / target;
-            state.servo_error.squares += error * error;
-            state.servo_error.steps += 1;
-            state.servo_error.largest = state.servo_error.largest.max(error.abs());
-        }
+        state.judge_servo();
         // The step works half with the forces at its start, under its own gradient.
         let mut power = state.sums.boundary_power;
         for r in 0..3 {
@@ -213,6 +213,7 @@ impl Machine {
                 state.strain[r][c] -= state.dt * state.gradient[r][c];
             }
         }
+        state.walk();
         views.gradient = state.gradient;
         views.dt = state.dt;
         views.retain = 1.0 - state.fading * state.dt;
@@ -245,6 +246,15 @@ impl Machine {
             return Err(SimulationError::Diverged { step: state.step, time_step: state.dt });
         }
         Ok(())
+    }
+
+    /// True if one of the events has come.
+    pub(crate) fn event_has_come(&self) -> bool {
+        if self.events.is_empty() {
+            return false;
+        }
+        let reading = self.state.reading();
+        self.events.iter().any(|event| event.has_come(&reading))
     }
 
     pub(crate) fn views(&mut self) -> Views {

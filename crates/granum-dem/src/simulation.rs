@@ -12,6 +12,7 @@ use crate::contact::interaction::Memory;
 use crate::contact::registry::{LawError, LawVisitor, check, with_law};
 use crate::contact::{MAX_HISTORY, NormalLaw, PairConstants, PairProperties, TangentialLaw};
 use crate::kernel::{ContactSums, NORMAL_COLUMNS, Watch};
+use crate::loading::Event;
 use crate::machine::Machine;
 use crate::pairs::{self, Pairs};
 use crate::servo::{Control, Servo};
@@ -186,6 +187,8 @@ impl Simulation {
             cell,
             gradient: [[0.0; 3]; 3],
             strain: [[0.0; 3]; 3],
+            walked: 0.0,
+            anchor: [[0.0; 3]; 3],
             time: 0.0,
             step: 0,
             dt: 0.0,
@@ -291,8 +294,38 @@ impl Simulation {
         &self.machine.state
     }
 
-    /// Starts a phase: strain, time, steps, ledger and servo statistics count from here, the last once the deviator
-    /// strain exceeds `judge_from`.
+    /// Advances until the first step at which one of the events has come, by at most so many steps.
+    ///
+    /// # Errors
+    /// As [`Simulation::advance`].
+    pub fn advance_to(&mut self, events: &[Event], most_steps: u64) -> Result<(), SimulationError> {
+        self.machine.events.clear();
+        self.machine.events.extend_from_slice(events);
+        let result = self.advance(most_steps);
+        self.machine.events.clear();
+        result
+    }
+
+    /// Turns base rates and moving targets of the control round.
+    pub(crate) fn reverse(&mut self) {
+        let state = &mut self.machine.state;
+        state.control.reverse(state.time);
+    }
+
+    /// Damps velocities globally at a rate that is a fraction of the frequency `sqrt(k_t / m)` of a contact; zero is none.
+    pub(crate) fn damp_globally(&mut self, fraction: f64) {
+        let rate = fraction * self.machine.time_step_factor / self.machine.state.dt;
+        self.machine.state.fading = rate;
+    }
+
+    /// Judges the servo anew, from an arc length of strain on.
+    pub(crate) fn judge_servo(&mut self, from: f64) {
+        self.machine.state.judge_from = from;
+        self.machine.state.servo_error = ServoError::default();
+    }
+
+    /// Starts a phase: strain, time, steps, ledger and servo statistics count from here, the last once the arc length of
+    /// strain comes to `judge_from`.
     pub fn reset_phase(&mut self, judge_from: f64) {
         self.machine.state.reset_phase(judge_from);
     }

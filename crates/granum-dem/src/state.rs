@@ -7,7 +7,9 @@ use crate::assembly::{Assembly, Contact, EnergyLedger, Grain, Matrix};
 use crate::cell::Cell;
 use crate::checkpoint::rows;
 use crate::contact::PairConstants;
+use crate::invariants;
 use crate::kernel::{ContactSums, Watch};
+use crate::loading::Reading;
 use crate::pairs::{Pairs, image_vector};
 use crate::servo::{Control, Servo};
 use crate::simulation::LawTable;
@@ -26,6 +28,10 @@ pub struct State {
     pub(crate) cell: Cell,
     pub(crate) gradient: Matrix,
     pub(crate) strain: Matrix,
+    /// Arc length of the strain path up to the anchor.
+    pub(crate) walked: f64,
+    /// The strain from which the arc length is measured on.
+    pub(crate) anchor: Matrix,
     pub(crate) time: f64,
     pub(crate) step: u64,
     pub(crate) dt: f64,
@@ -48,26 +54,50 @@ pub struct State {
     pub(crate) control: Control,
     /// Rate at which velocities fade, 1/s: global damping, used only while a sample is prepared.
     pub(crate) fading: f64,
-    /// Relative errors of the mean stress since the deviator strain first exceeded `judge_from`.
+    /// Relative errors of the controlled stresses since the arc length came to `judge_from`.
     pub(crate) servo_error: ServoError,
     pub(crate) judge_from: f64,
 }
 
-/// How well the mean stress was held.
+/// Steps of strain that count for the arc length: shorter ones to and fro, as the servo makes them, are no way.
+const ARC_STEP: f64 = 1e-5;
+
+/// How well the controlled stresses were held. Each counts from when it first came within half a per cent of its target.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ServoError {
-    /// Sum of squares of `(p - target) / target`.
-    pub squares: f64,
-    /// Steps counted.
-    pub steps: u64,
-    /// Largest `|p - target| / target`.
-    pub largest: f64,
+    /// Of each controlled stress: sum of squares of its error over the mean stress.
+    pub squares: [f64; 6],
+    /// Of each: steps counted.
+    pub steps: [u64; 6],
+    /// Of each: largest error over the mean stress.
+    pub largest: [f64; 6],
 }
 
+/// Error of a controlled stress over the mean stress at which it counts as held.
+const HELD: f64 = 0.005;
+
 impl ServoError {
-    /// Root mean square of the relative error.
+    /// Root mean square of the error over the mean stress, of the worst controlled stress.
     pub fn rms(&self) -> f64 {
-        if self.steps == 0 { 0.0 } else { (self.squares / self.steps as f64).sqrt() }
+        let rms = |(squares, steps): (&f64, &u64)| {
+            if *steps == 0 { 0.0 } else { (squares / *steps as f64).sqrt() }
+        };
+        self.squares.iter().zip(&self.steps).map(rms).fold(0.0, f64::max)
+    }
+
+    /// Largest error over the mean stress, of the worst controlled stress.
+    pub fn largest(&self) -> f64 {
+        self.largest.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Counts the error of a controlled stress in one step.
+    fn count(&mut self, row: usize, error: f64) {
+        if self.steps[row] == 0 && error.abs() > HELD {
+            return;
+        }
+        self.squares[row] += error * error;
+        self.steps[row] += 1;
+        self.largest[row] = self.largest[row].max(error.abs());
     }
 }
 
@@ -112,6 +142,59 @@ impl State {
         self.strain
     }
 
+    /// Arc length of the strain path since the start of the phase: the sum of `sqrt(2/3 d_eps:d_eps)` over chords of 1e-5.
+    pub fn arc_length(&self) -> f64 {
+        self.walked + self.chord()
+    }
+
+    fn chord(&self) -> f64 {
+        invariants::length(&std::array::from_fn(|r| {
+            std::array::from_fn(|c| self.strain[r][c] - self.anchor[r][c])
+        }))
+    }
+
+    /// Goes on with the arc length after a step.
+    pub(crate) fn walk(&mut self) {
+        let chord = self.chord();
+        if chord >= ARC_STEP {
+            self.walked += chord;
+            self.anchor = self.strain;
+        }
+    }
+
+    /// Stress, strain and clock now.
+    pub fn reading(&self) -> Reading {
+        Reading { stress: self.stress(), strain: self.strain, arc_length: self.arc_length(), time: self.time }
+    }
+
+    /// Errors of the controlled stresses over the mean stress: over the one aimed at, where the control aims at one.
+    fn stress_errors(&self) -> [Option<f64>; 6] {
+        let p = self.target_mean_stress().unwrap_or_else(|| self.mean_stress()).abs();
+        let stress = self.stress();
+        let elapsed = self.time - self.control.since;
+        self.control.rows.map(|row| {
+            let row = row.filter(|_| p > 0.0)?;
+            Some((row.value(&stress, &self.strain) - row.aim(elapsed)) / p)
+        })
+    }
+
+    /// Largest distance of a controlled stress from its target, over the mean stress.
+    pub fn largest_stress_error(&self) -> f64 {
+        self.stress_errors().iter().flatten().fold(0.0, |m, error| m.max(error.abs()))
+    }
+
+    /// Counts how well stresses are held, once that is judged.
+    pub(crate) fn judge_servo(&mut self) {
+        if self.arc_length() < self.judge_from {
+            return;
+        }
+        for (row, error) in self.stress_errors().into_iter().enumerate() {
+            if let Some(error) = error {
+                self.servo_error.count(row, error);
+            }
+        }
+    }
+
     /// Deviator strain `eps_1 - (eps_2 + eps_3) / 2` with axis 0 as 1.
     pub fn deviator_strain(&self) -> f64 {
         self.strain[0][0] - 0.5 * (self.strain[1][1] + self.strain[2][2])
@@ -142,7 +225,7 @@ impl State {
         self.ledger
     }
 
-    /// How well the mean stress was held, once the phase's start-up was over.
+    /// How well the controlled stresses were held, once the start-up of the phase or stage was over.
     pub fn servo_error(&self) -> ServoError {
         self.servo_error
     }
@@ -157,11 +240,14 @@ impl State {
         &self.control
     }
 
-    /// Starts a phase: strain, time, steps, ledger and servo statistics count from here, the last once the deviator strain
-    /// exceeds `judge_from`.
+    /// Starts a phase: strain, time, steps, ledger and servo statistics count from here, the last once the arc length comes
+    /// to `judge_from`.
     pub(crate) fn reset_phase(&mut self, judge_from: f64) {
         self.judge_from = judge_from;
         self.strain = [[0.0; 3]; 3];
+        self.anchor = self.strain;
+        self.walked = 0.0;
+        self.control.since = 0.0;
         self.time = 0.0;
         self.step = 0;
         self.ledger = EnergyLedger::default();
@@ -240,6 +326,7 @@ impl State {
             cell: self.cell.edges,
             velocity_gradient: self.gradient,
             strain: self.strain,
+            arc_length: self.arc_length(),
             target_mean_stress: self.target_mean_stress(),
             grains,
             contacts,
@@ -249,14 +336,7 @@ impl State {
 
     /// The mean stress that the control aims at, if it does.
     pub fn target_mean_stress(&self) -> Option<f64> {
-        if let Some(mean) = self.control.mean_stress {
-            return Some(mean.target);
-        }
-        let diagonal = [0, 1, 2].map(|a| self.control.stress[a][a]);
-        match diagonal {
-            [Some(a), Some(b), Some(c)] => Some((a + b + c) / 3.0),
-            _ => None,
-        }
+        self.control.target_mean_stress(self.time)
     }
 
     fn contact(

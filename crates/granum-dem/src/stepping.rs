@@ -113,7 +113,7 @@ impl Team<'_> {
                     if let Err(error) = machine.end_step(fastest, renewed) {
                         *self.failure.get() = Some(error);
                         self.work.end();
-                    } else if *steps == 0 {
+                    } else if *steps == 0 || machine.event_has_come() {
                         self.work.end();
                     } else {
                         machine.begin_step(&mut *self.views.get());

@@ -2,10 +2,11 @@
 
 use granum_dem::Isa;
 use granum_dem::cell::Cell;
-use granum_dem::config::{Contact, Grains, Material, NormalKind, Preparation, TangentialKind};
+use granum_dem::config::{
+    Contact, Grains, Material, NormalKind, Preparation, Rate, Recording, Shear, TangentialKind,
+};
 use granum_dem::gas::gas;
-use granum_dem::path::axisymmetric::AxisymmetricCompression;
-use granum_dem::path::{Watcher, follow, start};
+use granum_dem::loading::{Watcher, begin, follow, preset};
 use granum_dem::preparation::{Flow, Progress, Recipe, prepare};
 use granum_dem::servo::Control;
 use granum_dem::simulation::{Hardware, Properties, Simulation, SimulationError, Site};
@@ -102,9 +103,11 @@ impl Watcher for Everything {
 fn sheared(sample: &Simulation, hardware: Hardware, watcher: &mut dyn Watcher) -> String {
     let mut s = sample.clone();
     s.set_hardware(hardware);
-    let path = AxisymmetricCompression { strain_rate: 100.0, mean_stress: 20e3, deviator_strain: 0.0005 };
-    start(&path, &mut s);
-    follow(&path, &mut s, watcher).unwrap();
+    let rate = Rate::StrainRate { strain_rate: 100.0, density_scaling: 1.0 };
+    let shear = Shear { rate, mean_stress: Some(20e3), deviator_strain: 0.0005 };
+    let stage = preset::antony2006(&shear, &Recording::default(), 20e3);
+    let mut watched = begin(&stage, &mut s).unwrap();
+    follow(&stage, &mut watched, &mut s, watcher).unwrap();
     // Debug formatting of floats is exact.
     format!("{:?}", s.state())
 }

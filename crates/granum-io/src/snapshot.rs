@@ -165,6 +165,7 @@ pub fn write_snapshot(folder: &Path, name: &str, assembly: &Assembly) -> Result<
         cell: assembly.cell,
         velocity_gradient: assembly.velocity_gradient,
         strain: assembly.strain,
+        arc_length: assembly.arc_length,
         target_mean_stress: assembly.target_mean_stress,
         energy: assembly.energy,
         ..Assembly::default()
@@ -303,6 +304,7 @@ pub(crate) mod tests {
             cell: [next3(), next3(), next3()],
             velocity_gradient: [next3(), next3(), next3()],
             strain: [next3(), next3(), next3()],
+            arc_length: 0.375,
             target_mean_stress: Some(2e4),
             grains,
             contacts,

@@ -287,6 +287,10 @@ fn learned_bins(record: &NamedRecord, options: &DatasetOptions) -> Result<(Vec<f
 fn read_run(record: &NamedRecord, forces: &[f64], bin_width: f64) -> Result<Run> {
     let series = &record.record.series;
     let column = |quantity: &str| series.column(quantity).map_err(|error| bad(record, &error.to_string()));
+    if series.values("stage").is_some_and(|stages| stages.iter().any(|stage| *stage > 1.0)) {
+        let reason = "it is a test of several stages; networks learn from tests of one stage, in which the deviator strain rises";
+        return Err(bad(record, reason));
+    }
     let numbers = column("state")?;
     let strains = column("deviator_strain")?;
     let ratios = column("stress_ratio")?;

@@ -20,6 +20,7 @@ pub mod energy;
 pub mod fabric;
 pub mod force_distribution;
 pub mod inertial_number;
+pub mod invariants;
 mod look;
 mod numerics;
 pub mod overlap;
@@ -68,6 +69,11 @@ pub fn all() -> &'static [Sensor] {
 /// The columns of every sensor, in the order of [`measure_row`].
 pub fn columns() -> impl Iterator<Item = &'static SensorColumn> {
     all().iter().flat_map(|sensor| sensor.columns)
+}
+
+/// The columns of a test that is given as stages: those of every sensor, and the general invariants.
+pub fn stage_columns() -> impl Iterator<Item = &'static SensorColumn> {
+    columns().chain(invariants::SENSOR.columns)
 }
 
 /// Where a column of that name stands in [`measure_row`].

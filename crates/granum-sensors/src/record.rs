@@ -4,8 +4,8 @@ use granum_core::{Column, Table, TableError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::columns;
 use crate::force_distribution::ForceHistogram;
+use crate::{columns, stage_columns};
 
 /// What is wrong with a table that should be a record.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -41,21 +41,30 @@ pub enum RecordError {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// One row a state: `state`, `looks`, every column of every sensor, then `forces_below` and `forces_above`, the
-    /// contacts outside the bins of the histogram.
+    /// contacts outside the bins of the histogram. A test that is given as stages has a column `stage` before `state`, which
+    /// counts from 0 in each, and the columns of the general invariants after those of the sensors.
     pub series: Table,
     /// The histogram of forces of each row.
     pub forces: Vec<ForceHistogram>,
 }
 
 impl Record {
-    /// From state number, looks and values of each state, and its histogram.
-    pub(crate) fn from_states(rows: &[(usize, u64, Vec<f64>)], forces: Vec<ForceHistogram>) -> Self {
+    /// From state number, looks and values of each state, and its histogram; `stages` is the number of the stage of each
+    /// row, where the test is given as stages.
+    pub(crate) fn from_states(
+        rows: &[(usize, u64, Vec<f64>)],
+        forces: Vec<ForceHistogram>,
+        stages: Option<&[usize]>,
+    ) -> Self {
         let number = |name: &str, values: Vec<f64>| column(name, "", values);
-        let mut table = vec![
-            number("state", rows.iter().map(|row| row.0 as f64).collect()),
-            number("looks", rows.iter().map(|row| row.1 as f64).collect()),
-        ];
-        for (k, sensor_column) in columns().enumerate() {
+        let mut table = Vec::new();
+        if let Some(stages) = stages {
+            table.push(number("stage", stages.iter().map(|stage| *stage as f64).collect()));
+        }
+        table.push(number("state", rows.iter().map(|row| row.0 as f64).collect()));
+        table.push(number("looks", rows.iter().map(|row| row.1 as f64).collect()));
+        let wanted = if stages.is_some() { stage_columns().count() } else { columns().count() };
+        for (k, sensor_column) in stage_columns().take(wanted).enumerate() {
             table.push(column(
                 sensor_column.name,
                 sensor_column.unit,
@@ -68,13 +77,19 @@ impl Record {
     }
 
     /// The histograms as a table, one row a bin: `state`, `deviator_strain`, `force` (centre of the bin),
-    /// `bin_width`, `count`, `probability_density`. With [`Record::series`] it is the whole record.
+    /// `bin_width`, `count`, `probability_density`, before them `stage` where the series has it. With [`Record::series`] it is
+    /// the whole record.
     pub fn force_table(&self) -> Table {
         let states = self.series.values("state").unwrap_or(&[]);
         let strains = self.series.values("deviator_strain").unwrap_or(&[]);
         let mut table = ["state", "deviator_strain", "force", "bin_width", "count", "probability_density"]
             .map(|name| column(name, "", Vec::new()));
-        for ((histogram, &state), &strain) in self.forces.iter().zip(states).zip(strains) {
+        let mut stages = Vec::new();
+        let stage = self.series.values("stage");
+        for (k, ((histogram, &state), &strain)) in self.forces.iter().zip(states).zip(strains).enumerate() {
+            if let Some(stage) = stage.and_then(|stage| stage.get(k)) {
+                stages.extend(std::iter::repeat_n(*stage, histogram.bins()));
+            }
             for bin in 0..histogram.bins() {
                 let row = [
                     state,
@@ -89,7 +104,8 @@ impl Record {
                 }
             }
         }
-        table_of(table)
+        let stage = stage.map(|_| column("stage", "", stages));
+        table_of(stage.into_iter().chain(table))
     }
 
     /// Puts a record together again from its two tables.
@@ -101,11 +117,14 @@ impl Record {
         let below = series.column("forces_below")?;
         let above = series.column("forces_above")?;
         let of = force_table.column("state")?;
+        let stage_of = force_table.values("stage").unwrap_or(&[]);
+        let stages = series.values("stage").unwrap_or(&[]);
         let mut forces = Vec::with_capacity(states.len());
         let mut row = 0;
         for (k, &state) in states.iter().enumerate() {
             let start = row;
-            while row < of.len() && of[row] == state {
+            let stage = stages.get(k);
+            while row < of.len() && of[row] == state && stage_of.get(row) == stage {
                 row += 1;
             }
             let mut histogram = read_histogram(force_table, start, row, state)?;

@@ -2,13 +2,16 @@
 
 use granum_core::assembly::Assembly;
 use granum_dem::config::{Recording, Spacing};
+use granum_dem::loading::{self, Measure, Reading};
 use serde::{Deserialize, Serialize};
 
 use crate::force_distribution::ForceHistogram;
-use crate::strain::deviator_strain;
-use crate::{Averaging, Look, Record, all, columns};
+use crate::{Averaging, Look, Record, all, columns, invariants, stage_columns};
 
 /// Takes looks at a test and averages them into states.
+///
+/// Of a stage of a test the states may stand at values of another measure than the deviator strain, which the following
+/// speaks of, and be asked for at equal intervals without an end ([`Recorder::of_stage`]).
 ///
 /// State k of `0..=states` stands at the deviator strain `k / states` of the end, and its window is one interval
 /// wide around it (half a window at the end). Looks are spread evenly over a window, half a spacing off its edges, so
@@ -43,7 +46,13 @@ use crate::{Averaging, Look, Record, all, columns};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Recorder {
     recording: Recording,
-    end: f64,
+    /// What the places of states are counted in, and what is subtracted from it.
+    measure: Measure,
+    origin: f64,
+    /// Where the last state stands; `None` where there is no last one.
+    end: Option<f64>,
+    /// True if the general invariants are recorded too.
+    general: bool,
     /// State and look within its window that come next.
     next: (usize, usize),
     states: Vec<StateSums>,
@@ -62,6 +71,18 @@ pub struct Shortfall {
     pub empty_states: usize,
 }
 
+impl Shortfall {
+    /// Both together.
+    pub fn plus(self, other: Shortfall) -> Shortfall {
+        Shortfall {
+            wanted: self.wanted + other.wanted,
+            missing: self.missing + other.missing,
+            states: self.states + other.states,
+            empty_states: self.empty_states + other.empty_states,
+        }
+    }
+}
+
 /// What the looks at one state add up to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct StateSums {
@@ -78,16 +99,56 @@ impl Recorder {
             Recording { states: recording.states.max(1), looks: recording.looks.max(1), ..recording.clone() };
         // Snapshots are not its concern.
         let recording = Recording { snapshots: Vec::new(), ..recording };
-        Recorder { recording, end, next: (0, 0), states: Vec::new() }
+        Recorder {
+            recording,
+            measure: Measure::AxialDeviatorStrain,
+            origin: 0.0,
+            end: Some(end),
+            general: false,
+            next: (0, 0),
+            states: Vec::new(),
+        }
+    }
+
+    /// A recorder for a stage whose measure counts from `origin`. Of the recording only the numbers of looks and the bins are
+    /// used.
+    pub fn of_stage(recording: &Recording, record: &loading::Record, origin: f64) -> Self {
+        let recording =
+            Recording { states: record.states, spacing: record.spacing.clone(), ..recording.clone() };
+        Recorder {
+            measure: record.measure,
+            origin,
+            end: record.end.is_finite().then_some(record.end),
+            general: true,
+            ..Recorder::new(&recording, 0.0)
+        }
+    }
+
+    /// What the sensors saw in the stages of a test, one recorder a stage, with their numbers from 1.
+    pub fn record_of_stages<'a>(recorders: impl IntoIterator<Item = &'a Recorder>) -> Record {
+        let (mut rows, mut forces, mut stages) = (Vec::new(), Vec::new(), Vec::new());
+        for (number, recorder) in recorders.into_iter().enumerate() {
+            for sums in &recorder.states {
+                rows.push((sums.state, sums.looks, sums.averages()));
+                forces.push(sums.forces.clone());
+                stages.push(number + 1);
+            }
+        }
+        Record::from_states(&rows, forces, Some(&stages))
     }
 
     /// True if it is one of such a recording to such an end: one that was read back may be damaged or of another test.
     pub fn is_of(&self, recording: &Recording, end: f64) -> bool {
-        let own = Recorder::new(recording, end);
+        self.is_like(&Recorder::new(recording, end))
+    }
+
+    /// True if it can be what a fresh recorder has come to.
+    pub fn is_like(&self, own: &Recorder) -> bool {
+        let recording = &own.recording;
         let empty = ForceHistogram::new(recording.bin_width, recording.largest_force);
         let whole = |sums: &StateSums| {
             let forces = &sums.forces;
-            sums.sums.len() == columns().count()
+            sums.sums.len() == own.width()
                 && (forces.counts.len(), forces.first_bin) == (empty.counts.len(), empty.first_bin)
                 && forces.bin_width == empty.bin_width
                 && sums.looks > 0
@@ -95,8 +156,9 @@ impl Recorder {
         };
         let (state, look) = self.next;
         self.recording == own.recording
-            && self.end == end
-            && state <= own.last_state() + 1
+            && (self.measure, self.origin, self.end, self.general)
+                == (own.measure, own.origin, own.end, own.general)
+            && state <= own.last_state().saturating_add(1)
             && look < own.recording.looks
             && self.states.iter().all(whole)
             && self.states.windows(2).all(|pair| pair[0].state < pair[1].state)
@@ -107,21 +169,43 @@ impl Recorder {
     fn last_state(&self) -> usize {
         match &self.recording.spacing {
             Spacing::Strains(strains) => strains.len(),
+            Spacing::Every(_) => usize::MAX,
             Spacing::Equal | Spacing::Geometric(_) => self.recording.states,
         }
     }
 
-    /// Deviator strain of a state.
+    /// Number of columns that are averaged.
+    fn width(&self) -> usize {
+        if self.general { stage_columns().count() } else { columns().count() }
+    }
+
+    /// Value of the measure at the end; infinite without one.
+    fn end(&self) -> f64 {
+        self.end.unwrap_or(f64::INFINITY)
+    }
+
+    /// Distance by which a state may fall short by rounding and is still due.
+    fn tolerance(&self) -> f64 {
+        match (self.end, &self.recording.spacing) {
+            (Some(end), _) => 1e-9 * end,
+            (None, Spacing::Every(interval)) => 1e-9 * interval,
+            (None, _) => 0.0,
+        }
+    }
+
+    /// Value of the measure at a state.
     fn strain_of(&self, state: usize) -> f64 {
         let states = self.recording.states;
+        let end = self.end();
         match &self.recording.spacing {
             _ if state == 0 => 0.0,
-            Spacing::Strains(strains) => strains.get(state - 1).copied().unwrap_or(self.end),
+            Spacing::Every(interval) => interval * state as f64,
+            Spacing::Strains(strains) => strains.get(state - 1).copied().unwrap_or(end),
             Spacing::Geometric(first) if state < states => {
-                first * (self.end / first).powf((state - 1) as f64 / (states - 1) as f64)
+                first * (end / first).powf((state - 1) as f64 / (states - 1) as f64)
             }
-            Spacing::Geometric(_) => self.end,
-            Spacing::Equal => self.end * (state as f64 / states as f64),
+            Spacing::Geometric(_) => end,
+            Spacing::Equal => end * (state as f64 / states as f64),
         }
     }
 
@@ -132,7 +216,7 @@ impl Recorder {
         if state < self.last_state() {
             return below.min(0.5 * (self.strain_of(state + 1) - here));
         }
-        if here < self.end { below.min(self.end - here) } else { below }
+        if here < self.end() { below.min(self.end() - here) } else { below }
     }
 
     /// Deviator strain at which the next look is due; infinite when there is none.
@@ -146,7 +230,7 @@ impl Recorder {
         }
         let offset = (2 * look + 1) as f64 / (2 * self.recording.looks) as f64 - 0.5;
         match self.recording.spacing {
-            Spacing::Equal => self.end * ((state as f64 + offset) / self.recording.states as f64),
+            Spacing::Equal => self.end() * ((state as f64 + offset) / self.recording.states as f64),
             _ => self.strain_of(state) + 2.0 * self.half_window(state) * offset,
         }
     }
@@ -156,7 +240,7 @@ impl Recorder {
         let looks = self.recording.looks;
         match state {
             0 => 1,
-            last if last == self.last_state() && self.strain_of(last) >= self.end => looks.div_ceil(2),
+            last if last == self.last_state() && self.strain_of(last) >= self.end() => looks.div_ceil(2),
             _ => looks,
         }
     }
@@ -165,7 +249,7 @@ impl Recorder {
     /// that leaves out of how many. Steps of the test that are long against a window are the cause.
     pub fn shortfall(&self) -> Shortfall {
         let mut found = Shortfall::default();
-        for state in 0..self.next.0.min(self.last_state() + 1) {
+        for state in 0..self.next.0.min(self.last_state().saturating_add(1)) {
             let wanted = self.looks_of(state);
             let at = self.states.binary_search_by_key(&state, |sums| sums.state);
             let taken = at.map_or(0, |at| self.states[at].looks as usize);
@@ -188,7 +272,11 @@ impl Recorder {
     /// nothing, so it may be called at any time. A strain that falls short by rounding only is due: the caller may
     /// have added it up in another order.
     pub fn look(&mut self, assembly: &Assembly) {
-        let strain = deviator_strain(assembly) + 1e-9 * self.end;
+        let reading = match self.measure.needs_stress() {
+            true => Reading::of(assembly),
+            false => Reading::without_stress(assembly),
+        };
+        let strain = self.measure.of(&reading) - self.origin + self.tolerance();
         if strain.is_nan() || strain < self.next_look() {
             return;
         }
@@ -202,12 +290,12 @@ impl Recorder {
             self.states.push(StateSums {
                 state,
                 looks: 0,
-                sums: vec![0.0; columns().count()],
+                sums: vec![0.0; self.width()],
                 forces: ForceHistogram::new(self.recording.bin_width, self.recording.largest_force),
             });
         }
         if let Some(sums) = self.states.last_mut() {
-            sums.add(&Look::new(assembly));
+            sums.add(&Look::new(assembly), self.general);
         }
     }
 
@@ -220,17 +308,20 @@ impl Recorder {
     pub fn record(&self) -> Record {
         let rows: Vec<(usize, u64, Vec<f64>)> =
             self.states.iter().map(|sums| (sums.state, sums.looks, sums.averages())).collect();
-        Record::from_states(&rows, self.states.iter().map(|sums| sums.forces.clone()).collect())
+        Record::from_states(&rows, self.states.iter().map(|sums| sums.forces.clone()).collect(), None)
     }
 }
 
 impl StateSums {
-    fn add(&mut self, look: &Look) {
+    fn add(&mut self, look: &Look, general: bool) {
         let mut row = Vec::with_capacity(self.sums.len());
         for sensor in all() {
             (sensor.measure)(look, &mut row);
         }
-        for ((sum, value), column) in self.sums.iter_mut().zip(row).zip(columns()) {
+        if general {
+            (invariants::SENSOR.measure)(look, &mut row);
+        }
+        for ((sum, value), column) in self.sums.iter_mut().zip(row).zip(stage_columns()) {
             match column.averaging {
                 Averaging::Mean => *sum += value,
                 Averaging::RootMeanSquare => *sum += value * value,
@@ -245,7 +336,7 @@ impl StateSums {
         let looks = self.looks as f64;
         self.sums
             .iter()
-            .zip(columns())
+            .zip(stage_columns())
             .map(|(sum, column)| match column.averaging {
                 Averaging::Mean => sum / looks,
                 Averaging::RootMeanSquare => (sum / looks).sqrt(),

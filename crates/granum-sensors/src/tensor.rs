@@ -2,15 +2,7 @@
 
 use granum_core::assembly::Matrix;
 
-/// Sum of the diagonal.
-pub fn trace(t: &Matrix) -> f64 {
-    t[0][0] + t[1][1] + t[2][2]
-}
-
-/// Axisymmetric deviator `t_1 - t_3`: axis 1 the axis of compression, axes 2 and 3 averaged.
-pub fn deviator(t: &Matrix) -> f64 {
-    t[0][0] - 0.5 * (t[1][1] + t[2][2])
-}
+pub use granum_dem::invariants::{axial_deviator as deviator, eigenvalues, trace};
 
 /// Adds `factor * a b^T`.
 pub(crate) fn add_dyad(t: &mut Matrix, factor: f64, a: &[f64; 3], b: &[f64; 3]) {
@@ -24,45 +16,6 @@ pub(crate) fn add_dyad(t: &mut Matrix, factor: f64, a: &[f64; 3], b: &[f64; 3]) 
 /// The tensor times a number.
 pub(crate) fn scaled(t: &Matrix, factor: f64) -> Matrix {
     t.map(|row| row.map(|value| value * factor))
-}
-
-/// Eigenvalues of the symmetric part, largest first (Jacobi rotations; square roots only, so the same bits
-/// everywhere).
-pub fn eigenvalues(t: &Matrix) -> [f64; 3] {
-    let mut a: Matrix = std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (t[i][j] + t[j][i])));
-    // Cyclic Jacobi converges quadratically; a 3 x 3 tensor needs 4 to 5 sweeps.
-    for _ in 0..12 {
-        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            rotate(&mut a, p, q);
-        }
-    }
-    let mut values = [a[0][0], a[1][1], a[2][2]];
-    values.sort_by(|x, y| y.total_cmp(x));
-    values
-}
-
-/// One Jacobi rotation that makes `a[p][q]` zero.
-fn rotate(a: &mut Matrix, p: usize, q: usize) {
-    if a[p][q] == 0.0 {
-        return;
-    }
-    let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-    let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
-    if !t.is_finite() || t == 0.0 {
-        return;
-    }
-    let c = 1.0 / (t * t + 1.0).sqrt();
-    let s = t * c;
-    for k in 0..3 {
-        let (x, y) = (a[k][p], a[k][q]);
-        a[k][p] = c * x - s * y;
-        a[k][q] = s * x + c * y;
-    }
-    for k in 0..3 {
-        let (x, y) = (a[p][k], a[q][k]);
-        a[p][k] = c * x - s * y;
-        a[q][k] = s * x + c * y;
-    }
 }
 
 #[cfg(test)]

@@ -60,6 +60,9 @@ impl Case {
             };
             text.push_str(&format!("{}={value}\n", name(field)));
         }
+        if wanted("stage") {
+            text.push_str(&self.stages_toml());
+        }
         hexadecimal(&Sha256::digest(text.as_bytes()))
     }
 }

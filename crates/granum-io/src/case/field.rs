@@ -89,6 +89,11 @@ impl Field {
         matches!(self.kind, Kind::List { .. })
     }
 
+    /// True if the field takes one of several names.
+    pub(super) fn is_choice(&self) -> bool {
+        matches!(self.kind, Kind::Choice { .. })
+    }
+
     /// The value of this field in a case as a case file has it, e.g. `300` or `"auto"`; empty where it is not in use.
     pub fn shown(&self, case: &Case) -> String {
         self.value(case).map_or_else(String::new, |value| self.toml(&value))

@@ -203,7 +203,7 @@ pub const FIELDS: &[Field] = &[
         absent: Some(["none", "equal intervals"]),
         get: |case| match case.recording.spacing {
             Spacing::Geometric(first) => Some(first),
-            Spacing::Equal | Spacing::Strains(_) => None,
+            Spacing::Equal | Spacing::Strains(_) | Spacing::Every(_) => None,
         },
         set: |case, value| match value {
             Some(first) => case.recording.spacing = Spacing::Geometric(first),
@@ -217,7 +217,7 @@ pub const FIELDS: &[Field] = &[
         absent: ["none", "as states and first_strain say"],
         get: |case| match &case.recording.spacing {
             Spacing::Strains(strains) => strains.clone(),
-            Spacing::Equal | Spacing::Geometric(_) => Vec::new(),
+            Spacing::Equal | Spacing::Geometric(_) | Spacing::Every(_) => Vec::new(),
         },
         set: |case, strains| {
             if !strains.is_empty() {

@@ -1,7 +1,8 @@
 //! The case file (TOML): everything that decides a result.
 //!
 //! [`fields`] is the one list of keys with their bounds; reading, writing, the template of `granum init` and the
-//! digests all walk that list. A new key is one entry there.
+//! digests all walk that list. A new key is one entry there. The tables `[[stage]]` stand beside it: named paths declare
+//! their own parameters ([`granum_dem::loading::preset`]).
 
 mod difference;
 mod digest;
@@ -9,6 +10,9 @@ mod field;
 mod fields;
 mod read;
 mod rules;
+mod schema;
+mod stage;
+mod stage_read;
 mod write;
 
 use granum_dem::config::{Contact, Grains, Numerics, Preparation, Recording, Shear};
@@ -19,6 +23,7 @@ pub use digest::decides_sample;
 pub(crate) use digest::hexadecimal;
 pub use field::{Field, Value};
 pub use fields::{FIELDS, field};
+pub use stage::CaseStage;
 
 /// Keys that have no part in a run whose sample is made of a packing: its grains take the place of the gas.
 pub const UNUSED_WITH_PACKING: [&str; 5] = [
@@ -47,14 +52,19 @@ pub struct Case {
     pub contact: Contact,
     /// How the sample is made.
     pub preparation: Preparation,
-    /// The loading path.
+    /// The test of the paper, where no stages are given.
     pub shear: Shear,
+    /// The test as stages, in place of `shear`; empty where there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stages: Vec<CaseStage>,
     /// Which states the sensors record.
     pub recording: Recording,
     /// Numerical choices.
     pub numerics: Numerics,
 }
 
+#[cfg(test)]
+mod stage_tests;
 #[cfg(test)]
 mod tests {
     use super::fields::RENAMED;

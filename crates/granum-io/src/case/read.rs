@@ -10,6 +10,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::fields::{RENAMED, SECTIONS};
 use super::rules::RULES;
+use super::stage::{CaseStage, has_no_part};
 use super::{Case, FIELDS, Field, Value, field};
 use crate::error::{Error, InputError, Result};
 use granum_core::names::nearest;
@@ -46,11 +47,13 @@ impl Case {
             errors: Vec::new(),
             keys: HashMap::new(),
             values: HashMap::new(),
+            stages: Vec::new(),
         };
         reader.table(document.get_ref(), "");
         reader.check_rate();
         reader.check_spacing();
-        let mut case = Case::default();
+        reader.check_stages();
+        let mut case = Case { stages: std::mem::take(&mut reader.stages), ..Case::default() };
         for field in FIELDS {
             if let Some(value) = reader.values.get(&field.path()) {
                 field.apply(&mut case, value.clone());
@@ -70,6 +73,12 @@ impl Case {
     pub fn set(&mut self, path: &str, text: &str) -> Result<()> {
         let wrong =
             |message: String| Error::Value { name: path.to_string(), value: text.to_string(), message };
+        if path.starts_with("stage.") {
+            return self.set_stage(path, text);
+        }
+        if self.has_stages() && has_no_part(path) {
+            return Err(wrong("has no part in a case with stages; set stage.1.KEY instead".into()));
+        }
         let section = path.rsplit_once('.').map_or("", |(section, _)| section);
         let field = field(path).ok_or_else(|| match new_name(path) {
             Some(new) => wrong(format!("is now called {new}")),
@@ -98,18 +107,19 @@ fn scalar(field: &Field, value: &DeValue<'_>) -> std::result::Result<String, Str
     }
 }
 
-struct Reader<'a> {
+pub(super) struct Reader<'a> {
     file: &'a str,
     text: Arc<str>,
-    errors: Vec<InputError>,
+    pub(super) errors: Vec<InputError>,
     /// By path: where the key stands.
     keys: HashMap<String, Range<usize>>,
     /// By path: the value, if it is right.
     values: HashMap<String, Value>,
+    stages: Vec<CaseStage>,
 }
 
 impl Reader<'_> {
-    fn error(&mut self, span: Range<usize>, message: String) -> &mut InputError {
+    pub(super) fn error(&mut self, span: Range<usize>, message: String) -> &mut InputError {
         self.errors.push(InputError::in_text(self.file, &self.text, span, message));
         let last = self.errors.len() - 1;
         &mut self.errors[last]
@@ -131,6 +141,9 @@ impl Reader<'_> {
                             Some(format!("write [{path}] with its keys below"));
                     }
                 }
+            } else if path == "stage" {
+                self.keys.insert(path, key.span());
+                self.stages = self.stages(value);
             } else if let Some(field) = field(&path) {
                 self.field(field, key.span(), value);
             } else if let Some(new) = new_name(&path) {
@@ -194,6 +207,21 @@ impl Reader<'_> {
         }
     }
 
+    /// The test is said in one way.
+    fn check_stages(&mut self) {
+        if !self.keys.contains_key("stage") {
+            return;
+        }
+        let none: Vec<_> = self.keys.iter().filter(|(path, _)| has_no_part(path)).collect();
+        let none: Vec<_> = none.into_iter().map(|(path, span)| (path.clone(), span.clone())).collect();
+        for (path, span) in none {
+            self.error(span, format!("{path} has no part in a case with [[stage]]")).help = Some(
+                "leave it out: stages say themselves what is done, when they end and which states are recorded"
+                    .into(),
+            );
+        }
+    }
+
     /// The rate of the test is said in one way.
     fn check_rate(&mut self) {
         let place = |reader: &Self, key: &str| reader.keys.get(key).cloned();
@@ -222,7 +250,7 @@ impl Reader<'_> {
     }
 
     /// The text of a value, short enough for a message.
-    fn shown(&self, span: &Range<usize>) -> String {
+    pub(super) fn shown(&self, span: &Range<usize>) -> String {
         let text = self.text.get(span.clone()).unwrap_or_default();
         let line = text.lines().next().unwrap_or_default();
         if line.chars().count() > 60 || text.lines().count() > 1 {
@@ -243,7 +271,7 @@ fn suggestion(path: &str, section: &str) -> String {
     let key = path.rsplit('.').next().unwrap_or(path);
     let known_section = FIELDS.iter().any(|field| field.section == section);
     let beside: Vec<&str> = if !known_section {
-        SECTIONS.iter().map(|[name, _]| *name).collect()
+        SECTIONS.iter().map(|[name, _]| *name).chain(["stage"]).collect()
     } else {
         FIELDS.iter().filter(|field| field.section == section).map(|field| field.key).collect()
     };

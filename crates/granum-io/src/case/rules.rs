@@ -122,6 +122,7 @@ impl Case {
                 message,
             })?;
         }
+        self.check_stages()?;
         for rule in RULES {
             if let Some(message) = (rule.broken)(self) {
                 return Err(Error::Rule(message));

@@ -1,6 +1,7 @@
 //! Writing a case: resolved (SI numbers, beside a result) and as the template that teaches the keys.
 
 use super::fields::SECTIONS;
+use super::stage::has_no_part;
 use super::{Case, FIELDS, Field, UNUSED_WITH_PACKING};
 
 const TEMPLATE_HEAD: &str = "\
@@ -8,6 +9,13 @@ const TEMPLATE_HEAD: &str = "\
 #
 # Quantities are strings with a unit (\"70 GPa\", \"0.1 mm\", \"2650 kg/m3\") or plain numbers in SI units. Every key
 # may be left out: what stands here are the defaults, the sample and test of Antony, Zhou and Wang (2006).
+";
+
+const TEMPLATE_TAIL: &str = "
+# Another test: stages in place of [shear], each a named path (`granum run --list` shows them all) or a control of its own.
+# [[stage]]
+# path = \"drained-triaxial\"
+# axial_strain = 0.2
 ";
 
 const RESOLVED_HEAD: &str = "\
@@ -30,7 +38,7 @@ impl Case {
                 text.push_str(&format!("{unused}{} = {value}\n", field.key));
             }
         }
-        text
+        text + TEMPLATE_TAIL
     }
 
     /// The whole case as TOML in SI units, with units in comments; reads back as the same case, bit for bit.
@@ -48,9 +56,15 @@ impl Case {
             text.push_str(&format!("# The grains are those of the packing {name}.\n"));
         }
         for [section, _] in SECTIONS {
+            if self.has_stages() && *section == "shear" {
+                continue;
+            }
             text.push_str(&format!("\n[{section}]\n"));
             for field in FIELDS.iter().filter(|field| field.section == *section) {
                 let Some(value) = field.value(self) else { continue };
+                if self.has_stages() && has_no_part(&field.path()) {
+                    continue;
+                }
                 let unit = field.si_unit();
                 let unused = packing.is_some() && UNUSED_WITH_PACKING.contains(&field.path().as_str());
                 let comment = match (unit.as_str(), unused) {
@@ -61,6 +75,7 @@ impl Case {
                 text.push_str(&format!("{} = {}{comment}\n", field.key, field.toml(&value)));
             }
         }
+        text.push_str(&self.stages_toml());
         text
     }
 }

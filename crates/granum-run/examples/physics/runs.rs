@@ -3,9 +3,10 @@
 use std::error::Error;
 
 use granum_core::{Table, parallel};
-use granum_dem::config::{Contact, Grains, Material, NormalKind, Preparation, Recording, TangentialKind};
-use granum_dem::path::axisymmetric::AxisymmetricCompression;
-use granum_dem::path::{Watcher, follow, start};
+use granum_dem::config::{
+    Contact, Grains, Material, NormalKind, Preparation, Rate, Recording, Shear, TangentialKind,
+};
+use granum_dem::loading::{Watcher, begin, follow, preset};
 use granum_dem::preparation::{Flow, Progress, Recipe, prepare, settle};
 use granum_dem::simulation::{Hardware, Properties, Simulation};
 use granum_run::laboratory::{cell, sites};
@@ -102,15 +103,16 @@ const LOOKS: usize = 7;
 pub fn sheared(sample: &Simulation, test: Test) -> Result<Table, Box<dyn Error>> {
     let mut simulation = sample.clone();
     simulation.set_time_step_factor(test.time_step_factor);
-    let path = AxisymmetricCompression {
-        strain_rate: simulation.strain_rate(test.inertial_number, MEAN_STRESS),
-        mean_stress: MEAN_STRESS,
+    let shear = Shear {
+        rate: Rate::InertialNumber(test.inertial_number),
+        mean_stress: Some(MEAN_STRESS),
         deviator_strain: test.deviator_strain,
     };
     let recording = Recording { states: test.states, looks: LOOKS, ..Recording::default() };
     let mut watch = Watch(Recorder::new(&recording, test.deviator_strain));
-    start(&path, &mut simulation);
-    follow(&path, &mut simulation, &mut watch)?;
+    let stage = preset::antony2006(&shear, &recording, MEAN_STRESS);
+    let mut watched = begin(&stage, &mut simulation)?;
+    follow(&stage, &mut watched, &mut simulation, &mut watch)?;
     Ok(watch.0.record().series)
 }
 

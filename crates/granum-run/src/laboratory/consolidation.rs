@@ -8,8 +8,12 @@ use super::sample::measure_sample;
 use super::standing::{Stage, Standing};
 use super::{Laboratory, LaboratoryError, RunObserver, Speedometer, Stretch, quality};
 
-/// How the sample of a case is consolidated; none if its test is at the mean stress of the sample.
+/// How the sample of a case is consolidated; none if its test is at the mean stress of the sample, or is
+/// given as stages, which consolidate themselves.
 pub(super) fn wanted(case: &Case) -> Option<Preparation> {
+    if case.has_stages() {
+        return None;
+    }
     let mean_stress = case.shear.mean_stress.filter(|stress| *stress != case.preparation.mean_stress)?;
     Some(Preparation { mean_stress, ..case.preparation.clone() })
 }

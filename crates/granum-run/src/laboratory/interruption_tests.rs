@@ -101,6 +101,77 @@ fn a_run_stopped_again_and_again_ends_in_the_same_bytes() {
     assert_eq!((&record.quality, &record.phase, record.grains), (&whole.quality, &whole.phase, whole.grains));
 }
 
+/// A test of several stages, one after another, with a consolidation, a path and a stage of its own.
+fn staged() -> Case {
+    let text = "[[stage]]\npath = \"drained-triaxial\"\naxial_strain = 0.004\nlateral_stress = \"25 kPa\"\n\
+                inertial_number = 5e-3\nstates = 5\n\
+                [[stage]]\nname = \"unloading\"\ninertial_number = 5e-3\nxx = { rate = -1 }\n\
+                yy = { stress = \"current\" }\nzz = { stress = \"current\" }\n\
+                until = { xx_strain = 0.002 }\nrecord = { every = 2e-4 }\n";
+    let stages = Case::parse(text, "case.toml").unwrap().stages;
+    let mut case = Case { stages, ..small() };
+    case.shear = Default::default();
+    case.recording = granum_dem::config::Recording { looks: 3, ..Default::default() };
+    case
+}
+
+#[test]
+fn stages_stopped_again_and_again_end_in_the_same_bytes() {
+    let base = tempfile::tempdir().unwrap();
+    let (case, lab) = (staged(), laboratory());
+    let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
+    let whole = lab.shear(&case, &Source::Case, &straight, &mut Nobody).unwrap();
+    assert_eq!(whole.status, RunStatus::Finished);
+    let told: Vec<&String> = whole.notes.iter().filter(|note| note.starts_with("stage ")).collect();
+    assert!(told.len() == 3 && told[1].contains("xx_strain came to 0.004"), "{:?}", whole.notes);
+    let record = crate::record::read_record(&straight.run()).unwrap();
+    let column = |name: &str| record.series.values(name).unwrap().to_vec();
+    let (stages, states) = (column("stage"), column("state"));
+    assert!([1.0, 2.0, 3.0].iter().all(|stage| stages.contains(stage)));
+    let unloading: Vec<f64> =
+        states.iter().zip(&stages).filter(|(_, stage)| **stage == 3.0).map(|(state, _)| *state).collect();
+    assert!(unloading.len() > 5 && unloading[0] == 0.0, "{unloading:?}");
+    let held = column("stress_33").into_iter().zip(&stages).filter(|(_, stage)| **stage == 2.0);
+    assert!(
+        held.clone().all(|(stress, _)| (stress / 25e3 - 1.0).abs() < 0.05),
+        "{:?}",
+        held.collect::<Vec<_>>()
+    );
+    assert!(column("arc_length").iter().all(|arc| arc.is_finite()));
+    assert_eq!(straight.run().snapshots().unwrap(), ["end", "stage-1", "stage-2", "start"]);
+
+    let broken = RunFolder::create(base.path().join("broken"), false).unwrap();
+    let mut record = lab.shear(&case, &Source::Case, &broken, &mut Stopper::after(2)).unwrap();
+    let mut phases = std::collections::BTreeSet::new();
+    while record.status == RunStatus::Interrupted {
+        phases.insert(record.phase.clone());
+        record = lab.resume(&broken, &mut Stopper::after(7)).unwrap();
+    }
+    for phase in ["consolidation", "shear", "unloading"] {
+        assert!(phases.contains(phase), "{phases:?}");
+    }
+    assert_same(&straight, &broken);
+    assert_eq!((&record.steps, &record.measures), (&whole.steps, &whole.measures));
+    assert_eq!((&record.quality, &record.phase), (&whole.quality, &whole.phase));
+}
+
+/// A stage that does not come to its end ends the test, with the reason in the notes and a quality flag.
+#[test]
+fn a_stage_cut_short_is_told_and_ends_the_test() {
+    let base = tempfile::tempdir().unwrap();
+    let text = "[[stage]]\ninertial_number = 1e-2\nxx = { rate = 1 }\nuntil = { mean_stress = \"1 Pa\" }\n\
+                most_arc_length = 1e-3\n[[stage]]\npath = \"isotropic\"\n";
+    let stages = Case::parse(text, "case.toml").unwrap().stages;
+    let case = Case { stages, ..staged() };
+    let folder = RunFolder::create(base.path().join("run"), false).unwrap();
+    let mut stopper = Stopper::after(u32::MAX);
+    let record = laboratory().shear(&case, &Source::Case, &folder, &mut stopper).unwrap();
+    assert_eq!(record.status, RunStatus::Finished);
+    let warned = stopper.warnings.iter().find(|text| text.contains("the 1 stages after it were not run"));
+    assert!(warned.is_some_and(|text| text.contains("none of its ends came")), "{:?}", stopper.warnings);
+    assert!(record.quality.iter().any(|flag| flag.name == "stages_cut_short" && !flag.passed));
+}
+
 #[test]
 fn a_packing_is_needed_only_until_the_first_checkpoint() {
     let base = tempfile::tempdir().unwrap();

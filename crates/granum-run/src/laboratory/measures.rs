@@ -29,17 +29,22 @@ pub fn late_mean(strains: &[f64], values: &[f64]) -> Option<f64> {
     (length > 0.0).then(|| area / length)
 }
 
-/// Puts peak and late values of a test into the measures of its run.
+/// Puts peak and late values of a test into the measures of its run: of the paper's stress ratio and deviator strain, or of the
+/// invariants where the test is given as stages.
 pub(super) fn of_test(record: &Record, measures: &mut BTreeMap<String, f64>) {
     let column = |name: &str| record.series.values(name).unwrap_or(&[]);
-    let strains = column("deviator_strain");
-    let ratios = column("stress_ratio");
+    let (strain, ratio) = match record.series.values("von_mises_ratio") {
+        Some(_) => ("deviatoric_strain", "von_mises_ratio"),
+        None => ("deviator_strain", "stress_ratio"),
+    };
+    let strains = column(strain);
+    let ratios = column(ratio);
     let peak =
         (0..ratios.len()).filter(|k| ratios[*k].is_finite()).max_by(|a, b| ratios[*a].total_cmp(&ratios[*b]));
     if let Some(peak) = peak {
         for (name, column) in [
-            ("peak_stress_ratio", "stress_ratio"),
-            ("deviator_strain_at_peak", "deviator_strain"),
+            ("peak_stress_ratio", ratio),
+            (&format!("{strain}_at_peak"), strain),
             ("deviator_fabric_at_peak", "deviator_fabric"),
             ("solid_fraction_at_peak", "solid_fraction"),
         ] {
@@ -54,7 +59,7 @@ pub(super) fn of_test(record: &Record, measures: &mut BTreeMap<String, f64>) {
         measures.insert("peak_deviator_fabric".into(), largest);
     }
     for (name, of) in [
-        ("late_stress_ratio", "stress_ratio"),
+        ("late_stress_ratio", ratio),
         ("late_deviator_fabric", "deviator_fabric"),
         ("late_solid_fraction", "solid_fraction"),
     ] {

@@ -27,6 +27,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
+use granum_dem::loading::{ControlError, StageEnd};
 use granum_dem::preparation::PreparationError;
 use granum_dem::simulation::{Hardware, SimulationError};
 use granum_io::run::{Machine, RunFolder, RunRecord, RunSource, RunStatus};
@@ -37,6 +38,7 @@ use thiserror::Error;
 pub(crate) use self::pace::Interval;
 use self::standing::{Stage, Standing};
 use self::status::Speedometer;
+use self::test::Test;
 use crate::record::write_record;
 
 pub use granum_io::run::{CHECKPOINT, PREVIOUS_CHECKPOINT};
@@ -64,6 +66,9 @@ pub enum LaboratoryError {
     /// The engine.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
+    /// A stage of the test.
+    #[error(transparent)]
+    Control(#[from] ControlError),
     /// The machine cannot hold it.
     #[error(
         "{grains} grains need up to {needed:.1} GB of memory, and this machine has {available:.1} GB free: grains.count can be \
@@ -368,7 +373,7 @@ impl Laboratory {
                     write_sample(folder, &standing)?;
                     self.begin_test(case, &mut standing)?
                 }
-                Stage::Test(_) => self.test_on(&mut standing, folder, &mut speedometer, observer)?,
+                Stage::Test(_) => self.test_on(case, &mut standing, folder, &mut speedometer, observer)?,
             };
             if let Some(phase) = phase {
                 *record.wall_seconds.entry(phase.into()).or_default() += started.elapsed().as_secs_f64();
@@ -414,7 +419,7 @@ impl Laboratory {
 fn save(folder: &RunFolder, standing: &Standing, record: &mut RunRecord) -> Result<(), LaboratoryError> {
     standing.write(folder)?;
     match &standing.stage {
-        Stage::Test(test) => write_record(folder, &test.recorder.record())?,
+        Stage::Test(test) => write_record(folder, &test.record())?,
         Stage::Preparation(_) | Stage::Consolidation(_) => write_curve(folder, standing)?,
         Stage::Sample | Stage::Consolidated => {}
     }
@@ -454,15 +459,33 @@ fn complete(
     let end = standing.simulation.assembly();
     folder.write_snapshot(END, &end)?;
     save(folder, standing, record)?;
-    let seen = test.recorder.record();
-    record.quality.extend(quality::judge(&standing.simulation, &end, &seen, &test.before));
+    let seen = test.record();
+    record.quality.extend(quality::judge(&standing.simulation, &end, &seen, test));
     measures::of_test(&seen, &mut record.measures);
-    if let Some(remark) = quality::remark_on_samples(&test.recorder.shortfall()) {
+    if test.staged {
+        tell_stages(test, record, observer);
+    }
+    if let Some(remark) = quality::remark_on_samples(&test.shortfall()) {
         observer.warn(&remark);
         record.notes.push(remark);
     }
     record.phase.clear();
     Ok(())
+}
+
+/// Writes down how each stage ended; a stage that did not come to its end is told at once.
+fn tell_stages(test: &Test, record: &mut RunRecord, observer: &mut dyn RunObserver) {
+    for (k, end) in test.ends.iter().enumerate() {
+        let StageEnd { name, reason, steps, .. } = end;
+        let note = format!("stage {} ({name}) ended after {steps} steps: {reason}", k + 1);
+        if !reason.is_asked_for() {
+            let left = test.stages() - test.ends.len();
+            let rest =
+                if left > 0 { format!("; the {left} stages after it were not run") } else { String::new() };
+            observer.warn(&format!("{note}{rest}"));
+        }
+        record.notes.push(note);
+    }
 }
 
 #[cfg(test)]

@@ -3,10 +3,13 @@
 use granum_core::assembly::Assembly;
 use granum_dem::config::{MOST_CONTACTS, Preparation};
 use granum_dem::simulation::Simulation;
+use granum_dem::state::ServoError;
 use granum_io::run::QualityFlag;
 use granum_sensors::overlap::largest_overlap;
 use granum_sensors::{Look, Record, Shortfall};
 use serde::{Deserialize, Serialize};
+
+use super::test::Test;
 
 /// Energy that an assembly holds, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -56,6 +59,8 @@ fn momentum_drift(assembly: &Assembly) -> f64 {
 
 /// Largest overlap over the sum of the radii that the theory of small contacts bears.
 const LARGEST_OVERLAP: f64 = 0.02;
+/// Root mean square of the error of every controlled stress of a test that is given as stages, over the mean stress.
+const STAGE_SERVO_ERROR: f64 = 0.005;
 /// Relative distance of the mean stress of a sample at rest from its target.
 const MEAN_STRESS_MISSED: f64 = 0.005;
 
@@ -115,7 +120,7 @@ pub(super) fn judge(
     simulation: &Simulation,
     end: &Assembly,
     record: &Record,
-    before: &Stored,
+    test: &Test,
 ) -> Vec<QualityFlag> {
     let state = simulation.state();
     let column = |name: &str| record.series.values(name).unwrap_or(&[]).to_vec();
@@ -126,9 +131,24 @@ pub(super) fn judge(
         let rest = values.get(1..).unwrap_or(&[]);
         rest.iter().sum::<f64>() / rest.len().max(1) as f64
     };
-    let servo = state.servo_error();
+    let worst = |of: fn(&ServoError) -> f64| {
+        test.ends.iter().map(|end| of(&end.servo_error)).fold(of(&state.servo_error()), f64::max)
+    };
+    let bound = if test.staged { STAGE_SERVO_ERROR } else { 0.01 };
+    let energy = if test.damped { 0.0 } else { energy_gap(&test.before, end) };
+    let unmet = test.ends.iter().filter(|end| !end.reason.is_asked_for()).count();
+    let mut flags = if !test.staged {
+        Vec::new()
+    } else {
+        vec![QualityFlag::at_most(
+            "stages_cut_short",
+            unmet as f64,
+            0.0,
+            "a stage did not come to an end that was asked for; its reason stands in the notes of the run",
+        )]
+    };
     let lost = state.target_mean_stress().map_or(0.0, |t| 1.0 - state.mean_stress() / t);
-    vec![
+    flags.extend([
         QualityFlag::at_most(
             "inertial_number",
             mean("inertial_number"),
@@ -143,15 +163,15 @@ pub(super) fn judge(
         ),
         QualityFlag::at_most(
             "servo_error_rms",
-            servo.rms(),
-            0.01,
-            "the mean stress wanders; lower shear.inertial_number or take more grains",
+            worst(ServoError::rms),
+            bound,
+            "the controlled stress wanders; lower shear.inertial_number or take more grains",
         ),
         QualityFlag::at_most(
             "servo_error_largest",
-            servo.largest,
+            worst(ServoError::largest),
             0.03,
-            "the mean stress strayed at least once; lower shear.inertial_number or take more grains",
+            "the controlled stress strayed at least once; lower shear.inertial_number or take more grains",
         ),
         QualityFlag::at_most(
             "largest_overlap",
@@ -161,7 +181,7 @@ pub(super) fn judge(
         ),
         QualityFlag::at_most(
             "energy_gap",
-            energy_gap(before, end),
+            energy,
             1e-3,
             "the energy ledger does not close; lower numerics.time_step_factor",
         ),
@@ -183,5 +203,11 @@ pub(super) fn judge(
             0.1,
             "the sample lost its pressure; lower shear.inertial_number or numerics.time_step_factor",
         ),
-    ]
+    ]);
+    if test.staged {
+        for flag in &mut flags {
+            flag.advice = flag.advice.replace("shear.inertial_number", "the inertial_number of the stage");
+        }
+    }
+    flags
 }

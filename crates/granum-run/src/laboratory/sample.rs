@@ -154,6 +154,7 @@ impl Laboratory {
         let mut watch = |p: &Progress| {
             curve.observe(p);
             observer.status(&Status {
+                stage: None,
                 phase: p.phase,
                 trial: p.trial,
                 fraction: None,

@@ -101,9 +101,12 @@ impl Standing {
                 record.steps.insert(Phase::Consolidation.name().into(), step);
                 record.phase = Phase::Consolidation.name().to_string();
             }
-            Stage::Test(_) => {
-                record.steps.insert("shear".into(), step);
-                record.phase = Phase::Shear.name().to_string();
+            Stage::Test(test) => {
+                record.steps.insert("shear".into(), test.steps(step));
+                record.phase = match test.staged {
+                    true => test.stage_name().to_string(),
+                    false => Phase::Shear.name().to_string(),
+                };
             }
         }
     }

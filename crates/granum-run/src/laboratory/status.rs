@@ -2,6 +2,8 @@
 
 use std::time::Instant;
 
+use granum_dem::invariants::deviatoric_strain;
+use granum_dem::loading::Measure;
 use granum_dem::preparation::Phase;
 use granum_dem::simulation::Simulation;
 
@@ -11,6 +13,8 @@ pub struct Status<'a> {
     pub phase: Phase,
     /// Which trial of the preparation friction, from 1.
     pub trial: usize,
+    /// Name of the stage under way, where the test is given as stages.
+    pub stage: Option<&'a str>,
     /// Fraction of the phase done, where it can be told.
     pub fraction: Option<f64>,
     /// Grain-steps per second of the last stretch; `None` until it has been measured.
@@ -42,7 +46,8 @@ impl Status<'_> {
         let mut parts = Vec::new();
         match self.phase {
             Phase::Shear => {
-                parts.push(format!("strain {:.4}  q/p {:.3}", s.deviator_strain(), self.stress_ratio()));
+                parts.extend(self.stage.map(str::to_string));
+                parts.push(format!("strain {:.4}  q/p {:.3}", self.strain(), self.stress_ratio()));
             }
             _ if self.trial > 1 => parts.push(format!("trial {}", self.trial)),
             _ => {}
@@ -59,7 +64,7 @@ impl Status<'_> {
         let mut fields = Vec::new();
         match self.phase {
             Phase::Shear => {
-                fields.push(Field::new(1, format!("strain {:.3}", s.deviator_strain())));
+                fields.push(Field::new(1, format!("strain {:.3}", self.strain())));
                 fields.push(Field::new(2, format!("q/p {:.3}", self.stress_ratio())));
             }
             _ if self.trial > 1 => fields.push(Field::new(1, format!("trial {}", self.trial))),
@@ -71,9 +76,18 @@ impl Status<'_> {
         fields
     }
 
+    /// The deviator strain of the paper's test, the deviatoric one of others.
+    fn strain(&self) -> f64 {
+        let s = self.simulation.state();
+        if self.stage.is_some() { deviatoric_strain(&s.strain()) } else { s.deviator_strain() }
+    }
+
     /// q/p, 0 where p is.
     fn stress_ratio(&self) -> f64 {
         let s = self.simulation.state();
+        if self.stage.is_some() {
+            return Measure::StressRatio.of(&s.reading());
+        }
         let (stress, p) = (s.stress(), s.mean_stress());
         let q = stress[0][0] - 0.5 * (stress[1][1] + stress[2][2]);
         if p == 0.0 { 0.0 } else { q / p }

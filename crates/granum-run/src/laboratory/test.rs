@@ -1,12 +1,13 @@
-//! The test itself: the loading path with its recorder.
+//! The test itself: its stages one after another, with a recorder each.
 
 use granum_core::quantity::format_number;
-use granum_dem::path::axisymmetric::AxisymmetricCompression;
-use granum_dem::path::{Ending, Watcher, density_scaling, follow, start};
+use granum_dem::loading::{
+    self, Ending, Stage as Loading, StageEnd, Watched, Watcher, begin, density_scaling,
+};
 use granum_dem::preparation::{Flow, Progress};
 use granum_dem::simulation::{Properties, Simulation};
 use granum_io::{Case, RunFolder};
-use granum_sensors::Recorder;
+use granum_sensors::{Record, Recorder};
 use serde::{Deserialize, Serialize};
 
 use super::standing::{Stage, Standing};
@@ -15,10 +16,20 @@ use super::{Interval, Laboratory, LaboratoryError, RunObserver, Speedometer, Sta
 /// What a test remembers beside the state of the simulation.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Test {
-    pub(super) recorder: Recorder,
-    path: AxisymmetricCompression,
-    /// Energy of the sample before the test.
+    /// What is done, stage by stage.
+    stages: Vec<Loading>,
+    /// What the ends of the stage under way have to remember.
+    watched: Watched,
+    /// One for each stage that was begun; the last belongs to the one under way.
+    recorders: Vec<Recorder>,
+    /// The stages that are over.
+    pub(super) ends: Vec<StageEnd>,
+    /// Energy of the sample when strains and energy began to be counted.
     pub(super) before: quality::Stored,
+    /// True if energy has been lost to global damping since then.
+    pub(super) damped: bool,
+    /// True if the case gives its test as stages.
+    pub(super) staged: bool,
     /// Deviator strains at which a snapshot is still to be taken.
     #[serde(default)]
     snapshots: Vec<f64>,
@@ -29,22 +40,104 @@ fn snapshot_name(strain: f64) -> String {
     format!("strain-{}", format_number(strain).replace('.', "_"))
 }
 
+/// Name of the snapshot at the end of a stage that others follow.
+fn stage_snapshot(number: usize) -> String {
+    format!("stage-{number}")
+}
+
 impl Test {
+    /// Begins the first stage of a case's test.
+    fn begin(case: &Case, simulation: &mut Simulation) -> Result<Test, LaboratoryError> {
+        simulation.reset_phase(0.0);
+        let mut test = Test {
+            stages: case.test_stages(),
+            watched: Watched::default(),
+            recorders: Vec::new(),
+            ends: Vec::new(),
+            before: quality::Stored::of(&simulation.assembly()),
+            damped: false,
+            staged: case.has_stages(),
+            snapshots: case.recording.snapshots.clone(),
+        };
+        test.begin_stage(case, simulation)?;
+        Ok(test)
+    }
+
+    /// Begins the next stage.
+    fn begin_stage(&mut self, case: &Case, simulation: &mut Simulation) -> Result<(), LaboratoryError> {
+        let Some(stage) = self.stages.get(self.recorders.len()) else { return Ok(()) };
+        if stage.resets {
+            self.before = quality::Stored::of(&simulation.assembly());
+            self.damped = false;
+        }
+        self.damped |= stage.settling;
+        self.watched = begin(stage, simulation)?;
+        let recorder = self.fresh_recorder(case, self.recorders.len());
+        self.recorders.extend(recorder);
+        Ok(())
+    }
+
+    /// The recorder of a stage that is just begun.
+    fn fresh_recorder(&self, case: &Case, at: usize) -> Option<Recorder> {
+        let stage = self.stages.get(at)?;
+        if !self.staged {
+            return Some(Recorder::new(&case.recording, case.shear.deviator_strain));
+        }
+        let origin = self.watched.origin(stage.record.measure);
+        Some(Recorder::of_stage(&case.recording, &stage.record, origin))
+    }
+
     /// True if it can be a test of the case: with another end or rate it would perhaps never end.
     pub(super) fn is_of(&self, case: &Case) -> bool {
-        let path = &self.path;
-        let end = case.shear.deviator_strain;
-        let stress = case.shear.mean_stress.unwrap_or(case.preparation.mean_stress);
-        self.recorder.is_of(&case.recording, end)
-            && (path.deviator_strain, path.mean_stress) == (end, stress)
+        let (at, staged) = (self.ends.len(), case.has_stages());
+        let last = self.fresh_recorder(case, at.min(self.recorders.len().saturating_sub(1)));
+        let alike = self.recorders.last().zip(last).is_some_and(|(own, fresh)| own.is_like(&fresh));
+        alike
+            && self.staged == staged
+            && self.stages == case.test_stages()
+            && (at..=at + 1).contains(&self.recorders.len())
+            && self.recorders.len() <= self.stages.len()
             && case.recording.snapshots.ends_with(&self.snapshots)
-            && path.strain_rate > 0.0
-            && path.strain_rate.is_finite()
+    }
+
+    /// What the sensors saw so far.
+    pub(super) fn record(&self) -> Record {
+        match self.recorders.first() {
+            Some(only) if !self.staged => only.record(),
+            _ => Recorder::record_of_stages(&self.recorders),
+        }
+    }
+
+    /// Looks that could not be taken in all stages.
+    pub(super) fn shortfall(&self) -> granum_sensors::Shortfall {
+        self.recorders.iter().map(Recorder::shortfall).fold(Default::default(), |sum, one| sum.plus(one))
+    }
+
+    /// Steps of all stages; `step` is that of the simulation now.
+    pub(super) fn steps(&self, step: u64) -> u64 {
+        let before: u64 = self.ends.iter().map(|end| end.steps).sum();
+        let under_way = self.recorders.len() > self.ends.len();
+        if under_way { before + step.saturating_sub(self.watched.start_step) } else { before }
+    }
+
+    /// Number of stages.
+    pub(super) fn stages(&self) -> usize {
+        self.stages.len()
+    }
+
+    /// Name of the stage under way.
+    pub(super) fn stage_name(&self) -> &str {
+        self.stages.get(self.ends.len()).map_or("", |stage| stage.name.as_str())
     }
 }
 
-/// Watches a test: lets the recorder look, takes snapshots, reports, stops for a checkpoint.
+/// Watches a stage: lets the recorder look, takes snapshots, reports, stops for a checkpoint.
 struct Watch<'a> {
+    stage: &'a Loading,
+    watched: Watched,
+    /// Where it stands among how many.
+    place: [usize; 2],
+    staged: bool,
     recorder: &'a mut Recorder,
     snapshots: &'a mut Vec<f64>,
     folder: &'a RunFolder,
@@ -52,7 +145,6 @@ struct Watch<'a> {
     failed: Option<granum_io::Error>,
     observer: &'a mut dyn RunObserver,
     speedometer: &'a mut Speedometer,
-    end: f64,
     interval: Interval,
     stopped: bool,
 }
@@ -62,13 +154,14 @@ impl Watcher for Watch<'_> {
         self.snapshots.first().copied().unwrap_or(f64::INFINITY).min(self.recorder.next_look())
     }
     fn look(&mut self, simulation: &Simulation) {
-        let strain = simulation.state().deviator_strain();
+        let measure = self.stage.record.measure;
+        let here = measure.of(&simulation.state().reading()) - self.watched.origin(measure);
         let assembly = simulation.assembly();
         // The recorder may not look earlier for the sake of a snapshot.
-        if self.recorder.next_look() <= strain {
+        if self.recorder.next_look() <= here {
             self.recorder.look(&assembly);
         }
-        while self.snapshots.first().is_some_and(|due| *due <= strain) {
+        while self.snapshots.first().is_some_and(|due| *due <= here) {
             let name = snapshot_name(self.snapshots.remove(0));
             if let Err(error) = self.folder.write_snapshot(&name, &assembly) {
                 self.failed.get_or_insert(error);
@@ -80,10 +173,13 @@ impl Watcher for Watch<'_> {
             return Flow::Stop;
         }
         let simulation = progress.simulation;
+        let [at, all] = self.place;
+        let fraction = self.stage.fraction(&self.watched, simulation);
         self.observer.status(&Status {
             phase: progress.phase,
             trial: 1,
-            fraction: Some(simulation.state().deviator_strain() / self.end),
+            stage: self.staged.then_some(self.stage.name.as_str()),
+            fraction: fraction.map(|part| (at as f64 + part) / all.max(1) as f64),
             grain_steps_per_second: self.speedometer.rate(simulation),
             simulation,
         });
@@ -93,7 +189,7 @@ impl Watcher for Watch<'_> {
 }
 
 impl Laboratory {
-    /// Makes a sample ready to be sheared as the case says.
+    /// Makes a sample ready to be tested as the case says.
     pub(super) fn begin_test(
         &self,
         case: &Case,
@@ -101,24 +197,19 @@ impl Laboratory {
     ) -> Result<Stretch, LaboratoryError> {
         let simulation = &mut standing.simulation;
         let mut material = case.grains.material;
-        material.density *= density_scaling(&case.shear.rate);
+        if !case.has_stages() {
+            material.density *= density_scaling(&case.shear.rate);
+        }
         simulation.set_properties(Properties { material, contact: case.contact })?;
         simulation.set_time_step_factor(case.numerics.time_step_factor);
-        let path = AxisymmetricCompression::new(&case.shear, simulation, case.preparation.mean_stress);
-        start(&path, simulation);
-        let test = Test {
-            recorder: Recorder::new(&case.recording, case.shear.deviator_strain),
-            path,
-            before: quality::Stored::of(&simulation.assembly()),
-            snapshots: case.recording.snapshots.clone(),
-        };
-        standing.stage = Stage::Test(Box::new(test));
+        standing.stage = Stage::Test(Box::new(Test::begin(case, simulation)?));
         Ok(Stretch::GoOn)
     }
 
-    /// Goes on with a test to its end, until a checkpoint is due or the observer stops it.
+    /// Goes on with a test to the end of its stage, until a checkpoint is due or the observer stops it.
     pub(super) fn test_on(
         &self,
+        case: &Case,
         standing: &mut Standing,
         folder: &RunFolder,
         speedometer: &mut Speedometer,
@@ -126,26 +217,46 @@ impl Laboratory {
     ) -> Result<Stretch, LaboratoryError> {
         let Stage::Test(test) = &mut standing.stage else { return Ok(Stretch::GoOn) };
         let simulation = &mut standing.simulation;
+        let at = test.ends.len();
+        if test.recorders.len() == at {
+            // The last stage is over, or one was cut short.
+            return Ok(Stretch::Complete);
+        }
+        let (Some(stage), Some(recorder)) = (test.stages.get(at), test.recorders.last_mut()) else {
+            return Ok(Stretch::Complete);
+        };
         simulation.set_hardware(self.hardware_for(simulation.state().grains()));
         let mut watch = Watch {
-            recorder: &mut test.recorder,
+            stage,
+            watched: test.watched.clone(),
+            place: [at, test.stages.len()],
+            staged: test.staged,
+            recorder,
             snapshots: &mut test.snapshots,
             folder,
             failed: None,
             observer,
             speedometer,
-            end: test.path.deviator_strain,
             interval: Interval::new(self.checkpoint_every),
             stopped: false,
         };
-        let ending = follow(&test.path, simulation, &mut watch)?;
+        let ending = loading::follow(stage, &mut test.watched, simulation, &mut watch)?;
         if let Some(error) = watch.failed {
             return Err(error.into());
         }
-        Ok(match ending {
-            Ending::Complete => Stretch::Complete,
-            Ending::Stopped if watch.stopped => Stretch::Stop,
-            Ending::Stopped => Stretch::GoOn,
-        })
+        let stopped = watch.stopped;
+        let reason = match ending {
+            Ending::Complete(reason) => reason,
+            Ending::Stopped if stopped => return Ok(Stretch::Stop),
+            Ending::Stopped => return Ok(Stretch::GoOn),
+        };
+        test.ends.push(StageEnd::of(stage, &test.watched, reason, simulation));
+        // What follows a stage that did not come to its end would not be what was asked for.
+        if !reason.is_asked_for() || test.ends.len() == test.stages.len() {
+            return Ok(Stretch::Complete);
+        }
+        folder.write_snapshot(&stage_snapshot(test.ends.len()), &simulation.assembly())?;
+        test.begin_stage(case, simulation)?;
+        Ok(Stretch::GoOn)
     }
 }

@@ -81,6 +81,16 @@ impl SetFlags {
 impl CaseFlags {
     /// Reads a case file and sets what the flags say. With `packing` what has no part in a run from one is refused.
     pub fn read(&self, path: &Path, packing: bool) -> Result<Case, Failure> {
+        self.read_with_path(path, packing, None)
+    }
+
+    /// As [`CaseFlags::read`], with a named path and its parameters in place of the test of the case.
+    pub fn read_with_path(
+        &self,
+        path: &Path,
+        packing: bool,
+        loading: Option<(&str, &[(&str, &str)])>,
+    ) -> Result<Case, Failure> {
         let mut settings = self.set.settings()?;
         if let Some(seed) = &self.seed {
             settings.push(Setting { flag: "--seed".into(), key: "preparation.seed", value: seed });
@@ -93,6 +103,9 @@ impl CaseFlags {
             )));
         }
         let mut case = Case::read(path)?;
+        if let Some((name, parameters)) = loading {
+            case = case.with_path(name, parameters)?;
+        }
         apply(&mut case, &settings)?;
         Ok(case)
     }

@@ -18,7 +18,9 @@ mod relation;
 mod report;
 mod reproduce;
 mod resume;
+mod run;
 mod run_report;
+mod schema;
 mod scores;
 mod shear;
 mod spread;
@@ -35,8 +37,10 @@ use crate::failure::Failure;
 #[derive(Subcommand)]
 pub enum Command {
     Init(init::Init),
+    Schema(schema::Schema),
     Prepare(prepare::Prepare),
     Shear(shear::Shear),
+    Run(run::Run),
     Resume(resume::Resume),
     Status(status::Status),
     Digest(digest::Digest),
@@ -55,8 +59,10 @@ impl Command {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         match self {
             Command::Init(command) => command.run(context),
+            Command::Schema(command) => command.run(context),
             Command::Prepare(command) => command.run(context),
             Command::Shear(command) => command.run(context),
+            Command::Run(command) => command.run(context),
             Command::Resume(command) => command.run(context),
             Command::Status(command) => command.run(context),
             Command::Digest(command) => command.run(context),

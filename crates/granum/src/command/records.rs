@@ -70,11 +70,14 @@ fn read_one(context: &Context, folder: &Path, role: RunRole) -> Result<Recorded,
     if about.status != RunStatus::Finished && !context.json {
         eprintln!("warning: {} did not reach its end; the states that it has are taken", folder.display());
     }
+    // A test that is given as stages ends where its record does.
+    let last = record.series.values("deviator_strain").and_then(|strains| strains.last().copied());
+    let end = last.filter(|_| case.has_stages()).unwrap_or(case.shear.deviator_strain);
     Ok(Recorded {
         known: StudyRun::read(&run, role)?,
         name: folder.display().to_string(),
         seed: about.seed,
-        end: case.shear.deviator_strain,
+        end,
         record,
     })
 }

@@ -90,10 +90,14 @@ fn text(record: &RunRecord) -> String {
 fn peak_and_late(record: &RunRecord) -> Option<String> {
     let value = |name: &str| record.measures.get(name).copied();
     let peak = value("peak_stress_ratio")?;
+    // A test that is given as stages has its measures by the invariants.
+    let (strain, at) = match (value("deviator_strain_at_peak"), value("deviatoric_strain_at_peak")) {
+        (Some(at), _) => ("deviator", at),
+        (None, at) => ("deviatoric", at?),
+    };
     Some(format!(
-        "test: peak q/p {peak:.3} at deviator strain {:.4}; means over the last quarter of the strain: q/p {:.3}, phi_d {:.4}, solid \
+        "test: peak q/p {peak:.3} at {strain} strain {at:.4}; means over the last quarter of the strain: q/p {:.3}, phi_d {:.4}, solid \
          fraction {:.4}",
-        value("deviator_strain_at_peak")?,
         value("late_stress_ratio")?,
         value("late_deviator_fabric")?,
         value("late_solid_fraction")?,

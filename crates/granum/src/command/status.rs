@@ -106,7 +106,7 @@ struct Found {
     seconds: f64,
     /// Deviator strain recorded, and of the end of the test.
     strain: Option<f64>,
-    end: f64,
+    end: Option<f64>,
     checkpoint: Option<Duration>,
     failed_checks: Vec<String>,
     next: Next,
@@ -129,8 +129,8 @@ impl Found {
             at_work,
             steps: json!(record.steps),
             seconds: record.wall_seconds.values().sum(),
-            strain: if record.kind == "prepare" { None } else { strain },
-            end: case.shear.deviator_strain,
+            strain: if record.kind == "prepare" || case.has_stages() { None } else { strain },
+            end: (!case.has_stages()).then_some(case.shear.deviator_strain),
             checkpoint,
             failed_checks: record.quality.iter().filter(|q| !q.passed).map(|q| q.name.clone()).collect(),
             kind: record.kind,
@@ -172,8 +172,8 @@ impl Found {
         if !self.phase.is_empty() {
             text += &format!(" in {}", self.phase);
         }
-        if let Some(strain) = self.strain {
-            text += &format!(", recorded to deviator strain {strain:.4} of {}", self.end);
+        if let (Some(strain), Some(end)) = (self.strain, self.end) {
+            text += &format!(", recorded to deviator strain {strain:.4} of {end}");
         }
         if self.seconds > 0.0 {
             text += &format!(", {} of work", readable(Duration::from_secs_f64(self.seconds)));

@@ -11,6 +11,7 @@ mod packings;
 mod recordings;
 mod refusals;
 mod settings;
+mod stages;
 mod tests_of_grains;
 mod tutorial;
 mod words;

@@ -1,0 +1,565 @@
+//! The control of a stage: what is done with each component of the cell, and the constraints between them.
+//!
+//! It is the general law of element tests, `M deps + N dsigma = v` (the `*ObeyRestrictions` of Niemunis' IncrementalDriver).
+//! Each component has a strain rate or a stress of its own or is left free; each constraint is a combination of
+//! strain rates that is kept, or a combination of stresses that is held. Together they must be six equations for the six
+//! strain rates. They are solved once, with an estimated stiffness of the sample ([`STIFFNESS`]): that gives the base rates, and for
+//! each controlled stress the strain rates that change it and no other controlled stress or kept strain rate, by which the
+//! servo moves it.
+
+use serde::{Deserialize, Serialize};
+
+use crate::assembly::Matrix;
+use crate::invariants;
+use crate::servo::{self, COMPONENTS, PLACES, Row, STIFFNESS};
+use crate::simulation::Simulation;
+
+/// How fast a stage goes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Speed {
+    /// Inertial number of a strain rate of one, at the mean stress at the start of the stage unless another is given, Pa.
+    InertialNumber {
+        /// Inertial number I.
+        number: f64,
+        /// Mean stress, Pa.
+        at: Option<f64>,
+    },
+    /// Strain rate, 1/s.
+    StrainRate(f64),
+}
+
+/// A stress that is held or moved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Target {
+    /// Its value at the start of the stage, Pa; `None`: what it then is.
+    pub value: Option<f64>,
+    /// How fast it moves, Pa/s.
+    pub rate: f64,
+}
+
+/// What is done with one component of the cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Drive {
+    /// It is not strained.
+    #[default]
+    Fixed,
+    /// It is strained at this multiple of the stage's speed, compression positive; shear strains are angles.
+    Rate(f64),
+    /// Its stress is held or moved.
+    Stress(Target),
+    /// Constraints decide it.
+    Free,
+}
+
+/// A combination of components that is kept or held.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Constraint {
+    /// Weights of the strains; beside stresses they have the unit Pa.
+    pub strain: [f64; 6],
+    /// Weights of the stresses.
+    pub stress: [f64; 6],
+    /// What the combination of stresses (and strains beside them) is held at. Without stresses the rate counts alone: the
+    /// combination of strain rates has this multiple of the stage's speed.
+    pub target: Target,
+    /// The strain rates that move for it, where they are not to be found from the other equations. Every component then has
+    /// a base rate of its own.
+    pub moves: Option<[f64; 6]>,
+}
+
+/// How shear rates move the cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kinematics {
+    /// The velocity gradient is symmetric: nothing is turned.
+    #[default]
+    PureShear,
+    /// The velocity gradient has the one component of the first index along the second: xy moves grains along x by their y.
+    SimpleShear,
+}
+
+/// What drives the cell in a stage.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Control {
+    /// Unit of all strain rates.
+    pub speed: Speed,
+    /// What is done with each component, see [`COMPONENTS`].
+    pub components: [Drive; 6],
+    /// Constraints between them.
+    pub constraints: [Option<Constraint>; 6],
+    /// How shear rates move the cell.
+    pub kinematics: Kinematics,
+    /// Bound on what the servo adds for one controlled stress, as a multiple of the speed.
+    pub servo_limit: f64,
+    /// Time constant of the servo, in time steps.
+    pub response: f64,
+}
+
+/// Time constant of the servo of a stage, in time steps, where no other is given.
+const RESPONSE: f64 = 6.0;
+
+/// Bound on what the servo adds where the cell is strained anyway, as a multiple of the speed.
+pub const SERVO_LIMIT: f64 = 30.0;
+
+/// Why a control cannot be.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ControlError {
+    /// Too few or too many equations.
+    #[error(
+        "the stage gives {found} equations for the six strain rates of the cell ({what}); each component needs a rate, a stress or \
+         to be fixed, or to be free with one constraint more"
+    )]
+    Count {
+        /// Equations.
+        found: usize,
+        /// What gives them.
+        what: String,
+    },
+    /// Equations that contradict or repeat each other.
+    #[error(
+        "the equations of the stage do not determine the strain rates: {0} repeats or contradicts others"
+    )]
+    Singular(String),
+    /// A speed that cannot be.
+    #[error("the strain rate of the stage is {0} /s; it must be positive")]
+    Speed(f64),
+}
+
+impl Default for Control {
+    fn default() -> Self {
+        Control {
+            speed: Speed::InertialNumber { number: 1e-3, at: None },
+            components: [Drive::Fixed; 6],
+            constraints: [None; 6],
+            kinematics: Kinematics::PureShear,
+            servo_limit: SERVO_LIMIT,
+            response: RESPONSE,
+        }
+    }
+}
+
+/// One equation for the strain rates.
+struct Equation {
+    /// What it comes from, for messages.
+    name: String,
+    /// Weights of the strain rates, stresses already replaced by stiffness times strain, in affine bulk moduli.
+    weights: [f64; 6],
+    /// Strain rate on the right, 1/s; zero for stresses.
+    rate: f64,
+    /// The controlled stress, if it is one.
+    row: Option<Row>,
+}
+
+impl Control {
+    /// The control of a stage whose components follow these drives.
+    pub fn of(speed: Speed, components: [Drive; 6]) -> Control {
+        Control { speed, components, ..Control::default() }
+    }
+
+    /// The same with one constraint more; a seventh is left out.
+    pub fn with(mut self, constraint: Constraint) -> Control {
+        if let Some(free) = self.constraints.iter_mut().find(|place| place.is_none()) {
+            *free = Some(constraint);
+        }
+        self
+    }
+
+    /// True if some component is strained at a rate of its own.
+    pub fn is_strained(&self) -> bool {
+        self.components.iter().any(|drive| matches!(drive, Drive::Rate(rate) if *rate != 0.0))
+    }
+
+    /// The strain rate of one, 1/s, for a simulation.
+    pub fn strain_rate(&self, simulation: &Simulation) -> f64 {
+        match self.speed {
+            Speed::InertialNumber { number, at } => {
+                simulation.strain_rate(number, at.unwrap_or_else(|| simulation.state().mean_stress()))
+            }
+            Speed::StrainRate(rate) => rate,
+        }
+    }
+
+    /// Checks that the equations determine the strain rates, whatever the sample is.
+    ///
+    /// # Errors
+    /// [`ControlError`].
+    pub fn check(&self) -> Result<(), ControlError> {
+        self.solve(1.0, &[[0.0; 3]; 3], &[[0.0; 3]; 3], 1e8).map(|_| ())
+    }
+
+    /// What drives the cell of a simulation from now on.
+    ///
+    /// # Errors
+    /// [`ControlError`] if the equations do not determine the strain rates, or the strain rate is not positive.
+    pub fn begin(&self, simulation: &Simulation) -> Result<servo::Control, ControlError> {
+        let rate = self.strain_rate(simulation);
+        if !(rate > 0.0 && rate.is_finite()) {
+            return Err(ControlError::Speed(rate));
+        }
+        let state = simulation.state();
+        let modulus = state.bulk_modulus().max(100.0 * invariants::mean(&state.stress()).abs()).max(1.0);
+        let mut control = self.solve(rate, &state.stress(), &state.strain(), modulus)?;
+        control.since = state.time();
+        Ok(control)
+    }
+
+    fn solve(
+        &self,
+        rate: f64,
+        stress: &Matrix,
+        strain: &Matrix,
+        modulus: f64,
+    ) -> Result<servo::Control, ControlError> {
+        let held = |mut row: Row, target: &Target| {
+            row.target = target.value.unwrap_or_else(|| row.value(stress, strain));
+            row.target_rate = target.rate;
+            row
+        };
+        let mut equations = Vec::new();
+        let mut rows: Vec<(Row, [f64; 6])> = Vec::new();
+        for (k, drive) in self.components.iter().enumerate() {
+            let name = COMPONENTS[k].to_string();
+            let mut weights = [0.0; 6];
+            weights[k] = 1.0;
+            match drive {
+                Drive::Free => {}
+                Drive::Fixed => equations.push(Equation { name, weights, rate: 0.0, row: None }),
+                Drive::Rate(factor) => {
+                    equations.push(Equation { name, weights, rate: factor * rate, row: None });
+                }
+                Drive::Stress(target) => {
+                    weights[k] = STIFFNESS[k];
+                    let row = Some(held(Row::component(k, 0.0), target));
+                    equations.push(Equation { name, weights, rate: 0.0, row });
+                }
+            }
+        }
+        for (number, constraint) in self.constraints.iter().flatten().enumerate() {
+            let name = format!("constraint {}", number + 1);
+            if constraint.stress == [0.0; 6] {
+                let rate = constraint.target.rate * rate;
+                equations.push(Equation { name, weights: constraint.strain, rate, row: None });
+                continue;
+            }
+            let row = held(constraint.row(), &constraint.target);
+            match constraint.moves {
+                Some(moves) => rows.push((row, moves)),
+                None => {
+                    let weights = resistance(&row, modulus);
+                    equations.push(Equation { name, weights, rate: 0.0, row: Some(row) });
+                }
+            }
+        }
+        if equations.len() != 6 {
+            let names: Vec<_> = equations.iter().map(|equation| equation.name.as_str()).collect();
+            return Err(ControlError::Count { found: equations.len(), what: names.join(", ") });
+        }
+        let inverse = inverse(&equations)?;
+        let mut base = [0.0; 6];
+        for (column, equation) in equations.iter().enumerate() {
+            let direction: [f64; 6] = std::array::from_fn(|k| inverse[k][column]);
+            match equation.row {
+                // The equation counts stiffness in bulk moduli; three of them make a unit of strain rate.
+                Some(row) => rows.push((row, direction.map(|x| 3.0 * x))),
+                None => {
+                    for k in 0..6 {
+                        base[k] += direction[k] * equation.rate;
+                    }
+                }
+            }
+        }
+        decouple(&mut rows, modulus)?;
+        let mut control = servo::Control {
+            rate: self.gradient(&base),
+            rate_limit: self.servo_limit * rate,
+            response: self.response,
+            ..servo::Control::default()
+        };
+        for (place, (mut row, moves)) in control.rows.iter_mut().zip(rows) {
+            row.stiffness = dot(&resistance(&row, modulus), &moves);
+            row.moves = self.gradient(&moves);
+            *place = Some(row);
+        }
+        Ok(control)
+    }
+
+    /// Strain rates of the six components as a matrix.
+    fn gradient(&self, rates: &[f64; 6]) -> Matrix {
+        let mut matrix = [[0.0; 3]; 3];
+        for (k, [r, c]) in PLACES.into_iter().enumerate() {
+            match (k < 3, self.kinematics) {
+                (true, _) | (_, Kinematics::SimpleShear) => matrix[r][c] = rates[k],
+                (false, Kinematics::PureShear) => {
+                    matrix[r][c] = 0.5 * rates[k];
+                    matrix[c][r] = matrix[r][c];
+                }
+            }
+        }
+        matrix
+    }
+}
+
+impl Constraint {
+    /// The mean stress, held by the components that are free.
+    pub fn mean_stress(target: Target) -> Constraint {
+        Constraint { stress: [1.0, 1.0, 1.0, 0.0, 0.0, 0.0], target, ..Constraint::default() }
+    }
+
+    /// A combination of stresses.
+    pub fn stresses(stress: [f64; 6], target: Target) -> Constraint {
+        Constraint { stress, target, ..Constraint::default() }
+    }
+
+    /// A combination of strain rates, as a multiple of the stage's speed.
+    pub fn strains(strain: [f64; 6], rate: f64) -> Constraint {
+        Constraint { strain, target: Target { value: None, rate }, ..Constraint::default() }
+    }
+
+    /// The same with the strain rates that move for it.
+    pub fn moving(self, moves: [f64; 6]) -> Constraint {
+        Constraint { moves: Some(moves), ..self }
+    }
+
+    /// What is held. The mean stress counts as such, not as the sum of three stresses.
+    fn row(&self) -> Row {
+        let mean = self.stress == [1.0, 1.0, 1.0, 0.0, 0.0, 0.0] && self.strain == [0.0; 6];
+        Row {
+            stress: self.stress,
+            strain: self.strain,
+            divisor: if mean { 3.0 } else { 1.0 },
+            ..Row::mean(0.0, [false; 3])
+        }
+    }
+}
+
+fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
+    a.iter().zip(b).fold(0.0, |sum, (x, y)| sum + x * y)
+}
+
+/// What a controlled combination gains per strain of each component, in bulk moduli of the sample.
+fn resistance(row: &Row, modulus: f64) -> [f64; 6] {
+    std::array::from_fn(|k| row.stress[k] * STIFFNESS[k] / row.divisor + row.strain[k] / modulus)
+}
+
+/// Pivots below this fraction of the largest weight of their equation are none.
+const SINGULAR: f64 = 1e-9;
+
+/// The inverse of the matrix of the equations, by elimination with exchange of columns.
+fn inverse(equations: &[Equation]) -> Result<[[f64; 6]; 6], ControlError> {
+    let mut left: [[f64; 6]; 6] = std::array::from_fn(|k| equations[k].weights);
+    let mut right: [[f64; 6]; 6] =
+        std::array::from_fn(|r| std::array::from_fn(|c| f64::from(u8::from(r == c))));
+    // By component: which equation decides it.
+    let mut decides = [usize::MAX; 6];
+    for r in 0..6 {
+        let largest = equations[r].weights.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+        let free = (0..6).filter(|&k| decides[k] == usize::MAX);
+        let pivot = free.fold(None, |best: Option<usize>, k| match best {
+            Some(b) if left[r][b].abs() >= left[r][k].abs() => Some(b),
+            _ => Some(k),
+        });
+        let Some(pivot) = pivot.filter(|&k| left[r][k].abs() > SINGULAR * largest) else {
+            return Err(ControlError::Singular(equations[r].name.clone()));
+        };
+        decides[pivot] = r;
+        let scale = 1.0 / left[r][pivot];
+        left[r] = left[r].map(|x| x * scale);
+        right[r] = right[r].map(|x| x * scale);
+        for other in (0..6).filter(|&other| other != r) {
+            let factor = left[other][pivot];
+            if factor != 0.0 {
+                for k in 0..6 {
+                    left[other][k] -= factor * left[r][k];
+                    right[other][k] -= factor * right[r][k];
+                }
+            }
+        }
+    }
+    Ok(std::array::from_fn(|k| right[decides[k]]))
+}
+
+/// Mixes the strain rates of the rows so that each moves its own combination of stresses and no other, where they do not.
+fn decouple(rows: &mut [(Row, [f64; 6])], modulus: f64) -> Result<(), ControlError> {
+    let n = rows.len().min(6);
+    let mut weights = [[0.0; 6]; 6];
+    for k in 0..6 {
+        weights[k][k] = 1.0;
+    }
+    let mut coupled = false;
+    for k in 0..n {
+        for j in 0..n {
+            weights[k][j] = dot(&resistance(&rows[k].0, modulus), &rows[j].1);
+            coupled |= k != j && weights[k][j].abs() > 1e-12;
+        }
+        coupled |= weights[k][k] <= 0.0;
+    }
+    if !coupled {
+        return Ok(());
+    }
+    let equations: Vec<Equation> = (0..6)
+        .map(|k| Equation {
+            name: format!("controlled stress {}", k + 1),
+            weights: weights[k],
+            rate: 0.0,
+            row: None,
+        })
+        .collect();
+    let mix = inverse(&equations)?;
+    let before: Vec<[f64; 6]> = rows.iter().map(|(_, moves)| *moves).collect();
+    for j in 0..n {
+        rows[j].1 = std::array::from_fn(|c| 3.0 * (0..n).fold(0.0, |sum, k| sum + before[k][c] * mix[k][j]));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STILL: Matrix = [[0.0; 3]; 3];
+    const MEAN: [f64; 6] = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
+
+    fn solved(control: &Control) -> servo::Control {
+        control.solve(10.0, &STILL, &STILL, 1e8).unwrap()
+    }
+
+    fn held(value: f64) -> Target {
+        Target { value: Some(value), rate: 0.0 }
+    }
+
+    /// The paper's test, said either way, is the control that it always was.
+    #[test]
+    fn constant_mean_stress_is_a_case_of_the_law() {
+        let speed = Speed::StrainRate(10.0);
+        let fixed = Drive::Fixed;
+        let rates = [Drive::Rate(1.0), Drive::Rate(-0.5), Drive::Rate(-0.5), fixed, fixed, fixed];
+        let moving = Control { response: servo::RESPONSE, ..Control::of(speed, rates) }
+            .with(Constraint::mean_stress(held(2e4)).moving([0.0, 1.0, 1.0, 0.0, 0.0, 0.0]));
+        let paper = servo::Control::constant_mean_stress(0, 10.0, 2e4, 300.0);
+        assert_eq!(solved(&moving), paper);
+        // From the equations alone: the lateral strain rates are equal, and they move for p.
+        let free = [Drive::Rate(1.0), Drive::Free, Drive::Free, fixed, fixed, fixed];
+        let found = solved(
+            &Control::of(speed, free)
+                .with(Constraint::strains([0.0, 1.0, -1.0, 0.0, 0.0, 0.0], 0.0))
+                .with(Constraint::mean_stress(held(2e4))),
+        );
+        let row = found.rows[0].unwrap();
+        for a in 0..3 {
+            assert!((found.rate[a][a] - paper.rate[a][a]).abs() < 1e-12);
+        }
+        assert!(row.moves[0][0].abs() < 1e-15 && (row.moves[1][1] - row.moves[2][2]).abs() < 1e-15);
+        assert!((row.moves[1][1] / row.stiffness - 0.5).abs() < 1e-12);
+    }
+
+    /// An isotropic elastic solid, unlike the servo's estimate, under constant p and b comes to both and keeps both.
+    #[test]
+    fn two_constraints_are_held_on_an_elastic_solid() {
+        let b = 0.5;
+        let free = [Drive::Rate(1.0), Drive::Free, Drive::Free, Drive::Fixed, Drive::Fixed, Drive::Fixed];
+        let control = Control::of(Speed::StrainRate(10.0), free)
+            .with(Constraint::stresses(MEAN, held(2e4)))
+            .with(Constraint::stresses([-b, 1.0, b - 1.0, 0.0, 0.0, 0.0], held(0.0)));
+        let drive = solved(&control);
+        // Bulk modulus 1e8 and shear modulus 0.7e8, once with axis 2 half as stiff as an anisotropic sample.
+        for soft in [1.0, 0.5] {
+            let stiff = |a: usize, c: usize| {
+                let lame = 1e8 - 2.0 / 3.0 * 0.7e8;
+                (lame + if a == c { 1.4e8 } else { 0.0 }) * if a == 1 || c == 1 { soft } else { 1.0 }
+            };
+            let (errors, stress) = follow(&drive, stiff, 20_000);
+            assert!(errors < 1e-3, "{errors}");
+            let found = (stress[1] - stress[2]) / (stress[0] - stress[2]);
+            assert!((found - b).abs() < 1e-6 && stress[0] > 2.2e4, "{found} {stress:?}");
+        }
+    }
+
+    /// A stress that rises at a given rate does not lag behind its target, on a solid far from the servo's estimate.
+    #[test]
+    fn a_moving_target_is_not_lagged_behind() {
+        let target = Target { value: Some(2e4), rate: 2e7 };
+        let stress = Drive::Stress(target);
+        let fixed = Drive::Fixed;
+        for softness in [1.0, 0.2] {
+            let control = Control::of(
+                Speed::StrainRate(10.0),
+                [stress, Drive::Stress(held(2e4)), Drive::Stress(held(2e4)), fixed, fixed, fixed],
+            );
+            let stiff = |a: usize, c: usize| softness * if a == c { 1.9e8 } else { 0.5e8 };
+            let (errors, stress) = follow(&solved(&control), stiff, 40_000);
+            assert!(errors < 1e-3, "{errors}");
+            assert!((stress[0] / (2e4 + 2e7 * 40_000.0 * 1e-8) - 1.0).abs() < 1e-6, "{stress:?}");
+        }
+    }
+
+    /// Follows a control on an elastic solid from 20 kPa; the root mean square of the largest error over p in the second half,
+    /// and the last stresses.
+    fn follow(drive: &servo::Control, stiff: impl Fn(usize, usize) -> f64, steps: usize) -> (f64, [f64; 3]) {
+        let (mut stress, mut strain) = ([2e4; 3], [0.0; 3]);
+        let mut servo = servo::Servo::default();
+        let mut squares = 0.0;
+        for step in 0..steps {
+            let tensor = |v: &[f64; 3]| -> Matrix {
+                std::array::from_fn(|r| std::array::from_fn(|c| if r == c { v[r] } else { 0.0 }))
+            };
+            let time = step as f64 * 1e-8;
+            let sample = servo::Sample {
+                stress: tensor(&stress),
+                strain: tensor(&strain),
+                bulk_modulus: 1e8,
+                time,
+                dt: 1e-8,
+            };
+            let gradient = servo.gradient(drive, &sample);
+            let worst = drive
+                .rows()
+                .map(|row| (row.value(&sample.stress, &sample.strain) - row.aim(time)).abs())
+                .fold(0.0, f64::max);
+            if step > steps / 2 {
+                squares += (worst / 2e4).powi(2);
+            }
+            let part: [f64; 3] = std::array::from_fn(|a| -gradient[a][a] * 1e-8);
+            for a in 0..3 {
+                stress[a] += (0..3).map(|c| stiff(a, c) * part[c]).sum::<f64>();
+                strain[a] += part[a];
+            }
+        }
+        ((squares / (steps as f64 / 2.0)).sqrt(), stress)
+    }
+
+    #[test]
+    fn equations_that_do_not_determine_the_rates_are_named() {
+        let free = [Drive::Free, Drive::Free, Drive::Rate(1.0), Drive::Fixed, Drive::Fixed, Drive::Fixed];
+        let few = Control::of(Speed::StrainRate(1.0), free).with(Constraint::mean_stress(held(1e4)));
+        let text = few.check().unwrap_err().to_string();
+        assert!(text.contains("5 equations") && text.contains("constraint 1"), "{text}");
+        let twice = few.with(Constraint::stresses([2.0, 2.0, 2.0, 0.0, 0.0, 0.0], held(3e4)));
+        let text = twice.check().unwrap_err().to_string();
+        assert!(text.contains("constraint 2 repeats or contradicts"), "{text}");
+        let good = few.with(Constraint::strains([1.0, -1.0, 0.0, 0.0, 0.0, 0.0], 0.0));
+        assert_eq!(good.check(), Ok(()));
+    }
+
+    /// A saturated sample whose pore fluid has a modulus: the volumetric strain times the modulus is kept against the mean stress.
+    #[test]
+    fn stresses_and_strains_can_stand_in_one_constraint() {
+        let fluid = 2e8;
+        let free = [Drive::Rate(1.0), Drive::Free, Drive::Free, Drive::Fixed, Drive::Fixed, Drive::Fixed];
+        let third = 1.0 / 3.0;
+        let control = Control::of(Speed::StrainRate(10.0), free)
+            .with(Constraint::strains([0.0, 1.0, -1.0, 0.0, 0.0, 0.0], 0.0))
+            .with(Constraint {
+                strain: [fluid, fluid, fluid, 0.0, 0.0, 0.0],
+                stress: [third, third, third, 0.0, 0.0, 0.0],
+                target: held(2e4),
+                moves: None,
+            });
+        // Shear alone leaves the volume of an isotropic solid as it is.
+        let (errors, stress) = follow(&solved(&control), |a, c| if a == c { 1.9e8 } else { 0.5e8 }, 20_000);
+        assert!(
+            errors < 1e-3 && (stress.iter().sum::<f64>() / 6e4 - 1.0).abs() < 1e-3,
+            "{errors} {stress:?}"
+        );
+    }
+}

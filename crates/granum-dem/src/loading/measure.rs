@@ -1,0 +1,194 @@
+//! What a stage can be measured by: where it ends, turns round and is recorded.
+
+use serde::{Deserialize, Serialize};
+
+use crate::assembly::{Assembly, Matrix};
+use crate::invariants;
+use crate::servo::{component, strain_component};
+
+/// Stress, strain and clock at one moment.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Reading {
+    /// Stress, Pa, compression positive.
+    pub stress: Matrix,
+    /// Logarithmic strain, compression positive.
+    pub strain: Matrix,
+    /// Arc length of the strain path.
+    pub arc_length: f64,
+    /// Time, s.
+    pub time: f64,
+}
+
+impl Reading {
+    /// The reading of an assembly, with its stress measured from all contacts.
+    pub fn of(assembly: &Assembly) -> Reading {
+        let mut stress = [[0.0; 3]; 3];
+        for contact in &assembly.contacts {
+            let force = contact.force();
+            for r in 0..3 {
+                for c in 0..3 {
+                    stress[r][c] -= force[r] * contact.branch[c];
+                }
+            }
+        }
+        let volume = assembly.volume();
+        if volume > 0.0 {
+            stress = stress.map(|row| row.map(|x| x / volume));
+        }
+        Reading { stress, ..Reading::without_stress(assembly) }
+    }
+
+    /// Strain and clock of an assembly, with a stress of zero.
+    pub fn without_stress(assembly: &Assembly) -> Reading {
+        Reading {
+            stress: [[0.0; 3]; 3],
+            strain: assembly.strain,
+            arc_length: assembly.arc_length,
+            time: assembly.time,
+        }
+    }
+}
+
+/// A number that grows or changes along a stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Measure {
+    /// Arc length of the strain path, `sum of sqrt(2/3 d_eps:d_eps)`.
+    ArcLength,
+    /// Time, s.
+    Time,
+    /// A strain component, by its number; shear strains are angles.
+    Strain(u8),
+    /// `eps_x - (eps_y + eps_z) / 2`: the deviator strain of axisymmetric tests along x, as the paper counts it.
+    AxialDeviatorStrain,
+    /// `eps_1 + eps_2 + eps_3`, positive in compaction.
+    VolumetricStrain,
+    /// `sqrt(2/3 e:e)`.
+    DeviatoricStrain,
+    /// A stress component, by its number, Pa.
+    Stress(u8),
+    /// p, Pa.
+    MeanStress,
+    /// Signed von Mises stress q, Pa.
+    DeviatorStress,
+    /// q/p.
+    StressRatio,
+}
+
+impl Measure {
+    /// Every measure with its name and unit in a case file.
+    pub const ALL: [(&'static str, &'static str, Measure); 20] = [
+        ("arc_length", "1", Measure::ArcLength),
+        ("time", "s", Measure::Time),
+        ("xx_strain", "1", Measure::Strain(0)),
+        ("yy_strain", "1", Measure::Strain(1)),
+        ("zz_strain", "1", Measure::Strain(2)),
+        ("yz_strain", "1", Measure::Strain(3)),
+        ("zx_strain", "1", Measure::Strain(4)),
+        ("xy_strain", "1", Measure::Strain(5)),
+        ("deviator_strain", "1", Measure::AxialDeviatorStrain),
+        ("volumetric_strain", "1", Measure::VolumetricStrain),
+        ("deviatoric_strain", "1", Measure::DeviatoricStrain),
+        ("xx_stress", "Pa", Measure::Stress(0)),
+        ("yy_stress", "Pa", Measure::Stress(1)),
+        ("zz_stress", "Pa", Measure::Stress(2)),
+        ("yz_stress", "Pa", Measure::Stress(3)),
+        ("zx_stress", "Pa", Measure::Stress(4)),
+        ("xy_stress", "Pa", Measure::Stress(5)),
+        ("mean_stress", "Pa", Measure::MeanStress),
+        ("deviator_stress", "Pa", Measure::DeviatorStress),
+        ("stress_ratio", "1", Measure::StressRatio),
+    ];
+
+    /// Its name in a case file.
+    pub fn name(self) -> &'static str {
+        Measure::ALL.iter().find(|(_, _, measure)| *measure == self).map_or("unknown", |(name, _, _)| name)
+    }
+
+    /// Its unit.
+    pub fn unit(self) -> &'static str {
+        Measure::ALL.iter().find(|(_, _, measure)| *measure == self).map_or("1", |(_, unit, _)| unit)
+    }
+
+    /// The measure of that name.
+    pub fn named(name: &str) -> Option<Measure> {
+        Measure::ALL.iter().find(|(known, _, _)| *known == name).map(|(_, _, measure)| *measure)
+    }
+
+    /// True if it depends on the stress.
+    pub fn needs_stress(self) -> bool {
+        matches!(
+            self,
+            Measure::Stress(_) | Measure::MeanStress | Measure::DeviatorStress | Measure::StressRatio
+        )
+    }
+
+    /// True if it counts from the start of its stage, not of the test.
+    pub fn counts_from_stage(self) -> bool {
+        matches!(self, Measure::ArcLength | Measure::Time)
+    }
+
+    /// Its value.
+    pub fn of(self, reading: &Reading) -> f64 {
+        match self {
+            Measure::ArcLength => reading.arc_length,
+            Measure::Time => reading.time,
+            Measure::Strain(k) => strain_component(&reading.strain, usize::from(k.min(5))),
+            Measure::AxialDeviatorStrain => invariants::axial_deviator(&reading.strain),
+            Measure::VolumetricStrain => invariants::trace(&reading.strain),
+            Measure::DeviatoricStrain => invariants::deviatoric_strain(&reading.strain),
+            Measure::Stress(k) => component(&reading.stress, usize::from(k.min(5))),
+            Measure::MeanStress => invariants::mean(&reading.stress),
+            Measure::DeviatorStress => invariants::signed_von_mises(&reading.stress),
+            Measure::StressRatio => {
+                let p = invariants::mean(&reading.stress);
+                if p == 0.0 { 0.0 } else { invariants::signed_von_mises(&reading.stress) / p }
+            }
+        }
+    }
+}
+
+/// A value that a measure may come to: the first step at which it is there ends a run of steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// What is measured.
+    pub measure: Measure,
+    /// What is subtracted from it.
+    pub origin: f64,
+    /// The value.
+    pub value: f64,
+    /// True if the value is reached from below.
+    pub rising: bool,
+}
+
+impl Event {
+    /// True if the value has been reached or passed.
+    pub fn has_come(&self, reading: &Reading) -> bool {
+        let here = self.measure.of(reading) - self.origin;
+        if self.rising { here >= self.value } else { here <= self.value }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_measure_has_one_name_and_every_name_one_measure() {
+        for (name, unit, measure) in Measure::ALL {
+            assert_eq!((measure.name(), measure.unit()), (name, unit));
+            assert_eq!(Measure::named(name), Some(measure));
+        }
+    }
+
+    #[test]
+    fn events_come_from_either_side() {
+        let reading =
+            |strain: f64| Reading { strain: [[strain, 0.0, 0.0], [0.0; 3], [0.0; 3]], ..Reading::default() };
+        let rising = Event { measure: Measure::Strain(0), origin: 0.1, value: 0.05, rising: true };
+        assert!(!rising.has_come(&reading(0.14)) && rising.has_come(&reading(0.16)));
+        let falling = Event { rising: false, ..rising };
+        assert!(falling.has_come(&reading(0.14)) && !falling.has_come(&reading(0.16)));
+        assert!(!rising.has_come(&reading(f64::NAN)));
+    }
+}

@@ -1,0 +1,247 @@
+//! Loading: a test is a list of stages. A stage says what drives the cell ([`Control`]), when it ends ([`Until`]), and at
+//! which measures states are recorded ([`Record`]). Named paths are presets, one file each ([`preset`]).
+
+mod control;
+mod measure;
+pub mod preset;
+mod record;
+mod until;
+
+use serde::{Deserialize, Serialize};
+
+pub use self::control::{Constraint, Control, ControlError, Drive, Kinematics, SERVO_LIMIT, Speed, Target};
+pub use self::measure::{Event, Measure, Reading};
+pub use self::record::Record;
+pub use self::until::{Reason, Until, Watched};
+use crate::config::Rate;
+use crate::preparation::{Flow, Phase, Progress};
+use crate::simulation::{Simulation, SimulationError};
+use crate::state::ServoError;
+
+/// Most steps between two calls of the observer.
+const STRIDE: u64 = 500;
+/// Global damping of a settling stage, as a fraction of a velocity per `sqrt(m / k_t)`.
+const SETTLING: f64 = 0.005;
+/// Arc length of strain after which the servo is judged where the cell is strained.
+const START_UP: f64 = 1.0 / 300.0;
+
+/// One stage of a test.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Stage {
+    /// Its name for people, e.g. `shear`.
+    pub name: String,
+    /// What drives the cell.
+    pub control: Control,
+    /// Points at which base rates and moving targets turn round.
+    pub turns: Option<Turns>,
+    /// Its ends; the first that comes ends it.
+    pub until: Vec<Until>,
+    /// Arc length of strain after which it ends in any case. It also ends after the time that the stage's speed takes for
+    /// four times that, and when the sample no longer carries stress. `None` for a stage that cannot but come to its end.
+    pub most_arc_length: Option<f64>,
+    /// Which states are recorded.
+    pub record: Record,
+    /// True if velocities are damped globally, so that the sample comes to rest.
+    pub settling: bool,
+    /// True if strain, time and energy count from the start of this stage.
+    pub resets: bool,
+}
+
+/// Values of a measure between which a stage goes to and fro.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Turns {
+    /// What is measured.
+    pub measure: Measure,
+    /// Upper turning point, at which the stage turns first.
+    pub high: f64,
+    /// Lower turning point.
+    pub low: f64,
+}
+
+impl Stage {
+    /// A stage that records nothing and may take an arc length of strain of one.
+    pub fn new(name: impl Into<String>, control: Control, until: Vec<Until>) -> Stage {
+        Stage {
+            name: name.into(),
+            control,
+            turns: None,
+            until,
+            most_arc_length: Some(1.0),
+            record: Record::default(),
+            settling: false,
+            resets: false,
+        }
+    }
+
+    /// The same with states recorded.
+    pub fn recording(self, record: Record) -> Stage {
+        Stage { record, ..self }
+    }
+
+    /// How far along it is, where that can be told from its first end that is a value of a measure.
+    pub fn fraction(&self, watched: &Watched, simulation: &Simulation) -> Option<f64> {
+        self.until.iter().find_map(|until| {
+            let Until::Reaches { measure, value } = *until else { return None };
+            let start = measure.of(&watched.start);
+            let here = measure.of(&simulation.state().reading());
+            let way = value + watched.origin(measure) - start;
+            (way != 0.0).then(|| ((here - start) / way).clamp(0.0, 1.0))
+        })
+    }
+}
+
+/// Who watches a stage. Observing is by shared reference and cannot disturb the run.
+pub trait Watcher {
+    /// Value of the record's measure at which to be called next; infinity for never.
+    fn next_look(&self) -> f64;
+    /// The value has been reached.
+    fn look(&mut self, simulation: &Simulation);
+    /// Called every few hundred steps.
+    fn progress(&mut self, progress: &Progress) -> Flow;
+}
+
+/// How the following of a stage ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ending {
+    /// The stage is over.
+    Complete(Reason),
+    /// The watcher stopped it; the simulation can go on from here.
+    Stopped,
+}
+
+/// A stage that is over, for the record of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StageEnd {
+    /// Its name.
+    pub name: String,
+    /// Why it ended.
+    pub reason: Reason,
+    /// Steps that it took.
+    pub steps: u64,
+    /// Time that it took, s.
+    pub time: f64,
+    /// How well its stresses were held.
+    pub servo_error: ServoError,
+}
+
+impl StageEnd {
+    /// What is to be told of a stage that has just ended.
+    pub fn of(stage: &Stage, watched: &Watched, reason: Reason, simulation: &Simulation) -> StageEnd {
+        let state = simulation.state();
+        StageEnd {
+            name: stage.name.clone(),
+            reason,
+            steps: state.step().saturating_sub(watched.start_step),
+            time: state.time() - watched.start.time,
+            servo_error: state.servo_error(),
+        }
+    }
+}
+
+/// Begins a stage: sets what drives the cell and what the servo is judged by.
+///
+/// # Errors
+/// [`ControlError`] if the control cannot be.
+pub fn begin(stage: &Stage, simulation: &mut Simulation) -> Result<Watched, ControlError> {
+    if stage.resets {
+        simulation.reset_phase(0.0);
+    }
+    let control = stage.control.begin(simulation)?;
+    simulation.damp_globally(if stage.settling { SETTLING } else { 0.0 });
+    let watched = Watched::begin(simulation);
+    let start_up = if stage.control.is_strained() { START_UP } else { 0.0 };
+    simulation.judge_servo(watched.start.arc_length + start_up);
+    simulation.set_control(control);
+    Ok(watched)
+}
+
+/// Follows a stage that was begun, from wherever the simulation stands, to its end.
+///
+/// Whatever happens in a stage happens at the first step at which it is due, however the steps before were grouped.
+///
+/// # Errors
+/// [`SimulationError`] if the simulation fails.
+pub fn follow(
+    stage: &Stage,
+    watched: &mut Watched,
+    simulation: &mut Simulation,
+    watcher: &mut dyn Watcher,
+) -> Result<Ending, SimulationError> {
+    let measure = stage.record.measure;
+    let origin = watched.origin(measure);
+    let most_time = most_time(stage, simulation);
+    let mut events = Vec::new();
+    loop {
+        let here = measure.of(&simulation.state().reading()) - origin;
+        while watcher.next_look() <= here {
+            let due = watcher.next_look();
+            watcher.look(simulation);
+            if watcher.next_look() == due {
+                // It measures another way and finds itself a rounding short: the next step will do.
+                break;
+            }
+        }
+        turn(stage, watched, simulation);
+        let end = watched.look(&stage.until, simulation.state());
+        if let Some(reason) = end.or_else(|| cut_short(stage, watched, simulation, most_time)) {
+            return Ok(Ending::Complete(reason));
+        }
+        let (steps, time) = (simulation.state().step(), simulation.state().time());
+        let progress = Progress { phase: Phase::Shear, trial: 1, steps, time, simulation };
+        if watcher.progress(&progress) == Flow::Stop {
+            return Ok(Ending::Stopped);
+        }
+        events.clear();
+        let next = watcher.next_look();
+        if next.is_finite() {
+            events.push(Event { measure, origin, value: next, rising: true });
+        }
+        events.extend(turning_point(stage, watched));
+        watched.events(&stage.until, &mut events);
+        let since = steps - watched.start_step;
+        simulation.advance_to(&events, STRIDE - since % STRIDE)?;
+    }
+}
+
+/// Turns a stage round at its turning points.
+fn turn(stage: &Stage, watched: &mut Watched, simulation: &mut Simulation) {
+    let Some(event) = turning_point(stage, watched) else { return };
+    if event.has_come(&simulation.state().reading()) {
+        simulation.reverse();
+        watched.reversals += 1;
+    }
+}
+
+fn turning_point(stage: &Stage, watched: &Watched) -> Option<Event> {
+    let Turns { measure, high, low } = stage.turns?;
+    let rising = watched.reversals.is_multiple_of(2);
+    let value = if rising { high } else { low };
+    Some(Event { measure, origin: watched.origin(measure), value, rising })
+}
+
+/// The time that a stage may take, s.
+fn most_time(stage: &Stage, simulation: &Simulation) -> f64 {
+    let control = simulation.state().control();
+    let limit = control.rate_limit / stage.control.servo_limit.max(f64::MIN_POSITIVE);
+    if limit > 0.0 { 4.0 * stage.most_arc_length.unwrap_or(f64::MAX) / limit } else { f64::INFINITY }
+}
+
+/// Why a stage cannot go on, where it cannot.
+fn cut_short(stage: &Stage, watched: &Watched, simulation: &Simulation, most_time: f64) -> Option<Reason> {
+    let most = stage.most_arc_length?;
+    if let Some(reason) = watched.unjammed(simulation.state()) {
+        return Some(reason);
+    }
+    let reading = simulation.state().reading();
+    let arc_length = reading.arc_length - watched.start.arc_length;
+    let time = reading.time - watched.start.time;
+    (arc_length > most || time > most_time).then_some(Reason::TooLong { arc_length, time })
+}
+
+/// The factor on the density of the grains that a [`Rate`] asks for.
+pub fn density_scaling(rate: &Rate) -> f64 {
+    match rate {
+        Rate::InertialNumber(_) => 1.0,
+        Rate::StrainRate { density_scaling, .. } => *density_scaling,
+    }
+}

@@ -1,0 +1,49 @@
+//! True triaxial test at constant mean stress p and constant intermediate stress ratio b.
+
+use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, generous, number, stress};
+use crate::loading::{Constraint, Control, Drive, Measure, Record, Stage, Target, Until};
+
+pub(super) const PRESET: Preset = Preset {
+    name: "constant-p-and-b",
+    help: "True triaxial test: axis x is strained at constant mean stress p and constant b = (sigma_y - sigma_z) / (sigma_x - sigma_z).",
+    parameters: PARAMETERS,
+    stages: |values| {
+        let end = values.number("axial_strain");
+        let b = values.number("b");
+        let (free, fixed) = (Drive::Free, Drive::Fixed);
+        let held = Target { value: values.optional("mean_stress"), rate: 0.0 };
+        let proportional = Target { value: Some(0.0), rate: 0.0 };
+        // The larger b is, the faster axis z expands: up to twice as fast as x is compressed.
+        let axial = Drive::Rate(1.0 / (1.0 + b));
+        let control = Control::of(values.speed(), [axial, free, free, fixed, fixed, fixed])
+            .with(Constraint::mean_stress(held))
+            .with(Constraint::stresses([-b, 1.0, b - 1.0, 0.0, 0.0, 0.0], proportional));
+        let until = Until::Reaches { measure: Measure::Strain(0), value: end };
+        let test = Stage {
+            most_arc_length: generous(2.0 * end),
+            resets: true,
+            ..Stage::new("shear", control, vec![until]).recording(Record::equal(
+                Measure::Strain(0),
+                values.states(),
+                end,
+            ))
+        };
+        values.consolidation("mean_stress").into_iter().chain([test]).collect()
+    },
+};
+
+const PARAMETERS: &[Parameter] = &[
+    number("axial_strain", "Strain along x, the axis of the major stress, at the end.", 0.1, [1e-6, 3.0]),
+    number(
+        "b",
+        "Intermediate stress ratio: 0 is triaxial compression, 1 triaxial extension.",
+        0.5,
+        [0.0, 1.0],
+    ),
+    stress("mean_stress", "Mean stress p, to which the sample is brought before, and which is then held."),
+    Parameter {
+        help: "How fast: inertial number I of 1 + b times the strain rate along x, which is that of the fastest axis or more.",
+        ..INERTIAL_NUMBER
+    },
+    STATES,
+];

@@ -1,0 +1,34 @@
+//! Drained triaxial test: axis x is strained, the lateral stresses are held.
+
+use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, generous, number, stress};
+use crate::loading::{Control, Drive, Measure, Record, Stage, Target, Until};
+
+pub(super) const PRESET: Preset = Preset {
+    name: "drained-triaxial",
+    help: "Drained triaxial compression or extension: axis x is strained, the stresses along y and z are held.",
+    parameters: PARAMETERS,
+    stages: |values| {
+        let end = values.number("axial_strain");
+        let held = Drive::Stress(Target { value: values.optional("lateral_stress"), rate: 0.0 });
+        let fixed = Drive::Fixed;
+        let drives = [Drive::Rate(end.signum()), held, held, fixed, fixed, fixed];
+        let until = Until::Reaches { measure: Measure::Strain(0), value: end };
+        let record = Record::every(Measure::ArcLength, end.abs() / values.number("states"));
+        let test = Stage {
+            most_arc_length: generous(end),
+            resets: true,
+            ..Stage::new("shear", Control::of(values.speed(), drives), vec![until]).recording(record)
+        };
+        values.consolidation("lateral_stress").into_iter().chain([test]).collect()
+    },
+};
+
+const PARAMETERS: &[Parameter] = &[
+    number("axial_strain", "Axial strain at the end; negative for extension.", 0.2, [-3.0, 3.0]),
+    stress(
+        "lateral_stress",
+        "Stress along y and z, to which the sample is brought before on all three axes.",
+    ),
+    INERTIAL_NUMBER,
+    STATES,
+];

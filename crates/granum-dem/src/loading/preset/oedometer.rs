@@ -1,0 +1,41 @@
+//! Oedometer: axis x is compressed without lateral strain, then unloaded.
+
+use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, stress};
+use crate::loading::{Control, Drive, Measure, Record, Stage, Until};
+
+pub(super) const PRESET: Preset = Preset {
+    name: "oedometer",
+    help: "Oedometer: axis x is compressed without lateral strain up to a stress, and unloaded where a second one is given.",
+    parameters: PARAMETERS,
+    stages: |values| {
+        let stage = |name: &str, sense: f64, stress: f64| {
+            let fixed = Drive::Fixed;
+            let drives = [Drive::Rate(sense), fixed, fixed, fixed, fixed, fixed];
+            let until = Until::Reaches { measure: Measure::Stress(0), value: stress };
+            Stage::new(name, Control::of(values.speed(), drives), vec![until])
+                .recording(Record::every(Measure::ArcLength, values.number("interval")))
+        };
+        let loading = Stage { resets: true, ..stage("loading", 1.0, values.number("axial_stress")) };
+        let unloading = values.optional("unloading_stress").map(|stress| stage("unloading", -1.0, stress));
+        [loading].into_iter().chain(unloading).collect()
+    },
+};
+
+const PARAMETERS: &[Parameter] = &[
+    Parameter {
+        default: super::Default::Value(1e6),
+        ..stress("axial_stress", "Stress along x at the end of the loading.")
+    },
+    Parameter {
+        default: super::Default::Absent("nothing is unloaded"),
+        ..stress("unloading_stress", "Stress along x at the end of the unloading.")
+    },
+    INERTIAL_NUMBER,
+    Parameter {
+        key: "interval",
+        help: "A state is recorded at every such arc length of strain, which is sqrt(2/3) of the axial strain.",
+        default: super::Default::Value(1e-4),
+        bounds: [1e-7, 1.0],
+        ..STATES
+    },
+];

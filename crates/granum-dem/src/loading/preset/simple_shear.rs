@@ -1,0 +1,41 @@
+//! Simple shear at constant normal stress: x is moved by y, the stress along y is held, the others do not strain.
+
+use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, generous, number, stress};
+use crate::loading::{Control, Drive, Kinematics, Measure, Record, Speed, Stage, Target, Until};
+
+pub(super) const PRESET: Preset = Preset {
+    name: "simple-shear",
+    help: "Simple shear in the plane xy at constant normal stress along y, without strain along x and z.",
+    parameters: PARAMETERS,
+    stages: |values| {
+        let held = Drive::Stress(Target { value: values.optional("normal_stress"), rate: 0.0 });
+        let test = shear(values.speed(), held, values.number("shear_strain"), values.states());
+        values.consolidation("normal_stress").into_iter().chain([test]).collect()
+    },
+};
+
+const PARAMETERS: &[Parameter] = &[
+    number("shear_strain", "Shear strain gamma_xy at the end.", 0.3, [1e-6, 1.0]),
+    stress("normal_stress", "Stress along y, to which the sample is brought before on all three axes."),
+    INERTIAL_NUMBER,
+    STATES,
+];
+
+/// Simple shear in the plane xy, with the axis y driven in some way.
+pub(super) fn shear(speed: Speed, normal: Drive, strain: f64, states: usize) -> Stage {
+    let fixed = Drive::Fixed;
+    let control = Control {
+        kinematics: Kinematics::SimpleShear,
+        ..Control::of(speed, [fixed, normal, fixed, fixed, fixed, Drive::Rate(1.0)])
+    };
+    let until = Until::Reaches { measure: Measure::Strain(5), value: strain };
+    Stage {
+        most_arc_length: generous(strain),
+        resets: true,
+        ..Stage::new("shear", control, vec![until]).recording(Record::equal(
+            Measure::Strain(5),
+            states,
+            strain,
+        ))
+    }
+}

@@ -1,0 +1,22 @@
+//! Simple shear at constant volume: x is moved by y, and no axis strains.
+
+use super::simple_shear::shear;
+use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, number, stress};
+use crate::loading::Drive;
+
+pub(super) const PRESET: Preset = Preset {
+    name: "simple-shear-constant-volume",
+    help: "Simple shear in the plane xy at constant volume: an undrained simple shear test.",
+    parameters: PARAMETERS,
+    stages: |values| {
+        let test = shear(values.speed(), Drive::Fixed, values.number("shear_strain"), values.states());
+        values.consolidation("mean_stress").into_iter().chain([test]).collect()
+    },
+};
+
+const PARAMETERS: &[Parameter] = &[
+    number("shear_strain", "Shear strain gamma_xy at the end.", 0.3, [1e-6, 1.0]),
+    stress("mean_stress", "Mean stress to which the sample is brought before."),
+    INERTIAL_NUMBER,
+    STATES,
+];

@@ -1,0 +1,231 @@
+//! When a stage ends: whichever of its ends comes first, with a reason for people.
+
+use std::collections::VecDeque;
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use super::measure::{Event, Measure, Reading};
+use crate::invariants;
+use crate::simulation::Simulation;
+use crate::state::State;
+
+/// One end of a stage.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Until {
+    /// A measure comes to a value, from whichever side it begins. Arc length and time count from the start of the stage.
+    Reaches {
+        /// What is measured.
+        measure: Measure,
+        /// The value.
+        value: f64,
+    },
+    /// The stage has turned round this often; a cycle is two reversals.
+    Reversals(u64),
+    /// The unbalanced force is below this three times in a row, and every controlled stress within half a per cent of p of
+    /// its target.
+    AtRest {
+        /// Unbalanced force.
+        unbalanced_force: f64,
+    },
+    /// Over an arc length of strain the stress ratio and the volumetric strain stay within bands.
+    CriticalState {
+        /// Arc length.
+        window: f64,
+        /// Width of the band of q/p.
+        stress_ratio: f64,
+        /// Width of the band of the volumetric strain.
+        volumetric_strain: f64,
+    },
+}
+
+/// Why a stage ended.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reason {
+    /// One of its ends came.
+    End(Until),
+    /// It was as long as it may be: none of its ends came before.
+    TooLong {
+        /// Arc length of strain from its start.
+        arc_length: f64,
+        /// Time from its start, s.
+        time: f64,
+    },
+    /// The sample no longer carries stress, so that none can be controlled.
+    Unjammed {
+        /// Mean stress, Pa.
+        mean_stress: f64,
+        /// Mean stress at the start of the stage, Pa.
+        before: f64,
+    },
+}
+
+impl Reason {
+    /// True if one of the ends that were asked for came.
+    pub fn is_asked_for(&self) -> bool {
+        matches!(self, Reason::End(_))
+    }
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Reason::End(until) => until.fmt(f),
+            Reason::TooLong { arc_length, time } => write!(
+                f,
+                "none of its ends came within an arc length of strain of {arc_length:.4} and {time:.3e} s, the most that it may take"
+            ),
+            Reason::Unjammed { mean_stress, before } => write!(
+                f,
+                "the sample no longer carries stress: the mean stress fell from {before:.4e} Pa to {mean_stress:.4e} Pa, below a \
+                 thousandth of it"
+            ),
+        }
+    }
+}
+
+impl fmt::Display for Until {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Until::Reaches { measure, value } => {
+                let unit = measure.unit();
+                let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+                write!(f, "{} came to {value}{unit}", measure.name())
+            }
+            Until::Reversals(count) => write!(f, "it was turned round {count} times"),
+            Until::AtRest { unbalanced_force } => {
+                write!(f, "the sample is at rest: the unbalanced force is below {unbalanced_force}")
+            }
+            Until::CriticalState { window, stress_ratio, volumetric_strain } => write!(
+                f,
+                "critical state: over an arc length of {window} the stress ratio changed by less than {stress_ratio} and the \
+                 volumetric strain by less than {volumetric_strain}"
+            ),
+        }
+    }
+}
+
+/// Steps between two looks at whether a sample is at rest.
+pub(super) const REST_EVERY: u64 = 500;
+/// Looks in a row that must find it at rest.
+const CALM: u32 = 3;
+/// Parts of the window of a critical state at whose ends the sample is measured.
+const PARTS: usize = 20;
+/// Distance of a controlled stress from its target, over p, within which a sample can be at rest.
+const ARRIVED: f64 = 0.005;
+/// Fraction of the mean stress at its start below which a stage with controlled stresses has lost its sample.
+const UNJAMMED: f64 = 1e-3;
+
+/// What the ends of a stage have to remember.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Watched {
+    /// Stress, strain and clock at the start of the stage.
+    pub start: Reading,
+    /// Step at the start.
+    pub start_step: u64,
+    /// How often the stage has turned round.
+    pub reversals: u64,
+    /// Looks in a row that found the sample at rest.
+    calm: u32,
+    /// Step of the last of them.
+    looked_at: u64,
+    /// Stress ratio and volumetric strain at equal distances of arc length, the last window of them.
+    history: VecDeque<[f64; 2]>,
+    /// How often it was measured for that.
+    marked: u64,
+}
+
+impl Watched {
+    /// At the start of a stage.
+    pub(super) fn begin(simulation: &Simulation) -> Watched {
+        let state = simulation.state();
+        Watched { start: state.reading(), start_step: state.step(), ..Watched::default() }
+    }
+
+    /// What a measure counts from.
+    pub fn origin(&self, measure: Measure) -> f64 {
+        if measure.counts_from_stage() { measure.of(&self.start) } else { 0.0 }
+    }
+
+    /// Looks at a state once and remembers what is to be remembered; the reason if an end has come.
+    pub(super) fn look(&mut self, ends: &[Until], state: &State) -> Option<Reason> {
+        let reading = state.reading();
+        let mut reason = None;
+        for until in ends {
+            let came = match *until {
+                Until::Reaches { measure, value } => self.event(measure, value).has_come(&reading),
+                Until::Reversals(count) => self.reversals >= count,
+                Until::AtRest { unbalanced_force } => self.rests(unbalanced_force, state),
+                Until::CriticalState { window, stress_ratio, volumetric_strain } => {
+                    self.mark(window, &reading);
+                    self.within(0, stress_ratio) && self.within(1, volumetric_strain)
+                }
+            };
+            if came {
+                reason.get_or_insert(Reason::End(*until));
+            }
+        }
+        reason
+    }
+
+    /// The reason if stresses are controlled that the sample no longer carries.
+    pub(super) fn unjammed(&self, state: &State) -> Option<Reason> {
+        let before = invariants::mean(&self.start.stress);
+        let mean_stress = state.mean_stress();
+        let lost = state.control().rows().next().is_some() && mean_stress < UNJAMMED * before;
+        lost.then_some(Reason::Unjammed { mean_stress, before })
+    }
+
+    /// The steps at which something of the ends may come.
+    pub(super) fn events(&self, ends: &[Until], into: &mut Vec<Event>) {
+        for until in ends {
+            match *until {
+                Until::Reaches { measure, value } => into.push(self.event(measure, value)),
+                Until::CriticalState { window, .. } => {
+                    into.push(self.event(Measure::ArcLength, self.next_mark(window)));
+                }
+                Until::Reversals(_) | Until::AtRest { .. } => {}
+            }
+        }
+    }
+
+    fn event(&self, measure: Measure, value: f64) -> Event {
+        let origin = self.origin(measure);
+        Event { measure, origin, value, rising: value >= measure.of(&self.start) - origin }
+    }
+
+    fn rests(&mut self, unbalanced_force: f64, state: &State) -> bool {
+        let steps = state.step() - self.start_step;
+        if steps > 0 && steps.is_multiple_of(REST_EVERY) && state.step() != self.looked_at {
+            self.looked_at = state.step();
+            let rests = state.unbalanced_force() < unbalanced_force && state.largest_stress_error() < ARRIVED;
+            self.calm = if rests { self.calm + 1 } else { 0 };
+        }
+        self.calm >= CALM
+    }
+
+    /// Arc length from the start at which the sample is measured next for the critical state.
+    fn next_mark(&self, window: f64) -> f64 {
+        self.marked as f64 * window / PARTS as f64
+    }
+
+    fn mark(&mut self, window: f64, reading: &Reading) {
+        let arc = reading.arc_length - self.start.arc_length;
+        if arc < self.next_mark(window) {
+            return;
+        }
+        self.marked += 1;
+        self.history.push_back([Measure::StressRatio, Measure::VolumetricStrain].map(|m| m.of(reading)));
+        if self.history.len() > PARTS + 1 {
+            self.history.pop_front();
+        }
+    }
+
+    fn within(&self, which: usize, band: f64) -> bool {
+        let values = || self.history.iter().map(|pair| pair[which]);
+        let range = values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min);
+        self.history.len() > PARTS && range < band
+    }
+}

@@ -1,0 +1,153 @@
+//! The JSON schema of a case file, from the lists of its keys.
+
+use granum_dem::loading::Measure;
+use granum_dem::loading::preset::{self, Default, Parameter};
+use granum_dem::servo::COMPONENTS;
+use serde_json::{Map, Value, json};
+
+use super::fields::SECTIONS;
+use super::stage::bounds;
+use super::stage_read::STAGE_KEYS;
+use super::{Case, FIELDS, Field};
+
+impl Case {
+    /// The JSON schema (draft 2020-12) of a case file, for editors: every key with its meaning, bounds and default.
+    pub fn schema() -> Value {
+        let mut root = object("A granum case: everything that decides a result.", Map::new());
+        for [section, help] in SECTIONS {
+            let mut keys = Map::new();
+            for field in FIELDS.iter().filter(|field| field.section == *section) {
+                keys.insert(field.key.into(), of_field(field));
+            }
+            let mut place = &mut root;
+            let (outer, last) = section.rsplit_once('.').unwrap_or(("", section));
+            for name in outer.split('.').filter(|name| !name.is_empty()) {
+                place = &mut place["properties"][name];
+            }
+            place["properties"][last] = object(help, keys);
+        }
+        root["properties"]["stage"] = json!({
+            "description": "The test as stages, one after another, in place of the section [shear].",
+            "type": "array",
+            "items": { "anyOf": preset::ALL.iter().map(of_path).chain([written_out()]).collect::<Vec<_>>() },
+        });
+        root["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
+        root["title"] = json!("granum case");
+        root
+    }
+}
+
+fn object(help: &str, properties: Map<String, Value>) -> Value {
+    json!({ "description": help, "type": "object", "additionalProperties": false, "properties": properties })
+}
+
+/// A quantity is a number in SI units or text with a unit.
+fn quantity(help: &str, bounds: &str, unit: &str) -> Value {
+    let unit =
+        if unit.is_empty() || unit == "1" { String::new() } else { format!(", or a number in {unit}") };
+    json!({ "description": format!("{help} ({bounds}{unit})"), "type": ["number", "string"] })
+}
+
+fn of_field(field: &Field) -> Value {
+    let mut schema = match field.words() {
+        _ if field.is_list() => {
+            let items = json!({ "type": ["number", "string"] });
+            let list = json!({ "type": "array", "items": items });
+            let words: Vec<&str> = field.words().iter().map(|[word, _]| *word).collect();
+            json!({ "anyOf": [list, { "enum": words }], "description": field.help })
+        }
+        words if field.is_choice() => {
+            let names: Vec<&str> = words.iter().map(|[name, _]| *name).collect();
+            let meanings: Vec<String> =
+                words.iter().map(|[name, meaning]| format!("{name}: {meaning}")).collect();
+            json!({ "description": format!("{} {}", field.help, meanings.join("; ")), "enum": names })
+        }
+        _ => quantity(field.help, &field.bounds_text(), &field.si_unit()),
+    };
+    schema["default"] =
+        field.example.parse::<f64>().map_or_else(|_| json!(field.example), |number| json!(number));
+    schema
+}
+
+fn of_parameter(parameter: &Parameter) -> Value {
+    let mut schema = quantity(parameter.help, &bounds(parameter), parameter.unit);
+    match parameter.default {
+        Default::Value(value) => schema["default"] = json!(value),
+        Default::Absent(meaning) => {
+            let text = schema["description"].as_str().unwrap_or_default().to_string();
+            schema["description"] = json!(format!("{text} Left out: {meaning}."));
+        }
+    }
+    schema
+}
+
+fn of_path(preset: &preset::Preset) -> Value {
+    let mut keys = Map::new();
+    keys.insert("path".into(), json!({ "const": preset.name, "description": preset.help }));
+    keys.extend(
+        preset.parameters.iter().map(|parameter| (parameter.key.to_string(), of_parameter(parameter))),
+    );
+    let mut schema = object(preset.help, keys);
+    schema["required"] = json!(["path"]);
+    schema
+}
+
+/// A stage that is written out: the kinds of its keys.
+fn written_out() -> Value {
+    let number = json!({ "type": ["number", "string"] });
+    let names: Vec<&str> = Measure::ALL.iter().map(|(name, _, _)| *name).collect();
+    let mut ends: Map<String, Value> =
+        names.iter().map(|name| ((*name).to_string(), number.clone())).collect();
+    ends.insert("reversals".into(), json!({ "type": "integer", "minimum": 1 }));
+    ends.insert("unbalanced_force".into(), number.clone());
+    ends.insert("critical_state".into(), json!({ "type": "object" }));
+    let kind = |key: &str| match key {
+        "name" => json!({ "type": "string" }),
+        "settling" | "resets" => json!({ "type": "boolean" }),
+        "kinematics" => json!({ "enum": ["pure-shear", "simple-shear"] }),
+        "constraint" => json!({ "type": "array", "items": { "type": "object" }, "maxItems": 6 }),
+        "turns" | "record" => {
+            json!({ "type": "object", "properties": { "measure": { "enum": names } } })
+        }
+        "until" => object("", ends.clone()),
+        key if COMPONENTS.contains(&key) => {
+            let keys = ["rate", "stress", "stress_rate"].map(|key| (key.to_string(), number.clone()));
+            json!({ "anyOf": [{ "enum": ["fixed", "free"] }, object("", Map::from_iter(keys))] })
+        }
+        _ => number.clone(),
+    };
+    let keys = STAGE_KEYS.iter().map(|[key, help]| {
+        let mut schema = kind(key);
+        schema["description"] = json!(help);
+        ((*key).to_string(), schema)
+    });
+    let mut schema = object("A stage written out.", Map::from_iter(keys));
+    schema["required"] = json!(["until"]);
+    schema
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the schema knows is what the reader knows.
+    #[test]
+    fn every_key_of_the_case_and_of_every_path_is_in_the_schema() {
+        let schema = Case::schema();
+        for field in FIELDS {
+            let place = field.path().replace('.', "/properties/");
+            let found = schema.pointer(&format!("/properties/{place}"));
+            assert!(found.is_some_and(|found| found["description"].is_string()), "{}", field.path());
+        }
+        let stages = schema["properties"]["stage"]["items"]["anyOf"].as_array().unwrap();
+        for preset in preset::ALL {
+            let found =
+                stages.iter().find(|stage| stage["properties"]["path"]["const"] == preset.name).unwrap();
+            for parameter in preset.parameters {
+                assert!(found["properties"][parameter.key].is_object(), "{}", parameter.key);
+            }
+        }
+        let written_out = stages.last().unwrap();
+        assert!(STAGE_KEYS.iter().all(|[key, _]| written_out["properties"][key].is_object()));
+    }
+}

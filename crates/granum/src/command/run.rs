@@ -1,0 +1,119 @@
+//! `granum run`: the test of a case along any path.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use granum_core::quantity::format_number;
+use granum_dem::loading::preset::{self, Default, Parameter, Preset};
+use granum_io::RunFolder;
+use granum_learn::contents::{Kind, check_free};
+use granum_run::laboratory::Source;
+use serde_json::{Value, json};
+
+use super::case_flags::CaseFlags;
+use super::checkpoints::CheckpointFlags;
+use super::hardware::{HardwareFlags, Show};
+use super::run_report;
+use crate::context::Context;
+use crate::failure::Failure;
+use crate::output;
+
+/// Make or take a sample and test it along the path of its case, or along a named one; leave a run folder.
+#[derive(Args)]
+#[command(
+    after_help = "Example:\n  granum run my-sand.toml --path drained-triaxial --out drained\n  granum run my-sand.toml --path undrained-triaxial \
+                  --with axial_strain=0.1 --out undrained\n  granum run my-stages.toml --set stage.1.axial_strain=0.05 --out run-2\n  \
+                  granum run --list"
+)]
+pub struct Run {
+    /// The case file.
+    #[arg(required_unless_present = "list")]
+    case: Option<PathBuf>,
+    /// Take this named path in place of the test of the case.
+    #[arg(long, value_name = "NAME")]
+    path: Option<String>,
+    /// A parameter of the path, as --with axial_strain=0.1; several times for several.
+    #[arg(long, value_name = "KEY=VALUE", requires = "path")]
+    with: Vec<String>,
+    /// List the named paths with their parameters, and run nothing.
+    #[arg(long, conflicts_with_all = ["case", "path"])]
+    list: bool,
+    /// Folder to make.
+    #[arg(short, long, default_value = "run", value_name = "DIR")]
+    out: PathBuf,
+    /// Take the sample that `granum prepare` left in this folder.
+    #[arg(long, value_name = "DIR", conflicts_with = "packing")]
+    sample: Option<PathBuf>,
+    /// Take the grains of a packing file (CSV: id,x,y,z,radius).
+    #[arg(long, value_name = "FILE")]
+    packing: Option<PathBuf>,
+    #[command(flatten)]
+    flags: CaseFlags,
+    #[command(flatten)]
+    checkpoints: CheckpointFlags,
+    #[command(flatten)]
+    hardware: HardwareFlags,
+}
+
+impl Run {
+    pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        let Some(file) = self.case.as_ref().filter(|_| !self.list) else { return list(context) };
+        let mut parameters = Vec::new();
+        for text in &self.with {
+            let Some((key, value)) = text.split_once('=') else {
+                return Err(Failure::new(format!(
+                    "--with {text:?}: a parameter and its value are needed, as --with axial_strain=0.1"
+                )));
+            };
+            parameters.push((key.trim(), value.trim()));
+        }
+        let path = self.path.as_deref().map(|name| (name, parameters.as_slice()));
+        let case = self.flags.read_with_path(file, self.packing.is_some(), path)?;
+        let laboratory = self.hardware.laboratory(context, &self.checkpoints)?;
+        let source = match (&self.sample, &self.packing) {
+            (Some(folder), _) => Source::Folder(folder.clone()),
+            (_, Some(file)) => Source::Packing(file.clone()),
+            _ => Source::Case,
+        };
+        check_free(&self.out, Kind::Run, context.force)?;
+        // Before there is a folder: a mistake leaves none behind, and with --force costs no older run.
+        let mut show = Show::new(context);
+        let beginning = laboratory.beginning("shear", &case, &source, &mut show)?;
+        let folder = RunFolder::create(&self.out, context.force)?;
+        let record = laboratory.run(beginning, &folder, &mut show)?;
+        run_report::tell(context, &self.out, &record)
+    }
+}
+
+/// The named paths with their parameters.
+fn list(context: &Context) -> Result<(), Failure> {
+    let paths: Vec<Value> = preset::ALL.iter().map(described).collect();
+    output::say(context, &json!({ "paths": paths }), || {
+        preset::ALL.iter().map(text).collect::<Vec<_>>().join("\n\n")
+    })
+}
+
+fn described(path: &Preset) -> Value {
+    let parameter = |p: &Parameter| {
+        let default = match p.default {
+            Default::Value(value) => json!(value),
+            Default::Absent(_) => Value::Null,
+        };
+        json!({ "key": p.key, "unit": p.unit, "help": p.help, "default": default, "bounds": p.bounds })
+    };
+    let parameters: Vec<Value> = path.parameters.iter().map(parameter).collect();
+    json!({ "name": path.name, "help": path.help, "parameters": parameters })
+}
+
+fn text(path: &Preset) -> String {
+    let mut lines = vec![path.name.to_string(), format!("  {}", path.help)];
+    for p in path.parameters {
+        let unit = if p.unit == "1" { String::new() } else { format!(" {}", p.unit) };
+        let default = match p.default {
+            Default::Value(value) => format!("{}{unit}", format_number(value)),
+            Default::Absent(meaning) => meaning.to_string(),
+        };
+        lines.push(format!("  {}: {} Default: {default}.", p.key, p.help));
+    }
+    lines.join("\n")
+}

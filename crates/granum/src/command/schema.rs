@@ -1,0 +1,21 @@
+//! `granum schema`: what a case file may hold, for editors.
+
+use clap::Args;
+use granum_io::Case;
+
+use crate::context::Context;
+use crate::failure::Failure;
+use crate::output;
+
+/// Print the JSON schema of a case file: every key with its meaning, bounds and default, for editors and other programs.
+#[derive(Args)]
+#[command(after_help = "Example:\n  granum schema > granum-case.schema.json")]
+pub struct Schema {}
+
+impl Schema {
+    pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        let schema = Case::schema();
+        let text = serde_json::to_string_pretty(&schema)?;
+        output::say(context, &schema, || text.clone())
+    }
+}
