@@ -27,6 +27,7 @@ pub mod reading;
 pub mod reproduction;
 pub mod runs;
 pub mod score;
+mod sensor_share;
 pub mod sensor_use;
 pub mod size_study;
 pub mod speed;
