@@ -167,6 +167,14 @@ impl Dataset {
         number % self.stride as u64 == 1 % self.stride as u64
     }
 
+    /// The states that train, run by run.
+    pub fn training_by_run(&self) -> Vec<Vec<&State>> {
+        let of = |run: &'_ Run| -> Vec<usize> {
+            (0..run.states.len()).filter(|&k| self.trains(run.numbers[k])).collect()
+        };
+        self.training_runs.iter().map(|run| of(run).into_iter().map(|k| &run.states[k]).collect()).collect()
+    }
+
     fn part(&self, trains: bool) -> Vec<&State> {
         self.training_runs
             .iter()

@@ -13,14 +13,17 @@
 //!   sum over the distribution.
 //! - **Sub-models learn from all states**, and answer in their own range. A third of the states is too little to learn from,
 //!   and curves jumped where sub-models met.
-//! - **A sensor is believed less than the strain where it could do harm.** Bins of a distribution share the range of one
+//! - **A sensor is believed as far as it tells of runs that are left out.** Bins of a distribution share the range of one
 //!   input and keep their proportions, so that bins with little but noise are not blown up; these, and every sensor of a
-//!   network that answers with a distribution, get [`SENSOR_SHARE`] of the range of an input.
+//!   network that answers with a distribution, get a share of the range of an input that the training runs choose
+//!   ([`crate::sensor_share`]).
 
 use granum_nets::{Data, DataError};
 
 use crate::dataset::{Dataset, Rows, State};
+use crate::error::Result as OrError;
 use crate::mapping::{Form, Mapping, Quantity};
+use crate::sensor_share::sensor_share;
 use crate::study::PAPER_TRAINER;
 use crate::surrogate::states_of;
 
@@ -28,13 +31,13 @@ use crate::surrogate::states_of;
 const STATE_OBSERVATIONS: f64 = 0.15;
 /// The same for a state that answers with a distribution.
 const DISTRIBUTION_OBSERVATIONS: f64 = 0.5;
-/// Share of the range of an input that a sensor is given where it could do harm.
-const SENSOR_SHARE: f64 = 0.3;
 /// Where Bayesian regularisation starts for distributions, whose shape over f is sharp and well determined.
 const DISTRIBUTION_FIRST_RATIO: f64 = 0.0016;
 /// Most states that one network learns from. With more runs every run gives fewer, each other ones: neighbouring states
 /// say nearly the same.
-const MOST_STATES: usize = 480;
+const MOST_STATES: usize = 960;
+/// The same for states that answer with a distribution, each of which says more.
+const MOST_DISTRIBUTIONS: usize = 480;
 
 /// How examples are made of states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,14 +75,16 @@ pub(crate) fn data(
     form: Form,
     rule: Rule,
 ) -> Result<Data, DataError> {
+    let distribution = mapping.output == Quantity::ForceDistribution;
     let (blocks, states): (Vec<usize>, Vec<&State>) = match rule {
         Rule::Paper => {
             let states = states_of(mapping, dataset.training(), Some(sub_model));
             (vec![0; states.len()], states)
         }
-        Rule::Pooled => thinned(dataset).into_iter().unzip(),
+        Rule::Pooled => {
+            thinned(dataset, if distribution { MOST_DISTRIBUTIONS } else { MOST_STATES }).into_iter().unzip()
+        }
     };
-    let distribution = mapping.output == Quantity::ForceDistribution;
     let rows = Rows::new(mapping, form, &dataset.forces, states.iter().copied());
     let data = Data::new(rows.inputs, rows.input_columns, rows.targets)?;
     if rule == Rule::Paper {
@@ -97,9 +102,10 @@ pub(crate) fn data(
     data.with_blocks(blocks)?.with_spread_column(column)
 }
 
-/// The training states with the number of their run; of many runs every so manieth state of each, beginning with another one in each run.
-fn thinned(dataset: &Dataset) -> Vec<(usize, &State)> {
-    let every = dataset.training().len().div_ceil(MOST_STATES).max(1);
+/// At most so many of the training states with the number of their run: of many runs every so manieth state of each, beginning
+/// with another one in each run.
+fn thinned(dataset: &Dataset, most: usize) -> Vec<(usize, &State)> {
+    let every = dataset.training().len().div_ceil(most).max(1);
     let runs = dataset.training_runs.iter().enumerate();
     let states = runs.flat_map(|(k, run)| {
         let training = run.states.iter().zip(&run.numbers).filter(|(_, number)| dataset.trains(**number));
@@ -117,15 +123,24 @@ pub(crate) fn quantities(mapping: &Mapping, form: Form, bins: usize, rule: Rule)
 }
 
 /// The share of its range that each input of a network is given, see [`granum_nets::Recipe::shares`].
-pub(crate) fn shares(mapping: &Mapping, form: Form, bins: usize, rule: Rule) -> Vec<f64> {
+///
+/// # Errors
+/// If the ridge regression that judges the sensors cannot be solved.
+pub(crate) fn shares(dataset: &Dataset, mapping: &Mapping, form: Form, rule: Rule) -> OrError<Vec<f64>> {
     if rule == Rule::Paper {
-        return Vec::new();
+        return Ok(Vec::new());
     }
+    let bins = dataset.forces.len();
     let distribution = mapping.output == Quantity::ForceDistribution;
+    let held_back = |input: Quantity| {
+        input != Quantity::DeviatorStrain && (distribution || input == Quantity::ForceDistribution)
+    };
+    // Each bin of a distribution is one of its observations.
+    let each = if distribution { DISTRIBUTION_OBSERVATIONS / bins as f64 } else { STATE_OBSERVATIONS };
+    let held_back_share = sensor_share(mapping, &dataset.training_by_run(), each, &held_back)?;
     let mut shares = Vec::new();
     for &input in &mapping.inputs {
-        let held_back = distribution || input == Quantity::ForceDistribution;
-        let share = if held_back && input != Quantity::DeviatorStrain { SENSOR_SHARE } else { 1.0 };
+        let share = if held_back(input) { held_back_share } else { 1.0 };
         match (input == Quantity::ForceDistribution, form) {
             // f itself is no sensor.
             (true, Form::Point) => shares.extend([1.0, share]),
@@ -136,5 +151,5 @@ pub(crate) fn shares(mapping: &Mapping, form: Form, bins: usize, rule: Rule) -> 
     if distribution {
         shares.push(1.0);
     }
-    shares
+    Ok(shares)
 }

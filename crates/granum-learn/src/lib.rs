@@ -23,6 +23,7 @@ mod lesson;
 pub mod mapping;
 pub mod runs;
 pub mod score;
+mod sensor_share;
 pub mod sensor_use;
 pub mod student;
 pub mod study;

@@ -336,7 +336,7 @@ fn train_one(
             .collect(),
         output: Column::new(job.mapping.network_output(), "1"),
         quantities: lesson::quantities(job.mapping, options.form, dataset.forces.len(), rule),
-        shares: lesson::shares(job.mapping, options.form, dataset.forces.len(), rule),
+        shares: lesson::shares(dataset, job.mapping, options.form, rule)?,
         hidden: sub_model.hidden.clone(),
         seed: job.seed,
     };

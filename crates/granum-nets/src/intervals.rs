@@ -53,9 +53,12 @@ impl Intervals {
             at.push(group.iter().map(|&k| place(k)).sum::<f64>() / count);
             factors.push(factor);
         }
+        // What all blocks have in common is known from themselves: one block's worth of errors is not free.
+        let blocks = data.block_count();
+        let independent = data.observations() * (1.0 - 1.0 / blocks.max(2) as f64);
         let intervals = Intervals {
-            blocks: data.block_count(),
-            degrees_of_freedom: (data.observations() / factors.len() as f64).max(1.0),
+            blocks,
+            degrees_of_freedom: (independent / factors.len() as f64).max(1.0),
             input: data.spread_column.map(|column| names[column].to_string()),
             at,
             factors,
@@ -136,7 +139,7 @@ mod tests {
             assert_eq!((found.blocks, found.input.as_deref()), (2, Some("force")));
             assert_eq!(found.at, [0.0, 1.0]);
             assert!((found.factors[0] - 2.0).abs() < 1e-12 && (found.factors[1] - 30.0).abs() < 1e-12);
-            assert_eq!(found.degrees_of_freedom, 4.0);
+            assert_eq!(found.degrees_of_freedom, 2.0);
             for (place, factor) in [(-1.0, 2.0), (0.0, 2.0), (0.5, 16.0), (1.0, 30.0), (9.0, 30.0)] {
                 assert!((found.factor(place) - factor).abs() < 1e-12, "{place}");
             }
@@ -155,7 +158,7 @@ mod tests {
         let data = data.with_blocks(blocks).unwrap().with_spread_column(0).unwrap();
         let found = Intervals::new(&data, &["strain"], &[1.0; 60], &[1.0; 60]).unwrap();
         assert_eq!((found.at, found.factors), (vec![4.5, 14.5, 24.5], vec![1.0; 3]));
-        assert_eq!(found.degrees_of_freedom, 20.0);
+        assert_eq!(found.degrees_of_freedom, 10.0);
     }
 
     #[test]

@@ -60,6 +60,16 @@ impl Ridge {
     /// # Errors
     /// [`LearnError::Dataset`] if there is no state or the equations cannot be solved.
     pub fn fit(mapping: &Mapping, states: &[&State]) -> Result<Ridge> {
+        Ridge::fit_with(mapping, states, &|_, _| SENSOR_PENALTY * states.len() as f64)
+    }
+
+    /// As [`Ridge::fit`] with the penalties on the coefficients of the sensors given for each value of a quantity, told by
+    /// its standard deviation from its mean over strain.
+    pub(crate) fn fit_with(
+        mapping: &Mapping,
+        states: &[&State],
+        penalty: &dyn Fn(Quantity, f64) -> f64,
+    ) -> Result<Ridge> {
         if states.is_empty() {
             return Err(LearnError::Dataset("ridge regression has no training state".to_owned()));
         }
@@ -82,7 +92,12 @@ impl Ridge {
         let mut ridge = Ridge { end, sensors, output: mapping.output, deviations, coefficients: Vec::new() };
         let rows: Vec<Vec<f64>> = states.iter().map(|state| ridge.row(state)).collect();
         let mut penalties = vec![SPLINE_PENALTY; FUNCTIONS];
-        penalties.resize(FUNCTIONS + ridge.deviations.len(), SENSOR_PENALTY * states.len() as f64);
+        let quantities = ridge
+            .sensors
+            .iter()
+            .flat_map(|&sensor| std::iter::repeat_n(sensor, states[0].values(sensor).len()));
+        let of_sensors = quantities.zip(&ridge.deviations);
+        penalties.extend(of_sensors.map(|(sensor, deviation)| penalty(sensor, deviation.standard_deviation)));
         let equations = Equations::new(&rows, &penalties).ok_or_else(unsolved)?;
         ridge.coefficients = columns(states, &[mapping.output])
             .iter()
