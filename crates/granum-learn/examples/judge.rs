@@ -1,7 +1,7 @@
 //! How the error on unseen runs falls with the number of training runs, for networks and for what stands beside them.
 //!
 //! ```text
-//! cargo run --release -p granum-hybrid --example judge -- --runs run-1 run-2 ... [--training 1 2 4 8 16] [--sets 4]
+//! cargo run --release -p granum-learn --example judge -- --runs run-1 run-2 ... [--training 1 2 4 8 16] [--sets 4]
 //!     [--form point histogram] [--mappings F1 F3]
 //! ```
 //!
