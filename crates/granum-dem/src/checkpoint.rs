@@ -220,8 +220,7 @@ fn check_numbers(body: &Body) -> Result<(), CheckpointError> {
         positive(watch.margin) && !watch.travel.is_nan() && watch.distortion.is_finite(),
         "margin of the pruned neighbour list",
     )?;
-    let counts =
-        [state.step, state.steps_since_rebuild, state.rebuilds, watch.steps];
+    let counts = [state.step, state.steps_since_rebuild, state.rebuilds, watch.steps];
     require(counts.iter().chain(&state.servo_error.steps).all(|n| *n < MOST_STEPS), "number of steps")
 }
 

@@ -53,7 +53,8 @@ impl Row {
     /// One stress component, held by its own strain rate.
     pub fn component(k: usize, target: f64) -> Row {
         let [r, c] = PLACES[k];
-        let mut row = Row { stress: [0.0; 6], target, stiffness: STIFFNESS[k], ..Row::mean(target, [false; 3]) };
+        let mut row =
+            Row { stress: [0.0; 6], target, stiffness: STIFFNESS[k], ..Row::mean(target, [false; 3]) };
         row.stress[k] = 1.0;
         row.divisor = 1.0;
         row.moves[r][c] = if k < 3 { 1.0 } else { 0.5 };
@@ -184,9 +185,8 @@ impl Control {
         if let Some(row) = self.rows().find(|row| row.is_mean()) {
             return Some(row.aim(elapsed));
         }
-        let single = |axis: usize| {
-            self.rows().find(|row| row.single() == Some(axis)).map(|row| row.aim(elapsed))
-        };
+        let single =
+            |axis: usize| self.rows().find(|row| row.single() == Some(axis)).map(|row| row.aim(elapsed));
         match [0, 1, 2].map(single) {
             [Some(a), Some(b), Some(c)] => Some((a + b + c) / 3.0),
             _ => None,
@@ -211,7 +211,10 @@ impl Control {
             let numbers = [row.target, row.target_rate, row.divisor, row.stiffness];
             lists.chain(&numbers).all(|x| x.is_finite()) && row.divisor != 0.0 && row.stiffness != 0.0
         });
-        rows && self.since.is_finite() && self.response.is_finite() && self.response > 0.0 && self.rate.iter().flatten().all(|x| x.is_finite())
+        rows && self.since.is_finite()
+            && self.response.is_finite()
+            && self.response > 0.0
+            && self.rate.iter().flatten().all(|x| x.is_finite())
     }
 
     /// Largest stress that is aimed at, Pa.
@@ -364,6 +367,9 @@ mod tests {
         control.rows[0] = Some(Row { target_rate: 10.0, ..Row::component(1, 100.0) });
         control.reverse(3.0);
         let row = control.rows[0].unwrap();
-        assert_eq!((control.rate[0][0], control.since, row.aim(0.0), row.aim(2.0)), (-2.0, 3.0, 130.0, 110.0));
+        assert_eq!(
+            (control.rate[0][0], control.since, row.aim(0.0), row.aim(2.0)),
+            (-2.0, 3.0, 130.0, 110.0)
+        );
     }
 }

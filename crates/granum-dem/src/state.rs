@@ -164,12 +164,7 @@ impl State {
 
     /// Stress, strain and clock now.
     pub fn reading(&self) -> Reading {
-        Reading {
-            stress: self.stress(),
-            strain: self.strain,
-            arc_length: self.arc_length(),
-            time: self.time,
-        }
+        Reading { stress: self.stress(), strain: self.strain, arc_length: self.arc_length(), time: self.time }
     }
 
     /// Errors of the controlled stresses over the mean stress: over the one aimed at, where the control aims at one.

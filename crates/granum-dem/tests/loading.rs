@@ -91,7 +91,8 @@ fn run(simulation: &mut Simulation, stages: &[Stage]) -> (Vec<StageEnd>, Notes) 
 }
 
 fn expand(name: &str, parameters: &[(&str, f64)]) -> Vec<Stage> {
-    let given: BTreeMap<String, f64> = parameters.iter().map(|(key, value)| (key.to_string(), *value)).collect();
+    let given: BTreeMap<String, f64> =
+        parameters.iter().map(|(key, value)| (key.to_string(), *value)).collect();
     preset::named(name).unwrap().expand(&given)
 }
 

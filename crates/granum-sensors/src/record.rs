@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::{columns, stage_columns};
 use crate::force_distribution::ForceHistogram;
+use crate::{columns, stage_columns};
 
 /// A named column of numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -117,7 +117,9 @@ pub enum ControlError {
         what: String,
     },
     /// Equations that contradict or repeat each other.
-    #[error("the equations of the stage do not determine the strain rates: {0} repeats or contradicts others")]
+    #[error(
+        "the equations of the stage do not determine the strain rates: {0} repeats or contradicts others"
+    )]
     Singular(String),
     /// A speed that cannot be.
     #[error("the strain rate of the stage is {0} /s; it must be positive")]
@@ -480,8 +482,10 @@ mod tests {
         let stress = Drive::Stress(target);
         let fixed = Drive::Fixed;
         for softness in [1.0, 0.2] {
-            let control =
-                Control::of(Speed::StrainRate(10.0), [stress, Drive::Stress(held(2e4)), Drive::Stress(held(2e4)), fixed, fixed, fixed]);
+            let control = Control::of(
+                Speed::StrainRate(10.0),
+                [stress, Drive::Stress(held(2e4)), Drive::Stress(held(2e4)), fixed, fixed, fixed],
+            );
             let stiff = |a: usize, c: usize| softness * if a == c { 1.9e8 } else { 0.5e8 };
             let (errors, stress) = follow(&solved(&control), stiff, 40_000);
             assert!(errors < 1e-3, "{errors}");
@@ -553,6 +557,9 @@ mod tests {
             });
         // Shear alone leaves the volume of an isotropic solid as it is.
         let (errors, stress) = follow(&solved(&control), |a, c| if a == c { 1.9e8 } else { 0.5e8 }, 20_000);
-        assert!(errors < 1e-3 && (stress.iter().sum::<f64>() / 6e4 - 1.0).abs() < 1e-3, "{errors} {stress:?}");
+        assert!(
+            errors < 1e-3 && (stress.iter().sum::<f64>() / 6e4 - 1.0).abs() < 1e-3,
+            "{errors} {stress:?}"
+        );
     }
 }

@@ -183,10 +183,8 @@ mod tests {
 
     #[test]
     fn events_come_from_either_side() {
-        let reading = |strain: f64| Reading {
-            strain: [[strain, 0.0, 0.0], [0.0; 3], [0.0; 3]],
-            ..Reading::default()
-        };
+        let reading =
+            |strain: f64| Reading { strain: [[strain, 0.0, 0.0], [0.0; 3], [0.0; 3]], ..Reading::default() };
         let rising = Event { measure: Measure::Strain(0), origin: 0.1, value: 0.05, rising: true };
         assert!(!rising.has_come(&reading(0.14)) && rising.has_come(&reading(0.16)));
         let falling = Event { rising: false, ..rising };

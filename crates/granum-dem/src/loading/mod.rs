@@ -9,9 +9,7 @@ mod until;
 
 use serde::{Deserialize, Serialize};
 
-pub use self::control::{
-    Constraint, Control, ControlError, Drive, Kinematics, SERVO_LIMIT, Speed, Target,
-};
+pub use self::control::{Constraint, Control, ControlError, Drive, Kinematics, SERVO_LIMIT, Speed, Target};
 pub use self::measure::{Event, Measure, Reading};
 pub use self::record::Record;
 pub use self::until::{Reason, Until, Watched};

@@ -22,7 +22,12 @@ pub struct Record {
 impl Default for Record {
     /// The start of the stage alone.
     fn default() -> Self {
-        Record { measure: Measure::ArcLength, states: 0, spacing: Spacing::Strains(Vec::new()), end: f64::INFINITY }
+        Record {
+            measure: Measure::ArcLength,
+            states: 0,
+            spacing: Spacing::Strains(Vec::new()),
+            end: f64::INFINITY,
+        }
     }
 }
 

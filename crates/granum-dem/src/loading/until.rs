@@ -155,9 +155,7 @@ impl Watched {
         let mut reason = None;
         for until in ends {
             let came = match *until {
-                Until::Reaches { measure, value } => {
-                    self.event(measure, value).has_come(&reading)
-                }
+                Until::Reaches { measure, value } => self.event(measure, value).has_come(&reading),
                 Until::Reversals(count) => self.reversals >= count,
                 Until::AtRest { unbalanced_force } => self.rests(unbalanced_force, state),
                 Until::CriticalState { window, stress_ratio, volumetric_strain } => {

@@ -132,7 +132,11 @@ fn stages_stopped_again_and_again_end_in_the_same_bytes() {
         states.iter().zip(&stages).filter(|(_, stage)| **stage == 3.0).map(|(state, _)| *state).collect();
     assert!(unloading.len() > 5 && unloading[0] == 0.0, "{unloading:?}");
     let held = column("stress_33").into_iter().zip(&stages).filter(|(_, stage)| **stage == 2.0);
-    assert!(held.clone().all(|(stress, _)| (stress / 25e3 - 1.0).abs() < 0.05), "{:?}", held.collect::<Vec<_>>());
+    assert!(
+        held.clone().all(|(stress, _)| (stress / 25e3 - 1.0).abs() < 0.05),
+        "{:?}",
+        held.collect::<Vec<_>>()
+    );
     assert!(column("arc_length").iter().all(|arc| arc.is_finite()));
     assert_eq!(straight.run().snapshots().unwrap(), ["end", "stage-1", "stage-2", "start"]);
 

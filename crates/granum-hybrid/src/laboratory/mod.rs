@@ -377,9 +377,7 @@ impl Laboratory {
                     write_sample(folder, &standing)?;
                     self.begin_test(case, &mut standing)?
                 }
-                Stage::Test(_) => {
-                    self.test_on(case, &mut standing, folder, &mut speedometer, observer)?
-                }
+                Stage::Test(_) => self.test_on(case, &mut standing, folder, &mut speedometer, observer)?,
             };
             if let Some(phase) = phase {
                 *record.wall_seconds.entry(phase.into()).or_default() += started.elapsed().as_secs_f64();
@@ -486,7 +484,8 @@ fn tell_stages(test: &Test, record: &mut RunRecord, observer: &mut dyn RunObserv
         let note = format!("stage {} ({name}) ended after {steps} steps: {reason}", k + 1);
         if !reason.is_asked_for() {
             let left = test.stages() - test.ends.len();
-            let rest = if left > 0 { format!("; the {left} stages after it were not run") } else { String::new() };
+            let rest =
+                if left > 0 { format!("; the {left} stages after it were not run") } else { String::new() };
             observer.warn(&format!("{note}{rest}"));
         }
         record.notes.push(note);

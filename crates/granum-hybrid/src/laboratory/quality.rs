@@ -137,7 +137,9 @@ pub(super) fn judge(
     let bound = if test.staged { STAGE_SERVO_ERROR } else { 0.01 };
     let energy = if test.damped { 0.0 } else { energy_gap(&test.before, end) };
     let unmet = test.ends.iter().filter(|end| !end.reason.is_asked_for()).count();
-    let mut flags = if !test.staged { Vec::new() } else {
+    let mut flags = if !test.staged {
+        Vec::new()
+    } else {
         vec![QualityFlag::at_most(
             "stages_cut_short",
             unmet as f64,

@@ -1,6 +1,8 @@
 //! The test itself: its stages one after another, with a recorder each.
 
-use granum_dem::loading::{self, Ending, Stage as Loading, StageEnd, Watched, Watcher, begin, density_scaling};
+use granum_dem::loading::{
+    self, Ending, Stage as Loading, StageEnd, Watched, Watcher, begin, density_scaling,
+};
 use granum_dem::preparation::{Flow, Progress};
 use granum_dem::simulation::{Properties, Simulation};
 use granum_io::quantity::format_number;

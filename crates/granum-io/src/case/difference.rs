@@ -45,8 +45,7 @@ impl Case {
     /// assert_eq!(found[0].to_string(), "grains.material.friction: 0.3 in run-1; 0.5 in run-2");
     /// ```
     pub fn values(&self) -> CaseValues {
-        let mut values: CaseValues =
-            FIELDS.iter().map(|field| (field.path(), shown(field, self))).collect();
+        let mut values: CaseValues = FIELDS.iter().map(|field| (field.path(), shown(field, self))).collect();
         if self.has_stages() {
             values.insert("stage".into(), self.stages_toml().trim().replace('\n', "; "));
         }

@@ -43,7 +43,8 @@ fn object(help: &str, properties: Map<String, Value>) -> Value {
 
 /// A quantity is a number in SI units or text with a unit.
 fn quantity(help: &str, bounds: &str, unit: &str) -> Value {
-    let unit = if unit.is_empty() || unit == "1" { String::new() } else { format!(", or a number in {unit}") };
+    let unit =
+        if unit.is_empty() || unit == "1" { String::new() } else { format!(", or a number in {unit}") };
     json!({ "description": format!("{help} ({bounds}{unit})"), "type": ["number", "string"] })
 }
 
@@ -57,12 +58,14 @@ fn of_field(field: &Field) -> Value {
         }
         words if field.is_choice() => {
             let names: Vec<&str> = words.iter().map(|[name, _]| *name).collect();
-            let meanings: Vec<String> = words.iter().map(|[name, meaning]| format!("{name}: {meaning}")).collect();
+            let meanings: Vec<String> =
+                words.iter().map(|[name, meaning]| format!("{name}: {meaning}")).collect();
             json!({ "description": format!("{} {}", field.help, meanings.join("; ")), "enum": names })
         }
         _ => quantity(field.help, &field.bounds_text(), &field.si_unit()),
     };
-    schema["default"] = field.example.parse::<f64>().map_or_else(|_| json!(field.example), |number| json!(number));
+    schema["default"] =
+        field.example.parse::<f64>().map_or_else(|_| json!(field.example), |number| json!(number));
     schema
 }
 
@@ -81,7 +84,9 @@ fn of_parameter(parameter: &Parameter) -> Value {
 fn of_path(preset: &preset::Preset) -> Value {
     let mut keys = Map::new();
     keys.insert("path".into(), json!({ "const": preset.name, "description": preset.help }));
-    keys.extend(preset.parameters.iter().map(|parameter| (parameter.key.to_string(), of_parameter(parameter))));
+    keys.extend(
+        preset.parameters.iter().map(|parameter| (parameter.key.to_string(), of_parameter(parameter))),
+    );
     let mut schema = object(preset.help, keys);
     schema["required"] = json!(["path"]);
     schema
@@ -91,7 +96,8 @@ fn of_path(preset: &preset::Preset) -> Value {
 fn written_out() -> Value {
     let number = json!({ "type": ["number", "string"] });
     let names: Vec<&str> = Measure::ALL.iter().map(|(name, _, _)| *name).collect();
-    let mut ends: Map<String, Value> = names.iter().map(|name| ((*name).to_string(), number.clone())).collect();
+    let mut ends: Map<String, Value> =
+        names.iter().map(|name| ((*name).to_string(), number.clone())).collect();
     ends.insert("reversals".into(), json!({ "type": "integer", "minimum": 1 }));
     ends.insert("unbalanced_force".into(), number.clone());
     ends.insert("critical_state".into(), json!({ "type": "object" }));
@@ -135,7 +141,8 @@ mod tests {
         }
         let stages = schema["properties"]["stage"]["items"]["anyOf"].as_array().unwrap();
         for preset in preset::ALL {
-            let found = stages.iter().find(|stage| stage["properties"]["path"]["const"] == preset.name).unwrap();
+            let found =
+                stages.iter().find(|stage| stage["properties"]["path"]["const"] == preset.name).unwrap();
             for parameter in preset.parameters {
                 assert!(found["properties"][parameter.key].is_object(), "{}", parameter.key);
             }

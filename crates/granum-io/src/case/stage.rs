@@ -104,7 +104,8 @@ fn list(values: &[f64]) -> String {
 }
 
 fn target(target: &Target, value: &str, rate: &str) -> Vec<String> {
-    let mut parts: Vec<String> = target.value.map(|v| format!("{value} = {}", format_number(v))).into_iter().collect();
+    let mut parts: Vec<String> =
+        target.value.map(|v| format!("{value} = {}", format_number(v))).into_iter().collect();
     if target.rate != 0.0 || parts.is_empty() {
         parts.push(format!("{rate} = {}", format_number(target.rate)));
     }
@@ -156,9 +157,15 @@ fn stage_toml(stage: &Stage) -> String {
     text.push_str(&format!("servo_response = {}\n", format_number(control.response)));
     if let Some(Turns { measure, high, low }) = stage.turns {
         let [high, low] = [high, low].map(format_number);
-        text.push_str(&format!("turns = {{ measure = \"{}\", high = {high}, low = {low} }}\n", measure.name()));
+        text.push_str(&format!(
+            "turns = {{ measure = \"{}\", high = {high}, low = {low} }}\n",
+            measure.name()
+        ));
     }
-    text.push_str(&format!("until = {{ {} }}\n", stage.until.iter().map(until_toml).collect::<Vec<_>>().join(", ")));
+    text.push_str(&format!(
+        "until = {{ {} }}\n",
+        stage.until.iter().map(until_toml).collect::<Vec<_>>().join(", ")
+    ));
     if let Some(most) = stage.most_arc_length {
         text.push_str(&format!("most_arc_length = {}\n", format_number(most)));
     }
@@ -173,7 +180,9 @@ fn until_toml(until: &Until) -> String {
     match *until {
         Until::Reaches { measure, value } => format!("{} = {}", measure.name(), format_number(value)),
         Until::Reversals(count) => format!("reversals = {count}"),
-        Until::AtRest { unbalanced_force } => format!("unbalanced_force = {}", format_number(unbalanced_force)),
+        Until::AtRest { unbalanced_force } => {
+            format!("unbalanced_force = {}", format_number(unbalanced_force))
+        }
         Until::CriticalState { window, stress_ratio, volumetric_strain } => {
             let [window, ratio, strain] = [window, stress_ratio, volumetric_strain].map(format_number);
             format!(
@@ -303,7 +312,11 @@ impl Case {
                     let text = format_number(*value);
                     let found = preset.parameter(key).map(|parameter| parse_parameter(parameter, &text));
                     if let Some(Err(message)) = found {
-                        return Err(Error::Value { name: format!("stage.{}.{key}", k + 1), value: text, message });
+                        return Err(Error::Value {
+                            name: format!("stage.{}.{key}", k + 1),
+                            value: text,
+                            message,
+                        });
                     }
                 }
             }

@@ -22,22 +22,40 @@ type Node<'a> = Spanned<DeValue<'a>>;
 /// Keys of a stage that is written out, with their meaning.
 pub(super) const STAGE_KEYS: &[[&str; 2]] = &[
     ["name", "Its name for people."],
-    ["inertial_number", "How fast: inertial number of a strain rate of one, at the mean stress at the start of the stage."],
+    [
+        "inertial_number",
+        "How fast: inertial number of a strain rate of one, at the mean stress at the start of the stage.",
+    ],
     ["strain_rate", "The other way to say how fast: the strain rate of one."],
-    ["xx", "What is done with this component: \"fixed\", \"free\", { rate = ... }, { stress = ... } or { stress_rate = ... }."],
+    [
+        "xx",
+        "What is done with this component: \"fixed\", \"free\", { rate = ... }, { stress = ... } or { stress_rate = ... }.",
+    ],
     ["yy", "As xx."],
     ["zz", "As xx."],
     ["yz", "As xx; shear strains are angles."],
     ["zx", "As xx."],
     ["xy", "As xx."],
-    ["constraint", "Combinations of stresses that are held, or of strain rates that are kept, as a list of tables."],
+    [
+        "constraint",
+        "Combinations of stresses that are held, or of strain rates that are kept, as a list of tables.",
+    ],
     ["kinematics", "How shear rates move the cell: \"pure-shear\" or \"simple-shear\"."],
-    ["servo_limit", "Bound on what the servo adds for one controlled stress, as a multiple of the strain rate of one."],
+    [
+        "servo_limit",
+        "Bound on what the servo adds for one controlled stress, as a multiple of the strain rate of one.",
+    ],
     ["servo_response", "Time constant of the servo, in time steps."],
     ["turns", "Turning points of a cyclic stage: { measure = ..., high = ..., low = ... }."],
-    ["until", "Its ends, the first of which ends it: measures with values, reversals, unbalanced_force, critical_state."],
+    [
+        "until",
+        "Its ends, the first of which ends it: measures with values, reversals, unbalanced_force, critical_state.",
+    ],
     ["most_arc_length", "Arc length of strain after which it ends in any case."],
-    ["record", "Which states are recorded: { measure = ..., every = ... }, { ..., states = ..., end = ... } or { ..., at = [...] }."],
+    [
+        "record",
+        "Which states are recorded: { measure = ..., every = ... }, { ..., states = ..., end = ... } or { ..., at = [...] }.",
+    ],
     ["settling", "True if velocities are damped globally, so that the sample comes to rest."],
     ["resets", "True if strain, time and energy count from the start of this stage."],
 ];
@@ -63,7 +81,8 @@ impl Reader<'_> {
             let found = match table.get_ref() {
                 DeValue::Table(inner) => self.stage(inner, k + 1, table.span()),
                 other => {
-                    let message = format!("stage {} is of type {}; it must be a table", k + 1, other.type_str());
+                    let message =
+                        format!("stage {} is of type {}; it must be a table", k + 1, other.type_str());
                     self.error(table.span(), message);
                     None
                 }
@@ -169,7 +188,8 @@ impl Place<'_, '_> {
         control.servo_limit = self
             .key(table, "servo_limit", |value| number(value, Dimension::NUMBER, [1e-3, 1e6]))
             .unwrap_or(if moving { SERVO_LIMIT } else { 1.0 });
-        let response = self.key(table, "servo_response", |value| number(value, Dimension::NUMBER, [2.0, 1e4]));
+        let response =
+            self.key(table, "servo_response", |value| number(value, Dimension::NUMBER, [2.0, 1e4]));
         control.response = response.unwrap_or(control.response);
         let default = Stage::new("", control, Vec::new());
         let name = self.key(table, "name", text).unwrap_or_else(|| "stage".into());
@@ -343,7 +363,8 @@ fn drive(value: &Node<'_>) -> Found<(Drive, bool)> {
             "fixed" => Ok((Drive::Fixed, false)),
             "free" => Ok((Drive::Free, false)),
             _ => {
-                let help = "it must be \"fixed\", \"free\", or a table as { rate = 1 } or { stress = \"100 kPa\" }";
+                let help =
+                    "it must be \"fixed\", \"free\", or a table as { rate = 1 } or { stress = \"100 kPa\" }";
                 Err(Mistake(value.span(), "is not known".into(), Some(help.into())))
             }
         };

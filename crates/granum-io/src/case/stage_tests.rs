@@ -67,7 +67,11 @@ fn stages_are_part_of_the_digest_and_the_values_only_where_there_are_any() {
 fn mistakes_are_told_with_their_place() {
     for (text, place, parts) in [
         ("[[stage]]\npath = \"drained-triaxal\"\n", "2:8", &["did you mean drained-triaxial?"][..]),
-        ("[[stage]]\npath = \"isotropic\"\nmean_stres = 1\n", "3:1", &["unknown key stage.1.mean_stres", "did you mean mean_stress?"]),
+        (
+            "[[stage]]\npath = \"isotropic\"\nmean_stres = 1\n",
+            "3:1",
+            &["unknown key stage.1.mean_stres", "did you mean mean_stress?"],
+        ),
         (
             "[[stage]]\npath = \"drained-triaxial\"\nlateral_stress = \"1 kg\"\n",
             "3:18",
@@ -98,8 +102,16 @@ fn mistakes_are_told_with_their_place() {
             "4:10",
             &["give every, or states and end"],
         ),
-        ("[[stage]]\npath = \"isotropic\"\n[shear]\ndeviator_strain = 0.1\n", "4:1", &["has no part in a case with [[stage]]"]),
-        ("[recording]\nstates = 3\n[[stage]]\npath = \"isotropic\"\n", "2:1", &["recording.states has no part"]),
+        (
+            "[[stage]]\npath = \"isotropic\"\n[shear]\ndeviator_strain = 0.1\n",
+            "4:1",
+            &["has no part in a case with [[stage]]"],
+        ),
+        (
+            "[recording]\nstates = 3\n[[stage]]\npath = \"isotropic\"\n",
+            "2:1",
+            &["recording.states has no part"],
+        ),
         ("stage = 3\n", "1:9", &["is no list of tables", "[[stage]]"]),
     ] {
         let found = message(text);
@@ -131,6 +143,19 @@ fn flags_take_a_path_and_set_its_parameters() {
     assert!(set("stage.2.axial_strain", "1").contains("the stages 1 to 1"));
     assert!(set("stage.1.axial_strian", "1").contains("did you mean axial_strain?"));
     assert!(set("shear.deviator_strain", "1").contains("has no part in a case with stages"));
+}
+
+/// What the book shows can be run as it stands.
+#[test]
+fn examples_of_the_book_are_cases() {
+    let book = [include_str!("../../../../docs/src/case.md"), include_str!("../../../../docs/src/howto.md")]
+        .concat();
+    let blocks = book.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next());
+    let stages: Vec<&str> = blocks.filter(|block| block.contains("[[stage]]")).collect();
+    assert_eq!(stages.len(), 3);
+    for text in stages {
+        assert!(parse(text).check().is_ok(), "{text}");
+    }
 }
 
 /// A random stage that is a path with some of its parameters.

@@ -21,11 +21,17 @@ fn a_drained_and_an_undrained_test_of_one_sample() {
         let found = done_json(place, &all);
         assert_eq!(found["status"], "finished");
         let notes = found["notes"].to_string();
-        assert!(notes.contains("stage 1 (shear) ended after") && notes.contains("xx_strain came to 0.01"), "{notes}");
+        assert!(
+            notes.contains("stage 1 (shear) ended after") && notes.contains("xx_strain came to 0.01"),
+            "{notes}"
+        );
         let table = granum_io::Run::at(place.join(path)).unwrap().series().unwrap();
         let values = table.column(column).unwrap();
         let spread = values.iter().fold(0.0f64, |m, v| m.max((v - values[0]).abs()));
-        assert!(values.len() >= 10 && spread < if column == "stress_33" { 500.0 } else { 1e-6 }, "{values:?}");
+        assert!(
+            values.len() >= 10 && spread < if column == "stress_33" { 500.0 } else { 1e-6 },
+            "{values:?}"
+        );
         assert_eq!(table.column("stage").unwrap()[3], 1.0);
         // The case in the folder is that of the path, and can be run as it is.
         let text = std::fs::read_to_string(place.join(path).join("case.toml")).unwrap();
@@ -55,7 +61,8 @@ fn shear_runs_the_stages_of_a_case_and_flags_set_them() {
     // Networks learn from tests of one stage so far.
     let text = refused(place, 1, &["train", "one", "--out", "study"]);
     assert!(text.contains("it is a test of several stages"), "{text}");
-    let text = refused(place, 1, &["shear", "case.toml", "--out", "three", "--set", "shear.deviator_strain=0.1"]);
+    let text =
+        refused(place, 1, &["shear", "case.toml", "--out", "three", "--set", "shear.deviator_strain=0.1"]);
     assert!(text.contains("has no part in a case with stages"), "{text}");
 }
 
@@ -83,7 +90,8 @@ fn mistakes_in_paths_are_refused_before_anything_runs() {
     assert!(text.contains("out of bounds"), "{text}");
     let text = refused(place, 2, &["run", "case.toml", "--with", "mean_stress=1"]);
     assert!(text.contains("--path"), "{text}");
-    std::fs::write(place.join("bad.toml"), case() + "[[stage]]\npath = \"oedometer\"\naxial_stres = 1\n").unwrap();
+    std::fs::write(place.join("bad.toml"), case() + "[[stage]]\npath = \"oedometer\"\naxial_stres = 1\n")
+        .unwrap();
     let text = refused(place, 1, &["run", "bad.toml"]);
     assert!(text.contains("bad.toml:") && text.contains("axial_stress"), "{text}");
     assert!(!place.join("run").exists());

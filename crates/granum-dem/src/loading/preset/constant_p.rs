@@ -3,8 +3,8 @@
 
 use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, generous, number, stress};
 use crate::config::{Rate, Recording, Shear};
-use crate::servo::RESPONSE;
 use crate::loading::{Constraint, Control, Drive, Measure, Record, Speed, Stage, Target, Until};
+use crate::servo::RESPONSE;
 
 pub(super) const PRESET: Preset = Preset {
     name: "constant-p",
@@ -15,10 +15,12 @@ pub(super) const PRESET: Preset = Preset {
         let test = Stage {
             most_arc_length: generous(end),
             resets: true,
-            ..stage(values.speed(), end.signum(), None, Until::Reaches {
-                measure: Measure::AxialDeviatorStrain,
-                value: end,
-            })
+            ..stage(
+                values.speed(),
+                end.signum(),
+                None,
+                Until::Reaches { measure: Measure::AxialDeviatorStrain, value: end },
+            )
         };
         let record = Record::equal(Measure::DeviatoricStrain, values.states(), 2.0 / 3.0 * end.abs());
         values.consolidation("mean_stress").into_iter().chain([test.recording(record)]).collect()

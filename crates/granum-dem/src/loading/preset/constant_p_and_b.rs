@@ -22,8 +22,11 @@ pub(super) const PRESET: Preset = Preset {
         let test = Stage {
             most_arc_length: generous(2.0 * end),
             resets: true,
-            ..Stage::new("shear", control, vec![until])
-                .recording(Record::equal(Measure::Strain(0), values.states(), end))
+            ..Stage::new("shear", control, vec![until]).recording(Record::equal(
+                Measure::Strain(0),
+                values.states(),
+                end,
+            ))
         };
         values.consolidation("mean_stress").into_iter().chain([test]).collect()
     },
@@ -31,7 +34,12 @@ pub(super) const PRESET: Preset = Preset {
 
 const PARAMETERS: &[Parameter] = &[
     number("axial_strain", "Strain along x, the axis of the major stress, at the end.", 0.1, [1e-6, 3.0]),
-    number("b", "Intermediate stress ratio: 0 is triaxial compression, 1 triaxial extension.", 0.5, [0.0, 1.0]),
+    number(
+        "b",
+        "Intermediate stress ratio: 0 is triaxial compression, 1 triaxial extension.",
+        0.5,
+        [0.0, 1.0],
+    ),
     stress("mean_stress", "Mean stress p, to which the sample is brought before, and which is then held."),
     Parameter {
         help: "How fast: inertial number I of 1 + b times the strain rate along x, which is that of the fastest axis or more.",

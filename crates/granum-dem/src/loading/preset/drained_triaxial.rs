@@ -25,7 +25,10 @@ pub(super) const PRESET: Preset = Preset {
 
 const PARAMETERS: &[Parameter] = &[
     number("axial_strain", "Axial strain at the end; negative for extension.", 0.2, [-3.0, 3.0]),
-    stress("lateral_stress", "Stress along y and z, to which the sample is brought before on all three axes."),
+    stress(
+        "lateral_stress",
+        "Stress along y and z, to which the sample is brought before on all three axes.",
+    ),
     INERTIAL_NUMBER,
     STATES,
 ];

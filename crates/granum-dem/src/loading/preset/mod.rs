@@ -151,8 +151,7 @@ fn consolidation(stress: f64, inertial_number: f64) -> Stage {
     let held = Drive::Stress(Target { value: Some(stress), rate: 0.0 });
     let fixed = Drive::Fixed;
     let speed = Speed::InertialNumber { number: inertial_number, at: None };
-    let control =
-        Control { servo_limit: 1.0, ..Control::of(speed, [held, held, held, fixed, fixed, fixed]) };
+    let control = Control { servo_limit: 1.0, ..Control::of(speed, [held, held, held, fixed, fixed, fixed]) };
     let rest = Until::AtRest { unbalanced_force: AT_REST };
     Stage { settling: true, ..Stage::new("consolidation", control, vec![rest]) }
 }

@@ -32,6 +32,10 @@ pub(super) fn shear(speed: Speed, normal: Drive, strain: f64, states: usize) -> 
     Stage {
         most_arc_length: generous(strain),
         resets: true,
-        ..Stage::new("shear", control, vec![until]).recording(Record::equal(Measure::Strain(5), states, strain))
+        ..Stage::new("shear", control, vec![until]).recording(Record::equal(
+            Measure::Strain(5),
+            states,
+            strain,
+        ))
     }
 }

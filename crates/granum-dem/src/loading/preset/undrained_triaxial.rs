@@ -16,8 +16,11 @@ pub(super) const PRESET: Preset = Preset {
         let test = Stage {
             most_arc_length: generous(end),
             resets: true,
-            ..Stage::new("shear", control, vec![until])
-                .recording(Record::equal(Measure::ArcLength, values.states(), end.abs()))
+            ..Stage::new("shear", control, vec![until]).recording(Record::equal(
+                Measure::ArcLength,
+                values.states(),
+                end.abs(),
+            ))
         };
         values.consolidation("mean_stress").into_iter().chain([test]).collect()
     },
