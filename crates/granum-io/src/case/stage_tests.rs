@@ -145,6 +145,19 @@ fn flags_take_a_path_and_set_its_parameters() {
     assert!(set("shear.deviator_strain", "1").contains("has no part in a case with stages"));
 }
 
+/// What the book shows can be run as it stands.
+#[test]
+fn examples_of_the_book_are_cases() {
+    let book = [include_str!("../../../../docs/src/case.md"), include_str!("../../../../docs/src/howto.md")]
+        .concat();
+    let blocks = book.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next());
+    let stages: Vec<&str> = blocks.filter(|block| block.contains("[[stage]]")).collect();
+    assert_eq!(stages.len(), 3);
+    for text in stages {
+        assert!(parse(text).check().is_ok(), "{text}");
+    }
+}
+
 /// A random stage that is a path with some of its parameters.
 fn any_path() -> impl Strategy<Value = CaseStage> {
     let draws = proptest::collection::vec((any::<bool>(), 0.0..1.0f64), 8);
