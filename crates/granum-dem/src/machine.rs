@@ -106,7 +106,11 @@ impl Machine {
         let [tangential, moments] = laws.history();
         let columns = [NORMAL_COLUMNS + tangential, moments];
         let old = std::mem::take(&mut state.pairs);
-        let change = Change { moved: &moved, new_place: new_place.as_deref(), swap: &|memory| laws.swap_sides(memory) };
+        let change = Change {
+            moved: &moved,
+            new_place: new_place.as_deref(),
+            swap: &|memory| laws.swap_sides(memory),
+        };
         state.pairs = blocks::rebuild(old, &near, &state.cell, &state.place[..n], &change, columns);
         state.travel = 0.0;
         state.distortion = 0.0;

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::cell::{Cell, apply, invert};
 use crate::checkpoint::rows;
-use crate::contact::{MAX_HISTORY, MAX_MOMENT_HISTORY};
 use crate::contact::interaction::Memory;
+use crate::contact::{MAX_HISTORY, MAX_MOMENT_HISTORY};
 use crate::kernel::NORMAL_COLUMNS;
 
 /// Largest number of cells by which an image may be displaced along an edge.

@@ -256,7 +256,9 @@ impl Simulation {
 
     /// A picture for sensors. It copies what it shows and changes nothing.
     pub fn assembly(&self) -> Assembly {
-        self.machine.state.assembly(|slot| self.machine.pair_constants(slot), &self.machine.properties.contact)
+        self.machine
+            .state
+            .assembly(|slot| self.machine.pair_constants(slot), &self.machine.properties.contact)
     }
 
     /// Mean diameter of the grains, m.
@@ -384,7 +386,9 @@ impl Machine {
         let (b, l) = (slot / LANES, slot % LANES);
         let laws = &self.properties.contact;
         let count = laws.constants_kept();
-        PairConstants::from_columns(laws.rolling.law().acts(), |c| self.state.pairs.constants[b * count + c].0[l])
+        PairConstants::from_columns(laws.rolling.law().acts(), |c| {
+            self.state.pairs.constants[b * count + c].0[l]
+        })
     }
 
     fn scale_density(&mut self, ratio: f64) {

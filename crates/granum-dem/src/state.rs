@@ -239,11 +239,7 @@ impl State {
     }
 
     /// A picture for sensors.
-    pub(crate) fn assembly(
-        &self,
-        constants: impl Fn(usize) -> PairConstants<f64>,
-        laws: &Laws,
-    ) -> Assembly {
+    pub(crate) fn assembly(&self, constants: impl Fn(usize) -> PairConstants<f64>, laws: &Laws) -> Assembly {
         let n = self.grains();
         let mut order: Vec<usize> = (0..n).collect();
         order.sort_unstable_by_key(|&g| self.ids[g]);

@@ -6,9 +6,7 @@ use granum_dem::cell::Cell;
 use granum_dem::config::{Contact, Grains, Material, NormalKind, RollingKind, TangentialKind};
 use granum_dem::contact::normal::Hertz;
 use granum_dem::contact::registry::{RegisterError, normal_named, register_normal};
-use granum_dem::contact::{
-    Description, LAW_CONSTANTS, Normal, NormalLaw, PairProperties, Parameter, Unit,
-};
+use granum_dem::contact::{Description, LAW_CONSTANTS, Normal, NormalLaw, PairProperties, Parameter, Unit};
 use granum_dem::gas::gas;
 use granum_dem::servo::Control;
 use granum_dem::simulation::{Hardware, Properties, Simulation, SimulationError, Site};
@@ -23,9 +21,11 @@ fn plain() -> Material {
 fn soft(damping: f64, rolling_friction: f64, rolling_damping: f64) -> Contact {
     let mut contact = Contact::new(NormalKind::HOOKE, TangentialKind::NO_SLIP, damping);
     contact.rolling = RollingKind::ELASTIC_PLASTIC;
-    for (key, value) in
-        [("normal_stiffness", 2e4), ("rolling_friction", rolling_friction), ("rolling_damping", rolling_damping)]
-    {
+    for (key, value) in [
+        ("normal_stiffness", 2e4),
+        ("rolling_friction", rolling_friction),
+        ("rolling_damping", rolling_damping),
+    ] {
         contact.parameters.set(key, value).unwrap();
     }
     contact
@@ -74,7 +74,12 @@ fn grains_rock_on_each_other_at_the_frequency_of_the_spring() {
         let phase = std::f64::consts::TAU * (f64::from(quarter) / 4.0 - 0.5 / f64::from(steps));
         for (k, sign) in [(0, 1.0), (1, -1.0)] {
             let off = a.grains[k].spin[2] - sign * spin * phase.cos();
-            assert!(off.abs() < 2e-3 * spin, "quarter {quarter}: {} {}", a.grains[k].spin[2], spin * phase.cos());
+            assert!(
+                off.abs() < 2e-3 * spin,
+                "quarter {quarter}: {} {}",
+                a.grains[k].spin[2],
+                spin * phase.cos()
+            );
         }
         assert!(a.grains.iter().all(|g| g.velocity.iter().all(|v| v.abs() < 1e-9 * spin * r)));
         let now = stored(&a);
@@ -173,10 +178,11 @@ fn parameters_are_checked() {
     assert_eq!(refused(rough), "contact.rolling_friction is 3; it must be from 0 to 2");
     let hertz = Contact { normal: NormalKind::HERTZ, ..soft(0.1, 0.1, 0.3) };
     assert!(matches!(
-        Simulation::new(Cell::cuboid([1e-3; 3]), &[Site { id: 1, position: [0.0; 3], radius: 5e-5 }], Properties {
-            material: plain(),
-            contact: hertz
-        }),
+        Simulation::new(
+            Cell::cuboid([1e-3; 3]),
+            &[Site { id: 1, position: [0.0; 3], radius: 5e-5 }],
+            Properties { material: plain(), contact: hertz }
+        ),
         Err(SimulationError::Law(_))
     ));
 }

@@ -46,9 +46,6 @@ impl Dimension {
     /// Energy per area (interface energy), J/m2.
     pub const SURFACE_ENERGY: Dimension = dimension(1, 0, -2, 0);
 
-    /// A stiffness (force per length), N/m: the dimension of an energy per area.
-    pub const STIFFNESS: Dimension = Self::SURFACE_ENERGY;
-
     /// The dimension with these powers of mass, length and time.
     pub const fn of_powers([mass, length, time]: [i8; 3]) -> Dimension {
         dimension(mass, length, time, 0)

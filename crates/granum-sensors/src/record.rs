@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::columns;
+use crate::all;
 use crate::force_distribution::ForceHistogram;
 
 /// A named column of numbers.
@@ -105,12 +105,21 @@ impl Record {
             number("state", rows.iter().map(|row| row.0 as f64).collect()),
             number("looks", rows.iter().map(|row| row.1 as f64).collect()),
         ];
-        for (k, sensor_column) in columns().enumerate() {
-            table.push(column(
-                sensor_column.name,
-                sensor_column.unit,
-                rows.iter().map(|row| row.2[k]).collect(),
-            ));
+        let mut first = 0;
+        for sensor in all() {
+            let places = first..first + sensor.columns.len();
+            first = places.end;
+            let is_unused = |row: &(usize, u64, Vec<f64>)| {
+                let values = sensor.columns.iter().zip(&row.2[places.clone()]);
+                values.filter(|(column, _)| column.optional).all(|(_, value)| *value == 0.0)
+            };
+            let unused = rows.iter().all(is_unused);
+            for (k, sensor_column) in places.zip(sensor.columns) {
+                if !(sensor_column.optional && unused) {
+                    let values = rows.iter().map(|row| row.2[k]).collect();
+                    table.push(column(sensor_column.name, sensor_column.unit, values));
+                }
+            }
         }
         table.push(number("forces_below", forces.iter().map(|h| h.below as f64).collect()));
         table.push(number("forces_above", forces.iter().map(|h| h.above as f64).collect()));

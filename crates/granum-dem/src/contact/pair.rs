@@ -133,7 +133,10 @@ pub(super) fn drive_pair_in_steps(
         }
     }
     let isa = Isa::detect();
-    Ok(dispatch(isa, Steps { constants: contact.constants(pair), path, steps, laws: Open::new(contact, isa) }))
+    Ok(dispatch(
+        isa,
+        Steps { constants: contact.constants(pair), path, steps, laws: Open::new(contact, isa) },
+    ))
 }
 
 /// The steps of a path on plain numbers, compiled for the machine's fused operations.

@@ -22,7 +22,9 @@ pub struct ParameterValues {
 
 /// More values than there is room for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the laws of a contact can have at most {MOST_PARAMETERS} parameters with given values; {key} is one too many")]
+#[error(
+    "the laws of a contact can have at most {MOST_PARAMETERS} parameters with given values; {key} is one too many"
+)]
 pub struct TooManyParameters {
     /// The key that found no room.
     pub key: &'static str,

@@ -209,10 +209,11 @@ pub fn parameters_of(contact: &Contact) -> Vec<&'static Parameter> {
 /// The first thing that is wrong.
 pub fn check(contact: &Contact) -> Result<(), LawError> {
     let traits = contact.normal.law().traits();
-    contact.tangential.law().goes_with(&traits).map_err(|reason| LawError::Apart {
-        tangential: contact.tangential.name(),
-        reason,
-    })?;
+    contact
+        .tangential
+        .law()
+        .goes_with(&traits)
+        .map_err(|reason| LawError::Apart { tangential: contact.tangential.name(), reason })?;
     let used = parameters_of(contact);
     for (key, value) in contact.parameters.iter() {
         let Some(parameter) = used.iter().find(|p| p.key == key) else {

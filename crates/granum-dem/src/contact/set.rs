@@ -80,8 +80,7 @@ impl<N: NormalLaw, T: TangentialLaw, M: MomentLaw> Compiled<N, T, M> {
     /// The constants of a pair; `parameters` of the three laws.
     pub fn constants(pair: &PairProperties, parameters: [&[f64]; 3]) -> PairConstants<f64> {
         let name = N::DESCRIPTION.name;
-        let traits =
-            super::NormalTraits { name, contact_area: N::CONTACT_AREA, adhesive: N::ADHESIVE };
+        let traits = super::NormalTraits { name, contact_area: N::CONTACT_AREA, adhesive: N::ADHESIVE };
         PairConstants {
             radius_sum: pair.radius_sum,
             inverse_radius_sum: 1.0 / pair.radius_sum,
@@ -281,8 +280,7 @@ impl Contact {
 
     /// The constants of a pair.
     pub fn constants(&self, pair: &PairProperties) -> PairConstants<f64> {
-        let (normal, tangential, rolling) =
-            (self.normal.law(), self.tangential.law(), self.rolling.law());
+        let (normal, tangential, rolling) = (self.normal.law(), self.tangential.law(), self.rolling.law());
         let values = |of: &'static super::Description| self.parameters.resolved(of.parameters);
         PairConstants {
             radius_sum: pair.radius_sum,
@@ -343,4 +341,3 @@ impl Contact {
         memory.normal = memory.normal.map(|x| -x);
     }
 }
-

@@ -11,12 +11,11 @@ use std::hash::{Hash, Hasher};
 use granum_simd::{Isa, Kernel, Lanes, Real, Row8, Twice, dispatch};
 
 use super::law::{
-    AdhesionLosses, Description, MomentLaw, Normal, NormalLaw, NormalTraits, RelativeSpin,
-    TangentialLaw,
+    AdhesionLosses, Description, MomentLaw, Normal, NormalLaw, NormalTraits, RelativeSpin, TangentialLaw,
 };
+use super::normal::{Hertz, Hooke, Jkr};
 use super::rolling::{ElasticPlasticRolling, NoMoments};
 use super::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
-use super::normal::{Hertz, Hooke, Jkr};
 use super::{LAW_CONSTANTS, MAX_HISTORY, MAX_MOMENT_HISTORY, PairProperties};
 
 /// One number of a contact, for up to two batches of eight contacts.
@@ -262,8 +261,7 @@ impl<T: TangentialLaw> Call for TangentialCall<T> {
         }
         let [x, y] = out.force;
         let step = T::step_stiffness(&constants, &contact);
-        let numbers =
-            [x, y, out.stiffness, out.root_stiffness, out.friction_loss, out.micro_slip_loss, step];
+        let numbers = [x, y, out.stiffness, out.root_stiffness, out.friction_loss, out.micro_slip_loss, step];
         write::<W, 7>(numbers, columns, RESULT);
         W::write_mask(out.sliding, &mut columns[SLIDING]);
         W::write_mask(out.discards, &mut columns[DISCARDS]);

@@ -604,13 +604,7 @@ const AHEAD: usize = 5;
 /// Asks for what a later batch will read, and for the lists that a later call of this will look into: the processor foresees
 /// neither the places of grains nor the next page.
 #[inline(always)]
-fn fetch_ahead<C: ConstantSource>(
-    v: &Views,
-    later: usize,
-    lists: usize,
-    columns: usize,
-    constants: usize,
-) {
+fn fetch_ahead<C: ConstantSource>(v: &Views, later: usize, lists: usize, columns: usize, constants: usize) {
     v.first.prefetch(lists);
     v.second.prefetch(lists);
     v.target.prefetch(lists);

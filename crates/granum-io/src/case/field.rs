@@ -1,6 +1,6 @@
 //! One key of the case file: its place, meaning, bounds, and how it gets in and out of a [`Case`].
 
-use granum_dem::contact::{Parameter, registry};
+use granum_dem::contact::{Parameter, Unit, registry};
 
 use super::Case;
 use crate::quantity::{Dimension, format_number, parse_quantity};
@@ -149,7 +149,8 @@ impl Field {
             }
             Kind::Law(parameter) => {
                 let powers = parameter.unit.powers;
-                self.check_number(parse_quantity(text, Dimension::of_powers(powers))?)
+                let value = parse_quantity(text, Dimension::of_powers(powers));
+                self.check_number(value.map_err(|why| in_units_of(parameter, why))?)
             }
             Kind::Count { .. } => {
                 let plain = text.trim().replace('_', "");
@@ -317,4 +318,12 @@ impl Field {
 /// A number with the SI unit of a parameter.
 fn with_unit(value: f64, parameter: &Parameter) -> String {
     format!("{} {}", format_number(value), parameter.unit.symbol).trim_end().to_string()
+}
+
+/// A stiffness has the dimension of an energy per area; a message speaks of what the parameter is.
+fn in_units_of(parameter: &Parameter, message: String) -> String {
+    if parameter.unit != Unit::STIFFNESS {
+        return message;
+    }
+    message.replace("an energy per area", "a stiffness").replace("J/m2 or mJ/m2", "N/m, kN/m or MN/m")
 }

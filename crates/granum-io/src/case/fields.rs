@@ -76,13 +76,7 @@ macro_rules! count {
     };
 }
 
-fn entry(
-    section: &'static str,
-    key: &'static str,
-    help: &'static str,
-    example: &str,
-    kind: Kind,
-) -> Field {
+fn entry(section: &'static str, key: &'static str, help: &'static str, example: &str, kind: Kind) -> Field {
     Field { section, key, help: help.to_string(), example: example.to_string(), kind }
 }
 

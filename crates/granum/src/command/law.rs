@@ -56,7 +56,11 @@ pub struct LawFlags {
 fn names(what: &str, laws: impl Iterator<Item = &'static str>) -> String {
     let laws: Vec<_> = laws.collect();
     let (last, others) = laws.split_last().map_or(("", &[][..]), |(last, others)| (*last, others));
-    if others.is_empty() { format!("{what}: {last}") } else { format!("{what}: {} or {last}", others.join(", ")) }
+    if others.is_empty() {
+        format!("{what}: {last}")
+    } else {
+        format!("{what}: {} or {last}", others.join(", "))
+    }
 }
 
 /// The names, and what parameters of laws `--set` takes.

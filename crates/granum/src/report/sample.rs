@@ -96,11 +96,7 @@ fn rows(runs: &[RunReport]) -> Vec<[String; 3]> {
     row("Friction *μ*", "0.3", trimmed(material.friction));
     row("Interface energy *Γ*", "0.6 J/m^{2}", format!("{} J/m^{{2}}", trimmed(material.interface_energy)));
     row("Density", "–", format!("{} kg/m^{{3}}", whole(material.density)));
-    row(
-        "Contact law",
-        "theoretical contact mechanics (Thornton and Yin 1991)",
-        law(&case.contact),
-    );
+    row("Contact law", "theoretical contact mechanics (Thornton and Yin 1991)", law(&case.contact));
     row("Contact damping", "–", format!("{} of critical", trimmed(case.contact.damping)));
     row("Mean stress *p*", "20 kPa", quantity(run.mean_stress(), "Pa"));
     if run.run.kind != "prepare" {
@@ -172,7 +168,11 @@ pub fn law(contact: &Contact) -> String {
     for parameter in parameters_of(contact) {
         let value = significant(contact.parameters.value(parameter), 4);
         let unit = if parameter.unit.symbol.is_empty() { "" } else { " " };
-        words.push_str(&format!("; {} {value}{unit}{}", parameter.key.replace('_', " "), parameter.unit.symbol));
+        words.push_str(&format!(
+            "; {} {value}{unit}{}",
+            parameter.key.replace('_', " "),
+            parameter.unit.symbol
+        ));
     }
     words
 }

@@ -11,9 +11,7 @@
 
 use granum_simd::Real;
 
-use crate::contact::{
-    Description, LAW_CONSTANTS, Normal, NormalLaw, PairProperties, Parameter, Unit,
-};
+use crate::contact::{Description, LAW_CONSTANTS, Normal, NormalLaw, PairProperties, Parameter, Unit};
 
 /// A linear spring.
 #[derive(Clone, Copy, Debug)]
@@ -145,7 +143,10 @@ mod tests {
         for tangential in [TangentialKind::MINDLIN_DERESIEWICZ, TangentialKind::PEELING] {
             let contact = Contact { tangential, ..contact(0.1) };
             let error = crate::contact::registry::check(&contact).unwrap_err().to_string();
-            assert!(error.starts_with(&format!("contact.tangential = {:?} needs", tangential.name())), "{error}");
+            assert!(
+                error.starts_with(&format!("contact.tangential = {:?} needs", tangential.name())),
+                "{error}"
+            );
         }
     }
 }

@@ -92,10 +92,8 @@ impl MomentLaw for ElasticPlasticRolling {
         let (held, before) = ([history[0], history[1]], history[STIFFNESS_BEFORE]);
         let turned = [dt * spin.rolling[0], dt * spin.rolling[1]];
         let kept = (stiffness / before.max(tiny)).min(one);
-        let trial = [
-            stiffness.mul_add(turned[0], kept * held[0]),
-            stiffness.mul_add(turned[1], kept * held[1]),
-        ];
+        let trial =
+            [stiffness.mul_add(turned[0], kept * held[0]), stiffness.mul_add(turned[1], kept * held[1])];
         let square = dot(trial, trial);
         let at_limit = square.ge(limit * limit);
         let factor = R::select(at_limit, limit / square.sqrt().max(tiny), one);

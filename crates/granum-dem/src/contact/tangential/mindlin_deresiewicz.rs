@@ -257,7 +257,13 @@ impl TangentialLaw for MindlinDeresiewicz {
     const DISCARDS: bool = true;
 
     fn goes_with(normal: &NormalTraits) -> Result<(), &'static str> {
-        if normal.contact_area { Ok(()) } else { Err("needs a normal law with a contact area, over which slip spreads; \"no-slip\" goes with one that has none") }
+        if normal.contact_area {
+            Ok(())
+        } else {
+            Err(
+                "needs a normal law with a contact area, over which slip spreads; \"no-slip\" goes with one that has none",
+            )
+        }
     }
 
     fn prepare(pair: &PairProperties, _normal: &NormalTraits, _parameters: &[f64]) -> [f64; LAW_CONSTANTS] {

@@ -66,7 +66,11 @@ impl TangentialLaw for Peeling {
     const DISCARDS: bool = true;
 
     fn goes_with(normal: &NormalTraits) -> Result<(), &'static str> {
-        if normal.adhesive { Ok(()) } else { Err("needs contact.normal = \"jkr\": nothing peels without adhesion") }
+        if normal.adhesive {
+            Ok(())
+        } else {
+            Err("needs contact.normal = \"jkr\": nothing peels without adhesion")
+        }
     }
 
     fn prepare(pair: &PairProperties, _normal: &NormalTraits, _parameters: &[f64]) -> [f64; LAW_CONSTANTS] {

@@ -18,7 +18,11 @@ struct Unit {
 impl Unit {
     fn new() -> Self {
         let pair = PairProperties { effective_shear_modulus: 0.125, friction: 0.5, ..spheres(0.0) };
-        Unit { constants: MindlinDeresiewicz::prepare(&pair, &PLAIN, &[]), history: [0.0; MAX_HISTORY], force: 0.0 }
+        Unit {
+            constants: MindlinDeresiewicz::prepare(&pair, &PLAIN, &[]),
+            history: [0.0; MAX_HISTORY],
+            force: 0.0,
+        }
     }
 
     /// A step at a load F (mu is 1/2); the radius stays 1.

@@ -169,7 +169,8 @@ impl<N: NormalLaw, T: TangentialLaw> Kernel for SideBySide<'_, N, T> {
         for step in 0..STEPS {
             let load = |c: usize, first: usize| L::load(&std::array::from_fn(|l| self.1[first + l][step][c]));
             let motion = kinematics(|c| Twice(load(c, 0), load(c, LANES)));
-            let out = interact(&Set::<N, T>::new(), &self.0.splat(), &motion, Twice::splat(1e-8), &mut memory);
+            let out =
+                interact(&Set::<N, T>::new(), &self.0.splat(), &motion, Twice::splat(1e-8), &mut memory);
             for (c, column) in columns(&out).into_iter().enumerate() {
                 for (half, first) in [(column.0, 0), (column.1, LANES)] {
                     let mut values = [0.0; LANES];
@@ -192,7 +193,8 @@ impl Kernel for ThroughSlots<'_> {
         let mut answers = vec![vec![[0; ANSWER]; STEPS]; 3 * LANES];
         let (mut batch, mut two) = (Memory::<L>::new(), Memory::<Twice<L>>::new());
         for step in 0..STEPS {
-            let load = |c: usize, first: usize| L::load(&std::array::from_fn(|l| motions[first + l][step][c]));
+            let load =
+                |c: usize, first: usize| L::load(&std::array::from_fn(|l| motions[first + l][step][c]));
             let motion = kinematics(|c| load(c, 0));
             let laws = Open::<Batch<L>>::new(contact, isa);
             let out = interact(&laws, &constants.splat(), &motion, L::splat(1e-8), &mut batch);
@@ -264,8 +266,7 @@ fn every_law_has_the_same_bits_everywhere() {
         for (normal, tangential) in super::ALL {
             let rolling = RollingKind::ELASTIC_PLASTIC;
             let contact = Contact { rolling, ..Contact::new(normal, tangential, 0.1) };
-            let [touching, sliding] =
-                super::with_law(normal, tangential, SameBits(energy, contact));
+            let [touching, sliding] = super::with_law(normal, tangential, SameBits(energy, contact));
             let all = 2 * LANES * STEPS;
             // The motions do visit contact and its absence, sticking and sliding.
             assert!(touching > all / 3 && touching < all, "{normal:?} {tangential:?}: {touching}");

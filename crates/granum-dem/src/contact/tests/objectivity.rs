@@ -92,8 +92,13 @@ impl LawVisitor for OneTurn {
             } else {
                 std::array::from_fn(|a| distance * (new[a] - old[a]))
             };
-            let motion =
-                Kinematics { branch: scale(distance, new), velocity, rolling: spin, mean_spin: spin, relative_spin: [0.0; 3] };
+            let motion = Kinematics {
+                branch: scale(distance, new),
+                velocity,
+                rolling: spin,
+                mean_spin: spin,
+                relative_spin: [0.0; 3],
+            };
             interact(&Compiled::<N, T>::new(), &constants, &motion, 1.0, &mut memory);
         }
         let end = force_of(&memory);

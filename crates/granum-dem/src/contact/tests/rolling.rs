@@ -171,9 +171,7 @@ fn a_turning_pair_keeps_its_couple() {
             let spin = if first { [0.0; 3] } else { NORMAL.map(|n| n * angle) };
             let motion = Kinematics {
                 branch: new.map(|n| n * distance),
-                velocity: std::array::from_fn(|a| {
-                    if first { 0.0 } else { distance * (new[a] - old[a]) }
-                }),
+                velocity: std::array::from_fn(|a| if first { 0.0 } else { distance * (new[a] - old[a]) }),
                 rolling: spin,
                 mean_spin: spin,
                 // Rolled in the first step, then both grains turn alike.
