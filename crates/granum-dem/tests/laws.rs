@@ -64,7 +64,7 @@ fn grains_rock_on_each_other_at_the_frequency_of_the_spring() {
     // Far below the limit mu_r R* N.
     let spin = 1e-3 * frequency * (0.5 * 0.5 * r * 2e4 * 1e-3 * DIAMETER) / stiffness;
     let mut s = rocking(contact, spin);
-    let steps = 4000;
+    let steps = 4000u32;
     s.fix_time_step(Some(2.0 * std::f64::consts::PI / frequency / f64::from(steps)));
     let start = stored(&s.assembly());
     for quarter in 1..=8u32 {

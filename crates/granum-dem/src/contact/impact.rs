@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::interaction::{Kinematics, Memory, add_scaled, cross, dot, interact, scale};
 use super::registry::{LawError, check};
-use super::set::Open;
+use super::set::{Open, Slots};
 use super::slot::One;
 use super::{PairConstants, PairProperties};
 use crate::config::{Contact, Material};
@@ -198,7 +198,7 @@ pub(super) fn run(
     let constants = contact.constants(pair);
     let separation = contact.breaking_overlap(&constants);
     let isa = Isa::detect();
-    dispatch(isa, Motion { given, constants, separation, contact, laws: Open::new(contact, isa) })
+    dispatch(isa, Motion { given, constants, separation, contact, laws: Open::new(&Slots::new(contact, isa)) })
 }
 
 struct Collide<'a> {

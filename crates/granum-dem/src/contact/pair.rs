@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::interaction::{Kinematics, Memory, dot, interact};
 use super::registry::{LawError, check};
-use super::set::Open;
+use super::set::{Open, Slots};
 use super::slot::One;
 use super::{PairConstants, PairProperties};
 use crate::config::Contact;
@@ -135,7 +135,7 @@ pub(super) fn drive_pair_in_steps(
     let isa = Isa::detect();
     Ok(dispatch(
         isa,
-        Steps { constants: contact.constants(pair), path, steps, laws: Open::new(contact, isa) },
+        Steps { constants: contact.constants(pair), path, steps, laws: Open::new(&Slots::new(contact, isa)) },
     ))
 }
 

@@ -1,5 +1,6 @@
 //! The laws of a set together: compiled into one loop, or called slot by slot.
 
+use std::cell::RefCell;
 use std::marker::PhantomData;
 
 use granum_simd::{Isa, Real, Row8};
@@ -142,19 +143,73 @@ impl<R: Real, N: NormalLaw, T: TangentialLaw, M: MomentLaw> Laws<R> for Compiled
     }
 }
 
-/// Laws chosen at run time, each called through its slot.
-#[derive(Clone, Copy)]
-pub struct Open<'a, W> {
-    laws: &'a Contact,
+/// The slots of a set, with the memory through which they are called.
+pub struct Slots {
+    laws: Contact,
     isa: Isa,
+    tangential_history: [usize; 2],
+    moment_history: [usize; 2],
+    has_moments: bool,
+    discards: bool,
+    /// Every call writes all that it reads.
+    columns: RefCell<[Column; MOST_COLUMNS]>,
+}
+
+const MOST_COLUMNS: usize = 40;
+const _: () = assert!(normal_call::ALL <= MOST_COLUMNS && tangential_call::ALL <= MOST_COLUMNS);
+const _: () = assert!(moment_call::ALL <= MOST_COLUMNS && LAW_CONSTANTS + 1 + MAX_HISTORY <= MOST_COLUMNS);
+
+impl Slots {
+    /// The laws of a set on an instruction set.
+    pub fn new(laws: &Contact, isa: Isa) -> Self {
+        Slots {
+            laws: *laws,
+            isa,
+            tangential_history: laws.tangential.law().history(),
+            moment_history: laws.rolling.law().history(),
+            has_moments: laws.rolling.law().acts(),
+            discards: laws.tangential.law().discards(),
+            columns: RefCell::new([EMPTY; MOST_COLUMNS]),
+        }
+    }
+
+    /// Columns of the tangential law's history.
+    #[inline(always)]
+    pub(crate) fn tangential_columns(&self) -> usize {
+        self.tangential_history[0]
+    }
+
+    /// Columns of history of the law of moments.
+    #[inline(always)]
+    pub(crate) fn moment_columns(&self) -> usize {
+        self.moment_history[0]
+    }
+
+    /// True if the set has moments.
+    #[inline(always)]
+    pub(crate) fn has_moments(&self) -> bool {
+        self.has_moments
+    }
+
+    /// True if the tangential law discards parts of its history which store energy.
+    #[inline(always)]
+    pub(crate) fn discards(&self) -> bool {
+        self.discards
+    }
+}
+
+/// Laws chosen at run time, each called through its slot, for contacts of the width `W`: one contact, or lanes of the
+/// instruction set of the slots.
+pub struct Open<'a, W> {
+    slots: &'a Slots,
     width: PhantomData<W>,
 }
 
 impl<'a, W> Open<'a, W> {
-    /// The laws of a set on an instruction set, which must be that of the lanes of `W`.
+    /// The laws of these slots.
     #[inline(always)]
-    pub fn new(laws: &'a Contact, isa: Isa) -> Self {
-        Open { laws, isa, width: PhantomData }
+    pub fn new(slots: &'a Slots) -> Self {
+        Open { slots, width: PhantomData }
     }
 }
 
@@ -164,15 +219,15 @@ impl<W: Width> Laws<W::Value> for Open<'_, W> {
     const MAY_HAVE_MOMENTS: bool = true;
     #[inline(always)]
     fn tangential_history(&self) -> [usize; 2] {
-        self.laws.tangential.law().history()
+        self.slots.tangential_history
     }
     #[inline(always)]
     fn moment_history(&self) -> [usize; 2] {
-        self.laws.rolling.law().history()
+        self.slots.moment_history
     }
     #[inline(always)]
     fn has_moments(&self) -> bool {
-        self.laws.rolling.law().acts()
+        self.slots.has_moments
     }
     #[inline(always)]
     fn normal(
@@ -182,13 +237,13 @@ impl<W: Width> Laws<W::Value> for Open<'_, W> {
         touched: <W::Value as Real>::Mask,
     ) -> (Normal<W::Value>, AdhesionLosses<W::Value>) {
         use normal_call::*;
-        let mut columns = [EMPTY; ALL];
-        write::<W, LAW_CONSTANTS>(*constants, &mut columns, 0);
+        let columns = &mut self.slots.columns.borrow_mut()[..ALL];
+        write::<W, LAW_CONSTANTS>(*constants, columns, 0);
         W::write(overlap, &mut columns[OVERLAP]);
         W::write_mask(touched, &mut columns[TOUCHED]);
-        self.laws.normal.law().evaluate(self.isa, W::COUNT, &mut columns);
-        let [made, broken] = read::<W, 2>(&columns, LOSSES);
-        (read_normal::<W>(&columns, CONTACT), AdhesionLosses { made, broken })
+        self.slots.laws.normal.law().evaluate(self.slots.isa, W::COUNT, columns);
+        let [made, broken] = read::<W, 2>(columns, LOSSES);
+        (read_normal::<W>(columns, CONTACT), AdhesionLosses { made, broken })
     }
     #[inline(always)]
     fn tangential(
@@ -199,20 +254,20 @@ impl<W: Width> Laws<W::Value> for Open<'_, W> {
         history: &mut [W::Value; MAX_HISTORY],
     ) -> (Tangential<W::Value>, W::Value) {
         use tangential_call::*;
-        let mut columns = [EMPTY; ALL];
-        write::<W, LAW_CONSTANTS>(*constants, &mut columns, 0);
-        write_normal::<W>(normal, &mut columns, CONTACT);
-        write::<W, 2>(increment, &mut columns, INCREMENT);
+        let columns = &mut self.slots.columns.borrow_mut()[..ALL];
+        write::<W, LAW_CONSTANTS>(*constants, columns, 0);
+        write_normal::<W>(normal, columns, CONTACT);
+        write::<W, 2>(increment, columns, INCREMENT);
         let used = self.tangential_history()[0];
         for (c, value) in history.iter().enumerate().take(used) {
             W::write(*value, &mut columns[HISTORY + c]);
         }
-        self.laws.tangential.law().update(self.isa, W::COUNT, &mut columns);
+        self.slots.laws.tangential.law().update(self.slots.isa, W::COUNT, columns);
         for (c, value) in history.iter_mut().enumerate().take(used) {
             *value = W::read(&columns[HISTORY + c]);
         }
         let [x, y, stiffness, root_stiffness, friction_loss, micro_slip_loss, step] =
-            read::<W, 7>(&columns, RESULT);
+            read::<W, 7>(columns, RESULT);
         let out = Tangential {
             force: [x, y],
             stiffness,
@@ -237,15 +292,15 @@ impl<W: Width> Laws<W::Value> for Open<'_, W> {
         if !self.has_moments() {
             return Moment::none();
         }
-        let mut columns = [EMPTY; ALL];
-        write::<W, LAW_CONSTANTS>(*constants, &mut columns, 0);
-        write_normal::<W>(normal, &mut columns, CONTACT);
+        let columns = &mut self.slots.columns.borrow_mut()[..ALL];
+        write::<W, LAW_CONSTANTS>(*constants, columns, 0);
+        write_normal::<W>(normal, columns, CONTACT);
         let [x, y] = spin.rolling;
-        write::<W, 4>([x, y, spin.twisting, dt], &mut columns, SPIN);
-        write::<W, MAX_MOMENT_HISTORY>(*history, &mut columns, HISTORY);
-        self.laws.rolling.law().update(self.isa, W::COUNT, &mut columns);
-        *history = read::<W, MAX_MOMENT_HISTORY>(&columns, HISTORY);
-        let [a, b, c, dashpot, work, loss, step_stiffness] = read::<W, 7>(&columns, RESULT);
+        write::<W, 4>([x, y, spin.twisting, dt], columns, SPIN);
+        write::<W, MAX_MOMENT_HISTORY>(*history, columns, HISTORY);
+        self.slots.laws.rolling.law().update(self.slots.isa, W::COUNT, columns);
+        *history = read::<W, MAX_MOMENT_HISTORY>(columns, HISTORY);
+        let [a, b, c, dashpot, work, loss, step_stiffness] = read::<W, 7>(columns, RESULT);
         let at_limit = W::read_mask(&columns[AT_LIMIT]);
         Moment { couple: [a, b, c], dashpot, at_limit, work, loss, step_stiffness }
     }
@@ -256,11 +311,11 @@ impl<W: Width> Laws<W::Value> for Open<'_, W> {
         stiffness: W::Value,
         history: &[W::Value; MAX_HISTORY],
     ) -> W::Value {
-        let mut columns = [EMPTY; LAW_CONSTANTS + 1 + MAX_HISTORY];
-        write::<W, LAW_CONSTANTS>(*constants, &mut columns, 0);
+        let columns = &mut self.slots.columns.borrow_mut()[..LAW_CONSTANTS + 1 + MAX_HISTORY];
+        write::<W, LAW_CONSTANTS>(*constants, columns, 0);
         W::write(stiffness, &mut columns[LAW_CONSTANTS]);
-        write::<W, MAX_HISTORY>(*history, &mut columns, LAW_CONSTANTS + 1);
-        self.laws.tangential.law().discarded(self.isa, W::COUNT, &mut columns);
+        write::<W, MAX_HISTORY>(*history, columns, LAW_CONSTANTS + 1);
+        self.slots.laws.tangential.law().discarded(self.slots.isa, W::COUNT, columns);
         W::read(&columns[0])
     }
 }

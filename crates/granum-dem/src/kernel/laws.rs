@@ -4,7 +4,7 @@ use granum_simd::{Lanes, Twice};
 
 use super::Views;
 use crate::contact::interaction::{Interaction, Kinematics, Memory, interact};
-use crate::contact::set::{Compiled, Laws, Open};
+use crate::contact::set::{Compiled, Laws, Open, Slots};
 use crate::contact::slot::{Batch, TwoBatches};
 use crate::contact::{LAW_CONSTANTS, MAX_HISTORY, NormalLaw, PairConstants, TangentialLaw};
 
@@ -47,7 +47,7 @@ impl<L: Lanes> Couples<L> for [[L; 3]; 2] {
 }
 
 /// The laws of a contact stage.
-pub(crate) trait StageLaws: Copy {
+pub(crate) trait StageLaws {
     /// True if the set may have moments.
     const MAY_HAVE_MOMENTS: bool;
     /// Couples on grains.
@@ -142,47 +142,30 @@ impl<N: NormalLaw, T: TangentialLaw> StageLaws for Compiled<N, T> {
 }
 
 /// Any laws, called through their slots.
-#[derive(Clone, Copy)]
-pub(crate) struct AnyLaws {
-    laws: crate::config::Contact,
-    isa: granum_simd::Isa,
-    tangential_columns: usize,
-    moment_columns: usize,
-    has_moments: bool,
-    discards: bool,
-}
+pub(crate) struct AnyLaws(Slots);
 
 impl StageLaws for AnyLaws {
     const MAY_HAVE_MOMENTS: bool = true;
     type Couples<L: Lanes> = [[L; 3]; 2];
     #[inline(always)]
     fn of(views: &Views) -> Self {
-        let laws = views.laws;
-        let [tangential_columns, moment_columns] = laws.history();
-        AnyLaws {
-            laws,
-            isa: views.isa,
-            tangential_columns,
-            moment_columns,
-            has_moments: laws.rolling.law().acts(),
-            discards: laws.tangential.law().discards(),
-        }
+        AnyLaws(Slots::new(&views.laws, views.isa))
     }
     #[inline(always)]
     fn tangential_columns(&self) -> usize {
-        self.tangential_columns
+        self.0.tangential_columns()
     }
     #[inline(always)]
     fn moment_columns(&self) -> usize {
-        self.moment_columns
+        self.0.moment_columns()
     }
     #[inline(always)]
     fn has_moments(&self) -> bool {
-        self.has_moments
+        self.0.has_moments()
     }
     #[inline(always)]
     fn discards(&self) -> bool {
-        self.discards
+        self.0.discards()
     }
     #[inline(always)]
     fn interact<L: Lanes>(
@@ -192,7 +175,7 @@ impl StageLaws for AnyLaws {
         dt: L,
         memory: &mut Memory<L>,
     ) -> Interaction<L> {
-        interact(&Open::<Batch<L>>::new(&self.laws, self.isa), constants, kinematics, dt, memory)
+        interact(&Open::<Batch<L>>::new(&self.0), constants, kinematics, dt, memory)
     }
     #[inline(always)]
     fn interact_two<L: Lanes>(
@@ -202,7 +185,7 @@ impl StageLaws for AnyLaws {
         dt: Twice<L>,
         memory: &mut Memory<Twice<L>>,
     ) -> Interaction<Twice<L>> {
-        interact(&Open::<TwoBatches<L>>::new(&self.laws, self.isa), constants, kinematics, dt, memory)
+        interact(&Open::<TwoBatches<L>>::new(&self.0), constants, kinematics, dt, memory)
     }
     #[inline(always)]
     fn discarded<L: Lanes>(
@@ -211,6 +194,6 @@ impl StageLaws for AnyLaws {
         stiffness: L,
         history: &[L; MAX_HISTORY],
     ) -> L {
-        Open::<Batch<L>>::new(&self.laws, self.isa).discarded(constants, stiffness, history)
+        Open::<Batch<L>>::new(&self.0).discarded(constants, stiffness, history)
     }
 }

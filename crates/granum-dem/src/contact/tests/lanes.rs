@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use super::*;
 use crate::config::Contact;
 use crate::contact::RollingKind;
-use crate::contact::set::Open;
+use crate::contact::set::{Open, Slots};
 use crate::contact::slot::{Batch, One, TwoBatches};
 use granum_simd::{Isa, Kernel, LANES, Lanes, Twice, dispatch};
 
@@ -184,22 +184,22 @@ impl<N: NormalLaw, T: TangentialLaw> Kernel for SideBySide<'_, N, T> {
 }
 
 /// The same laws called through their slots, in one batch or two.
-struct ThroughSlots<'a>(&'a Contact, Isa, &'a PairConstants<f64>, &'a [Vec<Motion>]);
+struct ThroughSlots<'a>(&'a Slots, &'a PairConstants<f64>, &'a [Vec<Motion>]);
 impl Kernel for ThroughSlots<'_> {
     type Output = Vec<Vec<Answer>>;
     #[inline(always)]
     fn run<L: Lanes>(self) -> Vec<Vec<Answer>> {
-        let ThroughSlots(contact, isa, constants, motions) = self;
+        let ThroughSlots(slots, constants, motions) = self;
         let mut answers = vec![vec![[0; ANSWER]; STEPS]; 3 * LANES];
         let (mut batch, mut two) = (Memory::<L>::new(), Memory::<Twice<L>>::new());
         for step in 0..STEPS {
             let load =
                 |c: usize, first: usize| L::load(&std::array::from_fn(|l| motions[first + l][step][c]));
             let motion = kinematics(|c| load(c, 0));
-            let laws = Open::<Batch<L>>::new(contact, isa);
+            let laws = Open::<Batch<L>>::new(slots);
             let out = interact(&laws, &constants.splat(), &motion, L::splat(1e-8), &mut batch);
             let motion = kinematics(|c| Twice(load(c, 0), load(c, LANES)));
-            let laws = Open::<TwoBatches<L>>::new(contact, isa);
+            let laws = Open::<TwoBatches<L>>::new(slots);
             let both = interact(&laws, &constants.splat(), &motion, Twice::splat(1e-8), &mut two);
             for (c, (one, pair)) in columns(&out).into_iter().zip(columns(&both)).enumerate() {
                 for (part, first) in [(one, 0), (pair.0, LANES), (pair.1, 2 * LANES)] {
@@ -220,7 +220,8 @@ fn alone_through_slots(
     constants: &PairConstants<f64>,
     motions: &[Motion],
 ) -> Vec<Answer> {
-    let laws = Open::<One>::new(contact, isa);
+    let slots = Slots::new(contact, isa);
+    let laws = Open::<One>::new(&slots);
     let mut memory = Memory::<f64>::new();
     let step = |motion: &Motion| {
         let out = interact(&laws, constants, &kinematics(|c| motion[c]), 1e-8, &mut memory);
@@ -247,7 +248,7 @@ impl LawVisitor for SameBits {
             assert!(lanes == reference[..LANES], "{}", isa.name());
             let both = dispatch(isa, SideBySide::<N, T>(&constants, &motions, PhantomData));
             assert!(both == reference, "{} side by side", isa.name());
-            let slots = dispatch(isa, ThroughSlots(&self.1, isa, &constants, &motions));
+            let slots = dispatch(isa, ThroughSlots(&Slots::new(&self.1, isa), &constants, &motions));
             assert!(slots[..LANES] == reference[..LANES], "{} through slots", isa.name());
             assert!(slots[LANES..] == reference, "{} two batches through slots", isa.name());
             let one = alone_through_slots(&self.1, isa, &constants, &motions[5]);
