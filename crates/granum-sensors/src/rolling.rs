@@ -32,7 +32,6 @@ fn measure(look: &Look, row: &mut Vec<f64>) {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::{Recorder, column_index, lattice, measure_row};
     use granum_dem::config::Recording;
 

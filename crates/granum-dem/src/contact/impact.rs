@@ -198,7 +198,10 @@ pub(super) fn run(
     let constants = contact.constants(pair);
     let separation = contact.breaking_overlap(&constants);
     let isa = Isa::detect();
-    dispatch(isa, Motion { given, constants, separation, contact, laws: Open::new(&Slots::new(contact, isa)) })
+    dispatch(
+        isa,
+        Motion { given, constants, separation, contact, laws: Open::new(&Slots::new(contact, isa)) },
+    )
 }
 
 struct Collide<'a> {
@@ -257,8 +260,9 @@ impl Kernel for Motion<'_> {
         let opening = self.constants.damping * first.root_stiffness * -velocity;
         let mut pull = scale(opening - first.force, normal);
         let mut moment = [0.0; 3];
-        // Just inside the separation, so that its force is still there.
-        let edge = pair.radius_sum - self.separation * (1.0 - 1e-9);
+        // Just inside the separation, so that its force is still there: adhesion, or a dashpot whose spring does not soften.
+        let inside = if first.radius > 0.0 { 0.0 } else { pair.radius_sum * 1e-14 };
+        let edge = pair.radius_sum - self.separation * (1.0 - 1e-9) - inside;
         let mut memory = Memory::<f64>::new();
         let mut time = 0.0;
         let mut opened = false;

@@ -188,7 +188,7 @@ impl LawVisitor for SlidesAtTheLimit {
             let mut last = bench.step(approach, [0.0; 2]);
             let load = N::evaluate(&bench.constants.normal, approach, true).friction_load;
             let (mut work, mut friction) = (0.0, 0.0);
-            for _ in 0..4000 {
+            for _ in 0..12_000 {
                 last = bench.step(approach, [6e-12, 8e-12]);
                 work += last.tangential_work;
                 friction += last.friction_loss;
