@@ -219,7 +219,7 @@ impl Simulation {
     }
 
     /// Changes material or law. Contacts keep the history of a tangential law or a law of moments that stays; another
-    /// law's forces start from zero. Masses follow the density, velocities and spins its inverse root: without gravity that
+    /// law's forces start from zero, and so do all where contacts gain or lose an area. Masses follow the density, velocities and spins its inverse root: without gravity that
     /// only rescales time, and the kinetic energy stays.
     pub fn set_properties(&mut self, properties: Properties) -> Result<(), SimulationError> {
         check_properties(&properties, smallest(&self.machine.state))?;
@@ -416,7 +416,13 @@ impl Machine {
     /// Takes the memory of all contacts over to the present laws: their normals, and the history of laws that stayed.
     fn change_history(&mut self, before: &Contact) {
         let now = &self.properties.contact;
-        let same = [now.tangential == before.tangential, now.rolling == before.rolling];
+        // A tangential history may hold what the normal law measures contacts by: an area, or a stiffness.
+        let measured_alike =
+            now.normal.law().traits().contact_area == before.normal.law().traits().contact_area;
+        let same = [
+            now.tangential == before.tangential && measured_alike,
+            now.rolling == before.rolling && measured_alike,
+        ];
         if same == [true; 2] {
             return;
         }
