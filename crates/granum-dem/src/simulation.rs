@@ -219,8 +219,8 @@ impl Simulation {
     }
 
     /// Changes material or law. Contacts keep the history of a tangential law or a law of moments that stays; another
-    /// law's forces start from zero, and so do all where contacts gain or lose an area. Masses follow the density, velocities and spins its inverse root: without gravity that
-    /// only rescales time, and the kinetic energy stays.
+    /// law's forces start from zero, and so do all where contacts gain or lose an area. Masses follow the density,
+    /// velocities and spins its inverse root: without gravity that only rescales time, and the kinetic energy stays.
     pub fn set_properties(&mut self, properties: Properties) -> Result<(), SimulationError> {
         check_properties(&properties, smallest(&self.machine.state))?;
         let before = self.machine.properties.contact;
