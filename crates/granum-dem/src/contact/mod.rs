@@ -6,15 +6,17 @@
 //!
 //! - [`law`]: what a law is;
 //! - [`interaction`]: what all laws share: kinematics, rotation of the history, damping, energy;
-//! - [`slot`]: a law as a value that is chosen at run time;
+//! - [`kind`], [`slot`]: a law as a value that is chosen at run time, and how it is called then;
 //! - [`set`]: what the engine asks of the laws of a set together.
 
 use crate::config::Material;
 
+pub mod columns;
 mod constants;
 pub mod frame;
 pub mod impact;
 pub mod interaction;
+pub mod kind;
 pub mod law;
 pub mod normal;
 pub mod pair;
@@ -30,12 +32,12 @@ pub mod tangential;
 mod tests;
 
 pub use constants::PairConstants;
+pub use kind::{NormalKind, RollingKind, TangentialKind};
 pub use law::{
     AdhesionLosses, Description, Moment, MomentLaw, Normal, NormalLaw, NormalTraits, Parameter, RelativeSpin,
     Tangential, TangentialLaw, Unit,
 };
 pub use parameters::ParameterValues;
-pub use slot::{NormalKind, RollingKind, TangentialKind};
 
 /// Most columns of history that a tangential law may keep.
 pub const MAX_HISTORY: usize = 10;

@@ -9,10 +9,10 @@
 use granum_simd::{Isa, Kernel, Lanes, dispatch};
 use serde::{Deserialize, Serialize};
 
+use super::columns::One;
 use super::interaction::{Kinematics, Memory, dot, interact};
 use super::registry::{LawError, check};
 use super::set::{Open, Slots};
-use super::slot::One;
 use super::{PairConstants, PairProperties};
 use crate::config::Contact;
 

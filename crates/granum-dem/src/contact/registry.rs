@@ -4,9 +4,9 @@ use std::sync::{PoisonError, RwLock};
 
 use serde::de::{Deserialize, Deserializer, Error};
 
+use super::kind::{NormalKind, RollingKind, TangentialKind};
 use super::law::{Description, Parameter};
 use super::parameters::MOST_PARAMETERS;
-use super::slot::{NormalKind, RollingKind, TangentialKind};
 use crate::config::Contact;
 
 /// granum's normal laws.

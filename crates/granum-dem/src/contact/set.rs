@@ -5,14 +5,14 @@ use std::marker::PhantomData;
 
 use granum_simd::{Isa, Real, Row8};
 
+use super::columns::{
+    Column, Width, moment_call, normal_call, read, read_normal, tangential_call, write, write_normal,
+};
 use super::interaction::Memory;
 use super::law::{
     AdhesionLosses, Moment, MomentLaw, Normal, NormalLaw, RelativeSpin, Tangential, TangentialLaw, swap_sides,
 };
 use super::rolling::NoMoments;
-use super::slot::{
-    Column, Width, moment_call, normal_call, read, read_normal, tangential_call, write, write_normal,
-};
 use super::{LAW_CONSTANTS, MAX_HISTORY, MAX_MOMENT_HISTORY, PairConstants, PairProperties};
 use crate::config::Contact;
 

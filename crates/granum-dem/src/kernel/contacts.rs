@@ -8,7 +8,10 @@ use std::ops::Range;
 
 use granum_simd::{Kernel, LANES, Lanes, Mask, Real, Row8, Twice};
 
+use super::fetch::{AHEAD, ROWS_AHEAD, coming_rows, fetch_ahead};
 use super::laws::{Couples, StageLaws};
+use super::push::Push;
+use super::source::ConstantSource;
 use super::{ContactSums, NORMAL_COLUMNS, Views};
 use crate::contact::PairConstants;
 use crate::contact::interaction::{Interaction, Kinematics, Memory, dot, scale};
@@ -17,40 +20,6 @@ use crate::pairs::{Block, Marks};
 
 const SUMS: usize = 20;
 const SUMS_OF_EIGHT: usize = SUMS.next_multiple_of(LANES);
-
-/// Where the constants of a batch come from.
-pub(crate) trait ConstantSource: Copy {
-    /// True if each batch has its own.
-    fn by_batch(v: &Views) -> bool;
-}
-
-/// All pairs are alike.
-#[derive(Clone, Copy)]
-pub(crate) struct Alike;
-/// Pairs differ.
-#[derive(Clone, Copy)]
-pub(crate) struct ByBatch;
-/// Whichever of the two, asked anew for every batch.
-#[derive(Clone, Copy)]
-pub(crate) struct AlikeOrByBatch;
-impl ConstantSource for Alike {
-    #[inline(always)]
-    fn by_batch(_v: &Views) -> bool {
-        false
-    }
-}
-impl ConstantSource for ByBatch {
-    #[inline(always)]
-    fn by_batch(_v: &Views) -> bool {
-        true
-    }
-}
-impl ConstantSource for AlikeOrByBatch {
-    #[inline(always)]
-    fn by_batch(v: &Views) -> bool {
-        !v.equal
-    }
-}
 
 /// The contact stage for a range of blocks.
 pub(crate) struct ContactStage<'a, S, C> {
@@ -596,102 +565,4 @@ fn inverse_radii<L: Lanes>(v: &Views, b: usize) -> [L; 2] {
         #[inline(always)]
         |grains| L::splat(1.0) / L::load(&grains.map(|g| place[g as usize].0[3])),
     )
-}
-
-/// Batches between asking for memory and using it.
-const AHEAD: usize = 5;
-
-/// Asks for what a later batch will read, and for the lists that a later call of this will look into: the processor foresees
-/// neither the places of grains nor the next page.
-#[inline(always)]
-fn fetch_ahead<C: ConstantSource>(v: &Views, later: usize, lists: usize, columns: usize, constants: usize) {
-    v.first.prefetch(lists);
-    v.second.prefetch(lists);
-    v.target.prefetch(lists);
-    for c in 0..columns {
-        v.memory.prefetch(later * columns + c);
-    }
-    if C::by_batch(v) {
-        for c in 0..constants {
-            v.constants.prefetch(later * constants + c);
-        }
-    }
-    // SAFETY: lists are only read in this stage.
-    let (first, second) = unsafe { (v.first.read(), v.second.read()) };
-    if let (Some(i), Some(j)) = (first.get(later), second.get(later)) {
-        for &grain in j.iter().chain(&i[LANES - 1..]) {
-            v.place.prefetch(grain as usize);
-            v.spin.prefetch(grain as usize);
-        }
-    }
-}
-
-/// Rows of forces asked for with every batch, for the next block.
-const ROWS_AHEAD: usize = 4;
-
-/// The rows of forces of the block after this one.
-#[inline(always)]
-fn coming_rows(v: &Views, block: usize) -> impl Iterator<Item = u32> {
-    // SAFETY: blocks are only read.
-    let next = unsafe { v.blocks.read() }.get(block + 1).filter(|_| v.far).copied().unwrap_or_default();
-    let [grains, outer] = [next.grains, next.outer];
-    (grains[0]..grains[1]).chain(outer[0]..outer[1])
-}
-
-/// What a batch does to its grains.
-#[derive(Clone, Copy)]
-struct Push<L, C> {
-    batch: usize,
-    /// Force on i, N.
-    force: [L; 3],
-    /// Torque over radius, N.
-    moment: [L; 3],
-    /// What couples add to that.
-    couples: C,
-}
-
-impl<L: Lanes, C: Couples<L>> Push<L, C> {
-    #[inline(always)]
-    fn none() -> Self {
-        Push { batch: 0, force: [L::zero(); 3], moment: [L::zero(); 3], couples: C::none() }
-    }
-
-    /// Adds it to the force rows of the grains.
-    #[inline(always)]
-    fn add(&self, v: &Views) {
-        let ([fx, fy, fz], [mx, my, mz], zero) = (self.force, self.moment, L::zero());
-        // SAFETY: lists are only read in this stage.
-        let (i, target) = unsafe { (&v.first.read()[self.batch], &v.target.read()[self.batch]) };
-        L::check(i, v.forces.len());
-        L::check(target, v.forces.len());
-        // The force on j is the opposite of that on i; the moments are alike.
-        let sign = L::load(&[-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
-        match self.couples.moments() {
-            None => {
-                let rows = L::transpose([fx, fy, fz, zero, mx, my, mz, zero]);
-                for l in 0..LANES {
-                    // SAFETY: checked to be rows; those that the pairs of a block point at belong to the thread that works on it.
-                    unsafe {
-                        let on_i = v.forces.at(i[l]);
-                        (L::load(&on_i.0) + rows[l]).store(&mut on_i.0);
-                        let on_j = v.forces.at(target[l]);
-                        rows[l].mul_add(sign, L::load(&on_j.0)).store(&mut on_j.0);
-                    }
-                }
-            }
-            Some([[ix, iy, iz], [jx, jy, jz]]) => {
-                let on_first = L::transpose([fx, fy, fz, zero, mx + ix, my + iy, mz + iz, zero]);
-                let on_second = L::transpose([fx, fy, fz, zero, mx + jx, my + jy, mz + jz, zero]);
-                for l in 0..LANES {
-                    // SAFETY: as above.
-                    unsafe {
-                        let on_i = v.forces.at(i[l]);
-                        (L::load(&on_i.0) + on_first[l]).store(&mut on_i.0);
-                        let on_j = v.forces.at(target[l]);
-                        on_second[l].mul_add(sign, L::load(&on_j.0)).store(&mut on_j.0);
-                    }
-                }
-            }
-        }
-    }
 }

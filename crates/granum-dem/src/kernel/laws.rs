@@ -3,9 +3,9 @@
 use granum_simd::{Lanes, Twice};
 
 use super::Views;
+use crate::contact::columns::{Batch, TwoBatches};
 use crate::contact::interaction::{Interaction, Kinematics, Memory, interact};
 use crate::contact::set::{Compiled, Laws, Open, Slots};
-use crate::contact::slot::{Batch, TwoBatches};
 use crate::contact::{LAW_CONSTANTS, MAX_HISTORY, NormalLaw, PairConstants, TangentialLaw};
 
 /// Couples on the grains of a batch, or nothing for sets that never have any: they need not be carried along then.

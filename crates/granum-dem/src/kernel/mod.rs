@@ -6,8 +6,11 @@
 
 mod choice;
 mod contacts;
+mod fetch;
 mod grains;
 mod laws;
+mod push;
+mod source;
 mod watch;
 
 use serde::{Deserialize, Serialize};
@@ -21,9 +24,10 @@ use crate::pairs::{Block, IMAGES, Marks};
 use crate::team::RawSlice;
 
 pub(crate) use choice::{Stage, Stages};
-pub(crate) use contacts::{Alike, AlikeOrByBatch, ByBatch, ConstantSource, ContactStage};
+pub(crate) use contacts::ContactStage;
 pub(crate) use grains::{GrainStage, larger, resultant};
 pub(crate) use laws::{AnyLaws, StageLaws};
+pub(crate) use source::{Alike, AlikeOrByBatch, ByBatch, ConstantSource};
 pub(crate) use watch::{Nearness, Watch, WatchStage};
 
 /// Columns of memory before the laws' own: the old normal.

@@ -5,8 +5,8 @@ use std::marker::PhantomData;
 use super::*;
 use crate::config::Contact;
 use crate::contact::RollingKind;
+use crate::contact::columns::{Batch, One, TwoBatches};
 use crate::contact::set::{Open, Slots};
-use crate::contact::slot::{Batch, One, TwoBatches};
 use granum_simd::{Isa, Kernel, LANES, Lanes, Twice, dispatch};
 
 const STEPS: usize = 400;
