@@ -121,15 +121,15 @@ fn running(count: usize, spread: f64, contact: Contact, steps: u64) -> Simulatio
 
 fn checkpoints() -> Vec<Seed> {
     let laws = [
-        ("hertz", NormalKind::Hertz, TangentialKind::NoSlip, 6, 0.0),
-        ("jkr", NormalKind::Jkr, TangentialKind::MindlinDeresiewicz, 8, 0.3),
-        ("peeling", NormalKind::Jkr, TangentialKind::Peeling, 20, 0.0),
+        ("hertz", NormalKind::HERTZ, TangentialKind::NO_SLIP, 6, 0.0),
+        ("jkr", NormalKind::JKR, TangentialKind::MINDLIN_DERESIEWICZ, 8, 0.3),
+        ("peeling", NormalKind::JKR, TangentialKind::PEELING, 20, 0.0),
     ];
     let [sample, test] = attachments();
     laws.into_iter()
         .zip(["", &sample, &test])
         .map(|((name, normal, tangential, count, spread), attachment)| {
-            let contact = Contact { normal, tangential, damping: 0.1 };
+            let contact = Contact::new(normal, tangential, 0.1);
             let bytes = running(count, spread, contact, 6000).checkpoint(attachment).expect("to memory");
             // Without the header, which the check puts on.
             seed(name, &bytes[24..])

@@ -52,8 +52,11 @@ pub struct Contact {
     pub sliding: bool,
     /// Elastic energy of the normal approach, J (zero at alpha = 0).
     pub normal_energy: f64,
-    /// Elastic energy T^2 / (16 G* a) of the tangential displacement, J.
+    /// Elastic energy of the tangential displacement, J: `T^2 / (16 G* a)` without slip.
     pub tangential_energy: f64,
+    /// Elastic energy of rolling and twisting, J; zero without a law of moments.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub rolling_energy: f64,
 }
 
 impl Contact {
@@ -80,6 +83,17 @@ pub struct EnergyLedger {
     pub adhesion_made: f64,
     /// Lost when adhesive contacts broke.
     pub adhesion_broken: f64,
+    /// Work that the elastic couples of rolling and twisting took up.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub rolling_work: f64,
+    /// Lost by rolling and twisting, without dashpots (part of `rolling_work`).
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub rolling: f64,
+}
+
+/// True for what files without a law of moments leave out.
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// A read-only picture of a simulation at one moment.

@@ -48,6 +48,11 @@ impl Dimension {
     /// Energy per area (interface energy), J/m2.
     pub const SURFACE_ENERGY: Dimension = dimension(1, 0, -2, 0);
 
+    /// The dimension with these powers of mass, length and time.
+    pub const fn of_powers([mass, length, time]: [i8; 3]) -> Dimension {
+        dimension(mass, length, time, 0)
+    }
+
     /// Name and example units of the dimensions that granum uses.
     const KNOWN: [(Dimension, &'static str, &'static str); 13] = [
         (Self::NUMBER, "a pure number", ""),

@@ -6,9 +6,11 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use granum_dem::config::{Material, NormalKind, TangentialKind};
+use granum_dem::config::Material;
 use granum_dem::contact::interaction::{Kinematics, Memory, interact};
-use granum_dem::contact::registry::{LawVisitor, with_law};
+use granum_dem::contact::normal::{Hertz, Jkr};
+use granum_dem::contact::set::Compiled;
+use granum_dem::contact::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
 use granum_dem::contact::{NormalLaw, PairConstants, PairProperties, TangentialLaw};
 use granum_simd::{Isa, Kernel, LANES, Lanes, Real, Row8, Twice, dispatch};
 
@@ -154,6 +156,7 @@ fn steps<L: Lanes, A: Access<L>, N: NormalLaw, T: TangentialLaw>(run: Run<'_, N,
                 velocity: [sign * load(3), sign * load(4), sign * load(5)],
                 rolling: [load(6), load(7), load(8)],
                 mean_spin: [load(9), load(10), load(11)],
+                relative_spin: [A::Value::zero(); 3],
             };
             let rows = &mut run.memory[b * MEMORY..(b + A::WIDTH) * MEMORY];
             let mut memory = Memory::<A::Value>::new();
@@ -163,7 +166,7 @@ fn steps<L: Lanes, A: Access<L>, N: NormalLaw, T: TangentialLaw>(run: Run<'_, N,
             for c in 0..T::HISTORY {
                 memory.history[c] = A::load(rows, 3 + c, MEMORY);
             }
-            let out = interact::<A::Value, N, T>(&constants, &kinematics, dt, &mut memory);
+            let out = interact(&Compiled::<N, T>::new(), &constants, &kinematics, dt, &mut memory);
             for a in 0..3 {
                 A::store(memory.normal[a], rows, a, MEMORY);
             }
@@ -189,13 +192,11 @@ struct Measure {
     wide: usize,
 }
 
-impl LawVisitor for Measure {
-    type Output = f64;
-
-    fn visit<N: NormalLaw, T: TangentialLaw>(self) -> f64 {
+impl Measure {
+    fn of<N: NormalLaw, T: TangentialLaw>(self) -> f64 {
         let material = Material::default();
         let side = (&material, 0.5 * DIAMETER);
-        let constants = PairConstants::new::<N, T>(&PairProperties::new(side, side, 0.1));
+        let constants = Compiled::<N, T>::constants(&PairProperties::new(side, side, 0.1), [&[]; 3]);
         let kinematics = kinematics();
         let mut memory = vec![Row8::default(); BATCHES * MEMORY];
         let mut best = f64::INFINITY;
@@ -224,20 +225,21 @@ fn main() {
     let sets: Vec<Isa> = Isa::ALL.into_iter().skip(1).filter(|i| i.available()).collect();
     sets.iter().for_each(|i| print!("{:>10}{:>10}{:>10}", i.name(), "two", "four"));
     println!();
-    for normal in [NormalKind::Hertz, NormalKind::Jkr] {
-        for tangential in
-            [TangentialKind::NoSlip, TangentialKind::MindlinDeresiewicz, TangentialKind::Peeling]
-        {
-            if normal == NormalKind::Hertz && tangential == TangentialKind::Peeling {
-                continue;
+    type Law = (&'static str, &'static str, fn(Measure) -> f64);
+    let laws: [Law; 5] = [
+        ("hertz", "no-slip", Measure::of::<Hertz, NoSlip>),
+        ("hertz", "mindlin-deresiewicz", Measure::of::<Hertz, MindlinDeresiewicz>),
+        ("jkr", "no-slip", Measure::of::<Jkr, NoSlip>),
+        ("jkr", "mindlin-deresiewicz", Measure::of::<Jkr, MindlinDeresiewicz>),
+        ("jkr", "peeling", Measure::of::<Jkr, Peeling>),
+    ];
+    for (normal, tangential, measure) in laws {
+        print!("{normal:8}{tangential:22}");
+        for isa in &sets {
+            for wide in [1, 2, 4] {
+                print!("{:10.1}", measure(Measure { isa: *isa, wide }));
             }
-            print!("{:8}{:22}", format!("{normal:?}"), format!("{tangential:?}"));
-            for isa in &sets {
-                for wide in [1, 2, 4] {
-                    print!("{:10.1}", with_law(normal, tangential, Measure { isa: *isa, wide }));
-                }
-            }
-            println!();
         }
+        println!();
     }
 }

@@ -26,7 +26,7 @@ pub(crate) struct Change<'a> {
     /// New place of each grain, if they were put in another order.
     pub(crate) new_place: Option<&'a [u32]>,
     /// Rewrites a memory when i and j change sides.
-    pub(crate) swap: fn(&mut Memory<f64>),
+    pub(crate) swap: &'a dyn Fn(&mut Memory<f64>),
 }
 
 /// Makes the list anew from `near` (sorted). `place` holds the grains in their new order, inside the cell; the two phantoms
@@ -38,7 +38,7 @@ pub(crate) fn rebuild(
     cell: &Cell,
     place: &[Row8],
     change: &Change,
-    columns: usize,
+    columns: [usize; 2],
 ) -> Pairs {
     let grains = place.len();
     let kept = Kept::of(&old, near, change, grains);
@@ -65,7 +65,7 @@ pub(crate) fn rebuild(
     }
     let List { mut pairs, slots, halo, .. } = list;
     list_outer(&mut pairs, &halo, grains);
-    pairs.memory = vec![Row8::default(); pairs.batches() * columns];
+    pairs.memory = vec![Row8::default(); pairs.batches() * pairs.columns_in_all()];
     pairs.marks = vec![Marks::default(); pairs.batches()];
     for (&slot, &from) in slots.iter().zip(&kept.from).filter(|(_, from)| **from != 0) {
         let (memory, sliding) = &kept.memories[from as usize - 1];
@@ -302,8 +302,8 @@ mod tests {
         let mut place = grains(COUNT, &cell, 0.8);
         let near = find(Isa::detect(), &cell, &place, 0.05);
         let none = vec![[0; 3]; COUNT];
-        let change = Change { moved: &none, new_place: None, swap: negate };
-        let mut pairs = rebuild(Pairs::default(), &near, &cell, &place, &change, 7);
+        let change = Change { moved: &none, new_place: None, swap: &negate };
+        let mut pairs = rebuild(Pairs::default(), &near, &cell, &place, &change, [7, 0]);
         assert!(pairs.blocks.len() > 3 && pairs.forces.len() > COUNT);
         // Remember the direction and the branch itself, and let every pair pull with its branch.
         let slots: Vec<usize> = real(&pairs).collect();
@@ -337,8 +337,8 @@ mod tests {
         }
         let place: Vec<Row8> = order.iter().map(|&o| place[o as usize]).collect();
         let near = find(Isa::detect(), &cell, &place, 0.05);
-        let change = Change { moved: &moved, new_place: Some(&new_place), swap: negate };
-        let again = rebuild(pairs.clone(), &near, &cell, &place, &change, 7);
+        let change = Change { moved: &moved, new_place: Some(&new_place), swap: &negate };
+        let again = rebuild(pairs.clone(), &near, &cell, &place, &change, [7, 0]);
         assert_eq!((again.count, again.contacts()), (pairs.count, pairs.count));
         assert_eq!(real(&again).count(), again.count);
         let slid = |pairs: &Pairs| real(pairs).filter(|&s| pairs.sliding(s)).count();
@@ -363,8 +363,8 @@ mod tests {
         let place = grains(COUNT, &cell, 0.8);
         let near = find(Isa::detect(), &cell, &place, 0.3);
         let none = vec![[0; 3]; COUNT];
-        let change = Change { moved: &none, new_place: None, swap: negate };
-        let pairs = rebuild(Pairs::default(), &near, &cell, &place, &change, 5);
+        let change = Change { moved: &none, new_place: None, swap: &negate };
+        let pairs = rebuild(Pairs::default(), &near, &cell, &place, &change, [5, 0]);
         let mut owner = vec![usize::MAX; pairs.forces.len()];
         for (k, block) in pairs.blocks.iter().enumerate() {
             for [from, to] in [block.grains, block.outer] {

@@ -152,8 +152,9 @@ impl Simulation {
         machine.time_step_factor = body.time_step_factor;
         machine.fixed_time_step = body.fixed_time_step;
         machine.expected_force = body.expected_force;
-        if machine.state.pairs.columns != NORMAL_COLUMNS + machine.table.history {
-            return Err(inconsistent("contact memory does not fit the tangential law"));
+        let [tangential, moments] = machine.properties.contact.history();
+        if machine.state.pairs.columns != [NORMAL_COLUMNS + tangential, moments] {
+            return Err(inconsistent("contact memory does not fit the contact laws"));
         }
         machine.prepare_constants();
         Ok((simulation, body.attachment))
@@ -234,8 +235,9 @@ fn check_state(state: &State) -> Result<(), CheckpointError> {
     require(state.place.len() == n + 2 && state.spin.len() == n + 2, "grains and spins")?;
     let lists = [p.second.len(), p.target.len(), p.image.len(), p.marks.len()];
     require(lists == [batches; 4], "lists of pairs")?;
-    require((NORMAL_COLUMNS..64).contains(&p.columns), "columns of contact memory")?;
-    require(p.memory.len() == batches * p.columns, "contact memory")?;
+    let columns = p.columns[0].saturating_add(p.columns[1]);
+    require((NORMAL_COLUMNS..64).contains(&p.columns[0]) && columns < 64, "columns of contact memory")?;
+    require(p.memory.len() == batches * columns, "contact memory")?;
     require(p.outer_offsets.len() == n + 1, "offsets of grains")?;
     let ordered = p.outer_offsets.windows(2).all(|w| w[0] <= w[1]);
     require(p.blocks.len() < 1 << 20, "blocks of pairs")?;
@@ -320,7 +322,7 @@ pub(crate) mod rows {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::config::{Contact, Grains, Material, NormalKind, TangentialKind};
+    use crate::config::{Contact, Grains, Material};
     use crate::gas::gas;
     use crate::servo::Control;
 
@@ -328,8 +330,7 @@ pub(crate) mod tests {
     pub(crate) fn running(count: usize, spread: f64) -> Simulation {
         let grains = Grains { count, spread, ..Grains::default() };
         let (cell, sites) = gas(&grains, 0.3, 11).unwrap();
-        let contact =
-            Contact { normal: NormalKind::Jkr, tangential: TangentialKind::MindlinDeresiewicz, damping: 0.1 };
+        let contact = Contact::default();
         let mut s =
             Simulation::new(cell, &sites, Properties { material: Material::default(), contact }).unwrap();
         s.set_control(Control::isotropic(20e3, 8000.0));

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+pub use crate::contact::{NormalKind, ParameterValues, RollingKind, TangentialKind};
+
 /// The grains: how many, how large, of what.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Grains {
@@ -48,43 +50,84 @@ impl Default for Material {
     }
 }
 
-/// Which normal law.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum NormalKind {
-    /// Hertz (1882): elastic spheres without adhesion.
-    Hertz,
-    /// Johnson, Kendall and Roberts (1971): elastic spheres with adhesion.
-    Jkr,
-}
-
-/// Which tangential law.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum TangentialKind {
-    /// Incremental Mindlin and Deresiewicz (1953) with turning points, as Thornton and Yin (1991).
-    MindlinDeresiewicz,
-    /// No-slip Mindlin with rescaling of the force when the contact shrinks.
-    NoSlip,
-    /// Mindlin-Deresiewicz after Savkoor-Briggs (1977) peeling, as Thornton and Yin (1991); needs `Jkr`.
-    Peeling,
-}
-
-/// The contact law: normal, tangential and damping.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// The contact law: normal, tangential and of moments, with the parameters of these laws, and damping.
+///
+/// ```
+/// use granum_dem::config::{Contact, NormalKind, RollingKind, TangentialKind};
+///
+/// let mut contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
+/// contact.rolling = RollingKind::ELASTIC_PLASTIC;
+/// contact.parameters.set("rolling_friction", 0.2)?;
+/// assert_eq!(contact.rolling.name(), "elastic-plastic");
+/// # Ok::<(), granum_dem::contact::parameters::TooManyParameters>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// Normal law.
     pub normal: NormalKind,
     /// Tangential law.
     pub tangential: TangentialKind,
+    /// Law of the moments of a contact: resistance to rolling.
+    pub rolling: RollingKind,
     /// Fraction zeta of critical damping in the contact dashpots.
     pub damping: f64,
+    /// Values given to the parameters of the laws; the others have their defaults.
+    pub parameters: ParameterValues,
+}
+
+/// The form in files: what is not in use is left out where the format has names.
+#[derive(Serialize, Deserialize)]
+struct ContactForm {
+    normal: NormalKind,
+    tangential: TangentialKind,
+    damping: f64,
+    #[serde(default = "no_moments", skip_serializing_if = "is_none")]
+    rolling: RollingKind,
+    #[serde(default, skip_serializing_if = "ParameterValues::is_empty")]
+    parameters: ParameterValues,
+}
+
+fn no_moments() -> RollingKind {
+    RollingKind::NONE
+}
+
+fn is_none(rolling: &RollingKind) -> bool {
+    *rolling == RollingKind::NONE
+}
+
+impl Serialize for Contact {
+    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let Contact { normal, tangential, rolling, damping, parameters } = *self;
+        if to.is_human_readable() {
+            return ContactForm { normal, tangential, damping, rolling, parameters }.serialize(to);
+        }
+        (normal, tangential, rolling, damping, parameters).serialize(to)
+    }
+}
+
+impl<'d> Deserialize<'d> for Contact {
+    fn deserialize<D: serde::Deserializer<'d>>(from: D) -> Result<Contact, D::Error> {
+        if from.is_human_readable() {
+            let ContactForm { normal, tangential, damping, rolling, parameters } =
+                ContactForm::deserialize(from)?;
+            return Ok(Contact { normal, tangential, rolling, damping, parameters });
+        }
+        let (normal, tangential, rolling, damping, parameters) = Deserialize::deserialize(from)?;
+        Ok(Contact { normal, tangential, rolling, damping, parameters })
+    }
 }
 
 /// Stiff contacts of a grain for which the time step is to be stable.
 pub const MOST_CONTACTS: f64 = 12.0;
 
 impl Contact {
+    /// A normal and a tangential law with a fraction of critical damping; grains roll freely, and parameters have their
+    /// defaults.
+    pub const fn new(normal: NormalKind, tangential: TangentialKind, damping: f64) -> Contact {
+        let (rolling, parameters) = (RollingKind::NONE, ParameterValues::NONE);
+        Contact { normal, tangential, rolling, damping, parameters }
+    }
+
     /// Largest stable `dt sqrt(k_t / m)` of a grain that spins in phase with its neighbours at Z contacts of the tangential
     /// stiffness k_t: `sqrt(6/5Z) (sqrt(1 + x^2) - x)`, `x = zeta sqrt(5Z/3)`.
     ///
@@ -98,7 +141,7 @@ impl Contact {
 
 impl Default for Contact {
     fn default() -> Self {
-        Contact { normal: NormalKind::Jkr, tangential: TangentialKind::MindlinDeresiewicz, damping: 0.1 }
+        Contact::new(NormalKind::JKR, TangentialKind::MINDLIN_DERESIEWICZ, 0.1)
     }
 }
 

@@ -16,7 +16,7 @@ pub mod simulation;
 pub mod state;
 
 mod blocks;
-mod forgotten;
+mod discarded;
 mod kernel;
 mod machine;
 mod pairs;

@@ -7,12 +7,12 @@ use crate::blocks::{self, Change};
 use crate::cell::Cell;
 use crate::config::{Contact, MOST_CONTACTS};
 use crate::contact::{PairConstants, PairProperties};
-use crate::kernel::{ContactSums, NORMAL_COLUMNS, Nearness, Views, Watch};
+use crate::kernel::{ContactSums, NORMAL_COLUMNS, Nearness, Stages, Views, Watch};
 use crate::loading::Event;
 use crate::pairs::{self, IMAGES};
 use crate::search;
 use crate::servo::Sample;
-use crate::simulation::{Hardware, LawTable, Properties, SimulationError};
+use crate::simulation::{Hardware, Properties, SimulationError};
 use crate::state::State;
 use crate::team::RawSlice;
 
@@ -31,7 +31,7 @@ const FAR: usize = 2 << 20;
 pub(crate) struct Machine {
     pub(crate) state: State,
     pub(crate) properties: Properties,
-    pub(crate) table: LawTable,
+    pub(crate) stages: Stages,
     pub(crate) hardware: Hardware,
     pub(crate) time_step_factor: f64,
     pub(crate) fixed_time_step: Option<f64>,
@@ -49,16 +49,16 @@ pub(crate) struct Machine {
 }
 
 impl Machine {
-    pub(crate) fn new(state: State, properties: Properties, table: LawTable) -> Machine {
+    pub(crate) fn new(state: State, properties: Properties) -> Machine {
         let mut machine = Machine {
             state,
             properties,
-            table,
+            stages: Stages::of(&properties.contact),
             hardware: Hardware::default(),
             time_step_factor: 0.2,
             fixed_time_step: None,
             expected_force: 0.0,
-            alike: PairConstants::from_columns(|_| 0.0),
+            alike: PairConstants::from_columns(true, |_| 0.0),
             contact_sums: Vec::new(),
             fastest_grain: Vec::new(),
             nearness: Vec::new(),
@@ -106,9 +106,15 @@ impl Machine {
         let reorder = state.rebuilds.is_multiple_of(REORDER_EVERY);
         let new_place = reorder.then(|| reorder_grains(state, 2.0 * self.largest_radius));
         let near = search::find(self.hardware.isa, &state.cell, &state.place[..n], state.skin);
-        let columns = NORMAL_COLUMNS + self.table.history;
+        let laws = self.properties.contact;
+        let [tangential, moments] = laws.history();
+        let columns = [NORMAL_COLUMNS + tangential, moments];
         let old = std::mem::take(&mut state.pairs);
-        let change = Change { moved: &moved, new_place: new_place.as_deref(), swap: self.table.swap_sides };
+        let change = Change {
+            moved: &moved,
+            new_place: new_place.as_deref(),
+            swap: &|memory| laws.swap_sides(memory),
+        };
         state.pairs = blocks::rebuild(old, &near, &state.cell, &state.place[..n], &change, columns);
         state.travel = 0.0;
         state.distortion = 0.0;
@@ -120,19 +126,20 @@ impl Machine {
 
     pub(crate) fn prepare_constants(&mut self) {
         let radius = self.state.place[0].0[3];
-        self.alike = (self.table.constants)(&self.properties_of(radius, radius));
+        let laws = self.properties.contact;
+        self.alike = laws.constants(&self.properties_of(radius, radius));
         self.state.pairs.constants = Vec::new();
         if self.all_alike() {
             return;
         }
-        let count = PairConstants::COUNT;
+        let count = laws.constants_kept();
         let batches = self.state.pairs.batches();
         let mut rows = vec![Row8::default(); batches * count];
         for b in 0..batches {
             for l in 0..LANES {
                 let i = self.state.place[self.state.pairs.first[b][l] as usize].0[3];
                 let j = self.state.place[self.state.pairs.second[b][l] as usize].0[3];
-                let values = (self.table.constants)(&self.properties_of(i, j)).to_array();
+                let values = laws.constants(&self.properties_of(i, j)).to_array();
                 for c in 0..count {
                     rows[b * count + c].0[l] = values[c];
                 }
@@ -141,12 +148,12 @@ impl Machine {
         self.state.pairs.constants = rows;
     }
 
-    /// `k_t / m` of a contact that carries the expected force (Hertz's radius), 1/s2: a floor for the time step's choice.
+    /// Stiffness over mass of a contact that carries the expected force, 1/s2: a floor for the time step's choice.
     fn expected_fastest(&self) -> f64 {
         let pair = self.properties_of(self.mean_radius, self.mean_radius);
         let force = self.expected_force.max(1e-6 * pair.effective_modulus * pair.effective_radius.powi(2));
-        let radius = (0.75 * force * pair.effective_radius / pair.effective_modulus).cbrt();
-        8.0 * pair.effective_shear_modulus * radius / (2.0 * pair.effective_mass)
+        let [_, stiffness] = self.properties.contact.stiffness_under(&pair, force);
+        stiffness / (2.0 * pair.effective_mass)
     }
 
     fn time_step_for(&self, fastest: f64) -> f64 {
@@ -217,7 +224,7 @@ impl Machine {
         views.gradient = state.gradient;
         views.dt = state.dt;
         views.retain = 1.0 - state.fading * state.dt;
-        views.account = crate::forgotten::account(state.step);
+        views.account = crate::discarded::account(state.step);
         views.images = dispatch(self.hardware.isa, Images(&state.cell));
     }
 
@@ -232,6 +239,8 @@ impl Machine {
         state.ledger.micro_slip += state.sums.micro_slip_loss;
         state.ledger.adhesion_made += state.sums.adhesion_made;
         state.ledger.adhesion_broken += state.sums.adhesion_broken;
+        state.ledger.rolling_work += state.sums.moment_work;
+        state.ledger.rolling += state.sums.moment_loss;
         state.time += state.dt;
         state.step += 1;
         state.steps_since_rebuild += 1;
@@ -279,7 +288,7 @@ impl Machine {
             memory: RawSlice::new(&mut s.pairs.memory),
             marks: RawSlice::new(&mut s.pairs.marks),
             nearness: RawSlice::new(&mut self.nearness),
-            columns: s.pairs.columns,
+            columns: s.pairs.columns_in_all(),
             constants: RawSlice::new(&mut s.pairs.constants),
             forces: RawSlice::new(&mut s.pairs.forces),
             outer_offsets: RawSlice::new(&mut s.pairs.outer_offsets),
@@ -289,6 +298,9 @@ impl Machine {
             equal: s.pairs.constants.is_empty(),
             far: (s.pairs.memory.len() + s.pairs.constants.len()) * size_of::<Row8>() > FAR,
             alike: self.alike,
+            constants_kept: self.properties.contact.constants_kept(),
+            laws: self.properties.contact,
+            isa: self.hardware.isa,
             gradient: s.gradient,
             dt: s.dt,
             margin: s.watch.margin,
@@ -302,7 +314,7 @@ impl Machine {
         let state = &self.state;
         let travel = state.travel + fastest.sqrt() * views.dt;
         let distortion = state.distortion + norm(&views.gradient) * views.dt;
-        let reach = -(self.table.breaking_approach)(&self.alike);
+        let reach = -self.properties.contact.breaking_overlap(&self.alike);
         let diameter = 2.0 * self.largest_radius + state.skin;
         // A NaN makes no list valid; the step that made it is reported at its end.
         let bound = 2.0 * travel + 1.01 * distortion * diameter + reach;

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::cell::Cell;
 use crate::checkpoint::rows;
-use crate::contact::MAX_HISTORY;
 use crate::contact::interaction::Memory;
+use crate::contact::{MAX_HISTORY, MAX_MOMENT_HISTORY};
 use crate::kernel::NORMAL_COLUMNS;
 use granum_core::geometry::{apply, invert};
 
@@ -86,11 +86,11 @@ pub struct Pairs {
     pub(crate) target: Vec<[u32; LANES]>,
     /// Code of the image of j.
     pub(crate) image: Vec<[u32; LANES]>,
-    /// Columns of memory, by batch: the old normal (3), then the tangential law's history.
+    /// Columns of memory, by batch: the old normal (3), the tangential law's history, that of the law of moments.
     #[serde(with = "rows::eight")]
     pub(crate) memory: Vec<Row8>,
-    /// Number of columns of memory.
-    pub(crate) columns: usize,
+    /// Number of columns of memory: of the normal and the tangential law, of the law of moments.
+    pub(crate) columns: [usize; 2],
     /// What the lanes of a batch did in the last step.
     pub(crate) marks: Vec<Marks>,
     /// Constants by batch, where grains differ; empty where all pairs are alike.
@@ -112,28 +112,38 @@ impl Pairs {
         self.first.len()
     }
 
+    /// Columns of memory of a batch.
+    pub(crate) fn columns_in_all(&self) -> usize {
+        self.columns[0] + self.columns[1]
+    }
+
     /// Memory column `c` of batch `b`.
     pub(crate) fn column(&self, b: usize, c: usize) -> &[f64; LANES] {
-        &self.memory[b * self.columns + c].0
+        &self.memory[b * self.columns_in_all() + c].0
     }
 
     /// The memory of a slot.
     pub(crate) fn memory(&self, slot: usize) -> Memory<f64> {
         let (b, l) = (slot / LANES, slot % LANES);
         let mut history = [0.0; MAX_HISTORY];
-        for (c, value) in history.iter_mut().enumerate().take(self.columns - NORMAL_COLUMNS) {
+        for (c, value) in history.iter_mut().enumerate().take(self.columns[0] - NORMAL_COLUMNS) {
             *value = self.column(b, NORMAL_COLUMNS + c)[l];
         }
-        Memory { normal: [0, 1, 2].map(|c| self.column(b, c)[l]), history }
+        let mut moments = [0.0; MAX_MOMENT_HISTORY];
+        for (c, value) in moments.iter_mut().enumerate().take(self.columns[1]) {
+            *value = self.column(b, self.columns[0] + c)[l];
+        }
+        Memory { normal: [0, 1, 2].map(|c| self.column(b, c)[l]), history, moments }
     }
 
     pub(crate) fn set_memory(&mut self, slot: usize, memory: &Memory<f64>) {
         let (b, l) = (slot / LANES, slot % LANES);
-        for c in 0..NORMAL_COLUMNS {
-            self.memory[b * self.columns + c].0[l] = memory.normal[c];
-        }
-        for c in 0..self.columns - NORMAL_COLUMNS {
-            self.memory[b * self.columns + NORMAL_COLUMNS + c].0[l] = memory.history[c];
+        let history = self.columns[0] - NORMAL_COLUMNS;
+        let values =
+            memory.normal.iter().chain(&memory.history[..history]).chain(&memory.moments[..self.columns[1]]);
+        let first = b * self.columns_in_all();
+        for (row, value) in self.memory[first..].iter_mut().zip(values) {
+            row.0[l] = *value;
         }
     }
 

@@ -8,10 +8,9 @@ use serde::{Deserialize, Serialize};
 use crate::assembly::{Assembly, EnergyLedger, Vector};
 use crate::cell::Cell;
 use crate::config::{Contact, Material};
-use crate::contact::interaction::Memory;
-use crate::contact::registry::{LawError, LawVisitor, check, with_law};
-use crate::contact::{MAX_HISTORY, NormalLaw, PairConstants, PairProperties, TangentialLaw};
-use crate::kernel::{ContactSums, NORMAL_COLUMNS, Watch};
+use crate::contact::registry::{LawError, check};
+use crate::contact::{PairConstants, PairProperties};
+use crate::kernel::{ContactSums, NORMAL_COLUMNS, Stages, Watch};
 use crate::loading::Event;
 use crate::machine::Machine;
 use crate::pairs::{self, Pairs};
@@ -116,48 +115,10 @@ pub enum SimulationError {
     },
 }
 
-/// What the engine needs of a pair of laws, compiled for it.
-#[derive(Clone, Copy)]
-pub(crate) struct LawTable {
-    pub(crate) history: usize,
-    pub(crate) swap_sides: fn(&mut Memory<f64>),
-    pub(crate) constants: fn(&PairProperties) -> PairConstants<f64>,
-    /// Radius of a contact with some approach, its normal force and the energy of that.
-    pub(crate) describe: fn(&PairConstants<f64>, f64) -> [f64; 3],
-    /// Energy that a contact of a tangential stiffness and a history stores by it.
-    pub(crate) tangential_energy: fn(&PairConstants<f64>, f64, &[f64; MAX_HISTORY]) -> f64,
-    pub(crate) tangential_force: fn([f64; 3], &[f64; MAX_HISTORY]) -> [f64; 3],
-    pub(crate) breaking_approach: fn(&PairConstants<f64>) -> f64,
-    pub(crate) advance: fn(&mut Machine, u64) -> Result<(), SimulationError>,
-    pub(crate) forces: fn(&mut Machine),
-}
-
-struct MakeTable;
-impl LawVisitor for MakeTable {
-    type Output = LawTable;
-    fn visit<N: NormalLaw, T: TangentialLaw>(self) -> LawTable {
-        LawTable {
-            history: T::HISTORY,
-            swap_sides: T::swap_sides,
-            tangential_energy: |pair, stiffness, history| T::energy(&pair.tangential, stiffness, history),
-            tangential_force: T::force::<f64>,
-            constants: PairConstants::new::<N, T>,
-            describe: |pair, approach| {
-                let normal = N::evaluate(&pair.normal, approach, true);
-                [normal.radius, normal.force, N::energy(&pair.normal, approach)]
-            },
-            breaking_approach: |pair| N::breaking_approach(&pair.normal),
-            advance: stepping::advance::<N, T>,
-            forces: stepping::forces::<N, T>,
-        }
-    }
-}
-
 /// A simulation.
 #[derive(Clone)]
 pub struct Simulation {
     pub(crate) machine: Machine,
-    table: LawTable,
 }
 
 impl Simulation {
@@ -166,7 +127,7 @@ impl Simulation {
     pub fn new(cell: Cell, sites: &[Site], properties: Properties) -> Result<Simulation, SimulationError> {
         check_sites(&cell, sites)?;
         let smallest = sites.iter().fold(f64::INFINITY, |m, s| m.min(s.radius));
-        let table = checked_table(&properties, smallest)?;
+        check_properties(&properties, smallest)?;
         let mut place: Vec<Row8> = sites
             .iter()
             .map(|s| {
@@ -208,18 +169,17 @@ impl Simulation {
             servo_error: ServoError::default(),
             judge_from: 0.0,
         };
-        let machine = Machine::new(state, properties, table);
-        let mut simulation = Simulation { machine, table };
+        let mut simulation = Simulation { machine: Machine::new(state, properties) };
         simulation.machine.rebuild();
-        (table.forces)(&mut simulation.machine);
+        stepping::forces(&mut simulation.machine);
         simulation.machine.reset_time_step();
         Ok(simulation)
     }
 
     /// A simulation from its parts, as a checkpoint holds them.
     pub(crate) fn from_parts(state: State, properties: Properties) -> Result<Simulation, SimulationError> {
-        let table = checked_table(&properties, smallest(&state))?;
-        Ok(Simulation { machine: Machine::new(state, properties, table), table })
+        check_properties(&properties, smallest(&state))?;
+        Ok(Simulation { machine: Machine::new(state, properties) })
     }
 
     /// Sets threads and instruction set. Results do not depend on it.
@@ -261,20 +221,17 @@ impl Simulation {
         self.machine.reset_time_step();
     }
 
-    /// Changes material or law. Contacts keep their history if the tangential law stays, else tangential
-    /// forces start from zero. Masses follow the density, velocities and spins its inverse root: without gravity that
-    /// only rescales time, and the kinetic energy stays.
+    /// Changes material or law. Contacts keep the history of a tangential law or a law of moments that stays; another
+    /// law's forces start from zero, and so do all where contacts gain or lose an area. Masses follow the density,
+    /// velocities and spins its inverse root: without gravity that only rescales time, and the kinetic energy stays.
     pub fn set_properties(&mut self, properties: Properties) -> Result<(), SimulationError> {
-        let table = checked_table(&properties, smallest(&self.machine.state))?;
-        let same = self.machine.properties.contact.tangential == properties.contact.tangential;
+        check_properties(&properties, smallest(&self.machine.state))?;
+        let before = self.machine.properties.contact;
         let ratio = properties.material.density / self.machine.properties.material.density;
         self.machine.scale_density(ratio);
-        self.table = table;
         self.machine.properties = properties;
-        self.machine.table = table;
-        if !same {
-            self.machine.forget_history();
-        }
+        self.machine.stages = Stages::of(&properties.contact);
+        self.machine.change_history(&before);
         self.machine.rebuild();
         Ok(())
     }
@@ -286,7 +243,7 @@ impl Simulation {
 
     /// Advances by `steps` steps.
     pub fn advance(&mut self, steps: u64) -> Result<(), SimulationError> {
-        (self.table.advance)(&mut self.machine, steps)
+        stepping::advance(&mut self.machine, steps)
     }
 
     /// The state, for looking.
@@ -332,7 +289,9 @@ impl Simulation {
 
     /// A picture for sensors. It copies what it shows and changes nothing.
     pub fn assembly(&self) -> Assembly {
-        self.machine.state.assembly(|slot| self.machine.pair_constants(slot), &self.table)
+        self.machine
+            .state
+            .assembly(|slot| self.machine.pair_constants(slot), &self.machine.properties.contact)
     }
 
     /// Mean diameter of the grains, m.
@@ -417,15 +376,14 @@ impl Properties {
     /// If the laws do not go together.
     pub fn adhesion_reach(&self, radius: f64) -> Result<f64, SimulationError> {
         check(&self.contact)?;
-        let table = with_law(self.contact.normal, self.contact.tangential, MakeTable);
         let sphere = (&self.material, radius);
         let pair = PairProperties::new(sphere, sphere, self.contact.damping);
-        Ok(-(table.breaking_approach)(&(table.constants)(&pair)))
+        Ok(-self.contact.breaking_overlap(&self.contact.constants(&pair)))
     }
 }
 
-/// The laws, for a material that can be and adhesion within the theory.
-fn checked_table(properties: &Properties, radius: f64) -> Result<LawTable, SimulationError> {
+/// Refuses laws that do not go together, a material that cannot be and adhesion beyond the theory.
+fn check_properties(properties: &Properties, radius: f64) -> Result<(), SimulationError> {
     let Material { density, youngs_modulus, poissons_ratio, friction, interface_energy } =
         properties.material;
     let positive = |x: f64| x > 0.0 && x.is_finite();
@@ -449,7 +407,7 @@ fn checked_table(properties: &Properties, radius: f64) -> Result<LawTable, Simul
     if reach.is_nan() || reach > LARGEST_REACH * radius {
         return Err(SimulationError::Adhesion { radius, reach });
     }
-    Ok(with_law(properties.contact.normal, properties.contact.tangential, MakeTable))
+    Ok(())
 }
 
 impl Machine {
@@ -459,8 +417,11 @@ impl Machine {
             return self.alike;
         }
         let (b, l) = (slot / LANES, slot % LANES);
-        let count = PairConstants::COUNT;
-        PairConstants::from_columns(|c| self.state.pairs.constants[b * count + c].0[l])
+        let laws = &self.properties.contact;
+        let count = laws.constants_kept();
+        PairConstants::from_columns(laws.rolling.law().acts(), |c| {
+            self.state.pairs.constants[b * count + c].0[l]
+        })
     }
 
     fn scale_density(&mut self, ratio: f64) {
@@ -485,17 +446,38 @@ impl Machine {
         state.dt /= slower;
     }
 
-    /// Drops the memory of all contacts but for their normals.
-    fn forget_history(&mut self) {
-        let columns = NORMAL_COLUMNS + self.table.history;
+    /// Takes the memory of all contacts over to the present laws: their normals, and the history of laws that stayed.
+    fn change_history(&mut self, before: &Contact) {
+        let now = &self.properties.contact;
+        // A tangential history may hold what the normal law measures contacts by: an area, or a stiffness.
+        let measured_alike =
+            now.normal.law().traits().contact_area == before.normal.law().traits().contact_area;
+        let same = [
+            now.tangential == before.tangential && measured_alike,
+            now.rolling == before.rolling && measured_alike,
+        ];
+        if same == [true; 2] {
+            return;
+        }
+        let [tangential, moments] = now.history();
+        let columns = NORMAL_COLUMNS + tangential + moments;
         let old = &self.state.pairs;
+        // Columns of the new memory, and where in the old one they stood.
+        let mut kept: Vec<[usize; 2]> = (0..NORMAL_COLUMNS).map(|c| [c, c]).collect();
+        if same[0] {
+            kept.extend((NORMAL_COLUMNS..NORMAL_COLUMNS + tangential).map(|c| [c, c]));
+        }
+        if same[1] {
+            kept.extend((0..moments).map(|c| [NORMAL_COLUMNS + tangential + c, old.columns[0] + c]));
+        }
+        let stride = old.columns_in_all();
         let mut memory = vec![Row8::default(); old.batches() * columns];
         for b in 0..old.batches() {
-            for c in 0..NORMAL_COLUMNS {
-                memory[b * columns + c] = old.memory[b * old.columns + c];
+            for [to, from] in &kept {
+                memory[b * columns + to] = old.memory[b * stride + from];
             }
         }
         self.state.pairs.memory = memory;
-        self.state.pairs.columns = columns;
+        self.state.pairs.columns = [NORMAL_COLUMNS + tangential, moments];
     }
 }

@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 use crate::assembly::{Assembly, Contact, EnergyLedger, Grain, Matrix};
 use crate::cell::Cell;
 use crate::checkpoint::rows;
-use crate::contact::PairConstants;
+use crate::config::Contact as Laws;
+use crate::contact::{PairConstants, law};
 use crate::invariants;
 use crate::kernel::{ContactSums, Watch};
 use crate::loading::Reading;
 use crate::pairs::{Pairs, image_vector};
 use crate::servo::{Control, Servo};
-use crate::simulation::LawTable;
 
 /// The state of a simulation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -49,6 +49,7 @@ pub struct State {
     pub(crate) sums: ContactSums,
     /// Largest `k_t / m` since the time step was last raised.
     pub(crate) fastest_peak: f64,
+    #[serde(with = "ledger_row")]
     pub(crate) ledger: EnergyLedger,
     pub(crate) servo: Servo,
     pub(crate) control: Control,
@@ -57,6 +58,46 @@ pub struct State {
     /// Relative errors of the controlled stresses since the arc length came to `judge_from`.
     pub(crate) servo_error: ServoError,
     pub(crate) judge_from: f64,
+}
+
+/// The ledger as a row of numbers: a checkpoint has no names, and so nothing can be left out of it.
+mod ledger_row {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    use crate::assembly::EnergyLedger;
+
+    pub(super) fn serialize<S: Serializer>(ledger: &EnergyLedger, to: S) -> Result<S::Ok, S::Error> {
+        let EnergyLedger {
+            boundary_work,
+            tangential_work,
+            friction,
+            micro_slip,
+            damping,
+            adhesion_made,
+            adhesion_broken,
+            rolling_work,
+            rolling,
+        } = *ledger;
+        let lost = [friction, micro_slip, damping, adhesion_made, adhesion_broken];
+        ([boundary_work, tangential_work], lost, [rolling_work, rolling]).serialize(to)
+    }
+
+    pub(super) fn deserialize<'d, D: Deserializer<'d>>(from: D) -> Result<EnergyLedger, D::Error> {
+        let ([boundary_work, tangential_work], lost, [rolling_work, rolling]) =
+            <([f64; 2], [f64; 5], [f64; 2])>::deserialize(from)?;
+        let [friction, micro_slip, damping, adhesion_made, adhesion_broken] = lost;
+        Ok(EnergyLedger {
+            boundary_work,
+            tangential_work,
+            friction,
+            micro_slip,
+            damping,
+            adhesion_made,
+            adhesion_broken,
+            rolling_work,
+            rolling,
+        })
+    }
 }
 
 /// Steps of strain that count for the arc length: shorter ones to and fro, as the servo makes them, are no way.
@@ -284,11 +325,7 @@ impl State {
     }
 
     /// A picture for sensors.
-    pub(crate) fn assembly(
-        &self,
-        constants: impl Fn(usize) -> PairConstants<f64>,
-        table: &LawTable,
-    ) -> Assembly {
+    pub(crate) fn assembly(&self, constants: impl Fn(usize) -> PairConstants<f64>, laws: &Laws) -> Assembly {
         let n = self.grains();
         let mut order: Vec<usize> = (0..n).collect();
         order.sort_unstable_by_key(|&g| self.ids[g]);
@@ -316,7 +353,7 @@ impl State {
             })
             .collect();
         let mut contacts: Vec<Contact> =
-            self.pairs.touching().map(|s| self.contact(s, &rank, &constants, table)).collect();
+            self.pairs.touching().map(|s| self.contact(s, &rank, &constants, laws)).collect();
         contacts
             .sort_unstable_by(|a, b| (a.i, a.j).cmp(&(b.i, b.j)).then(a.branch[0].total_cmp(&b.branch[0])));
         Assembly {
@@ -344,7 +381,7 @@ impl State {
         slot: usize,
         rank: &[usize],
         constants: impl Fn(usize) -> PairConstants<f64>,
-        table: &LawTable,
+        laws: &Laws,
     ) -> Contact {
         let (b, l) = (slot / LANES, slot % LANES);
         let (i, j) = (self.pairs.first[b][l] as usize, self.pairs.second[b][l] as usize);
@@ -353,10 +390,9 @@ impl State {
         let distance = (branch[0] * branch[0] + branch[1] * branch[1] + branch[2] * branch[2]).sqrt();
         let pair = constants(slot);
         let approach = pair.radius_sum - distance;
-        let [radius, normal_force, normal_energy] = (table.describe)(&pair, approach);
+        let normal = laws.normal_contact(&pair, approach);
         let memory = self.pairs.memory(slot);
-        let t = (table.tangential_force)(memory.normal, &memory.history);
-        let stiffness = 0.5 * pair.sixteen_shear_moduli * radius;
+        let t = law::tangential_force(&memory);
         // By rank, so that i < j holds for ids whatever the order in memory.
         let sign = if rank[i] <= rank[j] { 1.0 } else { -1.0 };
         let (first, second) = if sign > 0.0 { (i, j) } else { (j, i) };
@@ -366,12 +402,13 @@ impl State {
             branch: branch.map(|x| sign * x),
             normal: branch.map(|x| sign * x / distance),
             approach,
-            normal_force,
+            normal_force: normal.force,
             tangential_force: t.map(|x| sign * x),
-            radius,
+            radius: normal.radius,
             sliding: self.pairs.sliding(slot),
-            normal_energy,
-            tangential_energy: (table.tangential_energy)(&pair, stiffness, &memory.history),
+            normal_energy: laws.normal_energy(&pair, approach),
+            tangential_energy: laws.tangential_energy(&pair, &normal, &memory),
+            rolling_energy: laws.moment_energy(&pair, &memory),
         }
     }
 }

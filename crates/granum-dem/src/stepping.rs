@@ -1,14 +1,10 @@
 //! The loop over steps: stages by all threads, and what is serial between them.
 
 use std::cell::UnsafeCell;
-use std::marker::PhantomData;
 
 use granum_simd::dispatch;
 
-use crate::contact::{NormalLaw, TangentialLaw};
-use crate::kernel::{
-    Alike, ByBatch, ConstantSource, ContactStage, ContactSums, GrainStage, Views, WatchStage, larger,
-};
+use crate::kernel::{self, ContactSums, GrainStage, Views, WatchStage, larger};
 use crate::machine::Machine;
 use crate::pairs::Block;
 use crate::simulation::SimulationError;
@@ -44,7 +40,7 @@ struct Team<'a> {
     steps: UnsafeCell<u64>,
     failure: UnsafeCell<Option<SimulationError>>,
     threads: usize,
-    by_batch: bool,
+    contacts: kernel::Stage,
     isa: granum_simd::Isa,
 }
 // SAFETY: the cells are written by one thread at a time, between the report of the last block of a stage and the opening of
@@ -53,7 +49,7 @@ unsafe impl Sync for Team<'_> {}
 
 impl Team<'_> {
     /// One thread's part.
-    fn work<N: NormalLaw, T: TangentialLaw>(&self, thread: usize) {
+    fn work(&self, thread: usize) {
         let _guard = Guard(&self.work);
         let mut turns = 0;
         loop {
@@ -64,10 +60,7 @@ impl Team<'_> {
                 match stage {
                     Stage::Grains => dispatch(self.isa, GrainStage { views, blocks }),
                     Stage::Watch(_) => dispatch(self.isa, WatchStage { views, blocks }),
-                    Stage::Contacts(_) if self.by_batch => {
-                        contact_stage::<N, T, ByBatch>(self.isa, views, blocks);
-                    }
-                    Stage::Contacts(_) => contact_stage::<N, T, Alike>(self.isa, views, blocks),
+                    Stage::Contacts(_) => (self.contacts)(views, blocks),
                 }
                 if self.work.report(count, all) {
                     // SAFETY: that was the last block, and no other can be claimed.
@@ -164,19 +157,14 @@ fn share_batches(blocks: &[Block], thread: usize, threads: usize) -> std::ops::R
     before(thread)..end
 }
 
-fn contact_stage<N: NormalLaw, T: TangentialLaw, C: ConstantSource>(
-    isa: granum_simd::Isa,
-    views: &Views,
-    blocks: std::ops::Range<usize>,
-) {
-    dispatch(isa, ContactStage { views, blocks, laws: PhantomData::<(N, T, C)> });
+/// The contact stage of a machine.
+fn contact_stage(machine: &Machine) -> kernel::Stage {
+    let stages = machine.stages;
+    if machine.state.pairs.constants.is_empty() { stages.alike } else { stages.by_batch }
 }
 
 /// Advances by `steps` steps with the threads of the machine's hardware.
-pub(crate) fn advance<N: NormalLaw, T: TangentialLaw>(
-    machine: &mut Machine,
-    steps: u64,
-) -> Result<(), SimulationError> {
+pub(crate) fn advance(machine: &mut Machine, steps: u64) -> Result<(), SimulationError> {
     if steps == 0 {
         return Ok(());
     }
@@ -184,7 +172,7 @@ pub(crate) fn advance<N: NormalLaw, T: TangentialLaw>(
     let views = machine.views();
     let mut team = Team {
         work: Work::new(threads),
-        by_batch: !machine.state.pairs.constants.is_empty(),
+        contacts: contact_stage(machine),
         isa: machine.hardware.isa,
         machine: UnsafeCell::new(machine),
         views: UnsafeCell::new(views),
@@ -197,23 +185,19 @@ pub(crate) fn advance<N: NormalLaw, T: TangentialLaw>(
     let shared = &team;
     std::thread::scope(|scope| {
         for thread in 1..threads {
-            scope.spawn(move || shared.work::<N, T>(thread));
+            scope.spawn(move || shared.work(thread));
         }
-        shared.work::<N, T>(0);
+        shared.work(0);
     });
     team.failure.into_inner().map_or(Ok(()), Err)
 }
 
 /// Computes the forces of the present geometry without moving anything or letting time pass.
-pub(crate) fn forces<N: NormalLaw, T: TangentialLaw>(machine: &mut Machine) {
+pub(crate) fn forces(machine: &mut Machine) {
     let mut views = machine.views();
     views.dt = 0.0;
     let blocks = 0..views.blocks.len();
-    if machine.state.pairs.constants.is_empty() {
-        contact_stage::<N, T, Alike>(machine.hardware.isa, &views, blocks);
-    } else {
-        contact_stage::<N, T, ByBatch>(machine.hardware.isa, &views, blocks);
-    }
+    contact_stage(machine)(&views, blocks);
     machine.state.sums = ContactSums::total(&machine.contact_sums);
 }
 

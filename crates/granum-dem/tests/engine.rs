@@ -14,7 +14,7 @@ use granum_dem::simulation::{Hardware, Properties, Simulation, SimulationError, 
 const DIAMETER: f64 = 1e-4;
 
 fn properties(normal: NormalKind, tangential: TangentialKind) -> Properties {
-    Properties { material: Material::default(), contact: Contact { normal, tangential, damping: 0.1 } }
+    Properties { material: Material::default(), contact: Contact::new(normal, tangential, 0.1) }
 }
 
 fn lattice(sites: &[[f64; 3]], cell: Cell, normal: NormalKind) -> Simulation {
@@ -23,16 +23,16 @@ fn lattice(sites: &[[f64; 3]], cell: Cell, normal: NormalKind) -> Simulation {
         .enumerate()
         .map(|(k, &position)| Site { id: k as u64 + 1, position, radius: 0.5 * DIAMETER })
         .collect();
-    Simulation::new(cell, &sites, properties(normal, TangentialKind::NoSlip)).unwrap()
+    Simulation::new(cell, &sites, properties(normal, TangentialKind::NO_SLIP)).unwrap()
 }
 
 /// Physics table (vi): mean stress and affine bulk modulus of simple cubic and face-centred cubic lattices.
 #[test]
 fn lattices_have_their_stress() {
     let table = [
-        (1e-5, NormalKind::Hertz, 810.8566, 2293.449),
-        (1e-4, NormalKind::Hertz, 25646.15, 72538.28),
-        (1e-3, NormalKind::Hertz, 812464.5, 2297997.0),
+        (1e-5, NormalKind::HERTZ, 810.8566, 2293.449),
+        (1e-4, NormalKind::HERTZ, 25646.15, 72538.28),
+        (1e-3, NormalKind::HERTZ, 812464.5, 2297997.0),
     ];
     for (strain, normal, simple, face_centred) in table {
         let l = DIAMETER * (1.0 - strain);
@@ -48,7 +48,7 @@ fn lattices_have_their_stress() {
         assert_eq!(s.state().contacts(), 6);
     }
     for (strain, simple) in [(1e-5, -5023.745), (1e-4, 20503.37), (1e-3, 807649.2)] {
-        let s = lattice(&[[0.0; 3]], Cell::cuboid([DIAMETER * (1.0 - strain); 3]), NormalKind::Jkr);
+        let s = lattice(&[[0.0; 3]], Cell::cuboid([DIAMETER * (1.0 - strain); 3]), NormalKind::JKR);
         let p = s.state().mean_stress();
         assert!((p / simple - 1.0).abs() < 2e-7, "adhesive {strain}: {p} {simple}");
     }
@@ -131,7 +131,7 @@ fn momentum_and_energy_of_an_elastic_gas_are_kept() {
     let grains = Grains { count: 100, ..Grains::default() };
     let (cell, sites) = gas(&grains, 0.3, 5).unwrap();
     let material = Material { friction: 0.0, interface_energy: 0.0, ..Material::default() };
-    let contact = Contact { normal: NormalKind::Hertz, tangential: TangentialKind::NoSlip, damping: 0.0 };
+    let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.0);
     let mut s = Simulation::new(cell, &sites, Properties { material, contact }).unwrap();
     let velocities: Vec<[f64; 3]> =
         (0..100).map(|k| [k as f64 * 0.7, k as f64 * 1.3, k as f64 * 2.1].map(f64::sin)).collect();
@@ -207,7 +207,7 @@ fn a_rigidly_rotating_cell_feels_nothing() {
 #[test]
 fn impossible_grains_are_refused_by_id() {
     let site = |id, x: f64, radius| Site { id, position: [x, 0.0, 0.0], radius };
-    let p = properties(NormalKind::Hertz, TangentialKind::NoSlip);
+    let p = properties(NormalKind::HERTZ, TangentialKind::NO_SLIP);
     let cell = Cell::cuboid([1e-3; 3]);
     let message = |sites: &[Site]| match Simulation::new(cell, sites, p) {
         Err(e @ SimulationError::Grain { .. }) => e.to_string(),

@@ -18,7 +18,7 @@ fn sample() -> Simulation {
     static SAMPLE: OnceLock<Simulation> = OnceLock::new();
     let make = || {
         let material = Material { interface_energy: 0.0, ..Material::default() };
-        let contact = Contact { normal: NormalKind::Hertz, tangential: TangentialKind::NoSlip, damping: 0.1 };
+        let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
         let grains = Grains { count: 300, material, ..Grains::default() };
         let preparation = Preparation {
             friction: Some(0.1),

@@ -48,6 +48,10 @@ const CONTACT: [Entry<Contact>; 8] = [
     ("tangential_energy", "J", Place::Scalar(|contact| &mut contact.tangential_energy)),
 ];
 
+/// A further column of contacts, written only where one is not zero: contacts that resist rolling.
+const ROLLING: [Entry<Contact>; 1] =
+    [("rolling_energy", "J", Place::Scalar(|contact| &mut contact.rolling_energy))];
+
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The rows as columns.
@@ -108,10 +112,15 @@ fn grain_rows(grains: &[Grain]) -> Result<Table> {
 /// # Errors
 /// [`Error::Rule`] if a contact names a grain that is not there.
 pub fn contacts_table(assembly: &Assembly) -> Result<Table> {
-    contact_rows(assembly, 0..assembly.contacts.len())
+    contact_rows(assembly, 0..assembly.contacts.len(), resists_rolling(assembly))
 }
 
-fn contact_rows(assembly: &Assembly, rows: Range<usize>) -> Result<Table> {
+/// True if a contact stores energy by rolling.
+fn resists_rolling(assembly: &Assembly) -> bool {
+    assembly.contacts.iter().any(|contact| contact.rolling_energy != 0.0)
+}
+
+fn contact_rows(assembly: &Assembly, rows: Range<usize>, rolling: bool) -> Result<Table> {
     let id = |index: usize| {
         let grain = assembly.grains.get(index);
         grain
@@ -123,6 +132,9 @@ fn contact_rows(assembly: &Assembly, rows: Range<usize>) -> Result<Table> {
     let second = contacts.iter().map(|contact| id(contact.j)).collect::<Result<_>>()?;
     let mut table = vec![whole_numbers("first", first), whole_numbers("second", second)];
     table.extend(columns(contacts, &CONTACT));
+    if rolling {
+        table.extend(columns(contacts, &ROLLING));
+    }
     let sliding = contacts.iter().map(|contact| f64::from(u8::from(contact.sliding))).collect();
     table.push(Column::new("sliding", "", sliding).of_kind(ColumnKind::Boolean));
     Ok(Table::new(table)?)
@@ -157,7 +169,10 @@ pub fn write_snapshot(folder: &Path, name: &str, assembly: &Assembly) -> Result<
     let path = part(folder, name, "grains.parquet");
     crate::formats::parquet::write_parts(&path, grains.len(), |rows| grain_rows(&grains[rows]))?;
     let path = part(folder, name, "contacts.parquet");
-    crate::formats::parquet::write_parts(&path, contacts.len(), |rows| contact_rows(assembly, rows))?;
+    let rolling = resists_rolling(assembly);
+    crate::formats::parquet::write_parts(&path, contacts.len(), |rows| {
+        contact_rows(assembly, rows, rolling)
+    })?;
     let bare = Assembly {
         time: assembly.time,
         step: assembly.step,
@@ -236,6 +251,9 @@ fn read_contacts(path: &Path, rows: usize, grains: &[Grain]) -> Result<Vec<Conta
         contact.sliding = sliding[row] != 0.0;
     }
     fill(&mut contacts, &CONTACT, &table)?;
+    if table.columns().iter().any(|column| column.name == ROLLING[0].0) {
+        fill(&mut contacts, &ROLLING, &table)?;
+    }
     Ok(contacts)
 }
 
@@ -295,6 +313,7 @@ pub(crate) mod tests {
             sliding,
             normal_energy: next3()[0],
             tangential_energy: next3()[0],
+            rolling_energy: 0.0,
         };
         let contacts = vec![contact(0, 1, false, &mut next3), contact(0, 2, true, &mut next3)];
         Assembly {
@@ -319,6 +338,12 @@ pub(crate) mod tests {
         assert!(list_snapshots(&folder).unwrap().is_empty());
         write_snapshot(&folder, "end", &assembly()).unwrap();
         assert_eq!(read_snapshot(&folder, "end").unwrap(), assembly());
+        let mut rolling = assembly();
+        rolling.contacts[1].rolling_energy = 1e-12;
+        rolling.energy.rolling = 2e-12;
+        write_snapshot(&folder, "rolling", &rolling).unwrap();
+        assert_eq!(read_snapshot(&folder, "rolling").unwrap(), rolling);
+        std::fs::remove_file(folder.join("rolling.json")).unwrap();
         assert_eq!(list_snapshots(&folder).unwrap(), ["end"]);
     }
 

@@ -8,7 +8,7 @@ use super::figure::{Axis, Figure, Layer, Panel, Plot, Stroke};
 use super::material::strain_axis;
 
 /// Mechanisms that can give back what they hold; dashed.
-const ELASTIC: [&str; 2] = ["normal elastic", "tangential elastic"];
+const ELASTIC: [&str; 3] = ["normal elastic", "tangential elastic", "rolling elastic"];
 /// Last of the mechanisms, in grey: it is small wherever a test is quasi-static.
 const KINETIC: &str = "kinetic";
 /// Shares of the final work that are drawn.
@@ -31,19 +31,24 @@ impl Ledger {
         };
         let elastic_normal = since_start("elastic_normal_energy")?;
         let elastic_tangential = since_start("elastic_tangential_energy")?;
+        let mut parts = vec![
+            ("sliding friction", since_start("friction_loss")?),
+            ("micro-slip", since_start("micro_slip_loss")?),
+            ("contact damping", since_start("damping_loss")?),
+            ("adhesion made", since_start("adhesion_made_loss")?),
+            ("adhesion broken", since_start("adhesion_broken_loss")?),
+            (ELASTIC[0], elastic_normal),
+            (ELASTIC[1], elastic_tangential),
+            (KINETIC, since_start("kinetic_energy")?),
+        ];
+        // Recorded only where contacts resist rolling.
+        for (name, column) in [("rolling", "rolling_loss"), (ELASTIC[2], "elastic_rolling_energy")] {
+            parts.extend(since_start(column).map(|values| (name, values)));
+        }
         Some(Ledger {
             strain: column(record, "deviator_strain").to_vec(),
             work: since_start("boundary_work")?,
-            parts: vec![
-                ("sliding friction", since_start("friction_loss")?),
-                ("micro-slip", since_start("micro_slip_loss")?),
-                ("contact damping", since_start("damping_loss")?),
-                ("adhesion made", since_start("adhesion_made_loss")?),
-                ("adhesion broken", since_start("adhesion_broken_loss")?),
-                (ELASTIC[0], elastic_normal),
-                (ELASTIC[1], elastic_tangential),
-                (KINETIC, since_start("kinetic_energy")?),
-            ],
+            parts,
         })
     }
 

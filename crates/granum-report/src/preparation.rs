@@ -60,7 +60,7 @@ pub fn report(run: &RunReport) -> Document {
     let label = page.own_table_label();
     let body = html! { (sample::own_table(&label, run).html()) (case_details(run)) };
     page.section("case", "The sample and the case", body);
-    let law = sample::law(run.case.contact.normal, run.case.contact.tangential);
+    let law = sample::law(&run.case.contact);
     let stress = quantity(run.case.preparation.mean_stress, "Pa");
     let subtitle = format!("sample · {} · {law} · *p* = {stress}", whose_grains(run));
     page.finish(&run.name, &subtitle, html! { (tiles(&headline(run))) })

@@ -48,7 +48,7 @@ fn subtitle(run: &RunReport) -> String {
     let case = &run.case;
     let mut parts = vec![
         whose_grains(run),
-        sample::law(case.contact.normal, case.contact.tangential),
+        sample::law(&case.contact),
         format!(
             "axisymmetric compression at *p* = {}",
             quantity(case.shear.mean_stress.unwrap_or(case.preparation.mean_stress), "Pa")

@@ -3,7 +3,8 @@
 use super::data::RunReport;
 use super::numbers::{quantity, significant, whole};
 use super::page::Table;
-use granum_dem::config::{NormalKind, Rate, TangentialKind};
+use granum_dem::config::{Contact, Rate};
+use granum_dem::contact::registry::parameters_of;
 
 /// Solid fraction of the paper's sample.
 pub const SOLID_FRACTION: f64 = 0.61;
@@ -95,11 +96,7 @@ fn rows(runs: &[RunReport]) -> Vec<[String; 3]> {
     row("Friction *μ*", "0.3", trimmed(material.friction));
     row("Interface energy *Γ*", "0.6 J/m^{2}", format!("{} J/m^{{2}}", trimmed(material.interface_energy)));
     row("Density", "–", format!("{} kg/m^{{3}}", whole(material.density)));
-    row(
-        "Contact law",
-        "theoretical contact mechanics (Thornton and Yin 1991)",
-        law(case.contact.normal, case.contact.tangential),
-    );
+    row("Contact law", "theoretical contact mechanics (Thornton and Yin 1991)", law(&case.contact));
     row("Contact damping", "–", format!("{} of critical", trimmed(case.contact.damping)));
     row("Mean stress *p*", "20 kPa", quantity(run.mean_stress(), "Pa"));
     if run.run.kind != "prepare" {
@@ -162,18 +159,22 @@ fn trimmed(value: f64) -> String {
     super::numbers::trimmed(value)
 }
 
-/// The contact law in words.
-pub fn law(normal: NormalKind, tangential: TangentialKind) -> String {
-    let normal = match normal {
-        NormalKind::Hertz => "Hertz",
-        NormalKind::Jkr => "JKR",
-    };
-    let tangential = match tangential {
-        TangentialKind::MindlinDeresiewicz => "Mindlin–Deresiewicz",
-        TangentialKind::NoSlip => "no-slip Mindlin",
-        TangentialKind::Peeling => "Savkoor–Briggs peeling, then Mindlin–Deresiewicz",
-    };
-    format!("{normal}, {tangential}")
+/// The contact law in words, with the parameters of the laws.
+pub fn law(contact: &Contact) -> String {
+    let mut words = format!("{}, {}", contact.normal.label(), contact.tangential.label());
+    if contact.rolling.law().acts() {
+        words.push_str(&format!(", {}", contact.rolling.label()));
+    }
+    for parameter in parameters_of(contact) {
+        let value = significant(contact.parameters.value(parameter), 4);
+        let unit = if parameter.unit.symbol.is_empty() { "" } else { " " };
+        words.push_str(&format!(
+            "; {} {value}{unit}{}",
+            parameter.key.replace('_', " "),
+            parameter.unit.symbol
+        ));
+    }
+    words
 }
 
 fn rate(rate: &Rate) -> String {

@@ -4,7 +4,8 @@
 //! The ledger closes: `boundary_work = change of (kinetic + elastic normal) + tangential_work + damping + adhesion made +
 //! adhesion broken`, where the normal energy counts that of the joined surfaces. The tangential work is stored, slid or
 //! slipped: `tangential_work = change of elastic tangential + friction + micro-slip`; each is found by itself, so that
-//! what is missing here is the inconsistency of the tangential law (none without micro-slip).
+//! what is missing here is the inconsistency of the tangential law (none without micro-slip). Where contacts resist rolling,
+//! `rolling_work` of [`crate::rolling`] comes to the right side.
 
 use crate::{Look, Sensor, SensorColumn};
 

@@ -26,6 +26,7 @@ mod numerics;
 pub mod overlap;
 mod record;
 mod recorder;
+pub mod rolling;
 pub mod rose;
 mod sensor;
 pub mod servo;
@@ -61,6 +62,7 @@ pub fn all() -> &'static [Sensor] {
         unbalanced_force::SENSOR,
         overlap::SENSOR,
         energy::SENSOR,
+        rolling::SENSOR,
         rose::SENSOR,
     ];
     ALL

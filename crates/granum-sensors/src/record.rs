@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::force_distribution::ForceHistogram;
-use crate::{columns, stage_columns};
+use crate::{all, invariants};
 
 /// What is wrong with a table that should be a record.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -63,13 +63,22 @@ impl Record {
         }
         table.push(number("state", rows.iter().map(|row| row.0 as f64).collect()));
         table.push(number("looks", rows.iter().map(|row| row.1 as f64).collect()));
-        let wanted = if stages.is_some() { stage_columns().count() } else { columns().count() };
-        for (k, sensor_column) in stage_columns().take(wanted).enumerate() {
-            table.push(column(
-                sensor_column.name,
-                sensor_column.unit,
-                rows.iter().map(|row| row.2[k]).collect(),
-            ));
+        let mut first = 0;
+        let further = stages.is_some().then_some(&invariants::SENSOR);
+        for sensor in all().iter().chain(further) {
+            let places = first..first + sensor.columns.len();
+            first = places.end;
+            let is_unused = |row: &(usize, u64, Vec<f64>)| {
+                let values = sensor.columns.iter().zip(&row.2[places.clone()]);
+                values.filter(|(column, _)| column.optional).all(|(_, value)| *value == 0.0)
+            };
+            let unused = rows.iter().all(is_unused);
+            for (k, sensor_column) in places.zip(sensor.columns) {
+                if !(sensor_column.optional && unused) {
+                    let values = rows.iter().map(|row| row.2[k]).collect();
+                    table.push(column(sensor_column.name, sensor_column.unit, values));
+                }
+            }
         }
         table.push(number("forces_below", forces.iter().map(|h| h.below as f64).collect()));
         table.push(number("forces_above", forces.iter().map(|h| h.above as f64).collect()));

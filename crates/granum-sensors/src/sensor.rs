@@ -24,12 +24,20 @@ pub struct SensorColumn {
     pub description: &'static str,
     /// How looks are averaged.
     pub averaging: Averaging,
+    /// True for a column that a series leaves out, with the other such columns of its sensor, where all of them are zero
+    /// throughout.
+    pub optional: bool,
 }
 
 impl SensorColumn {
     /// A column whose looks are averaged by their mean.
     pub const fn new(name: &'static str, unit: &'static str, description: &'static str) -> Self {
-        SensorColumn { name, unit, description, averaging: Averaging::Mean }
+        SensorColumn { name, unit, description, averaging: Averaging::Mean, optional: false }
+    }
+
+    /// The same column, left out of a series where it is zero throughout.
+    pub const fn optional(self) -> Self {
+        SensorColumn { optional: true, ..self }
     }
 
     /// The same column with another way to average its looks.

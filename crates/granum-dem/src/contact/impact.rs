@@ -8,9 +8,11 @@
 use granum_simd::{Isa, Kernel, Lanes, dispatch};
 use serde::{Deserialize, Serialize};
 
+use super::columns::One;
 use super::interaction::{Kinematics, Memory, add_scaled, cross, dot, interact, scale};
-use super::registry::{LawError, LawVisitor, check, with_law};
-use super::{NormalLaw, PairConstants, PairProperties, TangentialLaw};
+use super::registry::{LawError, check};
+use super::set::{Open, Slots};
+use super::{PairConstants, PairProperties};
 use crate::config::{Contact, Material};
 
 /// Outcome of a collision. Tangential velocities are those of the contact point of j against that of i, spin included.
@@ -164,9 +166,15 @@ fn describe(raw: Impact, pair: &PairProperties, material: &Material, speed: f64,
     }
 }
 
-/// Shorter of Hertz's contact time and of the time `(m* d_0 / N_c)^(1/2)` of an adhesive bond, s.
-fn characteristic_time(pair: &PairProperties, velocity: f64) -> f64 {
+/// Shorter of the contact time and of the time `(m* d_0 / N_c)^(1/2)` of an adhesive bond, s. Without a contact area the
+/// contact time is the half period of the normal spring, else Hertz's.
+fn characteristic_time(contact: &Contact, pair: &PairProperties, velocity: f64) -> f64 {
     let (mass, radius, modulus) = (pair.effective_mass, pair.effective_radius, pair.effective_modulus);
+    let normal = contact.normal.law().traits();
+    if !normal.contact_area {
+        let [stiffness, _] = contact.stiffness_under(pair, velocity * velocity * mass / pair.radius_sum);
+        return std::f64::consts::PI * (mass / stiffness).sqrt();
+    }
     let hertz = 2.868 * (mass * mass / (radius * modulus * modulus * velocity)).powf(0.2);
     if pair.interface_energy == 0.0 {
         return hertz;
@@ -184,10 +192,16 @@ pub(super) fn run(
     across: f64,
     steps: usize,
 ) -> Impact {
-    let time = characteristic_time(pair, velocity);
-    let visitor =
+    let time = characteristic_time(contact, pair, velocity);
+    let given =
         Collide { pair, velocity, across, steps, time_step: time / steps as f64, patience: PATIENCE * time };
-    with_law(contact.normal, contact.tangential, visitor)
+    let constants = contact.constants(pair);
+    let separation = contact.breaking_overlap(&constants);
+    let isa = Isa::detect();
+    dispatch(
+        isa,
+        Motion { given, constants, separation, contact, laws: Open::new(&Slots::new(contact, isa)) },
+    )
 }
 
 struct Collide<'a> {
@@ -199,24 +213,13 @@ struct Collide<'a> {
     patience: f64,
 }
 
-impl LawVisitor for Collide<'_> {
-    type Output = Impact;
-    fn visit<N: NormalLaw, T: TangentialLaw>(self) -> Impact {
-        let constants = PairConstants::new::<N, T>(self.pair);
-        let separation = N::breaking_approach(&constants.normal);
-        dispatch(
-            Isa::detect(),
-            Motion { given: self, constants, separation, laws: std::marker::PhantomData::<(N, T)> },
-        )
-    }
-}
-
 /// The motion on plain numbers, compiled for the machine's fused operations.
-struct Motion<'a, N, T> {
+struct Motion<'a> {
     given: Collide<'a>,
     constants: PairConstants<f64>,
     separation: f64,
-    laws: std::marker::PhantomData<(N, T)>,
+    contact: &'a Contact,
+    laws: Open<'a, One>,
 }
 
 /// What moves: the branch from i to j, the velocity of j against i, the spin that both grains have.
@@ -227,7 +230,7 @@ struct Relative {
     spin: [f64; 3],
 }
 
-impl<N: NormalLaw, T: TangentialLaw> Kernel for Motion<'_, N, T> {
+impl Kernel for Motion<'_> {
     type Output = Impact;
 
     #[inline(always)]
@@ -253,12 +256,13 @@ impl<N: NormalLaw, T: TangentialLaw> Kernel for Motion<'_, N, T> {
             ..Impact::default()
         };
         // The force at the instant of touch: adhesion has it at once.
-        let first = N::evaluate(&self.constants.normal, pair.radius_sum * 1e-15, true);
+        let first = self.contact.normal_contact(&self.constants, pair.radius_sum * 1e-15);
         let opening = self.constants.damping * first.root_stiffness * -velocity;
         let mut pull = scale(opening - first.force, normal);
         let mut moment = [0.0; 3];
-        // Just inside the separation, so that its force is still there.
-        let edge = pair.radius_sum - self.separation * (1.0 - 1e-9);
+        // Just inside the separation, so that its force is still there: adhesion, or a dashpot whose spring does not soften.
+        let inside = if first.radius > 0.0 { 0.0 } else { pair.radius_sum * 1e-14 };
+        let edge = pair.radius_sum - self.separation * (1.0 - 1e-9) - inside;
         let mut memory = Memory::<f64>::new();
         let mut time = 0.0;
         let mut opened = false;
@@ -286,8 +290,9 @@ impl<N: NormalLaw, T: TangentialLaw> Kernel for Motion<'_, N, T> {
                 velocity: middle.velocity,
                 rolling: middle.spin,
                 mean_spin: middle.spin,
+                relative_spin: [0.0; 3],
             };
-            let out = interact::<f64, N, T>(&self.constants, &kinematics, dt, &mut memory);
+            let out = interact(&self.laws, &self.constants, &kinematics, dt, &mut memory);
             (pull, moment) = (out.force, out.moment);
             state = half(&Relative { branch, ..middle }, pull, moment, dt);
             time += dt;
@@ -317,7 +322,7 @@ impl<N: NormalLaw, T: TangentialLaw> Kernel for Motion<'_, N, T> {
     }
 }
 
-impl<N, T> Motion<'_, N, T> {
+impl Motion<'_> {
     /// Time until grains whose bond is being torn come apart, s; without bound while they approach, or without adhesion.
     #[inline(always)]
     fn time_to_separation(&self, state: &Relative, edge: f64) -> f64 {

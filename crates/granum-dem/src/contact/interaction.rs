@@ -5,7 +5,9 @@
 use granum_simd::{Mask, Real};
 
 use super::frame::{Frame, Turn};
-use super::{MAX_HISTORY, NormalLaw, PairConstants, TangentialLaw};
+use super::law::RelativeSpin;
+use super::set::Laws;
+use super::{MAX_HISTORY, MAX_MOMENT_HISTORY, PairConstants};
 
 /// How the grains of a pair stand and move.
 #[derive(Clone, Copy)]
@@ -18,6 +20,8 @@ pub struct Kinematics<R> {
     pub rolling: [R; 3],
     /// (w_i + w_j) / 2, rad/s.
     pub mean_spin: [R; 3],
+    /// w_i - w_j, rad/s; of no account without a law of moments.
+    pub relative_spin: [R; 3],
 }
 
 /// What a contact remembers between steps.
@@ -27,13 +31,19 @@ pub struct Memory<R> {
     pub normal: [R; 3],
     /// The tangential law's own columns; vectors by their components in the [`Frame`] of the normal.
     pub history: [R; MAX_HISTORY],
+    /// The same of the law of moments.
+    pub moments: [R; MAX_MOMENT_HISTORY],
 }
 
 impl<R: Real> Memory<R> {
     /// A pair that has not touched.
     #[inline(always)]
     pub fn new() -> Self {
-        Memory { normal: [R::zero(); 3], history: [R::zero(); MAX_HISTORY] }
+        Memory {
+            normal: [R::zero(); 3],
+            history: [R::zero(); MAX_HISTORY],
+            moments: [R::zero(); MAX_MOMENT_HISTORY],
+        }
     }
 }
 
@@ -49,8 +59,10 @@ impl<R: Real> Default for Memory<R> {
 pub struct Interaction<R: Real> {
     /// Force on i, dashpots included, N.
     pub force: [R; 3],
-    /// Torque on i is `R_i moment`, on j `R_j moment`; N.
+    /// Torque of the tangential force on i is `R_i moment`, on j `R_j moment`; N.
     pub moment: [R; 3],
+    /// Couple on i beside that, dashpots included, N m; its opposite acts on j.
+    pub couple: [R; 3],
     /// Elastic force on i, N.
     pub elastic: [R; 3],
     /// Elastic normal force N, N.
@@ -61,6 +73,8 @@ pub struct Interaction<R: Real> {
     pub normal_stiffness: R,
     /// Tangential stiffness, N/m.
     pub tangential_stiffness: R,
+    /// Stiffness that limits the time step, as a tangential stiffness, N/m.
+    pub step_stiffness: R,
     /// Where the pair touches.
     pub touching: R::Mask,
     /// Where the tangential force stands at the friction limit.
@@ -69,16 +83,20 @@ pub struct Interaction<R: Real> {
     pub tangential_work: R,
     /// Lost to sliding in this step, J.
     pub friction_loss: R,
-    /// Lost in this step without sliding, J; where `forgets` is set, [`TangentialLaw::forgotten`] comes to it.
+    /// Lost in this step without sliding, J; where `discards` is set, [`super::TangentialLaw::discarded`] comes to it.
     pub micro_slip_loss: R,
-    /// Where the tangential law forgot a part of its history.
-    pub forgets: R::Mask,
+    /// Where the tangential law discarded a part of its history.
+    pub discards: R::Mask,
     /// Lost in the dashpots in this step, J.
     pub damping_loss: R,
     /// Lost by touching anew in this step, J.
     pub adhesion_made: R,
     /// Lost by breaking in this step, J.
     pub adhesion_broken: R,
+    /// Work that the elastic couple took up in this step, J.
+    pub moment_work: R,
+    /// The part of it that was lost, J.
+    pub moment_loss: R,
 }
 
 /// Dot product, in a fixed order of fused operations.
@@ -145,7 +163,8 @@ fn inverse_of_sum<R: Real>(tilt: R) -> R {
 /// The slip uses the mid-step normal and lever arms that sum to the distance of the centres; anything else is not
 /// objective: a rigid rotation of a loaded pair would make forces.
 #[inline(always)]
-pub fn interact<R: Real, N: NormalLaw, T: TangentialLaw>(
+pub fn interact<R: Real, S: Laws<R>>(
+    laws: &S,
     constants: &PairConstants<R>,
     kinematics: &Kinematics<R>,
     dt: R,
@@ -157,11 +176,11 @@ pub fn interact<R: Real, N: NormalLaw, T: TangentialLaw>(
     let square = dot(branch, branch);
     let distance = square.sqrt();
     let normal = scale(distance * (one / square), branch);
-    let approach = constants.radius_sum - distance;
+    let overlap = constants.radius_sum - distance;
     // The stored normal is zero where the pair did not touch.
     let cosine = dot(memory.normal, normal);
     let touched = cosine.gt(zero);
-    let contact = N::evaluate(&constants.normal, approach, touched);
+    let (contact, losses) = laws.normal(&constants.normal, overlap, touched);
     let touching = contact.touching;
 
     // A new contact starts in its own plane.
@@ -172,7 +191,8 @@ pub fn interact<R: Real, N: NormalLaw, T: TangentialLaw>(
     let middle = scale(inverse, sum);
     let spin = dt * dot(kinematics.mean_spin, sum) * inverse;
     let turn = Turn::new(old, normal, cosine, spin);
-    for v in 0..T::PLANE_VECTORS {
+    let [columns, vectors] = laws.tangential_history();
+    for v in 0..vectors {
         let turned = turn.apply([memory.history[2 * v], memory.history[2 * v + 1]]);
         [memory.history[2 * v], memory.history[2 * v + 1]] = turned;
     }
@@ -184,7 +204,8 @@ pub fn interact<R: Real, N: NormalLaw, T: TangentialLaw>(
     let frame = Frame::of(normal);
     let slip_velocity = frame.components(in_plane);
     let slip = [dt * slip_velocity[0], dt * slip_velocity[1]];
-    let tangential = T::update(&constants.tangential, &contact, slip, &mut memory.history);
+    let (tangential, step_stiffness) =
+        laws.tangential(&constants.tangential, &contact, slip, &mut memory.history);
 
     let work = slip[0].mul_add(before[0] + tangential.force[0], slip[1] * (before[1] + tangential.force[1]));
     let normal_dashpot = constants.damping * contact.root_stiffness;
@@ -200,34 +221,93 @@ pub fn interact<R: Real, N: NormalLaw, T: TangentialLaw>(
     let arm = distance * constants.inverse_radius_sum;
     let moment = frame.vector([-(arm * pull[1]), arm * pull[0]]);
     let slip_square = slip_velocity[0].mul_add(slip_velocity[0], slip_velocity[1] * slip_velocity[1]);
-    let damping_power = normal_dashpot.mul_add(opening * opening, tangential_dashpot * slip_square);
+    let mut damping_power = normal_dashpot.mul_add(opening * opening, tangential_dashpot * slip_square);
+
+    let mut moments = Moments { couple: [zero; 3], work: zero, loss: zero, step_stiffness };
+    if S::MAY_HAVE_MOMENTS && laws.has_moments() {
+        let plane = Plane { normal, middle, frame: &frame, turn: &turn };
+        let (found, power) = resist(laws, constants, &contact, kinematics, plane, dt, memory);
+        let step_stiffness = step_stiffness.max(found.step_stiffness);
+        moments = Moments { step_stiffness, ..found };
+        damping_power = damping_power + power;
+        for c in 0..laws.moment_history()[0] {
+            memory.moments[c] = memory.moments[c].keep(touching);
+        }
+    }
 
     memory.normal = keep::<R>(touching, normal);
-    for c in 0..T::HISTORY {
+    for c in 0..columns {
         memory.history[c] = memory.history[c].keep(touching);
     }
     Interaction {
         force: keep::<R>(touching, add_scaled(frame.vector(pull), push, normal)),
         moment: keep::<R>(touching, moment),
+        couple: keep::<R>(touching, moments.couple),
         elastic: keep::<R>(touching, add_scaled(frame.vector(tangential.force), -contact.force, normal)),
         normal_force: contact.force.keep(touching),
         radius: contact.radius.keep(touching),
         normal_stiffness: contact.stiffness.keep(touching),
         tangential_stiffness: tangential.stiffness.keep(touching),
+        step_stiffness: moments.step_stiffness.keep(touching),
         touching,
         sliding: tangential.sliding & touching,
         tangential_work: (half * work).keep(touching),
         friction_loss: tangential.friction_loss.keep(touching),
         micro_slip_loss: tangential.micro_slip_loss.keep(touching),
-        forgets: tangential.forgets & touching,
+        discards: tangential.discards & touching,
         damping_loss: (dt * damping_power).keep(touching),
-        adhesion_made: N::making_loss(&constants.normal).keep(touching & !touched),
-        adhesion_broken: N::breaking_loss(&constants.normal).keep(touched & !touching),
+        adhesion_made: losses.made.keep(touching & !touched),
+        adhesion_broken: losses.broken.keep(touched & !touching),
+        moment_work: moments.work.keep(touching),
+        moment_loss: moments.loss.keep(touching),
     }
 }
 
-/// True where any lane of the mask is set; a name for readers of the kernel.
+/// The contact plane of a step.
+struct Plane<'a, R> {
+    normal: [R; 3],
+    /// Normal of the middle of the step.
+    middle: [R; 3],
+    frame: &'a Frame<R>,
+    turn: &'a Turn<R>,
+}
+
+/// What a law of moments does in a step.
+struct Moments<R> {
+    /// On i, dashpot included, N m.
+    couple: [R; 3],
+    work: R,
+    loss: R,
+    step_stiffness: R,
+}
+
+/// A step of the law of moments, and the power that its dashpot takes.
 #[inline(always)]
-pub fn any<R: Real>(mask: R::Mask) -> bool {
-    mask.any()
+fn resist<R: Real, S: Laws<R>>(
+    laws: &S,
+    constants: &PairConstants<R>,
+    contact: &super::Normal<R>,
+    kinematics: &Kinematics<R>,
+    Plane { normal, middle, frame, turn }: Plane<'_, R>,
+    dt: R,
+    memory: &mut Memory<R>,
+) -> (Moments<R>, R) {
+    for v in 0..laws.moment_history()[1] {
+        let turned = turn.apply([memory.moments[2 * v], memory.moments[2 * v + 1]]);
+        [memory.moments[2 * v], memory.moments[2 * v + 1]] = turned;
+    }
+    let twisting = dot(kinematics.relative_spin, middle);
+    let [x, y] = frame.components(add_scaled(kinematics.relative_spin, -twisting, middle));
+    let spin = RelativeSpin { rolling: [x, y], twisting };
+    let found = laws.moment(&constants.rolling, contact, spin, dt, &mut memory.moments);
+    let [a, b, c] = found.couple;
+    let [rolling_x, rolling_y] = [found.dashpot.mul_add(x, a), found.dashpot.mul_add(y, b)];
+    let on_j = add_scaled(frame.vector([rolling_x, rolling_y]), c, normal);
+    let moments = Moments {
+        couple: [-on_j[0], -on_j[1], -on_j[2]],
+        work: found.work,
+        loss: found.loss,
+        step_stiffness: found.step_stiffness,
+    };
+    (moments, found.dashpot * x.mul_add(x, y * y))
 }

@@ -99,11 +99,7 @@ mod tests {
         let limit = p.friction * 4.0 / 3.0 * p.effective_modulus * radius * approach;
         // Tangential displacement at which the whole contact slides: 3 mu N / (16 G* a).
         let slides = 1.5 * limit / (8.0 * p.effective_shear_modulus * radius);
-        let contact = Contact {
-            normal: NormalKind::Hertz,
-            tangential: TangentialKind::MindlinDeresiewicz,
-            damping: 0.1,
-        };
+        let contact = Contact::new(NormalKind::HERTZ, TangentialKind::MINDLIN_DERESIEWICZ, 0.1);
         for amplitude in [0.1, 0.3, 0.6, 0.9] {
             let at = |share: f64| row(approach, share * amplitude * slides);
             let path = [row(approach, 0.0), at(1.0), at(0.0), at(-1.0), at(0.0), at(1.0)];
@@ -128,18 +124,18 @@ mod tests {
     fn rows_in_between_change_nothing() {
         let p = pair();
         for (normal, tangential) in [
-            (NormalKind::Hertz, TangentialKind::MindlinDeresiewicz),
-            (NormalKind::Hertz, TangentialKind::NoSlip),
-            (NormalKind::Jkr, TangentialKind::MindlinDeresiewicz),
-            (NormalKind::Jkr, TangentialKind::Peeling),
+            (NormalKind::HERTZ, TangentialKind::MINDLIN_DERESIEWICZ),
+            (NormalKind::HERTZ, TangentialKind::NO_SLIP),
+            (NormalKind::JKR, TangentialKind::MINDLIN_DERESIEWICZ),
+            (NormalKind::JKR, TangentialKind::PEELING),
         ] {
             let material = Material { interface_energy: 0.1, ..Material::default() };
-            let p = if normal == NormalKind::Jkr {
+            let p = if normal == NormalKind::JKR {
                 PairProperties::new((&material, 5e-5), (&material, 5e-5), 0.0)
             } else {
                 p
             };
-            let contact = Contact { normal, tangential, damping: 0.1 };
+            let contact = Contact::new(normal, tangential, 0.1);
             let coarse = [row(1e-8, 0.0), row(1.5e-8, 2e-9), row(1e-8, 1e-9), row(2e-8, -2e-9)];
             let mut fine = Vec::new();
             let mut before = row(0.0, 0.0);
@@ -168,7 +164,7 @@ mod tests {
 
     #[test]
     fn what_does_not_settle_is_told_and_nothing_is_nothing() {
-        let contact = Contact { normal: NormalKind::Hertz, ..Contact::default() };
+        let contact = Contact { normal: NormalKind::HERTZ, ..Contact::default() };
         let path = [row(1e-8, 0.0), row(1e-8, 1e-9)];
         let error = drive_pair_refined(&contact, &pair(), &path, 0.0).unwrap_err().to_string();
         assert!(error.starts_with("row 2: ") && error.contains("steps"), "{error}");

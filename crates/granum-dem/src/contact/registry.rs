@@ -1,62 +1,234 @@
-//! The one place where a law's name meets its type. To add a law: its file, its kind in [`crate::config`], its
-//! line here.
+//! The laws that names in files stand for. To add one to granum: its file, its line here.
 
-use crate::config::{Contact, NormalKind, TangentialKind};
+use std::sync::{PoisonError, RwLock};
 
-use super::hertz::Hertz;
-use super::jkr::Jkr;
-use super::mindlin_deresiewicz::MindlinDeresiewicz;
-use super::no_slip::NoSlip;
-use super::peeling::Peeling;
-use super::{NormalLaw, TangentialLaw};
+use serde::de::{Deserialize, Deserializer, Error};
 
-/// Every pair of laws that can be used together.
-pub const ALL: [(NormalKind, TangentialKind); 5] = [
-    (NormalKind::Hertz, TangentialKind::MindlinDeresiewicz),
-    (NormalKind::Hertz, TangentialKind::NoSlip),
-    (NormalKind::Jkr, TangentialKind::MindlinDeresiewicz),
-    (NormalKind::Jkr, TangentialKind::NoSlip),
-    (NormalKind::Jkr, TangentialKind::Peeling),
-];
+use super::kind::{NormalKind, RollingKind, TangentialKind};
+use super::law::{Description, Parameter};
+use super::parameters::MOST_PARAMETERS;
+use crate::config::Contact;
 
-/// Something to be done with a pair of laws, compiled for each pair.
-pub trait LawVisitor {
-    /// What it returns.
-    type Output;
-    /// Does it with the normal law `N` and the tangential law `T`.
-    fn visit<N: NormalLaw, T: TangentialLaw>(self) -> Self::Output;
+/// granum's normal laws.
+const NORMAL: &[NormalKind] = &[NormalKind::HERTZ, NormalKind::JKR, NormalKind::HOOKE];
+/// granum's tangential laws.
+const TANGENTIAL: &[TangentialKind] =
+    &[TangentialKind::MINDLIN_DERESIEWICZ, TangentialKind::NO_SLIP, TangentialKind::PEELING];
+/// granum's laws of moments.
+const ROLLING: &[RollingKind] = &[RollingKind::NONE, RollingKind::ELASTIC_PLASTIC];
+
+/// A law that cannot be registered.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RegisterError {
+    /// Its name stands for another law.
+    #[error("there is already a {what} {name:?}: give the new one another name")]
+    NameTaken {
+        /// The slot.
+        what: &'static str,
+        /// The name.
+        name: &'static str,
+    },
+    /// A parameter of another law has the same key and another meaning.
+    #[error("contact.{key} is already a parameter of another law: give the new one another key")]
+    KeyTaken {
+        /// The key.
+        key: &'static str,
+    },
+    /// No room for its parameters.
+    #[error("all laws together can have at most {MOST_PARAMETERS} parameters")]
+    TooMany,
 }
 
-/// Runs the visitor with the laws of these names.
-pub fn with_law<V: LawVisitor>(normal: NormalKind, tangential: TangentialKind, visitor: V) -> V::Output {
-    match normal {
-        NormalKind::Hertz => with_tangential::<V, Hertz>(tangential, visitor),
-        NormalKind::Jkr => with_tangential::<V, Jkr>(tangential, visitor),
+/// Refuses parameters whose keys are taken, and more than there is room for.
+fn check_parameters(new: &Description) -> Result<(), RegisterError> {
+    let known = parameters();
+    let taken = |p: &&Parameter| known.iter().any(|k| k.key == p.key && **k != **p);
+    if let Some(parameter) = new.parameters.iter().find(taken) {
+        return Err(RegisterError::KeyTaken { key: parameter.key });
     }
+    let fresh = new.parameters.iter().filter(|p| known.iter().all(|k| k.key != p.key)).count();
+    if known.len() + fresh > MOST_PARAMETERS { Err(RegisterError::TooMany) } else { Ok(()) }
 }
 
-fn with_tangential<V: LawVisitor, N: NormalLaw>(tangential: TangentialKind, visitor: V) -> V::Output {
-    match tangential {
-        TangentialKind::MindlinDeresiewicz => visitor.visit::<N, MindlinDeresiewicz>(),
-        TangentialKind::NoSlip => visitor.visit::<N, NoSlip>(),
-        TangentialKind::Peeling => visitor.visit::<N, Peeling>(),
-    }
-}
-
-/// A pair of laws that cannot be used together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+/// Laws that do not go together, or parameters that they do not have.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LawError {
-    /// Peeling needs an adhesive normal law.
-    #[error(
-        "tangential law `peeling` describes adhesive contacts and needs the normal law `jkr`, not `hertz`"
-    )]
-    PeelingWithoutAdhesion,
+    /// The tangential law does not go with the normal law.
+    #[error("contact.tangential = {tangential:?} {reason}")]
+    Apart {
+        /// Name of the tangential law.
+        tangential: &'static str,
+        /// What is wrong and what would be right.
+        reason: &'static str,
+    },
+    /// A parameter that no chosen law has.
+    #[error("contact.{key} means nothing with {laws}: leave it out, or choose a law that has it")]
+    Unused {
+        /// Its key.
+        key: &'static str,
+        /// The laws.
+        laws: String,
+    },
+    /// A parameter out of bounds.
+    #[error("contact.{key} is {value}; it must be from {low} to {high}{}{unit}", if unit.is_empty() { "" } else { " " })]
+    OutOfBounds {
+        /// Its key.
+        key: &'static str,
+        /// Its value, in SI units.
+        value: f64,
+        /// Smallest value.
+        low: f64,
+        /// Largest value.
+        high: f64,
+        /// SI unit.
+        unit: &'static str,
+    },
 }
 
-/// Refuses laws that do not go together.
-pub fn check(contact: &Contact) -> Result<(), LawError> {
-    match (contact.normal, contact.tangential) {
-        (NormalKind::Hertz, TangentialKind::Peeling) => Err(LawError::PeelingWithoutAdhesion),
-        _ => Ok(()),
+macro_rules! list {
+    ($list:ident, $kind:ident, $what:literal, $own:ident, $all:ident, $register:ident, $named:ident) => {
+        static $own: RwLock<Vec<$kind>> = RwLock::new(Vec::new());
+
+        #[doc = concat!("Every ", $what, " that a name can stand for: granum's, then those of [`", stringify!($register), "`].")]
+        pub fn $all() -> Vec<$kind> {
+            let own = $own.read().unwrap_or_else(PoisonError::into_inner);
+            $list.iter().chain(own.iter()).copied().collect()
+        }
+
+        #[doc = concat!("Lets names in case files and checkpoints stand for a ", $what, " of the caller's own. To use it in a")]
+        /// simulation this is not needed.
+        ///
+        /// # Errors
+        /// If the name or the key of a parameter is taken, or there is no room for the parameters.
+        pub fn $register(law: $kind) -> Result<(), RegisterError> {
+            match $named(law.name()) {
+                Some(known) if known == law => return Ok(()),
+                Some(_) => return Err(RegisterError::NameTaken { what: $what, name: law.name() }),
+                None => check_parameters(law.law().description())?,
+            }
+            $own.write().unwrap_or_else(PoisonError::into_inner).push(law);
+            Ok(())
+        }
+
+        #[doc = concat!("The ", $what, " of a name.")]
+        pub fn $named(name: &str) -> Option<$kind> {
+            $all().into_iter().find(|law| law.name() == name)
+        }
+
+        impl<'d> Deserialize<'d> for $kind {
+            fn deserialize<D: Deserializer<'d>>(from: D) -> Result<$kind, D::Error> {
+                let name = String::deserialize(from)?;
+                $named(&name).ok_or_else(|| {
+                    let known: Vec<_> = $all().iter().map($kind::name).collect();
+                    D::Error::custom(format!(
+                        concat!("there is no ", $what, " {:?}; known are {}"),
+                        name,
+                        known.join(", ")
+                    ))
+                })
+            }
+        }
+    };
+}
+list!(NORMAL, NormalKind, "normal law", OWN_NORMAL, normal_laws, register_normal, normal_named);
+list!(
+    TANGENTIAL,
+    TangentialKind,
+    "tangential law",
+    OWN_TANGENTIAL,
+    tangential_laws,
+    register_tangential,
+    tangential_named
+);
+list!(ROLLING, RollingKind, "law of moments", OWN_ROLLING, rolling_laws, register_rolling, rolling_named);
+
+/// Every set of granum's own laws that can be used together.
+pub fn sets() -> Vec<Contact> {
+    let mut sets = Vec::new();
+    for normal in NORMAL {
+        for tangential in TANGENTIAL {
+            for rolling in ROLLING {
+                let set = Contact { rolling: *rolling, ..Contact::new(*normal, *tangential, 0.1) };
+                if check(&set).is_ok() {
+                    sets.push(set);
+                }
+            }
+        }
     }
+    sets
+}
+
+/// What every law that a name can stand for says of itself.
+fn descriptions() -> Vec<&'static Description> {
+    let normal = normal_laws().into_iter().map(|law| law.law().description());
+    let tangential = tangential_laws().into_iter().map(|law| law.law().description());
+    let rolling = rolling_laws().into_iter().map(|law| law.law().description());
+    normal.chain(tangential).chain(rolling).collect()
+}
+
+/// The parameters of all laws that names can stand for, each key once.
+pub fn parameters() -> Vec<&'static Parameter> {
+    let mut all: Vec<&'static Parameter> = Vec::new();
+    for parameter in descriptions().into_iter().flat_map(|d| d.parameters) {
+        if all.iter().all(|known| known.key != parameter.key) {
+            all.push(parameter);
+        }
+    }
+    all
+}
+
+/// Which laws have a parameter, and when: "with rolling = \"elastic-plastic\"".
+pub fn laws_with(parameter: &Parameter) -> String {
+    let has = |d: &Description| d.parameters.iter().any(|known| known.key == parameter.key);
+    let mut names = Vec::new();
+    let mut list = |slot: &str, d: &Description| {
+        if has(d) {
+            names.push(format!("{slot} = {:?}", d.name));
+        }
+    };
+    normal_laws().iter().for_each(|law| list("normal", law.law().description()));
+    tangential_laws().iter().for_each(|law| list("tangential", law.law().description()));
+    rolling_laws().iter().for_each(|law| list("rolling", law.law().description()));
+    format!("with {}", names.join(" or "))
+}
+
+/// The parameters that the laws of a set use.
+pub fn parameters_of(contact: &Contact) -> Vec<&'static Parameter> {
+    let area = contact.normal.law().traits().contact_area;
+    let laws = [
+        contact.normal.law().description(),
+        contact.tangential.law().description(),
+        contact.rolling.law().description(),
+    ];
+    laws.into_iter().flat_map(|law| law.parameters).filter(|p| !(p.without_area && area)).collect()
+}
+
+/// Refuses laws that do not go together, and parameters that they do not have or that are out of bounds.
+///
+/// # Errors
+/// The first thing that is wrong.
+pub fn check(contact: &Contact) -> Result<(), LawError> {
+    let traits = contact.normal.law().traits();
+    contact
+        .tangential
+        .law()
+        .goes_with(&traits)
+        .map_err(|reason| LawError::Apart { tangential: contact.tangential.name(), reason })?;
+    let used = parameters_of(contact);
+    for (key, value) in contact.parameters.iter() {
+        let Some(parameter) = used.iter().find(|p| p.key == key) else {
+            let laws = format!(
+                "contact.normal = {:?}, contact.tangential = {:?} and contact.rolling = {:?}",
+                contact.normal.name(),
+                contact.tangential.name(),
+                contact.rolling.name()
+            );
+            return Err(LawError::Unused { key, laws });
+        };
+        let [low, high] = parameter.bounds;
+        if !(value >= low && value <= high) {
+            return Err(LawError::OutOfBounds { key, value, low, high, unit: parameter.unit.symbol });
+        }
+    }
+    Ok(())
 }

@@ -8,39 +8,24 @@ use std::ops::Range;
 
 use granum_simd::{Kernel, LANES, Lanes, Mask, Real, Row8, Twice};
 
+use super::fetch::{AHEAD, ROWS_AHEAD, coming_rows, fetch_ahead};
+use super::laws::{Couples, StageLaws};
+use super::push::Push;
+use super::source::ConstantSource;
 use super::{ContactSums, NORMAL_COLUMNS, Views};
-use crate::contact::interaction::{Interaction, Kinematics, Memory, dot, interact, scale};
-use crate::contact::{NormalLaw, PairConstants, TangentialLaw};
-use crate::forgotten::Forgotten;
+use crate::contact::PairConstants;
+use crate::contact::interaction::{Interaction, Kinematics, Memory, dot, scale};
+use crate::discarded::Discarded;
 use crate::pairs::{Block, Marks};
 
-const SUMS: usize = 18;
+const SUMS: usize = 20;
 const SUMS_OF_EIGHT: usize = SUMS.next_multiple_of(LANES);
 
-/// Where the constants of a batch come from.
-pub(crate) trait ConstantSource: Copy {
-    /// True if each batch has its own.
-    const BY_BATCH: bool;
-}
-
-/// All pairs are alike.
-#[derive(Clone, Copy)]
-pub(crate) struct Alike;
-/// Pairs differ.
-#[derive(Clone, Copy)]
-pub(crate) struct ByBatch;
-impl ConstantSource for Alike {
-    const BY_BATCH: bool = false;
-}
-impl ConstantSource for ByBatch {
-    const BY_BATCH: bool = true;
-}
-
 /// The contact stage for a range of blocks.
-pub(crate) struct ContactStage<'a, N, T, C> {
+pub(crate) struct ContactStage<'a, S, C> {
     pub(crate) views: &'a Views,
     pub(crate) blocks: Range<usize>,
-    pub(crate) laws: PhantomData<(N, T, C)>,
+    pub(crate) laws: PhantomData<(S, C)>,
 }
 
 /// What the kernel holds for all batches of a stage.
@@ -59,12 +44,13 @@ impl<L: Lanes> Common<L> {
     }
 }
 
-impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<'_, N, T, C> {
+impl<S: StageLaws, C: ConstantSource> Kernel for ContactStage<'_, S, C> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let v = self.views;
+        let laws = S::of(v);
         let common = Common::<L> {
             gradient: v.gradient.map(|row| row.map(L::splat)),
             dt: L::splat(v.dt),
@@ -72,10 +58,10 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
         };
         // SAFETY: grains are only read in this stage.
         let mass = unsafe { v.place.read()[0].0[7] };
-        let mut forgotten = Forgotten::new();
+        let mut discarded = Discarded::new();
         let mut approaches = [Approach::<L>::none(); 2];
         let mut twos = [[Approach::<L>::none(); 2]; 2];
-        let mut pushes = [Push::<L>::none(); 2];
+        let mut pushes = [Push::<L, S::Couples<L>>::none(); 2];
         for k in self.blocks {
             // SAFETY: blocks are only read; their rows of forces belong to the thread that works on the block.
             let block = unsafe { &v.blocks.read()[k] };
@@ -83,13 +69,13 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
                 unsafe { v.forces.write(from as usize..to as usize) }.fill(Row8::default());
             }
             let order = Order::of(block);
-            let mut totals = Totals { sums: [L::zero(); SUMS], fastest: L::zero(), forgotten: L::zero() };
-            let account = T::FORGETS && v.account != 0.0;
+            let mut totals = Totals { sums: [L::zero(); SUMS], fastest: L::zero(), discarded: L::zero() };
+            let account = laws.discards() && v.account != 0.0;
             let mut waiting = 0;
             let mut coming = coming_rows(v, k);
             let pairs = if L::PAIRED { order.touching / 2 } else { 0 };
             if pairs > 0 {
-                touching_pair::<L, T, C>(v, &order, 0, &common, &mut twos[0]);
+                touching_pair::<L, S, C>(v, &laws, &order, 0, &common, &mut twos[0]);
             }
             for p in 0..pairs {
                 for row in coming.by_ref().take(2 * ROWS_AHEAD) {
@@ -97,17 +83,17 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
                 }
                 // The rows of the next two are on their way while the laws of these are at work.
                 if p + 1 < pairs {
-                    touching_pair::<L, T, C>(v, &order, 2 * p + 2, &common, &mut twos[(p + 1) % 2]);
+                    touching_pair::<L, S, C>(v, &laws, &order, 2 * p + 2, &common, &mut twos[(p + 1) % 2]);
                 }
                 // What the last two did comes late: nothing waits for it, and it waits for the end of their laws.
                 if p > 0 {
                     pushes[0].add(v);
                     pushes[1].add(v);
                 }
-                let put = account.then_some(&mut forgotten);
-                pushes = pair::<L, N, T, C>(v, &twos[p % 2], &common, &mut totals, put);
-                while account && forgotten.is_full() {
-                    totals.forgotten = totals.forgotten + forgotten.take::<L, T>();
+                let put = account.then_some(&mut discarded);
+                pushes = pair::<L, S, C>(v, &laws, &twos[p % 2], &common, &mut totals, put);
+                while account && discarded.is_full() {
+                    totals.discarded = totals.discarded + discarded.take::<L, S>(&laws);
                 }
             }
             if pairs > 0 {
@@ -122,30 +108,30 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
                 if !last {
                     let slot = &mut approaches[waiting];
                     let close = if turn < order.within {
-                        approach::<L, T, C, false, true>(v, &order, turn, &common, slot)
+                        approach::<L, S, C, false, true>(v, &laws, &order, turn, &common, slot)
                     } else {
-                        approach::<L, T, C, true, true>(v, &order, turn, &common, slot)
+                        approach::<L, S, C, true, true>(v, &laws, &order, turn, &common, slot)
                     };
                     waiting += usize::from(close);
                 }
-                let put = account.then_some(&mut forgotten);
+                let put = account.then_some(&mut discarded);
                 if waiting == 2 {
-                    for push in pair::<L, N, T, C>(v, &approaches, &common, &mut totals, put) {
+                    for push in pair::<L, S, C>(v, &laws, &approaches, &common, &mut totals, put) {
                         push.add(v);
                     }
                     waiting = 0;
                 } else if waiting == 1 && (last || !L::PAIRED) {
-                    alone::<L, N, T, C>(v, &approaches[0], &common, &mut totals, put).add(v);
+                    alone::<L, S, C>(v, &laws, &approaches[0], &common, &mut totals, put).add(v);
                     waiting = 0;
                 }
-                while account && forgotten.is_full() {
-                    totals.forgotten = totals.forgotten + forgotten.take::<L, T>();
+                while account && discarded.is_full() {
+                    totals.discarded = totals.discarded + discarded.take::<L, S>(&laws);
                 }
             }
             if account {
-                totals.forgotten = totals.forgotten + forgotten.take::<L, T>();
+                totals.discarded = totals.discarded + discarded.take::<L, S>(&laws);
             }
-            let Totals { mut sums, fastest, forgotten: lost } = totals;
+            let Totals { mut sums, fastest, discarded: lost } = totals;
             sums[15] = lost.mul_add(L::splat(v.account), sums[15]);
             let s = reduced(&sums);
             // SAFETY: this thread alone works on this block in this stage.
@@ -161,8 +147,10 @@ impl<N: NormalLaw, T: TangentialLaw, C: ConstantSource> Kernel for ContactStage<
                 micro_slip_loss: s[15],
                 adhesion_made: s[16],
                 adhesion_broken: s[17],
+                moment_work: s[18],
+                moment_loss: s[19],
                 // Equal grains have one mass to divide by.
-                fastest: fastest.reduce_max() / if C::BY_BATCH { 1.0 } else { mass },
+                fastest: fastest.reduce_max() / if C::by_batch(v) { 1.0 } else { mass },
             };
         }
     }
@@ -217,8 +205,8 @@ fn reduced<L: Lanes>(sums: &[L; SUMS]) -> [f64; SUMS_OF_EIGHT] {
 struct Totals<L> {
     sums: [L; SUMS],
     fastest: L,
-    /// What went with histories that laws forgot: apart, since how many batches are put down before it is taken differs.
-    forgotten: L,
+    /// What went with histories that laws discarded: apart, since how many batches are put down before it is taken differs.
+    discarded: L,
 }
 
 /// A batch of which some pairs touch or did, and how its grains move.
@@ -230,12 +218,24 @@ struct Approach<L> {
     mass: L,
 }
 
+/// Rows of constants that a batch has.
 #[inline(always)]
-fn constants_of<L: Lanes, C: ConstantSource>(v: &Views, b: usize, common: &Common<L>) -> PairConstants<L> {
-    if C::BY_BATCH {
+fn constants_kept<S: StageLaws>(laws: &S) -> usize {
+    if laws.has_moments() { PairConstants::COUNT } else { PairConstants::WITHOUT_MOMENTS }
+}
+
+#[inline(always)]
+fn constants_of<L: Lanes, S: StageLaws, C: ConstantSource>(
+    v: &Views,
+    laws: &S,
+    b: usize,
+    common: &Common<L>,
+) -> PairConstants<L> {
+    if C::by_batch(v) {
+        let kept = constants_kept(laws);
         // SAFETY: constants are only read.
-        let rows = unsafe { &v.constants.read()[b * PairConstants::COUNT..(b + 1) * PairConstants::COUNT] };
-        PairConstants::from_columns(|c| L::load(&rows[c].0))
+        let rows = unsafe { &v.constants.read()[b * kept..(b + 1) * kept] };
+        PairConstants::from_columns(laws.has_moments(), |c| L::load(&rows[c].0))
     } else {
         common.alike
     }
@@ -245,15 +245,22 @@ impl<L: Lanes> Approach<L> {
     #[inline(always)]
     fn none() -> Self {
         let three = [L::zero(); 3];
-        let kinematics = Kinematics { branch: three, velocity: three, rolling: three, mean_spin: three };
+        let kinematics = Kinematics {
+            branch: three,
+            velocity: three,
+            rolling: three,
+            mean_spin: three,
+            relative_spin: three,
+        };
         Approach { batch: 0, kinematics, mass: L::zero() }
     }
 }
 
 /// Looks at the grains of a batch; false, and nothing put down, if it is to be tested and no pair touches or did.
 #[inline(always)]
-fn approach<L: Lanes, T: TangentialLaw, C: ConstantSource, const IMAGE: bool, const TESTED: bool>(
+fn approach<L: Lanes, S: StageLaws, C: ConstantSource, const IMAGE: bool, const TESTED: bool>(
     v: &Views,
+    laws: &S,
     order: &Order,
     turn: usize,
     common: &Common<L>,
@@ -275,7 +282,7 @@ fn approach<L: Lanes, T: TangentialLaw, C: ConstantSource, const IMAGE: bool, co
             #[inline(always)]
             |turn| order.batch(turn),
         );
-        fetch_ahead::<C>(v, later, lists, NORMAL_COLUMNS + T::HISTORY);
+        fetch_ahead::<C>(v, later, lists, columns_of(laws), constants_kept(laws));
     }
     let apart = L::differences8(place, i, j);
     let mut branch = [apart[0], apart[1], apart[2]];
@@ -284,7 +291,7 @@ fn approach<L: Lanes, T: TangentialLaw, C: ConstantSource, const IMAGE: bool, co
         let image = L::gather4(&v.images, unsafe { &v.image.read()[b] });
         branch = [branch[0] + image[0], branch[1] + image[1], branch[2] + image[2]];
     }
-    let constants = constants_of::<L, C>(v, b, common);
+    let constants = constants_of::<L, S, C>(v, laws, b, common);
     if TESTED && touched == 0 {
         let near = dot(branch, branch).lt(constants.radius_sum * constants.radius_sum);
         if !near.any() {
@@ -295,7 +302,7 @@ fn approach<L: Lanes, T: TangentialLaw, C: ConstantSource, const IMAGE: bool, co
     let half = L::splat(0.5);
     let velocity = [apart[4] + affine[0], apart[5] + affine[1], apart[6] + affine[2]];
     let (rolling, mean_spin, mass);
-    if C::BY_BATCH {
+    if C::by_batch(v) {
         let (a, c) = (L::gather8(place, i), L::gather8(place, j));
         let (wa, wc) = (L::gather4(spin, i), L::gather4(spin, j));
         let lever = constants.inverse_radius_sum;
@@ -305,59 +312,79 @@ fn approach<L: Lanes, T: TangentialLaw, C: ConstantSource, const IMAGE: bool, co
         );
         mean_spin = scale(half, [wa[0] + wc[0], wa[1] + wc[1], wa[2] + wc[2]]);
         mass = a[7].min(c[7]);
+        if S::MAY_HAVE_MOMENTS {
+            slot.kinematics.relative_spin = [wa[0] - wc[0], wa[1] - wc[1], wa[2] - wc[2]];
+        }
     } else {
         let both = L::sums4(spin, i, j);
         mean_spin = scale(half, [both[0], both[1], both[2]]);
         (rolling, mass) = (mean_spin, L::zero());
+        if S::MAY_HAVE_MOMENTS && laws.has_moments() {
+            let (wa, wc) = (L::gather4(spin, i), L::gather4(spin, j));
+            slot.kinematics.relative_spin = [wa[0] - wc[0], wa[1] - wc[1], wa[2] - wc[2]];
+        }
     }
-    let kinematics = Kinematics { branch, velocity, rolling, mean_spin };
-    *slot = Approach { batch: b, kinematics, mass };
+    // The relative spin stays where it is: sets without moments never write it.
+    let relative_spin = slot.kinematics.relative_spin;
+    slot.kinematics = Kinematics { branch, velocity, rolling, mean_spin, relative_spin };
+    (slot.batch, slot.mass) = (b, mass);
     true
+}
+
+/// Columns of the memory of a batch.
+#[inline(always)]
+fn columns_of<S: StageLaws>(laws: &S) -> usize {
+    NORMAL_COLUMNS + laws.tangential_columns() + laws.moment_columns()
 }
 
 /// Where the memory of a batch lies.
 #[inline(always)]
-fn rows_of<T: TangentialLaw>(b: usize) -> Range<usize> {
-    let columns = NORMAL_COLUMNS + T::HISTORY;
+fn rows_of<S: StageLaws>(laws: &S, b: usize) -> Range<usize> {
+    let columns = columns_of(laws);
     b * columns..(b + 1) * columns
 }
 
 #[inline(always)]
-fn load_memory<R: Real, T: TangentialLaw>(load: impl Fn(usize) -> R) -> Memory<R> {
+fn load_memory<R: Real, S: StageLaws>(laws: &S, load: impl Fn(usize) -> R) -> Memory<R> {
     let mut memory = Memory::<R>::new();
     for k in 0..NORMAL_COLUMNS {
         memory.normal[k] = load(k);
     }
-    for k in 0..T::HISTORY {
+    for k in 0..laws.tangential_columns() {
         memory.history[k] = load(NORMAL_COLUMNS + k);
+    }
+    for k in 0..laws.moment_columns() {
+        memory.moments[k] = load(NORMAL_COLUMNS + laws.tangential_columns() + k);
     }
     memory
 }
 
 /// One batch.
 #[inline(always)]
-fn alone<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource>(
+fn alone<L: Lanes, S: StageLaws, C: ConstantSource>(
     v: &Views,
+    laws: &S,
     approach: &Approach<L>,
     common: &Common<L>,
     totals: &mut Totals<L>,
-    forgotten: Option<&mut Forgotten>,
-) -> Push<L> {
+    discarded: Option<&mut Discarded>,
+) -> Push<L, S::Couples<L>> {
     let b = approach.batch;
-    let constants = constants_of::<L, C>(v, b, common);
+    let constants = constants_of::<L, S, C>(v, laws, b, common);
     // SAFETY: this thread works on the batch's block.
-    let rows = unsafe { v.memory.write(rows_of::<T>(b)) };
-    let mut memory = load_memory::<L, T>(
+    let rows = unsafe { v.memory.write(rows_of(laws, b)) };
+    let mut memory = load_memory::<L, S>(
+        laws,
         #[inline(always)]
         |c| L::load(&rows[c].0),
     );
-    let out = interact::<L, N, T>(&constants, &approach.kinematics, common.dt, &mut memory);
-    if let Some(forgotten) = forgotten {
+    let out = laws.interact(&constants, &approach.kinematics, common.dt, &mut memory);
+    if let Some(discarded) = discarded {
         // Before the new memory is written over the old.
         let history = &rows[NORMAL_COLUMNS..];
-        forgotten.put(out.forgets.bits(), &constants.tangential, out.tangential_stiffness, history);
+        discarded.put(out.discards.bits(), &constants.tangential, out.tangential_stiffness, history);
     }
-    settle::<L, L, T, C, Whole>(v, approach, common, &constants, &memory, &out, totals)
+    settle::<L, L, S, C, Whole>(v, laws, approach, common, &constants, &memory, &out, totals)
 }
 
 #[inline(always)]
@@ -367,15 +394,19 @@ fn beside<L: Lanes>(a: [L; 3], b: [L; 3]) -> [Twice<L>; 3] {
 
 /// Two batches side by side.
 #[inline(always)]
-fn pair<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource>(
+fn pair<L: Lanes, S: StageLaws, C: ConstantSource>(
     v: &Views,
+    laws: &S,
     approaches: &[Approach<L>; 2],
     common: &Common<L>,
     totals: &mut Totals<L>,
-    forgotten: Option<&mut Forgotten>,
-) -> [Push<L>; 2] {
+    discarded: Option<&mut Discarded>,
+) -> [Push<L, S::Couples<L>>; 2] {
     let [x, y] = approaches;
-    let own = [constants_of::<L, C>(v, x.batch, common), constants_of::<L, C>(v, y.batch, common)];
+    let own = [
+        constants_of::<L, S, C>(v, laws, x.batch, common),
+        constants_of::<L, S, C>(v, laws, y.batch, common),
+    ];
     let constants = own[0].beside(&own[1]);
     let (p, q) = (&x.kinematics, &y.kinematics);
     let kinematics = Kinematics {
@@ -383,38 +414,41 @@ fn pair<L: Lanes, N: NormalLaw, T: TangentialLaw, C: ConstantSource>(
         velocity: beside(p.velocity, q.velocity),
         rolling: beside(p.rolling, q.rolling),
         mean_spin: beside(p.mean_spin, q.mean_spin),
+        relative_spin: beside(p.relative_spin, q.relative_spin),
     };
     // SAFETY: this thread works on the batches' block; the batches are two.
-    let (p, q) = unsafe { (v.memory.write(rows_of::<T>(x.batch)), v.memory.write(rows_of::<T>(y.batch))) };
-    let mut memory = load_memory::<Twice<L>, T>(
+    let (p, q) = unsafe { (v.memory.write(rows_of(laws, x.batch)), v.memory.write(rows_of(laws, y.batch))) };
+    let mut memory = load_memory::<Twice<L>, S>(
+        laws,
         #[inline(always)]
         |c| Twice(L::load(&p[c].0), L::load(&q[c].0)),
     );
     let dt = Twice(common.dt, common.dt);
-    let out = interact::<Twice<L>, N, T>(&constants, &kinematics, dt, &mut memory);
-    if let Some(forgotten) = forgotten {
+    let out = laws.interact_two(&constants, &kinematics, dt, &mut memory);
+    if let Some(discarded) = discarded {
         // Before the new memory is written over the old.
         let stiffness = out.tangential_stiffness;
-        forgotten.put(out.forgets.0.bits(), &own[0].tangential, stiffness.0, &p[NORMAL_COLUMNS..]);
-        forgotten.put(out.forgets.1.bits(), &own[1].tangential, stiffness.1, &q[NORMAL_COLUMNS..]);
+        discarded.put(out.discards.0.bits(), &own[0].tangential, stiffness.0, &p[NORMAL_COLUMNS..]);
+        discarded.put(out.discards.1.bits(), &own[1].tangential, stiffness.1, &q[NORMAL_COLUMNS..]);
     }
     [
-        settle::<L, Twice<L>, T, C, First>(v, x, common, &own[0], &memory, &out, totals),
-        settle::<L, Twice<L>, T, C, Second>(v, y, common, &own[1], &memory, &out, totals),
+        settle::<L, Twice<L>, S, C, First>(v, laws, x, common, &own[0], &memory, &out, totals),
+        settle::<L, Twice<L>, S, C, Second>(v, laws, y, common, &own[1], &memory, &out, totals),
     ]
 }
 
 /// Looks at the grains of two batches within the cell that are known to touch.
 #[inline(always)]
-fn touching_pair<L: Lanes, T: TangentialLaw, C: ConstantSource>(
+fn touching_pair<L: Lanes, S: StageLaws, C: ConstantSource>(
     v: &Views,
+    laws: &S,
     order: &Order,
     turn: usize,
     common: &Common<L>,
     slots: &mut [Approach<L>; 2],
 ) {
     for (k, slot) in slots.iter_mut().enumerate() {
-        approach::<L, T, C, false, false>(v, order, turn + k, common, slot);
+        approach::<L, S, C, false, false>(v, laws, order, turn + k, common, slot);
     }
 }
 
@@ -459,23 +493,27 @@ impl<L: Lanes> Part<L, Twice<L>> for Second {
 
 /// Puts down what a batch remembers, and adds what it does to forces and sums.
 #[inline(always)]
-fn settle<L: Lanes, R: Real, T: TangentialLaw, C: ConstantSource, P: Part<L, R>>(
+fn settle<L: Lanes, R: Real, S: StageLaws, C: ConstantSource, P: Part<L, R>>(
     v: &Views,
+    laws: &S,
     approach: &Approach<L>,
     common: &Common<L>,
     constants: &PairConstants<L>,
     memory: &Memory<R>,
     out: &Interaction<R>,
     totals: &mut Totals<L>,
-) -> Push<L> {
+) -> Push<L, S::Couples<L>> {
     let b = approach.batch;
     // SAFETY: memory and marks of a batch belong to the thread that works on its block.
-    let (rows, marks) = unsafe { (v.memory.write(rows_of::<T>(b)), &mut v.marks.write(b..b + 1)[0]) };
+    let (rows, marks) = unsafe { (v.memory.write(rows_of(laws, b)), &mut v.marks.write(b..b + 1)[0]) };
     for k in 0..NORMAL_COLUMNS {
         P::of(memory.normal[k]).store(&mut rows[k].0);
     }
-    for k in 0..T::HISTORY {
+    for k in 0..laws.tangential_columns() {
         P::of(memory.history[k]).store(&mut rows[NORMAL_COLUMNS + k].0);
+    }
+    for k in 0..laws.moment_columns() {
+        P::of(memory.moments[k]).store(&mut rows[NORMAL_COLUMNS + laws.tangential_columns() + k].0);
     }
     let sums = &mut totals.sums;
     let touching = P::mask(out.touching).bits() as u8;
@@ -502,86 +540,29 @@ fn settle<L: Lanes, R: Real, T: TangentialLaw, C: ConstantSource, P: Part<L, R>>
     sums[13] = P::of(out.normal_stiffness).mul_add(square, sums[13]);
     sums[14] = sums[14] + P::of(out.normal_force).abs();
     sums[15] = sums[15] + P::of(out.micro_slip_loss);
-    let tangential = L::splat(0.5) * constants.sixteen_shear_moduli * P::of(out.radius);
-    totals.fastest = totals.fastest.max(if C::BY_BATCH { tangential / approach.mass } else { tangential });
-    Push { batch: b, force, moment }
+    let stiffness = P::of(out.step_stiffness);
+    totals.fastest = totals.fastest.max(if C::by_batch(v) { stiffness / approach.mass } else { stiffness });
+    let mut couples = S::Couples::<L>::none();
+    if S::MAY_HAVE_MOMENTS && laws.has_moments() {
+        sums[18] = sums[18] + P::of(out.moment_work);
+        sums[19] = sums[19] + P::of(out.moment_loss);
+        let couple = [P::of(out.couple[0]), P::of(out.couple[1]), P::of(out.couple[2])];
+        couples = S::Couples::of(
+            couple,
+            #[inline(always)]
+            || inverse_radii(v, b),
+        );
+    }
+    Push { batch: b, force, moment, couples }
 }
 
-/// Batches between asking for memory and using it.
-const AHEAD: usize = 5;
-
-/// Asks for what a later batch will read, and for the lists that a later call of this will look into: the processor foresees
-/// neither the places of grains nor the next page.
+/// One over the radii of the grains i and j of a batch, 1/m.
 #[inline(always)]
-fn fetch_ahead<C: ConstantSource>(v: &Views, later: usize, lists: usize, columns: usize) {
-    v.first.prefetch(lists);
-    v.second.prefetch(lists);
-    v.target.prefetch(lists);
-    for c in 0..columns {
-        v.memory.prefetch(later * columns + c);
-    }
-    if C::BY_BATCH {
-        for c in 0..PairConstants::<f64>::COUNT {
-            v.constants.prefetch(later * PairConstants::<f64>::COUNT + c);
-        }
-    }
-    // SAFETY: lists are only read in this stage.
-    let (first, second) = unsafe { (v.first.read(), v.second.read()) };
-    if let (Some(i), Some(j)) = (first.get(later), second.get(later)) {
-        for &grain in j.iter().chain(&i[LANES - 1..]) {
-            v.place.prefetch(grain as usize);
-            v.spin.prefetch(grain as usize);
-        }
-    }
-}
-
-/// Rows of forces asked for with every batch, for the next block.
-const ROWS_AHEAD: usize = 4;
-
-/// The rows of forces of the block after this one.
-#[inline(always)]
-fn coming_rows(v: &Views, block: usize) -> impl Iterator<Item = u32> {
-    // SAFETY: blocks are only read.
-    let next = unsafe { v.blocks.read() }.get(block + 1).filter(|_| v.far).copied().unwrap_or_default();
-    let [grains, outer] = [next.grains, next.outer];
-    (grains[0]..grains[1]).chain(outer[0]..outer[1])
-}
-
-/// What a batch does to its grains.
-#[derive(Clone, Copy)]
-struct Push<L> {
-    batch: usize,
-    /// Force on i, N.
-    force: [L; 3],
-    /// Torque over radius, N.
-    moment: [L; 3],
-}
-
-impl<L: Lanes> Push<L> {
-    #[inline(always)]
-    fn none() -> Self {
-        Push { batch: 0, force: [L::zero(); 3], moment: [L::zero(); 3] }
-    }
-
-    /// Adds it to the force rows of the grains.
-    #[inline(always)]
-    fn add(&self, v: &Views) {
-        let ([fx, fy, fz], [mx, my, mz]) = (self.force, self.moment);
-        // SAFETY: lists are only read in this stage.
-        let (i, target) = unsafe { (&v.first.read()[self.batch], &v.target.read()[self.batch]) };
-        let rows = L::transpose([fx, fy, fz, L::zero(), mx, my, mz, L::zero()]);
-        // The force on j is the opposite of that on i; the moments are alike.
-        let sign = L::load(&[-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
-        L::check(i, v.forces.len());
-        L::check(target, v.forces.len());
-        for l in 0..LANES {
-            // SAFETY: checked to be rows; those that the pairs of a block point at belong to the thread that works on it.
-            unsafe {
-                let on_i = v.forces.at(i[l]);
-                (L::load(&on_i.0) + rows[l]).store(&mut on_i.0);
-                let on_j = v.forces.at(target[l]);
-                rows[l].mul_add(sign, L::load(&on_j.0)).store(&mut on_j.0);
-            }
-        }
-    }
+fn inverse_radii<L: Lanes>(v: &Views, b: usize) -> [L; 2] {
+    // SAFETY: grains and lists are only read in this stage.
+    let (place, i, j) = unsafe { (&v.place.read()[..v.grains + 2], &v.first.read()[b], &v.second.read()[b]) };
+    [i, j].map(
+        #[inline(always)]
+        |grains| L::splat(1.0) / L::load(&grains.map(|g| place[g as usize].0[3])),
+    )
 }

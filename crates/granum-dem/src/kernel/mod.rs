@@ -4,24 +4,33 @@
 //! All stages work on the blocks of the pair list, so that their sums do not depend on who computed them. [`Views`] is what all
 //! threads see of the state during a stage; its `unsafe` follows the rules of [`crate::team::RawSlice`].
 
+mod choice;
 mod contacts;
+mod fetch;
 mod grains;
+mod laws;
+mod push;
+mod source;
 mod watch;
 
 use serde::{Deserialize, Serialize};
 
-use granum_simd::{LANES, Row4, Row8};
+use granum_simd::{Isa, LANES, Row4, Row8};
 
 use crate::assembly::Matrix;
+use crate::config::Contact;
 use crate::contact::PairConstants;
 use crate::pairs::{Block, IMAGES, Marks};
 use crate::team::RawSlice;
 
-pub(crate) use contacts::{Alike, ByBatch, ConstantSource, ContactStage};
+pub(crate) use choice::{Stage, Stages};
+pub(crate) use contacts::ContactStage;
 pub(crate) use grains::{GrainStage, larger, resultant};
+pub(crate) use laws::{AnyLaws, StageLaws};
+pub(crate) use source::{Alike, AlikeOrByBatch, ByBatch, ConstantSource};
 pub(crate) use watch::{Nearness, Watch, WatchStage};
 
-/// Columns of memory before the tangential law's own: the old normal.
+/// Columns of memory before the laws' own: the old normal.
 pub(crate) const NORMAL_COLUMNS: usize = 3;
 
 /// Sums over the contacts of a block (or of all).
@@ -42,6 +51,10 @@ pub struct ContactSums {
     pub adhesion_made: f64,
     /// Lost by contacts broken in this step, J.
     pub adhesion_broken: f64,
+    /// Work taken up by the elastic couples in this step, J.
+    pub moment_work: f64,
+    /// The part of it that was lost, J.
+    pub moment_loss: f64,
     /// Power that the cell's deformation feeds into the contacts, W.
     pub boundary_power: f64,
     /// `sum of k_n D^2`, J.
@@ -66,6 +79,8 @@ impl ContactSums {
             t.micro_slip_loss += c.micro_slip_loss;
             t.adhesion_made += c.adhesion_made;
             t.adhesion_broken += c.adhesion_broken;
+            t.moment_work += c.moment_work;
+            t.moment_loss += c.moment_loss;
             t.boundary_power += c.boundary_power;
             t.stiffness += c.stiffness;
             t.normal_force += c.normal_force;
@@ -103,12 +118,16 @@ pub(crate) struct Views {
     /// True where what is kept for the contacts does not fit into the caches.
     pub(crate) far: bool,
     pub(crate) alike: PairConstants<f64>,
+    /// Rows of constants of a batch.
+    pub(crate) constants_kept: usize,
+    pub(crate) laws: Contact,
+    pub(crate) isa: Isa,
     pub(crate) images: [Row4; IMAGES],
     pub(crate) gradient: Matrix,
     pub(crate) dt: f64,
     /// Pairs closer than this to touching are watched, m.
     pub(crate) margin: f64,
-    /// How often what is forgotten in this step counts, zero if not at all.
+    /// How often what is discarded in this step counts, zero if not at all.
     pub(crate) account: f64,
     /// Factor on velocities and spins in a step: 1 without global damping.
     pub(crate) retain: f64,

@@ -11,7 +11,6 @@ use granum_simd::{Kernel, LANES, Lanes, Mask};
 use serde::{Deserialize, Serialize};
 
 use super::Views;
-use crate::contact::PairConstants;
 use crate::contact::interaction::dot;
 use crate::team::RawSlice;
 
@@ -151,7 +150,7 @@ fn sort(v: &Views, batches: Range<usize>, nearness: &mut [Nearness]) -> [usize; 
 
 /// Lets two pairs of a block change slots, but for their marks.
 fn trade(v: &Views, a: usize, b: usize) {
-    let constants = if v.constants.len() == 0 { 0 } else { PairConstants::<f64>::COUNT };
+    let constants = if v.constants.len() == 0 { 0 } else { v.constants_kept };
     // SAFETY: all of this belongs to the thread that works on the block.
     unsafe {
         for list in [&v.first, &v.second, &v.target, &v.image] {

@@ -77,7 +77,7 @@ fn a_preparation_in_pieces_makes_the_same_sample() {
 
 #[test]
 fn a_packing_settles_in_pieces_to_the_same_sample() {
-    let contact = Contact { normal: NormalKind::Hertz, tangential: TangentialKind::NoSlip, damping: 0.1 };
+    let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
     let grains = grains(0.0);
     let preparation = Preparation { solid_fraction: None, friction: Some(0.1), ..quick() };
     let first = recipe(&grains, &contact, &preparation);

@@ -94,7 +94,7 @@ mod tests {
 
     #[test]
     fn every_key_is_compared() {
-        for field in FIELDS {
+        for field in FIELDS.iter() {
             let mut one = Case::default();
             if matches!(field.key, "strain_rate" | "density_scaling") {
                 one.set("shear.strain_rate", "1e-5 /s").unwrap();

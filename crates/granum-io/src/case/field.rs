@@ -1,5 +1,7 @@
 //! One key of the case file: its place, meaning, bounds, and how it gets in and out of a [`Case`].
 
+use granum_dem::contact::{Parameter, Unit, registry};
+
 use super::Case;
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
 
@@ -46,10 +48,12 @@ pub(super) enum Kind {
     },
     Choice {
         /// Name and meaning of each.
-        options: &'static [[&'static str; 2]],
+        options: Vec<[&'static str; 2]>,
         get: fn(&Case) -> &'static str,
         set: fn(&mut Case, &str),
     },
+    /// A parameter of contact laws, in use where one of the chosen laws has it.
+    Law(&'static Parameter),
 }
 
 /// One key of the case file.
@@ -59,13 +63,26 @@ pub struct Field {
     /// Key, e.g. `youngs_modulus`.
     pub key: &'static str,
     /// What it is, in one or two sentences.
-    pub help: &'static str,
+    pub help: String,
     /// The default as a user would write it.
-    pub example: &'static str,
+    pub example: String,
     pub(super) kind: Kind,
 }
 
 impl Field {
+    /// The field of a parameter of contact laws.
+    pub(super) fn of_law(parameter: &'static Parameter) -> Field {
+        let laws = registry::laws_with(parameter);
+        let help = format!("{}; {laws}.", parameter.meaning.trim_end_matches('.'));
+        let example = with_unit(parameter.default, parameter);
+        Field { section: "contact", key: parameter.key, help, example, kind: Kind::Law(parameter) }
+    }
+
+    /// True if the field is a parameter of contact laws.
+    pub(super) fn is_of_law(&self) -> bool {
+        matches!(self.kind, Kind::Law(_))
+    }
+
     /// Section and key, e.g. `grains.material.youngs_modulus`.
     pub fn path(&self) -> String {
         format!("{}.{}", self.section, self.key)
@@ -81,6 +98,11 @@ impl Field {
             Kind::Count { get, .. } => Some(Value::Count(get(case))),
             Kind::Choice { get, .. } => Some(Value::Choice(get(case))),
             Kind::List { get, .. } => Some(Value::List(get(case))),
+            Kind::Law(parameter) => {
+                let used = registry::parameters_of(&case.contact);
+                let known = used.into_iter().find(|known| known.key == parameter.key)?;
+                Some(Value::Number(Some(case.contact.parameters.value(known))))
+            }
         }
     }
 
@@ -106,6 +128,10 @@ impl Field {
             (Kind::Count { set, .. }, Value::Count(value)) => set(case, value),
             (Kind::Choice { set, .. }, Value::Choice(value)) => set(case, value),
             (Kind::List { set, .. }, Value::List(value)) => set(case, value),
+            (Kind::Law(parameter), Value::Number(Some(value))) => {
+                // There is room for all that are registered.
+                let _ = case.contact.parameters.set(parameter.key, value);
+            }
             _ => {}
         }
     }
@@ -125,6 +151,11 @@ impl Field {
                     None => why,
                 })?;
                 self.check_number(value)
+            }
+            Kind::Law(parameter) => {
+                let powers = parameter.unit.powers;
+                let value = parse_quantity(text, Dimension::of_powers(powers));
+                self.check_number(value.map_err(|why| in_units_of(parameter, why))?)
             }
             Kind::Count { .. } => {
                 let plain = text.trim().replace('_', "");
@@ -209,6 +240,7 @@ impl Field {
             Kind::Number { bounds, dimension, .. } | Kind::List { bounds, dimension, .. } => {
                 bounds.map(|bound| parse_quantity(bound, *dimension).unwrap_or(f64::NAN))
             }
+            Kind::Law(parameter) => parameter.bounds,
             _ => [f64::NEG_INFINITY, f64::INFINITY],
         }
     }
@@ -218,6 +250,10 @@ impl Field {
         match &self.kind {
             Kind::Number { bounds: [low, high], .. } => format!("from {low} to {high}"),
             Kind::Count { bounds: [low, high], .. } => format!("from {low} to {high}"),
+            Kind::Law(parameter) => {
+                let [low, high] = parameter.bounds.map(|bound| with_unit(bound, parameter));
+                format!("from {low} to {high}")
+            }
             Kind::Choice { options, .. } => {
                 let names: Vec<_> = options.iter().map(|[name, _]| format!("\"{name}\"")).collect();
                 names.join(" or ")
@@ -232,7 +268,7 @@ impl Field {
             Kind::Number { absent, .. } => absent.as_slice(),
             Kind::Choice { options, .. } => options,
             Kind::List { absent, .. } => std::slice::from_ref(absent),
-            Kind::Count { .. } => &[],
+            Kind::Count { .. } | Kind::Law(_) => &[],
         }
     }
 
@@ -255,6 +291,7 @@ impl Field {
     pub(super) fn si_unit(&self) -> String {
         match &self.kind {
             Kind::Number { dimension, .. } | Kind::List { dimension, .. } => dimension.si_unit(),
+            Kind::Law(parameter) => parameter.unit.symbol.to_string(),
             _ => String::new(),
         }
     }
@@ -264,7 +301,7 @@ impl Field {
     pub(super) fn draw(&self, place: f64) -> Value {
         match &self.kind {
             Kind::Number { absent: Some(_), .. } if place < 0.2 => Value::Number(None),
-            Kind::Number { .. } => {
+            Kind::Number { .. } | Kind::Law(_) => {
                 let [low, high] = self.number_bounds();
                 Value::Number(Some((low + place * (high - low)).clamp(low, high)))
             }
@@ -281,4 +318,17 @@ impl Field {
             }
         }
     }
+}
+
+/// A number with the SI unit of a parameter.
+fn with_unit(value: f64, parameter: &Parameter) -> String {
+    format!("{} {}", format_number(value), parameter.unit.symbol).trim_end().to_string()
+}
+
+/// A stiffness has the dimension of an energy per area; a message speaks of what the parameter is.
+fn in_units_of(parameter: &Parameter, message: String) -> String {
+    if parameter.unit != Unit::STIFFNESS {
+        return message;
+    }
+    message.replace("an energy per area", "a stiffness").replace("J/m2 or mJ/m2", "N/m, kN/m or MN/m")
 }

@@ -1,6 +1,9 @@
 //! The list of all keys of the case file.
 
-use granum_dem::config::{NormalKind, Rate, Spacing, TangentialKind};
+use std::sync::LazyLock;
+
+use granum_dem::config::{Rate, Spacing};
+use granum_dem::contact::registry;
 
 use super::field::{Field, Kind};
 use granum_core::quantity::Dimension;
@@ -29,17 +32,12 @@ pub(super) const SECTIONS: &[[&str; 2]] = &[
     ["numerics", "Numerical choices that should not change a result beyond scatter."],
 ];
 
-const NORMAL: &[[&str; 2]] =
-    &[["hertz", "elastic spheres without adhesion"], ["jkr", "adhesive: Johnson, Kendall and Roberts 1971"]];
-
-const TANGENTIAL: &[[&str; 2]] = &[
-    [
-        "mindlin-deresiewicz",
-        "incremental, with turning points: Mindlin and Deresiewicz 1953, Thornton and Yin 1991",
-    ],
-    ["no-slip", "no-slip Mindlin"],
-    ["peeling", "Mindlin-Deresiewicz after Savkoor-Briggs peeling; needs normal = \"jkr\""],
-];
+/// Name and help of each law of a slot.
+macro_rules! options {
+    ($laws:ident) => {
+        registry::$laws().iter().map(|law| [law.name(), law.law().description().help]).collect()
+    };
+}
 
 /// A number that must be there.
 macro_rules! number {
@@ -78,19 +76,21 @@ macro_rules! count {
     };
 }
 
-const fn entry(
-    section: &'static str,
-    key: &'static str,
-    help: &'static str,
-    example: &'static str,
-    kind: Kind,
-) -> Field {
-    Field { section, key, help, example, kind }
+fn entry(section: &'static str, key: &'static str, help: &'static str, example: &str, kind: Kind) -> Field {
+    Field { section, key, help: help.to_string(), example: example.to_string(), kind }
 }
 
-/// Every key of the case file, in the order of the file.
+/// Every key of the case file, in the order of the file: those of the case, and after `contact.damping` the parameters of all
+/// contact laws that names stand for when this is first asked.
+pub static FIELDS: LazyLock<Vec<Field>> = LazyLock::new(|| {
+    let mut fields = fields();
+    let after = fields.iter().rposition(|field| field.section == "contact").map_or(0, |at| at + 1);
+    fields.splice(after..after, registry::parameters().into_iter().map(Field::of_law));
+    fields
+});
+
 #[rustfmt::skip]
-pub const FIELDS: &[Field] = &[
+fn fields() -> Vec<Field> { vec![
     entry("grains", "count", "Number of grains.", "5000",
         count!(50..=100_000_000, grains.count)),
     entry("grains", "diameter", "Mean diameter d.", "0.1 mm",
@@ -110,25 +110,19 @@ pub const FIELDS: &[Field] = &[
         number!(SURFACE_ENERGY, "0 J/m2"..="100 J/m2", grains.material.interface_energy)),
 
     entry("contact", "normal", "Normal law.", "jkr", Kind::Choice {
-        options: NORMAL,
-        get: |case| match case.contact.normal {
-            NormalKind::Hertz => "hertz",
-            NormalKind::Jkr => "jkr",
-        },
-        set: |case, name| case.contact.normal = if name == "hertz" { NormalKind::Hertz } else { NormalKind::Jkr },
+        options: options!(normal_laws),
+        get: |case| case.contact.normal.name(),
+        set: |case, name| if let Some(law) = registry::normal_named(name) { case.contact.normal = law },
     }),
     entry("contact", "tangential", "Tangential law.", "mindlin-deresiewicz", Kind::Choice {
-        options: TANGENTIAL,
-        get: |case| match case.contact.tangential {
-            TangentialKind::MindlinDeresiewicz => "mindlin-deresiewicz",
-            TangentialKind::NoSlip => "no-slip",
-            TangentialKind::Peeling => "peeling",
-        },
-        set: |case, name| case.contact.tangential = match name {
-            "no-slip" => TangentialKind::NoSlip,
-            "peeling" => TangentialKind::Peeling,
-            _ => TangentialKind::MindlinDeresiewicz,
-        },
+        options: options!(tangential_laws),
+        get: |case| case.contact.tangential.name(),
+        set: |case, name| if let Some(law) = registry::tangential_named(name) { case.contact.tangential = law },
+    }),
+    entry("contact", "rolling", "Resistance to rolling.", "none", Kind::Choice {
+        options: options!(rolling_laws),
+        get: |case| case.contact.rolling.name(),
+        set: |case, name| if let Some(law) = registry::rolling_named(name) { case.contact.rolling = law },
     }),
     entry("contact", "damping", "Fraction zeta of critical damping in the contact dashpots.", "0.1",
         number!(NUMBER, "0"..="1", contact.damping)),
@@ -243,4 +237,4 @@ pub const FIELDS: &[Field] = &[
 
     entry("numerics", "time_step_factor", "Time step as a fraction of sqrt(m / k_t) of the stiffest contact; shortened where contact.damping is above 0.1.", "0.2",
         number!(NUMBER, "0.0001"..="1", numerics.time_step_factor)),
-];
+]}

@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
+use granum_dem::contact::registry::{self, LawError};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -54,7 +55,7 @@ impl Case {
         reader.check_spacing();
         reader.check_stages();
         let mut case = Case { stages: std::mem::take(&mut reader.stages), ..Case::default() };
-        for field in FIELDS {
+        for field in FIELDS.iter() {
             if let Some(value) = reader.values.get(&field.path()) {
                 field.apply(&mut case, value.clone());
             }
@@ -175,7 +176,7 @@ impl Reader<'_> {
             Err((None, why)) => {
                 let message = format!("{} = {} {why}", field.path(), self.shown(&value.span()));
                 let quoted = field.example.parse::<f64>().is_err();
-                let example = if quoted { format!("{:?}", field.example) } else { field.example.to_string() };
+                let example = if quoted { format!("{:?}", field.example) } else { field.example.clone() };
                 self.error(value.span(), message).help = Some(format!("e.g. {} = {example}", field.key));
             }
         }
@@ -241,6 +242,15 @@ impl Reader<'_> {
     }
 
     fn check_rules(&mut self, case: &Case) {
+        if let Err(error) = registry::check(&case.contact) {
+            let keys = match &error {
+                LawError::Unused { key, .. } | LawError::OutOfBounds { key, .. } => vec![*key],
+                LawError::Apart { .. } => vec!["tangential", "normal"],
+            };
+            let given = keys.iter().find_map(|key| self.keys.get(&format!("contact.{key}")));
+            let span = given.cloned().unwrap_or(0..0);
+            self.error(span, error.to_string());
+        }
         for rule in RULES {
             let Some(message) = (rule.broken)(case) else { continue };
             let given = rule.fields.iter().find_map(|path| self.keys.get(*path));

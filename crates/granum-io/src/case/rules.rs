@@ -1,6 +1,7 @@
 //! Rules between fields: each field may be right on its own and the whole still wrong.
 
-use granum_dem::config::{NormalKind, Spacing, TangentialKind};
+use granum_dem::config::Spacing;
+use granum_dem::contact::registry;
 use granum_dem::simulation::{LARGEST_REACH, Properties};
 
 use super::Case;
@@ -13,16 +14,6 @@ pub(super) struct Rule {
 }
 
 pub(super) const RULES: &[Rule] = &[
-    Rule {
-        fields: &["contact.tangential", "contact.normal"],
-        broken: |case| {
-            let peeling = case.contact.tangential == TangentialKind::Peeling;
-            (peeling && case.contact.normal != NormalKind::Jkr).then(|| {
-                "contact.tangential = \"peeling\" needs contact.normal = \"jkr\": nothing peels without adhesion"
-                    .to_string()
-            })
-        },
-    },
     Rule {
         fields: &["grains.material.interface_energy", "grains.material.youngs_modulus", "grains.diameter"],
         broken: |case| too_sticky(case, "grains.material", case.grains.material.interface_energy),
@@ -113,7 +104,7 @@ impl Case {
     /// # Errors
     /// The first thing that is wrong, with the key, the value and what would be right.
     pub fn check(&self) -> Result<()> {
-        for field in super::FIELDS {
+        for field in super::FIELDS.iter() {
             let Some(value) = field.value(self) else { continue };
             let text = field.toml(&value);
             field.parse(text.trim_matches('"')).map_err(|message| Error::Value {
@@ -122,6 +113,7 @@ impl Case {
                 message,
             })?;
         }
+        registry::check(&self.contact).map_err(|error| Error::Rule(error.to_string()))?;
         self.check_stages()?;
         for rule in RULES {
             if let Some(message) = (rule.broken)(self) {

@@ -62,7 +62,7 @@ fn of_field(field: &Field) -> Value {
                 words.iter().map(|[name, meaning]| format!("{name}: {meaning}")).collect();
             json!({ "description": format!("{} {}", field.help, meanings.join("; ")), "enum": names })
         }
-        _ => quantity(field.help, &field.bounds_text(), &field.si_unit()),
+        _ => quantity(&field.help, &field.bounds_text(), &field.si_unit()),
     };
     schema["default"] =
         field.example.parse::<f64>().map_or_else(|_| json!(field.example), |number| json!(number));
@@ -134,7 +134,7 @@ mod tests {
     #[test]
     fn every_key_of_the_case_and_of_every_path_is_in_the_schema() {
         let schema = Case::schema();
-        for field in FIELDS {
+        for field in FIELDS.iter() {
             let place = field.path().replace('.', "/properties/");
             let found = schema.pointer(&format!("/properties/{place}"));
             assert!(found.is_some_and(|found| found["description"].is_string()), "{}", field.path());

@@ -31,10 +31,10 @@ impl Case {
             text.push_str(&format!("\n# {help}\n[{section}]\n"));
             for field in FIELDS.iter().filter(|field| field.section == *section) {
                 text.push_str(&comment(field));
-                // A field that is not in use by default is the other way of saying the rate.
+                // A field that is not in use by default is the other way of saying the rate, or a parameter of another law.
                 let unused = if field.value(&case).is_none() { "# " } else { "" };
                 let plain = field.example.parse::<f64>().is_ok();
-                let value = if plain { field.example.to_string() } else { format!("\"{}\"", field.example) };
+                let value = if plain { field.example.clone() } else { format!("\"{}\"", field.example) };
                 text.push_str(&format!("{unused}{} = {value}\n", field.key));
             }
         }

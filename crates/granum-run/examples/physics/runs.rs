@@ -36,9 +36,7 @@ pub enum Laws {
 impl Laws {
     fn contact(self) -> Contact {
         match self {
-            Laws::Plain => {
-                Contact { normal: NormalKind::Hertz, tangential: TangentialKind::NoSlip, damping: 0.1 }
-            }
+            Laws::Plain => Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1),
             Laws::Paper => Contact::default(),
         }
     }

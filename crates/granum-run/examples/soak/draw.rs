@@ -69,14 +69,12 @@ impl Draws {
     /// Materials from rubber to steel, grains from a micrometre to a centimetre, every pair of laws, stresses that press grains
     /// by a millionth to a thousandth of their modulus.
     pub fn case(&mut self) -> Case {
-        use NormalKind::{Hertz, Jkr};
-        use TangentialKind::{MindlinDeresiewicz, NoSlip, Peeling};
         const LAWS: [(NormalKind, TangentialKind); 5] = [
-            (Hertz, MindlinDeresiewicz),
-            (Hertz, NoSlip),
-            (Jkr, MindlinDeresiewicz),
-            (Jkr, NoSlip),
-            (Jkr, Peeling),
+            (NormalKind::HERTZ, TangentialKind::MINDLIN_DERESIEWICZ),
+            (NormalKind::HERTZ, TangentialKind::NO_SLIP),
+            (NormalKind::JKR, TangentialKind::MINDLIN_DERESIEWICZ),
+            (NormalKind::JKR, TangentialKind::NO_SLIP),
+            (NormalKind::JKR, TangentialKind::PEELING),
         ];
         let mut case = Case::default();
         let grains = &mut case.grains;

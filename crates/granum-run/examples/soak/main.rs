@@ -161,7 +161,7 @@ fn main() {
         let name = format!("seed-{}-case-{}", wanted.seed, totals.cases);
         totals.cases += 1;
         *totals.ways.entry(way.name()).or_default() += 1;
-        let law = format!("{:?} {:?}", case.contact.normal, case.contact.tangential);
+        let law = format!("{} {}", case.contact.normal, case.contact.tangential);
         *totals.laws.entry(law).or_default() += 1;
         let began = Instant::now();
         let outcome = trial(&case, way, draws.fraction());

@@ -38,7 +38,8 @@ fn energy_gap(before: &Stored, end: &Assembly) -> f64 {
     let e = &end.energy;
     let stored = after.kinetic - before.kinetic + after.elastic_normal - before.elastic_normal;
     // The work of the tangential forces is stored, slipped and slid; what is stored needs no taking apart here.
-    let accounted = stored + e.tangential_work + e.damping + e.adhesion_made + e.adhesion_broken;
+    let accounted =
+        stored + e.tangential_work + e.damping + e.adhesion_made + e.adhesion_broken + e.rolling_work;
     if e.boundary_work == 0.0 { 0.0 } else { ((e.boundary_work - accounted) / e.boundary_work).abs() }
 }
 

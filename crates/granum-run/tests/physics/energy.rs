@@ -134,8 +134,8 @@ fn an_elastic_gas_keeps_its_energy_over_a_million_steps() {
 #[test]
 fn without_adhesion_nothing_is_lost_to_it() {
     let mut s = super::sample::sample().clone();
-    assert_eq!(s.properties().contact.normal, NormalKind::Hertz);
-    assert_eq!(s.properties().contact.tangential, TangentialKind::NoSlip);
+    assert_eq!(s.properties().contact.normal, NormalKind::HERTZ);
+    assert_eq!(s.properties().contact.tangential, TangentialKind::NO_SLIP);
     compress(&mut s, 0, 2e-3);
     let start = s.assembly();
     while s.state().deviator_strain() < 0.02 {

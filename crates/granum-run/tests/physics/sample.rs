@@ -14,7 +14,7 @@ pub const MEAN_STRESS: f64 = 20e3;
 pub fn properties(friction: f64, damping: f64) -> Properties {
     Properties {
         material: Material { friction, interface_energy: 0.0, ..Material::default() },
-        contact: Contact { normal: NormalKind::Hertz, tangential: TangentialKind::NoSlip, damping },
+        contact: Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, damping),
     }
 }
 

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use granum_dem::contact::registry::{normal_laws, parameters, rolling_laws, tangential_laws};
 use granum_io::Case;
 
 use super::case_flags::SetFlags;
@@ -17,12 +18,17 @@ pub struct LawFlags {
     pub case: Option<PathBuf>,
     #[command(flatten)]
     set: SetFlags,
-    /// Normal law: hertz or jkr.
-    #[arg(long, value_name = "LAW")]
+    #[arg(long, value_name = "LAW", help = names("Normal law", normal_laws().iter().map(|law| law.name())))]
     normal: Option<String>,
-    /// Tangential law: mindlin-deresiewicz, no-slip or peeling.
-    #[arg(long, value_name = "LAW")]
+    #[arg(long, value_name = "LAW", help = names("Tangential law", tangential_laws().iter().map(|law| law.name())))]
     tangential: Option<String>,
+    #[arg(
+        long,
+        value_name = "LAW",
+        help = names("Resistance to rolling", rolling_laws().iter().map(|law| law.name())),
+        long_help = rolling_help()
+    )]
+    rolling: Option<String>,
     /// Diameter d of a grain.
     #[arg(long, value_name = "LENGTH")]
     diameter: Option<String>,
@@ -46,6 +52,24 @@ pub struct LawFlags {
     damping: Option<String>,
 }
 
+/// "Normal law: hertz or jkr".
+fn names(what: &str, laws: impl Iterator<Item = &'static str>) -> String {
+    let laws: Vec<_> = laws.collect();
+    let (last, others) = laws.split_last().map_or(("", &[][..]), |(last, others)| (*last, others));
+    if others.is_empty() {
+        format!("{what}: {last}")
+    } else {
+        format!("{what}: {} or {last}", others.join(", "))
+    }
+}
+
+/// The names, and what parameters of laws `--set` takes.
+fn rolling_help() -> String {
+    let what = names("Resistance to rolling", rolling_laws().iter().map(|law| law.name()));
+    let keys: Vec<_> = parameters().iter().map(|p| format!("contact.{}", p.key)).collect();
+    format!("{what}. Parameters of laws are given by --set: {}", keys.join(", "))
+}
+
 impl LawFlags {
     /// The case that file and flags make together.
     pub fn case(&self) -> Result<Case, Failure> {
@@ -56,6 +80,7 @@ impl LawFlags {
         let flags = [
             ("--normal", "contact.normal", &self.normal),
             ("--tangential", "contact.tangential", &self.tangential),
+            ("--rolling", "contact.rolling", &self.rolling),
             ("--diameter", "grains.diameter", &self.diameter),
             ("--density", "grains.material.density", &self.density),
             ("--youngs-modulus", "grains.material.youngs_modulus", &self.youngs_modulus),

@@ -68,7 +68,7 @@ impl Pair {
         table.set(column("tangential_force", "N", |row| row.tangential_force))?;
         table.set(column("contact_radius", "m", |row| row.contact_radius))?;
         context.say(|| {
-            format!("{} rows with {:?} and {:?}", path.len(), case.contact.normal, case.contact.tangential)
+            format!("{} rows with {} and {}", path.len(), case.contact.normal, case.contact.tangential)
         });
         let steps = answer.steps;
         let note = format!(

@@ -127,11 +127,11 @@ fn oblique_impact_is_the_limit_of_no_step() {
     for (psi1, exact, ..) in TABLE {
         let limit = |at: fn(f64, f64) -> f64| 2.0 * at(psi1, 1e6) - at(psi1, 5e5);
         let laws = [
-            (TangentialKind::MindlinDeresiewicz, limit(rebound::<Turning>)),
-            (TangentialKind::NoSlip, limit(rebound::<Rescaled>)),
+            (TangentialKind::MINDLIN_DERESIEWICZ, limit(rebound::<Turning>)),
+            (TangentialKind::NO_SLIP, limit(rebound::<Rescaled>)),
         ];
         for (k, (tangential, expected)) in laws.into_iter().enumerate() {
-            let law = Contact { normal: NormalKind::Hertz, tangential, damping: 0.0 };
+            let law = Contact::new(NormalKind::HERTZ, tangential, 0.0);
             // Slow, so that the pair hardly turns during the contact.
             let angle = (psi1 * FRICTION / STIFFNESS_RATIO).atan();
             let impact = collide(&law, &material, 1e-4, 1e-6, angle.to_degrees()).unwrap();

@@ -6,7 +6,7 @@ use crate::config::{NormalKind, TangentialKind};
 const DIAMETER: f64 = 1e-4;
 
 fn contact(normal: NormalKind, tangential: TangentialKind, damping: f64) -> Contact {
-    Contact { normal, tangential, damping }
+    Contact::new(normal, tangential, damping)
 }
 
 fn smooth() -> Material {
@@ -15,7 +15,7 @@ fn smooth() -> Material {
 
 #[test]
 fn hertz_contact_time_is_analytic() {
-    let hertz = contact(NormalKind::Hertz, TangentialKind::MindlinDeresiewicz, 0.0);
+    let hertz = contact(NormalKind::HERTZ, TangentialKind::MINDLIN_DERESIEWICZ, 0.0);
     let impact = collide(&hertz, &smooth(), DIAMETER, 0.1, 0.0).unwrap();
     // 2.86826569919533 (m*^2 / R* E*^2 v)^(1/5) for the glass spheres of the default material.
     assert!((impact.contact_time / 4.791886436e-7 - 1.0).abs() < 1e-9, "{}", impact.contact_time);
@@ -27,7 +27,7 @@ fn hertz_contact_time_is_analytic() {
 #[test]
 fn adhesive_grains_rebound_or_stick() {
     let material = Material::default();
-    let jkr = contact(NormalKind::Jkr, TangentialKind::MindlinDeresiewicz, 0.0);
+    let jkr = contact(NormalKind::JKR, TangentialKind::MINDLIN_DERESIEWICZ, 0.0);
     let pair = PairProperties::new((&material, 5e-5), (&material, 5e-5), 0.0);
     let force = 1.5 * std::f64::consts::PI * pair.interface_energy * pair.effective_radius;
     let radius = (3.0 * force * pair.effective_radius / pair.effective_modulus).cbrt();
@@ -64,7 +64,7 @@ fn adhesive_grains_rebound_or_stick() {
 fn adhesive_contact_times() {
     let material = Material::default();
     let pair = PairProperties::new((&material, 5e-5), (&material, 5e-5), 0.0);
-    let jkr = contact(NormalKind::Jkr, TangentialKind::NoSlip, 0.0);
+    let jkr = contact(NormalKind::JKR, TangentialKind::NO_SLIP, 0.0);
     let unit = (pair.effective_mass * 1.067344605e-8 / 7.068583471e-5).sqrt();
     for (ratio, time) in [(1.5, 2.327835), (2.0, 2.080056), (5.0, 1.557234)] {
         let impact = collide(&jkr, &material, DIAMETER, ratio * 2.366148196e-2, 0.0).unwrap();
@@ -78,7 +78,7 @@ fn damping_gives_the_restitution() {
     for restitution in [0.9f64, 0.7, 0.5, 0.3] {
         let log = restitution.ln();
         let beta = -log / (std::f64::consts::PI.powi(2) + log * log).sqrt();
-        let hertz = contact(NormalKind::Hertz, TangentialKind::NoSlip, (5.0f64 / 6.0).sqrt() * beta);
+        let hertz = contact(NormalKind::HERTZ, TangentialKind::NO_SLIP, (5.0f64 / 6.0).sqrt() * beta);
         let impact = collide(&hertz, &smooth(), DIAMETER, 0.1, 0.0).unwrap();
         println!("e {restitution}: {:.7}", impact.restitution);
         assert!((impact.restitution - restitution).abs() < 1e-6, "{}", impact.restitution);
@@ -88,8 +88,8 @@ fn damping_gives_the_restitution() {
 #[test]
 fn gross_slip_does_not_depend_on_the_law() {
     let material = smooth();
-    for tangential in [TangentialKind::MindlinDeresiewicz, TangentialKind::NoSlip] {
-        let law = contact(NormalKind::Hertz, tangential, 0.0);
+    for tangential in [TangentialKind::MINDLIN_DERESIEWICZ, TangentialKind::NO_SLIP] {
+        let law = contact(NormalKind::HERTZ, tangential, 0.0);
         let impact = collide(&law, &material, DIAMETER, 1e-4, 75.0).unwrap();
         assert!((impact.psi2 - (impact.psi1 - 4.0 * 1.441_176_470_588)).abs() < 1e-4);
         // Impulse mu J_n turns both: 2.5 mu (1 + e) m* v_n / (m R).
@@ -110,7 +110,7 @@ fn an_impact_that_no_step_settles_is_answered_with_its_uncertainty() {
 
 #[test]
 fn refuses_what_is_no_collision() {
-    let hertz = contact(NormalKind::Hertz, TangentialKind::NoSlip, 0.0);
+    let hertz = contact(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.0);
     let run = |speed, angle| collide(&hertz, &smooth(), DIAMETER, speed, angle).unwrap_err().to_string();
     assert!(run(0.0, 10.0).starts_with("speed is 0 m/s"));
     assert!(run(f64::NAN, 10.0).starts_with("speed is NaN"));

@@ -2,11 +2,10 @@
 
 use proptest::prelude::*;
 
-use super::{Bench, every_pair_of_laws, spheres};
+use super::{ALL, Bench, LawVisitor, every_pair_of_laws, spheres, with_law};
 use crate::config::TangentialKind;
-use crate::contact::hertz::Hertz;
-use crate::contact::mindlin_deresiewicz::MindlinDeresiewicz;
-use crate::contact::registry::{LawVisitor, with_law};
+use crate::contact::normal::Hertz;
+use crate::contact::tangential::MindlinDeresiewicz;
 use crate::contact::{NormalLaw, TangentialLaw};
 
 /// Sums over a path.
@@ -31,9 +30,9 @@ impl<N: NormalLaw, T: TangentialLaw> Bench<N, T> {
     fn account(&mut self, approach: f64, slip: [f64; 2], sums: &mut Sums) {
         let before = self.memory.history;
         let out = self.step(approach, slip);
-        if out.forgets {
+        if out.discards {
             let stiffness = out.tangential_stiffness;
-            sums.micro_slip += T::forgotten(&self.constants.tangential, stiffness, &before);
+            sums.micro_slip += T::discarded(&self.constants.tangential, stiffness, &before);
         }
         sums.work += out.tangential_work;
         sums.friction += out.friction_loss;
@@ -57,7 +56,7 @@ const APPROACH: f64 = 2e-8;
 /// Limit, and the displacement that reaches it, `3/2 L / 8 G* a`.
 fn limits(bench: &Bench<Hertz, MindlinDeresiewicz>) -> (f64, f64) {
     let normal = Hertz::evaluate(&bench.constants.normal, APPROACH, true);
-    let stiffness = 0.5 * bench.constants.sixteen_shear_moduli * normal.radius;
+    let stiffness = MindlinDeresiewicz::stiffness(&bench.constants.tangential, &normal);
     (0.3 * normal.force, 0.45 * normal.force / stiffness)
 }
 
@@ -146,15 +145,15 @@ proptest! {
     fn work_is_stored_slipped_and_slid(
         path in prop::collection::vec((3e-9f64..3e-8, -8e-10f64..8e-10), 1..6)
     ) {
-        for (normal, tangential) in crate::contact::registry::ALL {
+        for (normal, tangential) in ALL {
             // While a contact peels, part of its energy is in the area lost.
-            if tangential == TangentialKind::Peeling {
+            if tangential == TangentialKind::PEELING {
                 continue;
             }
             let gap = with_law(normal, tangential, Line(&path, false));
             prop_assert!(gap.abs() < 2e-4, "{normal:?} {tangential:?}: {gap:e}");
             // With a changing load the incremental law does not know all that a contact stores.
-            if tangential == TangentialKind::NoSlip {
+            if tangential == TangentialKind::NO_SLIP {
                 let gap = with_law(normal, tangential, Line(&path, true));
                 prop_assert!(gap.abs() < 1e-10, "changing load, {normal:?}: {gap:e}");
             }

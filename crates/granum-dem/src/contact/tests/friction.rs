@@ -2,11 +2,6 @@
 
 use super::*;
 use crate::config::TangentialKind;
-use crate::contact::hertz::Hertz;
-use crate::contact::jkr::Jkr;
-use crate::contact::mindlin_deresiewicz::MindlinDeresiewicz;
-use crate::contact::no_slip::NoSlip;
-use crate::contact::registry::LawVisitor;
 use crate::contact::{LAW_CONSTANTS, MAX_HISTORY, Normal};
 use proptest::prelude::*;
 
@@ -23,7 +18,11 @@ struct Unit {
 impl Unit {
     fn new() -> Self {
         let pair = PairProperties { effective_shear_modulus: 0.125, friction: 0.5, ..spheres(0.0) };
-        Unit { constants: MindlinDeresiewicz::prepare(&pair), history: [0.0; MAX_HISTORY], force: 0.0 }
+        Unit {
+            constants: MindlinDeresiewicz::prepare(&pair, &PLAIN, &[]),
+            history: [0.0; MAX_HISTORY],
+            force: 0.0,
+        }
     }
 
     /// A step at a load F (mu is 1/2); the radius stays 1.
@@ -33,7 +32,8 @@ impl Unit {
             radius: 1.0,
             stiffness: 1.0,
             root_stiffness: 1.0,
-            root_radius: 1.0,
+            tangential_measure: 1.0,
+            root_tangential_measure: 1.0,
             friction_load: load,
             touching: true,
         };
@@ -188,7 +188,7 @@ impl LawVisitor for SlidesAtTheLimit {
             let mut last = bench.step(approach, [0.0; 2]);
             let load = N::evaluate(&bench.constants.normal, approach, true).friction_load;
             let (mut work, mut friction) = (0.0, 0.0);
-            for _ in 0..4000 {
+            for _ in 0..12_000 {
                 last = bench.step(approach, [6e-12, 8e-12]);
                 work += last.tangential_work;
                 friction += last.friction_loss;
@@ -267,20 +267,20 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
     #[test]
     fn no_path_at_constant_load_makes_energy(path in path(), approach in 2e-9f64..3e-8) {
-        for (normal, tangential) in crate::contact::registry::ALL {
-            let least = crate::contact::registry::with_law(normal, tangential, Passive(&path, approach));
+        for (normal, tangential) in super::ALL {
+            let least = super::with_law(normal, tangential, Passive(&path, approach));
             // Peeling is reversible on a curve: the error of its steps.
-            let bound = if tangential == TangentialKind::Peeling { -1e-3 } else { -1e-9 };
+            let bound = if tangential == TangentialKind::PEELING { -1e-3 } else { -1e-9 };
             prop_assert!(least > bound, "{normal:?} {tangential:?}: {least:e}");
         }
     }
 
     #[test]
     fn closed_cycles_lose(targets in prop::collection::vec(-1e-9f64..1e-9, 1..6), approach in 2e-9f64..3e-8) {
-        for (normal, tangential) in crate::contact::registry::ALL {
-            let lost = crate::contact::registry::with_law(normal, tangential, ClosedCycle(&targets, approach));
+        for (normal, tangential) in super::ALL {
+            let lost = super::with_law(normal, tangential, ClosedCycle(&targets, approach));
             // Peeling is reversible on a curve: the error of its steps.
-            let bound = if tangential == TangentialKind::Peeling { -1e-3 } else { -1e-6 };
+            let bound = if tangential == TangentialKind::PEELING { -1e-3 } else { -1e-6 };
             prop_assert!(lost > bound, "{normal:?} {tangential:?}: {lost:e}");
         }
     }
@@ -291,14 +291,14 @@ proptest! {
     fn little_energy_is_made_with_changing_load(
         path in prop::collection::vec((3e-9f64..3e-8, -4e-10f64..4e-10, -4e-10f64..4e-10), 2..12)
     ) {
-        for (normal, tangential) in crate::contact::registry::ALL {
-            if tangential == TangentialKind::Peeling {
+        for (normal, tangential) in super::ALL {
+            if tangential == TangentialKind::PEELING {
                 continue;
             }
-            let least = crate::contact::registry::with_law(normal, tangential, Varying(&path));
+            let least = super::with_law(normal, tangential, Varying(&path));
             // Rescaling makes the no-slip law passive. The incremental law is exact at constant load only: of 3000
             // paths the worst made a tenth (Elata and Berryman 1996 show why it must).
-            let bound = if tangential == TangentialKind::NoSlip { -1e-3 } else { -BOUND };
+            let bound = if tangential == TangentialKind::NO_SLIP { -1e-3 } else { -BOUND };
             prop_assert!(least > bound, "{normal:?} {tangential:?}: {least:e}");
         }
     }
@@ -330,7 +330,7 @@ impl LawVisitor for Varying<'_> {
     }
 }
 
-/// A contact that opens forgets, and a closed cycle of make and break of an adhesive contact loses its share.
+/// A contact that opens discards, and a closed cycle of make and break of an adhesive contact loses its share.
 #[test]
 fn make_and_break_lose_the_adhesion() {
     let pair = spheres(0.6);

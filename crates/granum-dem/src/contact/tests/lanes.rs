@@ -3,14 +3,20 @@
 use std::marker::PhantomData;
 
 use super::*;
-use crate::contact::registry::LawVisitor;
+use crate::config::Contact;
+use crate::contact::RollingKind;
+use crate::contact::columns::{Batch, One, TwoBatches};
+use crate::contact::set::{Open, Slots};
 use granum_simd::{Isa, Kernel, LANES, Lanes, Twice, dispatch};
 
 const STEPS: usize = 400;
-/// Columns of motion: branch, velocity, rolling, mean spin.
-const MOTION: usize = 12;
+/// Columns of motion: branch, velocity, rolling, mean spin, relative spin.
+const MOTION: usize = 15;
 /// Columns of an answer.
-const ANSWER: usize = 18;
+const ANSWER: usize = 22;
+
+/// Every pair of laws with resistance to rolling, so that all slots work.
+type Set<N, T> = Compiled<N, T, ElasticPlasticRolling>;
 
 type Motion = [f64; MOTION];
 type Answer = [u64; ANSWER];
@@ -52,10 +58,16 @@ fn motions(lane: usize) -> Vec<Motion> {
                 motion[3 + a] = 2e-2 * (sequence.next() + if step % 60 < 30 { 0.5 } else { -0.5 });
                 motion[6 + a] = 200.0 * sequence.next();
                 motion[9 + a] = 200.0 * sequence.next();
+                motion[12 + a] = 2000.0 * wave(step, lane, a);
             }
             motion
         })
         .collect()
+}
+
+/// Spins that go to and fro; apart from the sequence, which other tests were made with.
+fn wave(step: usize, lane: usize, axis: usize) -> f64 {
+    (0.05 * step as f64 * (1.0 + 0.1 * axis as f64) + lane as f64).sin()
 }
 
 fn kinematics<R: Real>(column: impl Fn(usize) -> R) -> Kinematics<R> {
@@ -64,6 +76,7 @@ fn kinematics<R: Real>(column: impl Fn(usize) -> R) -> Kinematics<R> {
         velocity: [column(3), column(4), column(5)],
         rolling: [column(6), column(7), column(8)],
         mean_spin: [column(9), column(10), column(11)],
+        relative_spin: [column(12), column(13), column(14)],
     }
 }
 
@@ -84,10 +97,14 @@ fn columns<R: Real>(out: &Interaction<R>) -> [R; ANSWER] {
         out.normal_stiffness,
         out.tangential_stiffness,
         one.keep(out.touching),
-        one.keep(out.sliding) + one.keep(out.forgets),
+        one.keep(out.sliding) + one.keep(out.discards),
         out.tangential_work,
         out.friction_loss + out.micro_slip_loss,
         out.damping_loss + out.adhesion_made + out.adhesion_broken,
+        out.couple[0],
+        out.couple[1],
+        out.couple[2],
+        out.moment_work + out.moment_loss + out.step_stiffness,
     ]
 }
 use granum_simd::Real;
@@ -106,15 +123,17 @@ fn alone<N: NormalLaw, T: TangentialLaw>(
                 // Through the bytes of a checkpoint.
                 let normal = memory.normal.map(|x| x.to_le_bytes());
                 let history = memory.history.map(|x| x.to_le_bytes());
+                let moments = memory.moments.map(|x| x.to_le_bytes());
                 memory = Memory {
                     normal: normal.map(f64::from_le_bytes),
                     history: history.map(f64::from_le_bytes),
+                    moments: moments.map(f64::from_le_bytes),
                 };
                 for kept in &memory.history[T::HISTORY..] {
                     assert_eq!(*kept, 0.0);
                 }
             }
-            let out = interact::<f64, N, T>(constants, &kinematics(|c| motion[c]), 1e-8, &mut memory);
+            let out = interact(&Set::<N, T>::new(), constants, &kinematics(|c| motion[c]), 1e-8, &mut memory);
             columns(&out).map(f64::to_bits)
         })
         .collect()
@@ -129,7 +148,7 @@ impl<N: NormalLaw, T: TangentialLaw> Kernel for InLanes<'_, N, T> {
         let mut memory = Memory::<L>::new();
         for step in 0..STEPS {
             let motion = kinematics(|c| L::load(&std::array::from_fn(|l| self.1[l][step][c])));
-            let out = interact::<L, N, T>(&self.0.splat(), &motion, L::splat(1e-8), &mut memory);
+            let out = interact(&Set::<N, T>::new(), &self.0.splat(), &motion, L::splat(1e-8), &mut memory);
             for (c, column) in columns(&out).into_iter().enumerate() {
                 let mut values = [0.0; LANES];
                 column.store(&mut values);
@@ -150,7 +169,8 @@ impl<N: NormalLaw, T: TangentialLaw> Kernel for SideBySide<'_, N, T> {
         for step in 0..STEPS {
             let load = |c: usize, first: usize| L::load(&std::array::from_fn(|l| self.1[first + l][step][c]));
             let motion = kinematics(|c| Twice(load(c, 0), load(c, LANES)));
-            let out = interact::<Twice<L>, N, T>(&self.0.splat(), &motion, Twice::splat(1e-8), &mut memory);
+            let out =
+                interact(&Set::<N, T>::new(), &self.0.splat(), &motion, Twice::splat(1e-8), &mut memory);
             for (c, column) in columns(&out).into_iter().enumerate() {
                 for (half, first) in [(column.0, 0), (column.1, LANES)] {
                     let mut values = [0.0; LANES];
@@ -163,12 +183,60 @@ impl<N: NormalLaw, T: TangentialLaw> Kernel for SideBySide<'_, N, T> {
     }
 }
 
-struct SameBits(f64);
+/// The same laws called through their slots, in one batch or two.
+struct ThroughSlots<'a>(&'a Slots, &'a PairConstants<f64>, &'a [Vec<Motion>]);
+impl Kernel for ThroughSlots<'_> {
+    type Output = Vec<Vec<Answer>>;
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Vec<Vec<Answer>> {
+        let ThroughSlots(slots, constants, motions) = self;
+        let mut answers = vec![vec![[0; ANSWER]; STEPS]; 3 * LANES];
+        let (mut batch, mut two) = (Memory::<L>::new(), Memory::<Twice<L>>::new());
+        for step in 0..STEPS {
+            let load =
+                |c: usize, first: usize| L::load(&std::array::from_fn(|l| motions[first + l][step][c]));
+            let motion = kinematics(|c| load(c, 0));
+            let laws = Open::<Batch<L>>::new(slots);
+            let out = interact(&laws, &constants.splat(), &motion, L::splat(1e-8), &mut batch);
+            let motion = kinematics(|c| Twice(load(c, 0), load(c, LANES)));
+            let laws = Open::<TwoBatches<L>>::new(slots);
+            let both = interact(&laws, &constants.splat(), &motion, Twice::splat(1e-8), &mut two);
+            for (c, (one, pair)) in columns(&out).into_iter().zip(columns(&both)).enumerate() {
+                for (part, first) in [(one, 0), (pair.0, LANES), (pair.1, 2 * LANES)] {
+                    let mut values = [0.0; LANES];
+                    part.store(&mut values);
+                    (0..LANES).for_each(|l| answers[first + l][step][c] = values[l].to_bits());
+                }
+            }
+        }
+        answers
+    }
+}
+
+/// One contact after the other through the slots.
+fn alone_through_slots(
+    contact: &Contact,
+    isa: Isa,
+    constants: &PairConstants<f64>,
+    motions: &[Motion],
+) -> Vec<Answer> {
+    let slots = Slots::new(contact, isa);
+    let laws = Open::<One>::new(&slots);
+    let mut memory = Memory::<f64>::new();
+    let step = |motion: &Motion| {
+        let out = interact(&laws, constants, &kinematics(|c| motion[c]), 1e-8, &mut memory);
+        columns(&out).map(f64::to_bits)
+    };
+    motions.iter().map(step).collect()
+}
+
+/// With this set, whose law of moments is the elastic-plastic one.
+struct SameBits(f64, Contact);
 impl LawVisitor for SameBits {
     type Output = [usize; 2];
     fn visit<N: NormalLaw, T: TangentialLaw>(self) -> [usize; 2] {
         let pair = PairProperties { damping: 0.1, ..spheres(self.0) };
-        let constants = PairConstants::new::<N, T>(&pair);
+        let constants = constants::<N, T, ElasticPlasticRolling>(&pair);
         let motions: Vec<Vec<Motion>> = (0..2 * LANES).map(motions).collect();
         let reference: Vec<Vec<Answer>> =
             motions.iter().map(|m| alone::<N, T>(&constants, m, false)).collect();
@@ -180,6 +248,11 @@ impl LawVisitor for SameBits {
             assert!(lanes == reference[..LANES], "{}", isa.name());
             let both = dispatch(isa, SideBySide::<N, T>(&constants, &motions, PhantomData));
             assert!(both == reference, "{} side by side", isa.name());
+            let slots = dispatch(isa, ThroughSlots(&Slots::new(&self.1, isa), &constants, &motions));
+            assert!(slots[..LANES] == reference[..LANES], "{} through slots", isa.name());
+            assert!(slots[LANES..] == reference, "{} two batches through slots", isa.name());
+            let one = alone_through_slots(&self.1, isa, &constants, &motions[5]);
+            assert!(one == reference[5], "{} alone through slots", isa.name());
         }
         let finite = reference.iter().flatten().flatten().all(|b| f64::from_bits(*b).is_finite());
         assert!(finite);
@@ -191,9 +264,10 @@ impl LawVisitor for SameBits {
 #[test]
 fn every_law_has_the_same_bits_everywhere() {
     for energy in [0.6, 0.0] {
-        for (normal, tangential) in crate::contact::registry::ALL {
-            let [touching, sliding] =
-                crate::contact::registry::with_law(normal, tangential, SameBits(energy));
+        for (normal, tangential) in super::ALL {
+            let rolling = RollingKind::ELASTIC_PLASTIC;
+            let contact = Contact { rolling, ..Contact::new(normal, tangential, 0.1) };
+            let [touching, sliding] = super::with_law(normal, tangential, SameBits(energy, contact));
             let all = 2 * LANES * STEPS;
             // The motions do visit contact and its absence, sticking and sliding.
             assert!(touching > all / 3 && touching < all, "{normal:?} {tangential:?}: {touching}");

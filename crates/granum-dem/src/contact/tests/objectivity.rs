@@ -2,10 +2,7 @@
 
 use super::*;
 use crate::contact::frame::{Frame, Turn};
-use crate::contact::hertz::Hertz;
 use crate::contact::interaction::{add_scaled, cross, scale};
-use crate::contact::mindlin_deresiewicz::MindlinDeresiewicz;
-use crate::contact::registry::LawVisitor;
 
 /// The vector turned by an angle about the unit axis (1, 2, 3) / sqrt 14.
 fn turned(v: [f64; 3], angle: f64) -> [f64; 3] {
@@ -16,6 +13,16 @@ fn turned(v: [f64; 3], angle: f64) -> [f64; 3] {
 }
 
 const START: [f64; 3] = [1.0, 0.0, 0.0];
+
+/// The force that a pair in the first direction remembers.
+fn force_of(memory: &Memory<f64>) -> [f64; 3] {
+    law::tangential_force(&Memory { normal: START, ..*memory })
+}
+
+fn swap<T: TangentialLaw>(memory: &mut Memory<f64>) {
+    law::swap_sides(memory.normal, T::PLANE_VECTORS, &mut memory.history);
+    memory.normal = memory.normal.map(|x| -x);
+}
 
 /// Error of the remembered force over its size after one turn, from the turning of the history alone.
 fn history_alone(steps: usize) -> f64 {
@@ -55,7 +62,7 @@ impl LawVisitor for OneTurn {
         let material = Material { interface_energy: self.energy, ..Material::default() };
         let (ri, rj) = if self.unlike { (5e-5, 8e-5) } else { (5e-5, 5e-5) };
         let pair = PairProperties::new((&material, ri), (&material, rj), 0.0);
-        let constants = PairConstants::new::<N, T>(&pair);
+        let constants = constants::<N, T, NoMoments>(&pair);
         let mut memory = Memory::<f64>::new();
         let distance = pair.radius_sum - 1e-3 * ri;
         // Shear it at rest to half the limit.
@@ -68,11 +75,12 @@ impl LawVisitor for OneTurn {
             velocity: scale(slip, across),
             rolling: [0.0; 3],
             mean_spin: [0.0; 3],
+            relative_spin: [0.0; 3],
         };
-        interact::<f64, N, T>(&constants, &rest(0.0), 1.0, &mut memory);
+        interact(&Compiled::<N, T>::new(), &constants, &rest(0.0), 1.0, &mut memory);
         while dot(force, force).sqrt() < 0.5 * limit {
-            interact::<f64, N, T>(&constants, &rest(1e-12), 1.0, &mut memory);
-            force = T::force(START, &memory.history);
+            interact(&Compiled::<N, T>::new(), &constants, &rest(1e-12), 1.0, &mut memory);
+            force = force_of(&memory);
         }
         let angle = std::f64::consts::TAU / self.steps as f64;
         for k in 0..self.steps {
@@ -84,11 +92,16 @@ impl LawVisitor for OneTurn {
             } else {
                 std::array::from_fn(|a| distance * (new[a] - old[a]))
             };
-            let motion =
-                Kinematics { branch: scale(distance, new), velocity, rolling: spin, mean_spin: spin };
-            interact::<f64, N, T>(&constants, &motion, 1.0, &mut memory);
+            let motion = Kinematics {
+                branch: scale(distance, new),
+                velocity,
+                rolling: spin,
+                mean_spin: spin,
+                relative_spin: [0.0; 3],
+            };
+            interact(&Compiled::<N, T>::new(), &constants, &motion, 1.0, &mut memory);
         }
-        let end = T::force(START, &memory.history);
+        let end = force_of(&memory);
         let off = add_scaled(end, -1.0, force);
         let size = dot(force, force).sqrt();
         [dot(off, off).sqrt() / size, dot(end, end).sqrt() / size - 1.0]
@@ -113,11 +126,11 @@ fn a_turning_pair_keeps_its_force() {
 
 #[test]
 fn every_law_keeps_its_force_in_a_turn() {
-    for (normal, tangential) in crate::contact::registry::ALL {
+    for (normal, tangential) in super::ALL {
         for (unlike, energy) in [(false, 0.0), (true, 0.6)] {
             let errors = [1000, 10_000].map(|steps| {
                 let turn = OneTurn { steps, unlike, energy, tangent: false };
-                crate::contact::registry::with_law(normal, tangential, turn)[0]
+                super::with_law(normal, tangential, turn)[0]
             });
             println!(
                 "{normal:?} {tangential:?} unlike {unlike}: error over |T| {:.2e} {:.2e}",
@@ -138,7 +151,7 @@ impl LawVisitor for OtherFrames {
     type Output = ();
     fn visit<N: NormalLaw, T: TangentialLaw>(self) {
         let pair = PairProperties { damping: 0.1, ..spheres(0.6) };
-        let constants = PairConstants::new::<N, T>(&pair);
+        let constants = constants::<N, T, NoMoments>(&pair);
         let mut memories = [Memory::<f64>::new(); 4];
         let mut direction = START;
         for step in 0..600 {
@@ -150,12 +163,14 @@ impl LawVisitor for OtherFrames {
                 velocity: [2e-2 * wave(0.2), -1e-2 * wave(0.13), 3e-2 * wave(0.11)],
                 rolling: [100.0 * wave(0.3), 200.0, -50.0],
                 mean_spin: [100.0 * wave(0.3), 200.0, -50.0],
+                relative_spin: [-80.0, 60.0 * wave(0.21), 70.0 * wave(0.17)],
             };
             let seen = |f: Map| Kinematics {
                 branch: f(motion.branch),
                 velocity: f(motion.velocity),
                 rolling: f(motion.rolling),
                 mean_spin: f(motion.mean_spin),
+                relative_spin: f(motion.relative_spin),
             };
             let permuted = |v: [f64; 3]| [v[2], v[0], v[1]];
             let oblique = |v: [f64; 3]| turned(v, 2.3);
@@ -163,17 +178,17 @@ impl LawVisitor for OtherFrames {
             // Spins are axial: they keep their sign when i and j change sides.
             let swapped =
                 Kinematics { branch: negated(motion.branch), velocity: negated(motion.velocity), ..motion };
-            let reference = interact::<f64, N, T>(&constants, &motion, 1e-8, &mut memories[0]);
+            let reference = interact(&Compiled::<N, T>::new(), &constants, &motion, 1e-8, &mut memories[0]);
             let scale_of_force = dot(reference.force, reference.force).sqrt().max(1e-6);
             let cases: [(Kinematics<f64>, Map); 3] =
                 [(seen(&permuted), &permuted), (seen(&oblique), &oblique), (swapped, &negated)];
             for (k, (motion, map)) in cases.iter().enumerate() {
                 if k == 2 && step % 50 == 0 {
                     // There and back, as when the engine sorts its grains anew.
-                    T::swap_sides(&mut memories[3]);
-                    T::swap_sides(&mut memories[3]);
+                    swap::<T>(&mut memories[3]);
+                    swap::<T>(&mut memories[3]);
                 }
-                let out = interact::<f64, N, T>(&constants, motion, 1e-8, &mut memories[k + 1]);
+                let out = interact(&Compiled::<N, T>::new(), &constants, motion, 1e-8, &mut memories[k + 1]);
                 let expected = map(reference.force);
                 for a in 0..3 {
                     let error = (out.force[a] - expected[a]).abs() / scale_of_force;
@@ -183,7 +198,7 @@ impl LawVisitor for OtherFrames {
         }
         // The memory of (i, j) rewritten for (j, i) is that of the pair seen from j.
         let mut mine = memories[0];
-        T::swap_sides(&mut mine);
+        swap::<T>(&mut mine);
         for a in 0..3 {
             assert!((mine.normal[a] - memories[3].normal[a]).abs() < 1e-12);
         }

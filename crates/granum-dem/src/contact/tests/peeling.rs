@@ -1,12 +1,10 @@
 //! Savkoor and Briggs (1977) peeling in front of Mindlin-Deresiewicz.
 
 use super::*;
-use crate::contact::jkr::Jkr;
-use crate::contact::peeling::Peeling;
 
 /// Approach of a load on the stable branch, m.
 fn approach_of(pair: &PairProperties, load: f64) -> f64 {
-    let c = Jkr::prepare(pair);
+    let c = Jkr::prepare(pair, &[]);
     let unit = 1.5 * std::f64::consts::PI * pair.interface_energy * pair.effective_radius;
     let s = 0.5 * (1.0 + (1.0 + load).sqrt());
     let radius = (3.0 * unit * pair.effective_radius / pair.effective_modulus).cbrt();

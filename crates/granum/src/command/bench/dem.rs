@@ -24,45 +24,39 @@ const DAMPING: f64 = 0.1;
 const INERTIAL_NUMBER: f64 = 1e-3;
 const MEAN_STRESS: f64 = 20e3;
 
-/// A pair of laws and its names.
+/// A set of laws.
 #[derive(Clone, Copy)]
-pub struct Law {
-    names: (&'static str, &'static str),
-    kinds: (NormalKind, TangentialKind),
+pub struct Law(Contact);
+
+impl Law {
+    /// The law of moments, if there are any.
+    fn rolling(self) -> Option<&'static str> {
+        self.0.rolling.law().acts().then(|| self.0.rolling.name())
+    }
 }
 
-/// The three pairs of laws that other programs are compared with.
+/// The three sets of laws that other programs are compared with.
 pub const LAWS: [Law; 3] = [
-    Law { names: ("hertz", "no-slip"), kinds: (NormalKind::Hertz, TangentialKind::NoSlip) },
-    Law {
-        names: ("hertz", "mindlin-deresiewicz"),
-        kinds: (NormalKind::Hertz, TangentialKind::MindlinDeresiewicz),
-    },
-    Law {
-        names: ("jkr", "mindlin-deresiewicz"),
-        kinds: (NormalKind::Jkr, TangentialKind::MindlinDeresiewicz),
-    },
+    Law(Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, DAMPING)),
+    Law(Contact::new(NormalKind::HERTZ, TangentialKind::MINDLIN_DERESIEWICZ, DAMPING)),
+    Law(Contact::new(NormalKind::JKR, TangentialKind::MINDLIN_DERESIEWICZ, DAMPING)),
 ];
 
-/// A pair of laws from its names.
+/// A set of laws from its names.
 pub fn law(text: &str) -> Result<Law, Failure> {
-    let Some((normal, tangential)) = text.split_once(',') else {
-        return Err(Failure::new(format!("--law {text}: two names are needed, as jkr,mindlin-deresiewicz")));
-    };
+    let names: Vec<&str> = text.split(',').collect();
+    if !(2..=3).contains(&names.len()) {
+        return Err(Failure::new(format!(
+            "--law {text}: two or three names are needed, as jkr,mindlin-deresiewicz or hertz,no-slip,elastic-plastic"
+        )));
+    }
     let mut case = Case::default();
-    case.set("contact.normal", normal)?;
-    case.set("contact.tangential", tangential)?;
+    for (key, name) in ["contact.normal", "contact.tangential", "contact.rolling"].into_iter().zip(names) {
+        case.set(key, name)?;
+    }
     case.check()?;
-    let normal_name = match case.contact.normal {
-        NormalKind::Hertz => "hertz",
-        NormalKind::Jkr => "jkr",
-    };
-    let tangential_name = match case.contact.tangential {
-        TangentialKind::MindlinDeresiewicz => "mindlin-deresiewicz",
-        TangentialKind::NoSlip => "no-slip",
-        TangentialKind::Peeling => "peeling",
-    };
-    Ok(Law { names: (normal_name, tangential_name), kinds: (case.contact.normal, case.contact.tangential) })
+    case.contact.damping = DAMPING;
+    Ok(Law(case.contact))
 }
 
 /// What to measure.
@@ -94,6 +88,9 @@ pub struct Stretch {
 pub struct Figure {
     normal: &'static str,
     tangential: &'static str,
+    /// Law of moments, where there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rolling: Option<&'static str>,
     grains: usize,
     threads: usize,
     isa: &'static str,
@@ -265,8 +262,9 @@ fn figures(
     }
     let grains = packing.grains.len() as f64;
     let figure = |k: usize| Figure {
-        normal: law.names.0,
-        tangential: law.names.1,
+        normal: law.0.normal.name(),
+        tangential: law.0.tangential.name(),
+        rolling: law.rolling(),
         grains: packing.grains.len(),
         threads: hardware[k].threads,
         isa: hardware[k].isa.name(),
@@ -305,8 +303,9 @@ fn one_stretch(
         let rate = grains as f64 / stretch(context, &mut simulation, wanted.steps, each)?;
         let first = figures.first().map_or(rate, |figure| figure.grain_steps_per_second);
         figures.push(Figure {
-            normal: law.names.0,
-            tangential: law.names.1,
+            normal: law.0.normal.name(),
+            tangential: law.0.tangential.name(),
+            rolling: law.rolling(),
             grains,
             threads: hardware.threads,
             isa: hardware.isa.name(),
@@ -323,9 +322,7 @@ fn one_stretch(
 
 /// The packing under shear.
 fn sheared(law: Law, packing: &Packing, course: &Course) -> Result<Simulation, Failure> {
-    let (normal, tangential) = law.kinds;
-    let contact = Contact { normal, tangential, damping: DAMPING };
-    let properties = Properties { material: Material::default(), contact };
+    let properties = Properties { material: Material::default(), contact: law.0 };
     let mut simulation = Simulation::new(cell(packing), &sites(packing), properties)?;
     simulation.fix_time_step(course.time_step);
     let rate = course.strain_rate.unwrap_or_else(|| simulation.strain_rate(INERTIAL_NUMBER, MEAN_STRESS));

@@ -43,7 +43,7 @@ pub struct Bench {
     /// Sizes, multiples of the packing's number of grains; the packing itself and 20 copies by default.
     #[arg(long, value_name = "N,...", value_delimiter = ',')]
     grains: Vec<usize>,
-    /// One pair of laws, as jkr,mindlin-deresiewicz; three pairs by default.
+    /// One set of laws, as jkr,mindlin-deresiewicz or hertz,no-slip,elastic-plastic; three sets by default.
     #[arg(long, value_name = "NORMAL,TANGENTIAL")]
     law: Option<String>,
     /// Time for each figure, s.

@@ -6,30 +6,71 @@
 //!
 //! What the spring of the contact stored and a changed radius no longer holds is lost: with `r = a / a_old`,
 //! `T^2 / 16 G* a_old` times `1 - r` where the contact shrinks, times `1 - 1/r` where it grows.
+//!
+//! With a normal law that has no contact area the stiffness is `k_t = (k_t/k_n) k_n` with a ratio of its own, and the law is the
+//! linear spring with a slider of Cundall and Strack (1979).
 
 use granum_simd::{Mask, Real};
 
-use super::{LAW_CONSTANTS, MAX_HISTORY, Normal, PairProperties, Tangential, TangentialLaw};
+use crate::contact::{
+    Description, LAW_CONSTANTS, MAX_HISTORY, Normal, NormalTraits, PairProperties, Parameter, Tangential,
+    TangentialLaw, Unit,
+};
 
 /// No-slip Mindlin with rescaling.
 #[derive(Clone, Copy, Debug)]
 pub struct NoSlip;
 
-const EIGHT_MODULI: usize = 0;
+/// Tangential stiffness over the measure of the normal law.
+const COEFFICIENT: usize = 0;
 const FRICTION: usize = 1;
-const ROOT_MODULI: usize = 2;
-const RADIUS_BEFORE: usize = 2;
+const ROOT_COEFFICIENT: usize = 2;
+const STEP_COEFFICIENT: usize = 3;
+const MEASURE_BEFORE: usize = 2;
+
+/// Below this ratio of tangential to normal stiffness grains no longer swing fastest by spinning.
+const LEAST_STEP_RATIO: f64 = 1.0 / 3.0;
 
 impl TangentialLaw for NoSlip {
+    const DESCRIPTION: Description = Description {
+        name: "no-slip",
+        label: "no-slip Mindlin",
+        help: "no-slip Mindlin; with normal = \"hooke\" a linear spring and a slider",
+        parameters: &[Parameter {
+            key: "tangential_stiffness_ratio",
+            unit: Unit::NUMBER,
+            // Equal half periods of the normal and the tangential motion of solid spheres.
+            default: 2.0 / 7.0,
+            bounds: [0.0, 1.0],
+            meaning: "Tangential stiffness over the normal stiffness, k_t/k_n, for a normal law without contact area",
+            without_area: true,
+        }],
+    };
     const HISTORY: usize = 3;
     const PLANE_VECTORS: usize = 1;
 
-    fn prepare(pair: &PairProperties) -> [f64; LAW_CONSTANTS] {
+    fn prepare(pair: &PairProperties, normal: &NormalTraits, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
         let mut c = [0.0; LAW_CONSTANTS];
-        c[EIGHT_MODULI] = 8.0 * pair.effective_shear_modulus;
+        let [coefficient, step] = if normal.contact_area {
+            [8.0 * pair.effective_shear_modulus; 2]
+        } else {
+            [parameters[0], parameters[0].max(LEAST_STEP_RATIO)]
+        };
+        c[COEFFICIENT] = coefficient;
         c[FRICTION] = pair.friction;
-        c[ROOT_MODULI] = c[EIGHT_MODULI].sqrt();
+        c[ROOT_COEFFICIENT] = coefficient.sqrt();
+        c[STEP_COEFFICIENT] = step;
         c
+    }
+
+    #[inline(always)]
+    fn stiffness<R: Real>(c: &[R; LAW_CONSTANTS], normal: &Normal<R>) -> R {
+        c[COEFFICIENT] * normal.tangential_measure
+    }
+
+    #[inline(always)]
+    fn step_stiffness<R: Real>(c: &[R; LAW_CONSTANTS], normal: &Normal<R>) -> R {
+        c[STEP_COEFFICIENT] * normal.tangential_measure
     }
 
     #[inline(always)]
@@ -40,11 +81,11 @@ impl TangentialLaw for NoSlip {
         history: &mut [R; MAX_HISTORY],
     ) -> Tangential<R> {
         let (tiny, one) = (R::splat(1e-200), R::splat(1.0));
-        let stiffness = c[EIGHT_MODULI] * normal.radius;
+        let stiffness = Self::stiffness(c, normal);
         let limit = c[FRICTION] * normal.friction_load;
-        let before = history[RADIUS_BEFORE];
+        let before = history[MEASURE_BEFORE];
         let held = [history[0], history[1]];
-        let ratio = normal.radius / before.max(tiny);
+        let ratio = normal.tangential_measure / before.max(tiny);
         let shrink = ratio.min(one);
         let trial = [
             stiffness.mul_add(increment[0], shrink * held[0]),
@@ -56,7 +97,7 @@ impl TangentialLaw for NoSlip {
         let factor = R::select(sliding, limit / length.max(tiny), one);
         let force = [factor * trial[0], factor * trial[1]];
         [history[0], history[1]] = force;
-        history[RADIUS_BEFORE] = normal.radius;
+        history[MEASURE_BEFORE] = normal.tangential_measure;
         let compliance = one / stiffness.max(tiny);
         let slipped = ((length - limit) * compliance).max(R::zero()).keep(sliding);
         // Mean force along the slip in the step.
@@ -70,11 +111,11 @@ impl TangentialLaw for NoSlip {
         Tangential {
             force,
             stiffness,
-            root_stiffness: c[ROOT_MODULI] * normal.root_radius,
+            root_stiffness: c[ROOT_COEFFICIENT] * normal.root_tangential_measure,
             sliding,
             friction_loss: slipped * pull,
             micro_slip_loss: lost,
-            forgets: R::Mask::splat(false),
+            discards: R::Mask::splat(false),
         }
     }
 }

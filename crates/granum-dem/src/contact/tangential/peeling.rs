@@ -19,7 +19,9 @@ use granum_simd::{Real, cbrt};
 use super::mindlin_deresiewicz::{
     Outcome, State, add_scaled, advance, dot, energy, excess, select, square, state_of,
 };
-use super::{LAW_CONSTANTS, MAX_HISTORY, Normal, PairProperties, Tangential, TangentialLaw};
+use crate::contact::{
+    Description, LAW_CONSTANTS, MAX_HISTORY, Normal, NormalTraits, PairProperties, Tangential, TangentialLaw,
+};
 
 /// Savkoor and Briggs (1977), then Mindlin and Deresiewicz (1953).
 #[derive(Clone, Copy, Debug)]
@@ -53,11 +55,25 @@ fn loading_curve<R: Real>(displacement: R, stiffness: R, limit: R) -> R {
 }
 
 impl TangentialLaw for Peeling {
+    const DESCRIPTION: Description = Description {
+        name: "peeling",
+        label: "Savkoor–Briggs peeling, then Mindlin–Deresiewicz",
+        help: "Mindlin-Deresiewicz after Savkoor-Briggs peeling; needs normal = \"jkr\"",
+        parameters: &[],
+    };
     const HISTORY: usize = 9;
     const PLANE_VECTORS: usize = 3;
-    const FORGETS: bool = true;
+    const DISCARDS: bool = true;
 
-    fn prepare(pair: &PairProperties) -> [f64; LAW_CONSTANTS] {
+    fn goes_with(normal: &NormalTraits) -> Result<(), &'static str> {
+        if normal.adhesive {
+            Ok(())
+        } else {
+            Err("needs contact.normal = \"jkr\": nothing peels without adhesion")
+        }
+    }
+
+    fn prepare(pair: &PairProperties, _normal: &NormalTraits, _parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
         let mut c = [0.0; LAW_CONSTANTS];
         c[EIGHT_MODULI] = 8.0 * pair.effective_shear_modulus;
         c[FRICTION] = pair.friction;
@@ -66,6 +82,11 @@ impl TangentialLaw for Peeling {
         c[TWICE_PULL_OFF] = 3.0 * std::f64::consts::PI * pair.interface_energy * pair.effective_radius;
         c[COMPLIANCE_RATIO] = 0.25 * pair.effective_modulus / pair.effective_shear_modulus;
         c
+    }
+
+    #[inline(always)]
+    fn stiffness<R: Real>(c: &[R; LAW_CONSTANTS], normal: &Normal<R>) -> R {
+        c[EIGHT_MODULI] * normal.radius
     }
 
     #[inline(always)]
@@ -116,7 +137,7 @@ impl TangentialLaw for Peeling {
             returning: select::<R>(old, [history[4], history[5]], [zero; 2]),
             stage: history[STAGE].keep(old),
         };
-        let Outcome { sliding, friction_loss, micro_slip_loss, forgets } =
+        let Outcome { sliding, friction_loss, micro_slip_loss, discards } =
             advance(&mut state, increment, stiffness, limit, c[FRICTION] * history[LOAD]);
 
         let before = peeling | holds | drops;
@@ -137,12 +158,12 @@ impl TangentialLaw for Peeling {
             sliding,
             friction_loss: R::select(drops, dropped, friction_loss.keep(!before)),
             micro_slip_loss: micro_slip_loss.keep(!before),
-            forgets: forgets & !before,
+            discards: discards & !before,
         }
     }
 
     #[inline(always)]
-    fn forgotten<R: Real>(c: &[R; LAW_CONSTANTS], stiffness: R, history: &[R; MAX_HISTORY]) -> R {
+    fn discarded<R: Real>(c: &[R; LAW_CONSTANTS], stiffness: R, history: &[R; MAX_HISTORY]) -> R {
         excess(&state_of(history), stiffness, c[FRICTION] * history[LOAD])
     }
 

@@ -1,12 +1,13 @@
-//! Energy of the histories that tangential laws forget.
+//! Energy of the parts of their history that tangential laws discard.
 //!
-//! What a forgotten turning point stored is a long formula, needed for one contact in a hundred a step. The contact stage only
+//! What a discarded turning point stored is a long formula, needed for one contact in a hundred a step. The contact stage only
 //! puts such contacts down, as they were before the step, and the formula runs on eight of them side by side, away from
 //! the loop that has no registers to spare.
 
 use granum_simd::{LANES, Lanes, Row8};
 
-use crate::contact::{LAW_CONSTANTS, MAX_HISTORY, TangentialLaw};
+use crate::contact::{LAW_CONSTANTS, MAX_HISTORY};
+use crate::kernel::StageLaws;
 
 /// Numbers put down of a contact: the law's constants, the stiffness, the history.
 const COLUMNS: usize = LAW_CONSTANTS + 1 + MAX_HISTORY;
@@ -14,7 +15,7 @@ const COLUMNS: usize = LAW_CONSTANTS + 1 + MAX_HISTORY;
 /// keep time with anything that swings.
 const EVERY: u64 = 13;
 
-/// How often what is forgotten in a step counts.
+/// How often what is discarded in a step counts.
 pub(crate) fn account(step: u64) -> f64 {
     if step.is_multiple_of(EVERY) { EVERY as f64 } else { 0.0 }
 }
@@ -23,16 +24,16 @@ pub(crate) fn account(step: u64) -> f64 {
 const GROUPS: usize = 3;
 
 /// Contacts put down, in groups of eight in the order in which they came, whenever they are taken.
-pub(crate) struct Forgotten {
+pub(crate) struct Discarded {
     /// Where the oldest group is.
     first: usize,
     count: usize,
     rows: [[Row8; COLUMNS]; GROUPS],
 }
 
-impl Forgotten {
+impl Discarded {
     pub(crate) fn new() -> Self {
-        Forgotten { first: 0, count: 0, rows: [[Row8::default(); COLUMNS]; GROUPS] }
+        Discarded { first: 0, count: 0, rows: [[Row8::default(); COLUMNS]; GROUPS] }
     }
 
     /// Puts down the contacts of a batch whose bit is set; `history` holds the law's columns as they were.
@@ -71,16 +72,16 @@ impl Forgotten {
 
     /// Energy lost with the oldest group, J, by lanes; it is gone then.
     #[inline(always)]
-    pub(crate) fn take<L: Lanes, T: TangentialLaw>(&mut self) -> L {
+    pub(crate) fn take<L: Lanes, S: StageLaws>(&mut self, laws: &S) -> L {
         let rows = &self.rows[self.first];
         let count = self.count.min(LANES);
         let place = L::load(&std::array::from_fn(|l| l as f64));
         let mut history = [L::zero(); MAX_HISTORY];
-        for (c, column) in history.iter_mut().enumerate().take(T::HISTORY) {
+        for (c, column) in history.iter_mut().enumerate().take(laws.tangential_columns()) {
             *column = L::load(&rows[LAW_CONSTANTS + 1 + c].0);
         }
         let constants = std::array::from_fn(|c| L::load(&rows[c].0));
-        let lost = T::forgotten(&constants, L::load(&rows[LAW_CONSTANTS].0), &history);
+        let lost = laws.discarded(&constants, L::load(&rows[LAW_CONSTANTS].0), &history);
         self.count -= count;
         self.first = (self.first + 1) % GROUPS;
         lost.keep(place.lt(L::splat(count as f64)))
@@ -94,7 +95,10 @@ mod tests {
     use super::*;
     use crate::config::Material;
     use crate::contact::PairProperties;
-    use crate::contact::mindlin_deresiewicz::MindlinDeresiewicz as Law;
+    use crate::contact::normal::Hertz;
+    use crate::contact::set::Compiled;
+    use crate::contact::tangential::MindlinDeresiewicz as Law;
+    use crate::contact::{NormalTraits, TangentialLaw};
 
     /// Histories on all three kinds of curve, of one load.
     fn history(k: usize) -> [f64; MAX_HISTORY] {
@@ -112,7 +116,8 @@ mod tests {
 
     fn constants() -> [f64; LAW_CONSTANTS] {
         let material = Material::default();
-        Law::prepare(&PairProperties::new((&material, 5e-5), (&material, 5e-5), 0.1))
+        let normal = NormalTraits { name: "hertz", contact_area: true, adhesive: false };
+        Law::prepare(&PairProperties::new((&material, 5e-5), (&material, 5e-5), 0.1), &normal, &[])
     }
 
     fn bits(batch: usize) -> u16 {
@@ -121,18 +126,18 @@ mod tests {
 
     /// Sum of all, by lanes, taken after every `together` batches.
     fn summed(together: usize) -> [f64; LANES] {
-        let (mut forgotten, mut sum) = (Forgotten::new(), Portable::zero());
+        let (mut discarded, mut sum) = (Discarded::new(), Portable::zero());
         for batch in 0..BATCHES {
             let rows: Vec<Row8> =
                 (0..Law::HISTORY).map(|c| Row8(std::array::from_fn(|l| history(8 * batch + l)[c]))).collect();
             let constants = constants().map(Portable::splat);
-            forgotten.put::<Portable>(bits(batch), &constants, Portable::splat(STIFFNESS), &rows);
-            while batch % together == together - 1 && forgotten.is_full() {
-                sum = sum + forgotten.take::<Portable, Law>();
+            discarded.put::<Portable>(bits(batch), &constants, Portable::splat(STIFFNESS), &rows);
+            while batch % together == together - 1 && discarded.is_full() {
+                sum = sum + discarded.take::<Portable, _>(&Compiled::<Hertz, Law>::new());
             }
         }
-        sum = sum + forgotten.take::<Portable, Law>();
-        assert_eq!(forgotten.take::<Portable, Law>().reduce_add(), 0.0);
+        sum = sum + discarded.take::<Portable, _>(&Compiled::<Hertz, Law>::new());
+        assert_eq!(discarded.take::<Portable, _>(&Compiled::<Hertz, Law>::new()).reduce_add(), 0.0);
         let mut lanes = [0.0; LANES];
         sum.store(&mut lanes);
         lanes
@@ -140,7 +145,7 @@ mod tests {
 
     #[test]
     fn eight_by_eight_is_what_each_would_have_lost() {
-        let each = |k: usize| Law::forgotten(&constants(), STIFFNESS, &history(k));
+        let each = |k: usize| Law::discarded(&constants(), STIFFNESS, &history(k));
         // A loading curve stores nothing beyond itself.
         assert!(each(3).abs() < 1e-12 * each(4).abs());
         let put = (0..BATCHES * LANES).filter(|k| bits(k / LANES) >> (k % LANES) & 1 == 1);

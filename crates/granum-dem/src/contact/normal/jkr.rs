@@ -4,16 +4,17 @@
 //! `a_0 = (9 pi Gamma R*^2 / 2 E*)^(1/3)` and of `d_0 = a_0^2 / R*` everything follows from `x = sqrt(a / a_0)`:
 //! with `s = x^3`
 //!
-//! - approach `alpha / d_0 = x^4 - 2/3 x`,
+//! - overlap `alpha / d_0 = x^4 - 2/3 x`,
 //! - force `N / N_c = 4 s (s - 1)`,
 //! - stiffness `dN/dalpha = 2 E* a (6 s - 3) / (6 s - 1)`.
 //!
-//! A contact is made at zero approach, where the force jumps to `-8/9 N_c`, and breaks under displacement
+//! A contact is made at zero overlap, where the force jumps to `-8/9 N_c`, and breaks under displacement
 //! control at `-alpha_f = -0.27516 d_0`, where `N = -5/9 N_c` (Thornton and Yin 1991).
 
 use granum_simd::{Mask, Real};
 
-use super::{LAW_CONSTANTS, Normal, NormalLaw, PairProperties};
+use super::hertz;
+use crate::contact::{AdhesionLosses, Description, LAW_CONSTANTS, Normal, NormalLaw, PairProperties};
 
 /// Johnson, Kendall and Roberts (1971).
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +27,7 @@ const ROOT_STIFFNESS: usize = 3;
 const MAKING_LOSS: usize = 4;
 const BREAKING_LOSS: usize = 5;
 
-/// Approach of rupture over d_0: `-6^(-1/3) / 2`.
+/// Overlap at rupture over d_0: `-6^(-1/3) / 2`.
 const BREAK: f64 = -0.275_160_604_074_552_22;
 /// Energies lost in a make and in a break over `N_c d_0`: `2/5 (2/3)^(4/3)` and `4/15 6^(-4/3)`.
 const MAKE: f64 = 0.232_954_790_596_346_38;
@@ -36,7 +37,7 @@ const LEAST_LENGTH: f64 = 1e-30;
 /// Share of `2 E* a` below which the stiffness for the dashpot does not fall.
 const LEAST_STIFFNESS: f64 = 0.1;
 
-/// Largest approach over d_0 (about 2000 N_c) for which the rational function serves.
+/// Largest overlap over d_0 (about 2000 N_c) for which the rational function serves.
 const RATIONAL_END: f64 = 64.0;
 /// Numerator and denominator of `x(t)`, `t = sqrt(h - BREAK)`, lowest power first: a weighted minimax fit on
 /// `0 <= t <= 8`, exact at t = 0, all terms positive. Its error in `N / max(N_c, |N|)` and in `x / x` is below 2.7e-14.
@@ -82,7 +83,7 @@ fn line<R: Real>(c: &[f64; 10], k: usize, t: R) -> R {
     t.mul_add(R::splat(c[k + 1]), R::splat(c[k]))
 }
 
-/// `x = sqrt(a / a_0)` on the stable branch, at an approach h over d_0 from [`BREAK`] on.
+/// `x = sqrt(a / a_0)` on the stable branch, at an overlap h over d_0 from [`BREAK`] on.
 ///
 /// The error of N over `max(N_c, |N|)` is below 4e-14 up to `h = 64` and a few bits beyond, except that x is
 /// ill-conditioned next to the break: the rounding of h there grows by `1 / (h - BREAK)^(1/2)`.
@@ -110,7 +111,15 @@ fn invert<R: Real>(h: R) -> R {
 }
 
 impl NormalLaw for Jkr {
-    fn prepare(pair: &PairProperties) -> [f64; LAW_CONSTANTS] {
+    const DESCRIPTION: Description = Description {
+        name: "jkr",
+        label: "JKR",
+        help: "adhesive: Johnson, Kendall and Roberts 1971",
+        parameters: &[],
+    };
+    const ADHESIVE: bool = true;
+
+    fn prepare(pair: &PairProperties, _parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
         let (radius, modulus) = (pair.effective_radius, pair.effective_modulus);
         let wanted = 4.5 * std::f64::consts::PI * pair.interface_energy * radius * radius / modulus;
         let contact = granum_simd::cbrt(wanted).max(radius * LEAST_LENGTH.sqrt());
@@ -130,10 +139,10 @@ impl NormalLaw for Jkr {
     }
 
     #[inline(always)]
-    fn evaluate<R: Real>(c: &[R; LAW_CONSTANTS], approach: R, touched: R::Mask) -> Normal<R> {
+    fn evaluate<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R, touched: R::Mask) -> Normal<R> {
         let one = R::splat(1.0);
-        let h = approach * c[INVERSE_LENGTH];
-        let touching = approach.gt(R::zero()) | (touched & h.ge(R::splat(BREAK)));
+        let h = overlap * c[INVERSE_LENGTH];
+        let touching = overlap.gt(R::zero()) | (touched & h.ge(R::splat(BREAK)));
         let x = invert(h.max(R::splat(BREAK)));
         let s = x * x * x;
         // (6 s - 3) / (6 s - 1), falling to minus infinity at the break.
@@ -145,7 +154,8 @@ impl NormalLaw for Jkr {
         Normal {
             force: (c[FOUR_FORCES] * scaled).keep(touching),
             radius: root_radius * root_radius,
-            root_radius,
+            tangential_measure: root_radius * root_radius,
+            root_tangential_measure: root_radius,
             stiffness: root_stiffness * root_stiffness,
             root_stiffness,
             friction_load: (c[FOUR_FORCES] * friction_load(s, scaled, touching)).keep(touching),
@@ -153,27 +163,27 @@ impl NormalLaw for Jkr {
         }
     }
 
+    /// Without adhesion: contacts are first made before anything is known of their loads.
+    fn loaded(pair: &PairProperties, _parameters: &[f64], load: f64) -> Normal<f64> {
+        hertz::under_load(pair, load)
+    }
+
     /// `N_c d_0 (8/5 x^10 - 8/3 x^7 + 2/3 x^4)`: elastic energy less that of the surfaces joined.
-    fn energy(c: &[f64; LAW_CONSTANTS], approach: f64) -> f64 {
+    fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64) -> f64 {
         let primitive = |x: f64| {
             let s = x * x * x;
             s * x * (s * (1.6 * s - 8.0 / 3.0) + 2.0 / 3.0)
         };
         let unit = 0.25 * c[FOUR_FORCES] / c[INVERSE_LENGTH];
-        unit * primitive(invert((approach * c[INVERSE_LENGTH]).max(BREAK)))
+        unit * primitive(invert((overlap * c[INVERSE_LENGTH]).max(BREAK)))
     }
 
     #[inline(always)]
-    fn making_loss<R: Real>(c: &[R; LAW_CONSTANTS]) -> R {
-        c[MAKING_LOSS]
+    fn losses<R: Real>(c: &[R; LAW_CONSTANTS]) -> AdhesionLosses<R> {
+        AdhesionLosses { made: c[MAKING_LOSS], broken: c[BREAKING_LOSS] }
     }
 
-    #[inline(always)]
-    fn breaking_loss<R: Real>(c: &[R; LAW_CONSTANTS]) -> R {
-        c[BREAKING_LOSS]
-    }
-
-    fn breaking_approach(c: &[f64; LAW_CONSTANTS]) -> f64 {
+    fn breaking_overlap(c: &[f64; LAW_CONSTANTS]) -> f64 {
         BREAK / c[INVERSE_LENGTH]
     }
 }

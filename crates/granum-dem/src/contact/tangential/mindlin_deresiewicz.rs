@@ -10,7 +10,7 @@
 //! `T += 8 G* a [theta (e.ddelta) e + (ddelta - (e.ddelta) e)] + (1 - theta) dL e`.
 //!
 //! A step against `S` is a turning point. A turning point moves out with the limit (`P -= dL e` on stage 1,
-//! `Q -= dL e` and `P += dL P/|P|` on stage 2), and is forgotten when the force passes it: `|T - Q| >= |P - Q|`
+//! `Q -= dL e` and `P += dL P/|P|` on stage 2), and is discarded when the force passes it: `|T - Q| >= |P - Q|`
 //! on stage 2, `|T - P| >= 2 |P|` on stage 1. At the limit the force slides: `T *= L / |T|`, stage 0.
 //!
 //! Energy, by the equivalent row of springs (Popov and Hess 2015, ch. 5), exact along a line at constant load. At the
@@ -18,13 +18,15 @@
 //! slipped. So a curve adds `c e 3/2 L (1 - max(x, theta)^2)`, the whole stores the integral of the sum squared over
 //! `16 G* a`, and while slip spreads the springs beyond theta lose their limit times what they slip:
 //! `L (1 - theta)^2 (1 + theta/2) (e.ddelta - dL / 8 G* a)`. A contact that grows without slip stiffens under its force:
-//! `T^2 dL / 6 L` over `8 G* a` is lost (`a^3` goes with L). A turning point that is forgotten takes along what the state
+//! `T^2 dL / 6 L` over `8 G* a` is lost (`a^3` goes with L). A turning point that is discarded takes along what the state
 //! stored beyond a loading curve to the same force. With a changing load the law, which remembers forces only, does
 //! not know all that a contact stores (Elata and Berryman 1996); what it makes or loses so is in no column.
 
 use granum_simd::{Real, cbrt};
 
-use super::{LAW_CONSTANTS, MAX_HISTORY, Normal, PairProperties, Tangential, TangentialLaw};
+use crate::contact::{
+    Description, LAW_CONSTANTS, MAX_HISTORY, Normal, NormalTraits, PairProperties, Tangential, TangentialLaw,
+};
 
 /// Mindlin and Deresiewicz (1953), incremental, with two levels of turning points.
 #[derive(Clone, Copy, Debug)]
@@ -58,8 +60,8 @@ pub(super) struct Outcome<R: Real> {
     pub(super) friction_loss: R,
     /// Lost in the zone of slip below the limit, J.
     pub(super) micro_slip_loss: R,
-    /// Where a turning point was forgotten.
-    pub(super) forgets: R::Mask,
+    /// Where a turning point was discarded.
+    pub(super) discards: R::Mask,
 }
 
 #[inline(always)]
@@ -137,7 +139,7 @@ pub(super) fn advance<R: Real>(
     let elastic = add_scaled(state.force, stiffness, step);
     let force = add_scaled(elastic, slip, direction);
 
-    // Turning points move out with the limit and are forgotten when passed.
+    // Turning points move out with the limit and are discarded when passed.
     let outward = growth / square(state.turning).sqrt().max(tiny);
     let moved = select::<R>(reloading, state.turning, [-direction[0], -direction[1]]);
     let by = R::select(reloading, outward, growth).keep(!loading);
@@ -166,11 +168,11 @@ pub(super) fn advance<R: Real>(
     state.force = [factor * force[0], factor * force[1]];
     let leaves = loading | passed | sliding;
     state.stage = R::select(unloading, one, two).keep(!leaves);
-    let forgets = remembered & (leaves | turns);
+    let discards = remembered & (leaves | turns);
     // The mean force along the slip in the step.
     let pull = R::splat(0.5) * dot(before, force).mul_add(trial_inverse, limit);
     let friction_loss = (excess * compliance * pull).max(zero).keep(sliding);
-    Outcome { sliding, friction_loss, micro_slip_loss, forgets }
+    Outcome { sliding, friction_loss, micro_slip_loss, discards }
 }
 
 /// Stored energy of a state, J, of a contact with a reciprocal of its stiffness 8 G* a, m/N.
@@ -244,16 +246,37 @@ pub(super) fn state_of<R: Real>(history: &[R; MAX_HISTORY]) -> State<R> {
 }
 
 impl TangentialLaw for MindlinDeresiewicz {
+    const DESCRIPTION: Description = Description {
+        name: "mindlin-deresiewicz",
+        label: "Mindlin–Deresiewicz",
+        help: "incremental, with turning points: Mindlin and Deresiewicz 1953, Thornton and Yin 1991",
+        parameters: &[],
+    };
     const HISTORY: usize = 8;
     const PLANE_VECTORS: usize = 3;
-    const FORGETS: bool = true;
+    const DISCARDS: bool = true;
 
-    fn prepare(pair: &PairProperties) -> [f64; LAW_CONSTANTS] {
+    fn goes_with(normal: &NormalTraits) -> Result<(), &'static str> {
+        if normal.contact_area {
+            Ok(())
+        } else {
+            Err(
+                "needs a normal law with a contact area, over which slip spreads; \"no-slip\" goes with one that has none",
+            )
+        }
+    }
+
+    fn prepare(pair: &PairProperties, _normal: &NormalTraits, _parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
         let mut c = [0.0; LAW_CONSTANTS];
         c[EIGHT_MODULI] = 8.0 * pair.effective_shear_modulus;
         c[FRICTION] = pair.friction;
         c[ROOT_MODULI] = c[EIGHT_MODULI].sqrt();
         c
+    }
+
+    #[inline(always)]
+    fn stiffness<R: Real>(c: &[R; LAW_CONSTANTS], normal: &Normal<R>) -> R {
+        c[EIGHT_MODULI] * normal.radius
     }
 
     #[inline(always)]
@@ -263,7 +286,7 @@ impl TangentialLaw for MindlinDeresiewicz {
         increment: [R; 2],
         history: &mut [R; MAX_HISTORY],
     ) -> Tangential<R> {
-        let stiffness = c[EIGHT_MODULI] * normal.radius;
+        let stiffness = Self::stiffness(c, normal);
         let limit = c[FRICTION] * normal.friction_load;
         let mut state = state_of(history);
         let outcome = advance(&mut state, increment, stiffness, limit, c[FRICTION] * history[LOAD]);
@@ -275,16 +298,16 @@ impl TangentialLaw for MindlinDeresiewicz {
         Tangential {
             force: state.force,
             stiffness,
-            root_stiffness: c[ROOT_MODULI] * normal.root_radius,
+            root_stiffness: c[ROOT_MODULI] * normal.root_tangential_measure,
             sliding: outcome.sliding,
             friction_loss: outcome.friction_loss,
             micro_slip_loss: outcome.micro_slip_loss,
-            forgets: outcome.forgets,
+            discards: outcome.discards,
         }
     }
 
     #[inline(always)]
-    fn forgotten<R: Real>(c: &[R; LAW_CONSTANTS], stiffness: R, history: &[R; MAX_HISTORY]) -> R {
+    fn discarded<R: Real>(c: &[R; LAW_CONSTANTS], stiffness: R, history: &[R; MAX_HISTORY]) -> R {
         excess(&state_of(history), stiffness, c[FRICTION] * history[LOAD])
     }
 

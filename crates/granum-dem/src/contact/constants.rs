@@ -1,0 +1,79 @@
+//! The constants of a pair, or of eight pairs side by side.
+
+use granum_simd::{Real, Twice};
+
+use super::LAW_CONSTANTS;
+
+/// The constants of a pair, or of eight.
+#[derive(Clone, Copy)]
+pub struct PairConstants<R> {
+    /// R_i + R_j, m.
+    pub radius_sum: R,
+    /// Its reciprocal, 1/m.
+    pub inverse_radius_sum: R,
+    /// 2 zeta sqrt(m*): times the root of a stiffness it is a dashpot coefficient.
+    pub damping: R,
+    /// Those of the normal law.
+    pub normal: [R; LAW_CONSTANTS],
+    /// Those of the tangential law.
+    pub tangential: [R; LAW_CONSTANTS],
+    /// Those of the law of moments.
+    pub rolling: [R; LAW_CONSTANTS],
+}
+
+impl PairConstants<f64> {
+    /// Number of values of [`PairConstants::to_array`].
+    pub const COUNT: usize = Self::WITHOUT_MOMENTS + LAW_CONSTANTS;
+    /// Number of values, from the first, that matter without a law of moments.
+    pub const WITHOUT_MOMENTS: usize = 3 + 2 * LAW_CONSTANTS;
+
+    /// The values in a row.
+    pub fn to_array(&self) -> [f64; Self::COUNT] {
+        let mut out = [0.0; Self::COUNT];
+        [out[0], out[1], out[2]] = [self.radius_sum, self.inverse_radius_sum, self.damping];
+        let laws = [&self.normal, &self.tangential, &self.rolling];
+        for (to, from) in out[3..].chunks_mut(LAW_CONSTANTS).zip(laws) {
+            to.copy_from_slice(from);
+        }
+        out
+    }
+
+    /// The same constants in every lane.
+    #[inline(always)]
+    pub fn splat<R: Real>(&self) -> PairConstants<R> {
+        let all = self.to_array();
+        PairConstants::from_columns(
+            true,
+            #[inline(always)]
+            |c| R::splat(all[c]),
+        )
+    }
+}
+
+impl<R: Copy> PairConstants<R> {
+    /// From a function that gives column `c` of [`PairConstants::to_array`]; without moments it is not asked for theirs.
+    #[inline(always)]
+    pub fn from_columns(moments: bool, column: impl Fn(usize) -> R) -> Self {
+        let first = PairConstants::WITHOUT_MOMENTS;
+        PairConstants {
+            radius_sum: column(0),
+            inverse_radius_sum: column(1),
+            damping: column(2),
+            normal: std::array::from_fn(|c| column(3 + c)),
+            tangential: std::array::from_fn(|c| column(3 + LAW_CONSTANTS + c)),
+            rolling: std::array::from_fn(|c| column(if moments { first + c } else { 0 })),
+        }
+    }
+    /// Those of two pairs side by side.
+    #[inline(always)]
+    pub fn beside(&self, other: &Self) -> PairConstants<Twice<R>> {
+        PairConstants {
+            radius_sum: Twice(self.radius_sum, other.radius_sum),
+            inverse_radius_sum: Twice(self.inverse_radius_sum, other.inverse_radius_sum),
+            damping: Twice(self.damping, other.damping),
+            normal: std::array::from_fn(|c| Twice(self.normal[c], other.normal[c])),
+            tangential: std::array::from_fn(|c| Twice(self.tangential[c], other.tangential[c])),
+            rolling: std::array::from_fn(|c| Twice(self.rolling[c], other.rolling[c])),
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! Which law: a value to copy and compare, made of one of granum's laws or of a caller's own.
+
+use std::fmt;
+use std::hash::{Hash, Hasher};
+
+use super::law::{MomentLaw, NormalLaw, TangentialLaw};
+use super::normal::{Hertz, Hooke, Jkr};
+use super::rolling::{ElasticPlasticRolling, NoMoments};
+use super::slot::{MomentSlot, NormalSlot, TangentialSlot};
+use super::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
+
+/// A law that was chosen: a value to copy and compare; its name is its identity in files.
+macro_rules! kind {
+    ($kind:ident, $slot:ident, $law:ident, $what:literal, $($name:ident = $type:ident,)*) => {
+        #[doc = concat!("Which ", $what, ". Its name is its identity in files.")]
+        #[derive(Clone, Copy)]
+        pub struct $kind(&'static dyn $slot);
+
+        impl $kind {
+            $(
+                #[doc = concat!("[`", stringify!($type), "`].")]
+                pub const $name: $kind = $kind(&$type);
+            )*
+
+            #[doc = concat!("The choice of a ", $what, ", which may be one of the caller's own.")]
+            pub const fn new(law: &'static impl $law) -> $kind {
+                $kind(law)
+            }
+
+            /// The law.
+            pub fn law(&self) -> &'static dyn $slot {
+                self.0
+            }
+
+            /// Its name in case files, e.g. `hertz`.
+            pub fn name(&self) -> &'static str {
+                self.0.description().name
+            }
+
+            /// Its name in reports.
+            pub fn label(&self) -> &'static str {
+                self.0.description().label
+            }
+        }
+
+        impl PartialEq for $kind {
+            fn eq(&self, other: &$kind) -> bool {
+                self.0.id() == other.0.id() && self.name() == other.name()
+            }
+        }
+        impl Eq for $kind {}
+        impl Hash for $kind {
+            fn hash<H: Hasher>(&self, state: &mut H) {
+                self.name().hash(state);
+            }
+        }
+        impl fmt::Debug for $kind {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(self.name())
+            }
+        }
+        impl fmt::Display for $kind {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(self.name())
+            }
+        }
+        impl serde::Serialize for $kind {
+            fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+                to.serialize_str(self.name())
+            }
+        }
+    };
+}
+
+kind! {
+    NormalKind, NormalSlot, NormalLaw, "normal law",
+    HERTZ = Hertz,
+    JKR = Jkr,
+    HOOKE = Hooke,
+}
+kind! {
+    TangentialKind, TangentialSlot, TangentialLaw, "tangential law",
+    MINDLIN_DERESIEWICZ = MindlinDeresiewicz,
+    NO_SLIP = NoSlip,
+    PEELING = Peeling,
+}
+kind! {
+    RollingKind, MomentSlot, MomentLaw, "law of the moments of a contact",
+    NONE = NoMoments,
+    ELASTIC_PLASTIC = ElasticPlasticRolling,
+}

@@ -1,0 +1,300 @@
+//! What a contact law is: a normal law, a tangential law, and a law of the moments of a contact.
+//!
+//! A law is written once over [`Real`] and runs on one pair (`f64`), on eight side by side or on two times eight. It owns its
+//! name, its parameters, what it prepares for a pair, its history and its stiffness.
+
+use granum_simd::Real;
+
+use super::interaction::Memory;
+use super::{LAW_CONSTANTS, MAX_HISTORY, MAX_MOMENT_HISTORY, PairProperties, frame};
+
+/// Powers of kilogram, metre and second of the SI unit of a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Unit {
+    /// Symbol of the SI unit; empty for a pure number.
+    pub symbol: &'static str,
+    /// Powers of mass, length and time.
+    pub powers: [i8; 3],
+}
+
+impl Unit {
+    /// A pure number.
+    pub const NUMBER: Unit = Unit { symbol: "", powers: [0, 0, 0] };
+    /// A stress, Pa.
+    pub const STRESS: Unit = Unit { symbol: "Pa", powers: [1, -1, -2] };
+    /// A stiffness, N/m.
+    pub const STIFFNESS: Unit = Unit { symbol: "N/m", powers: [1, 0, -2] };
+    /// A length, m.
+    pub const LENGTH: Unit = Unit { symbol: "m", powers: [0, 1, 0] };
+    /// A time, s.
+    pub const TIME: Unit = Unit { symbol: "s", powers: [0, 0, 1] };
+}
+
+/// A parameter of a law: the key `contact.<key>` of a case.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Key, e.g. `rolling_friction`.
+    pub key: &'static str,
+    /// SI unit.
+    pub unit: Unit,
+    /// Value where none is given, in SI units.
+    pub default: f64,
+    /// Smallest and largest value, in SI units.
+    pub bounds: [f64; 2],
+    /// What it is, in one or two sentences.
+    pub meaning: &'static str,
+    /// True for a parameter that matters only with a normal law that has no contact area.
+    pub without_area: bool,
+}
+
+/// What a law says of itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Description {
+    /// Name in case files and messages, e.g. `jkr`.
+    pub name: &'static str,
+    /// Name in reports, e.g. `JKR`.
+    pub label: &'static str,
+    /// What it describes, in a few words.
+    pub help: &'static str,
+    /// Its parameters.
+    pub parameters: &'static [Parameter],
+}
+
+/// What the other laws of a set may ask of the normal law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NormalTraits {
+    /// Its name.
+    pub name: &'static str,
+    /// True if contacts have an area, whose radius [`Normal::radius`] is.
+    pub contact_area: bool,
+    /// True if contacts carry tension.
+    pub adhesive: bool,
+}
+
+/// What a normal law says of a contact.
+#[derive(Clone, Copy)]
+pub struct Normal<R: Real> {
+    /// Elastic normal force N, compression positive, N.
+    pub force: R,
+    /// Radius a of the contact area, m; zero for a law without one.
+    pub radius: R,
+    /// Stiffness for the dashpot, N/m: the derivative of N by the overlap, kept positive by the law.
+    pub stiffness: R,
+    /// Root of the stiffness.
+    pub root_stiffness: R,
+    /// What the tangential stiffness is proportional to: the radius of the contact area, m, or for a law without one the
+    /// stiffness, N/m.
+    pub tangential_measure: R,
+    /// Root of that.
+    pub root_tangential_measure: R,
+    /// Load F such that the tangential force is limited to mu F, N: N itself without adhesion.
+    pub friction_load: R,
+    /// Where the pair touches.
+    pub touching: R::Mask,
+}
+
+/// Energy that no force gives back where a contact is made or broken, J.
+#[derive(Clone, Copy)]
+pub struct AdhesionLosses<R> {
+    /// Lost when a contact is made.
+    pub made: R,
+    /// Lost when it breaks: the energy at the overlap of rupture.
+    pub broken: R,
+}
+
+/// A normal law.
+///
+/// ```
+/// use granum_dem::contact::normal::Hertz;
+/// use granum_dem::contact::{NormalLaw, PairProperties};
+/// use granum_dem::config::Material;
+///
+/// let sphere = (&Material::default(), 5e-5);
+/// let pair = PairProperties::new(sphere, sphere, 0.1);
+/// let constants = Hertz::prepare(&pair, &[]);
+/// let contact = Hertz::evaluate(&constants, 1e-8, true);
+/// assert!((contact.radius - (pair.effective_radius * 1e-8).sqrt()).abs() < 1e-15);
+/// ```
+pub trait NormalLaw: Copy + Send + Sync + 'static {
+    /// Name, label, help and parameters.
+    const DESCRIPTION: Description;
+    /// True if contacts have an area.
+    const CONTACT_AREA: bool = true;
+    /// True if contacts carry tension.
+    const ADHESIVE: bool = false;
+    /// The constants of a pair that [`NormalLaw::evaluate`] wants; `parameters` in the order of the description.
+    fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS];
+    /// Force, contact radius, stiffness and friction load at an overlap, m, given whether the pair touched a step before.
+    /// Where the pair does not touch, force, radius and load are zero.
+    fn evaluate<R: Real>(constants: &[R; LAW_CONSTANTS], overlap: R, touched: R::Mask) -> Normal<R>;
+    /// A contact under a load, N, as an estimate before any contact is known: it starts the choice of the time step.
+    fn loaded(pair: &PairProperties, parameters: &[f64], load: f64) -> Normal<f64>;
+    /// Energy of a touching pair over that of one apart, J: the integral of N from zero overlap, less what
+    /// [`NormalLaw::losses`] says of a contact made.
+    fn energy(constants: &[f64; LAW_CONSTANTS], overlap: f64) -> f64;
+    /// Energy lost by making and by breaking a contact, J: none without adhesion.
+    #[inline(always)]
+    fn losses<R: Real>(_constants: &[R; LAW_CONSTANTS]) -> AdhesionLosses<R> {
+        AdhesionLosses { made: R::zero(), broken: R::zero() }
+    }
+    /// Overlap below which a touching pair breaks, m (zero or negative).
+    fn breaking_overlap(_constants: &[f64; LAW_CONSTANTS]) -> f64 {
+        0.0
+    }
+}
+
+/// What a tangential law says of a contact.
+#[derive(Clone, Copy)]
+pub struct Tangential<R: Real> {
+    /// Elastic tangential force T on grain i, N, by its components in the frame of the contact.
+    pub force: [R; 2],
+    /// Stiffness for the dashpot, N/m.
+    pub stiffness: R,
+    /// Root of the stiffness.
+    pub root_stiffness: R,
+    /// Where the force stands at the friction limit.
+    pub sliding: R::Mask,
+    /// Energy lost to sliding in this step, J.
+    pub friction_loss: R,
+    /// Energy lost in this step below the friction limit, J: in the zone of slip of the contact area, or where the
+    /// law drops what a changed stiffness no longer holds. Without what `discards` marks.
+    pub micro_slip_loss: R,
+    /// Where the law discarded a part of its history and, with it, the energy that [`TangentialLaw::discarded`] says.
+    pub discards: R::Mask,
+}
+
+/// A tangential law.
+pub trait TangentialLaw: Copy + Send + Sync + 'static {
+    /// Name, label, help and parameters.
+    const DESCRIPTION: Description;
+    /// Columns of history used. The first two are always the tangential force T on grain i, by its components in the
+    /// [`frame::Frame`] of the normal.
+    const HISTORY: usize;
+    /// How many plane vectors lead the history (columns 0..2 the first, ...); they turn with the contact plane, and
+    /// change as [`swap_sides`] says when the grains of a pair change sides.
+    const PLANE_VECTORS: usize;
+    /// True for a law that discards parts of its history which store energy.
+    const DISCARDS: bool = false;
+    /// Refuses a normal law that it does not go with: what is wrong and what would be right, going on from
+    /// `contact.tangential = "..."`.
+    ///
+    /// # Errors
+    /// The reason.
+    fn goes_with(_normal: &NormalTraits) -> Result<(), &'static str> {
+        Ok(())
+    }
+    /// The constants of a pair that [`TangentialLaw::update`] wants; `parameters` in the order of the description.
+    fn prepare(pair: &PairProperties, normal: &NormalTraits, parameters: &[f64]) -> [f64; LAW_CONSTANTS];
+    /// Stiffness of a contact that has neither slipped nor peeled, N/m, for the stored energy and the time step.
+    fn stiffness<R: Real>(constants: &[R; LAW_CONSTANTS], normal: &Normal<R>) -> R;
+    /// Stiffness for the time step, N/m: not below a third of the normal stiffness, beneath which the grains no longer swing
+    /// fastest by spinning.
+    #[inline(always)]
+    fn step_stiffness<R: Real>(constants: &[R; LAW_CONSTANTS], normal: &Normal<R>) -> R {
+        Self::stiffness(constants, normal)
+    }
+    /// Advances the history (already turned into the present contact plane, all zeros for a new contact) by an
+    /// increment of tangential displacement of grain j's surface relative to grain i's, m. Where the friction load is
+    /// zero the force is zero.
+    fn update<R: Real>(
+        constants: &[R; LAW_CONSTANTS],
+        normal: &Normal<R>,
+        increment: [R; 2],
+        history: &mut [R; MAX_HISTORY],
+    ) -> Tangential<R>;
+    /// Energy lost where a step discarded a part of the history, J, from the history before that step and the stiffness that
+    /// [`Tangential::stiffness`] had. Rare, and so not a part of [`TangentialLaw::update`].
+    #[inline(always)]
+    fn discarded<R: Real>(_constants: &[R; LAW_CONSTANTS], _stiffness: R, _history: &[R; MAX_HISTORY]) -> R {
+        R::zero()
+    }
+    /// Energy that the tangential displacement stores, J, given [`TangentialLaw::stiffness`]: `T^2 / 2 k` without slip.
+    fn energy(_constants: &[f64; LAW_CONSTANTS], stiffness: f64, history: &[f64; MAX_HISTORY]) -> f64 {
+        let square = history[0] * history[0] + history[1] * history[1];
+        if stiffness > 0.0 { 0.5 * square / stiffness } else { 0.0 }
+    }
+}
+
+/// How one grain of a contact turns against the other, in the frame of the contact: `w_i - w_j`, rad/s.
+///
+/// The relative spin is the same for every observer, turning ones included, and it is what opposite couples on the two grains
+/// do work on, for any radii.
+#[derive(Clone, Copy)]
+pub struct RelativeSpin<R> {
+    /// Rolling: the components in the contact plane.
+    pub rolling: [R; 2],
+    /// Twisting: the component along the normal.
+    pub twisting: R,
+}
+
+/// What a law of moments says of a contact.
+#[derive(Clone, Copy)]
+pub struct Moment<R: Real> {
+    /// Elastic couple on grain j, N m, its opposite acts on i: components in the contact plane, then along the normal.
+    pub couple: [R; 3],
+    /// Coefficient of the dashpot against rolling, N m s; zero where none acts.
+    pub dashpot: R,
+    /// Where the couple stands at its limit.
+    pub at_limit: R::Mask,
+    /// Work that the elastic couple took up in this step, J.
+    pub work: R,
+    /// The part of it that was lost, J: rolling at the limit, and what a changed stiffness no longer holds.
+    pub loss: R,
+    /// What the couple adds to the stiffness that limits the time step, as a tangential stiffness, N/m.
+    pub step_stiffness: R,
+}
+
+impl<R: Real> Moment<R> {
+    /// No couple.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = R::zero();
+        Moment {
+            couple: [zero; 3],
+            dashpot: zero,
+            at_limit: granum_simd::Mask::splat(false),
+            work: zero,
+            loss: zero,
+            step_stiffness: zero,
+        }
+    }
+}
+
+/// A law of the moments of a contact: resistance to rolling, to twisting, or to both.
+pub trait MomentLaw: Copy + Send + Sync + 'static {
+    /// Name, label, help and parameters.
+    const DESCRIPTION: Description;
+    /// False only for the law that has no moments.
+    const ACTS: bool = true;
+    /// Columns of history used.
+    const HISTORY: usize;
+    /// How many plane vectors lead the history; they turn with the contact plane.
+    const PLANE_VECTORS: usize;
+    /// The constants of a pair that [`MomentLaw::update`] wants; `parameters` in the order of the description.
+    fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS];
+    /// Advances the history (already turned into the present contact plane, all zeros for a new contact) by a step of length
+    /// `dt`, s. Where the friction load is zero the couple is zero.
+    fn update<R: Real>(
+        constants: &[R; LAW_CONSTANTS],
+        normal: &Normal<R>,
+        spin: RelativeSpin<R>,
+        dt: R,
+        history: &mut [R; MAX_MOMENT_HISTORY],
+    ) -> Moment<R>;
+    /// Energy that the couple stores, J.
+    fn energy(constants: &[f64; LAW_CONSTANTS], history: &[f64; MAX_MOMENT_HISTORY]) -> f64;
+}
+
+/// Rewrites plane vectors that lead a history for the pair (j, i) instead of (i, j): every remembered vector is reversed in
+/// space, and so is the normal.
+pub fn swap_sides(normal: [f64; 3], vectors: usize, history: &mut [f64]) {
+    for v in 0..vectors {
+        let vector = [history[2 * v], history[2 * v + 1]];
+        history[2 * v..2 * v + 2].copy_from_slice(&frame::swap_sides(normal, vector));
+    }
+}
+
+/// The tangential force T on grain i that a memory holds, N.
+pub fn tangential_force(memory: &Memory<f64>) -> [f64; 3] {
+    frame::Frame::of(memory.normal).vector([memory.history[0], memory.history[1]])
+}

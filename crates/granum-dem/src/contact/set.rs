@@ -1,0 +1,398 @@
+//! The laws of a set together: compiled into one loop, or called slot by slot.
+
+use std::cell::RefCell;
+use std::marker::PhantomData;
+
+use granum_simd::{Isa, Real, Row8};
+
+use super::columns::{
+    Column, Width, moment_call, normal_call, read, read_normal, tangential_call, write, write_normal,
+};
+use super::interaction::Memory;
+use super::law::{
+    AdhesionLosses, Moment, MomentLaw, Normal, NormalLaw, RelativeSpin, Tangential, TangentialLaw, swap_sides,
+};
+use super::rolling::NoMoments;
+use super::{LAW_CONSTANTS, MAX_HISTORY, MAX_MOMENT_HISTORY, PairConstants, PairProperties};
+use crate::config::Contact;
+
+/// What [`super::interaction::interact`] asks of the laws of a set.
+pub trait Laws<R: Real> {
+    /// True if the set may have moments.
+    const MAY_HAVE_MOMENTS: bool;
+    /// Columns of the tangential law's history, and how many plane vectors lead them.
+    fn tangential_history(&self) -> [usize; 2];
+    /// Columns of history of the law of moments, and how many plane vectors lead them.
+    fn moment_history(&self) -> [usize; 2];
+    /// True if the set has moments.
+    fn has_moments(&self) -> bool;
+    /// The normal law at an overlap.
+    fn normal(
+        &self,
+        constants: &[R; LAW_CONSTANTS],
+        overlap: R,
+        touched: R::Mask,
+    ) -> (Normal<R>, AdhesionLosses<R>);
+    /// A step of the tangential law, and its stiffness for the time step.
+    fn tangential(
+        &self,
+        constants: &[R; LAW_CONSTANTS],
+        normal: &Normal<R>,
+        increment: [R; 2],
+        history: &mut [R; MAX_HISTORY],
+    ) -> (Tangential<R>, R);
+    /// A step of the law of moments.
+    fn moment(
+        &self,
+        constants: &[R; LAW_CONSTANTS],
+        normal: &Normal<R>,
+        spin: RelativeSpin<R>,
+        dt: R,
+        history: &mut [R; MAX_MOMENT_HISTORY],
+    ) -> Moment<R>;
+    /// Energy lost where a step of the tangential law discarded a part of the history, J.
+    fn discarded(&self, constants: &[R; LAW_CONSTANTS], stiffness: R, history: &[R; MAX_HISTORY]) -> R;
+}
+
+/// Laws known when the program is compiled.
+#[derive(Debug)]
+pub struct Compiled<N, T, M = NoMoments>(PhantomData<(N, T, M)>);
+
+impl<N, T, M> Compiled<N, T, M> {
+    /// The set.
+    pub const fn new() -> Self {
+        Compiled(PhantomData)
+    }
+}
+impl<N, T, M> Default for Compiled<N, T, M> {
+    fn default() -> Self {
+        Compiled::new()
+    }
+}
+impl<N, T, M> Clone for Compiled<N, T, M> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<N, T, M> Copy for Compiled<N, T, M> {}
+
+impl<N: NormalLaw, T: TangentialLaw, M: MomentLaw> Compiled<N, T, M> {
+    /// The constants of a pair; `parameters` of the three laws.
+    pub fn constants(pair: &PairProperties, parameters: [&[f64]; 3]) -> PairConstants<f64> {
+        let name = N::DESCRIPTION.name;
+        let traits = super::NormalTraits { name, contact_area: N::CONTACT_AREA, adhesive: N::ADHESIVE };
+        PairConstants {
+            radius_sum: pair.radius_sum,
+            inverse_radius_sum: 1.0 / pair.radius_sum,
+            damping: 2.0 * pair.damping * pair.effective_mass.sqrt(),
+            normal: N::prepare(pair, parameters[0]),
+            tangential: T::prepare(pair, &traits, parameters[1]),
+            rolling: M::prepare(pair, parameters[2]),
+        }
+    }
+}
+
+impl<R: Real, N: NormalLaw, T: TangentialLaw, M: MomentLaw> Laws<R> for Compiled<N, T, M> {
+    const MAY_HAVE_MOMENTS: bool = M::ACTS;
+    #[inline(always)]
+    fn tangential_history(&self) -> [usize; 2] {
+        [T::HISTORY, T::PLANE_VECTORS]
+    }
+    #[inline(always)]
+    fn moment_history(&self) -> [usize; 2] {
+        [M::HISTORY, M::PLANE_VECTORS]
+    }
+    #[inline(always)]
+    fn has_moments(&self) -> bool {
+        M::ACTS
+    }
+    #[inline(always)]
+    fn normal(
+        &self,
+        constants: &[R; LAW_CONSTANTS],
+        overlap: R,
+        touched: R::Mask,
+    ) -> (Normal<R>, AdhesionLosses<R>) {
+        (N::evaluate(constants, overlap, touched), N::losses(constants))
+    }
+    #[inline(always)]
+    fn tangential(
+        &self,
+        constants: &[R; LAW_CONSTANTS],
+        normal: &Normal<R>,
+        increment: [R; 2],
+        history: &mut [R; MAX_HISTORY],
+    ) -> (Tangential<R>, R) {
+        (T::update(constants, normal, increment, history), T::step_stiffness(constants, normal))
+    }
+    #[inline(always)]
+    fn moment(
+        &self,
+        constants: &[R; LAW_CONSTANTS],
+        normal: &Normal<R>,
+        spin: RelativeSpin<R>,
+        dt: R,
+        history: &mut [R; MAX_MOMENT_HISTORY],
+    ) -> Moment<R> {
+        M::update(constants, normal, spin, dt, history)
+    }
+    #[inline(always)]
+    fn discarded(&self, constants: &[R; LAW_CONSTANTS], stiffness: R, history: &[R; MAX_HISTORY]) -> R {
+        T::discarded(constants, stiffness, history)
+    }
+}
+
+/// The slots of a set, with the memory through which they are called.
+pub struct Slots {
+    laws: Contact,
+    isa: Isa,
+    tangential_history: [usize; 2],
+    moment_history: [usize; 2],
+    has_moments: bool,
+    discards: bool,
+    /// Every call writes all that it reads.
+    columns: RefCell<[Column; MOST_COLUMNS]>,
+}
+
+const MOST_COLUMNS: usize = 40;
+const _: () = assert!(normal_call::ALL <= MOST_COLUMNS && tangential_call::ALL <= MOST_COLUMNS);
+const _: () = assert!(moment_call::ALL <= MOST_COLUMNS && LAW_CONSTANTS + 1 + MAX_HISTORY <= MOST_COLUMNS);
+
+impl Slots {
+    /// The laws of a set on an instruction set.
+    pub fn new(laws: &Contact, isa: Isa) -> Self {
+        Slots {
+            laws: *laws,
+            isa,
+            tangential_history: laws.tangential.law().history(),
+            moment_history: laws.rolling.law().history(),
+            has_moments: laws.rolling.law().acts(),
+            discards: laws.tangential.law().discards(),
+            columns: RefCell::new([EMPTY; MOST_COLUMNS]),
+        }
+    }
+
+    /// Columns of the tangential law's history.
+    #[inline(always)]
+    pub(crate) fn tangential_columns(&self) -> usize {
+        self.tangential_history[0]
+    }
+
+    /// Columns of history of the law of moments.
+    #[inline(always)]
+    pub(crate) fn moment_columns(&self) -> usize {
+        self.moment_history[0]
+    }
+
+    /// True if the set has moments.
+    #[inline(always)]
+    pub(crate) fn has_moments(&self) -> bool {
+        self.has_moments
+    }
+
+    /// True if the tangential law discards parts of its history which store energy.
+    #[inline(always)]
+    pub(crate) fn discards(&self) -> bool {
+        self.discards
+    }
+}
+
+/// Laws chosen at run time, each called through its slot, for contacts of the width `W`: one contact, or lanes of the
+/// instruction set of the slots.
+pub struct Open<'a, W> {
+    slots: &'a Slots,
+    width: PhantomData<W>,
+}
+
+impl<'a, W> Open<'a, W> {
+    /// The laws of these slots.
+    #[inline(always)]
+    pub fn new(slots: &'a Slots) -> Self {
+        Open { slots, width: PhantomData }
+    }
+}
+
+const EMPTY: Column = [Row8([0.0; 8]); 2];
+
+impl<W: Width> Laws<W::Value> for Open<'_, W> {
+    const MAY_HAVE_MOMENTS: bool = true;
+    #[inline(always)]
+    fn tangential_history(&self) -> [usize; 2] {
+        self.slots.tangential_history
+    }
+    #[inline(always)]
+    fn moment_history(&self) -> [usize; 2] {
+        self.slots.moment_history
+    }
+    #[inline(always)]
+    fn has_moments(&self) -> bool {
+        self.slots.has_moments
+    }
+    #[inline(always)]
+    fn normal(
+        &self,
+        constants: &[W::Value; LAW_CONSTANTS],
+        overlap: W::Value,
+        touched: <W::Value as Real>::Mask,
+    ) -> (Normal<W::Value>, AdhesionLosses<W::Value>) {
+        use normal_call::*;
+        let columns = &mut self.slots.columns.borrow_mut()[..ALL];
+        write::<W, LAW_CONSTANTS>(*constants, columns, 0);
+        W::write(overlap, &mut columns[OVERLAP]);
+        W::write_mask(touched, &mut columns[TOUCHED]);
+        self.slots.laws.normal.law().evaluate(self.slots.isa, W::COUNT, columns);
+        let [made, broken] = read::<W, 2>(columns, LOSSES);
+        (read_normal::<W>(columns, CONTACT), AdhesionLosses { made, broken })
+    }
+    #[inline(always)]
+    fn tangential(
+        &self,
+        constants: &[W::Value; LAW_CONSTANTS],
+        normal: &Normal<W::Value>,
+        increment: [W::Value; 2],
+        history: &mut [W::Value; MAX_HISTORY],
+    ) -> (Tangential<W::Value>, W::Value) {
+        use tangential_call::*;
+        let columns = &mut self.slots.columns.borrow_mut()[..ALL];
+        write::<W, LAW_CONSTANTS>(*constants, columns, 0);
+        write_normal::<W>(normal, columns, CONTACT);
+        write::<W, 2>(increment, columns, INCREMENT);
+        let used = self.tangential_history()[0];
+        for (c, value) in history.iter().enumerate().take(used) {
+            W::write(*value, &mut columns[HISTORY + c]);
+        }
+        self.slots.laws.tangential.law().update(self.slots.isa, W::COUNT, columns);
+        for (c, value) in history.iter_mut().enumerate().take(used) {
+            *value = W::read(&columns[HISTORY + c]);
+        }
+        let [x, y, stiffness, root_stiffness, friction_loss, micro_slip_loss, step] =
+            read::<W, 7>(columns, RESULT);
+        let out = Tangential {
+            force: [x, y],
+            stiffness,
+            root_stiffness,
+            sliding: W::read_mask(&columns[SLIDING]),
+            friction_loss,
+            micro_slip_loss,
+            discards: W::read_mask(&columns[DISCARDS]),
+        };
+        (out, step)
+    }
+    #[inline(always)]
+    fn moment(
+        &self,
+        constants: &[W::Value; LAW_CONSTANTS],
+        normal: &Normal<W::Value>,
+        spin: RelativeSpin<W::Value>,
+        dt: W::Value,
+        history: &mut [W::Value; MAX_MOMENT_HISTORY],
+    ) -> Moment<W::Value> {
+        use moment_call::*;
+        if !self.has_moments() {
+            return Moment::none();
+        }
+        let columns = &mut self.slots.columns.borrow_mut()[..ALL];
+        write::<W, LAW_CONSTANTS>(*constants, columns, 0);
+        write_normal::<W>(normal, columns, CONTACT);
+        let [x, y] = spin.rolling;
+        write::<W, 4>([x, y, spin.twisting, dt], columns, SPIN);
+        write::<W, MAX_MOMENT_HISTORY>(*history, columns, HISTORY);
+        self.slots.laws.rolling.law().update(self.slots.isa, W::COUNT, columns);
+        *history = read::<W, MAX_MOMENT_HISTORY>(columns, HISTORY);
+        let [a, b, c, dashpot, work, loss, step_stiffness] = read::<W, 7>(columns, RESULT);
+        let at_limit = W::read_mask(&columns[AT_LIMIT]);
+        Moment { couple: [a, b, c], dashpot, at_limit, work, loss, step_stiffness }
+    }
+    #[inline(always)]
+    fn discarded(
+        &self,
+        constants: &[W::Value; LAW_CONSTANTS],
+        stiffness: W::Value,
+        history: &[W::Value; MAX_HISTORY],
+    ) -> W::Value {
+        let columns = &mut self.slots.columns.borrow_mut()[..LAW_CONSTANTS + 1 + MAX_HISTORY];
+        write::<W, LAW_CONSTANTS>(*constants, columns, 0);
+        W::write(stiffness, &mut columns[LAW_CONSTANTS]);
+        write::<W, MAX_HISTORY>(*history, columns, LAW_CONSTANTS + 1);
+        self.slots.laws.tangential.law().discarded(self.slots.isa, W::COUNT, columns);
+        W::read(&columns[0])
+    }
+}
+
+/// What the engine asks of a set, contact by contact.
+impl Contact {
+    /// Columns of history: of the tangential law, of the law of moments.
+    pub(crate) fn history(&self) -> [usize; 2] {
+        [self.tangential.law().history()[0], self.rolling.law().history()[0]]
+    }
+
+    /// Values of [`PairConstants::to_array`] that the engine keeps for a pair.
+    pub(crate) fn constants_kept(&self) -> usize {
+        let without = PairConstants::WITHOUT_MOMENTS;
+        if self.rolling.law().acts() { PairConstants::COUNT } else { without }
+    }
+
+    /// The constants of a pair.
+    pub fn constants(&self, pair: &PairProperties) -> PairConstants<f64> {
+        let (normal, tangential, rolling) = (self.normal.law(), self.tangential.law(), self.rolling.law());
+        let values = |of: &'static super::Description| self.parameters.resolved(of.parameters);
+        PairConstants {
+            radius_sum: pair.radius_sum,
+            inverse_radius_sum: 1.0 / pair.radius_sum,
+            damping: 2.0 * pair.damping * pair.effective_mass.sqrt(),
+            normal: normal.prepare(pair, &values(normal.description())),
+            tangential: tangential.prepare(pair, &normal.traits(), &values(tangential.description())),
+            rolling: rolling.prepare(pair, &values(rolling.description())),
+        }
+    }
+
+    /// A touching pair at an overlap, m.
+    pub fn normal_contact(&self, constants: &PairConstants<f64>, overlap: f64) -> Normal<f64> {
+        self.normal.law().of_touching(&constants.normal, overlap)
+    }
+
+    /// Elastic energy of the overlap, J.
+    pub fn normal_energy(&self, constants: &PairConstants<f64>, overlap: f64) -> f64 {
+        self.normal.law().energy(&constants.normal, overlap)
+    }
+
+    /// Elastic energy of the tangential displacement, J.
+    pub(crate) fn tangential_energy(
+        &self,
+        constants: &PairConstants<f64>,
+        normal: &Normal<f64>,
+        memory: &Memory<f64>,
+    ) -> f64 {
+        let law = self.tangential.law();
+        let [stiffness, _] = law.stiffness(&constants.tangential, normal);
+        law.energy(&constants.tangential, stiffness, &memory.history)
+    }
+
+    /// Elastic energy of rolling and twisting, J.
+    pub(crate) fn moment_energy(&self, constants: &PairConstants<f64>, memory: &Memory<f64>) -> f64 {
+        self.rolling.law().energy(&constants.rolling, &memory.moments)
+    }
+
+    /// Overlap below which a touching pair breaks, m: zero without adhesion.
+    pub fn breaking_overlap(&self, constants: &PairConstants<f64>) -> f64 {
+        self.normal.law().breaking_overlap(&constants.normal)
+    }
+
+    /// Normal stiffness and the stiffness that limits the time step, N/m, of a contact under a load, N: an estimate before any
+    /// contact is known.
+    pub fn stiffness_under(&self, pair: &PairProperties, load: f64) -> [f64; 2] {
+        let law = self.normal.law();
+        let normal = law.loaded(pair, &self.parameters.resolved(law.description().parameters), load);
+        let constants = self.constants(pair);
+        let [_, step] = self.tangential.law().stiffness(&constants.tangential, &normal);
+        [normal.stiffness, step]
+    }
+
+    /// Rewrites a memory for the pair (j, i) instead of (i, j).
+    pub(crate) fn swap_sides(&self, memory: &mut Memory<f64>) {
+        swap_sides(memory.normal, self.tangential.law().history()[1], &mut memory.history);
+        swap_sides(memory.normal, self.rolling.law().history()[1], &mut memory.moments);
+        memory.normal = memory.normal.map(|x| -x);
+    }
+}

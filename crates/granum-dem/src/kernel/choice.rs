@@ -1,0 +1,93 @@
+//! Which contact stage a set of laws runs through.
+//!
+//! Common sets are compiled into one loop, for equal grains and for unequal ones; all others run through one loop that calls
+//! each law through its slot.
+
+use std::marker::PhantomData;
+use std::ops::Range;
+
+use granum_simd::dispatch;
+
+use super::{Alike, AlikeOrByBatch, AnyLaws, ByBatch, ConstantSource, ContactStage, StageLaws, Views};
+use crate::config::Contact;
+use crate::contact::normal::{Hertz, Jkr};
+use crate::contact::set::Compiled;
+use crate::contact::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
+use crate::contact::{NormalKind, TangentialKind};
+
+/// The contact stage over a range of blocks.
+pub(crate) type Stage = fn(&Views, Range<usize>);
+
+/// The contact stages of a set: for equal grains, for unequal ones.
+#[derive(Clone, Copy)]
+pub(crate) struct Stages {
+    pub(crate) alike: Stage,
+    pub(crate) by_batch: Stage,
+}
+
+fn stage<S: StageLaws, C: ConstantSource>(views: &Views, blocks: Range<usize>) {
+    dispatch(views.isa, ContactStage { views, blocks, laws: PhantomData::<(S, C)> });
+}
+
+fn compiled<S: StageLaws>() -> Stages {
+    Stages { alike: stage::<S, Alike>, by_batch: stage::<S, ByBatch> }
+}
+
+impl Stages {
+    /// Those of a set.
+    pub(crate) fn of(laws: &Contact) -> Stages {
+        const HERTZ: NormalKind = NormalKind::HERTZ;
+        const JKR: NormalKind = NormalKind::JKR;
+        const CURVES: TangentialKind = TangentialKind::MINDLIN_DERESIEWICZ;
+        const NO_SLIP: TangentialKind = TangentialKind::NO_SLIP;
+        let sets: [(NormalKind, TangentialKind, fn() -> Stages); 5] = [
+            (HERTZ, CURVES, compiled::<Compiled<Hertz, MindlinDeresiewicz>>),
+            (HERTZ, NO_SLIP, compiled::<Compiled<Hertz, NoSlip>>),
+            (JKR, CURVES, compiled::<Compiled<Jkr, MindlinDeresiewicz>>),
+            (JKR, NO_SLIP, compiled::<Compiled<Jkr, NoSlip>>),
+            (JKR, TangentialKind::PEELING, compiled::<Compiled<Jkr, Peeling>>),
+        ];
+        let known = sets.iter().find(|(n, t, _)| *n == laws.normal && *t == laws.tangential);
+        match known {
+            Some((_, _, stages)) if !laws.rolling.law().acts() => stages(),
+            _ => Stages::any(),
+        }
+    }
+
+    /// Those of any set.
+    pub(crate) fn any() -> Stages {
+        let stage = stage::<AnyLaws, AlikeOrByBatch>;
+        Stages { alike: stage, by_batch: stage }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::{Grains, Material};
+    use crate::contact::registry::sets;
+    use crate::gas::gas;
+    use crate::servo::Control;
+    use crate::simulation::{Properties, Simulation};
+
+    /// Laws called through their slots give the bits of laws compiled into the loop.
+    #[test]
+    fn both_ways_of_calling_laws_give_the_same_bits() {
+        for spread in [0.0, 0.3] {
+            let (cell, sites) = gas(&Grains { count: 120, spread, ..Grains::default() }, 0.35, 3).unwrap();
+            for contact in sets().into_iter().filter(|set| !set.rolling.law().acts()) {
+                let properties = Properties { material: Material::default(), contact };
+                let run = |stages: Option<Stages>| {
+                    let mut s = Simulation::new(cell, &sites, properties).unwrap();
+                    s.machine.stages = stages.unwrap_or(s.machine.stages);
+                    s.set_control(Control::isotropic(20e3, 3e4));
+                    s.advance(3000).unwrap();
+                    s
+                };
+                let (compiled, any) = (run(None), run(Some(Stages::any())));
+                assert!(compiled.state().contacts() > 10, "{} contacts", compiled.state().contacts());
+                assert!(compiled.state() == any.state(), "{contact:?}, spread {spread}");
+            }
+        }
+    }
+}

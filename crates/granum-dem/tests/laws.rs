@@ -1,0 +1,269 @@
+//! Laws with parameters of their own in the engine: granum's and a caller's.
+
+use granum_dem::Isa;
+use granum_dem::assembly::Assembly;
+use granum_dem::cell::Cell;
+use granum_dem::config::{Contact, Grains, Material, NormalKind, RollingKind, TangentialKind};
+use granum_dem::contact::normal::Hertz;
+use granum_dem::contact::registry::{RegisterError, normal_named, register_normal};
+use granum_dem::contact::{Description, LAW_CONSTANTS, Normal, NormalLaw, PairProperties, Parameter, Unit};
+use granum_dem::gas::gas;
+use granum_dem::servo::Control;
+use granum_dem::simulation::{Hardware, Properties, Simulation, SimulationError, Site};
+
+const DIAMETER: f64 = 1e-4;
+
+fn plain() -> Material {
+    Material { interface_energy: 0.0, ..Material::default() }
+}
+
+/// A linear spring that resists rolling.
+fn soft(damping: f64, rolling_friction: f64, rolling_damping: f64) -> Contact {
+    let mut contact = Contact::new(NormalKind::HOOKE, TangentialKind::NO_SLIP, damping);
+    contact.rolling = RollingKind::ELASTIC_PLASTIC;
+    for (key, value) in [
+        ("normal_stiffness", 2e4),
+        ("rolling_friction", rolling_friction),
+        ("rolling_damping", rolling_damping),
+    ] {
+        contact.parameters.set(key, value).unwrap();
+    }
+    contact
+}
+
+/// Kinetic, normal, tangential and rolling energy, J.
+fn stored(assembly: &Assembly) -> [f64; 4] {
+    let square = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>();
+    let kinetic = assembly
+        .grains
+        .iter()
+        .map(|g| 0.5 * g.mass * (square(&g.velocity) + 0.4 * g.radius * g.radius * square(&g.spin)))
+        .sum();
+    let sum = |of: fn(&granum_dem::assembly::Contact) -> f64| assembly.contacts.iter().map(of).sum();
+    [kinetic, sum(|c| c.normal_energy), sum(|c| c.tangential_energy), sum(|c| c.rolling_energy)]
+}
+
+/// Two grains in a row that repeats itself, pressed together and spinning against each other.
+fn rocking(contact: Contact, spin: f64) -> Simulation {
+    let gap = DIAMETER * 0.999;
+    let cell = Cell::cuboid([2.0 * gap, 3.0 * DIAMETER, 3.0 * DIAMETER]);
+    let site = |id, x| Site { id, position: [x, DIAMETER, DIAMETER], radius: 0.5 * DIAMETER };
+    let properties = Properties { material: plain(), contact };
+    let mut s = Simulation::new(cell, &[site(1, 0.2 * gap), site(2, 1.2 * gap)], properties).unwrap();
+    s.set_velocities(&[], &[[0.0, 0.0, spin], [0.0, 0.0, -spin]]);
+    s
+}
+
+/// Each grain has two contacts of stiffness k that turn by twice its own angle: `w^2 = 4 k / I` with `I = 2/5 m R^2`.
+#[test]
+fn grains_rock_on_each_other_at_the_frequency_of_the_spring() {
+    let contact = soft(0.0, 0.5, 0.0);
+    let (r, m) = (0.5 * DIAMETER, 2650.0 * std::f64::consts::PI / 6.0 * DIAMETER.powi(3));
+    let stiffness = 2.25 * 2e4 * (0.5 * 0.5 * r) * (0.5 * 0.5 * r);
+    let frequency = (4.0 * stiffness / (0.4 * m * r * r)).sqrt();
+    // Far below the limit mu_r R* N.
+    let spin = 1e-3 * frequency * (0.5 * 0.5 * r * 2e4 * 1e-3 * DIAMETER) / stiffness;
+    let mut s = rocking(contact, spin);
+    let steps = 4000u32;
+    s.fix_time_step(Some(2.0 * std::f64::consts::PI / frequency / f64::from(steps)));
+    let start = stored(&s.assembly());
+    for quarter in 1..=8u32 {
+        s.advance(u64::from(steps) / 4).unwrap();
+        let a = s.assembly();
+        // The spin stands at the middle of the last step.
+        let phase = std::f64::consts::TAU * (f64::from(quarter) / 4.0 - 0.5 / f64::from(steps));
+        for (k, sign) in [(0, 1.0), (1, -1.0)] {
+            let off = a.grains[k].spin[2] - sign * spin * phase.cos();
+            assert!(
+                off.abs() < 2e-3 * spin,
+                "quarter {quarter}: {} {}",
+                a.grains[k].spin[2],
+                spin * phase.cos()
+            );
+        }
+        assert!(a.grains.iter().all(|g| g.velocity.iter().all(|v| v.abs() < 1e-9 * spin * r)));
+        let now = stored(&a);
+        let (all, first) = (now[0] + now[3], start[0]);
+        assert!((all / first - 1.0).abs() < 2e-3, "quarter {quarter}: {all:e} {first:e}");
+        assert!(a.energy.rolling.abs() < 1e-9 * first);
+        assert!((a.energy.rolling_work - now[3]).abs() < 1e-9 * first);
+    }
+}
+
+/// What spins too fast for the spring rolls, and ends with its energy lost by rolling and in the dashpot.
+#[test]
+fn rolling_ends_in_losses_that_are_counted() {
+    let mut s = rocking(soft(0.0, 0.05, 0.3), 2000.0);
+    s.fix_time_step(Some(2e-9));
+    let start = stored(&s.assembly());
+    s.advance(60_000).unwrap();
+    let (a, end) = (s.assembly(), stored(&s.assembly()));
+    assert!(end[0] < 1e-3 * start[0], "{:e} of {:e} left", end[0], start[0]);
+    let e = a.energy;
+    assert!(e.rolling > 0.5 * start[0] && e.damping > 0.0, "{e:?}");
+    let accounted = e.rolling_work + e.tangential_work + e.damping + end[0] + end[1] - start[1];
+    assert!((accounted / start[0] - 1.0).abs() < 1e-3, "{accounted:e} {:e}", start[0]);
+    assert!((e.rolling_work - e.rolling - end[3]).abs() < 1e-9 * start[0]);
+}
+
+fn sample(properties: Properties, spread: f64, hardware: Hardware) -> Simulation {
+    let (cell, sites) = gas(&Grains { count: 200, spread, ..Grains::default() }, 0.35, 9).unwrap();
+    let mut s = Simulation::new(cell, &sites, properties).unwrap();
+    s.set_hardware(hardware);
+    s.set_control(Control::isotropic(20e3, 2e4));
+    s.advance(4000).unwrap();
+    s
+}
+
+/// On every instruction set, with several threads, and through a checkpoint; with the energy in balance.
+#[test]
+fn new_laws_have_the_same_bits_everywhere() {
+    let properties = Properties { material: plain(), contact: soft(0.1, 0.2, 0.3) };
+    for spread in [0.0, 0.3] {
+        let mut reference = sample(properties, spread, Hardware { threads: 1, isa: Isa::Portable });
+        assert!(reference.state().contacts() > 100, "{}", reference.state().contacts());
+        for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
+            for threads in [1, 3] {
+                let other = sample(properties, spread, Hardware { threads, isa });
+                assert!(other.state() == reference.state(), "{}, {threads} threads", isa.name());
+            }
+        }
+        let (mut restored, _) = Simulation::restore(&reference.checkpoint("").unwrap()).unwrap();
+        assert_eq!(restored.properties(), reference.properties());
+        reference.advance(500).unwrap();
+        restored.advance(500).unwrap();
+        assert!(restored.state() == reference.state());
+        let a = reference.assembly();
+        let [kinetic, normal, _, rolling] = stored(&a);
+        let e = a.energy;
+        let accounted = kinetic + normal + e.tangential_work + e.rolling_work + e.damping;
+        assert!((accounted / e.boundary_work - 1.0).abs() < 0.01, "{accounted:e} {:e}", e.boundary_work);
+        assert!(rolling > 0.0 && (e.rolling_work - e.rolling - rolling).abs() < 1e-9 * e.rolling_work.abs());
+    }
+}
+
+/// A law that is switched on later starts without a couple, and the history of those that stay is kept.
+#[test]
+fn laws_can_be_changed_in_the_middle() {
+    let mut contact = soft(0.1, 0.2, 0.3);
+    contact.rolling = RollingKind::NONE;
+    let free = Contact { parameters: contact.parameters, ..contact };
+    let mut parameters = free.parameters;
+    parameters.unset("rolling_friction");
+    parameters.unset("rolling_damping");
+    let free = Contact { parameters, ..free };
+    let mut s = sample(Properties { material: plain(), contact: free }, 0.3, Hardware::default());
+    let before = s.assembly();
+    s.set_properties(Properties { material: plain(), contact: soft(0.1, 0.2, 0.3) }).unwrap();
+    let after = s.assembly();
+    assert_eq!(before.contacts, after.contacts);
+    s.advance(100).unwrap();
+    assert!(stored(&s.assembly())[3] > 0.0);
+    s.set_properties(Properties { material: plain(), contact: free }).unwrap();
+    assert_eq!(stored(&s.assembly())[3], 0.0);
+    s.advance(100).unwrap();
+}
+
+/// Parameters without a law, and out of bounds.
+#[test]
+fn parameters_are_checked() {
+    let refused = |contact: Contact| {
+        let site = Site { id: 1, position: [0.0; 3], radius: 5e-5 };
+        let properties = Properties { material: plain(), contact };
+        Simulation::new(Cell::cuboid([1e-3; 3]), &[site], properties).err().map(|e| e.to_string()).unwrap()
+    };
+    let unused = Contact { rolling: RollingKind::NONE, ..soft(0.1, 0.2, 0.3) };
+    assert!(refused(unused).contains("contact.rolling_damping means nothing with"), "{}", refused(unused));
+    let rough = soft(0.1, 3.0, 0.3);
+    assert_eq!(refused(rough), "contact.rolling_friction is 3; it must be from 0 to 2");
+    let hertz = Contact { normal: NormalKind::HERTZ, ..soft(0.1, 0.1, 0.3) };
+    assert!(matches!(
+        Simulation::new(
+            Cell::cuboid([1e-3; 3]),
+            &[Site { id: 1, position: [0.0; 3], radius: 5e-5 }],
+            Properties { material: plain(), contact: hertz }
+        ),
+        Err(SimulationError::Law(_))
+    ));
+}
+
+/// Hertz's law with a modulus of its own: a caller's law with a parameter.
+#[derive(Clone, Copy)]
+struct OtherModulus;
+
+impl NormalLaw for OtherModulus {
+    const DESCRIPTION: Description = Description {
+        name: "other-modulus",
+        label: "Hertz with another modulus",
+        help: "elastic spheres whose modulus is a multiple of the material's",
+        parameters: &[Parameter {
+            key: "modulus_factor",
+            unit: Unit::NUMBER,
+            default: 1.0,
+            bounds: [0.1, 10.0],
+            meaning: "The modulus over that of the material",
+            without_area: false,
+        }],
+    };
+    fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
+        let effective_modulus = parameters[0] * pair.effective_modulus;
+        Hertz::prepare(&PairProperties { effective_modulus, ..*pair }, &[])
+    }
+    #[inline(always)]
+    fn evaluate<R: granum_simd::Real>(c: &[R; LAW_CONSTANTS], overlap: R, touched: R::Mask) -> Normal<R> {
+        Hertz::evaluate(c, overlap, touched)
+    }
+    fn loaded(pair: &PairProperties, _parameters: &[f64], load: f64) -> Normal<f64> {
+        Hertz::loaded(pair, &[], load)
+    }
+    fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64) -> f64 {
+        Hertz::energy(c, overlap)
+    }
+}
+
+#[test]
+fn a_law_of_the_callers_own_runs_and_is_remembered() {
+    let own = NormalKind::new(&OtherModulus);
+    let of = |normal| Properties {
+        material: plain(),
+        contact: Contact::new(normal, TangentialKind::MINDLIN_DERESIEWICZ, 0.1),
+    };
+    let hertz = sample(of(NormalKind::HERTZ), 0.3, Hardware::default());
+    let same = sample(of(own), 0.3, Hardware::default());
+    assert!(hertz.state() == same.state());
+    let mut stiffer = of(own);
+    stiffer.contact.parameters.set("modulus_factor", 2.0).unwrap();
+    assert!(sample(stiffer, 0.3, Hardware::default()).state() != hertz.state());
+    // Its name means nothing in files until it is registered.
+    let bytes = same.checkpoint("").unwrap();
+    let error = Simulation::restore(&bytes).err().unwrap().to_string();
+    assert!(normal_named("other-modulus").is_none(), "{error}");
+    register_normal(own).unwrap();
+    register_normal(own).unwrap();
+    assert!(Simulation::restore(&bytes).unwrap().0.state() == same.state());
+}
+
+#[test]
+fn names_stand_for_one_law() {
+    #[derive(Clone, Copy)]
+    struct Impostor;
+    impl NormalLaw for Impostor {
+        const DESCRIPTION: Description = Description { name: "hertz", ..Hertz::DESCRIPTION };
+        fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
+            Hertz::prepare(pair, parameters)
+        }
+        fn evaluate<R: granum_simd::Real>(c: &[R; LAW_CONSTANTS], overlap: R, touched: R::Mask) -> Normal<R> {
+            Hertz::evaluate(c, overlap, touched)
+        }
+        fn loaded(pair: &PairProperties, parameters: &[f64], load: f64) -> Normal<f64> {
+            Hertz::loaded(pair, parameters, load)
+        }
+        fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64) -> f64 {
+            Hertz::energy(c, overlap)
+        }
+    }
+    let impostor = NormalKind::new(&Impostor);
+    assert_ne!(impostor, NormalKind::HERTZ);
+    let taken = register_normal(impostor).unwrap_err();
+    assert_eq!(taken, RegisterError::NameTaken { what: "normal law", name: "hertz" });
+}

@@ -1,0 +1,70 @@
+//! Energy of rolling and twisting, J, where contacts resist them: what is stored now, and the work and loss since the start of
+//! the phase. In a series of grains that roll freely these columns are left out.
+//!
+//! `rolling_work = change of elastic rolling energy + rolling_loss`; what dashpots against rolling take is in `damping_loss`.
+
+use crate::{Look, Sensor, SensorColumn};
+
+/// The sensor.
+pub const SENSOR: Sensor = Sensor {
+    name: "rolling",
+    description: "energy of rolling and twisting, where contacts resist them",
+    columns: &[
+        SensorColumn::new(
+            "elastic_rolling_energy",
+            "J",
+            "stored by the rolling and twisting of all contacts",
+        )
+        .optional(),
+        SensorColumn::new(
+            "rolling_work",
+            "J",
+            "work taken up by the elastic couples of rolling and twisting",
+        )
+        .optional(),
+        SensorColumn::new(
+            "rolling_loss",
+            "J",
+            "lost by rolling and twisting without dashpots, part of rolling_work",
+        )
+        .optional(),
+    ],
+    measure,
+};
+
+fn measure(look: &Look, row: &mut Vec<f64>) {
+    let stored: f64 = look.assembly.contacts.iter().map(|contact| contact.rolling_energy).sum();
+    // A sum of nothing is minus zero.
+    row.extend([stored + 0.0, look.assembly.energy.rolling_work, look.assembly.energy.rolling]);
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Recorder, column_index, lattice, measure_row};
+    use granum_dem::config::Recording;
+
+    #[test]
+    fn what_is_stored_is_summed() {
+        let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4);
+        let column = column_index("elastic_rolling_energy").unwrap();
+        assert_eq!(measure_row(&assembly)[column], 0.0);
+        assembly.contacts.iter_mut().for_each(|contact| contact.rolling_energy = 1e-12);
+        let expected = assembly.contacts.len() as f64 * 1e-12;
+        assert!((measure_row(&assembly)[column] / expected - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_series_without_rolling_has_no_columns_of_it() {
+        let series = |energy: f64| {
+            let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4);
+            assembly.contacts[0].rolling_energy = energy;
+            let mut recorder = Recorder::new(&Recording { states: 2, ..Recording::default() }, 0.1);
+            recorder.look(&assembly);
+            recorder.record().series
+        };
+        assert!(series(0.0).values("rolling_loss").is_none());
+        assert_eq!(series(1e-12).values("elastic_rolling_energy"), Some(&[1e-12][..]));
+        // One of them in use brings all, so that the energies of a series are complete.
+        assert!(series(1e-12).values("rolling_loss").is_some());
+    }
+}
