@@ -81,7 +81,7 @@ fn grains_rock_on_each_other_at_the_frequency_of_the_spring() {
                 spin * phase.cos()
             );
         }
-        assert!(a.grains.iter().all(|g| g.velocity.iter().all(|v| v.abs() < 1e-9 * spin * r)));
+        assert!(a.grains.iter().all(|g| g.velocity.iter().all(|v| v.abs() < 1e-6 * spin * r)));
         let now = stored(&a);
         let (all, first) = (now[0] + now[3], start[0]);
         assert!((all / first - 1.0).abs() < 2e-3, "quarter {quarter}: {all:e} {first:e}");
@@ -93,8 +93,8 @@ fn grains_rock_on_each_other_at_the_frequency_of_the_spring() {
 /// What spins too fast for the spring rolls, and ends with its energy lost by rolling and in the dashpot.
 #[test]
 fn rolling_ends_in_losses_that_are_counted() {
-    let mut s = rocking(soft(0.0, 0.05, 0.3), 2000.0);
-    s.fix_time_step(Some(2e-9));
+    let mut s = rocking(soft(0.0, 0.05, 0.02), 20_000.0);
+    s.fix_time_step(Some(2e-8));
     let start = stored(&s.assembly());
     s.advance(60_000).unwrap();
     let (a, end) = (s.assembly(), stored(&s.assembly()));
@@ -134,12 +134,27 @@ fn new_laws_have_the_same_bits_everywhere() {
         restored.advance(500).unwrap();
         assert!(restored.state() == reference.state());
         let a = reference.assembly();
-        let [kinetic, normal, _, rolling] = stored(&a);
+        let [_, _, _, rolling] = stored(&a);
         let e = a.energy;
-        let accounted = kinetic + normal + e.tangential_work + e.rolling_work + e.damping;
-        assert!((accounted / e.boundary_work - 1.0).abs() < 0.01, "{accounted:e} {:e}", e.boundary_work);
         assert!(rolling > 0.0 && (e.rolling_work - e.rolling - rolling).abs() < 1e-9 * e.rolling_work.abs());
+        energy_is_in_balance(reference);
     }
+}
+
+/// While a sample is strained slowly.
+fn energy_is_in_balance(mut s: Simulation) {
+    s.set_time_step_factor(0.05);
+    let mut control = Control::fixed();
+    control.rate[0][0] = 20.0;
+    s.set_control(control);
+    s.advance(2000).unwrap();
+    s.reset_phase(0.0);
+    let start = stored(&s.assembly());
+    s.advance(8000).unwrap();
+    let (end, e) = (stored(&s.assembly()), s.assembly().energy);
+    let accounted = end[0] - start[0] + end[1] - start[1] + e.tangential_work + e.rolling_work + e.damping;
+    assert!(e.rolling > 0.0 && e.rolling_work > 1e-3 * e.boundary_work, "{e:?}");
+    assert!((accounted / e.boundary_work - 1.0).abs() < 0.01, "{accounted:e} {e:?}");
 }
 
 /// A law that is switched on later starts without a couple, and the history of those that stay is kept.

@@ -259,7 +259,8 @@ pub fn interact<R: Real, S: Laws<R>>(
         adhesion_made: losses.made.keep(touching & !touched),
         adhesion_broken: losses.broken.keep(touched & !touching),
         moment_work: moments.work.keep(touching),
-        moment_loss: moments.loss.keep(touching),
+        // What a contact that breaks still held is lost.
+        moment_loss: moments.loss.keep(touching | touched),
     }
 }
 
