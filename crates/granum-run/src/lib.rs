@@ -7,4 +7,4 @@
 pub mod laboratory;
 pub mod record;
 
-pub use laboratory::{Laboratory, LaboratoryError, Nobody, RunObserver, Source, Status};
+pub use laboratory::{Laboratory, LaboratoryError, Nobody, RunObserver, Source, Status, TestResult};

@@ -12,6 +12,7 @@
 
 mod consolidation;
 mod from_packing;
+mod in_memory;
 mod measures;
 pub mod memory;
 mod pace;
@@ -20,6 +21,7 @@ mod quality;
 mod sample;
 mod standing;
 mod status;
+mod store;
 mod test;
 
 use std::path::PathBuf;
@@ -38,10 +40,12 @@ use thiserror::Error;
 pub(crate) use self::pace::Interval;
 use self::standing::{Stage, Standing};
 use self::status::Speedometer;
+use self::store::Store;
 use self::test::Test;
 use crate::record::write_record;
 
 pub use granum_io::run::{CHECKPOINT, PREVIOUS_CHECKPOINT};
+pub use in_memory::TestResult;
 pub use measures::late_mean;
 pub use preparation_curve::PREPARATION_COLUMNS;
 pub use sample::{Source, cell, simulation, sites};
@@ -277,7 +281,7 @@ impl Laboratory {
                     self.start(&case, &source, None, record, observer)?
                 }
             };
-            self.go_on(&case, standing, folder, record, observer)
+            self.go_on(&case, standing, Store(Some(folder)), record, observer).map(drop)
         })
     }
 
@@ -324,7 +328,9 @@ impl Laboratory {
         folder.write_record(&record)?;
         write_case(folder, &case, &record)?;
         record.unwritten_case = None;
-        self.finish(folder, &mut record, |record| self.go_on(&case, standing, folder, record, observer))
+        self.finish(folder, &mut record, |record| {
+            self.go_on(&case, standing, Store(Some(folder)), record, observer).map(drop)
+        })
     }
 
     /// Goes from stage to stage until the run is complete or the observer stops it.
@@ -332,12 +338,12 @@ impl Laboratory {
         &self,
         case: &Case,
         mut standing: Standing,
-        folder: &RunFolder,
+        store: Store,
         record: &mut RunRecord,
         observer: &mut dyn RunObserver,
-    ) -> Result<(), LaboratoryError> {
+    ) -> Result<Standing, LaboratoryError> {
         // At once, so that nothing outside the folder is needed from here on.
-        save(folder, &standing, record)?;
+        save(store, &standing, record)?;
         let mut speedometer = Speedometer::new();
         loop {
             let started = Instant::now();
@@ -352,9 +358,9 @@ impl Laboratory {
                     stretch
                 }
                 Stage::Sample => {
-                    write_sample(folder, &standing)?;
+                    write_sample(store, &standing)?;
                     if record.kind == "prepare" {
-                        return Ok(());
+                        return Ok(standing);
                     }
                     match consolidation::wanted(case) {
                         None => self.begin_test(case, &mut standing)?,
@@ -370,22 +376,25 @@ impl Laboratory {
                     stretch
                 }
                 Stage::Consolidated => {
-                    write_sample(folder, &standing)?;
+                    write_sample(store, &standing)?;
                     self.begin_test(case, &mut standing)?
                 }
-                Stage::Test(_) => self.test_on(case, &mut standing, folder, &mut speedometer, observer)?,
+                Stage::Test(_) => self.test_on(case, &mut standing, store, &mut speedometer, observer)?,
             };
             if let Some(phase) = phase {
                 *record.wall_seconds.entry(phase.into()).or_default() += started.elapsed().as_secs_f64();
             }
             match stretch {
-                Stretch::Complete => return complete(&standing, folder, record, observer),
+                Stretch::Complete => {
+                    complete(&standing, store, record, observer)?;
+                    return Ok(standing);
+                }
                 Stretch::GoOn if phase.is_none() => {}
-                Stretch::GoOn => save(folder, &standing, record)?,
+                Stretch::GoOn => save(store, &standing, record)?,
                 Stretch::Stop => {
-                    save(folder, &standing, record)?;
+                    save(store, &standing, record)?;
                     record.status = RunStatus::Interrupted;
-                    return Ok(());
+                    return Ok(standing);
                 }
             }
         }
@@ -416,15 +425,15 @@ impl Laboratory {
 }
 
 /// Writes down where a run stands: checkpoint, what the sensors saw, record.
-fn save(folder: &RunFolder, standing: &Standing, record: &mut RunRecord) -> Result<(), LaboratoryError> {
-    standing.write(folder)?;
+fn save(store: Store, standing: &Standing, record: &mut RunRecord) -> Result<(), LaboratoryError> {
+    store.write(|folder| standing.write(folder))?;
     match &standing.stage {
-        Stage::Test(test) => write_record(folder, &test.record())?,
-        Stage::Preparation(_) | Stage::Consolidation(_) => write_curve(folder, standing)?,
+        Stage::Test(test) => store.write(|folder| write_record(folder, &test.record()))?,
+        Stage::Preparation(_) | Stage::Consolidation(_) => write_curve(store, standing)?,
         Stage::Sample | Stage::Consolidated => {}
     }
     standing.tell(record);
-    folder.write_record(record)?;
+    store.write(|folder| folder.write_record(record))?;
     Ok(())
 }
 
@@ -435,7 +444,8 @@ fn write_case(folder: &RunFolder, case: &Case, record: &RunRecord) -> Result<(),
 }
 
 /// Writes how the sample was come by, as far as it is.
-fn write_curve(folder: &RunFolder, standing: &Standing) -> Result<(), LaboratoryError> {
+fn write_curve(store: Store, standing: &Standing) -> Result<(), LaboratoryError> {
+    let Some(folder) = store.0 else { return Ok(()) };
     if let Some(table) = standing.found.curve.table()? {
         folder.write_preparation(&table)?;
     }
@@ -443,22 +453,22 @@ fn write_curve(folder: &RunFolder, standing: &Standing) -> Result<(), Laboratory
 }
 
 /// Writes a sample that is there.
-fn write_sample(folder: &RunFolder, standing: &Standing) -> Result<(), LaboratoryError> {
-    write_curve(folder, standing)?;
-    Ok(folder.write_snapshot(SAMPLE, &standing.simulation.assembly())?)
+fn write_sample(store: Store, standing: &Standing) -> Result<(), LaboratoryError> {
+    write_curve(store, standing)?;
+    Ok(store.snapshot(SAMPLE, &standing.simulation.assembly())?)
 }
 
 /// The end of a test: last snapshot, judgement.
 fn complete(
     standing: &Standing,
-    folder: &RunFolder,
+    store: Store,
     record: &mut RunRecord,
     observer: &mut dyn RunObserver,
 ) -> Result<(), LaboratoryError> {
     let Stage::Test(test) = &standing.stage else { return Ok(()) };
     let end = standing.simulation.assembly();
-    folder.write_snapshot(END, &end)?;
-    save(folder, standing, record)?;
+    store.snapshot(END, &end)?;
+    save(store, standing, record)?;
     let seen = test.record();
     record.quality.extend(quality::judge(&standing.simulation, &end, &seen, test));
     measures::of_test(&seen, &mut record.measures);

@@ -6,11 +6,12 @@ use granum_dem::loading::{
 };
 use granum_dem::preparation::{Flow, Progress};
 use granum_dem::simulation::{Properties, Simulation};
-use granum_io::{Case, RunFolder};
+use granum_io::Case;
 use granum_sensors::{Record, Recorder};
 use serde::{Deserialize, Serialize};
 
 use super::standing::{Stage, Standing};
+use super::store::Store;
 use super::{Interval, Laboratory, LaboratoryError, RunObserver, Speedometer, Status, Stretch, quality};
 
 /// What a test remembers beside the state of the simulation.
@@ -140,7 +141,7 @@ struct Watch<'a> {
     staged: bool,
     recorder: &'a mut Recorder,
     snapshots: &'a mut Vec<f64>,
-    folder: &'a RunFolder,
+    store: Store<'a>,
     /// Why a snapshot could not be written; the test then stops.
     failed: Option<granum_io::Error>,
     observer: &'a mut dyn RunObserver,
@@ -163,7 +164,7 @@ impl Watcher for Watch<'_> {
         }
         while self.snapshots.first().is_some_and(|due| *due <= here) {
             let name = snapshot_name(self.snapshots.remove(0));
-            if let Err(error) = self.folder.write_snapshot(&name, &assembly) {
+            if let Err(error) = self.store.snapshot(&name, &assembly) {
                 self.failed.get_or_insert(error);
             }
         }
@@ -211,7 +212,7 @@ impl Laboratory {
         &self,
         case: &Case,
         standing: &mut Standing,
-        folder: &RunFolder,
+        store: Store,
         speedometer: &mut Speedometer,
         observer: &mut dyn RunObserver,
     ) -> Result<Stretch, LaboratoryError> {
@@ -233,7 +234,7 @@ impl Laboratory {
             staged: test.staged,
             recorder,
             snapshots: &mut test.snapshots,
-            folder,
+            store,
             failed: None,
             observer,
             speedometer,
@@ -255,7 +256,7 @@ impl Laboratory {
         if !reason.is_asked_for() || test.ends.len() == test.stages.len() {
             return Ok(Stretch::Complete);
         }
-        folder.write_snapshot(&stage_snapshot(test.ends.len()), &simulation.assembly())?;
+        store.snapshot(&stage_snapshot(test.ends.len()), &simulation.assembly())?;
         test.begin_stage(case, simulation)?;
         Ok(Stretch::GoOn)
     }

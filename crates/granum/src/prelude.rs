@@ -1,0 +1,34 @@
+//! What most programs need: `use granum::prelude::*;`.
+//!
+//! From nothing to a sheared sample with a table of its series:
+//!
+//! ```
+//! use granum::prelude::*;
+//!
+//! let case = Case::parse("grains.count = 60\npreparation.solid_fraction = 'none'\npreparation.unbalanced_force = 0.05\n\
+//!                         shear.deviator_strain = 0.01\nshear.inertial_number = 0.01\nrecording.states = 4", "case")?;
+//! let test = Laboratory::here().test(&case)?;
+//! let [strain, ratio] = test.record.series.select(["deviator_strain", "stress_ratio"])?;
+//! for (strain, ratio) in strain.iter().zip(ratio) {
+//!     println!("{strain:.4} {ratio:.3}");
+//! }
+//! # assert_eq!(strain.len(), 5);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub use granum_core::assembly::{Assembly, Matrix, Vector};
+pub use granum_core::{Cell, Column, Table};
+pub use granum_dem::config::{
+    Contact, Grains, Material, NormalKind, Preparation, Recording, RollingKind, Shear, TangentialKind,
+};
+pub use granum_dem::servo::Control;
+pub use granum_dem::simulation::{Hardware, Properties, Simulation, Site};
+pub use granum_io::formats::{Formats, PackingFormat, TableFormat};
+pub use granum_io::packing::{PackedGrain, Packing};
+pub use granum_io::{
+    Case, Run, RunFolder, read_columns, read_packing, read_table, write_packing, write_table,
+};
+pub use granum_learn::study::Silent;
+pub use granum_learn::{Dataset, DatasetOptions, Form, Mapping, NamedRecord, Study, StudyOptions, Surrogate};
+pub use granum_run::{Laboratory, Nobody, RunObserver, Source, Status, TestResult};
+pub use granum_sensors::{Record, column_index, measure_row};

@@ -1,0 +1,32 @@
+//! Stepping a simulation by hand, with all positions, velocities and contacts at hand.
+
+use granum::dem::gas::gas;
+use granum::prelude::*;
+
+/// The whole program.
+pub fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let grains = Grains { count: 200, ..Grains::default() };
+    // Grains that do not touch, at a solid fraction of 0.35, from the seed 1.
+    let (cell, spheres) = gas(&grains, 0.35, 1)?;
+    let properties = Properties { material: grains.material, contact: Contact::default() };
+    let mut simulation = Simulation::new(cell, &spheres, properties)?;
+    // All three axes are driven to 20 kPa; no rate may exceed 3e4 /s.
+    simulation.set_control(Control::isotropic(20e3, 3e4));
+    for _ in 0..10 {
+        simulation.advance(1000)?;
+        let state = simulation.state();
+        let assembly = simulation.assembly();
+        let fastest =
+            assembly.grains.iter().map(|grain| grain.velocity.map(f64::abs).into_iter().fold(0.0, f64::max));
+        println!(
+            "{:.2e} s: solid fraction {:.3}, {} contacts, p = {:.1} kPa, fastest grain {:.3} m/s",
+            state.time(),
+            state.solid_fraction(),
+            assembly.contacts.len(),
+            state.mean_stress() / 1e3,
+            fastest.fold(0.0, f64::max),
+        );
+    }
+    assert!(simulation.state().solid_fraction() > 0.4);
+    Ok(())
+}

@@ -1,0 +1,36 @@
+//! Networks that learn q/p from strain and fabric of two samples, and are asked about a third.
+
+use granum::prelude::*;
+
+fn record(seed: u64) -> Result<Record, Box<dyn std::error::Error>> {
+    let text = format!(
+        "grains.count = 150\npreparation.seed = {seed}\npreparation.solid_fraction = \"none\"\n\
+         preparation.unbalanced_force = 0.01\nshear.deviator_strain = 0.3\nshear.inertial_number = 0.01\n\
+         recording.states = 45\nrecording.observations_per_state = 6"
+    );
+    Ok(Laboratory::here().test(&Case::parse(&text, "case")?)?.record)
+}
+
+/// The whole program.
+pub fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let records = (1..=3).map(record).collect::<Result<Vec<_>, _>>()?;
+    let named = |seed: u64| NamedRecord { name: "run", seed, record: &records[seed as usize - 1] };
+    let dataset = Dataset::new(&[named(1), named(2)], &[named(3)], &DatasetOptions::default())?;
+    let mappings = vec![granum::learn::mapping::paper_mapping("F3")?];
+    let study = Study::train(&dataset, &StudyOptions { mappings, ..StudyOptions::default() }, &Silent)?;
+    for evaluation in study.evaluate(&dataset)? {
+        let [ours, strain_only] =
+            [&evaluation.network, &evaluation.strain_only].map(|parts| 100.0 * parts.unseen.relative_rmse);
+        println!(
+            "{}: {ours:.1} % on the unseen run, {strain_only:.1} % by strain alone",
+            evaluation.mapping.name
+        );
+    }
+    let surrogate = &study.mapping("F3")?.surrogate;
+    let names = surrogate.input_names();
+    // A strain, a fabric, a normalised force and its probability density.
+    let answer = surrogate.predict(&[0.1, 0.08, 1.0, 0.6][..names.len()], 0.9)?;
+    println!("{}: q/p = {:.3}, 90 % interval {:?}", names.join(", "), answer.value, answer.interval);
+    assert!(answer.value.is_finite());
+    Ok(())
+}
