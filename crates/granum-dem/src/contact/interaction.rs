@@ -54,7 +54,7 @@ impl<R: Real> Default for Memory<R> {
 }
 
 /// What a contact does to its grains in a step. Everything is zero where the pair does not touch, but for
-/// `adhesion_broken`, which falls due just then.
+/// `adhesion_broken`, `moment_work` and `moment_loss`, which fall due just then.
 #[derive(Clone, Copy)]
 pub struct Interaction<R: Real> {
     /// Force on i, dashpots included, N.
@@ -258,8 +258,8 @@ pub fn interact<R: Real, S: Laws<R>>(
         damping_loss: (dt * damping_power).keep(touching),
         adhesion_made: losses.made.keep(touching & !touched),
         adhesion_broken: losses.broken.keep(touched & !touching),
-        moment_work: moments.work.keep(touching),
         // What a contact that breaks still held is lost.
+        moment_work: moments.work.keep(touching | touched),
         moment_loss: moments.loss.keep(touching | touched),
     }
 }
