@@ -27,10 +27,19 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         );
     }
     let surrogate = &study.mapping("F3")?.surrogate;
-    let names = surrogate.input_names();
-    // A strain, a fabric, a normalised force and its probability density.
-    let answer = surrogate.predict(&[0.1, 0.08, 1.0, 0.6][..names.len()], 0.9)?;
-    println!("{}: q/p = {:.3}, 90 % interval {:?}", names.join(", "), answer.value, answer.interval);
-    assert!(answer.value.is_finite());
+    // What the networks say of each fifth state of the sample that they never saw, beside what DEM found.
+    let states: Vec<_> = dataset.unseen().into_iter().step_by(5).collect();
+    let intervals = surrogate.intervals(states.iter().copied(), 0.9)?;
+    println!("eps_d   DEM    network  90 % interval");
+    for ((state, answer), interval) in
+        states.iter().zip(surrogate.answer(states.iter().copied())?).zip(intervals)
+    {
+        let [low, high] = interval.and_then(|ends| ends.first().copied()).unwrap_or([f64::NAN; 2]);
+        println!(
+            "{:.4}  {:.3}  {:.3}    {low:.3} to {high:.3}",
+            state.strain, state.stress_ratio, answer.values[0]
+        );
+        assert!(answer.values[0].is_finite());
+    }
     Ok(())
 }
