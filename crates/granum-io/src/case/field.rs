@@ -325,5 +325,6 @@ fn in_units_of(parameter: &Parameter, message: String) -> String {
     if parameter.unit != Unit::STIFFNESS {
         return message;
     }
-    message.replace("an energy per area", "a stiffness").replace("J/m2 or mJ/m2", "N/m, kN/m or MN/m")
+    let message = message.replace("an energy per area", "a stiffness");
+    message.replace("J/m2 or mJ/m2", "N/m, kN/m or MN/m").replace("J/m2", "N/m")
 }
