@@ -2,26 +2,20 @@
 
 use std::cell::Cell;
 use std::panic::{self, AssertUnwindSafe};
-use std::sync::Once;
 
 thread_local! {
     static CONTAINED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs `work`; `None` if it panicked. Nothing is printed, as the caller makes an error of it.
-///
-/// Only for work that leaves nothing half-changed behind. The first call puts a hook before the process's panic
-/// hook that passes on every panic from elsewhere.
+/// True while this thread reads a file with a foreign decoder whose panics become errors. A library sets no panic hook; a
+/// program that does not want such panics to be printed asks this in a hook of its own.
+pub fn is_contained() -> bool {
+    CONTAINED.try_with(Cell::get).unwrap_or(false)
+}
+
+/// Runs `work`; `None` if it panicked, of which the caller makes an error. Only for work that leaves nothing half-changed
+/// behind.
 pub(crate) fn contain<T>(work: impl FnOnce() -> T) -> Option<T> {
-    static HOOK: Once = Once::new();
-    HOOK.call_once(|| {
-        let before = panic::take_hook();
-        panic::set_hook(Box::new(move |info| {
-            if !CONTAINED.try_with(Cell::get).unwrap_or(false) {
-                before(info);
-            }
-        }));
-    });
     let outer = CONTAINED.replace(true);
     let result = panic::catch_unwind(AssertUnwindSafe(work));
     CONTAINED.set(outer);

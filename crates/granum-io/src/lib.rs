@@ -17,6 +17,7 @@ pub mod snapshot;
 mod text;
 
 pub use case::Case;
+pub use contain::is_contained;
 pub use error::{Error, InputError, Result};
 pub use folder::{OutputFolder, check_name, check_output_file, inner_folder};
 pub use formats::{Formats, read_columns, read_packing, read_table, write_packing, write_table};

@@ -435,10 +435,7 @@ mod tests {
             .to_string()
         };
         let text = message(&|record| drop(record.series.remove("deviator_fabric")));
-        assert_eq!(
-            text,
-            "record `other`: there is no column deviator_fabric; there are: state, deviator_strain, stress_ratio"
-        );
+        assert_eq!(text, "record `other`: there is no column deviator_fabric; did you mean deviator_strain?");
         let text = message(&|record| record.forces[4].bin_width = 0.2);
         assert!(text.starts_with("record `other`: state 4: its histogram does not have the bins"), "{text}");
         let text = message(&|record| {

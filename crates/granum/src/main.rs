@@ -35,7 +35,18 @@ struct Arguments {
     command: Command,
 }
 
+/// Keeps panics of foreign decoders quiet, which become errors that name the file.
+fn quiet_contained_panics() {
+    let before = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |info| {
+        if !granum_io::is_contained() {
+            before(info);
+        }
+    }));
+}
+
 fn main() -> ExitCode {
+    quiet_contained_panics();
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => return refuse(&error),

@@ -189,8 +189,8 @@ fn mistakes_are_named_and_nothing_is_written() {
         "--youngs-modulus = \"70 kg\" is a mass; it must be",
     );
     check(
-        &["pair", "good.csv", "--normal", "hooke"],
-        "--normal = \"hooke\" is not known; it must be \"hertz\"",
+        &["pair", "good.csv", "--normal", "slippery"],
+        "--normal = \"slippery\" is not known; it must be \"hertz\"",
     );
     check(
         &["pair", "good.csv", "--normal", "hertz", "--tangential", "peeling"],

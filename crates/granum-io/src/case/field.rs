@@ -18,6 +18,15 @@ pub enum Value {
     List(Vec<f64>),
 }
 
+/// "a, b or c".
+fn any_of(names: &[String]) -> String {
+    match names.split_last() {
+        Some((last, [])) => last.clone(),
+        Some((last, others)) => format!("{} or {last}", others.join(", ")),
+        None => String::new(),
+    }
+}
+
 /// Most values of a list.
 const LONGEST_LIST: usize = 100_000;
 
@@ -256,7 +265,7 @@ impl Field {
             }
             Kind::Choice { options, .. } => {
                 let names: Vec<_> = options.iter().map(|[name, _]| format!("\"{name}\"")).collect();
-                names.join(" or ")
+                any_of(&names)
             }
             Kind::List { bounds: [low, high], .. } => format!("a list of rising values from {low} to {high}"),
         }
@@ -330,5 +339,6 @@ fn in_units_of(parameter: &Parameter, message: String) -> String {
     if parameter.unit != Unit::STIFFNESS {
         return message;
     }
-    message.replace("an energy per area", "a stiffness").replace("J/m2 or mJ/m2", "N/m, kN/m or MN/m")
+    let message = message.replace("an energy per area", "a stiffness");
+    message.replace("J/m2 or mJ/m2", "N/m, kN/m or MN/m").replace("J/m2", "N/m")
 }

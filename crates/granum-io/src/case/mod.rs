@@ -208,15 +208,15 @@ mod tests {
             "{apart}"
         );
         let unknown = message("[contact]\nnormal = \"hook\"\n");
-        assert!(unknown.contains("must be \"hertz\" or \"jkr\" or \"hooke\""), "{unknown}");
+        assert!(unknown.contains("must be \"hertz\", \"jkr\" or \"hooke\""), "{unknown}");
     }
 
-    /// The reference of the book names every key with its help.
+    /// The reference of the book names every key of contact laws with its help.
     #[test]
-    fn the_book_lists_every_key() {
+    fn the_book_lists_the_keys_of_laws() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/src/case.md");
         let book = std::fs::read_to_string(path).unwrap();
-        for field in FIELDS.iter() {
+        for field in FIELDS.iter().filter(|field| field.section == "contact") {
             let row = book.lines().find(|line| line.starts_with(&format!("| `{}` | `", field.key)));
             assert!(row.is_some(), "docs/src/case.md has no row of {}", field.path());
             assert!(

@@ -125,11 +125,11 @@ mod tests {
     /// comes back with the opposite velocity.
     #[test]
     fn a_sticking_oblique_impact_reverses_its_tangential_velocity() {
-        let material = Material { friction: 5.0, ..Material::default() };
+        let material = Material { friction: 5e3, ..Material::default() };
         let impact = collide(&contact(0.0), &material, DIAMETER, 1e-4, 30.0).unwrap();
         let ratio = impact.tangential_velocity_out / impact.tangential_velocity_in;
         assert!((ratio + 1.0).abs() < 1e-5, "{ratio}");
-        assert!((impact.restitution - 1.0).abs() < 1e-8);
+        assert!((impact.restitution - 1.0).abs() < 1e-5);
         let mut softer = contact(0.0);
         softer.parameters.set("tangential_stiffness_ratio", 0.1).unwrap();
         let impact = collide(&softer, &material, DIAMETER, 1e-4, 30.0).unwrap();
