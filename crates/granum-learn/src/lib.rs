@@ -8,7 +8,7 @@
 //! [`Dataset`] draws states from records and splits them, [`Study`] trains the six [`mapping`]s with their three
 //! sub-models, each beside a network of the same size that sees strain only, and [`Evaluation`] scores both on held-out
 //! states and on unseen runs, next to [`baseline`]s without networks and the scatter between runs of different seeds, and
-//! tells whether the networks use their sensors ([`sensor_use`]). [`SizeStudy`] and [`speed`] measure the paper's
+//! tells whether the networks use their sensors ([`sensor_use`]). [`SizeStudy`] and [`antony2006::speed`] measure the paper's
 //! claims on size and speed.
 
 pub mod antony2006;

@@ -40,7 +40,8 @@ impl Stages {
         const JKR: NormalKind = NormalKind::JKR;
         const CURVES: TangentialKind = TangentialKind::MINDLIN_DERESIEWICZ;
         const NO_SLIP: TangentialKind = TangentialKind::NO_SLIP;
-        let sets: [(NormalKind, TangentialKind, fn() -> Stages); 5] = [
+        type Choice = (NormalKind, TangentialKind, fn() -> Stages);
+        let sets: [Choice; 5] = [
             (HERTZ, CURVES, compiled::<Compiled<Hertz, MindlinDeresiewicz>>),
             (HERTZ, NO_SLIP, compiled::<Compiled<Hertz, NoSlip>>),
             (JKR, CURVES, compiled::<Compiled<Jkr, MindlinDeresiewicz>>),
