@@ -25,6 +25,7 @@ mod scores;
 mod shear;
 mod spread;
 mod status;
+mod test_run;
 mod train;
 mod trained_range;
 

@@ -5,15 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 use granum_core::quantity::format_number;
 use granum_dem::loading::preset::{self, Default, Parameter, Preset};
-use granum_io::RunFolder;
-use granum_learn::contents::{Kind, check_free};
-use granum_run::laboratory::Source;
 use serde_json::{Value, json};
 
-use super::case_flags::CaseFlags;
-use super::checkpoints::CheckpointFlags;
-use super::hardware::{HardwareFlags, Show};
-use super::run_report;
+use super::test_run::TestRun;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -38,21 +32,8 @@ pub struct Run {
     /// List the named paths with their parameters, and run nothing.
     #[arg(long, conflicts_with_all = ["case", "path"])]
     list: bool,
-    /// Folder to make.
-    #[arg(short, long, default_value = "run", value_name = "DIR")]
-    out: PathBuf,
-    /// Take the sample that `granum prepare` left in this folder.
-    #[arg(long, value_name = "DIR", conflicts_with = "packing")]
-    sample: Option<PathBuf>,
-    /// Take the grains of a packing file (CSV: id,x,y,z,radius).
-    #[arg(long, value_name = "FILE")]
-    packing: Option<PathBuf>,
     #[command(flatten)]
-    flags: CaseFlags,
-    #[command(flatten)]
-    checkpoints: CheckpointFlags,
-    #[command(flatten)]
-    hardware: HardwareFlags,
+    test: TestRun,
 }
 
 impl Run {
@@ -68,20 +49,8 @@ impl Run {
             parameters.push((key.trim(), value.trim()));
         }
         let path = self.path.as_deref().map(|name| (name, parameters.as_slice()));
-        let case = self.flags.read_with_path(file, self.packing.is_some(), path)?;
-        let laboratory = self.hardware.laboratory(context, &self.checkpoints)?;
-        let source = match (&self.sample, &self.packing) {
-            (Some(folder), _) => Source::Folder(folder.clone()),
-            (_, Some(file)) => Source::Packing(file.clone()),
-            _ => Source::Case,
-        };
-        check_free(&self.out, Kind::Run, context.force)?;
-        // Before there is a folder: a mistake leaves none behind, and with --force costs no older run.
-        let mut show = Show::new(context);
-        let beginning = laboratory.beginning("shear", &case, &source, &mut show)?;
-        let folder = RunFolder::create(&self.out, context.force)?;
-        let record = laboratory.run(beginning, &folder, &mut show)?;
-        run_report::tell(context, &self.out, &record)
+        let case = self.test.flags.read_with_path(file, self.test.has_packing(), path)?;
+        self.test.run(context, &case)
     }
 }
 
