@@ -55,9 +55,13 @@ pub fn stress_and_volume(runs: &[RunReport]) -> (Figure, String) {
         .with_all(lines(runs, "volumetric_strain"));
     let panels = vec![Panel::plot(stress), Panel::plot(volume)];
     let figure = Figure::new("Stress ratio and volumetric strain against deviator strain", 2, panels);
-    let caption = "Axisymmetric compression at constant mean stress. (a) Ratio of deviator stress to mean stress; (b) \
-                   volumetric strain, compression positive, so that a falling curve is dilation.";
-    (figure, caption.to_owned())
+    let staged = runs.iter().any(|run| run.case.has_stages());
+    let test = if staged { "" } else { "Axisymmetric compression at constant mean stress. " };
+    let caption = format!(
+        "{test}(a) Ratio of deviator stress to mean stress; (b) volumetric strain, compression positive, so that a falling \
+         curve is dilation."
+    );
+    (figure, caption)
 }
 
 /// What carries q: strong and weak contacts, normal and tangential forces.

@@ -1,5 +1,6 @@
 //! The report of one run.
 
+use granum_io::Case;
 use maud::{Markup, html};
 
 use super::data::RunReport;
@@ -46,18 +47,20 @@ pub fn report(run: &RunReport) -> Document {
 
 fn subtitle(run: &RunReport) -> String {
     let case = &run.case;
-    let mut parts = vec![
-        whose_grains(run),
-        sample::law(&case.contact),
-        format!(
-            "axisymmetric compression at *p* = {}",
-            quantity(case.shear.mean_stress.unwrap_or(case.preparation.mean_stress), "Pa")
-        ),
-    ];
+    let mut parts = vec![whose_grains(run), sample::law(&case.contact), test_of(case)];
     if !run.run.granum_version.is_empty() {
         parts.push(format!("granum {}", run.run.granum_version));
     }
     parts.join(" · ")
+}
+
+/// What was done to the sample: the names of the stages, or the test of the paper.
+fn test_of(case: &Case) -> String {
+    if case.has_stages() {
+        return case.test_stages().iter().map(|stage| stage.name.as_str()).collect::<Vec<_>>().join(", ");
+    }
+    let stress = case.shear.mean_stress.unwrap_or(case.preparation.mean_stress);
+    format!("axisymmetric compression at *p* = {}", quantity(stress, "Pa"))
 }
 
 /// How many grains there are, and of which packing where they are of one.

@@ -134,16 +134,26 @@ impl Plot {
 
     /// Space needed around the frame for ticks and labels, for a frame about `height` high.
     pub fn insets(&self, height: f64) -> Insets {
-        let y = self.scales()[1];
-        let labels = self.y.ticks(&y, self.vertical_target(height));
-        let widest = labels
-            .iter()
-            .filter_map(|tick| tick.label.as_ref())
-            .map(|label| Rich::new(label).width(TICK_SIZE))
-            .fold(0.0, f64::max);
-        let title = if self.y.label.is_empty() { 0.0 } else { LABEL_SIZE + 9.0 };
+        let [x, y] = self.scales();
+        let widest_of = |ticks: &[Tick]| {
+            let labels = ticks.iter().filter_map(|tick| tick.label.as_ref());
+            labels.map(|label| Rich::new(label).width(TICK_SIZE)).fold(0.0, f64::max)
+        };
+        let widest = widest_of(&self.y.ticks(&y, self.vertical_target(height)));
+        // The label of the last tick stands half beyond the frame.
+        let right = if self.x.categories.is_empty() {
+            0.5 * widest_of(&self.x.ticks(&x, tick_target(height, 58.0))) + 2.0
+        } else {
+            0.0
+        };
+        let title = if self.y.label.is_empty() { 0.0 } else { LABEL_SIZE + TITLE_GAP };
         let below = if self.x.label.is_empty() { 0.0 } else { LABEL_SIZE + 7.0 };
-        Insets { left: widest + 7.0 + title, right: 10.0, top: 6.0, bottom: TICK_SIZE + 8.0 + below }
+        Insets {
+            left: widest + 7.0 + title,
+            right: right.max(10.0),
+            top: 6.0,
+            bottom: TICK_SIZE + 8.0 + below,
+        }
     }
 
     fn vertical_target(&self, height: f64) -> f64 {
@@ -270,11 +280,14 @@ impl Plot {
         }
         draw_ticks(svg, &lines);
         let middle = 0.5 * (frame.top + frame.bottom);
-        let base = frame.left - widest - 14.0;
+        let base = frame.left - widest - TITLE_GAP - 5.0;
         let style = TextStyle { vertical: true, ..plain(INK, Anchor::Middle, LABEL_SIZE) };
         text(svg, [base, middle], &self.y.title(scale), style);
     }
 }
+
+/// Between the tick labels and the title of an upright axis, px: a subscript of the title reaches into it.
+const TITLE_GAP: f64 = 12.0;
 
 /// Text that stands upright.
 pub fn plain(color: &str, anchor: Anchor, size: f64) -> TextStyle<'_> {

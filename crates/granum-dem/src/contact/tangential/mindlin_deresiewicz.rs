@@ -32,9 +32,9 @@ use crate::contact::{
 #[derive(Clone, Copy, Debug)]
 pub struct MindlinDeresiewicz;
 
-const EIGHT_MODULI: usize = 0;
-const FRICTION: usize = 1;
-const ROOT_MODULI: usize = 2;
+pub(super) const EIGHT_MODULI: usize = 0;
+pub(super) const FRICTION: usize = 1;
+pub(super) const ROOT_MODULI: usize = 2;
 const STAGE: usize = 6;
 const LOAD: usize = 7;
 

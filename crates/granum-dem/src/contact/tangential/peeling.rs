@@ -17,7 +17,8 @@
 use granum_simd::{Real, cbrt};
 
 use super::mindlin_deresiewicz::{
-    Outcome, State, add_scaled, advance, dot, energy, excess, select, square, state_of,
+    EIGHT_MODULI, FRICTION, MindlinDeresiewicz, Outcome, ROOT_MODULI, State, add_scaled, advance, dot,
+    energy, excess, select, square, state_of,
 };
 use crate::contact::{
     Description, LAW_CONSTANTS, MAX_HISTORY, Normal, NormalTraits, PairProperties, Tangential, TangentialLaw,
@@ -27,9 +28,6 @@ use crate::contact::{
 #[derive(Clone, Copy, Debug)]
 pub struct Peeling;
 
-const EIGHT_MODULI: usize = 0;
-const FRICTION: usize = 1;
-const ROOT_MODULI: usize = 2;
 /// `4 E* / 3 R*`: times a^3 it is a load.
 const LOAD_OF_CUBE: usize = 3;
 const TWICE_PULL_OFF: usize = 4;
@@ -73,11 +71,8 @@ impl TangentialLaw for Peeling {
         }
     }
 
-    fn prepare(pair: &PairProperties, _normal: &NormalTraits, _parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
-        let mut c = [0.0; LAW_CONSTANTS];
-        c[EIGHT_MODULI] = 8.0 * pair.effective_shear_modulus;
-        c[FRICTION] = pair.friction;
-        c[ROOT_MODULI] = c[EIGHT_MODULI].sqrt();
+    fn prepare(pair: &PairProperties, normal: &NormalTraits, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
+        let mut c = MindlinDeresiewicz::prepare(pair, normal, parameters);
         c[LOAD_OF_CUBE] = 4.0 / 3.0 * pair.effective_modulus / pair.effective_radius;
         c[TWICE_PULL_OFF] = 3.0 * std::f64::consts::PI * pair.interface_energy * pair.effective_radius;
         c[COMPLIANCE_RATIO] = 0.25 * pair.effective_modulus / pair.effective_shear_modulus;
@@ -86,7 +81,7 @@ impl TangentialLaw for Peeling {
 
     #[inline(always)]
     fn stiffness<R: Real>(c: &[R; LAW_CONSTANTS], normal: &Normal<R>) -> R {
-        c[EIGHT_MODULI] * normal.radius
+        MindlinDeresiewicz::stiffness(c, normal)
     }
 
     #[inline(always)]
