@@ -1,13 +1,13 @@
 //! Stepping a simulation by hand, with all positions, velocities and contacts at hand.
 
-use granum::dem::gas::gas;
+use granum::dem::random_insertion::random_insertion;
 use granum::prelude::*;
 
 /// The whole program.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let grains = Grains { count: 200, ..Grains::default() };
     // Grains that do not touch, at a solid fraction of 0.35, from the seed 1.
-    let (cell, spheres) = gas(&grains, 0.35, 1)?;
+    let (cell, spheres) = random_insertion(&grains, 0.35, 1)?;
     let properties = Properties { material: grains.material, contact: Contact::default() };
     let mut simulation = Simulation::new(cell, &spheres, properties)?;
     // All three axes are driven to 20 kPa; no rate may exceed 3e4 /s.

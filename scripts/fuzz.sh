@@ -19,7 +19,7 @@ declare -A largest=([case]=8192 [packing]=4096 [model]=8192 [checkpoint]=24576 [
 fuzz() {
     local target=$1 words=() log=work/$1.log start=$SECONDS finds
     mkdir -p "artifacts/$target" "$corpus/$target"
-    for kept in "corpus/$target" "finds/$target"; do
+    for kept in "corpus/$target" "regressions/$target"; do
         [ -d "$kept" ] && cp -n "$kept"/* "$corpus/$target/" 2>/dev/null
     done
     [ -f "dictionaries/$target" ] && words=("-dict=dictionaries/$target")

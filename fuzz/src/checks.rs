@@ -8,7 +8,7 @@ use std::hint::black_box;
 use granum_dem::config::{Contact, Material, Rate, Recording};
 use granum_dem::simulation::{Properties, Simulation};
 use granum_io::{Case, RunRecord, Table};
-use granum_learn::keeping::Plan;
+use granum_learn::training_checkpoints::TrainingManifest;
 use granum_nets::trainer::{Control, Progress, TrainerState, by_name};
 use granum_nets::{Data, Model, Network};
 use granum_run::laboratory;
@@ -55,7 +55,7 @@ fn record(json: &[u8]) {
 }
 
 fn plan(json: &[u8]) {
-    let Ok(plan) = serde_json::from_slice::<Plan>(json) else { return };
+    let Ok(plan) = serde_json::from_slice::<TrainingManifest>(json) else { return };
     black_box((plan.files(), plan.networks(), plan.differences(&plan)));
 }
 

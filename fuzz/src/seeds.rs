@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use granum_dem::config::{Contact, Grains, Material, NormalKind, TangentialKind};
-use granum_dem::gas::gas;
+use granum_dem::random_insertion::random_insertion;
 use granum_dem::servo::Control;
 use granum_dem::simulation::{Hardware, Properties, Simulation};
 use granum_io::{Case, Column, Machine, Packing, QualityFlag, RunFolder, RunRecord, Table};
-use granum_learn::keeping::Plan;
+use granum_learn::training_checkpoints::TrainingManifest;
 use granum_learn::{StudyOptions, paper_mappings};
 use granum_nets::trainer::{Options, Silent, by_name};
 use granum_nets::{Data, Model, Recipe};
@@ -52,7 +52,7 @@ fn cases() -> Vec<Seed> {
     case.preparation.friction = Some(0.1);
     case.preparation.solid_fraction = None;
     let options = StudyOptions { mappings: paper_mappings().split_off(5), ..StudyOptions::default() };
-    let plan = Plan::new(&["run".into()], &[], "0123".into(), &options).expect("a plan");
+    let plan = TrainingManifest::new(&["run".into()], &[], "0123".into(), &options).expect("a plan");
     let mut planned = b"P".to_vec();
     planned.extend(serde_json::to_vec(&plan).expect("a plan"));
     vec![
@@ -74,7 +74,7 @@ fn packings() -> Vec<Seed> {
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("packing.csv");
         granum_io::write_packing(&file, &Packing::from_assembly(&simulation.assembly())).expect("a packing");
-        seed(format!("gas-{count}"), std::fs::read(&file).expect("a packing"))
+        seed(format!("loose-{count}"), std::fs::read(&file).expect("a packing"))
     });
     let mut seeds = vec![seed("tilted", tilted), seed("small", small)];
     seeds.extend(gases.iter_mut().map(std::mem::take));
@@ -111,9 +111,9 @@ fn models() -> Vec<Seed> {
 /// A few grains that were pressed together for so many steps.
 fn running(count: usize, spread: f64, contact: Contact, steps: u64) -> Simulation {
     let grains = Grains { count, spread, ..Grains::default() };
-    let (cell, sites) = gas(&grains, 0.35, 11).expect("a gas");
+    let (cell, spheres) = random_insertion(&grains, 0.35, 11).expect("a loose initial state");
     let properties = Properties { material: Material::default(), contact };
-    let mut simulation = Simulation::new(cell, &sites, properties).expect("a simulation");
+    let mut simulation = Simulation::new(cell, &spheres, properties).expect("a simulation");
     simulation.set_control(Control::isotropic(20e3, 8000.0));
     simulation.advance(steps).expect("steps");
     simulation

@@ -68,7 +68,7 @@ impl Contact {
 
 /// Energy by mechanism since the start of the phase, J. `boundary_work = sum of the rest + change of stored energy`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct EnergyLedger {
+pub struct EnergyBalance {
     /// Work that the cell's deformation did on the grains.
     pub boundary_work: f64,
     /// Work that the elastic tangential forces took up: stored, slipped and slid.
@@ -121,7 +121,7 @@ pub struct Assembly {
     /// The contacts that touch, in order of the ids of their grains.
     pub contacts: Vec<Contact>,
     /// Energy by mechanism.
-    pub energy: EnergyLedger,
+    pub energy: EnergyBalance,
 }
 
 impl Assembly {

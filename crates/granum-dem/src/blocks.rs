@@ -29,24 +29,24 @@ pub(crate) struct Change<'a> {
     pub(crate) swap: &'a dyn Fn(&mut Memory<f64>),
 }
 
-/// Makes the list anew from `near` (sorted). `place` holds the grains in their new order, inside the cell; the two phantoms
+/// Makes the list anew from `near` (sorted). `particles` holds the grains in their new order, inside the cell; the two phantoms
 /// follow them in memory. Of the old list only what its contacts remember is held while the new one is made: a large
 /// sample would not fit into memory twice.
 pub(crate) fn rebuild(
     old: Pairs,
     near: &[Near],
     cell: &Cell,
-    place: &[Row8],
+    particles: &[Row8],
     change: &Change,
     columns: [usize; 2],
 ) -> Pairs {
-    let grains = place.len();
+    let grains = particles.len();
     let kept = Kept::of(&old, near, change, grains);
     drop(old);
     let images: Vec<[f64; 3]> =
         (0..crate::pairs::IMAGES as u32).map(|code| cell.image(image_vector(code))).collect();
     let touches = |(pair, &from): (&Near, &u32)| {
-        let (a, b) = (&place[pair.i as usize], &place[pair.j as usize]);
+        let (a, b) = (&particles[pair.i as usize], &particles[pair.j as usize]);
         from != 0 || is_near(a, b, &images[pair.image as usize], 0.0)
     };
     let touch: Vec<bool> = near.iter().zip(&kept.from).map(touches).collect();
@@ -122,7 +122,7 @@ impl List<'_> {
         self.pairs.blocks.push(Block {
             grains: [range.start as u32, range.end as u32],
             batches: [begin, inner, end],
-            watched: [inner, end],
+            inner_ends: [inner, end],
             touching: 0,
             outer: [row(start), row(kept)],
         });
@@ -284,11 +284,11 @@ mod tests {
         }
     }
 
-    fn branch(pairs: &Pairs, cell: &Cell, place: &[Row8], slot: usize) -> ([f64; 3], f64) {
+    fn branch(pairs: &Pairs, cell: &Cell, particles: &[Row8], slot: usize) -> ([f64; 3], f64) {
         let (b, l) = (slot / LANES, slot % LANES);
         let s = cell.image(image_vector(pairs.image[b][l]));
         let (i, j) = (pairs.first[b][l] as usize, pairs.second[b][l] as usize);
-        let r: [f64; 3] = std::array::from_fn(|a| place[j].0[a] + s[a] - place[i].0[a]);
+        let r: [f64; 3] = std::array::from_fn(|a| particles[j].0[a] + s[a] - particles[i].0[a]);
         (r, r.iter().map(|x| x * x).sum::<f64>().sqrt())
     }
 
@@ -299,16 +299,16 @@ mod tests {
     #[test]
     fn memory_and_forces_survive_wrapping_and_reordering() {
         let cell = Cell::cuboid([14.0; 3]);
-        let mut place = grains(COUNT, &cell, 0.8);
-        let near = find(Isa::detect(), &cell, &place, 0.05);
+        let mut particles = grains(COUNT, &cell, 0.8);
+        let near = find(Isa::detect(), &cell, &particles, 0.05);
         let none = vec![[0; 3]; COUNT];
         let change = Change { moved: &none, new_place: None, swap: &negate };
-        let mut pairs = rebuild(Pairs::default(), &near, &cell, &place, &change, [7, 0]);
+        let mut pairs = rebuild(Pairs::default(), &near, &cell, &particles, &change, [7, 0]);
         assert!(pairs.blocks.len() > 3 && pairs.forces.len() > COUNT);
         // Remember the direction and the branch itself, and let every pair pull with its branch.
         let slots: Vec<usize> = real(&pairs).collect();
         for slot in slots {
-            let (r, d) = branch(&pairs, &cell, &place, slot);
+            let (r, d) = branch(&pairs, &cell, &particles, slot);
             let (b, l) = (slot / LANES, slot % LANES);
             for a in 0..3 {
                 pairs.memory[b * 7 + a].0[l] = r[a] / d;
@@ -325,26 +325,26 @@ mod tests {
             resultant::<Portable>(&pairs.forces, &pairs.outer_offsets, &pairs.outer, g)
         };
         let before: Vec<[f64; 8]> = (0..COUNT).map(|g| sum(&pairs, g)).collect();
-        for row in &mut place {
+        for row in &mut particles {
             row.0[0] += 4.0;
             row.0[2] -= 7.0;
         }
-        let moved = wrap(&cell, &mut place);
-        let order = spatial_order(&cell, &place, 1.7);
+        let moved = wrap(&cell, &mut particles);
+        let order = spatial_order(&cell, &particles, 1.7);
         let mut new_place = vec![0; COUNT];
         for (new, &old) in order.iter().enumerate() {
             new_place[old as usize] = new as u32;
         }
-        let place: Vec<Row8> = order.iter().map(|&o| place[o as usize]).collect();
-        let near = find(Isa::detect(), &cell, &place, 0.05);
+        let particles: Vec<Row8> = order.iter().map(|&o| particles[o as usize]).collect();
+        let near = find(Isa::detect(), &cell, &particles, 0.05);
         let change = Change { moved: &moved, new_place: Some(&new_place), swap: &negate };
-        let again = rebuild(pairs.clone(), &near, &cell, &place, &change, [7, 0]);
+        let again = rebuild(pairs.clone(), &near, &cell, &particles, &change, [7, 0]);
         assert_eq!((again.count, again.contacts()), (pairs.count, pairs.count));
         assert_eq!(real(&again).count(), again.count);
         let slid = |pairs: &Pairs| real(pairs).filter(|&s| pairs.sliding(s)).count();
         assert_eq!(slid(&again), slid(&pairs));
         for slot in real(&again) {
-            let (r, d) = branch(&again, &cell, &place, slot);
+            let (r, d) = branch(&again, &cell, &particles, slot);
             let (b, l) = (slot / LANES, slot % LANES);
             for a in 0..3 {
                 assert!((again.column(b, a)[l] - r[a] / d).abs() < 1e-12);
@@ -360,11 +360,11 @@ mod tests {
     #[test]
     fn blocks_share_no_row_and_touching_pairs_come_first() {
         let cell = Cell::cuboid([12.0; 3]);
-        let place = grains(COUNT, &cell, 0.8);
-        let near = find(Isa::detect(), &cell, &place, 0.3);
+        let particles = grains(COUNT, &cell, 0.8);
+        let near = find(Isa::detect(), &cell, &particles, 0.3);
         let none = vec![[0; 3]; COUNT];
         let change = Change { moved: &none, new_place: None, swap: &negate };
-        let pairs = rebuild(Pairs::default(), &near, &cell, &place, &change, [5, 0]);
+        let pairs = rebuild(Pairs::default(), &near, &cell, &particles, &change, [5, 0]);
         let mut owner = vec![usize::MAX; pairs.forces.len()];
         for (k, block) in pairs.blocks.iter().enumerate() {
             for [from, to] in [block.grains, block.outer] {
@@ -383,7 +383,7 @@ mod tests {
                     let rows = [pairs.first[b][l], pairs.target[b][l]];
                     assert!(rows.iter().all(|&row| owner[row as usize] == k));
                     let phantom = pairs.second[b][l] as usize >= COUNT;
-                    let apart = phantom || branch(&pairs, &cell, &place, slot).1 > 1.6;
+                    let apart = phantom || branch(&pairs, &cell, &particles, slot).1 > 1.6;
                     assert!(apart || !over, "a touching pair after one that is apart");
                     over |= apart;
                 }

@@ -118,11 +118,11 @@ impl Simulation {
     /// no memory to speak of, but the state is gone through twice.
     pub fn write_checkpoint(&self, attachment: &str, out: &mut dyn Write) -> std::io::Result<()> {
         let body = BodyOf {
-            properties: self.machine.properties,
-            time_step_factor: self.machine.time_step_factor,
-            fixed_time_step: self.machine.fixed_time_step,
-            expected_force: self.machine.expected_force,
-            state: &self.machine.state,
+            properties: self.integrator.properties,
+            time_step_factor: self.integrator.time_step_factor,
+            fixed_time_step: self.integrator.fixed_time_step,
+            expected_force: self.integrator.expected_force,
+            state: &self.integrator.state,
             attachment,
         };
         let (length, sum) = body.write(std::io::sink())?;
@@ -148,15 +148,15 @@ impl Simulation {
         check_numbers(&body)?;
         check_state(&body.state)?;
         let mut simulation = Simulation::from_parts(body.state, body.properties)?;
-        let machine = &mut simulation.machine;
-        machine.time_step_factor = body.time_step_factor;
-        machine.fixed_time_step = body.fixed_time_step;
-        machine.expected_force = body.expected_force;
-        let [tangential, moments] = machine.properties.contact.history();
-        if machine.state.pairs.columns != [NORMAL_COLUMNS + tangential, moments] {
+        let integrator = &mut simulation.integrator;
+        integrator.time_step_factor = body.time_step_factor;
+        integrator.fixed_time_step = body.fixed_time_step;
+        integrator.expected_force = body.expected_force;
+        let [tangential, moments] = integrator.properties.contact.history();
+        if integrator.state.pairs.columns != [NORMAL_COLUMNS + tangential, moments] {
             return Err(inconsistent("contact memory does not fit the contact laws"));
         }
-        machine.prepare_constants();
+        integrator.prepare_constants();
         Ok((simulation, body.attachment))
     }
 }
@@ -209,19 +209,19 @@ fn check_numbers(body: &Body) -> Result<(), CheckpointError> {
     let not_negative = |x: f64| x >= 0.0 && x.is_finite();
     require(positive(state.dt) && body.fixed_time_step.is_none_or(positive), "time step")?;
     require(positive(body.time_step_factor) && not_negative(body.expected_force), "time step")?;
-    require(not_negative(control.rate_limit) && not_negative(state.fading), "control of the cell")?;
+    require(not_negative(control.rate_limit) && not_negative(state.global_damping), "control of the cell")?;
     let rates = state.gradient.iter().chain(&state.strain).chain(&state.anchor).flatten();
     require(
         control.is_finite() && rates.chain([&state.walked]).all(|x| x.is_finite()),
         "control of the cell",
     )?;
-    require(positive(state.skin) && state.time.is_finite() && !state.judge_from.is_nan(), "time and margin")?;
-    let watch = &state.watch;
+    require(positive(state.skin) && state.time.is_finite() && !state.judge_from.is_nan(), "time and skin")?;
+    let inner_list = &state.inner_list;
     require(
-        positive(watch.margin) && !watch.travel.is_nan() && watch.distortion.is_finite(),
-        "margin of the pruned neighbour list",
+        positive(inner_list.inner_skin) && !inner_list.travel.is_nan() && inner_list.distortion.is_finite(),
+        "skin of the pruned neighbour list",
     )?;
-    let counts = [state.step, state.steps_since_rebuild, state.rebuilds, watch.steps];
+    let counts = [state.step, state.steps_since_rebuild, state.rebuilds, inner_list.steps];
     require(counts.iter().chain(&state.servo_error.steps).all(|n| *n < MOST_STEPS), "number of steps")
 }
 
@@ -232,7 +232,7 @@ fn check_state(state: &State) -> Result<(), CheckpointError> {
     let batches = p.first.len();
     let require = |good: bool, what: &str| if good { Ok(()) } else { Err(inconsistent(what)) };
     require(n > 0 && n < u32::MAX as usize / 8, "number of grains")?;
-    require(state.place.len() == n + 2 && state.spin.len() == n + 2, "grains and spins")?;
+    require(state.particles.len() == n + 2 && state.spin.len() == n + 2, "grains and spins")?;
     let lists = [p.second.len(), p.target.len(), p.image.len(), p.marks.len()];
     require(lists == [batches; 4], "lists of pairs")?;
     let columns = p.columns[0].saturating_add(p.columns[1]);
@@ -248,14 +248,14 @@ fn check_state(state: &State) -> Result<(), CheckpointError> {
     require(p.image.iter().flatten().all(|&c| (c as usize) < IMAGES), "images of grains")?;
     let volume = state.cell.volume();
     require(volume.is_finite() && volume > 0.0, "volume of the cell")?;
-    let finite = state.place.iter().flat_map(|r| r.0).all(f64::is_finite);
-    require(finite && state.place.iter().all(|r| r.0[3] > 0.0 && r.0[7] > 0.0), "grains")?;
-    let largest = state.place[..n].iter().fold(0.0f64, |m, row| m.max(row.0[3]));
+    let finite = state.particles.iter().flat_map(|r| r.0).all(f64::is_finite);
+    require(finite && state.particles.iter().all(|r| r.0[3] > 0.0 && r.0[7] > 0.0), "grains")?;
+    let largest = state.particles[..n].iter().fold(0.0f64, |m, row| m.max(row.0[3]));
     let (far, wide) = (1e6 * largest, 1e5 * largest);
-    require(state.place[n + 1].0 == [far, far, far, largest, 0.0, 0.0, 0.0, 1.0], "the phantom grain")?;
+    require(state.particles[n + 1].0 == [far, far, far, largest, 0.0, 0.0, 0.0, 1.0], "the phantom grain")?;
     // So far away, nothing comes near the phantom.
     let near = |x: &f64| x.abs() < wide;
-    let inside = state.place[..n].iter().all(|row| row.0[..3].iter().all(near));
+    let inside = state.particles[..n].iter().all(|row| row.0[..3].iter().all(near));
     require(inside && state.cell.edges.iter().flatten().all(near), "size of the cell")
 }
 
@@ -278,7 +278,7 @@ fn check_blocks(p: &Pairs, grains: usize) -> Result<(), CheckpointError> {
         let ([from, to], [start, inner, end], [first, last]) = (block.grains, block.batches, block.outer);
         require(from == grain && from < to && start == batch && first == row)?;
         require(start <= inner && inner <= end && end as usize <= p.first.len() && first <= last)?;
-        let [within, across] = block.watched;
+        let [within, across] = block.inner_ends;
         require((start..=inner).contains(&within) && (inner..=end).contains(&across))?;
         require(block.touching <= within - start)?;
         let left_out = (within..inner).chain(across..end);
@@ -323,16 +323,16 @@ pub(crate) mod rows {
 pub(crate) mod tests {
     use super::*;
     use crate::config::{Contact, Grains, Material};
-    use crate::gas::gas;
+    use crate::random_insertion::random_insertion;
     use crate::servo::Control;
 
     /// A sample under compression: contacts are made and broken all the time.
     pub(crate) fn running(count: usize, spread: f64) -> Simulation {
         let grains = Grains { count, spread, ..Grains::default() };
-        let (cell, sites) = gas(&grains, 0.3, 11).unwrap();
+        let (cell, spheres) = random_insertion(&grains, 0.3, 11).unwrap();
         let contact = Contact::default();
         let mut s =
-            Simulation::new(cell, &sites, Properties { material: Material::default(), contact }).unwrap();
+            Simulation::new(cell, &spheres, Properties { material: Material::default(), contact }).unwrap();
         s.set_control(Control::isotropic(20e3, 8000.0));
         s.advance(6000).unwrap();
         s
@@ -383,7 +383,7 @@ pub(crate) mod tests {
     /// What the bytes of a checkpoint come to with a change that the checksum does not give away.
     fn forged(change: impl FnOnce(&mut State)) -> Result<(Simulation, String), CheckpointError> {
         let mut simulation = running(150, 0.0);
-        change(&mut simulation.machine.state);
+        change(&mut simulation.integrator.state);
         Simulation::restore(&simulation.checkpoint("").unwrap())
     }
 
@@ -394,15 +394,15 @@ pub(crate) mod tests {
             |s| s.control.rate_limit = f64::NAN,
             |s| s.dt = f64::NAN,
             |s| s.step = u64::MAX,
-            |s| s.place[0].0[0] = 10.0,
-            |s| s.place[151].0[0] = 0.0,
+            |s| s.particles[0].0[0] = 10.0,
+            |s| s.particles[151].0[0] = 0.0,
             |s| s.pairs.second[0][0] = 151,
             |s| s.pairs.second[0][0] = 150,
             |s| s.skin = 0.0,
-            |s| s.watch.margin = f64::NAN,
-            |s| s.watch.travel = f64::NAN,
-            |s| s.pairs.blocks[0].watched[0] = 0,
-            |s| s.pairs.blocks[0].watched[1] += 1000,
+            |s| s.inner_list.inner_skin = f64::NAN,
+            |s| s.inner_list.travel = f64::NAN,
+            |s| s.pairs.blocks[0].inner_ends[0] = 0,
+            |s| s.pairs.blocks[0].inner_ends[1] += 1000,
             |s| s.pairs.blocks[0].touching = u32::MAX,
         ];
         for (k, change) in changes.into_iter().enumerate() {
@@ -418,7 +418,7 @@ pub(crate) mod tests {
     fn materials_that_cannot_be_are_refused() {
         let refused = |change: fn(&mut Material)| {
             let mut simulation = running(150, 0.0);
-            change(&mut simulation.machine.properties.material);
+            change(&mut simulation.integrator.properties.material);
             Simulation::restore(&simulation.checkpoint("").unwrap()).err().map(|e| e.to_string())
         };
         let said = |change, text: &str| {

@@ -145,14 +145,14 @@ impl Default for Contact {
     }
 }
 
-/// How a sample is made: a gas from a seed, compressed isotropically, then relaxed with the final properties.
+/// How a sample is made: random insertion from a seed, compressed isotropically, then relaxed with the final properties.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Preparation {
-    /// Seed of the initial gas.
+    /// Seed of the loose initial state.
     pub seed: u64,
     /// Target mean stress p, Pa.
     pub mean_stress: f64,
-    /// Solid fraction of the initial gas.
+    /// Solid fraction of the loose initial state.
     pub initial_solid_fraction: f64,
     /// Coefficient of friction while compacting; `None`: found so that `solid_fraction` is met, or, without a
     /// target, the friction of the material.

@@ -1,31 +1,32 @@
-//! Energy of the parts of their history that tangential laws discard.
+//! Energy lost with those parts of the contact history that tangential laws discard.
 //!
-//! What a discarded turning point stored is a long formula, needed for one contact in a hundred a step. The contact stage only
-//! puts such contacts down, as they were before the step, and the formula runs on eight of them side by side, away from
-//! the loop that has no registers to spare.
+//! The energy stored in a discarded turning point of the load is given by a long formula, which about one contact in a
+//! hundred needs in a step. The contact stage therefore only collects such contacts, as they were before the step, and the
+//! formula is evaluated for eight of them side by side, outside the loop over contacts, which has no registers to spare.
 
 use granum_simd::{LANES, Lanes, Row8};
 
 use crate::contact::{LAW_CONSTANTS, MAX_HISTORY};
 use crate::kernel::StageLaws;
 
-/// Numbers put down of a contact: the law's constants, the stiffness, the history.
+/// Numbers that are collected for a contact: the constants of the law, the stiffness and the history.
 const COLUMNS: usize = LAW_CONSTANTS + 1 + MAX_HISTORY;
-/// Of so many steps one is looked at and counts for all: looking makes the contact stage a tenth slower. A prime, lest it
-/// keep time with anything that swings.
+/// The energy is evaluated in one of this many steps and counts for all of them, because the evaluation makes the contact
+/// stage a tenth slower. It is a prime number, so that the sampling does not follow the period of an oscillation.
 const EVERY: u64 = 13;
 
-/// How often what is discarded in a step counts.
-pub(crate) fn account(step: u64) -> f64 {
+/// The number of steps for which the energy discarded in a step counts; zero in steps that are not sampled.
+pub(crate) fn sampling_weight(step: u64) -> f64 {
     if step.is_multiple_of(EVERY) { EVERY as f64 } else { 0.0 }
 }
 
-/// Groups of eight: two whole batches may come to the seven of an incomplete one.
+/// Number of groups of eight: two whole batches may be added to an incomplete group of seven.
 const GROUPS: usize = 3;
 
-/// Contacts put down, in groups of eight in the order in which they came, whenever they are taken.
+/// Contacts waiting for evaluation, in groups of eight in the order of their arrival, so that the sum does not depend on
+/// when a group is taken.
 pub(crate) struct Discarded {
-    /// Where the oldest group is.
+    /// Index of the oldest group.
     first: usize,
     count: usize,
     rows: [[Row8; COLUMNS]; GROUPS],
@@ -36,7 +37,7 @@ impl Discarded {
         Discarded { first: 0, count: 0, rows: [[Row8::default(); COLUMNS]; GROUPS] }
     }
 
-    /// Puts down the contacts of a batch whose bit is set; `history` holds the law's columns as they were.
+    /// Collects the contacts of a batch whose bit is set; `history` holds the columns of the law before the step.
     #[inline(always)]
     pub(crate) fn put<L: Lanes>(
         &mut self,
@@ -70,7 +71,7 @@ impl Discarded {
         self.count >= LANES
     }
 
-    /// Energy lost with the oldest group, J, by lanes; it is gone then.
+    /// Removes the oldest group and returns its lost energy, J, one value for each lane.
     #[inline(always)]
     pub(crate) fn take<L: Lanes, S: StageLaws>(&mut self, laws: &S) -> L {
         let rows = &self.rows[self.first];
@@ -162,7 +163,7 @@ mod tests {
 
     #[test]
     fn steps_looked_at_count_for_all() {
-        let counted: f64 = (0..130 * EVERY).map(account).sum();
+        let counted: f64 = (0..130 * EVERY).map(sampling_weight).sum();
         assert_eq!(counted, (130 * EVERY) as f64);
     }
 }

@@ -7,18 +7,18 @@
 pub mod checkpoint;
 pub mod config;
 pub mod contact;
-pub mod gas;
 pub mod invariants;
 pub mod loading;
 pub mod preparation;
+pub mod random_insertion;
 pub mod servo;
 pub mod simulation;
 pub mod state;
 
 mod blocks;
 mod discarded;
+mod integrator;
 mod kernel;
-mod machine;
 mod pairs;
 mod search;
 mod stepping;

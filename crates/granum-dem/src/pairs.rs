@@ -55,7 +55,7 @@ pub struct Block {
     /// First batch, one past the last within the cell, one past the last (the later ones have images).
     pub(crate) batches: [u32; 3],
     /// One past the last batch that is looked at, within the cell and of those with images.
-    pub(crate) watched: [u32; 2],
+    pub(crate) inner_ends: [u32; 2],
     /// How many batches, from the first, had a contact in every lane when the pairs were sorted.
     pub(crate) touching: u32,
     /// First row of forces on grains of other blocks, and one past the last.
@@ -169,9 +169,9 @@ impl Pairs {
 }
 
 /// Moves grains into the cell; returns for each the image vector that was subtracted from its position.
-pub(crate) fn wrap(cell: &Cell, place: &mut [Row8]) -> Vec<[i32; 3]> {
+pub(crate) fn wrap(cell: &Cell, particles: &mut [Row8]) -> Vec<[i32; 3]> {
     let inverse = invert(&cell.edges);
-    place
+    particles
         .iter_mut()
         .map(|row| {
             let fraction = apply(&inverse, [row.0[0], row.0[1], row.0[2]]);
@@ -188,10 +188,10 @@ pub(crate) fn wrap(cell: &Cell, place: &mut [Row8]) -> Vec<[i32; 3]> {
 }
 
 /// Order of grains along a space-filling (Morton) curve: `order[new place] = old place`.
-pub(crate) fn spatial_order(cell: &Cell, place: &[Row8], spacing: f64) -> Vec<u32> {
+pub(crate) fn spatial_order(cell: &Cell, particles: &[Row8], spacing: f64) -> Vec<u32> {
     let inverse = invert(&cell.edges);
     let counts = cell.heights().map(|h| (h / spacing).floor().clamp(1.0, 1_000_000.0));
-    let mut keys: Vec<(u64, u32)> = place
+    let mut keys: Vec<(u64, u32)> = particles
         .iter()
         .enumerate()
         .map(|(g, row)| {

@@ -18,16 +18,16 @@ pub(crate) struct Near {
     pub(crate) image: u32,
 }
 
-/// All near pairs, sorted. `place` holds the grains only, inside the cell.
-pub(crate) fn find(isa: Isa, cell: &Cell, place: &[Row8], skin: f64) -> Vec<Near> {
-    let largest = place.iter().fold(0.0f64, |m, row| m.max(row.0[3]));
+/// All near pairs, sorted. `particles` holds the grains only, inside the cell.
+pub(crate) fn find(isa: Isa, cell: &Cell, particles: &[Row8], skin: f64) -> Vec<Near> {
+    let largest = particles.iter().fold(0.0f64, |m, row| m.max(row.0[3]));
     let cutoff = 2.0 * largest + skin;
-    let limit = (place.len() as f64).cbrt().ceil() as usize + 1;
+    let limit = (particles.len() as f64).cbrt().ceil() as usize + 1;
     let counts = cell.heights().map(|h| ((h / cutoff).floor() as usize).clamp(1, limit.max(1)));
     if counts.iter().all(|&n| n >= 3) {
-        return dispatch(isa, GridSearch { cell, place, skin, counts });
+        return dispatch(isa, GridSearch { cell, particles, skin, counts });
     }
-    let mut found = find_all_images(cell, place, skin, cutoff);
+    let mut found = find_all_images(cell, particles, skin, cutoff);
     found.sort_unstable();
     found
 }
@@ -64,12 +64,12 @@ struct Grid {
 
 impl Grid {
     #[inline(always)]
-    fn new(cell: &Cell, place: &[Row8], counts: [usize; 3]) -> Grid {
+    fn new(cell: &Cell, particles: &[Row8], counts: [usize; 3]) -> Grid {
         let inverse = invert(&cell.edges);
         let index = |b: [u32; 3]| (b[0] as usize * counts[1] + b[1] as usize) * counts[2] + b[2] as usize;
         let mut start = vec![0u32; counts.iter().product::<usize>() + 1];
-        let mut of = Vec::with_capacity(place.len());
-        for row in place {
+        let mut of = Vec::with_capacity(particles.len());
+        for row in particles {
             let [x, y, z, ..] = row.0;
             let b = box_of(&inverse, &counts, [x, y, z]).map(|n| n as u32);
             start[index(b) + 1] += 1;
@@ -79,14 +79,14 @@ impl Grid {
             start[k] += start[k - 1];
         }
         let mut fill = start.clone();
-        let mut member = vec![0u32; place.len()];
-        let far = || vec![f64::INFINITY; place.len() + LANES];
-        let mut columns = [far(), far(), far(), vec![0.0; place.len() + LANES]];
+        let mut member = vec![0u32; particles.len()];
+        let far = || vec![f64::INFINITY; particles.len() + LANES];
+        let mut columns = [far(), far(), far(), vec![0.0; particles.len() + LANES]];
         for (g, b) in of.iter().enumerate() {
             let slot = &mut fill[index(*b)];
             member[*slot as usize] = g as u32;
             for c in 0..4 {
-                columns[c][*slot as usize] = place[g].0[c];
+                columns[c][*slot as usize] = particles[g].0[c];
             }
             *slot += 1;
         }
@@ -131,7 +131,7 @@ impl Grid {
 /// The search in a grid of at least three boxes along every edge.
 struct GridSearch<'a> {
     cell: &'a Cell,
-    place: &'a [Row8],
+    particles: &'a [Row8],
     skin: f64,
     counts: [usize; 3],
 }
@@ -141,10 +141,10 @@ impl Kernel for GridSearch<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Vec<Near> {
-        let grid = Grid::new(self.cell, self.place, self.counts);
+        let grid = Grid::new(self.cell, self.particles, self.counts);
         let images = image_table(self.cell);
-        let mut found = Vec::with_capacity(self.place.len() * 4);
-        for (i, row) in self.place.iter().enumerate() {
+        let mut found = Vec::with_capacity(self.particles.len() * 4);
+        for (i, row) in self.particles.iter().enumerate() {
             let from = found.len();
             let seeker = Seeker::<L>::new(i as u32, row, self.skin);
             let here = grid.of[i];
@@ -217,7 +217,7 @@ fn load<L: Lanes>(column: &[f64], from: usize) -> L {
 }
 
 /// For cells only a few grains wide: every pair with every image within reach, images of itself included.
-fn find_all_images(cell: &Cell, place: &[Row8], skin: f64, cutoff: f64) -> Vec<Near> {
+fn find_all_images(cell: &Cell, particles: &[Row8], skin: f64, cutoff: f64) -> Vec<Near> {
     let heights = cell.heights();
     let reach: [i32; 3] = heights.map(|h| ((cutoff / h).ceil() as i32).clamp(1, REACH));
     let mut images = Vec::new();
@@ -229,8 +229,8 @@ fn find_all_images(cell: &Cell, place: &[Row8], skin: f64, cutoff: f64) -> Vec<N
         }
     }
     let mut found = Vec::new();
-    for (i, row) in place.iter().enumerate() {
-        for (j, other) in place.iter().enumerate().skip(i) {
+    for (i, row) in particles.iter().enumerate() {
+        for (j, other) in particles.iter().enumerate().skip(i) {
             for (s, image) in &images {
                 if (j > i || *s > [0; 3]) && is_near(row, other, image, skin) {
                     found.push(Near { i: i as u32, j: j as u32, image: image_code(*s) });
@@ -246,8 +246,8 @@ mod tests {
     use super::*;
     use crate::pairs::tests::grains;
 
-    fn slow(cell: &Cell, place: &[Row8], skin: f64) -> Vec<Near> {
-        let mut found = find_all_images(cell, place, skin, 1.5);
+    fn slow(cell: &Cell, particles: &[Row8], skin: f64) -> Vec<Near> {
+        let mut found = find_all_images(cell, particles, skin, 1.5);
         found.sort_unstable();
         found
     }
@@ -257,14 +257,14 @@ mod tests {
     fn the_grid_finds_what_all_images_find() {
         for (x, least) in [(10.0, 100), (4.6, 300)] {
             let cell = Cell { edges: [[x, 1.0, -0.5], [0.0, 9.0, 0.3], [0.0, 0.0, 11.0]] };
-            let mut place = grains(300, &cell, 0.7);
-            for (g, row) in place.iter_mut().enumerate() {
+            let mut particles = grains(300, &cell, 0.7);
+            for (g, row) in particles.iter_mut().enumerate() {
                 row.0[3] -= 0.3 * (g % 7) as f64 / 7.0;
             }
-            let expected = slow(&cell, &place, 0.1);
+            let expected = slow(&cell, &particles, 0.1);
             assert!(expected.len() > least);
             for isa in Isa::ALL {
-                assert!(find(isa, &cell, &place, 0.1) == expected, "{x} {}", isa.name());
+                assert!(find(isa, &cell, &particles, 0.1) == expected, "{x} {}", isa.name());
             }
         }
     }
@@ -272,7 +272,7 @@ mod tests {
     #[test]
     fn small_cells_see_images_of_themselves() {
         let cell = Cell::cuboid([1.0; 3]);
-        let place = [Row8([0.5, 0.5, 0.5, 0.5, 0.0, 0.0, 0.0, 1.0])];
-        assert_eq!(find(Isa::detect(), &cell, &place, 1e-3).len(), 3);
+        let particles = [Row8([0.5, 0.5, 0.5, 0.5, 0.0, 0.0, 0.0, 1.0])];
+        assert_eq!(find(Isa::detect(), &cell, &particles, 1e-3).len(), 3);
     }
 }

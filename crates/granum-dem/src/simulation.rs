@@ -5,14 +5,14 @@ use std::collections::HashSet;
 use granum_simd::{Isa, LANES, Row4, Row8};
 use serde::{Deserialize, Serialize};
 
-use crate::assembly::{Assembly, EnergyLedger, Vector};
+use crate::assembly::{Assembly, EnergyBalance, Vector};
 use crate::cell::Cell;
 use crate::config::{Contact, Material};
 use crate::contact::registry::{LawError, check};
 use crate::contact::{PairConstants, PairProperties};
-use crate::kernel::{ContactSums, NORMAL_COLUMNS, Stages, Watch};
+use crate::integrator::Integrator;
+use crate::kernel::{ContactSums, InnerList, NORMAL_COLUMNS, Stages};
 use crate::loading::Event;
-use crate::machine::Machine;
 use crate::pairs::{self, Pairs};
 use crate::servo::{Control, Servo};
 use crate::state::{ServoError, State};
@@ -20,7 +20,7 @@ use crate::stepping;
 
 /// Where a grain starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Site {
+pub struct InitialSphere {
     /// Its number.
     pub id: u64,
     /// Centre, m.
@@ -118,17 +118,21 @@ pub enum SimulationError {
 /// A simulation.
 #[derive(Clone)]
 pub struct Simulation {
-    pub(crate) machine: Machine,
+    pub(crate) integrator: Integrator,
 }
 
 impl Simulation {
     /// Grains at rest in a cell, under a control that holds the cell still. Forces are those of the geometry, with
     /// no history.
-    pub fn new(cell: Cell, sites: &[Site], properties: Properties) -> Result<Simulation, SimulationError> {
-        check_sites(&cell, sites)?;
-        let smallest = sites.iter().fold(f64::INFINITY, |m, s| m.min(s.radius));
+    pub fn new(
+        cell: Cell,
+        spheres: &[InitialSphere],
+        properties: Properties,
+    ) -> Result<Simulation, SimulationError> {
+        check_spheres(&cell, spheres)?;
+        let smallest = spheres.iter().fold(f64::INFINITY, |m, s| m.min(s.radius));
         check_properties(&properties, smallest)?;
-        let mut place: Vec<Row8> = sites
+        let mut particles: Vec<Row8> = spheres
             .iter()
             .map(|s| {
                 let mass = properties.material.density * 4.0 / 3.0 * std::f64::consts::PI * s.radius.powi(3);
@@ -136,15 +140,15 @@ impl Simulation {
                 Row8([x[0], x[1], x[2], s.radius, 0.0, 0.0, 0.0, mass])
             })
             .collect();
-        pairs::wrap(&cell, &mut place);
-        let largest = sites.iter().fold(0.0f64, |m, s| m.max(s.radius));
+        pairs::wrap(&cell, &mut particles);
+        let largest = spheres.iter().fold(0.0f64, |m, s| m.max(s.radius));
         let far = 1e6 * largest;
-        place.push(Row8([0.0, 0.0, 0.0, largest, 0.0, 0.0, 0.0, 1.0]));
-        place.push(Row8([far, far, far, largest, 0.0, 0.0, 0.0, 1.0]));
+        particles.push(Row8([0.0, 0.0, 0.0, largest, 0.0, 0.0, 0.0, 1.0]));
+        particles.push(Row8([far, far, far, largest, 0.0, 0.0, 0.0, 1.0]));
         let state = State {
-            spin: vec![Row4::default(); place.len()],
-            ids: sites.iter().map(|s| s.id).collect(),
-            place,
+            spin: vec![Row4::default(); particles.len()],
+            ids: spheres.iter().map(|s| s.id).collect(),
+            particles,
             cell,
             gradient: [[0.0; 3]; 3],
             strain: [[0.0; 3]; 3],
@@ -159,96 +163,96 @@ impl Simulation {
             distortion: 0.0,
             steps_since_rebuild: 0,
             rebuilds: 0,
-            watch: Watch::new(0.002 * 2.0 * largest),
+            inner_list: InnerList::new(0.002 * 2.0 * largest),
             sums: ContactSums::default(),
             fastest_peak: 0.0,
-            ledger: EnergyLedger::default(),
+            energy_balance: EnergyBalance::default(),
             servo: Servo::default(),
             control: Control::fixed(),
-            fading: 0.0,
+            global_damping: 0.0,
             servo_error: ServoError::default(),
             judge_from: 0.0,
         };
-        let mut simulation = Simulation { machine: Machine::new(state, properties) };
-        simulation.machine.rebuild();
-        stepping::forces(&mut simulation.machine);
-        simulation.machine.reset_time_step();
+        let mut simulation = Simulation { integrator: Integrator::new(state, properties) };
+        simulation.integrator.rebuild();
+        stepping::forces(&mut simulation.integrator);
+        simulation.integrator.reset_time_step();
         Ok(simulation)
     }
 
     /// A simulation from its parts, as a checkpoint holds them.
     pub(crate) fn from_parts(state: State, properties: Properties) -> Result<Simulation, SimulationError> {
         check_properties(&properties, smallest(&state))?;
-        Ok(Simulation { machine: Machine::new(state, properties) })
+        Ok(Simulation { integrator: Integrator::new(state, properties) })
     }
 
     /// Sets threads and instruction set. Results do not depend on it.
     pub fn set_hardware(&mut self, hardware: Hardware) {
-        self.machine.hardware = hardware;
+        self.integrator.hardware = hardware;
     }
 
     /// Sets what drives the cell; the servo starts anew.
     pub fn set_control(&mut self, control: Control) {
-        self.machine.state.control = control;
-        self.machine.state.servo = Servo::default();
+        self.integrator.state.control = control;
+        self.integrator.state.servo = Servo::default();
     }
 
     /// Changes the bound on what the servo adds, leaving its memory.
     pub fn set_rate_limit(&mut self, limit: f64) {
-        self.machine.state.control.rate_limit = limit;
+        self.integrator.state.control.rate_limit = limit;
     }
 
     /// Sets the rate at which velocities fade, 1/s (global damping, for preparation only; zero is none).
-    pub fn set_fading(&mut self, rate: f64) {
-        self.machine.state.fading = rate;
+    pub fn set_global_damping(&mut self, rate: f64) {
+        self.integrator.state.global_damping = rate;
     }
 
     /// Sets the time step as a fraction of `sqrt(m / k_t)` of the stiffest contact.
     pub fn set_time_step_factor(&mut self, factor: f64) {
-        self.machine.time_step_factor = factor;
-        self.machine.reset_time_step();
+        self.integrator.time_step_factor = factor;
+        self.integrator.reset_time_step();
     }
 
     /// Fixes the time step, s, or lets it follow the stiffest contact again.
     pub fn fix_time_step(&mut self, time_step: Option<f64>) {
-        self.machine.fixed_time_step = time_step;
-        self.machine.reset_time_step();
+        self.integrator.fixed_time_step = time_step;
+        self.integrator.reset_time_step();
     }
 
     /// Sets the mean normal force, N, for which the time step is right from the start (`p d^2` for a sample at p).
     pub fn expect_force(&mut self, force: f64) {
-        self.machine.expected_force = force;
-        self.machine.reset_time_step();
+        self.integrator.expected_force = force;
+        self.integrator.reset_time_step();
     }
 
     /// Changes material or law. Contacts keep the history of a tangential law or a law of moments that stays; another
     /// law's forces start from zero, and so do all where contacts gain or lose an area. Masses follow the density,
     /// velocities and spins its inverse root: without gravity that only rescales time, and the kinetic energy stays.
     pub fn set_properties(&mut self, properties: Properties) -> Result<(), SimulationError> {
-        check_properties(&properties, smallest(&self.machine.state))?;
-        let before = self.machine.properties.contact;
-        let ratio = properties.material.density / self.machine.properties.material.density;
-        self.machine.scale_density(ratio);
-        self.machine.properties = properties;
-        self.machine.stages = Stages::of(&properties.contact);
-        self.machine.change_history(&before);
-        self.machine.rebuild();
+        check_properties(&properties, smallest(&self.integrator.state))?;
+        let before = self.integrator.properties.contact;
+        let ratio = properties.material.density / self.integrator.properties.material.density;
+        self.integrator.scale_density(ratio);
+        self.integrator.properties = properties;
+        self.integrator.stages = Stages::of(&properties.contact);
+        self.integrator.change_history(&before);
+        self.integrator.rebuild();
         Ok(())
     }
 
     /// Material and law.
     pub fn properties(&self) -> &Properties {
-        &self.machine.properties
+        &self.integrator.properties
     }
 
     /// Advances by `steps` steps.
     pub fn advance(&mut self, steps: u64) -> Result<(), SimulationError> {
-        stepping::advance(&mut self.machine, steps)
+        stepping::advance(&mut self.integrator, steps)
     }
 
     /// The state, for looking.
     pub fn state(&self) -> &State {
-        &self.machine.state
+        &self.integrator.state
     }
 
     /// Advances until the first step at which one of the events has come, by at most so many steps.
@@ -256,74 +260,74 @@ impl Simulation {
     /// # Errors
     /// As [`Simulation::advance`].
     pub fn advance_to(&mut self, events: &[Event], most_steps: u64) -> Result<(), SimulationError> {
-        self.machine.events.clear();
-        self.machine.events.extend_from_slice(events);
+        self.integrator.events.clear();
+        self.integrator.events.extend_from_slice(events);
         let result = self.advance(most_steps);
-        self.machine.events.clear();
+        self.integrator.events.clear();
         result
     }
 
     /// Turns base rates and moving targets of the control round.
     pub(crate) fn reverse(&mut self) {
-        let state = &mut self.machine.state;
+        let state = &mut self.integrator.state;
         state.control.reverse(state.time);
     }
 
     /// Damps velocities globally at a rate that is a fraction of the frequency `sqrt(k_t / m)` of a contact; zero is none.
     pub(crate) fn damp_globally(&mut self, fraction: f64) {
-        let rate = fraction * self.machine.time_step_factor / self.machine.state.dt;
-        self.machine.state.fading = rate;
+        let rate = fraction * self.integrator.time_step_factor / self.integrator.state.dt;
+        self.integrator.state.global_damping = rate;
     }
 
     /// Judges the servo anew, from an arc length of strain on.
     pub(crate) fn judge_servo(&mut self, from: f64) {
-        self.machine.state.judge_from = from;
-        self.machine.state.servo_error = ServoError::default();
+        self.integrator.state.judge_from = from;
+        self.integrator.state.servo_error = ServoError::default();
     }
 
-    /// Starts a phase: strain, time, steps, ledger and servo statistics count from here, the last once the arc length of
+    /// Starts a phase: strain, time, steps, energy balance and servo statistics count from here, the last once the arc length of
     /// strain comes to `judge_from`.
     pub fn reset_phase(&mut self, judge_from: f64) {
-        self.machine.state.reset_phase(judge_from);
+        self.integrator.state.reset_phase(judge_from);
     }
 
     /// A picture for sensors. It copies what it shows and changes nothing.
     pub fn assembly(&self) -> Assembly {
-        self.machine
+        self.integrator
             .state
-            .assembly(|slot| self.machine.pair_constants(slot), &self.machine.properties.contact)
+            .assembly(|slot| self.integrator.pair_constants(slot), &self.integrator.properties.contact)
     }
 
     /// Mean diameter of the grains, m.
     pub fn mean_diameter(&self) -> f64 {
-        self.machine.mean_diameter()
+        self.integrator.mean_diameter()
     }
 
     /// The strain rate, 1/s, that has this inertial number at a mean stress, Pa:
     /// `I sqrt(p / rho) / d`.
     pub fn strain_rate(&self, inertial_number: f64, mean_stress: f64) -> f64 {
-        inertial_number * (mean_stress / self.machine.properties.material.density).sqrt()
+        inertial_number * (mean_stress / self.integrator.properties.material.density).sqrt()
             / self.mean_diameter()
     }
 
     /// Grains in a pair list slot order are an internal matter; this is how many near pairs are listed.
     pub fn near_pairs(&self) -> usize {
-        self.machine.state.pairs.count
+        self.integrator.state.pairs.count
     }
 
     /// How often the pair list was made.
     pub fn rebuilds(&self) -> u64 {
-        self.machine.state.rebuilds
+        self.integrator.state.rebuilds
     }
 
     /// Gives grains fluctuating velocities and spins, by rank of their ids.
     pub fn set_velocities(&mut self, velocities: &[Vector], spins: &[Vector]) {
-        let state = &mut self.machine.state;
+        let state = &mut self.integrator.state;
         let mut order: Vec<usize> = (0..state.grains()).collect();
         order.sort_unstable_by_key(|&g| state.ids[g]);
         for (rank, g) in order.into_iter().enumerate() {
             if let Some(v) = velocities.get(rank) {
-                state.place[g].0[4..7].copy_from_slice(v);
+                state.particles[g].0[4..7].copy_from_slice(v);
             }
             if let Some(w) = spins.get(rank) {
                 state.spin[g].0[..3].copy_from_slice(w);
@@ -332,16 +336,16 @@ impl Simulation {
     }
 }
 
-fn check_sites(cell: &Cell, sites: &[Site]) -> Result<(), SimulationError> {
-    if sites.is_empty() {
+fn check_spheres(cell: &Cell, spheres: &[InitialSphere]) -> Result<(), SimulationError> {
+    if spheres.is_empty() {
         return Err(SimulationError::NoGrains);
     }
     let volume = cell.volume();
     if !(volume.is_finite() && volume > 0.0) {
         return Err(SimulationError::Cell(volume));
     }
-    let mut seen = HashSet::with_capacity(sites.len());
-    for s in sites {
+    let mut seen = HashSet::with_capacity(spheres.len());
+    for s in spheres {
         let grain = |what: String| SimulationError::Grain { id: s.id, what };
         if !(s.radius.is_finite() && s.radius > 0.0) {
             return Err(grain(format!("its radius is {} m; it must be positive", s.radius)));
@@ -353,7 +357,7 @@ fn check_sites(cell: &Cell, sites: &[Site]) -> Result<(), SimulationError> {
             return Err(grain("its id occurs twice; ids must differ".into()));
         }
     }
-    let largest = sites.iter().fold(0.0f64, |m, s| m.max(s.radius));
+    let largest = spheres.iter().fold(0.0f64, |m, s| m.max(s.radius));
     let height = cell.heights().into_iter().fold(f64::INFINITY, f64::min);
     if height < largest {
         return Err(SimulationError::Thin { height, diameter: 2.0 * largest });
@@ -363,7 +367,7 @@ fn check_sites(cell: &Cell, sites: &[Site]) -> Result<(), SimulationError> {
 
 /// Smallest radius, m.
 fn smallest(state: &State) -> f64 {
-    state.place[..state.grains()].iter().fold(f64::INFINITY, |m, row| m.min(row.0[3]))
+    state.particles[..state.grains()].iter().fold(f64::INFINITY, |m, row| m.min(row.0[3]))
 }
 
 /// Largest distance at which adhesion may still hold two spheres, over their radius: the theory is one of small contacts.
@@ -410,7 +414,7 @@ fn check_properties(properties: &Properties, radius: f64) -> Result<(), Simulati
     Ok(())
 }
 
-impl Machine {
+impl Integrator {
     /// Constants of the pair in a slot.
     pub(crate) fn pair_constants(&self, slot: usize) -> PairConstants<f64> {
         if self.state.pairs.constants.is_empty() {
@@ -431,10 +435,10 @@ impl Machine {
         let state = &mut self.state;
         let grains = state.grains();
         let slower = 1.0 / ratio.sqrt();
-        for (place, spin) in state.place[..grains].iter_mut().zip(&mut state.spin) {
-            place.0[7] *= ratio;
+        for (particle, spin) in state.particles[..grains].iter_mut().zip(&mut state.spin) {
+            particle.0[7] *= ratio;
             for k in 0..3 {
-                place.0[4 + k] *= slower;
+                particle.0[4 + k] *= slower;
                 spin.0[k] *= slower;
             }
         }

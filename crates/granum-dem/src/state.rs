@@ -3,14 +3,14 @@
 use granum_simd::{LANES, Row4, Row8};
 use serde::{Deserialize, Serialize};
 
-use crate::assembly::{Assembly, Contact, EnergyLedger, Grain, Matrix};
+use crate::assembly::{Assembly, Contact, EnergyBalance, Grain, Matrix};
 use crate::cell::Cell;
 use crate::checkpoint::rows;
 use crate::config::Contact as Laws;
 use crate::contact::{PairConstants, law};
 use crate::invariants;
-use crate::kernel::{ContactSums, Watch};
-use crate::loading::Reading;
+use crate::kernel::{ContactSums, InnerList};
+use crate::loading::MacroState;
 use crate::pairs::{Pairs, image_vector};
 use crate::servo::{Control, Servo};
 
@@ -19,7 +19,7 @@ use crate::servo::{Control, Servo};
 pub struct State {
     /// Grains in spatial order, then two phantoms: x, y, z, R, v'_x, v'_y, v'_z, m.
     #[serde(with = "rows::eight")]
-    pub(crate) place: Vec<Row8>,
+    pub(crate) particles: Vec<Row8>,
     /// Spins: x, y, z, unused.
     #[serde(with = "rows::four")]
     pub(crate) spin: Vec<Row4>,
@@ -44,30 +44,30 @@ pub struct State {
     pub(crate) distortion: f64,
     pub(crate) steps_since_rebuild: u64,
     pub(crate) rebuilds: u64,
-    pub(crate) watch: Watch,
+    pub(crate) inner_list: InnerList,
     /// Sums over the contacts in the last step.
     pub(crate) sums: ContactSums,
     /// Largest `k_t / m` since the time step was last raised.
     pub(crate) fastest_peak: f64,
-    #[serde(with = "ledger_row")]
-    pub(crate) ledger: EnergyLedger,
+    #[serde(with = "energy_row")]
+    pub(crate) energy_balance: EnergyBalance,
     pub(crate) servo: Servo,
     pub(crate) control: Control,
     /// Rate at which velocities fade, 1/s: global damping, used only while a sample is prepared.
-    pub(crate) fading: f64,
+    pub(crate) global_damping: f64,
     /// Relative errors of the controlled stresses since the arc length came to `judge_from`.
     pub(crate) servo_error: ServoError,
     pub(crate) judge_from: f64,
 }
 
-/// The ledger as a row of numbers: a checkpoint has no names, and so nothing can be left out of it.
-mod ledger_row {
+/// The energy balance as a row of numbers: a checkpoint has no names, and so nothing can be left out of it.
+mod energy_row {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-    use crate::assembly::EnergyLedger;
+    use crate::assembly::EnergyBalance;
 
-    pub(super) fn serialize<S: Serializer>(ledger: &EnergyLedger, to: S) -> Result<S::Ok, S::Error> {
-        let EnergyLedger {
+    pub(super) fn serialize<S: Serializer>(energy_balance: &EnergyBalance, to: S) -> Result<S::Ok, S::Error> {
+        let EnergyBalance {
             boundary_work,
             tangential_work,
             friction,
@@ -77,16 +77,16 @@ mod ledger_row {
             adhesion_broken,
             rolling_work,
             rolling,
-        } = *ledger;
+        } = *energy_balance;
         let lost = [friction, micro_slip, damping, adhesion_made, adhesion_broken];
         ([boundary_work, tangential_work], lost, [rolling_work, rolling]).serialize(to)
     }
 
-    pub(super) fn deserialize<'d, D: Deserializer<'d>>(from: D) -> Result<EnergyLedger, D::Error> {
+    pub(super) fn deserialize<'d, D: Deserializer<'d>>(from: D) -> Result<EnergyBalance, D::Error> {
         let ([boundary_work, tangential_work], lost, [rolling_work, rolling]) =
             <([f64; 2], [f64; 5], [f64; 2])>::deserialize(from)?;
         let [friction, micro_slip, damping, adhesion_made, adhesion_broken] = lost;
-        Ok(EnergyLedger {
+        Ok(EnergyBalance {
             boundary_work,
             tangential_work,
             friction,
@@ -161,7 +161,7 @@ impl State {
 
     /// Mean stress of the fluctuating motion, Pa: `sum m v^2 / (3 V)`. It is no part of p.
     pub fn kinetic_mean_stress(&self) -> f64 {
-        let twice: f64 = (self.place[..self.grains()].iter())
+        let twice: f64 = (self.particles[..self.grains()].iter())
             .map(|row| row.0[7] * (row.0[4] * row.0[4] + row.0[5] * row.0[5] + row.0[6] * row.0[6]))
             .sum();
         twice / (3.0 * self.cell.volume())
@@ -174,7 +174,7 @@ impl State {
 
     /// Volume of the grains over that of the cell.
     pub fn solid_fraction(&self) -> f64 {
-        let cubes: f64 = self.place[..self.grains()].iter().map(|row| row.0[3].powi(3)).sum();
+        let cubes: f64 = self.particles[..self.grains()].iter().map(|row| row.0[3].powi(3)).sum();
         4.0 / 3.0 * std::f64::consts::PI * cubes / self.cell.volume()
     }
 
@@ -204,8 +204,13 @@ impl State {
     }
 
     /// Stress, strain and clock now.
-    pub fn reading(&self) -> Reading {
-        Reading { stress: self.stress(), strain: self.strain, arc_length: self.arc_length(), time: self.time }
+    pub fn macro_state(&self) -> MacroState {
+        MacroState {
+            stress: self.stress(),
+            strain: self.strain,
+            arc_length: self.arc_length(),
+            time: self.time,
+        }
     }
 
     /// Errors of the controlled stresses over the mean stress: over the one aimed at, where the control aims at one.
@@ -262,8 +267,8 @@ impl State {
     }
 
     /// Energy by mechanism since the start of the phase.
-    pub fn energy(&self) -> EnergyLedger {
-        self.ledger
+    pub fn energy(&self) -> EnergyBalance {
+        self.energy_balance
     }
 
     /// How well the controlled stresses were held, once the start-up of the phase or stage was over.
@@ -281,7 +286,7 @@ impl State {
         &self.control
     }
 
-    /// Starts a phase: strain, time, steps, ledger and servo statistics count from here, the last once the arc length comes
+    /// Starts a phase: strain, time, steps, energy balance and servo statistics count from here, the last once the arc length comes
     /// to `judge_from`.
     pub(crate) fn reset_phase(&mut self, judge_from: f64) {
         self.judge_from = judge_from;
@@ -291,7 +296,7 @@ impl State {
         self.control.since = 0.0;
         self.time = 0.0;
         self.step = 0;
-        self.ledger = EnergyLedger::default();
+        self.energy_balance = EnergyBalance::default();
         self.servo_error = ServoError::default();
     }
 
@@ -333,13 +338,13 @@ impl State {
         for (r, &g) in order.iter().enumerate() {
             rank[g] = r;
         }
-        let mut inside = self.place[..n].to_vec();
+        let mut inside = self.particles[..n].to_vec();
         crate::pairs::wrap(&self.cell, &mut inside);
         let grains = order
             .iter()
             .map(|&g| {
                 let total = self.resultant(g);
-                let (p, w) = (&self.place[g].0, &self.spin[g].0);
+                let (p, w) = (&self.particles[g].0, &self.spin[g].0);
                 Grain {
                     id: self.ids[g],
                     position: [inside[g].0[0], inside[g].0[1], inside[g].0[2]],
@@ -367,7 +372,7 @@ impl State {
             target_mean_stress: self.target_mean_stress(),
             grains,
             contacts,
-            energy: self.ledger,
+            energy: self.energy_balance,
         }
     }
 
@@ -386,7 +391,8 @@ impl State {
         let (b, l) = (slot / LANES, slot % LANES);
         let (i, j) = (self.pairs.first[b][l] as usize, self.pairs.second[b][l] as usize);
         let image = self.cell.image(image_vector(self.pairs.image[b][l]));
-        let branch: [f64; 3] = std::array::from_fn(|k| self.place[j].0[k] + image[k] - self.place[i].0[k]);
+        let branch: [f64; 3] =
+            std::array::from_fn(|k| self.particles[j].0[k] + image[k] - self.particles[i].0[k]);
         let distance = (branch[0] * branch[0] + branch[1] * branch[1] + branch[2] * branch[2]).sqrt();
         let pair = constants(slot);
         let approach = pair.radius_sum - distance;

@@ -1,11 +1,11 @@
-//! The loop over steps: stages by all threads, and what is serial between them.
+//! The loop over steps: parallel stages, with the serial work between them.
 
 use std::cell::UnsafeCell;
 
 use granum_simd::dispatch;
 
-use crate::kernel::{self, ContactSums, GrainStage, Views, WatchStage, larger};
-use crate::machine::Machine;
+use crate::integrator::Integrator;
+use crate::kernel::{self, ContactSums, GrainStage, PruneStage, Views, larger};
 use crate::pairs::Block;
 use crate::simulation::SimulationError;
 use crate::team::{Guard, Work};
@@ -19,21 +19,21 @@ struct Moved {
     renewed: bool,
 }
 
-/// What the team does just now.
+/// The stage that the threads work on.
 #[derive(Clone, Copy)]
 enum Stage {
     /// Grains sum their forces and move.
     Grains,
-    /// Pairs are sorted into those that are watched and those that are not, after the grains moved.
-    Watch(Moved),
-    /// Contacts, after the grains moved.
+    /// The neighbour lists are pruned again, after the grains moved.
+    Prune(Moved),
+    /// The contacts are evaluated, after the grains moved.
     Contacts(Moved),
 }
 
-/// What the team shares.
+/// The data that the threads of a run share.
 struct Team<'a> {
     work: Work,
-    machine: UnsafeCell<&'a mut Machine>,
+    integrator: UnsafeCell<&'a mut Integrator>,
     views: UnsafeCell<Views>,
     stage: UnsafeCell<Stage>,
     /// Steps not yet finished.
@@ -48,7 +48,7 @@ struct Team<'a> {
 unsafe impl Sync for Team<'_> {}
 
 impl Team<'_> {
-    /// One thread's part.
+    /// The work of one thread.
     fn work(&self, thread: usize) {
         let _guard = Guard(&self.work);
         let mut turns = 0;
@@ -59,7 +59,7 @@ impl Team<'_> {
                 let (count, all) = (blocks.len(), views.blocks.len());
                 match stage {
                     Stage::Grains => dispatch(self.isa, GrainStage { views, blocks }),
-                    Stage::Watch(_) => dispatch(self.isa, WatchStage { views, blocks }),
+                    Stage::Prune(_) => dispatch(self.isa, PruneStage { views, blocks }),
                     Stage::Contacts(_) => (self.contacts)(views, blocks),
                 }
                 if self.work.report(count, all) {
@@ -75,41 +75,41 @@ impl Team<'_> {
 
     /// Opens the first stage.
     fn begin(&mut self) {
-        self.machine.get_mut().begin_step(self.views.get_mut());
+        self.integrator.get_mut().begin_step(self.views.get_mut());
         // SAFETY: no other thread is there yet.
         unsafe { self.open(Stage::Grains) };
     }
 
-    /// What is serial between two stages.
+    /// The serial work between two stages.
     ///
     /// # Safety
     /// Only when all blocks of the stage are reported.
     unsafe fn turn(&self, stage: Stage) {
         unsafe {
-            let machine = &mut *self.machine.get();
+            let integrator = &mut *self.integrator.get();
             match stage {
                 Stage::Grains => {
                     let views = &mut *self.views.get();
                     let fastest = views.fastest_grain.read().iter().copied().fold(0.0, larger);
-                    let renewed = machine.list_is_stale(views, fastest);
+                    let renewed = integrator.list_is_stale(views, fastest);
                     if renewed {
                         self.renew();
                     }
                     let moved = Moved { fastest, renewed };
-                    let stale = machine.watch_again(&mut *self.views.get(), fastest, renewed);
-                    self.open(if stale { Stage::Watch(moved) } else { Stage::Contacts(moved) });
+                    let stale = integrator.prune_again(&mut *self.views.get(), fastest, renewed);
+                    self.open(if stale { Stage::Prune(moved) } else { Stage::Contacts(moved) });
                 }
-                Stage::Watch(moved) => self.open(Stage::Contacts(moved)),
+                Stage::Prune(moved) => self.open(Stage::Contacts(moved)),
                 Stage::Contacts(Moved { fastest, renewed }) => {
                     let steps = &mut *self.steps.get();
                     *steps -= 1;
-                    if let Err(error) = machine.end_step(fastest, renewed) {
+                    if let Err(error) = integrator.end_step(fastest, renewed) {
                         *self.failure.get() = Some(error);
                         self.work.end();
-                    } else if *steps == 0 || machine.event_has_come() {
+                    } else if *steps == 0 || integrator.event_has_come() {
                         self.work.end();
                     } else {
-                        machine.begin_step(&mut *self.views.get());
+                        integrator.begin_step(&mut *self.views.get());
                         self.open(Stage::Grains);
                     }
                 }
@@ -134,13 +134,13 @@ impl Team<'_> {
     /// As for [`Team::turn`].
     unsafe fn renew(&self) {
         unsafe {
-            let machine = &mut *self.machine.get();
+            let integrator = &mut *self.integrator.get();
             let old = *self.views.get();
-            machine.rebuild();
-            let mut views = machine.views();
+            integrator.rebuild();
+            let mut views = integrator.views();
             views.gradient = old.gradient;
             views.dt = old.dt;
-            views.account = old.account;
+            views.sampling_weight = old.sampling_weight;
             views.retain = old.retain;
             *self.views.get() = views;
         }
@@ -158,23 +158,23 @@ fn share_batches(blocks: &[Block], thread: usize, threads: usize) -> std::ops::R
 }
 
 /// The contact stage of a machine.
-fn contact_stage(machine: &Machine) -> kernel::Stage {
-    let stages = machine.stages;
-    if machine.state.pairs.constants.is_empty() { stages.alike } else { stages.by_batch }
+fn contact_stage(integrator: &Integrator) -> kernel::Stage {
+    let stages = integrator.stages;
+    if integrator.state.pairs.constants.is_empty() { stages.alike } else { stages.by_batch }
 }
 
 /// Advances by `steps` steps with the threads of the machine's hardware.
-pub(crate) fn advance(machine: &mut Machine, steps: u64) -> Result<(), SimulationError> {
+pub(crate) fn advance(integrator: &mut Integrator, steps: u64) -> Result<(), SimulationError> {
     if steps == 0 {
         return Ok(());
     }
-    let threads = machine.hardware.threads.max(1);
-    let views = machine.views();
+    let threads = integrator.hardware.threads.max(1);
+    let views = integrator.views();
     let mut team = Team {
         work: Work::new(threads),
-        contacts: contact_stage(machine),
-        isa: machine.hardware.isa,
-        machine: UnsafeCell::new(machine),
+        contacts: contact_stage(integrator),
+        isa: integrator.hardware.isa,
+        integrator: UnsafeCell::new(integrator),
         views: UnsafeCell::new(views),
         stage: UnsafeCell::new(Stage::Grains),
         steps: UnsafeCell::new(steps),
@@ -193,18 +193,18 @@ pub(crate) fn advance(machine: &mut Machine, steps: u64) -> Result<(), Simulatio
 }
 
 /// Computes the forces of the present geometry without moving anything or letting time pass.
-pub(crate) fn forces(machine: &mut Machine) {
-    let mut views = machine.views();
+pub(crate) fn forces(integrator: &mut Integrator) {
+    let mut views = integrator.views();
     views.dt = 0.0;
     let blocks = 0..views.blocks.len();
-    contact_stage(machine)(&views, blocks);
-    machine.state.sums = ContactSums::total(&machine.contact_sums);
+    contact_stage(integrator)(&views, blocks);
+    integrator.state.sums = ContactSums::total(&integrator.contact_sums);
 }
 
 #[cfg(test)]
 mod tests {
     use crate::config::{Contact, Grains, Material};
-    use crate::gas::gas;
+    use crate::random_insertion::random_insertion;
     use crate::servo::Control;
     use crate::simulation::{Hardware, Properties, Simulation};
     use granum_simd::Isa;
@@ -214,10 +214,10 @@ mod tests {
     fn threads_give_one_answer_through_several_lists() {
         let (count, steps) = if cfg!(miri) { (140, 12) } else { (600, 400) };
         let grains = Grains { count, ..Grains::default() };
-        let (cell, sites) = gas(&grains, 0.35, 5).unwrap();
+        let (cell, spheres) = random_insertion(&grains, 0.35, 5).unwrap();
         let properties = Properties { material: Material::default(), contact: Contact::default() };
         let run = |threads: usize| {
-            let mut s = Simulation::new(cell, &sites, properties).unwrap();
+            let mut s = Simulation::new(cell, &spheres, properties).unwrap();
             s.set_hardware(Hardware { threads, isa: Isa::detect() });
             s.set_control(Control::isotropic(20e3, 3e4));
             // So fast that grains meet and the list is renewed within the few steps.

@@ -5,11 +5,11 @@ use granum_dem::cell::Cell;
 use granum_dem::config::{
     Contact, Grains, Material, NormalKind, Preparation, Rate, Recording, Shear, TangentialKind,
 };
-use granum_dem::gas::gas;
 use granum_dem::loading::{Watcher, begin, follow, preset};
 use granum_dem::preparation::{Flow, Progress, Recipe, prepare};
+use granum_dem::random_insertion::random_insertion;
 use granum_dem::servo::Control;
-use granum_dem::simulation::{Hardware, Properties, Simulation, SimulationError, Site};
+use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation, SimulationError};
 
 const DIAMETER: f64 = 1e-4;
 
@@ -17,13 +17,13 @@ fn properties(normal: NormalKind, tangential: TangentialKind) -> Properties {
     Properties { material: Material::default(), contact: Contact::new(normal, tangential, 0.1) }
 }
 
-fn lattice(sites: &[[f64; 3]], cell: Cell, normal: NormalKind) -> Simulation {
-    let sites: Vec<Site> = sites
+fn lattice(spheres: &[[f64; 3]], cell: Cell, normal: NormalKind) -> Simulation {
+    let spheres: Vec<InitialSphere> = spheres
         .iter()
         .enumerate()
-        .map(|(k, &position)| Site { id: k as u64 + 1, position, radius: 0.5 * DIAMETER })
+        .map(|(k, &position)| InitialSphere { id: k as u64 + 1, position, radius: 0.5 * DIAMETER })
         .collect();
-    Simulation::new(cell, &sites, properties(normal, TangentialKind::NO_SLIP)).unwrap()
+    Simulation::new(cell, &spheres, properties(normal, TangentialKind::NO_SLIP)).unwrap()
 }
 
 /// Physics table (vi): mean stress and affine bulk modulus of simple cubic and face-centred cubic lattices.
@@ -106,8 +106,8 @@ fn sheared(sample: &Simulation, hardware: Hardware, watcher: &mut dyn Watcher) -
     let rate = Rate::StrainRate { strain_rate: 100.0, density_scaling: 1.0 };
     let shear = Shear { rate, mean_stress: Some(20e3), deviator_strain: 0.0005 };
     let stage = preset::antony2006(&shear, &Recording::default(), 20e3);
-    let mut watched = begin(&stage, &mut s).unwrap();
-    follow(&stage, &mut watched, &mut s, watcher).unwrap();
+    let mut stage_progress = begin(&stage, &mut s).unwrap();
+    follow(&stage, &mut stage_progress, &mut s, watcher).unwrap();
     // Debug formatting of floats is exact.
     format!("{:?}", s.state())
 }
@@ -129,10 +129,10 @@ fn same_bits_on_any_machine_and_whoever_looks() {
 #[test]
 fn momentum_and_energy_of_an_elastic_gas_are_kept() {
     let grains = Grains { count: 100, ..Grains::default() };
-    let (cell, sites) = gas(&grains, 0.3, 5).unwrap();
+    let (cell, spheres) = random_insertion(&grains, 0.3, 5).unwrap();
     let material = Material { friction: 0.0, interface_energy: 0.0, ..Material::default() };
     let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.0);
-    let mut s = Simulation::new(cell, &sites, Properties { material, contact }).unwrap();
+    let mut s = Simulation::new(cell, &spheres, Properties { material, contact }).unwrap();
     let velocities: Vec<[f64; 3]> =
         (0..100).map(|k| [k as f64 * 0.7, k as f64 * 1.3, k as f64 * 2.1].map(f64::sin)).collect();
     s.set_velocities(&velocities, &[]);
@@ -206,17 +206,17 @@ fn a_rigidly_rotating_cell_feels_nothing() {
 
 #[test]
 fn impossible_grains_are_refused_by_id() {
-    let site = |id, x: f64, radius| Site { id, position: [x, 0.0, 0.0], radius };
+    let sphere = |id, x: f64, radius| InitialSphere { id, position: [x, 0.0, 0.0], radius };
     let p = properties(NormalKind::HERTZ, TangentialKind::NO_SLIP);
     let cell = Cell::cuboid([1e-3; 3]);
-    let message = |sites: &[Site]| match Simulation::new(cell, sites, p) {
+    let message = |spheres: &[InitialSphere]| match Simulation::new(cell, spheres, p) {
         Err(e @ SimulationError::Grain { .. }) => e.to_string(),
         Err(e) => panic!("{e}"),
         Ok(_) => panic!("accepted"),
     };
-    assert!(message(&[site(7, f64::NAN, 5e-5)]).contains("grain 7"));
-    assert!(message(&[site(8, 0.0, -1.0)]).contains("grain 8"));
-    assert!(message(&[site(9, 0.0, 5e-5), site(9, 2e-4, 5e-5)]).contains("grain 9"));
+    assert!(message(&[sphere(7, f64::NAN, 5e-5)]).contains("grain 7"));
+    assert!(message(&[sphere(8, 0.0, -1.0)]).contains("grain 8"));
+    assert!(message(&[sphere(9, 0.0, 5e-5), sphere(9, 2e-4, 5e-5)]).contains("grain 9"));
     assert!(matches!(Simulation::new(cell, &[], p), Err(SimulationError::NoGrains)));
 }
 

@@ -7,9 +7,9 @@ use granum_dem::config::{Contact, Grains, Material, NormalKind, RollingKind, Tan
 use granum_dem::contact::normal::Hertz;
 use granum_dem::contact::registry::{RegisterError, normal_named, register_normal};
 use granum_dem::contact::{Description, LAW_CONSTANTS, Normal, NormalLaw, PairProperties, Parameter, Unit};
-use granum_dem::gas::gas;
+use granum_dem::random_insertion::random_insertion;
 use granum_dem::servo::Control;
-use granum_dem::simulation::{Hardware, Properties, Simulation, SimulationError, Site};
+use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation, SimulationError};
 
 const DIAMETER: f64 = 1e-4;
 
@@ -47,9 +47,9 @@ fn stored(assembly: &Assembly) -> [f64; 4] {
 fn rocking(contact: Contact, spin: f64) -> Simulation {
     let gap = DIAMETER * 0.999;
     let cell = Cell::cuboid([2.0 * gap, 3.0 * DIAMETER, 3.0 * DIAMETER]);
-    let site = |id, x| Site { id, position: [x, DIAMETER, DIAMETER], radius: 0.5 * DIAMETER };
+    let sphere = |id, x| InitialSphere { id, position: [x, DIAMETER, DIAMETER], radius: 0.5 * DIAMETER };
     let properties = Properties { material: plain(), contact };
-    let mut s = Simulation::new(cell, &[site(1, 0.2 * gap), site(2, 1.2 * gap)], properties).unwrap();
+    let mut s = Simulation::new(cell, &[sphere(1, 0.2 * gap), sphere(2, 1.2 * gap)], properties).unwrap();
     s.set_velocities(&[], &[[0.0, 0.0, spin], [0.0, 0.0, -spin]]);
     s
 }
@@ -107,8 +107,9 @@ fn rolling_ends_in_losses_that_are_counted() {
 }
 
 fn sample(properties: Properties, spread: f64, hardware: Hardware) -> Simulation {
-    let (cell, sites) = gas(&Grains { count: 200, spread, ..Grains::default() }, 0.35, 9).unwrap();
-    let mut s = Simulation::new(cell, &sites, properties).unwrap();
+    let (cell, spheres) =
+        random_insertion(&Grains { count: 200, spread, ..Grains::default() }, 0.35, 9).unwrap();
+    let mut s = Simulation::new(cell, &spheres, properties).unwrap();
     s.set_hardware(hardware);
     s.set_control(Control::isotropic(20e3, 2e4));
     s.advance(4000).unwrap();
@@ -183,9 +184,9 @@ fn laws_can_be_changed_in_the_middle() {
 #[test]
 fn parameters_are_checked() {
     let refused = |contact: Contact| {
-        let site = Site { id: 1, position: [0.0; 3], radius: 5e-5 };
+        let sphere = InitialSphere { id: 1, position: [0.0; 3], radius: 5e-5 };
         let properties = Properties { material: plain(), contact };
-        Simulation::new(Cell::cuboid([1e-3; 3]), &[site], properties).err().map(|e| e.to_string()).unwrap()
+        Simulation::new(Cell::cuboid([1e-3; 3]), &[sphere], properties).err().map(|e| e.to_string()).unwrap()
     };
     let unused = Contact { rolling: RollingKind::NONE, ..soft(0.1, 0.2, 0.3) };
     assert!(refused(unused).contains("contact.rolling_damping means nothing with"), "{}", refused(unused));
@@ -195,7 +196,7 @@ fn parameters_are_checked() {
     assert!(matches!(
         Simulation::new(
             Cell::cuboid([1e-3; 3]),
-            &[Site { id: 1, position: [0.0; 3], radius: 5e-5 }],
+            &[InitialSphere { id: 1, position: [0.0; 3], radius: 5e-5 }],
             Properties { material: plain(), contact: hertz }
         ),
         Err(SimulationError::Law(_))

@@ -7,8 +7,8 @@ use granum_dem::assembly::Matrix;
 use granum_dem::config::{Contact, Grains, Material, NormalKind, Preparation, TangentialKind};
 use granum_dem::invariants;
 use granum_dem::loading::{
-    Control, Drive, Ending, Measure, Reason, Speed, Stage, StageEnd, Target, Turns, Until, Watched, Watcher,
-    begin, follow, preset,
+    Control, Drive, Ending, Measure, Reason, Speed, Stage, StageEnd, StageProgress, Target, Turns, Until,
+    Watcher, begin, follow, preset,
 };
 use granum_dem::preparation::{Flow, Progress, Recipe, prepare};
 use granum_dem::simulation::{Hardware, Simulation};
@@ -72,11 +72,12 @@ fn run(simulation: &mut Simulation, stages: &[Stage]) -> (Vec<StageEnd>, Notes) 
     let mut notes = Notes::default();
     for stage in stages {
         notes = Notes::default();
-        let mut watched = begin(stage, simulation).unwrap();
-        let Ending::Complete(reason) = follow(stage, &mut watched, simulation, &mut notes).unwrap() else {
+        let mut stage_progress = begin(stage, simulation).unwrap();
+        let Ending::Complete(reason) = follow(stage, &mut stage_progress, simulation, &mut notes).unwrap()
+        else {
             panic!("{} was stopped", stage.name)
         };
-        let end = StageEnd::of(stage, &watched, reason, simulation);
+        let end = StageEnd::of(stage, &stage_progress, reason, simulation);
         let error = &end.servo_error;
         println!(
             "{}: {reason}; {} steps, servo rms {:.4} % largest {:.4} %",
@@ -306,13 +307,13 @@ fn a_stage_goes_on_to_the_same_bits_after_a_checkpoint() {
         format!("{:?}", s.state())
     };
     let mut s = sample();
-    let mut watched = begin(&stage, &mut s).unwrap();
+    let mut stage_progress = begin(&stage, &mut s).unwrap();
     let mut notes = Notes { stop_at: s.state().step() + 2000, ..Notes::default() };
-    assert_eq!(follow(&stage, &mut watched, &mut s, &mut notes).unwrap(), Ending::Stopped);
-    let text = serde_json::to_string(&(&stage, &watched)).unwrap();
+    assert_eq!(follow(&stage, &mut stage_progress, &mut s, &mut notes).unwrap(), Ending::Stopped);
+    let text = serde_json::to_string(&(&stage, &stage_progress)).unwrap();
     let (mut s, text) = Simulation::restore(&s.checkpoint(&text).unwrap()).unwrap();
-    let (stage, mut watched): (Stage, Watched) = serde_json::from_str(&text).unwrap();
+    let (stage, mut stage_progress): (Stage, StageProgress) = serde_json::from_str(&text).unwrap();
     notes.stop_at = u64::MAX;
-    follow(&stage, &mut watched, &mut s, &mut notes).unwrap();
+    follow(&stage, &mut stage_progress, &mut s, &mut notes).unwrap();
     assert!(format!("{:?}", s.state()) == whole);
 }

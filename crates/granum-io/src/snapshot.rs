@@ -280,7 +280,7 @@ pub fn list_snapshots(folder: &Path) -> Result<Vec<String>> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use granum_core::assembly::EnergyLedger;
+    use granum_core::assembly::EnergyBalance;
 
     /// Three grains and two contacts with numbers that do not repeat.
     pub(crate) fn assembly() -> Assembly {
@@ -327,7 +327,7 @@ pub(crate) mod tests {
             target_mean_stress: Some(2e4),
             grains,
             contacts,
-            energy: EnergyLedger { boundary_work: 0.1 + 0.2, ..EnergyLedger::default() },
+            energy: EnergyBalance { boundary_work: 0.1 + 0.2, ..EnergyBalance::default() },
         }
     }
 

@@ -1,4 +1,4 @@
-//! Reading small text files whole, with a bound on their size.
+//! MacroState small text files whole, with a bound on their size.
 
 use std::fs::File;
 use std::io::Read;

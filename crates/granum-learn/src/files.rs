@@ -14,12 +14,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::baseline::Baselines;
 use crate::error::{LearnError, Result};
-use crate::keeping::Keeper;
 use crate::layout::{BASELINES_FILE, STUDY_FILE, TIMES_FILE, check_mapping, network_file, write_json};
 use crate::mapping::{Form, Mapping};
 use crate::runs::StudyRun;
 use crate::study::{Study, TrainedMapping, network_name};
 use crate::surrogate::Surrogate;
+use crate::training_checkpoints::TrainingCheckpoints;
 
 const FORMAT: &str = "granum study";
 /// Version 1 did not say on which runs a study stands.
@@ -146,7 +146,7 @@ pub fn load_study(folder: &Path) -> Result<Study> {
         baselines: None,
     };
     study.baselines = load_baselines(folder, &study)?;
-    Keeper::new(folder, Duration::MAX).tell_seconds(&mut study);
+    TrainingCheckpoints::new(folder, Duration::MAX).add_seconds(&mut study);
     Ok(study)
 }
 

@@ -17,17 +17,17 @@ pub mod contents;
 pub mod dataset;
 mod error;
 pub mod files;
-pub mod keeping;
 pub mod layout;
-mod lesson;
 pub mod mapping;
 pub mod runs;
 pub mod score;
 mod sensor_share;
 pub mod sensor_use;
-pub mod student;
+pub mod student_t;
 pub mod study;
 mod surrogate;
+pub mod training_checkpoints;
+mod training_rows;
 
 #[cfg(test)]
 mod synthetic;

@@ -19,7 +19,7 @@ use crate::dataset::{Run, State};
 use crate::error::Result;
 use crate::mapping::Mapping;
 use crate::score::{Score, Scorer};
-use crate::student::{FEWEST, PairedTest};
+use crate::student_t::{FEWEST, PairedTest};
 use crate::study::TrainedMapping;
 use crate::surrogate::{Surrogate, states_of};
 

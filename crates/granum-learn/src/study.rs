@@ -9,11 +9,11 @@ use crate::antony2006::summary::SubModelSummary;
 use crate::baseline::{Baselines, MappingBaselines};
 use crate::dataset::{Dataset, NamedRecord, Run, State};
 use crate::error::{LearnError, Result};
-use crate::lesson;
 use crate::mapping::{Form, Mapping, Quantity, paper_mappings};
 use crate::score::{Scatter, Score, Scorer, best_without_sensors};
 use crate::sensor_use::{SensorUse, is_constant};
 use crate::surrogate::{Surrogate, states_of};
+use crate::training_rows;
 
 /// Fewest training states of a sub-model.
 pub const FEWEST_STATES: usize = 3;
@@ -308,7 +308,7 @@ fn train_one(
 ) -> Result<Option<(Model, f64)>> {
     let failed = |reason: String| LearnError::Network { network: job.name.clone(), reason };
     let sub_model = &job.mapping.sub_models[job.sub_model];
-    let rule = lesson::rule_of(&options.trainer);
+    let rule = training_rows::rule_of(&options.trainer);
     let own = states_of(job.mapping, states.iter().copied(), Some(job.sub_model));
     if own.len() < FEWEST_STATES {
         return Err(LearnError::TooFewStates {
@@ -320,11 +320,11 @@ fn train_one(
             needed: FEWEST_STATES,
         });
     }
-    let data = lesson::data(dataset, job.mapping, job.sub_model, options.form, rule)
+    let data = training_rows::data(dataset, job.mapping, job.sub_model, options.form, rule)
         .map_err(|e| failed(e.to_string()))?;
     let epochs = (options.trainer == PAPER_TRAINER)
         .then(|| (sub_model.epochs as f64 * options.epoch_factor).round().max(1.0) as u64);
-    let first_ratio = lesson::first_ratio(job.mapping);
+    let first_ratio = training_rows::first_ratio(job.mapping);
     let settings = Options { epochs, first_ratio, ..Options::default() };
     let trainer = trainer::by_name(&options.trainer, &settings).map_err(|e| failed(e.to_string()))?;
     let recipe = Recipe {
@@ -335,8 +335,8 @@ fn train_one(
             .map(|name| Column::new(name, "1"))
             .collect(),
         output: Column::new(job.mapping.network_output(), "1"),
-        quantities: lesson::quantities(job.mapping, options.form, dataset.forces.len(), rule),
-        shares: lesson::shares(dataset, job.mapping, options.form, rule)?,
+        quantities: training_rows::quantities(job.mapping, options.form, dataset.forces.len(), rule),
+        shares: training_rows::shares(dataset, job.mapping, options.form, rule)?,
         hidden: sub_model.hidden.clone(),
         seed: job.seed,
     };

@@ -8,7 +8,7 @@ use granum_nets::{Column, Data, Model, Recipe};
 use granum_sensors::Record;
 
 use crate::antony2006::figures::figures;
-use crate::antony2006::reading;
+use crate::antony2006::interpretation;
 use crate::antony2006::size_study::{SizeStudy, SizeStudyOptions};
 use crate::antony2006::summary::MappingSummary;
 use crate::dataset::{Dataset, DatasetOptions, NamedRecord, Rows, State};
@@ -72,7 +72,7 @@ fn inputs_without_information_do_not_help() {
             assert!(law == Law::Plain || own > 0.97 * alone, "{law:?} {name}: {own} {alone}");
             let verdict = evaluation.sensor_use.verdict();
             assert_eq!(verdict, Verdict::DoesNotUse, "{law:?} {name}: {:?}", evaluation.sensor_use);
-            let text = reading::read_mapping(&evaluation);
+            let text = interpretation::read_mapping(&evaluation);
             assert!(text.contains("they do not use their sensors"), "{text}");
         }
     }
@@ -99,7 +99,7 @@ fn inputs_with_information_help() {
         let (ridge, alone) =
             (evaluation.ridge.unseen.relative_rmse, evaluation.ridge_strain_only.unseen.relative_rmse);
         assert!(ridge < 0.7 * alone, "{name}: {ridge} {alone}");
-        let text = reading::read_mapping(&evaluation);
+        let text = interpretation::read_mapping(&evaluation);
         assert!(text.contains("they use their sensors, and gain by it"), "{text}");
     }
 }
@@ -115,7 +115,7 @@ fn one_or_two_unseen_runs_are_too_few_to_test() {
         for evaluation in evaluate(&dataset, &small(&["F3"], 3, "traingdx", 1e-3)) {
             assert_eq!(evaluation.sensor_use.verdict(), Verdict::TooFewRuns);
             assert_eq!(evaluation.sensor_use.with_other.is_some(), unseen > 1);
-            let text = reading::read_mapping(&evaluation);
+            let text = interpretation::read_mapping(&evaluation);
             assert!(text.contains(said), "{text}");
         }
     }
@@ -156,7 +156,7 @@ fn a_forged_constant_is_called_one() {
     let evaluation = &study.evaluate(&dataset).unwrap()[0];
     let found: Vec<bool> = evaluation.sub_models.iter().map(|sub_model| sub_model.constant).collect();
     assert_eq!(found, [false, true, false]);
-    let text = reading::read_mapping(evaluation);
+    let text = interpretation::read_mapping(evaluation);
     assert!(
         text.ends_with("The network of sub-model 2 answers with a constant: it has learned nothing."),
         "{text}"
@@ -193,14 +193,14 @@ fn networks_do_not_depend_on_threads_or_company() {
 }
 
 #[derive(Default)]
-struct Keeper {
+struct TrainingCheckpoints {
     models: Mutex<Vec<(String, Model)>>,
     heard: AtomicUsize,
     found: AtomicUsize,
     stop_after: Option<usize>,
 }
 
-impl StudyObserver for Keeper {
+impl StudyObserver for TrainingCheckpoints {
     fn progress(&self, progress: &StudyProgress) {
         assert!(progress.epoch <= progress.epochs && progress.error.is_finite());
         self.heard.fetch_add(1, Ordering::Relaxed);
@@ -224,7 +224,7 @@ impl StudyObserver for Keeper {
 fn a_stopped_study_goes_on_where_it_was() {
     let dataset = dataset(Law::Plain, 1, 0, 40);
     let options = small(&["F1"], 3, "traingdx", 1e-3);
-    let mut keeper = Keeper { stop_after: Some(2), ..Default::default() };
+    let mut keeper = TrainingCheckpoints { stop_after: Some(2), ..Default::default() };
     let error = Study::train(&dataset, &options, &keeper).unwrap_err();
     assert!(matches!(error, LearnError::Stopped { total: 6, .. }), "{error}");
     keeper.stop_after = None;
@@ -416,7 +416,7 @@ fn the_size_study_sees_that_one_neuron_is_too_few() {
     assert!(f1.points[1].median_held_out < f1.points[0].median_held_out, "{f1:?}");
     assert_eq!(f1.neurons_for_held_out, Some(5));
     assert_eq!((f1.points[0].held_out.len(), f1.points[0].unseen.len()), (2, 2));
-    let sentences = reading::read_size_study(&study);
+    let sentences = interpretation::read_size_study(&study);
     assert!(sentences.len() == 1 && sentences[0].contains("F1 needs 5 neurons"), "{sentences:?}");
 }
 
@@ -435,5 +435,5 @@ fn summary_and_speed_come_from_the_evaluation() {
     let speed = crate::antony2006::speed::measure(&study, &dataset.unseen_runs[0], 60.0, 5).unwrap();
     assert!(speed.network_seconds > 0.0 && speed.states == 40 && speed.training_seconds > 0.0);
     assert!((speed.factor * speed.network_seconds / 60.0 - 1.0).abs() < 1e-12);
-    assert!(reading::read(&study.evaluate(&dataset).unwrap(), None, Some(&speed)).len() == 2);
+    assert!(interpretation::read(&study.evaluate(&dataset).unwrap(), None, Some(&speed)).len() == 2);
 }

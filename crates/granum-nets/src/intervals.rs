@@ -2,7 +2,7 @@
 //!
 //! The Laplace approximation takes the training rows for all there is. Rows of one run share what makes that run differ from
 //! the next, so its standard deviations hold for more rows of the same runs, not for a new run. The errors that each run
-//! would have had if it had not been trained on, `e_k`, tell the difference: over the training observations of a stretch
+//! would have had if it had not been trained on, `e_k`, tell the difference: over the training observations of a segment
 //!
 //! ```text
 //! c^2 = sum of e_k^2 / sum of s_k^2
@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use crate::data::Data;
 
 /// Stretches of equal numbers of observations.
-const STRETCHES: usize = 3;
+const SEGMENTS: usize = 3;
 
 /// What the standard deviations of the Laplace approximation are multiplied with, as a function of one input.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -93,7 +93,7 @@ impl Intervals {
     }
 }
 
-/// Observations in order of their places, in groups: one for each value, or stretches where there are too many values.
+/// Observations in order of their places, in groups: one for each value, or segments where there are too many values.
 fn groups(order: &[usize], place: impl Fn(usize) -> f64) -> Vec<Vec<usize>> {
     let values: Vec<Vec<usize>> =
         order.chunk_by(|&a, &b| place(a) == place(b)).map(<[usize]>::to_vec).collect();
@@ -101,16 +101,16 @@ fn groups(order: &[usize], place: impl Fn(usize) -> f64) -> Vec<Vec<usize>> {
     if values.len() * values.len() <= order.len() {
         return values;
     }
-    let mut stretches = vec![Vec::new(); STRETCHES];
+    let mut segments = vec![Vec::new(); SEGMENTS];
     let mut before = 0;
     for value in values {
         // Observations at one place stay together, so that places rise.
-        let stretch = before * STRETCHES / order.len();
+        let segment = before * SEGMENTS / order.len();
         before += value.len();
-        stretches[stretch].extend(value);
+        segments[segment].extend(value);
     }
-    stretches.retain(|stretch| !stretch.is_empty());
-    stretches
+    segments.retain(|segment| !segment.is_empty());
+    segments
 }
 
 #[cfg(test)]
@@ -189,10 +189,10 @@ mod tests {
             || -> f64 { (0..12).map(|_| random.next_u32() as f64 / f64::from(u32::MAX)).sum::<f64>() - 6.0 };
         let (mut x, mut y, mut blocks) = (Vec::new(), Vec::new(), Vec::new());
         for run in 0..count {
-            for stretch in 0..6 {
+            for segment in 0..6 {
                 let offset = 0.05 * normal();
                 for k in 0..5 {
-                    let place = (stretch * 5 + k) as f64 / 30.0;
+                    let place = (segment * 5 + k) as f64 / 30.0;
                     x.push(place);
                     y.push(1.0 - (-4.0 * place).exp() + offset + 0.005 * normal());
                     blocks.push(run);

@@ -45,7 +45,7 @@ mod model;
 mod model_file;
 mod network;
 mod scaler;
-mod student;
+mod student_t;
 mod symmetric;
 pub mod trainer;
 mod uncertainty;

@@ -53,7 +53,7 @@ pub enum ModelError {
         /// The value.
         value: f64,
     },
-    /// Reading or writing failed.
+    /// MacroState or writing failed.
     #[error("{path}: {source}")]
     Io {
         /// The file.
@@ -386,7 +386,7 @@ impl Model {
     /// Student's quantile where the deviations were judged by blocks, else the normal one.
     pub fn quantile(&self, level: f64) -> f64 {
         let degrees = self.fit.intervals.as_ref().map_or(f64::INFINITY, |i| i.degrees_of_freedom);
-        crate::student::two_sided_quantile(level, degrees)
+        crate::student_t::two_sided_quantile(level, degrees)
     }
 
     /// Predicts one row, with what there is to say about its trustworthiness.

@@ -21,7 +21,7 @@ pub struct RunReport {
     pub run: RunRecord,
     /// What the sensors saw.
     pub record: Record,
-    /// The course of the preparation; empty where it was not recorded.
+    /// The history of the preparation; empty where it was not recorded.
     #[serde(default)]
     pub preparation: Table,
     /// The sample before shear, for pictures.

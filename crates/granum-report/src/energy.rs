@@ -1,4 +1,4 @@
-//! Where the work went: the energy ledger by mechanism.
+//! Where the work went: the energy balance by mechanism.
 
 use granum_sensors::Record;
 
@@ -15,14 +15,14 @@ const KINETIC: &str = "kinetic";
 const SHOWN: [f64; 2] = [1e-6, 2.0];
 
 /// What the boundary work became, each since the first recorded state, J.
-struct Ledger {
+struct Balance {
     strain: Vec<f64>,
     work: Vec<f64>,
     parts: Vec<(&'static str, Vec<f64>)>,
 }
 
-impl Ledger {
-    fn of(record: &Record) -> Option<Ledger> {
+impl Balance {
+    fn of(record: &Record) -> Option<Balance> {
         let rows = column(record, "deviator_strain").len();
         let since_start = |name: &str| -> Option<Vec<f64>> {
             let values = column(record, name);
@@ -45,7 +45,7 @@ impl Ledger {
         for (name, column) in [("rolling", "rolling_loss"), (ELASTIC[2], "elastic_rolling_energy")] {
             parts.extend(since_start(column).map(|values| (name, values)));
         }
-        Some(Ledger {
+        Some(Balance {
             strain: column(record, "deviator_strain").to_vec(),
             work: since_start("boundary_work")?,
             parts,
@@ -60,20 +60,20 @@ impl Ledger {
     }
 }
 
-/// Largest error of the ledger over the whole boundary work; `None` where it was not recorded.
+/// Largest error of the energy balance over the whole boundary work; `None` where it was not recorded.
 pub fn closure(record: &Record) -> Option<f64> {
-    let ledger = Ledger::of(record)?;
-    let work = ledger.work.last().copied().filter(|work| work.abs() > 0.0)?;
-    let residual = ledger.residual();
+    let balance = Balance::of(record)?;
+    let work = balance.work.last().copied().filter(|work| work.abs() > 0.0)?;
+    let residual = balance.residual();
     let all_finite = residual.iter().all(|r| r.is_finite());
     all_finite.then(|| residual.iter().fold(0.0f64, |largest, r| largest.max(r.abs())) / work.abs())
 }
 
 /// Shares of the boundary work at the end by mechanism, largest first.
 pub fn shares(record: &Record) -> Vec<(&'static str, f64)> {
-    let Some(ledger) = Ledger::of(record) else { return Vec::new() };
-    let Some(work) = ledger.work.last().copied().filter(|work| *work > 0.0) else { return Vec::new() };
-    let mut shares: Vec<(&str, f64)> = (ledger.parts.iter())
+    let Some(balance) = Balance::of(record) else { return Vec::new() };
+    let Some(work) = balance.work.last().copied().filter(|work| *work > 0.0) else { return Vec::new() };
+    let mut shares: Vec<(&str, f64)> = (balance.parts.iter())
         .filter_map(|(name, values)| Some((*name, values.last()? / work)))
         .filter(|(_, share)| share.is_finite())
         .collect();
@@ -81,28 +81,28 @@ pub fn shares(record: &Record) -> Vec<(&'static str, f64)> {
     shares
 }
 
-/// Energy by mechanism, and how well the ledger closes.
+/// Energy by mechanism, and how well the energy balance closes.
 pub fn figure(run: &RunReport) -> Option<(Figure, String)> {
-    let ledger = Ledger::of(&run.record)?;
+    let balance = Balance::of(&run.record)?;
     let axis = || strain_axis(std::slice::from_ref(run));
     let points = |values: &[f64]| -> Vec<[f64; 2]> {
-        ledger.strain.iter().zip(values).map(|(&x, &y)| [x, y]).collect()
+        balance.strain.iter().zip(values).map(|(&x, &y)| [x, y]).collect()
     };
-    let work = ledger.work.last().copied().filter(|work| *work != 0.0).unwrap_or(f64::NAN);
+    let work = balance.work.last().copied().filter(|work| *work != 0.0).unwrap_or(f64::NAN);
     let shares = |values: &[f64]| points(&values.iter().map(|value| value / work).collect::<Vec<_>>());
     // On a linear scale all but friction lie on the axis.
     let scale = Axis::new("Energy over final work").logarithmic().between(SHOWN[0], SHOWN[1]);
     let mut energies = Plot::new(axis(), scale)
-        .with(Layer::stroked(shares(&ledger.work), Stroke::new(INK, 1.6)).named("boundary work"));
-    for (k, (name, values)) in ledger.parts.iter().enumerate() {
+        .with(Layer::stroked(shares(&balance.work), Stroke::new(INK, 1.6)).named("boundary work"));
+    for (k, (name, values)) in balance.parts.iter().enumerate() {
         let stroke = match ELASTIC.iter().position(|elastic| elastic == name) {
             Some(n) => Stroke::new(color(n), 1.3).dashed(&[5.0, 3.0]),
             None => Stroke::new(if *name == KINETIC { GREY } else { color(k) }, 1.3),
         };
         energies = energies.with(Layer::stroked(shares(values), stroke).named(name));
     }
-    let error: Vec<f64> = ledger.residual().iter().map(|r| r / work).collect();
-    let closing = Plot::new(axis(), Axis::new("Gap of the ledger over final work").including(0.0))
+    let error: Vec<f64> = balance.residual().iter().map(|r| r / work).collect();
+    let closing = Plot::new(axis(), Axis::new("Gap of the energy balance over final work").including(0.0))
         .with(Layer::stroked(vec![[0.0, 0.0], [1.0, 0.0]], Stroke::new(GREY, 0.8)))
         .with(Layer::line(points(&error), color(0)));
     let panels = vec![Panel::plot(energies), Panel::plot(closing)];

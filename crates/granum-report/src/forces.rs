@@ -14,7 +14,7 @@ use super::figure::{Axis, Figure, ForceChains, Layer, Legend, Panel, Plot, Rose,
 use super::material::strain_axis;
 
 /// Rows that stand for a run: the start, the peak of the stress ratio and the end.
-pub fn telling_rows(run: &RunReport) -> Vec<(usize, &'static str)> {
+pub fn characteristic_rows(run: &RunReport) -> Vec<(usize, &'static str)> {
     let rows = run.record.series.rows();
     if rows == 0 {
         return Vec::new();
@@ -46,12 +46,12 @@ fn at_strain(run: &RunReport, row: usize, name: &str) -> String {
 pub fn distribution(run: &RunReport) -> (Figure, String) {
     let force = "Normal force *f* = *N*/⟨*N*⟩";
     let mut plot = Plot::new(Axis::new(force), Axis::new("Probability density *P*(*f*)").logarithmic());
-    for (k, (row, name)) in telling_rows(run).into_iter().enumerate() {
+    for (k, (row, name)) in characteristic_rows(run).into_iter().enumerate() {
         let Some(histogram) = run.record.forces.get(row) else { continue };
         let label = at_strain(run, row, name);
         plot = plot.with(Layer::points(density(histogram), SHAPES[k], color(k)).named(&label));
     }
-    if let Some(&(row, _)) = telling_rows(run).last() {
+    if let Some(&(row, _)) = characteristic_rows(run).last() {
         let fits = tail_fits(run, row);
         for (points, name, dash) in fits {
             let stroke = Stroke::new("#333333", 1.2).dashed(dash);
@@ -119,7 +119,7 @@ pub fn roses(run: &RunReport) -> (Figure, String) {
             .collect()
     };
     let mut roses: Vec<(Rose, String)> = Vec::new();
-    for (row, name) in telling_rows(run) {
+    for (row, name) in characteristic_rows(run) {
         let number = columns("rose_", row);
         let force = number.iter().zip(columns("rose_force_", row)).map(|(n, f)| n * f).collect();
         let series = vec![

@@ -119,14 +119,16 @@ fn many_runs_tile(study: &StudyReport) -> Option<[String; 3]> {
 pub fn findings(study: &StudyReport) -> Vec<String> {
     let mut out = Vec::new();
     if let Some(curve) = &study.summary.learning_curve {
-        out.extend(curve.reading().iter().map(|text| symbols::markup(text)));
+        out.extend(curve.interpretation().iter().map(|text| symbols::markup(text)));
     }
     out.extend(errors_sentence(study));
     out.extend(sensors_sentence(study));
     out.extend(scatter_sentence(study));
     if let Some(size) = &study.summary.size_study {
         out.extend(
-            granum_learn::antony2006::reading::read_size_study(size).iter().map(|text| symbols::markup(text)),
+            granum_learn::antony2006::interpretation::read_size_study(size)
+                .iter()
+                .map(|text| symbols::markup(text)),
         );
     }
     let speed = &study.summary.speed;
@@ -137,7 +139,7 @@ pub fn findings(study: &StudyReport) -> Vec<String> {
             factor(speed.factor)
         ));
     }
-    out.extend(sample::reading(&study.runs).into_iter().nth(1));
+    out.extend(sample::interpretation(&study.runs).into_iter().nth(1));
     out
 }
 
@@ -253,7 +255,7 @@ mod tests {
     use super::*;
     use granum_learn::Summary;
     use granum_learn::antony2006::summary::PartScores;
-    use granum_learn::student::PairedTest;
+    use granum_learn::student_t::PairedTest;
 
     fn mapping(unseen: f64, best: f64, verdict: Verdict) -> MappingSummary {
         MappingSummary {

@@ -14,7 +14,7 @@ pub fn section(page: &mut Page, curve: &LearningCurve) -> Markup {
     let figure = page.own_figure("more-runs", &caption, &figure);
     let label = page.own_table_label();
     let table = table(&label, curve).html();
-    let sentences: Vec<String> = curve.reading().iter().map(|text| symbols::markup(text)).collect();
+    let sentences: Vec<String> = curve.interpretation().iter().map(|text| symbols::markup(text)).collect();
     html! {
         (paragraphs(&[
             "The paper trained on one run. On one path of one sample every quantity is a function of strain, and a sensor \

@@ -1,6 +1,6 @@
 //! Numbers as people read them.
 
-use granum_learn::student::PairedTest;
+use granum_learn::student_t::PairedTest;
 
 use super::figure::ticks::fixed;
 

@@ -23,7 +23,7 @@ fn points(run: &RunReport, phase: usize, x: &str, y: &str) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Compression curve and unbalanced force; none where the course of the preparation was not recorded.
+/// Compression curve and unbalanced force; none where the history of the preparation was not recorded.
 pub fn figure(run: &RunReport) -> Option<(Figure, String)> {
     if run.preparation.rows() == 0 {
         return None;

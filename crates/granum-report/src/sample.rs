@@ -38,7 +38,7 @@ pub fn nearest_definition(runs: &[RunReport]) -> Option<(&'static str, f64)> {
 }
 
 /// Which definition comes nearest, and what cannot be met together, in sentences.
-pub fn reading(runs: &[RunReport]) -> Vec<String> {
+pub fn interpretation(runs: &[RunReport]) -> Vec<String> {
     let (Some(solid), Some((name, nearest))) = (mean_start(runs, "solid_fraction"), nearest_definition(runs))
     else {
         return Vec::new();
@@ -211,13 +211,14 @@ mod tests {
     fn the_nearest_definition_is_named_and_the_rest_said() {
         let runs = [run(0.610, 5.2, 4.83)];
         assert_eq!(nearest_definition(&runs).unwrap().1, 4.83);
-        assert!(reading(&runs)[1].contains("both met"));
+        assert!(interpretation(&runs)[1].contains("both met"));
         let runs = [run(0.608, 5.4, 5.1), run(0.612, 5.4, 5.1)];
         assert!(
-            reading(&runs)[1].contains("not reached together") && reading(&runs)[1].contains("0.30 above")
+            interpretation(&runs)[1].contains("not reached together")
+                && interpretation(&runs)[1].contains("0.30 above")
         );
-        assert!(reading(&[run(0.58, 4.8, 4.0)])[1].contains("0.030 below"));
-        assert!(reading(&[run(0.58, 4.0, 3.0)])[1].starts_with("Neither"));
-        assert!(reading(&[]).is_empty() && table("T", &[]).is_none());
+        assert!(interpretation(&[run(0.58, 4.8, 4.0)])[1].contains("0.030 below"));
+        assert!(interpretation(&[run(0.58, 4.0, 3.0)])[1].starts_with("Neither"));
+        assert!(interpretation(&[]).is_empty() && table("T", &[]).is_none());
     }
 }

@@ -36,7 +36,7 @@ pub fn report(study: &StudyReport) -> Document {
     networks_section(&mut page, study);
     tables_section(&mut page, study);
     claims_section(&mut page, study);
-    reading_section(&mut page, study);
+    interpretation_section(&mut page, study);
     sample_section(&mut page, study);
     material_sections(&mut page, study);
     let trust = trust::section(&mut page, &study.runs);
@@ -134,7 +134,7 @@ fn claims_section(page: &mut Page, study: &StudyReport) {
         .summary
         .size_study
         .iter()
-        .flat_map(granum_learn::antony2006::reading::read_size_study)
+        .flat_map(granum_learn::antony2006::interpretation::read_size_study)
         .map(|sentence| symbols::markup(&sentence))
         .collect();
     let speed = &study.summary.speed;
@@ -154,16 +154,16 @@ fn claims_section(page: &mut Page, study: &StudyReport) {
         @else { p { "The sizes were not compared in this study." } }
         h3 { "The network answers faster than DEM" }
         (table.html())
-        (paragraphs(&[symbols::markup(&granum_learn::antony2006::reading::read_speed(speed))]))
+        (paragraphs(&[symbols::markup(&granum_learn::antony2006::interpretation::read_speed(speed))]))
     };
     page.section("claims", "The paper\u{2019}s claims, measured", body);
 }
 
-fn reading_section(page: &mut Page, study: &StudyReport) {
+fn interpretation_section(page: &mut Page, study: &StudyReport) {
     // Size and speed have a section of their own.
     let elsewhere: Vec<String> = (study.summary.size_study.iter())
-        .flat_map(granum_learn::antony2006::reading::read_size_study)
-        .chain([granum_learn::antony2006::reading::read_speed(&study.summary.speed)])
+        .flat_map(granum_learn::antony2006::interpretation::read_size_study)
+        .chain([granum_learn::antony2006::interpretation::read_speed(&study.summary.speed)])
         .collect();
     let sentences: Vec<String> = (study.summary.reading.iter())
         .filter(|sentence| !elsewhere.contains(sentence))
@@ -187,7 +187,7 @@ fn reading_section(page: &mut Page, study: &StudyReport) {
 fn sample_section(page: &mut Page, study: &StudyReport) {
     let label = page.own_table_label();
     let body = html! {
-        (paragraphs(&sample::reading(&study.runs)))
+        (paragraphs(&sample::interpretation(&study.runs)))
         @if let Some(table) = sample::table(&label, &study.runs) { (table.html()) }
     };
     page.section("sample", "The sample and the test, beside the paper\u{2019}s", body);

@@ -58,7 +58,7 @@ const NAMES: [(&str, &str, bool); 18] = [
     ("inertial_number", "Inertial number", false),
     ("unbalanced_force", "Unbalanced force over the mean contact force", false),
     ("largest_overlap", "Largest overlap over the sum of the radii", true),
-    ("energy_gap", "Energy ledger, gap over boundary work", true),
+    ("energy_gap", "Energy balance, gap over boundary work", true),
     ("momentum_drift", "Net momentum over the sum of momenta", false),
     ("time_step_fraction", "Time step over √(*m*/*k*) of the stiffest contact", false),
     ("mean_stress_lost", "Mean stress lost at the end", true),
@@ -119,10 +119,10 @@ fn energy_sentence(run: &RunReport) -> Option<String> {
     let judged = run.run.quality.iter().find(|flag| flag.name == "energy_gap").map(|flag| flag.value);
     let closes = match judged {
         Some(gap) => {
-            format!("At the end the ledger closes to {} of that work (the check above)", percent(gap))
+            format!("At the end the energy balance closes to {} of that work (the check above)", percent(gap))
         }
         None => format!(
-            "At no recorded state does the ledger miss more than {} of that work",
+            "At no recorded state does the energy balance miss more than {} of that work",
             percent(energy::closure(&run.record)?)
         ),
     };

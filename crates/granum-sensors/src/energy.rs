@@ -1,7 +1,7 @@
-//! Energy by mechanism, J: what is stored now, and the ledger of what was worked and lost since the start of the
+//! Energy by mechanism, J: what is stored now, and the energy balance of what was worked and lost since the start of the
 //! phase.
 //!
-//! The ledger closes: `boundary_work = change of (kinetic + elastic normal) + tangential_work + damping + adhesion made +
+//! The energy balance closes: `boundary_work = change of (kinetic + elastic normal) + tangential_work + damping + adhesion made +
 //! adhesion broken`, where the normal energy counts that of the joined surfaces. The tangential work is stored, slid or
 //! slipped: `tangential_work = change of elastic tangential + friction + micro-slip`; each is found by itself, so that
 //! what is missing here is the inconsistency of the tangential law (none without micro-slip). Where contacts resist rolling,
@@ -12,7 +12,7 @@ use crate::{Look, Sensor, SensorColumn};
 /// The sensor.
 pub const SENSOR: Sensor = Sensor {
     name: "energy",
-    description: "stored energies and the ledger of work and losses since the start of the phase",
+    description: "stored energies and the energy balance of work and losses since the start of the phase",
     columns: &[
         SensorColumn::new("kinetic_energy", "J", "of the fluctuating velocities and the spins"),
         SensorColumn::new(
@@ -63,18 +63,18 @@ fn measure(look: &Look, row: &mut Vec<f64>) {
         normal += contact.normal_energy;
         tangential += contact.tangential_energy;
     }
-    let ledger = &look.assembly.energy;
+    let balance = &look.assembly.energy;
     row.extend([
         kinetic_energy(look),
         normal,
         tangential,
-        ledger.boundary_work,
-        ledger.tangential_work,
-        ledger.friction,
-        ledger.micro_slip,
-        ledger.damping,
-        ledger.adhesion_made,
-        ledger.adhesion_broken,
+        balance.boundary_work,
+        balance.tangential_work,
+        balance.friction,
+        balance.micro_slip,
+        balance.damping,
+        balance.adhesion_made,
+        balance.adhesion_broken,
     ]);
 }
 

@@ -2,7 +2,7 @@
 
 use granum_core::assembly::Assembly;
 use granum_dem::config::{Recording, Spacing};
-use granum_dem::loading::{self, Measure, Reading};
+use granum_dem::loading::{self, MacroState, Measure};
 use serde::{Deserialize, Serialize};
 
 use crate::force_distribution::ForceHistogram;
@@ -273,8 +273,8 @@ impl Recorder {
     /// have added it up in another order.
     pub fn look(&mut self, assembly: &Assembly) {
         let reading = match self.measure.needs_stress() {
-            true => Reading::of(assembly),
-            false => Reading::without_stress(assembly),
+            true => MacroState::of(assembly),
+            false => MacroState::without_stress(assembly),
         };
         let strain = self.measure.of(&reading) - self.origin + self.tolerance();
         if strain.is_nan() || strain < self.next_look() {

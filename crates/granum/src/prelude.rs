@@ -22,7 +22,7 @@ pub use granum_dem::config::{
     Contact, Grains, Material, NormalKind, Preparation, Recording, RollingKind, Shear, TangentialKind,
 };
 pub use granum_dem::servo::Control;
-pub use granum_dem::simulation::{Hardware, Properties, Simulation, Site};
+pub use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation};
 pub use granum_io::formats::{Formats, PackingFormat, TableFormat};
 pub use granum_io::packing::{PackedGrain, Packing};
 pub use granum_io::{

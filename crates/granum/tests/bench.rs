@@ -93,7 +93,7 @@ fn one_stretch_of_given_steps_is_its_own_mean() {
     let done = run(folder.path(), &[&flags[..], &["--threads", "1", "--seconds", "0.05"]].concat());
     let figure = &json(&stdout(&done))["dem"][0];
     let value = |name: &str| figure[name].as_f64().unwrap();
-    // One stretch alone is its own mean but for rounding.
+    // One segment alone is its own mean but for rounding.
     let best = value("grain_steps_per_second") * (1.0 + 1e-12);
     assert!(value("mean_grain_steps_per_second") <= best, "{figure}");
 }

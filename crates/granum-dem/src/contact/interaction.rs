@@ -1,4 +1,4 @@
-//! One step of one contact, or of eight: kinematics, turning of the history, laws, dashpots, ledger.
+//! One step of one contact, or of eight: kinematics, turning of the history, laws, dashpots, energy balance.
 //!
 //! The kernel of the engine, `granum pair` and `granum impact` all run this one function.
 

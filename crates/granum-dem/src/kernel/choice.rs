@@ -67,7 +67,7 @@ mod tests {
     use super::*;
     use crate::config::{Grains, Material};
     use crate::contact::registry::sets;
-    use crate::gas::gas;
+    use crate::random_insertion::random_insertion;
     use crate::servo::Control;
     use crate::simulation::{Properties, Simulation};
 
@@ -75,12 +75,13 @@ mod tests {
     #[test]
     fn both_ways_of_calling_laws_give_the_same_bits() {
         for spread in [0.0, 0.3] {
-            let (cell, sites) = gas(&Grains { count: 120, spread, ..Grains::default() }, 0.35, 3).unwrap();
+            let (cell, spheres) =
+                random_insertion(&Grains { count: 120, spread, ..Grains::default() }, 0.35, 3).unwrap();
             for contact in sets().into_iter().filter(|set| !set.rolling.law().acts()) {
                 let properties = Properties { material: Material::default(), contact };
                 let run = |stages: Option<Stages>| {
-                    let mut s = Simulation::new(cell, &sites, properties).unwrap();
-                    s.machine.stages = stages.unwrap_or(s.machine.stages);
+                    let mut s = Simulation::new(cell, &spheres, properties).unwrap();
+                    s.integrator.stages = stages.unwrap_or(s.integrator.stages);
                     s.set_control(Control::isotropic(20e3, 3e4));
                     s.advance(3000).unwrap();
                     s

@@ -1,7 +1,7 @@
 //! The contact stage: batches of eight pairs add to the force rows of their grains.
 //!
-//! A contact waits for its own intermediate results most of the time, so that two batches run side by side where the
-//! processor has the registers.
+//! The arithmetic of one contact is a long chain in which every operation waits for the one before. Two batches are
+//! therefore evaluated side by side where the processor has enough registers.
 
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -28,7 +28,7 @@ pub(crate) struct ContactStage<'a, S, C> {
     pub(crate) laws: PhantomData<(S, C)>,
 }
 
-/// What the kernel holds for all batches of a stage.
+/// Values that are the same for all batches of a stage.
 struct Common<L: Lanes> {
     gradient: [[L; 3]; 3],
     dt: L,
@@ -57,10 +57,10 @@ impl<S: StageLaws, C: ConstantSource> Kernel for ContactStage<'_, S, C> {
             alike: v.alike.splat(),
         };
         // SAFETY: grains are only read in this stage.
-        let mass = unsafe { v.place.read()[0].0[7] };
+        let mass = unsafe { v.particles.read()[0].0[7] };
         let mut discarded = Discarded::new();
-        let mut approaches = [Approach::<L>::none(); 2];
-        let mut twos = [[Approach::<L>::none(); 2]; 2];
+        let mut pair_batches = [PairBatch::<L>::none(); 2];
+        let mut twos = [[PairBatch::<L>::none(); 2]; 2];
         let mut pushes = [Push::<L, S::Couples<L>>::none(); 2];
         for k in self.blocks {
             // SAFETY: blocks are only read; their rows of forces belong to the thread that works on the block.
@@ -70,7 +70,7 @@ impl<S: StageLaws, C: ConstantSource> Kernel for ContactStage<'_, S, C> {
             }
             let order = Order::of(block);
             let mut totals = Totals { sums: [L::zero(); SUMS], fastest: L::zero(), discarded: L::zero() };
-            let account = laws.discards() && v.account != 0.0;
+            let sampled = laws.discards() && v.sampling_weight != 0.0;
             let mut waiting = 0;
             let mut coming = coming_rows(v, k);
             let pairs = if L::PAIRED { order.touching / 2 } else { 0 };
@@ -81,18 +81,19 @@ impl<S: StageLaws, C: ConstantSource> Kernel for ContactStage<'_, S, C> {
                 for row in coming.by_ref().take(2 * ROWS_AHEAD) {
                     v.forces.prefetch(row as usize);
                 }
-                // The rows of the next two are on their way while the laws of these are at work.
+                // The grains of the next two batches are loaded while the laws of these two are evaluated.
                 if p + 1 < pairs {
                     touching_pair::<L, S, C>(v, &laws, &order, 2 * p + 2, &common, &mut twos[(p + 1) % 2]);
                 }
-                // What the last two did comes late: nothing waits for it, and it waits for the end of their laws.
+                // The forces of the previous two batches are added only now: no later operation depends on them, and
+                // at once they would have to wait for the end of the evaluation of their laws.
                 if p > 0 {
                     pushes[0].add(v);
                     pushes[1].add(v);
                 }
-                let put = account.then_some(&mut discarded);
+                let put = sampled.then_some(&mut discarded);
                 pushes = pair::<L, S, C>(v, &laws, &twos[p % 2], &common, &mut totals, put);
-                while account && discarded.is_full() {
+                while sampled && discarded.is_full() {
                     totals.discarded = totals.discarded + discarded.take::<L, S>(&laws);
                 }
             }
@@ -106,33 +107,33 @@ impl<S: StageLaws, C: ConstantSource> Kernel for ContactStage<'_, S, C> {
                     v.forces.prefetch(row as usize);
                 }
                 if !last {
-                    let slot = &mut approaches[waiting];
+                    let slot = &mut pair_batches[waiting];
                     let close = if turn < order.within {
-                        approach::<L, S, C, false, true>(v, &laws, &order, turn, &common, slot)
+                        near_batch::<L, S, C, false, true>(v, &laws, &order, turn, &common, slot)
                     } else {
-                        approach::<L, S, C, true, true>(v, &laws, &order, turn, &common, slot)
+                        near_batch::<L, S, C, true, true>(v, &laws, &order, turn, &common, slot)
                     };
                     waiting += usize::from(close);
                 }
-                let put = account.then_some(&mut discarded);
+                let put = sampled.then_some(&mut discarded);
                 if waiting == 2 {
-                    for push in pair::<L, S, C>(v, &laws, &approaches, &common, &mut totals, put) {
+                    for push in pair::<L, S, C>(v, &laws, &pair_batches, &common, &mut totals, put) {
                         push.add(v);
                     }
                     waiting = 0;
                 } else if waiting == 1 && (last || !L::PAIRED) {
-                    alone::<L, S, C>(v, &laws, &approaches[0], &common, &mut totals, put).add(v);
+                    alone::<L, S, C>(v, &laws, &pair_batches[0], &common, &mut totals, put).add(v);
                     waiting = 0;
                 }
-                while account && discarded.is_full() {
+                while sampled && discarded.is_full() {
                     totals.discarded = totals.discarded + discarded.take::<L, S>(&laws);
                 }
             }
-            if account {
+            if sampled {
                 totals.discarded = totals.discarded + discarded.take::<L, S>(&laws);
             }
             let Totals { mut sums, fastest, discarded: lost } = totals;
-            sums[15] = lost.mul_add(L::splat(v.account), sums[15]);
+            sums[15] = lost.mul_add(L::splat(v.sampling_weight), sums[15]);
             let s = reduced(&sums);
             // SAFETY: this thread alone works on this block in this stage.
             let target = unsafe { &mut v.contact_sums.write(k..k + 1)[0] };
@@ -156,7 +157,7 @@ impl<S: StageLaws, C: ConstantSource> Kernel for ContactStage<'_, S, C> {
     }
 }
 
-/// The batches of a block that are looked at, one after the other.
+/// The order in which the batches of a block are evaluated.
 struct Order {
     /// First batch within the cell, first batch with images, first batch of the next block.
     first: [usize; 3],
@@ -171,11 +172,11 @@ impl Order {
     #[inline(always)]
     fn of(block: &Block) -> Order {
         let first = block.batches.map(|b| b as usize);
-        let [within, across] = [0, 1].map(|zone| block.watched[zone] as usize - first[zone]);
+        let [within, across] = [0, 1].map(|zone| block.inner_ends[zone] as usize - first[zone]);
         Order { first, within, touching: block.touching as usize, count: within + across }
     }
 
-    /// The batch whose turn it is; beyond the last those of the next block.
+    /// The batch at a position of the order; positions beyond the last give batches of the next block.
     #[inline(always)]
     fn batch(&self, turn: usize) -> usize {
         let [within, across, next] = self.first;
@@ -201,24 +202,25 @@ fn reduced<L: Lanes>(sums: &[L; SUMS]) -> [f64; SUMS_OF_EIGHT] {
     reduced
 }
 
-/// Sums of a block on their way.
+/// Sums over a block while it is being evaluated.
 struct Totals<L> {
     sums: [L; SUMS],
     fastest: L,
-    /// What went with histories that laws discarded: apart, since how many batches are put down before it is taken differs.
+    /// Energy of discarded histories, J. It has a sum of its own, because the number of batches that are collected before
+    /// it is evaluated varies.
     discarded: L,
 }
 
-/// A batch of which some pairs touch or did, and how its grains move.
+/// A batch in which at least one pair touches or touched in the step before, with the relative motion of its grains.
 #[derive(Clone, Copy)]
-struct Approach<L> {
+struct PairBatch<L> {
     batch: usize,
     kinematics: Kinematics<L>,
     /// Smaller mass of the two grains, kg; zero where all are alike.
     mass: L,
 }
 
-/// Rows of constants that a batch has.
+/// Number of rows of constants that are stored for each batch.
 #[inline(always)]
 fn constants_kept<S: StageLaws>(laws: &S) -> usize {
     if laws.has_moments() { PairConstants::COUNT } else { PairConstants::WITHOUT_MOMENTS }
@@ -241,7 +243,7 @@ fn constants_of<L: Lanes, S: StageLaws, C: ConstantSource>(
     }
 }
 
-impl<L: Lanes> Approach<L> {
+impl<L: Lanes> PairBatch<L> {
     #[inline(always)]
     fn none() -> Self {
         let three = [L::zero(); 3];
@@ -252,25 +254,26 @@ impl<L: Lanes> Approach<L> {
             mean_spin: three,
             relative_spin: three,
         };
-        Approach { batch: 0, kinematics, mass: L::zero() }
+        PairBatch { batch: 0, kinematics, mass: L::zero() }
     }
 }
 
-/// Looks at the grains of a batch; false, and nothing put down, if it is to be tested and no pair touches or did.
+/// Loads the grains of a batch. Returns false, and leaves `slot` as it is, if the batch is to be tested and no pair touches
+/// now or did in the step before.
 #[inline(always)]
-fn approach<L: Lanes, S: StageLaws, C: ConstantSource, const IMAGE: bool, const TESTED: bool>(
+fn near_batch<L: Lanes, S: StageLaws, C: ConstantSource, const IMAGE: bool, const TESTED: bool>(
     v: &Views,
     laws: &S,
     order: &Order,
     turn: usize,
     common: &Common<L>,
-    slot: &mut Approach<L>,
+    slot: &mut PairBatch<L>,
 ) -> bool {
     let b = order.batch(turn);
     // SAFETY: grains and lists are only read in this stage; marks of a batch belong to the thread that works on its block.
-    let (place, spin, i, j, touched) = unsafe {
+    let (particles, spin, i, j, touched) = unsafe {
         (
-            &v.place.read()[..v.grains + 2],
+            &v.particles.read()[..v.grains + 2],
             &v.spin.read()[..v.grains + 2],
             &v.first.read()[b],
             &v.second.read()[b],
@@ -284,7 +287,7 @@ fn approach<L: Lanes, S: StageLaws, C: ConstantSource, const IMAGE: bool, const 
         );
         fetch_ahead::<C>(v, later, lists, columns_of(laws), constants_kept(laws));
     }
-    let apart = L::differences8(place, i, j);
+    let apart = L::differences8(particles, i, j);
     let mut branch = [apart[0], apart[1], apart[2]];
     if IMAGE {
         // SAFETY: only read in this stage.
@@ -303,7 +306,7 @@ fn approach<L: Lanes, S: StageLaws, C: ConstantSource, const IMAGE: bool, const 
     let velocity = [apart[4] + affine[0], apart[5] + affine[1], apart[6] + affine[2]];
     let (rolling, mean_spin, mass);
     if C::by_batch(v) {
-        let (a, c) = (L::gather8(place, i), L::gather8(place, j));
+        let (a, c) = (L::gather8(particles, i), L::gather8(particles, j));
         let (wa, wc) = (L::gather4(spin, i), L::gather4(spin, j));
         let lever = constants.inverse_radius_sum;
         rolling = std::array::from_fn(
@@ -364,12 +367,12 @@ fn load_memory<R: Real, S: StageLaws>(laws: &S, load: impl Fn(usize) -> R) -> Me
 fn alone<L: Lanes, S: StageLaws, C: ConstantSource>(
     v: &Views,
     laws: &S,
-    approach: &Approach<L>,
+    pair_batch: &PairBatch<L>,
     common: &Common<L>,
     totals: &mut Totals<L>,
     discarded: Option<&mut Discarded>,
 ) -> Push<L, S::Couples<L>> {
-    let b = approach.batch;
+    let b = pair_batch.batch;
     let constants = constants_of::<L, S, C>(v, laws, b, common);
     // SAFETY: this thread works on the batch's block.
     let rows = unsafe { v.memory.write(rows_of(laws, b)) };
@@ -378,13 +381,13 @@ fn alone<L: Lanes, S: StageLaws, C: ConstantSource>(
         #[inline(always)]
         |c| L::load(&rows[c].0),
     );
-    let out = laws.interact(&constants, &approach.kinematics, common.dt, &mut memory);
+    let out = laws.interact(&constants, &pair_batch.kinematics, common.dt, &mut memory);
     if let Some(discarded) = discarded {
         // Before the new memory is written over the old.
         let history = &rows[NORMAL_COLUMNS..];
         discarded.put(out.discards.bits(), &constants.tangential, out.tangential_stiffness, history);
     }
-    settle::<L, L, S, C, Whole>(v, laws, approach, common, &constants, &memory, &out, totals)
+    finish_batch::<L, L, S, C, Whole>(v, laws, pair_batch, common, &constants, &memory, &out, totals)
 }
 
 #[inline(always)]
@@ -397,12 +400,12 @@ fn beside<L: Lanes>(a: [L; 3], b: [L; 3]) -> [Twice<L>; 3] {
 fn pair<L: Lanes, S: StageLaws, C: ConstantSource>(
     v: &Views,
     laws: &S,
-    approaches: &[Approach<L>; 2],
+    pair_batches: &[PairBatch<L>; 2],
     common: &Common<L>,
     totals: &mut Totals<L>,
     discarded: Option<&mut Discarded>,
 ) -> [Push<L, S::Couples<L>>; 2] {
-    let [x, y] = approaches;
+    let [x, y] = pair_batches;
     let own = [
         constants_of::<L, S, C>(v, laws, x.batch, common),
         constants_of::<L, S, C>(v, laws, y.batch, common),
@@ -432,8 +435,8 @@ fn pair<L: Lanes, S: StageLaws, C: ConstantSource>(
         discarded.put(out.discards.1.bits(), &own[1].tangential, stiffness.1, &q[NORMAL_COLUMNS..]);
     }
     [
-        settle::<L, Twice<L>, S, C, First>(v, laws, x, common, &own[0], &memory, &out, totals),
-        settle::<L, Twice<L>, S, C, Second>(v, laws, y, common, &own[1], &memory, &out, totals),
+        finish_batch::<L, Twice<L>, S, C, First>(v, laws, x, common, &own[0], &memory, &out, totals),
+        finish_batch::<L, Twice<L>, S, C, Second>(v, laws, y, common, &own[1], &memory, &out, totals),
     ]
 }
 
@@ -445,10 +448,10 @@ fn touching_pair<L: Lanes, S: StageLaws, C: ConstantSource>(
     order: &Order,
     turn: usize,
     common: &Common<L>,
-    slots: &mut [Approach<L>; 2],
+    slots: &mut [PairBatch<L>; 2],
 ) {
     for (k, slot) in slots.iter_mut().enumerate() {
-        approach::<L, S, C, false, false>(v, laws, order, turn + k, common, slot);
+        near_batch::<L, S, C, false, false>(v, laws, order, turn + k, common, slot);
     }
 }
 
@@ -491,19 +494,19 @@ impl<L: Lanes> Part<L, Twice<L>> for Second {
     }
 }
 
-/// Puts down what a batch remembers, and adds what it does to forces and sums.
+/// Stores the history of a batch and adds its contributions to the sums; returns the forces to be added to its grains.
 #[inline(always)]
-fn settle<L: Lanes, R: Real, S: StageLaws, C: ConstantSource, P: Part<L, R>>(
+fn finish_batch<L: Lanes, R: Real, S: StageLaws, C: ConstantSource, P: Part<L, R>>(
     v: &Views,
     laws: &S,
-    approach: &Approach<L>,
+    pair_batch: &PairBatch<L>,
     common: &Common<L>,
     constants: &PairConstants<L>,
     memory: &Memory<R>,
     out: &Interaction<R>,
     totals: &mut Totals<L>,
 ) -> Push<L, S::Couples<L>> {
-    let b = approach.batch;
+    let b = pair_batch.batch;
     // SAFETY: memory and marks of a batch belong to the thread that works on its block.
     let (rows, marks) = unsafe { (v.memory.write(rows_of(laws, b)), &mut v.marks.write(b..b + 1)[0]) };
     for k in 0..NORMAL_COLUMNS {
@@ -524,7 +527,7 @@ fn settle<L: Lanes, R: Real, S: StageLaws, C: ConstantSource, P: Part<L, R>>(
     *marks = Marks { touched: touching, sliding: P::mask(out.sliding).bits() as u8 };
     let force = [P::of(out.force[0]), P::of(out.force[1]), P::of(out.force[2])];
     let moment = [P::of(out.moment[0]), P::of(out.moment[1]), P::of(out.moment[2])];
-    let branch = approach.kinematics.branch;
+    let branch = pair_batch.kinematics.branch;
     for r in 0..3 {
         let pull = -P::of(out.elastic[r]);
         for k in 0..3 {
@@ -541,7 +544,7 @@ fn settle<L: Lanes, R: Real, S: StageLaws, C: ConstantSource, P: Part<L, R>>(
     sums[14] = sums[14] + P::of(out.normal_force).abs();
     sums[15] = sums[15] + P::of(out.micro_slip_loss);
     let stiffness = P::of(out.step_stiffness);
-    totals.fastest = totals.fastest.max(if C::by_batch(v) { stiffness / approach.mass } else { stiffness });
+    totals.fastest = totals.fastest.max(if C::by_batch(v) { stiffness / pair_batch.mass } else { stiffness });
     let mut couples = S::Couples::<L>::none();
     if S::MAY_HAVE_MOMENTS && laws.has_moments() {
         sums[18] = sums[18] + P::of(out.moment_work);
@@ -560,9 +563,10 @@ fn settle<L: Lanes, R: Real, S: StageLaws, C: ConstantSource, P: Part<L, R>>(
 #[inline(always)]
 fn inverse_radii<L: Lanes>(v: &Views, b: usize) -> [L; 2] {
     // SAFETY: grains and lists are only read in this stage.
-    let (place, i, j) = unsafe { (&v.place.read()[..v.grains + 2], &v.first.read()[b], &v.second.read()[b]) };
+    let (particles, i, j) =
+        unsafe { (&v.particles.read()[..v.grains + 2], &v.first.read()[b], &v.second.read()[b]) };
     [i, j].map(
         #[inline(always)]
-        |grains| L::splat(1.0) / L::load(&grains.map(|g| place[g as usize].0[3])),
+        |grains| L::splat(1.0) / L::load(&grains.map(|g| particles[g as usize].0[3])),
     )
 }

@@ -33,7 +33,7 @@ pub(super) fn fetch_ahead<C: ConstantSource>(
     let (first, second) = unsafe { (v.first.read(), v.second.read()) };
     if let (Some(i), Some(j)) = (first.get(later), second.get(later)) {
         for &grain in j.iter().chain(&i[LANES - 1..]) {
-            v.place.prefetch(grain as usize);
+            v.particles.prefetch(grain as usize);
             v.spin.prefetch(grain as usize);
         }
     }

@@ -24,17 +24,17 @@ impl Kernel for GrainStage<'_> {
             // works on it.
             let [start, end] = unsafe { v.blocks.read()[k] }.grains;
             let range = start as usize..end as usize;
-            let (forces, offsets, outer, place, spin) = unsafe {
+            let (forces, offsets, outer, particles, spin) = unsafe {
                 (
                     v.forces.read(),
                     v.outer_offsets.read(),
                     v.outer.read(),
-                    v.place.write(range.clone()),
+                    v.particles.write(range.clone()),
                     v.spin.write(range.clone()),
                 )
             };
             let mut fastest = 0.0f64;
-            let equal = v.equal.then(|| kicks(v, &place[0]));
+            let equal = v.equal.then(|| kicks(v, &particles[0]));
             for (n, g) in range.enumerate() {
                 if v.far {
                     fetch_ahead(v, outer, offsets[g] as usize, g + AHEAD);
@@ -42,9 +42,9 @@ impl Kernel for GrainStage<'_> {
                 let total = resultant::<L>(forces, offsets, outer, g);
                 let [kick, turn] = equal.unwrap_or_else(
                     #[inline(always)]
-                    || kicks(v, &place[n]),
+                    || kicks(v, &particles[n]),
                 );
-                let square = advance_grain(&drift, kick, turn, &total, &mut place[n], &mut spin[n]);
+                let square = advance_grain(&drift, kick, turn, &total, &mut particles[n], &mut spin[n]);
                 fastest = larger(fastest, square);
             }
             // SAFETY: this thread alone works on this block.
@@ -60,7 +60,7 @@ const AHEAD: usize = 12;
 #[inline(always)]
 fn fetch_ahead(v: &Views, outer: &[u32], from: usize, later: usize) {
     v.forces.prefetch(later);
-    v.place.prefetch(later);
+    v.particles.prefetch(later);
     v.spin.prefetch(later);
     for &row in outer.iter().skip(from + AHEAD).take(2) {
         v.forces.prefetch(row as usize);
@@ -87,10 +87,10 @@ pub(crate) fn resultant<L: Lanes>(forces: &[Row8], offsets: &[u32], outer: &[u32
 
 /// What turns the force on a grain into a change of its velocity, and torque over radius into one of its spin.
 #[inline(always)]
-fn kicks(v: &Views, place: &Row8) -> [f64; 2] {
-    let kick = v.dt / place.0[7];
+fn kicks(v: &Views, particle: &Row8) -> [f64; 2] {
+    let kick = v.dt / particle.0[7];
     // Torque = R * moment and inertia = 2/5 m R^2.
-    [kick, 2.5 * kick / place.0[3]]
+    [kick, 2.5 * kick / particle.0[3]]
 }
 
 /// What a step does to every grain, entry by entry: the fourth of a row stays as it is.
@@ -121,11 +121,11 @@ fn advance_grain(
     kick: f64,
     turn: f64,
     total: &[f64; 8],
-    place: &mut Row8,
+    particle: &mut Row8,
     spin: &mut Row4,
 ) -> f64 {
     let Drift { gradient: [gx, gy, gz], dt, retain } = drift;
-    let p = &mut place.0;
+    let p = &mut particle.0;
     let [x, y, z] = [p[0], p[1], p[2]];
     let mut velocity = [0.0; 4];
     for k in 0..4 {

@@ -9,9 +9,9 @@ mod contacts;
 mod fetch;
 mod grains;
 mod laws;
+mod prune;
 mod push;
 mod source;
-mod watch;
 
 use serde::{Deserialize, Serialize};
 
@@ -27,8 +27,8 @@ pub(crate) use choice::{Stage, Stages};
 pub(crate) use contacts::ContactStage;
 pub(crate) use grains::{GrainStage, larger, resultant};
 pub(crate) use laws::{AnyLaws, StageLaws};
+pub(crate) use prune::{InnerList, Nearness, PruneStage};
 pub(crate) use source::{Alike, AlikeOrByBatch, ByBatch, ConstantSource};
-pub(crate) use watch::{Nearness, Watch, WatchStage};
 
 /// Columns of memory before the laws' own: the old normal.
 pub(crate) const NORMAL_COLUMNS: usize = 3;
@@ -90,11 +90,11 @@ impl ContactSums {
     }
 }
 
-/// What the threads see of the state during the stages of a step.
+/// The arrays of the state that the threads share during the stages of a step.
 #[derive(Clone, Copy)]
 pub(crate) struct Views {
     pub(crate) grains: usize,
-    pub(crate) place: RawSlice<Row8>,
+    pub(crate) particles: RawSlice<Row8>,
     pub(crate) spin: RawSlice<Row4>,
     pub(crate) blocks: RawSlice<Block>,
     pub(crate) first: RawSlice<[u32; LANES]>,
@@ -103,7 +103,7 @@ pub(crate) struct Views {
     pub(crate) image: RawSlice<[u32; LANES]>,
     pub(crate) memory: RawSlice<Row8>,
     pub(crate) marks: RawSlice<Marks>,
-    /// For the watch to work with.
+    /// Working memory of the pruning stage.
     pub(crate) nearness: RawSlice<Nearness>,
     /// Columns of memory.
     pub(crate) columns: usize,
@@ -115,7 +115,7 @@ pub(crate) struct Views {
     pub(crate) fastest_grain: RawSlice<f64>,
     /// True where all grains have one mass and radius.
     pub(crate) equal: bool,
-    /// True where what is kept for the contacts does not fit into the caches.
+    /// True where the contact data do not fit into the caches.
     pub(crate) far: bool,
     pub(crate) alike: PairConstants<f64>,
     /// Rows of constants of a batch.
@@ -125,10 +125,10 @@ pub(crate) struct Views {
     pub(crate) images: [Row4; IMAGES],
     pub(crate) gradient: Matrix,
     pub(crate) dt: f64,
-    /// Pairs closer than this to touching are watched, m.
-    pub(crate) margin: f64,
-    /// How often what is discarded in this step counts, zero if not at all.
-    pub(crate) account: f64,
+    /// Pairs with a gap below this belong to the inner list, m.
+    pub(crate) inner_skin: f64,
+    /// Weight of the energy of discarded histories in this step; zero where it is not evaluated.
+    pub(crate) sampling_weight: f64,
     /// Factor on velocities and spins in a step: 1 without global damping.
     pub(crate) retain: f64,
 }

@@ -8,7 +8,7 @@ use crate::servo::{component, strain_component};
 
 /// Stress, strain and clock at one moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Reading {
+pub struct MacroState {
     /// Stress, Pa, compression positive.
     pub stress: Matrix,
     /// Logarithmic strain, compression positive.
@@ -19,9 +19,9 @@ pub struct Reading {
     pub time: f64,
 }
 
-impl Reading {
+impl MacroState {
     /// The reading of an assembly, with its stress measured from all contacts.
-    pub fn of(assembly: &Assembly) -> Reading {
+    pub fn of(assembly: &Assembly) -> MacroState {
         let mut stress = [[0.0; 3]; 3];
         for contact in &assembly.contacts {
             let force = contact.force();
@@ -35,12 +35,12 @@ impl Reading {
         if volume > 0.0 {
             stress = stress.map(|row| row.map(|x| x / volume));
         }
-        Reading { stress, ..Reading::without_stress(assembly) }
+        MacroState { stress, ..MacroState::without_stress(assembly) }
     }
 
     /// Strain and clock of an assembly, with a stress of zero.
-    pub fn without_stress(assembly: &Assembly) -> Reading {
-        Reading {
+    pub fn without_stress(assembly: &Assembly) -> MacroState {
+        MacroState {
             stress: [[0.0; 3]; 3],
             strain: assembly.strain,
             arc_length: assembly.arc_length,
@@ -129,20 +129,20 @@ impl Measure {
     }
 
     /// Its value.
-    pub fn of(self, reading: &Reading) -> f64 {
+    pub fn of(self, macro_state: &MacroState) -> f64 {
         match self {
-            Measure::ArcLength => reading.arc_length,
-            Measure::Time => reading.time,
-            Measure::Strain(k) => strain_component(&reading.strain, usize::from(k.min(5))),
-            Measure::AxialDeviatorStrain => invariants::axial_deviator(&reading.strain),
-            Measure::VolumetricStrain => invariants::trace(&reading.strain),
-            Measure::DeviatoricStrain => invariants::deviatoric_strain(&reading.strain),
-            Measure::Stress(k) => component(&reading.stress, usize::from(k.min(5))),
-            Measure::MeanStress => invariants::mean(&reading.stress),
-            Measure::DeviatorStress => invariants::signed_von_mises(&reading.stress),
+            Measure::ArcLength => macro_state.arc_length,
+            Measure::Time => macro_state.time,
+            Measure::Strain(k) => strain_component(&macro_state.strain, usize::from(k.min(5))),
+            Measure::AxialDeviatorStrain => invariants::axial_deviator(&macro_state.strain),
+            Measure::VolumetricStrain => invariants::trace(&macro_state.strain),
+            Measure::DeviatoricStrain => invariants::deviatoric_strain(&macro_state.strain),
+            Measure::Stress(k) => component(&macro_state.stress, usize::from(k.min(5))),
+            Measure::MeanStress => invariants::mean(&macro_state.stress),
+            Measure::DeviatorStress => invariants::signed_von_mises(&macro_state.stress),
             Measure::StressRatio => {
-                let p = invariants::mean(&reading.stress);
-                if p == 0.0 { 0.0 } else { invariants::signed_von_mises(&reading.stress) / p }
+                let p = invariants::mean(&macro_state.stress);
+                if p == 0.0 { 0.0 } else { invariants::signed_von_mises(&macro_state.stress) / p }
             }
         }
     }
@@ -163,8 +163,8 @@ pub struct Event {
 
 impl Event {
     /// True if the value has been reached or passed.
-    pub fn has_come(&self, reading: &Reading) -> bool {
-        let here = self.measure.of(reading) - self.origin;
+    pub fn has_come(&self, macro_state: &MacroState) -> bool {
+        let here = self.measure.of(macro_state) - self.origin;
         if self.rising { here >= self.value } else { here <= self.value }
     }
 }
@@ -183,12 +183,14 @@ mod tests {
 
     #[test]
     fn events_come_from_either_side() {
-        let reading =
-            |strain: f64| Reading { strain: [[strain, 0.0, 0.0], [0.0; 3], [0.0; 3]], ..Reading::default() };
+        let macro_state = |strain: f64| MacroState {
+            strain: [[strain, 0.0, 0.0], [0.0; 3], [0.0; 3]],
+            ..MacroState::default()
+        };
         let rising = Event { measure: Measure::Strain(0), origin: 0.1, value: 0.05, rising: true };
-        assert!(!rising.has_come(&reading(0.14)) && rising.has_come(&reading(0.16)));
+        assert!(!rising.has_come(&macro_state(0.14)) && rising.has_come(&macro_state(0.16)));
         let falling = Event { rising: false, ..rising };
-        assert!(falling.has_come(&reading(0.14)) && !falling.has_come(&reading(0.16)));
-        assert!(!rising.has_come(&reading(f64::NAN)));
+        assert!(falling.has_come(&macro_state(0.14)) && !falling.has_come(&macro_state(0.16)));
+        assert!(!rising.has_come(&macro_state(f64::NAN)));
     }
 }

@@ -10,9 +10,9 @@ mod until;
 use serde::{Deserialize, Serialize};
 
 pub use self::control::{Constraint, Control, ControlError, Drive, Kinematics, SERVO_LIMIT, Speed, Target};
-pub use self::measure::{Event, Measure, Reading};
+pub use self::measure::{Event, MacroState, Measure};
 pub use self::record::Record;
-pub use self::until::{Reason, Until, Watched};
+pub use self::until::{Reason, StageProgress, Until};
 use crate::config::Rate;
 use crate::preparation::{Flow, Phase, Progress};
 use crate::simulation::{Simulation, SimulationError};
@@ -79,12 +79,12 @@ impl Stage {
     }
 
     /// How far along it is, where that can be told from its first end that is a value of a measure.
-    pub fn fraction(&self, watched: &Watched, simulation: &Simulation) -> Option<f64> {
+    pub fn fraction(&self, stage_progress: &StageProgress, simulation: &Simulation) -> Option<f64> {
         self.until.iter().find_map(|until| {
             let Until::Reaches { measure, value } = *until else { return None };
-            let start = measure.of(&watched.start);
-            let here = measure.of(&simulation.state().reading());
-            let way = value + watched.origin(measure) - start;
+            let start = measure.of(&stage_progress.start);
+            let here = measure.of(&simulation.state().macro_state());
+            let way = value + stage_progress.origin(measure) - start;
             (way != 0.0).then(|| ((here - start) / way).clamp(0.0, 1.0))
         })
     }
@@ -126,13 +126,18 @@ pub struct StageEnd {
 
 impl StageEnd {
     /// What is to be told of a stage that has just ended.
-    pub fn of(stage: &Stage, watched: &Watched, reason: Reason, simulation: &Simulation) -> StageEnd {
+    pub fn of(
+        stage: &Stage,
+        stage_progress: &StageProgress,
+        reason: Reason,
+        simulation: &Simulation,
+    ) -> StageEnd {
         let state = simulation.state();
         StageEnd {
             name: stage.name.clone(),
             reason,
-            steps: state.step().saturating_sub(watched.start_step),
-            time: state.time() - watched.start.time,
+            steps: state.step().saturating_sub(stage_progress.start_step),
+            time: state.time() - stage_progress.start.time,
             servo_error: state.servo_error(),
         }
     }
@@ -142,17 +147,17 @@ impl StageEnd {
 ///
 /// # Errors
 /// [`ControlError`] if the control cannot be.
-pub fn begin(stage: &Stage, simulation: &mut Simulation) -> Result<Watched, ControlError> {
+pub fn begin(stage: &Stage, simulation: &mut Simulation) -> Result<StageProgress, ControlError> {
     if stage.resets {
         simulation.reset_phase(0.0);
     }
     let control = stage.control.begin(simulation)?;
     simulation.damp_globally(if stage.settling { SETTLING } else { 0.0 });
-    let watched = Watched::begin(simulation);
+    let stage_progress = StageProgress::begin(simulation);
     let start_up = if stage.control.is_strained() { START_UP } else { 0.0 };
-    simulation.judge_servo(watched.start.arc_length + start_up);
+    simulation.judge_servo(stage_progress.start.arc_length + start_up);
     simulation.set_control(control);
-    Ok(watched)
+    Ok(stage_progress)
 }
 
 /// Follows a stage that was begun, from wherever the simulation stands, to its end.
@@ -163,16 +168,16 @@ pub fn begin(stage: &Stage, simulation: &mut Simulation) -> Result<Watched, Cont
 /// [`SimulationError`] if the simulation fails.
 pub fn follow(
     stage: &Stage,
-    watched: &mut Watched,
+    stage_progress: &mut StageProgress,
     simulation: &mut Simulation,
     watcher: &mut dyn Watcher,
 ) -> Result<Ending, SimulationError> {
     let measure = stage.record.measure;
-    let origin = watched.origin(measure);
+    let origin = stage_progress.origin(measure);
     let most_time = most_time(stage, simulation);
     let mut events = Vec::new();
     loop {
-        let here = measure.of(&simulation.state().reading()) - origin;
+        let here = measure.of(&simulation.state().macro_state()) - origin;
         while watcher.next_look() <= here {
             let due = watcher.next_look();
             watcher.look(simulation);
@@ -181,9 +186,9 @@ pub fn follow(
                 break;
             }
         }
-        turn(stage, watched, simulation);
-        let end = watched.look(&stage.until, simulation.state());
-        if let Some(reason) = end.or_else(|| cut_short(stage, watched, simulation, most_time)) {
+        turn(stage, stage_progress, simulation);
+        let end = stage_progress.look(&stage.until, simulation.state());
+        if let Some(reason) = end.or_else(|| cut_short(stage, stage_progress, simulation, most_time)) {
             return Ok(Ending::Complete(reason));
         }
         let (steps, time) = (simulation.state().step(), simulation.state().time());
@@ -196,27 +201,27 @@ pub fn follow(
         if next.is_finite() {
             events.push(Event { measure, origin, value: next, rising: true });
         }
-        events.extend(turning_point(stage, watched));
-        watched.events(&stage.until, &mut events);
-        let since = steps - watched.start_step;
+        events.extend(turning_point(stage, stage_progress));
+        stage_progress.events(&stage.until, &mut events);
+        let since = steps - stage_progress.start_step;
         simulation.advance_to(&events, STRIDE - since % STRIDE)?;
     }
 }
 
 /// Turns a stage round at its turning points.
-fn turn(stage: &Stage, watched: &mut Watched, simulation: &mut Simulation) {
-    let Some(event) = turning_point(stage, watched) else { return };
-    if event.has_come(&simulation.state().reading()) {
+fn turn(stage: &Stage, stage_progress: &mut StageProgress, simulation: &mut Simulation) {
+    let Some(event) = turning_point(stage, stage_progress) else { return };
+    if event.has_come(&simulation.state().macro_state()) {
         simulation.reverse();
-        watched.reversals += 1;
+        stage_progress.reversals += 1;
     }
 }
 
-fn turning_point(stage: &Stage, watched: &Watched) -> Option<Event> {
+fn turning_point(stage: &Stage, stage_progress: &StageProgress) -> Option<Event> {
     let Turns { measure, high, low } = stage.turns?;
-    let rising = watched.reversals.is_multiple_of(2);
+    let rising = stage_progress.reversals.is_multiple_of(2);
     let value = if rising { high } else { low };
-    Some(Event { measure, origin: watched.origin(measure), value, rising })
+    Some(Event { measure, origin: stage_progress.origin(measure), value, rising })
 }
 
 /// The time that a stage may take, s.
@@ -227,14 +232,19 @@ fn most_time(stage: &Stage, simulation: &Simulation) -> f64 {
 }
 
 /// Why a stage cannot go on, where it cannot.
-fn cut_short(stage: &Stage, watched: &Watched, simulation: &Simulation, most_time: f64) -> Option<Reason> {
+fn cut_short(
+    stage: &Stage,
+    stage_progress: &StageProgress,
+    simulation: &Simulation,
+    most_time: f64,
+) -> Option<Reason> {
     let most = stage.most_arc_length?;
-    if let Some(reason) = watched.unjammed(simulation.state()) {
+    if let Some(reason) = stage_progress.unjammed(simulation.state()) {
         return Some(reason);
     }
-    let reading = simulation.state().reading();
-    let arc_length = reading.arc_length - watched.start.arc_length;
-    let time = reading.time - watched.start.time;
+    let macro_state = simulation.state().macro_state();
+    let arc_length = macro_state.arc_length - stage_progress.start.arc_length;
+    let time = macro_state.time - stage_progress.start.time;
     (arc_length > most || time > most_time).then_some(Reason::TooLong { arc_length, time })
 }
 

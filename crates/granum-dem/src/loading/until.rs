@@ -5,7 +5,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::measure::{Event, Measure, Reading};
+use super::measure::{Event, MacroState, Measure};
 use crate::invariants;
 use crate::simulation::Simulation;
 use crate::state::State;
@@ -110,7 +110,7 @@ impl fmt::Display for Until {
 /// Steps between two looks at whether a sample is at rest.
 pub(super) const REST_EVERY: u64 = 500;
 /// Looks in a row that must find it at rest.
-const CALM: u32 = 3;
+const CHECKS_TO_CONVERGE: u32 = 3;
 /// Parts of the window of a critical state at whose ends the sample is measured.
 const PARTS: usize = 20;
 /// Distance of a controlled stress from its target, over p, within which a sample can be at rest.
@@ -120,15 +120,15 @@ const UNJAMMED: f64 = 1e-3;
 
 /// What the ends of a stage have to remember.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Watched {
+pub struct StageProgress {
     /// Stress, strain and clock at the start of the stage.
-    pub start: Reading,
+    pub start: MacroState,
     /// Step at the start.
     pub start_step: u64,
     /// How often the stage has turned round.
     pub reversals: u64,
     /// Looks in a row that found the sample at rest.
-    calm: u32,
+    converged_checks: u32,
     /// Step of the last of them.
     looked_at: u64,
     /// Stress ratio and volumetric strain at equal distances of arc length, the last window of them.
@@ -137,11 +137,11 @@ pub struct Watched {
     marked: u64,
 }
 
-impl Watched {
+impl StageProgress {
     /// At the start of a stage.
-    pub(super) fn begin(simulation: &Simulation) -> Watched {
+    pub(super) fn begin(simulation: &Simulation) -> StageProgress {
         let state = simulation.state();
-        Watched { start: state.reading(), start_step: state.step(), ..Watched::default() }
+        StageProgress { start: state.macro_state(), start_step: state.step(), ..StageProgress::default() }
     }
 
     /// What a measure counts from.
@@ -151,15 +151,15 @@ impl Watched {
 
     /// Looks at a state once and remembers what is to be remembered; the reason if an end has come.
     pub(super) fn look(&mut self, ends: &[Until], state: &State) -> Option<Reason> {
-        let reading = state.reading();
+        let macro_state = state.macro_state();
         let mut reason = None;
         for until in ends {
             let came = match *until {
-                Until::Reaches { measure, value } => self.event(measure, value).has_come(&reading),
+                Until::Reaches { measure, value } => self.event(measure, value).has_come(&macro_state),
                 Until::Reversals(count) => self.reversals >= count,
                 Until::AtRest { unbalanced_force } => self.rests(unbalanced_force, state),
                 Until::CriticalState { window, stress_ratio, volumetric_strain } => {
-                    self.mark(window, &reading);
+                    self.mark(window, &macro_state);
                     self.within(0, stress_ratio) && self.within(1, volumetric_strain)
                 }
             };
@@ -201,9 +201,9 @@ impl Watched {
         if steps > 0 && steps.is_multiple_of(REST_EVERY) && state.step() != self.looked_at {
             self.looked_at = state.step();
             let rests = state.unbalanced_force() < unbalanced_force && state.largest_stress_error() < ARRIVED;
-            self.calm = if rests { self.calm + 1 } else { 0 };
+            self.converged_checks = if rests { self.converged_checks + 1 } else { 0 };
         }
-        self.calm >= CALM
+        self.converged_checks >= CHECKS_TO_CONVERGE
     }
 
     /// Arc length from the start at which the sample is measured next for the critical state.
@@ -211,13 +211,13 @@ impl Watched {
         self.marked as f64 * window / PARTS as f64
     }
 
-    fn mark(&mut self, window: f64, reading: &Reading) {
-        let arc = reading.arc_length - self.start.arc_length;
+    fn mark(&mut self, window: f64, macro_state: &MacroState) {
+        let arc = macro_state.arc_length - self.start.arc_length;
         if arc < self.next_mark(window) {
             return;
         }
         self.marked += 1;
-        self.history.push_back([Measure::StressRatio, Measure::VolumetricStrain].map(|m| m.of(reading)));
+        self.history.push_back([Measure::StressRatio, Measure::VolumetricStrain].map(|m| m.of(macro_state)));
         if self.history.len() > PARTS + 1 {
             self.history.pop_front();
         }

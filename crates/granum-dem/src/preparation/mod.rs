@@ -1,6 +1,6 @@
-//! Making a sample: a gas from a seed, isotropic compression, relaxation with the final properties.
+//! Making a sample: random insertion from a seed, isotropic compression, relaxation with the final properties.
 //!
-//! 1. **Gas**: grains at random without overlap ([`crate::gas`]).
+//! 1. **Random insertion**: grains at random without overlap ([`crate::random_insertion`]).
 //! 2. **Compaction**: all axes servoed to the target mean stress with the preparation's friction and interface energy;
 //!    the strain rate is bounded by an inertial number, a tenfold one while hardly any load is carried.
 //! 3. **Relaxation**: the final friction and interface energy take over (contacts keep their history), the servo
@@ -11,7 +11,7 @@
 //! A target solid fraction is met by searching the preparation friction: less friction packs denser. Each trial
 //! is a whole preparation from the same seed.
 //!
-//! A packing that was made elsewhere takes the place of the gas where it is loose ([`is_loose`]): it is compacted and
+//! A packing that was made elsewhere takes the place of the random insertion where it is loose ([`is_loose`]): it is compacted and
 //! relaxed by the same rules, and every trial begins from it again. One that carries its load only comes to rest.
 //!
 //! A finished sample is brought to another mean stress by a **consolidation**: all axes servoed to it, with the final
@@ -28,7 +28,7 @@ use serde::{Deserialize, Serialize};
 use self::friction_search::{next_friction, repeats};
 pub use self::progress::{Flow, Phase, Progress, Sample, Trial};
 use crate::config::{Contact, Grains, Material, Preparation};
-use crate::gas::{GasError, gas};
+use crate::random_insertion::{InsertionError, random_insertion};
 use crate::servo::Control;
 use crate::simulation::{Hardware, Properties, Simulation, SimulationError};
 
@@ -39,11 +39,11 @@ const LOADED: f64 = 0.02;
 /// Rate limit before load is carried, as a multiple of the one after.
 const GAS_SPEED: f64 = 10.0;
 /// Rate of global damping over the frequency sqrt(k/m) of a contact at the target stress.
-const FADING: f64 = 0.005;
+const GLOBAL_DAMPING: f64 = 0.005;
 /// Most trials of the preparation friction.
 const MOST_TRIALS: usize = 8;
 /// Looks in a row that must find a phase's aim met.
-const CALM: u32 = 3;
+const CHECKS_TO_CONVERGE: u32 = 3;
 /// Most steps of the relaxation.
 const MOST_RELAXATION_STEPS: u64 = 400_000;
 /// Fraction of the target stress below which a packing is loose.
@@ -52,9 +52,9 @@ const STANDING: f64 = 0.5;
 /// Why there is no sample.
 #[derive(Debug, thiserror::Error)]
 pub enum PreparationError {
-    /// The gas is too dense.
+    /// The initial state is too dense.
     #[error(transparent)]
-    Gas(#[from] GasError),
+    Insertion(#[from] InsertionError),
     /// The engine failed.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
@@ -102,13 +102,13 @@ pub struct Preparing {
     /// The grains.
     pub simulation: Simulation,
     /// Where it stands.
-    pub course: Course,
+    pub progress: PreparationState,
 }
 
 /// Where a preparation stands.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Course {
+pub struct PreparationState {
     /// Trials that are over.
     trials: Vec<Trial>,
     /// Steps of phases that are over.
@@ -120,8 +120,8 @@ pub struct Course {
     friction: Option<f64>,
     stage: Stage,
     /// How many looks in a row found the phase's aim met.
-    calm: u32,
-    /// True if it began from a packing instead of a gas.
+    converged_checks: u32,
+    /// True if it began from a packing instead of random insertion.
     #[serde(default)]
     packing: bool,
 }
@@ -156,7 +156,7 @@ impl NextTrial {
 }
 
 /// True if a packing is loose: it carries less than half of the target mean stress, and is less dense than the target
-/// solid fraction where there is one. It is then compacted like a gas.
+/// solid fraction where there is one. It is then compacted like one of random insertion.
 pub fn is_loose(packing: &Simulation, p: &Preparation) -> bool {
     let state = packing.state();
     let carries = state.mean_stress() >= STANDING * p.mean_stress;
@@ -196,7 +196,7 @@ pub enum Outcome {
     Stopped(Box<Preparing>),
 }
 
-impl Course {
+impl PreparationState {
     /// The phase.
     pub fn phase(&self) -> Phase {
         match self.stage {
@@ -234,7 +234,7 @@ pub fn prepare(
 }
 
 /// Brings a packing that another program made, or another law, to rest at the recipe's mean stress with the recipe's
-/// properties. No friction is searched and no gas made.
+/// properties. No friction is searched and no initial state is made.
 ///
 /// # Errors
 /// As [`prepare`].
@@ -253,17 +253,17 @@ fn complete(
 ) -> Result<Sample, PreparationError> {
     match preparing.go_on(recipe, observer)? {
         Outcome::Sample(sample) => Ok(*sample),
-        Outcome::Stopped(at) => Err(PreparationError::Stopped { phase: at.course.phase() }),
+        Outcome::Stopped(at) => Err(PreparationError::Stopped { phase: at.progress.phase() }),
         // Only the compaction of a packing asks for its start again, and no caller of this begins one.
         Outcome::Again(_) => Err(PreparationError::Stopped { phase: Phase::Compaction }),
     }
 }
 
 impl Preparing {
-    /// The start: a gas, and the first friction to compact it with.
+    /// The start: the random insertion, and the first friction to compact it with.
     ///
     /// # Errors
-    /// If the gas is too dense, or the laws do not go together.
+    /// If the initial state is too dense, or the laws do not go together.
     pub fn new(recipe: &Recipe) -> Result<Preparing, PreparationError> {
         Preparing::trial(recipe, NextTrial::first(recipe))
     }
@@ -279,7 +279,7 @@ impl Preparing {
         let mut preparing = Preparing::resting(simulation, recipe, Stage::Relaxation);
         let (s, p) = (&preparing.simulation, recipe.preparation);
         let limit = most_steps(s, s.strain_rate(p.inertial_number, p.mean_stress));
-        preparing.course.stage = Stage::Consolidation { limit: limit + MOST_RELAXATION_STEPS };
+        preparing.progress.stage = Stage::Consolidation { limit: limit + MOST_RELAXATION_STEPS };
         preparing
     }
 
@@ -290,9 +290,16 @@ impl Preparing {
         s.expect_force(p.mean_stress * s.mean_diameter().powi(2));
         fade(s, recipe);
         begin_relaxation(s, p);
-        let course =
-            Course { trials: Vec::new(), steps: 0, time: 0.0, friction: None, stage, calm: 0, packing: true };
-        Preparing { simulation, course }
+        let progress = PreparationState {
+            trials: Vec::new(),
+            steps: 0,
+            time: 0.0,
+            friction: None,
+            stage,
+            converged_checks: 0,
+            packing: true,
+        };
+        Preparing { simulation, progress }
     }
 
     /// The start of compacting a loose packing, which has the [`NextTrial::properties`] of the trial.
@@ -300,19 +307,19 @@ impl Preparing {
         let diameter = simulation.mean_diameter();
         let loaded = simulation.state().mean_stress() > LOADED * recipe.preparation.mean_stress;
         let mut preparing = Preparing::compaction(simulation, recipe, next, diameter);
-        preparing.course.packing = true;
-        if let (true, Stage::Compaction { slow, loaded, .. }) = (loaded, &mut preparing.course.stage) {
+        preparing.progress.packing = true;
+        if let (true, Stage::Compaction { slow, loaded, .. }) = (loaded, &mut preparing.progress.stage) {
             *loaded = true;
             preparing.simulation.set_rate_limit(*slow);
         }
         preparing
     }
 
-    /// The gas of a trial, about to be compacted.
+    /// The initial state of a trial, about to be compacted.
     fn trial(recipe: &Recipe, next: NextTrial) -> Result<Preparing, PreparationError> {
         let p = recipe.preparation;
-        let (cell, sites) = gas(recipe.grains, p.initial_solid_fraction, p.seed)?;
-        let s = Simulation::new(cell, &sites, next.properties(recipe))?;
+        let (cell, spheres) = random_insertion(recipe.grains, p.initial_solid_fraction, p.seed)?;
+        let s = Simulation::new(cell, &spheres, next.properties(recipe))?;
         Ok(Preparing::compaction(s, recipe, next, recipe.grains.diameter))
     }
 
@@ -326,8 +333,16 @@ impl Preparing {
         let slow = s.strain_rate(p.inertial_number, p.mean_stress);
         s.set_control(Control::isotropic(p.mean_stress, GAS_SPEED * slow));
         let stage = Stage::Compaction { slow, limit: most_steps(&s, slow), loaded: false };
-        let course = Course { trials, steps, time, friction: Some(friction), stage, calm: 0, packing: false };
-        Preparing { simulation: s, course }
+        let progress = PreparationState {
+            trials,
+            steps,
+            time,
+            friction: Some(friction),
+            stage,
+            converged_checks: 0,
+            packing: false,
+        };
+        Preparing { simulation: s, progress }
     }
 
     /// Goes on from where it stands until there is a sample or the observer stops it. The recipe must be the one that
@@ -346,16 +361,16 @@ impl Preparing {
                 return Ok(Outcome::Stopped(Box::new(self)));
             }
             self.simulation.advance(LOOK_EVERY)?;
-            let settled = match self.course.stage {
+            let settled = match self.progress.stage {
                 Stage::Compaction { .. } => {
-                    self.look_at_compaction(recipe)?;
+                    self.check_compaction(recipe)?;
                     None
                 }
-                Stage::Relaxation => self.look_at_relaxation(recipe.preparation, MOST_RELAXATION_STEPS),
-                Stage::Consolidation { limit } => self.look_at_relaxation(recipe.preparation, limit),
+                Stage::Relaxation => self.check_relaxation(recipe.preparation, MOST_RELAXATION_STEPS),
+                Stage::Consolidation { limit } => self.check_relaxation(recipe.preparation, limit),
             };
             let Some(settled) = settled else { continue };
-            let packing = self.course.packing;
+            let packing = self.progress.packing;
             match self.end_trial(recipe, settled) {
                 Ended::Sample(sample) => return Ok(Outcome::Sample(sample)),
                 Ended::Again(next) if packing => return Ok(Outcome::Again(next)),
@@ -368,30 +383,30 @@ impl Preparing {
     }
 
     fn progress(&self) -> Progress<'_> {
-        let (course, state) = (&self.course, self.simulation.state());
+        let (progress, state) = (&self.progress, self.simulation.state());
         Progress {
-            phase: course.phase(),
-            trial: course.trial(),
-            steps: course.steps.saturating_add(state.step()),
-            time: course.time + state.time(),
+            phase: progress.phase(),
+            trial: progress.trial(),
+            steps: progress.steps.saturating_add(state.step()),
+            time: progress.time + state.time(),
             simulation: &self.simulation,
         }
     }
 
-    /// Slows down once load is carried; goes over to relaxation once the stress is met and calm.
-    fn look_at_compaction(&mut self, recipe: &Recipe) -> Result<(), PreparationError> {
+    /// Slows down once load is carried; goes over to relaxation once the stress is met and steady.
+    fn check_compaction(&mut self, recipe: &Recipe) -> Result<(), PreparationError> {
         let p = recipe.preparation;
-        let (s, course) = (&mut self.simulation, &mut self.course);
-        let Stage::Compaction { slow, limit, loaded } = &mut course.stage else { return Ok(()) };
+        let (s, progress) = (&mut self.simulation, &mut self.progress);
+        let Stage::Compaction { slow, limit, loaded } = &mut progress.stage else { return Ok(()) };
         let ratio = s.state().mean_stress() / p.mean_stress;
         if !*loaded && ratio > LOADED {
             *loaded = true;
             s.set_rate_limit(*slow);
         }
         let near = (ratio - 1.0).abs() < 0.02 && s.state().unbalanced_force() < 10.0 * p.unbalanced_force;
-        course.calm = if near { course.calm + 1 } else { 0 };
+        progress.converged_checks = if near { progress.converged_checks + 1 } else { 0 };
         let step = s.state().step();
-        if course.calm < CALM {
+        if progress.converged_checks < CHECKS_TO_CONVERGE {
             if step < *limit {
                 return Ok(());
             }
@@ -402,22 +417,22 @@ impl Preparing {
                 target: p.mean_stress,
             });
         }
-        course.steps += step;
-        course.time += s.state().time();
+        progress.steps += step;
+        progress.time += s.state().time();
         s.set_properties(Properties { material: recipe.grains.material, contact: *recipe.contact })?;
         begin_relaxation(s, p);
-        course.stage = Stage::Relaxation;
-        course.calm = 0;
+        progress.stage = Stage::Relaxation;
+        progress.converged_checks = 0;
         Ok(())
     }
 
     /// Whether the sample came to rest, once that is decided.
-    fn look_at_relaxation(&mut self, p: &Preparation, limit: u64) -> Option<bool> {
+    fn check_relaxation(&mut self, p: &Preparation, limit: u64) -> Option<bool> {
         let state = self.simulation.state();
         let ratio = state.mean_stress() / p.mean_stress;
         let near = (ratio - 1.0).abs() < 0.005 && state.unbalanced_force() < p.unbalanced_force;
-        self.course.calm = if near { self.course.calm + 1 } else { 0 };
-        if self.course.calm >= CALM {
+        self.progress.converged_checks = if near { self.progress.converged_checks + 1 } else { 0 };
+        if self.progress.converged_checks >= CHECKS_TO_CONVERGE {
             return Some(true);
         }
         (state.step() >= limit).then_some(false)
@@ -426,15 +441,15 @@ impl Preparing {
     /// Takes the sample, or the next friction to try.
     fn end_trial(self, recipe: &Recipe, settled: bool) -> Ended {
         let p = recipe.preparation;
-        let Preparing { mut simulation, course } = self;
+        let Preparing { mut simulation, progress } = self;
         let state = simulation.state();
         let solid_fraction = state.solid_fraction();
         let unbalanced_force = state.unbalanced_force();
-        let steps = course.steps + state.step();
-        let time = course.time + state.time();
-        let mut trials = course.trials;
+        let steps = progress.steps + state.step();
+        let time = progress.time + state.time();
+        let mut trials = progress.trials;
         let mut solid_fraction_met = true;
-        if let Some(friction) = course.friction {
+        if let Some(friction) = progress.friction {
             trials.push(Trial { friction, solid_fraction });
             if let Some(target) = p.solid_fraction {
                 solid_fraction_met = (solid_fraction - target).abs() <= p.solid_fraction_tolerance;
@@ -464,14 +479,14 @@ enum Ended {
     Again(NextTrial),
 }
 
-/// Twenty times the steps that the strain from a gas to a dense packing takes at a rate, 1/s, and some.
+/// Twenty times the steps that the strain from a loose random state to a dense packing takes at a rate, 1/s, and some.
 fn most_steps(s: &Simulation, rate: f64) -> u64 {
     (20.0 * 0.3 / (rate * s.state().time_step())) as u64 + 200_000
 }
 
 /// Global damping, slow against the vibrations of a contact.
 fn fade(s: &mut Simulation, recipe: &Recipe) {
-    s.set_fading(FADING * recipe.time_step_factor / s.state().time_step());
+    s.set_global_damping(GLOBAL_DAMPING * recipe.time_step_factor / s.state().time_step());
 }
 
 /// The servo holds the stress while the sample comes to rest with its final properties.
@@ -482,7 +497,7 @@ fn begin_relaxation(s: &mut Simulation, p: &Preparation) {
 
 /// The sample stands by for a test: no global damping, the servo holds its stress.
 fn finish(s: &mut Simulation, p: &Preparation) {
-    s.set_fading(0.0);
+    s.set_global_damping(0.0);
     begin_relaxation(s, p);
 }
 

@@ -21,10 +21,10 @@ fn recipe<'a>(grains: &'a Grains, contact: &'a Contact, preparation: &'a Prepara
 /// Both parts through their written form.
 fn written_and_read(preparing: &Preparing) -> Preparing {
     let bytes = preparing.simulation.checkpoint("").unwrap();
-    let course = postcard::to_allocvec(&preparing.course).unwrap();
+    let progress = postcard::to_allocvec(&preparing.progress).unwrap();
     Preparing {
         simulation: Simulation::restore(&bytes).unwrap().0,
-        course: postcard::from_bytes(&course).unwrap(),
+        progress: postcard::from_bytes(&progress).unwrap(),
     }
 }
 
@@ -44,7 +44,7 @@ fn in_pieces(mut preparing: Preparing, recipe: &Recipe, strides: u32) -> (Sample
         match preparing.go_on(recipe, &mut observer).unwrap() {
             Outcome::Sample(sample) => return (*sample, stops, seen),
             Outcome::Stopped(at) => preparing = *at,
-            Outcome::Again(next) => panic!("a gas or a sample needs no packing: {next:?}"),
+            Outcome::Again(next) => panic!("an initial state or a sample needs no packing: {next:?}"),
         }
         stops += 1;
     }
@@ -91,7 +91,10 @@ fn a_packing_settles_in_pieces_to_the_same_sample() {
 }
 
 /// A sample of a loose packing, and how many trials it took.
-fn compacted(packing: &(crate::cell::Cell, Vec<crate::simulation::Site>), recipe: &Recipe) -> Sample {
+fn compacted(
+    packing: &(crate::cell::Cell, Vec<crate::simulation::InitialSphere>),
+    recipe: &Recipe,
+) -> Sample {
     let mut next = NextTrial::first(recipe);
     loop {
         let simulation = Simulation::new(packing.0, &packing.1, next.properties(recipe)).unwrap();
@@ -106,9 +109,9 @@ fn compacted(packing: &(crate::cell::Cell, Vec<crate::simulation::Site>), recipe
 }
 
 #[test]
-fn a_loose_packing_is_compacted_by_friction_and_target_as_a_gas_is() {
+fn a_loose_packing_is_compacted_by_friction_and_target_as_a_random_one_is() {
     let (grains, contact) = (grains(0.0), Contact::default());
-    let packing = gas(&grains, 0.3, 7).unwrap();
+    let packing = random_insertion(&grains, 0.3, 7).unwrap();
     let with = |friction, solid_fraction| {
         let preparation = Preparation { friction, solid_fraction, solid_fraction_tolerance: 1e-3, ..quick() };
         compacted(&packing, &recipe(&grains, &contact, &preparation))
@@ -136,7 +139,7 @@ fn a_sample_is_brought_to_another_mean_stress_and_is_at_rest_there() {
         let other = Preparation { mean_stress, ..preparation.clone() };
         let recipe = recipe(&grains, &contact, &other);
         let start = || Preparing::consolidating(sample.clone(), &recipe);
-        assert_eq!(start().course.phase(), Phase::Consolidation);
+        assert_eq!(start().progress.phase(), Phase::Consolidation);
         let Outcome::Sample(straight) = start().go_on(&recipe, &mut |_: &Progress| Flow::Continue).unwrap()
         else {
             panic!("nobody stopped it")

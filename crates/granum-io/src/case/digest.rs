@@ -20,7 +20,7 @@ impl Case {
     }
 
     /// SHA-256 (hexadecimal) of the whole case, and of the packing that the sample is made of where one takes the place of
-    /// the gas, by the SHA-256 of its file.
+    /// the random insertion, by the SHA-256 of its file.
     pub fn digest_with(&self, packing: Option<&str>) -> String {
         self.digest_of("granum case 1", packing, |_| true)
     }

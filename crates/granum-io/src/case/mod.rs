@@ -25,7 +25,7 @@ pub use field::{Field, Value};
 pub use fields::{FIELDS, field};
 pub use stage::CaseStage;
 
-/// Keys that have no part in a run whose sample is made of a packing: its grains take the place of the gas.
+/// Keys that have no part in a run whose sample is made of a packing: its grains take the place of the random insertion.
 pub const UNUSED_WITH_PACKING: [&str; 5] = [
     "grains.count",
     "grains.diameter",

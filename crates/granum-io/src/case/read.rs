@@ -1,4 +1,4 @@
-//! Reading a case file: every mistake is reported at once, each with its place, and what would be right.
+//! MacroState a case file: every mistake is reported at once, each with its place, and what would be right.
 
 use std::collections::HashMap;
 use std::ops::Range;

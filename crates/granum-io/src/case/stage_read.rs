@@ -1,4 +1,4 @@
-//! Reading the tables `[[stage]]` of a case file.
+//! MacroState the tables `[[stage]]` of a case file.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -66,7 +66,7 @@ const CRITICAL: [(&str, f64); 3] = [("window", 0.05), ("stress_ratio", 0.02), ("
 /// A mistake: its place, what is wrong, and what would be right.
 struct Mistake(Range<usize>, String, Option<String>);
 
-type Found<T> = Result<T, Mistake>;
+type Parsed<T> = Result<T, Mistake>;
 
 impl Reader<'_> {
     /// Reads `[[stage]]`; mistakes go to the others.
@@ -95,7 +95,7 @@ impl Reader<'_> {
     fn stage(&mut self, table: &DeTable<'_>, number: usize, span: Range<usize>) -> Option<CaseStage> {
         let path = table.get("path");
         let before = self.errors.len();
-        let place = Place { reader: self, name: format!("stage.{number}") };
+        let place = TableReader { reader: self, name: format!("stage.{number}") };
         let stage = match path {
             Some(path) => place.named(table, path),
             None => place.written_out(table),
@@ -109,13 +109,13 @@ impl Reader<'_> {
 }
 
 /// A table under way, with its name for messages.
-struct Place<'r, 'a> {
+struct TableReader<'r, 'a> {
     reader: &'r mut Reader<'a>,
     name: String,
 }
 
-impl Place<'_, '_> {
-    fn tell<T>(&mut self, key: &str, found: Found<T>) -> Option<T> {
+impl TableReader<'_, '_> {
+    fn take<T>(&mut self, key: &str, found: Parsed<T>) -> Option<T> {
         match found {
             Ok(value) => Some(value),
             Err(Mistake(span, why, help)) => {
@@ -139,7 +139,7 @@ impl Place<'_, '_> {
                 Mistake(path.span(), "is no path".into(), Some(help))
             })
         });
-        let preset: &Preset = self.tell("path", found)?;
+        let preset: &Preset = self.take("path", found)?;
         let mut parameters = BTreeMap::new();
         for (key, value) in table.iter().filter(|(key, _)| key.get_ref() != "path") {
             let Some(parameter) = preset.parameter(key.get_ref()) else {
@@ -149,7 +149,7 @@ impl Place<'_, '_> {
             let found = scalar(value).and_then(|text| {
                 parse_parameter(parameter, &text).map_err(|why| Mistake(value.span(), why, None))
             });
-            if let Some(number) = self.tell(parameter.key, found) {
+            if let Some(number) = self.take(parameter.key, found) {
                 parameters.insert(parameter.key.to_string(), number);
             }
         }
@@ -170,12 +170,12 @@ impl Place<'_, '_> {
             Some((_, DeValue::Table(ends))) => {
                 for (key, value) in ends {
                     let found = end(key.get_ref(), value);
-                    until.extend(self.tell(&format!("until.{}", key.get_ref()), found));
+                    until.extend(self.take(&format!("until.{}", key.get_ref()), found));
                 }
             }
             Some((value, _)) => {
                 let example = "e.g. until = { xx_strain = 0.1 }".to_string();
-                self.tell::<()>("until", Err(Mistake(value.span(), "is no table".into(), Some(example))));
+                self.take::<()>("until", Err(Mistake(value.span(), "is no table".into(), Some(example))));
             }
             None => {
                 let span = table.values().next().map_or(0..0, Spanned::span);
@@ -211,9 +211,9 @@ impl Place<'_, '_> {
     }
 
     /// Reads a key if it is there.
-    fn key<T>(&mut self, table: &DeTable<'_>, key: &str, read: impl Fn(&Node<'_>) -> Found<T>) -> Option<T> {
+    fn key<T>(&mut self, table: &DeTable<'_>, key: &str, read: impl Fn(&Node<'_>) -> Parsed<T>) -> Option<T> {
         let value = table.get(key)?;
-        self.tell(key, read(value))
+        self.take(key, read(value))
     }
 
     fn control(&mut self, table: &DeTable<'_>) -> Control {
@@ -223,7 +223,7 @@ impl Place<'_, '_> {
         if let (Some(_), Some(_), Some(value)) = (inertial, rate, table.get("strain_rate")) {
             let help = Some("keep one of them".to_string());
             let why = "says how fast, and so does inertial_number".to_string();
-            self.tell::<()>("strain_rate", Err(Mistake(value.span(), why, help)));
+            self.take::<()>("strain_rate", Err(Mistake(value.span(), why, help)));
         }
         if let Some(number) = inertial {
             control.speed = Speed::InertialNumber { number, at: None };
@@ -238,7 +238,7 @@ impl Place<'_, '_> {
                 let help = Some("give it as a multiple of that, a number without unit".to_string());
                 let why = "is a strain rate of its own, but the stage says how fast it goes".to_string();
                 let span = table.get(*name).map_or(0..0, Spanned::span);
-                self.tell::<()>(name, Err(Mistake(span, why, help)));
+                self.take::<()>(name, Err(Mistake(span, why, help)));
                 continue;
             }
             absolute |= in_rates;
@@ -254,11 +254,11 @@ impl Place<'_, '_> {
                 } else {
                     Err(Mistake(item.span(), "is one too many; there are six strain rates".into(), None))
                 };
-                control.constraints[k.min(5)] = self.tell(&format!("constraint.{}", k + 1), found);
+                control.constraints[k.min(5)] = self.take(&format!("constraint.{}", k + 1), found);
             }
         } else if let Some(value) = table.get("constraint") {
             let help = Some("e.g. constraint = [{ stress = [1, 1, 1, 0, 0, 0] }]".to_string());
-            self.tell::<()>("constraint", Err(Mistake(value.span(), "is no list of tables".into(), help)));
+            self.take::<()>("constraint", Err(Mistake(value.span(), "is no list of tables".into(), help)));
         }
         let kinematics = self.key(table, "kinematics", |value| match text(value)?.as_str() {
             "pure-shear" => Ok(Kinematics::PureShear),
@@ -296,7 +296,7 @@ fn moves_a_stress(control: &Control) -> bool {
 }
 
 /// The text of a number or string.
-fn scalar(value: &Node<'_>) -> Found<String> {
+fn scalar(value: &Node<'_>) -> Parsed<String> {
     match value.get_ref() {
         DeValue::String(text) => Ok(text.to_string()),
         DeValue::Float(number) => Ok(number.as_str().replace('_', "")),
@@ -307,7 +307,7 @@ fn scalar(value: &Node<'_>) -> Found<String> {
     }
 }
 
-fn text(value: &Node<'_>) -> Found<String> {
+fn text(value: &Node<'_>) -> Parsed<String> {
     match value.get_ref() {
         DeValue::String(text) => Ok(text.to_string()),
         other => {
@@ -316,7 +316,7 @@ fn text(value: &Node<'_>) -> Found<String> {
     }
 }
 
-fn boolean(value: &Node<'_>) -> Found<bool> {
+fn boolean(value: &Node<'_>) -> Parsed<bool> {
     match value.get_ref() {
         DeValue::Boolean(yes) => Ok(*yes),
         other => {
@@ -326,7 +326,7 @@ fn boolean(value: &Node<'_>) -> Found<bool> {
     }
 }
 
-fn number(value: &Node<'_>, dimension: Dimension, [low, high]: [f64; 2]) -> Found<f64> {
+fn number(value: &Node<'_>, dimension: Dimension, [low, high]: [f64; 2]) -> Parsed<f64> {
     let wrong = |why: String| Mistake(value.span(), why, None);
     let number = parse_quantity(&scalar(value)?, dimension).map_err(wrong)? + 0.0;
     if (low..=high).contains(&number) {
@@ -342,7 +342,7 @@ const ANY_STRESS: [f64; 2] = [-1e12, 1e12];
 const ANY_RATE: [f64; 2] = [-1e30, 1e30];
 
 /// The keys of an inner table; other keys are mistakes.
-fn inner<'t, 'a>(value: &'t Node<'a>, known: &[&str]) -> Found<&'t DeTable<'a>> {
+fn inner<'t, 'a>(value: &'t Node<'a>, known: &[&str]) -> Parsed<&'t DeTable<'a>> {
     let DeValue::Table(table) = value.get_ref() else {
         let help = format!("write {{ {} = ... }}", known.first().unwrap_or(&"key"));
         return Err(Mistake(value.span(), "is no table".into(), Some(help)));
@@ -357,7 +357,7 @@ fn inner<'t, 'a>(value: &'t Node<'a>, known: &[&str]) -> Found<&'t DeTable<'a>> 
 }
 
 /// What is done with a component; true beside it if it is a strain rate with its unit.
-fn drive(value: &Node<'_>) -> Found<(Drive, bool)> {
+fn drive(value: &Node<'_>) -> Parsed<(Drive, bool)> {
     if let DeValue::String(word) = value.get_ref() {
         return match word.as_ref() {
             "fixed" => Ok((Drive::Fixed, false)),
@@ -385,7 +385,7 @@ fn drive(value: &Node<'_>) -> Found<(Drive, bool)> {
 }
 
 /// A stress, which may be "current", and how fast it moves.
-fn target(stress: Option<&Node<'_>>, rate: Option<&Node<'_>>, rate_unit: Dimension) -> Found<Target> {
+fn target(stress: Option<&Node<'_>>, rate: Option<&Node<'_>>, rate_unit: Dimension) -> Parsed<Target> {
     let value = match stress.map(|value| (value, value.get_ref())) {
         None => None,
         Some((_, DeValue::String(word))) if word == "current" => None,
@@ -395,18 +395,18 @@ fn target(stress: Option<&Node<'_>>, rate: Option<&Node<'_>>, rate_unit: Dimensi
     Ok(Target { value, rate })
 }
 
-fn six(value: &Node<'_>, dimension: Dimension) -> Found<[f64; 6]> {
+fn six(value: &Node<'_>, dimension: Dimension) -> Parsed<[f64; 6]> {
     let wrong = || {
         let why = "is no list of six numbers, one each for xx, yy, zz, yz, zx, xy";
         Mistake(value.span(), why.into(), None)
     };
     let DeValue::Array(items) = value.get_ref() else { return Err(wrong()) };
     let numbers: Vec<f64> =
-        items.iter().map(|item| number(item, dimension, ANY_STRESS)).collect::<Found<_>>()?;
+        items.iter().map(|item| number(item, dimension, ANY_STRESS)).collect::<Parsed<_>>()?;
     numbers.try_into().map_err(|_| wrong())
 }
 
-fn constraint(value: &Node<'_>) -> Found<Constraint> {
+fn constraint(value: &Node<'_>) -> Parsed<Constraint> {
     let table = inner(value, &["stress", "strain", "value", "rate", "moves"])?;
     let list = |key: &str, unit| table.get(key).map_or(Ok([0.0; 6]), |value| six(value, unit));
     let stress = list("stress", Dimension::NUMBER)?;
@@ -426,7 +426,7 @@ fn constraint(value: &Node<'_>) -> Found<Constraint> {
 }
 
 /// The measure of a name.
-fn measure(name: &str, span: Range<usize>) -> Found<Measure> {
+fn measure(name: &str, span: Range<usize>) -> Parsed<Measure> {
     Measure::named(name).ok_or_else(|| {
         let names = Measure::ALL.iter().map(|(name, _, _)| *name);
         let others = ["reversals", "unbalanced_force", "critical_state"];
@@ -434,7 +434,7 @@ fn measure(name: &str, span: Range<usize>) -> Found<Measure> {
     })
 }
 
-fn end(key: &str, value: &Node<'_>) -> Found<Until> {
+fn end(key: &str, value: &Node<'_>) -> Parsed<Until> {
     match key {
         "reversals" => {
             let count = number(value, Dimension::NUMBER, [1.0, 1e9])?;
@@ -464,7 +464,7 @@ fn end(key: &str, value: &Node<'_>) -> Found<Until> {
     }
 }
 
-fn measured(table: &DeTable<'_>, span: Range<usize>) -> Found<Measure> {
+fn measured(table: &DeTable<'_>, span: Range<usize>) -> Parsed<Measure> {
     match table.get("measure") {
         None => Ok(Measure::ArcLength),
         Some(value) => measure(&text(value)?, value.span()),
@@ -472,7 +472,7 @@ fn measured(table: &DeTable<'_>, span: Range<usize>) -> Found<Measure> {
     .map_err(|Mistake(at, why, help)| Mistake(if at.is_empty() { span } else { at }, why, help))
 }
 
-fn turns(value: &Node<'_>) -> Found<Turns> {
+fn turns(value: &Node<'_>) -> Parsed<Turns> {
     let table = inner(value, &["measure", "high", "low"])?;
     let measure = measured(table, value.span())?;
     let unit = dimension(measure.unit());
@@ -487,7 +487,7 @@ fn turns(value: &Node<'_>) -> Found<Turns> {
     Ok(Turns { measure, high, low })
 }
 
-fn record(value: &Node<'_>) -> Found<Record> {
+fn record(value: &Node<'_>) -> Parsed<Record> {
     let table = inner(value, &["measure", "every", "states", "end", "at"])?;
     let measure = measured(table, value.span())?;
     let unit = dimension(measure.unit());
@@ -502,7 +502,7 @@ fn record(value: &Node<'_>) -> Found<Record> {
             let DeValue::Array(items) = places.get_ref() else {
                 return Err(Mistake(places.span(), "is no list".into(), None));
             };
-            let places: Vec<f64> = items.iter().map(positive).collect::<Found<_>>()?;
+            let places: Vec<f64> = items.iter().map(positive).collect::<Parsed<_>>()?;
             if places.is_empty() || places.windows(2).any(|pair| pair[0] >= pair[1]) {
                 return Err(Mistake(value.span(), "does not rise from value to value".into(), None));
             }

@@ -47,7 +47,7 @@ impl Case {
     }
 
     /// As [`Case::resolved_toml`], with a remark on every key that has no part where a packing of this name took the place
-    /// of the gas.
+    /// of the random insertion.
     pub fn resolved_toml_with(&self, packing: Option<&str>) -> String {
         let mut text = RESOLVED_HEAD.to_string();
         if let Some(name) = packing {

@@ -125,7 +125,7 @@ impl Run {
         crate::formats::parquet::read(&self.path.join(FORCES), None)
     }
 
-    /// The course of the preparation; none where it was not recorded.
+    /// The history of the preparation; none where it was not recorded.
     ///
     /// # Errors
     /// As [`crate::formats::parquet::read`].
@@ -216,7 +216,7 @@ impl RunFolder {
         Run { path: self.folder.path().to_path_buf() }
     }
 
-    /// Writes the resolved case; with the name of the packing that takes the place of the gas, if one does.
+    /// Writes the resolved case; with the name of the packing that takes the place of the random insertion, if one does.
     ///
     /// # Errors
     /// [`Error::File`] if it cannot be written.
@@ -225,7 +225,7 @@ impl RunFolder {
         write_atomically(&self.folder.file(CASE), |file| io::Write::write_all(file, text.as_bytes()))
     }
 
-    /// Writes the course of the preparation.
+    /// Writes the history of the preparation.
     ///
     /// # Errors
     /// As [`crate::formats::parquet::write`].

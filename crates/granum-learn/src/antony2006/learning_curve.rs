@@ -13,7 +13,7 @@ use crate::error::Result;
 use crate::mapping::Mapping;
 use crate::score::Scorer;
 use crate::sensor_use::SensorUse;
-use crate::student::PairedTest;
+use crate::student_t::PairedTest;
 use crate::study::{PAPER_TRAINER, Study, StudyObserver, StudyOptions, TrainedMapping};
 use crate::surrogate::states_of;
 
@@ -138,7 +138,7 @@ impl LearningCurve {
 
 impl LearningCurve {
     /// Which sensors help, by how much and from how many runs on, in plain sentences.
-    pub fn reading(&self) -> Vec<String> {
+    pub fn interpretation(&self) -> Vec<String> {
         let mut names: Vec<&str> = self.points.iter().map(|point| point.mapping.as_str()).collect();
         names.dedup();
         let last = |name: &str| self.of(name).last().cloned();

@@ -11,7 +11,7 @@ use crate::antony2006::learning_curve::LearningCurve;
 use crate::antony2006::size_study::SizeStudy;
 use crate::score::Score;
 use crate::sensor_use::Verdict;
-use crate::student::PairedTest;
+use crate::student_t::PairedTest;
 use crate::study::Evaluation;
 
 /// Everything in `summary.json`.

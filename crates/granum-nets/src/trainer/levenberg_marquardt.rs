@@ -25,8 +25,8 @@ use std::time::Instant;
 
 use granum_simd::{Isa, Row8};
 
-use super::course::{Course, Method, TrainerState, Validation};
 use super::traingdx::norm;
+use super::training_history::{Method, TrainerState, TrainingHistory, Validation};
 use super::{
     Control, Evidence, Observer, Options, Progress, TerminationReason, Trainer, TrainingError,
     TrainingReport, check_columns,
@@ -173,7 +173,7 @@ impl Trainer for LevenbergMarquardt {
         let mut error = search.squared_error / search.values;
         let mut validation_error = search.validation_error;
         network.weights_mut().copy_from_slice(&search.weights);
-        if let (Some(best), false) = (&search.course.best, termination == TerminationReason::Stopped) {
+        if let (Some(best), false) = (&search.history.best, termination == TerminationReason::Stopped) {
             network.weights_mut().copy_from_slice(&best.weights);
             error = search.workspace.squared_error(&best.weights) / search.values;
             validation_error = Some(best.error);
@@ -184,10 +184,10 @@ impl Trainer for LevenbergMarquardt {
         };
         Ok(TrainingReport {
             trainer: LevenbergMarquardt::NAME,
-            epochs: search.course.epoch,
+            epochs: search.history.epoch,
             error,
             validation_error,
-            history: search.course.history.clone(),
+            history: search.history.history.clone(),
             termination,
             evidence: (self.regularisation == Regularisation::Bayesian).then_some(search.evidence),
             left_out,
@@ -226,7 +226,7 @@ struct Search<'a> {
     /// Epochs in a row without change.
     quiet: u64,
     validation_error: Option<f64>,
-    course: Course,
+    history: TrainingHistory,
 }
 
 impl<'a> Search<'a> {
@@ -246,7 +246,7 @@ impl<'a> Search<'a> {
         let fresh = state.is_none();
         let state = state.unwrap_or_else(|| TrainerState {
             weights: network.weights().to_vec(),
-            course: Course::new(),
+            history: TrainingHistory::new(),
             method: Method::LevenbergMarquardt {
                 damping: rule.damping,
                 evidence: rule.first_evidence(data, count),
@@ -284,7 +284,7 @@ impl<'a> Search<'a> {
             settled,
             quiet,
             validation_error: None,
-            course: state.course,
+            history: state.history,
         };
         search.squared_error = search.workspace.squared_error(&search.weights);
         search.squared_weights = square(rule.isa, &search.weights);
@@ -294,9 +294,9 @@ impl<'a> Search<'a> {
         search.validation_error = search.validation.as_mut().map(|v| v.error(&search.weights));
         if fresh {
             if let Some(error) = search.validation_error {
-                search.course.validate(error, &search.weights);
+                search.history.validate(error, &search.weights);
             }
-            search.course.note(search.squared_error / search.values, search.validation_error);
+            search.history.note(search.squared_error / search.values, search.validation_error);
         }
         Ok(search)
     }
@@ -310,7 +310,7 @@ impl<'a> Search<'a> {
             settled: self.settled,
             quiet: self.quiet,
         };
-        TrainerState { weights: self.weights.clone(), course: self.course.clone(), method }
+        TrainerState { weights: self.weights.clone(), history: self.history.clone(), method }
     }
 
     fn run(&mut self, observer: &mut dyn Observer) -> TerminationReason {
@@ -322,7 +322,7 @@ impl<'a> Search<'a> {
                 return reason;
             }
             let progress = Progress {
-                epoch: self.course.epoch,
+                epoch: self.history.epoch,
                 epochs: self.rule.epochs,
                 error: self.squared_error / self.values,
                 validation_error: self.validation_error,
@@ -337,11 +337,11 @@ impl<'a> Search<'a> {
     fn finished(&self) -> Option<TerminationReason> {
         if self.squared_error / self.values <= self.rule.goal {
             Some(TerminationReason::Goal)
-        } else if self.course.epoch >= self.rule.epochs {
+        } else if self.history.epoch >= self.rule.epochs {
             Some(TerminationReason::EpochLimit)
         } else if self.quiet >= QUIET {
             Some(TerminationReason::Converged)
-        } else if self.validation.is_some() && self.course.failures >= self.rule.maximum_failures {
+        } else if self.validation.is_some() && self.history.failures >= self.rule.maximum_failures {
             Some(TerminationReason::ValidationFailures)
         } else {
             None
@@ -377,13 +377,13 @@ impl<'a> Search<'a> {
         }
         let before = decay.mul_add(self.squared_weights, self.squared_error);
         let after = self.descend(decay, before)?;
-        self.course.epoch += 1;
+        self.history.epoch += 1;
         if let Some(validation) = &mut self.validation {
             let error = validation.error(&self.weights);
             self.validation_error = Some(error);
-            self.course.validate(error, &self.weights);
+            self.history.validate(error, &self.weights);
         }
-        self.course.note(self.squared_error / self.values, self.validation_error);
+        self.history.note(self.squared_error / self.values, self.validation_error);
         let still = |new: f64, old: f64| (new - old).abs() <= self.rule.tolerance * old.abs();
         self.settled = before - after <= SETTLED * before;
         let alike = (self.evidence.gamma - gamma).abs() <= GAMMA_TOLERANCE * gamma;

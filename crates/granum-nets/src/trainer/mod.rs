@@ -1,8 +1,8 @@
 //! Trainers behind one trait, one file each.
 
-mod course;
 mod levenberg_marquardt;
 mod traingdx;
+mod training_history;
 
 use granum_simd::Isa;
 use serde::{Deserialize, Serialize};
@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 use crate::data::Data;
 use crate::network::Network;
 
-pub use course::{HistoryPoint, TrainerState};
 pub use levenberg_marquardt::{LevenbergMarquardt, Regularisation};
 pub use traingdx::Traingdx;
+pub use training_history::{HistoryPoint, TrainerState};
 
 /// Names that [`by_name`] knows, the default first.
 pub const NAMES: [&str; 2] = [LevenbergMarquardt::NAME, Traingdx::NAME];
@@ -195,7 +195,7 @@ pub struct TrainingReport {
     pub error: f64,
     /// Mean squared error over the validation rows in scaled units, at the end.
     pub validation_error: Option<f64>,
-    /// The course of the error, thinned to at most 1024 points.
+    /// The history of the error, thinned to at most 1024 points.
     pub history: Vec<HistoryPoint>,
     /// Why it ended.
     pub termination: TerminationReason,

@@ -441,9 +441,9 @@ fn states_that_no_training_left_are_refused() {
         let state = trainer.train(&mut network, &data, &mut Silent).unwrap().state;
         let good = serde_json::to_value(&state).unwrap();
         let changes: [fn(&mut serde_json::Value); 5] = [
-            |state| state["course"]["epoch"] = u64::MAX.into(),
-            |state| state["course"]["every"] = 0.into(),
-            |state| state["course"]["failures"] = u64::MAX.into(),
+            |state| state["history"]["epoch"] = u64::MAX.into(),
+            |state| state["history"]["every"] = 0.into(),
+            |state| state["history"]["failures"] = u64::MAX.into(),
             // With no damping to begin with, more of it would be none for ever.
             |state| state["method"]["levenberg-marquardt"]["damping"] = 0.into(),
             |state| state["method"]["levenberg-marquardt"]["evidence"]["beta"] = (-1).into(),

@@ -15,7 +15,7 @@ use std::time::Instant;
 
 use granum_simd::{Isa, Kernel, LANES, Lanes, dispatch};
 
-use super::course::{Course, Method, TrainerState, Validation};
+use super::training_history::{Method, TrainerState, TrainingHistory, Validation};
 use super::{
     Control, Observer, Options, Progress, TerminationReason, Trainer, TrainingError, TrainingReport,
     check_columns,
@@ -103,17 +103,17 @@ impl Trainer for Traingdx {
         let mut error = descent.error;
         let mut validation_error = descent.validation_error;
         network.weights_mut().copy_from_slice(&descent.weights);
-        if let (Some(best), false) = (&descent.course.best, termination == TerminationReason::Stopped) {
+        if let (Some(best), false) = (&descent.history.best, termination == TerminationReason::Stopped) {
             network.weights_mut().copy_from_slice(&best.weights);
             error = descent.workspace.squared_error(&best.weights) / descent.values;
             validation_error = Some(best.error);
         }
         Ok(TrainingReport {
             trainer: Traingdx::NAME,
-            epochs: descent.course.epoch,
+            epochs: descent.history.epoch,
             error,
             validation_error,
-            history: descent.course.history.clone(),
+            history: descent.history.history.clone(),
             termination,
             evidence: None,
             left_out: None,
@@ -137,7 +137,7 @@ struct Descent<'a> {
     rate: f64,
     error: f64,
     validation_error: Option<f64>,
-    course: Course,
+    history: TrainingHistory,
 }
 
 impl<'a> Descent<'a> {
@@ -151,7 +151,7 @@ impl<'a> Descent<'a> {
         let fresh = state.is_none();
         let state = state.unwrap_or_else(|| TrainerState {
             weights: network.weights().to_vec(),
-            course: Course::new(),
+            history: TrainingHistory::new(),
             method: Method::Traingdx { step: vec![0.0; count], rate: rule.learning_rate },
         });
         state.check(network)?;
@@ -170,7 +170,7 @@ impl<'a> Descent<'a> {
             rate,
             error: 0.0,
             validation_error: None,
-            course: state.course,
+            history: state.history,
         };
         descent.error = descent.workspace.squared_error(&descent.weights) / descent.values;
         if !descent.error.is_finite() {
@@ -180,9 +180,9 @@ impl<'a> Descent<'a> {
         descent.validation_error = descent.validation.as_mut().map(|v| v.error(&descent.weights));
         if fresh {
             if let Some(error) = descent.validation_error {
-                descent.course.validate(error, &descent.weights);
+                descent.history.validate(error, &descent.weights);
             }
-            descent.course.note(descent.error, descent.validation_error);
+            descent.history.note(descent.error, descent.validation_error);
         }
         Ok(descent)
     }
@@ -190,7 +190,7 @@ impl<'a> Descent<'a> {
     fn state(&self) -> TrainerState {
         TrainerState {
             weights: self.weights.clone(),
-            course: self.course.clone(),
+            history: self.history.clone(),
             method: Method::Traingdx { step: self.step.clone(), rate: self.rate },
         }
     }
@@ -202,7 +202,7 @@ impl<'a> Descent<'a> {
             }
             self.epoch();
             let progress = Progress {
-                epoch: self.course.epoch,
+                epoch: self.history.epoch,
                 epochs: self.rule.epochs,
                 error: self.error,
                 validation_error: self.validation_error,
@@ -217,11 +217,11 @@ impl<'a> Descent<'a> {
     fn finished(&self) -> Option<TerminationReason> {
         if self.error <= self.rule.goal {
             Some(TerminationReason::Goal)
-        } else if self.course.epoch >= self.rule.epochs {
+        } else if self.history.epoch >= self.rule.epochs {
             Some(TerminationReason::EpochLimit)
         } else if norm(self.rule.isa, &self.gradient) <= self.rule.minimum_gradient {
             Some(TerminationReason::MinimumGradient)
-        } else if self.validation.is_some() && self.course.failures >= self.rule.maximum_failures {
+        } else if self.validation.is_some() && self.history.failures >= self.rule.maximum_failures {
             Some(TerminationReason::ValidationFailures)
         } else {
             None
@@ -234,7 +234,7 @@ impl<'a> Descent<'a> {
         let slope = -(1.0 - rule.momentum) * self.rate;
         dispatch(rule.isa, Step { factor: rule.momentum, slope, descent: self });
         let error = self.workspace.squared_error(&self.trial) / self.values;
-        self.course.epoch += 1;
+        self.history.epoch += 1;
         // Written so that an error that is not a number is rejected.
         if error <= rule.largest_rise * self.error {
             if error < self.error {
@@ -246,7 +246,7 @@ impl<'a> Descent<'a> {
             if let Some(validation) = &mut self.validation {
                 let error = validation.error(&self.weights);
                 self.validation_error = Some(error);
-                self.course.validate(error, &self.weights);
+                self.history.validate(error, &self.weights);
             }
         } else {
             self.rate *= rule.decrease;
@@ -254,7 +254,7 @@ impl<'a> Descent<'a> {
                 *step = -self.rate * gradient;
             }
         }
-        self.course.note(self.error, self.validation_error);
+        self.history.note(self.error, self.validation_error);
     }
 }
 

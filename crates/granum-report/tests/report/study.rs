@@ -2,8 +2,8 @@
 
 use std::sync::OnceLock;
 
+use granum_learn::antony2006::interpretation;
 use granum_learn::antony2006::learning_curve::LearningCurve;
-use granum_learn::antony2006::reading;
 use granum_learn::antony2006::size_study::SizeStudyOptions;
 use granum_learn::antony2006::summary::{DemSummary, MappingSummary, RunSummary, SpeedSummary, Summary};
 use granum_learn::study::Silent;
@@ -57,7 +57,7 @@ fn train() -> StudyReport {
             runs: runs.iter().map(summary_of).collect(),
         },
         mappings: evaluations.iter().map(|e| (e.mapping.name.clone(), MappingSummary::new(e))).collect(),
-        reading: reading::read(&evaluations, Some(&size_study), Some(&speed)),
+        reading: interpretation::read(&evaluations, Some(&size_study), Some(&speed)),
         size_study: Some(size_study),
         learning_curve: Some(curve),
         speed,

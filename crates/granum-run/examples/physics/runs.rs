@@ -9,7 +9,7 @@ use granum_dem::config::{
 use granum_dem::loading::{Watcher, begin, follow, preset};
 use granum_dem::preparation::{Flow, Progress, Recipe, prepare, settle};
 use granum_dem::simulation::{Hardware, Properties, Simulation};
-use granum_run::laboratory::{cell, sites};
+use granum_run::laboratory::{cell, spheres};
 use granum_sensors::Recorder;
 
 /// Mean stress, Pa.
@@ -50,7 +50,7 @@ impl Laws {
     }
 }
 
-/// A sample from a gas, compacted with a friction of its own.
+/// A sample from a loose random state, compacted with a friction of its own.
 pub fn sample(laws: Laws, count: usize, friction: f64, seed: u64) -> Result<Simulation, Box<dyn Error>> {
     let (contact, grains) = (laws.contact(), laws.grains(count));
     let preparation = Preparation {
@@ -70,7 +70,7 @@ pub fn packed(path: &std::path::Path) -> Result<Simulation, Box<dyn Error>> {
     let (contact, grains) = (Laws::Plain.contact(), Laws::Plain.grains(packing.grains.len()));
     let preparation = Preparation::default();
     let properties = Properties { material: grains.material, contact };
-    let simulation = Simulation::new(cell(&packing), &sites(&packing), properties)?;
+    let simulation = Simulation::new(cell(&packing), &spheres(&packing), properties)?;
     Ok(settle(simulation, &recipe(&grains, &contact, &preparation), &mut |_: &Progress| Flow::Continue)?
         .simulation)
 }
@@ -109,8 +109,8 @@ pub fn sheared(sample: &Simulation, test: Test) -> Result<Table, Box<dyn Error>>
     let recording = Recording { states: test.states, looks: LOOKS, ..Recording::default() };
     let mut watch = Watch(Recorder::new(&recording, test.deviator_strain));
     let stage = preset::antony2006(&shear, &recording, MEAN_STRESS);
-    let mut watched = begin(&stage, &mut simulation)?;
-    follow(&stage, &mut watched, &mut simulation, &mut watch)?;
+    let mut stage_progress = begin(&stage, &mut simulation)?;
+    follow(&stage, &mut stage_progress, &mut simulation, &mut watch)?;
     Ok(watch.0.record().series)
 }
 

@@ -62,7 +62,7 @@ struct Totals {
     /// Judgements of the runs on themselves that were not good.
     flags: BTreeMap<String, u64>,
     quasi_static: u64,
-    /// Largest gap of the energy ledger, where the test was quasi-static and elsewhere.
+    /// Largest gap of the energy balance, where the test was quasi-static and elsewhere.
     gap: [f64; 2],
     failures: Vec<String>,
     memory: Vec<f64>,
@@ -86,7 +86,7 @@ impl Totals {
         }
     }
 
-    fn tell(&self, seconds: f64) {
+    fn print(&self, seconds: f64) {
         let list = |all: &BTreeMap<String, u64>| {
             let each: Vec<String> = all.iter().map(|(name, count)| format!("{name} {count}")).collect();
             if each.is_empty() { "none".to_string() } else { each.join(", ") }
@@ -180,6 +180,6 @@ fn main() {
         totals.add(outcome);
         totals.memory.push(memory());
     }
-    totals.tell(start.elapsed().as_secs_f64());
+    totals.print(start.elapsed().as_secs_f64());
     std::process::exit(i32::from(!totals.failures.is_empty()));
 }

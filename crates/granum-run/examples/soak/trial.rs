@@ -13,7 +13,7 @@ use crate::draw::Way;
 
 /// A case that takes longer is given up.
 pub const LONGEST: Duration = Duration::from_secs(120);
-/// Gap of the energy ledger that a quasi-static test may have.
+/// Gap of the energy balance that a quasi-static test may have.
 const GAP: f64 = 1e-3;
 /// Share of what dashpots lose that comes to it: they take velocities half a step old, so their loss is counted up to a
 /// quarter of `(w dt)^2` too large. It matters where they take most of the work: without friction.
@@ -186,7 +186,7 @@ fn look_over(
     let gap = gap.ok_or("it says nothing of its energy")? * work;
     outcome.energy_gap = Some(gap);
     if outcome.quasi_static && (gap.is_nan() || gap > GAP + GAP_OF_DASHPOTS * damping) {
-        return Err(format!("the energy ledger of a quasi-static test has a gap of {gap:.2e}"));
+        return Err(format!("the energy balance of a quasi-static test has a gap of {gap:.2e}"));
     }
     Ok(())
 }

@@ -4,9 +4,9 @@ use granum_dem::config::Preparation;
 use granum_dem::preparation::{Outcome, Phase, Preparing};
 use granum_io::Case;
 
+use super::run_state::{RunState, Stage};
 use super::sample::measure_sample;
-use super::standing::{Stage, Standing};
-use super::{Laboratory, LaboratoryError, RunObserver, Speedometer, Stretch, quality};
+use super::{Laboratory, LaboratoryError, RunObserver, Segment, Speedometer, quality};
 
 /// How the sample of a case is consolidated; none if its test is at the mean stress of the sample, or is
 /// given as stages, which consolidate themselves.
@@ -23,15 +23,15 @@ impl Laboratory {
     pub(super) fn begin_consolidation(
         &self,
         case: &Case,
-        standing: Standing,
+        run_state: RunState,
         preparation: &Preparation,
-    ) -> Standing {
-        let recipe = self.recipe(case, preparation, standing.found.grains);
-        let preparing = Preparing::consolidating(standing.simulation, &recipe);
-        Standing {
+    ) -> RunState {
+        let recipe = self.recipe(case, preparation, run_state.results.grains);
+        let preparing = Preparing::consolidating(run_state.simulation, &recipe);
+        RunState {
             simulation: preparing.simulation,
-            stage: Stage::Consolidation(preparing.course),
-            ..standing
+            stage: Stage::Consolidation(preparing.progress),
+            ..run_state
         }
     }
 
@@ -39,36 +39,36 @@ impl Laboratory {
     pub(super) fn consolidate_on(
         &self,
         case: &Case,
-        standing: Standing,
+        run_state: RunState,
         speedometer: &mut Speedometer,
         observer: &mut dyn RunObserver,
-    ) -> Result<(Standing, Stretch), LaboratoryError> {
-        let Standing { simulation, stage, mut found, older } = standing;
-        let (Stage::Consolidation(course), Some(preparation)) = (&stage, wanted(case)) else {
-            return Ok((Standing { simulation, stage, found, older }, Stretch::GoOn));
+    ) -> Result<(RunState, Segment), LaboratoryError> {
+        let RunState { simulation, stage, mut results, older } = run_state;
+        let (Stage::Consolidation(progress), Some(preparation)) = (&stage, wanted(case)) else {
+            return Ok((RunState { simulation, stage, results, older }, Segment::GoOn));
         };
-        let preparing = Preparing { simulation, course: course.clone() };
-        let recipe = self.recipe(case, &preparation, found.grains);
+        let preparing = Preparing { simulation, progress: progress.clone() };
+        let recipe = self.recipe(case, &preparation, results.grains);
         let (outcome, stopped) =
-            self.compress(preparing, &recipe, &mut found.curve, speedometer, observer)?;
+            self.compress(preparing, &recipe, &mut results.curve, speedometer, observer)?;
         let (simulation, stage) = match outcome {
-            Outcome::Stopped(at) => (at.simulation, Stage::Consolidation(at.course)),
+            Outcome::Stopped(at) => (at.simulation, Stage::Consolidation(at.progress)),
             // A consolidation searches no friction.
             Outcome::Again(_) => return Err(LaboratoryError::Packing("it is not needed twice".into())),
             Outcome::Sample(sample) => {
-                found.curve.end(&sample, Phase::Consolidation);
-                found.steps.insert(Phase::Consolidation.name().into(), sample.steps);
-                found.quality.extend(quality::judge_rest(
+                results.curve.end(&sample, Phase::Consolidation);
+                results.steps.insert(Phase::Consolidation.name().into(), sample.steps);
+                results.quality.extend(quality::judge_rest(
                     Phase::Consolidation.name(),
                     &sample.simulation,
                     sample.unbalanced_force,
                     &preparation,
                 ));
-                measure_sample(&sample.simulation, &mut found);
+                measure_sample(&sample.simulation, &mut results);
                 (sample.simulation, Stage::Consolidated)
             }
         };
-        let stretch = if stopped { Stretch::Stop } else { Stretch::GoOn };
-        Ok((Standing { simulation, stage, found, older }, stretch))
+        let segment = if stopped { Segment::Stop } else { Segment::GoOn };
+        Ok((RunState { simulation, stage, results, older }, segment))
     }
 }

@@ -4,7 +4,7 @@ use granum_dem::simulation::{Hardware, Simulation};
 use granum_io::{Case, RunRecord, RunStatus};
 use granum_sensors::Record;
 
-use super::standing::Stage;
+use super::run_state::Stage;
 use super::store::Store;
 use super::{Laboratory, LaboratoryError, Nobody, RunObserver, Source};
 
@@ -56,16 +56,16 @@ impl Laboratory {
         source: &Source,
         observer: &mut dyn RunObserver,
     ) -> Result<TestResult, LaboratoryError> {
-        let mut beginning = self.beginning("shear", case, source, observer)?;
-        let about = &mut beginning.record;
-        let standing = self.go_on(case, beginning.standing, Store(None), about, observer)?;
+        let mut planned = self.plan("shear", case, source, observer)?;
+        let about = &mut planned.record;
+        let run_state = self.go_on(case, planned.run_state, Store(None), about, observer)?;
         if about.status == RunStatus::Running {
             about.status = RunStatus::Finished;
         }
-        let record = match &standing.stage {
+        let record = match &run_state.stage {
             Stage::Test(test) => test.record(),
             _ => Record::default(),
         };
-        Ok(TestResult { record, about: beginning.record, simulation: standing.simulation })
+        Ok(TestResult { record, about: planned.record, simulation: run_state.simulation })
     }
 }

@@ -4,7 +4,7 @@
 //! Case --> prepare --> sample folder --> shear --> run folder
 //! ```
 //!
-//! A run is a [`Standing`] that goes from stage to stage: preparation, sample, consolidation (where the test is at another
+//! A run is a [`RunState`] that goes from stage to stage: preparation, sample, consolidation (where the test is at another
 //! mean stress than the sample), test. It is written down as a
 //! checkpoint at an interval of wall time and when the user stops it, and everything that decides what comes next is in
 //! it: a run that is killed at any instant goes on to the same bits. Before the first checkpoint there are the case and
@@ -18,8 +18,8 @@ pub mod memory;
 mod pace;
 mod preparation_curve;
 mod quality;
+mod run_state;
 mod sample;
-mod standing;
 mod status;
 mod store;
 mod test;
@@ -38,7 +38,7 @@ use granum_io::{Case, Error as FileError};
 use thiserror::Error;
 
 pub(crate) use self::pace::Interval;
-use self::standing::{Stage, Standing};
+use self::run_state::{RunState, Stage};
 use self::status::Speedometer;
 use self::store::Store;
 use self::test::Test;
@@ -48,8 +48,8 @@ pub use granum_io::run::{CHECKPOINT, PREVIOUS_CHECKPOINT};
 pub use in_memory::TestResult;
 pub use measures::late_mean;
 pub use preparation_curve::PREPARATION_COLUMNS;
-pub use sample::{Source, cell, simulation, sites};
-pub use standing::check_beside;
+pub use run_state::check_beside;
+pub use sample::{Source, cell, simulation, spheres};
 pub use status::{Field, Status};
 
 /// Name of the snapshot of a sample, in the folder of a test as it is when the test begins.
@@ -175,14 +175,14 @@ pub struct Laboratory {
 }
 
 /// A run that is about to begin: what it begins with was found good, and nothing is written yet.
-pub struct Beginning {
+pub struct PlannedRun {
     case: Case,
     record: RunRecord,
-    standing: Standing,
+    run_state: RunState,
 }
 
-/// How a stretch of a run ended.
-enum Stretch {
+/// How a segment of a run ended.
+enum Segment {
     /// There is more to do.
     GoOn,
     /// The observer wants to stop.
@@ -222,7 +222,7 @@ impl Laboratory {
         folder: &RunFolder,
         observer: &mut dyn RunObserver,
     ) -> Result<RunRecord, LaboratoryError> {
-        self.run(self.beginning("prepare", case, source, observer)?, folder, observer)
+        self.run(self.plan("prepare", case, source, observer)?, folder, observer)
     }
 
     /// Makes or takes a sample and shears it as the case says; leaves a run folder.
@@ -236,7 +236,7 @@ impl Laboratory {
         folder: &RunFolder,
         observer: &mut dyn RunObserver,
     ) -> Result<RunRecord, LaboratoryError> {
-        self.run(self.beginning("shear", case, source, observer)?, folder, observer)
+        self.run(self.plan("shear", case, source, observer)?, folder, observer)
     }
 
     /// Goes on with a preparation or test that was interrupted, killed or failed: from its last good checkpoint, or from
@@ -257,8 +257,8 @@ impl Laboratory {
                 "the case was changed since the run began; run the changed case anew in another folder";
             return Err(FileError::content(&folder.path().join("case.toml"), message).into());
         }
-        let standing = standing::last_good(folder, &case, observer)?;
-        if record.status == RunStatus::Finished && standing.as_ref().is_none_or(|s| !s.older) {
+        let run_state = run_state::last_good(folder, &case, observer)?;
+        if record.status == RunStatus::Finished && run_state.as_ref().is_none_or(|s| !s.older) {
             return Ok(record);
         }
         if record.granum_version != self.version {
@@ -274,14 +274,14 @@ impl Laboratory {
             if record.unwritten_case.take().is_some() {
                 write_case(folder, &case, record)?;
             }
-            let standing = match standing {
-                Some(standing) => standing,
+            let run_state = match run_state {
+                Some(run_state) => run_state,
                 None => {
                     let source = Source::recorded(&record.source)?;
                     self.start(&case, &source, None, record, observer)?
                 }
             };
-            self.go_on(&case, standing, Store(Some(folder)), record, observer).map(drop)
+            self.go_on(&case, run_state, Store(Some(folder)), record, observer).map(drop)
         })
     }
 
@@ -290,13 +290,13 @@ impl Laboratory {
     ///
     /// # Errors
     /// [`LaboratoryError`] if the machine cannot hold the case, or its sample or packing cannot be used.
-    pub fn beginning(
+    pub fn plan(
         &self,
         kind: &str,
         case: &Case,
         source: &Source,
         observer: &mut dyn RunObserver,
-    ) -> Result<Beginning, LaboratoryError> {
+    ) -> Result<PlannedRun, LaboratoryError> {
         if *source == Source::Case {
             memory::check(case)?;
         }
@@ -308,8 +308,8 @@ impl Laboratory {
             let packing = from_packing::describe(file, packing, sha256);
             record.set_packing(case, packing);
         }
-        let standing = self.start(case, source, packing, &mut record, observer)?;
-        Ok(Beginning { case: case.clone(), record, standing })
+        let run_state = self.start(case, source, packing, &mut record, observer)?;
+        Ok(PlannedRun { case: case.clone(), record, run_state })
     }
 
     /// Runs from a beginning to the end. The record goes first and holds the case until that has its own file: from then
@@ -319,17 +319,17 @@ impl Laboratory {
     /// [`LaboratoryError`]; the record in the folder then has the status `failed`.
     pub fn run(
         &self,
-        beginning: Beginning,
+        planned: PlannedRun,
         folder: &RunFolder,
         observer: &mut dyn RunObserver,
     ) -> Result<RunRecord, LaboratoryError> {
-        let Beginning { case, mut record, standing } = beginning;
+        let PlannedRun { case, mut record, run_state } = planned;
         record.unwritten_case = Some(case.resolved_toml());
         folder.write_record(&record)?;
         write_case(folder, &case, &record)?;
         record.unwritten_case = None;
         self.finish(folder, &mut record, |record| {
-            self.go_on(&case, standing, Store(Some(folder)), record, observer).map(drop)
+            self.go_on(&case, run_state, Store(Some(folder)), record, observer).map(drop)
         })
     }
 
@@ -337,64 +337,64 @@ impl Laboratory {
     fn go_on(
         &self,
         case: &Case,
-        mut standing: Standing,
+        mut run_state: RunState,
         store: Store,
         record: &mut RunRecord,
         observer: &mut dyn RunObserver,
-    ) -> Result<Standing, LaboratoryError> {
+    ) -> Result<RunState, LaboratoryError> {
         // At once, so that nothing outside the folder is needed from here on.
-        save(store, &standing, record)?;
+        save(store, &run_state, record)?;
         let mut speedometer = Speedometer::new();
         loop {
             let started = Instant::now();
             speedometer.begin();
-            let phase = standing.phase();
-            let stretch = match standing.stage {
+            let phase = run_state.phase();
+            let segment = match run_state.stage {
                 Stage::Preparation(_) => {
                     let source = &record.source;
-                    let (next, stretch) =
-                        self.prepare_on(case, standing, source, &mut speedometer, observer)?;
-                    standing = next;
-                    stretch
+                    let (next, segment) =
+                        self.prepare_on(case, run_state, source, &mut speedometer, observer)?;
+                    run_state = next;
+                    segment
                 }
                 Stage::Sample => {
-                    write_sample(store, &standing)?;
+                    write_sample(store, &run_state)?;
                     if record.kind == "prepare" {
-                        return Ok(standing);
+                        return Ok(run_state);
                     }
                     match consolidation::wanted(case) {
-                        None => self.begin_test(case, &mut standing)?,
+                        None => self.begin_test(case, &mut run_state)?,
                         Some(preparation) => {
-                            standing = self.begin_consolidation(case, standing, &preparation);
-                            Stretch::GoOn
+                            run_state = self.begin_consolidation(case, run_state, &preparation);
+                            Segment::GoOn
                         }
                     }
                 }
                 Stage::Consolidation(_) => {
-                    let (next, stretch) = self.consolidate_on(case, standing, &mut speedometer, observer)?;
-                    standing = next;
-                    stretch
+                    let (next, segment) = self.consolidate_on(case, run_state, &mut speedometer, observer)?;
+                    run_state = next;
+                    segment
                 }
                 Stage::Consolidated => {
-                    write_sample(store, &standing)?;
-                    self.begin_test(case, &mut standing)?
+                    write_sample(store, &run_state)?;
+                    self.begin_test(case, &mut run_state)?
                 }
-                Stage::Test(_) => self.test_on(case, &mut standing, store, &mut speedometer, observer)?,
+                Stage::Test(_) => self.test_on(case, &mut run_state, store, &mut speedometer, observer)?,
             };
             if let Some(phase) = phase {
                 *record.wall_seconds.entry(phase.into()).or_default() += started.elapsed().as_secs_f64();
             }
-            match stretch {
-                Stretch::Complete => {
-                    complete(&standing, store, record, observer)?;
-                    return Ok(standing);
+            match segment {
+                Segment::Complete => {
+                    complete(&run_state, store, record, observer)?;
+                    return Ok(run_state);
                 }
-                Stretch::GoOn if phase.is_none() => {}
-                Stretch::GoOn => save(store, &standing, record)?,
-                Stretch::Stop => {
-                    save(store, &standing, record)?;
+                Segment::GoOn if phase.is_none() => {}
+                Segment::GoOn => save(store, &run_state, record)?,
+                Segment::Stop => {
+                    save(store, &run_state, record)?;
                     record.status = RunStatus::Interrupted;
-                    return Ok(standing);
+                    return Ok(run_state);
                 }
             }
         }
@@ -425,55 +425,55 @@ impl Laboratory {
 }
 
 /// Writes down where a run stands: checkpoint, what the sensors saw, record.
-fn save(store: Store, standing: &Standing, record: &mut RunRecord) -> Result<(), LaboratoryError> {
-    store.write(|folder| standing.write(folder))?;
-    match &standing.stage {
+fn save(store: Store, run_state: &RunState, record: &mut RunRecord) -> Result<(), LaboratoryError> {
+    store.write(|folder| run_state.write(folder))?;
+    match &run_state.stage {
         Stage::Test(test) => store.write(|folder| write_record(folder, &test.record()))?,
-        Stage::Preparation(_) | Stage::Consolidation(_) => write_curve(store, standing)?,
+        Stage::Preparation(_) | Stage::Consolidation(_) => write_curve(store, run_state)?,
         Stage::Sample | Stage::Consolidated => {}
     }
-    standing.tell(record);
+    run_state.write_into(record);
     store.write(|folder| folder.write_record(record))?;
     Ok(())
 }
 
-/// Writes the case; a packing in place of the gas is named in it.
+/// Writes the case; a packing in place of the random insertion is named in it.
 fn write_case(folder: &RunFolder, case: &Case, record: &RunRecord) -> Result<(), LaboratoryError> {
     let packing = record.packing.as_ref().map(|packing| packing.file_name.as_str());
     Ok(folder.write_case(case, packing)?)
 }
 
 /// Writes how the sample was come by, as far as it is.
-fn write_curve(store: Store, standing: &Standing) -> Result<(), LaboratoryError> {
+fn write_curve(store: Store, run_state: &RunState) -> Result<(), LaboratoryError> {
     let Some(folder) = store.0 else { return Ok(()) };
-    if let Some(table) = standing.found.curve.table()? {
+    if let Some(table) = run_state.results.curve.table()? {
         folder.write_preparation(&table)?;
     }
     Ok(())
 }
 
 /// Writes a sample that is there.
-fn write_sample(store: Store, standing: &Standing) -> Result<(), LaboratoryError> {
-    write_curve(store, standing)?;
-    Ok(store.snapshot(SAMPLE, &standing.simulation.assembly())?)
+fn write_sample(store: Store, run_state: &RunState) -> Result<(), LaboratoryError> {
+    write_curve(store, run_state)?;
+    Ok(store.snapshot(SAMPLE, &run_state.simulation.assembly())?)
 }
 
 /// The end of a test: last snapshot, judgement.
 fn complete(
-    standing: &Standing,
+    run_state: &RunState,
     store: Store,
     record: &mut RunRecord,
     observer: &mut dyn RunObserver,
 ) -> Result<(), LaboratoryError> {
-    let Stage::Test(test) = &standing.stage else { return Ok(()) };
-    let end = standing.simulation.assembly();
+    let Stage::Test(test) = &run_state.stage else { return Ok(()) };
+    let end = run_state.simulation.assembly();
     store.snapshot(END, &end)?;
-    save(store, standing, record)?;
+    save(store, run_state, record)?;
     let seen = test.record();
-    record.quality.extend(quality::judge(&standing.simulation, &end, &seen, test));
+    record.quality.extend(quality::judge(&run_state.simulation, &end, &seen, test));
     measures::of_test(&seen, &mut record.measures);
     if test.staged {
-        tell_stages(test, record, observer);
+        record_stages(test, record, observer);
     }
     if let Some(remark) = quality::remark_on_samples(&test.shortfall()) {
         observer.warn(&remark);
@@ -484,7 +484,7 @@ fn complete(
 }
 
 /// Writes down how each stage ended; a stage that did not come to its end is told at once.
-fn tell_stages(test: &Test, record: &mut RunRecord, observer: &mut dyn RunObserver) {
+fn record_stages(test: &Test, record: &mut RunRecord, observer: &mut dyn RunObserver) {
     for (k, end) in test.ends.iter().enumerate() {
         let StageEnd { name, reason, steps, .. } = end;
         let note = format!("stage {} ({name}) ended after {steps} steps: {reason}", k + 1);

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-/// Says when a checkpoint is due. Never at the first look of a stretch: a stretch must get on, however short the interval.
+/// Says when a checkpoint is due. Never at the first observation of a segment: a segment must get on, however short the interval.
 pub(crate) struct Interval {
     since: Option<Instant>,
     every: Duration,

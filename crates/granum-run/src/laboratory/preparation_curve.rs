@@ -1,4 +1,4 @@
-//! The course of a preparation: how stress, density and contacts grew, as a table of the sample's folder.
+//! The history of a preparation: how stress, density and contacts grew, as a table of the sample's folder.
 
 use granum_dem::preparation::{Phase, Progress, Sample};
 use granum_dem::simulation::Simulation;

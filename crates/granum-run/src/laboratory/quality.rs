@@ -32,7 +32,7 @@ impl Stored {
     }
 }
 
-/// Relative gap of the energy ledger: what the boundary put in against what was stored, slid, damped and broken.
+/// Relative gap of the energy balance: what the boundary put in against what was stored, slid, damped and broken.
 fn energy_gap(before: &Stored, end: &Assembly) -> f64 {
     let after = Stored::of(end);
     let e = &end.energy;
@@ -184,7 +184,7 @@ pub(super) fn judge(
             "energy_gap",
             energy,
             1e-3,
-            "the energy ledger does not close; lower numerics.time_step_factor",
+            "the energy balance does not close; lower numerics.time_step_factor",
         ),
         QualityFlag::at_most(
             "momentum_drift",

@@ -1,21 +1,21 @@
-//! Samples: prepared from a gas, taken from a folder, or made of another program's packing.
+//! Samples: prepared from a loose random state, taken from a folder, or made of another program's packing.
 
 use std::path::{Path, PathBuf};
 
 use granum_core::cell::Cell;
 use granum_dem::config::Preparation;
 use granum_dem::preparation::{Flow, Outcome, Phase, Preparing, Progress, Recipe, Sample};
-use granum_dem::simulation::{Properties, Simulation, Site};
+use granum_dem::simulation::{InitialSphere, Properties, Simulation};
 use granum_io::case::{decides_sample, differences};
 use granum_io::run::{Run, RunRecord, RunSource};
 use granum_io::shell::quoted_path;
 use granum_io::{Case, Packing, run};
 
 use super::preparation_curve::PreparationCurve;
-use super::standing::{Found, Stage, Standing};
+use super::run_state::{RunResults, RunState, Stage};
 use super::{
-    CHECKPOINT, Interval, Laboratory, LaboratoryError, PREVIOUS_CHECKPOINT, RunObserver, Speedometer, Status,
-    Stretch, from_packing, memory, quality,
+    CHECKPOINT, Interval, Laboratory, LaboratoryError, PREVIOUS_CHECKPOINT, RunObserver, Segment,
+    Speedometer, Status, from_packing, memory, quality,
 };
 
 /// Where a sample comes from.
@@ -71,7 +71,7 @@ impl Laboratory {
         packing: Option<Packing>,
         record: &mut RunRecord,
         observer: &mut dyn RunObserver,
-    ) -> Result<Standing, LaboratoryError> {
+    ) -> Result<RunState, LaboratoryError> {
         let recipe = self.recipe(case, &case.preparation, case.grains.count);
         let preparing = match source {
             Source::Folder(path) => return take_sample(case, path, record),
@@ -86,7 +86,7 @@ impl Laboratory {
                 preparing
             }
         };
-        Ok(Standing::new(preparing.simulation, Stage::Preparation(preparing.course)))
+        Ok(RunState::new(preparing.simulation, Stage::Preparation(preparing.progress)))
     }
 
     pub(super) fn recipe<'a>(
@@ -108,36 +108,36 @@ impl Laboratory {
     pub(super) fn prepare_on(
         &self,
         case: &Case,
-        standing: Standing,
+        run_state: RunState,
         source: &RunSource,
         speedometer: &mut Speedometer,
         observer: &mut dyn RunObserver,
-    ) -> Result<(Standing, Stretch), LaboratoryError> {
+    ) -> Result<(RunState, Segment), LaboratoryError> {
         // By value: a large simulation would not fit into memory twice.
-        let Standing { simulation, stage, mut found, older } = standing;
-        let Stage::Preparation(course) = stage else {
-            return Ok((Standing { simulation, stage, found, older }, Stretch::GoOn));
+        let RunState { simulation, stage, mut results, older } = run_state;
+        let Stage::Preparation(progress) = stage else {
+            return Ok((RunState { simulation, stage, results, older }, Segment::GoOn));
         };
-        let compacted = course.friction().is_some();
-        let recipe = self.recipe(case, &case.preparation, found.grains);
-        let preparing = Preparing { simulation, course };
+        let compacted = progress.friction().is_some();
+        let recipe = self.recipe(case, &case.preparation, results.grains);
+        let preparing = Preparing { simulation, progress };
         let (outcome, stopped) =
-            self.compress(preparing, &recipe, &mut found.curve, speedometer, observer)?;
+            self.compress(preparing, &recipe, &mut results.curve, speedometer, observer)?;
         let (simulation, stage) = match outcome {
-            Outcome::Stopped(at) => (at.simulation, Stage::Preparation(at.course)),
+            Outcome::Stopped(at) => (at.simulation, Stage::Preparation(at.progress)),
             Outcome::Again(next) => {
                 let preparing = from_packing::again(source, &recipe, next)?;
-                (preparing.simulation, Stage::Preparation(preparing.course))
+                (preparing.simulation, Stage::Preparation(preparing.progress))
             }
             Outcome::Sample(sample) => {
-                found.curve.end(&sample, Phase::Relaxation);
-                note_sample(case, &sample, compacted, &mut found);
-                measure_sample(&sample.simulation, &mut found);
+                results.curve.end(&sample, Phase::Relaxation);
+                note_sample(case, &sample, compacted, &mut results);
+                measure_sample(&sample.simulation, &mut results);
                 (sample.simulation, Stage::Sample)
             }
         };
-        let stretch = if stopped { Stretch::Stop } else { Stretch::GoOn };
-        Ok((Standing { simulation, stage, found, older }, stretch))
+        let segment = if stopped { Segment::Stop } else { Segment::GoOn };
+        Ok((RunState { simulation, stage, results, older }, segment))
     }
 
     /// Goes on with a preparation or consolidation, and tells whether the observer stopped it.
@@ -179,7 +179,7 @@ fn note(record: &mut RunRecord, text: String) {
 }
 
 /// The sample of another folder.
-fn take_sample(case: &Case, path: &Path, record: &mut RunRecord) -> Result<Standing, LaboratoryError> {
+fn take_sample(case: &Case, path: &Path, record: &mut RunRecord) -> Result<RunState, LaboratoryError> {
     let folder = Run::at(path)?;
     let other = folder.record()?;
     let checkpoint = path.join(CHECKPOINT);
@@ -191,22 +191,22 @@ fn take_sample(case: &Case, path: &Path, record: &mut RunRecord) -> Result<Stand
             in_what(&folder.case()?, case)
         )));
     }
-    let standing = match Standing::read(&checkpoint, None) {
-        Ok(Some(standing)) => standing,
+    let run_state = match RunState::read(&checkpoint, None) {
+        Ok(Some(run_state)) => run_state,
         Ok(None) => return Err(bad(format!("there is none; `granum resume {name}` makes the sample"))),
         Err(LaboratoryError::Checkpoint { what, .. }) if path.join(PREVIOUS_CHECKPOINT).is_file() => {
             return Err(bad(format!("{what}; `granum resume {name}` makes it again from the one before")));
         }
         Err(error) => return Err(error),
     };
-    match standing.stage {
+    match run_state.stage {
         Stage::Sample => {
             record.wall_seconds.extend(other.wall_seconds);
             other.notes.into_iter().for_each(|text| note(record, text));
             if let Some(packing) = other.packing {
                 record.set_packing(case, packing);
             }
-            Ok(standing)
+            Ok(run_state)
         }
         Stage::Preparation(_) => {
             Err(bad(format!("its preparation is not finished; continue it with `granum resume {name}`")))
@@ -252,7 +252,7 @@ pub fn simulation(packing: &Packing, properties: Properties) -> Result<Simulatio
              is possible"
         )));
     }
-    Ok(Simulation::new(cell(packing), &sites(packing), properties)?)
+    Ok(Simulation::new(cell(packing), &spheres(packing), properties)?)
 }
 
 /// The cell of a packing, its corner at the origin.
@@ -261,24 +261,24 @@ pub fn cell(packing: &Packing) -> Cell {
 }
 
 /// The grains of a packing, from the corner of its cell.
-pub fn sites(packing: &Packing) -> Vec<Site> {
+pub fn spheres(packing: &Packing) -> Vec<InitialSphere> {
     packing
         .grains
         .iter()
-        .map(|g| Site { id: g.id, position: packing.from_corner(g), radius: g.radius })
+        .map(|g| InitialSphere { id: g.id, position: packing.from_corner(g), radius: g.radius })
         .collect()
 }
 
 /// How the sample was come by. A packing that was not compacted has no friction to blame.
-fn note_sample(case: &Case, sample: &Sample, compacted: bool, found: &mut Found) {
+fn note_sample(case: &Case, sample: &Sample, compacted: bool, results: &mut RunResults) {
     let p = &case.preparation;
-    found.steps.insert("prepare".into(), sample.steps);
-    found.measures.insert("sample_unbalanced_force".into(), sample.unbalanced_force);
+    results.steps.insert("prepare".into(), sample.steps);
+    results.measures.insert("sample_unbalanced_force".into(), sample.unbalanced_force);
     if let Some(trial) = sample.trials.last() {
-        found.measures.insert("preparation_friction".into(), trial.friction);
-        found.measures.insert("preparation_trials".into(), sample.trials.len() as f64);
+        results.measures.insert("preparation_friction".into(), trial.friction);
+        results.measures.insert("preparation_trials".into(), sample.trials.len() as f64);
     }
-    found.quality.extend(quality::judge_rest("sample", &sample.simulation, sample.unbalanced_force, p));
+    results.quality.extend(quality::judge_rest("sample", &sample.simulation, sample.unbalanced_force, p));
     if let Some(target) = p.solid_fraction {
         let reached = sample.simulation.state().solid_fraction();
         let advice = if !compacted {
@@ -298,7 +298,7 @@ fn note_sample(case: &Case, sample: &Sample, compacted: bool, found: &mut Found)
                  preparation.solid_fraction, or \"none\""
             )
         };
-        found.quality.push(run::QualityFlag::at_most(
+        results.quality.push(run::QualityFlag::at_most(
             "solid_fraction_missed_by",
             (reached - target).abs(),
             p.solid_fraction_tolerance,
@@ -308,7 +308,7 @@ fn note_sample(case: &Case, sample: &Sample, compacted: bool, found: &mut Found)
 }
 
 /// The sample as it stands before the test.
-pub(super) fn measure_sample(simulation: &Simulation, found: &mut Found) {
+pub(super) fn measure_sample(simulation: &Simulation, results: &mut RunResults) {
     let row = granum_sensors::measure_row(&simulation.assembly());
     for name in [
         "solid_fraction",
@@ -322,7 +322,7 @@ pub(super) fn measure_sample(simulation: &Simulation, found: &mut Found) {
         "deviator_fabric",
     ] {
         if let Some(k) = granum_sensors::column_index(name) {
-            found.measures.insert(name.to_string(), row[k]);
+            results.measures.insert(name.to_string(), row[k]);
         }
     }
 }

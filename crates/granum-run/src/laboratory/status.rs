@@ -17,7 +17,7 @@ pub struct Status<'a> {
     pub stage: Option<&'a str>,
     /// Fraction of the phase done, where it can be told.
     pub fraction: Option<f64>,
-    /// Grain-steps per second of the last stretch; `None` until it has been measured.
+    /// Grain-steps per second of the last segment; `None` until it has been measured.
     pub grain_steps_per_second: Option<f64>,
     /// The simulation, for reading.
     pub simulation: &'a Simulation,
@@ -86,7 +86,7 @@ impl Status<'_> {
     fn stress_ratio(&self) -> f64 {
         let s = self.simulation.state();
         if self.stage.is_some() {
-            return Measure::StressRatio.of(&s.reading());
+            return Measure::StressRatio.of(&s.macro_state());
         }
         let (stress, p) = (s.stress(), s.mean_stress());
         let q = stress[0][0] - 0.5 * (stress[1][1] + stress[2][2]);
@@ -106,7 +106,7 @@ fn speed(rate: f64) -> String {
 /// Grain-steps per second, over the stretches of a run.
 pub(crate) struct Speedometer {
     since: Instant,
-    /// Step at that time; none before the first reading of a stretch.
+    /// Step at that time; none before the first measurement of a segment.
     step: Option<u64>,
     rate: Option<f64>,
 }
@@ -116,7 +116,7 @@ impl Speedometer {
         Speedometer { since: Instant::now(), step: None, rate: None }
     }
 
-    /// A stretch begins; what passed since the last one (a checkpoint was written) is no time of computing.
+    /// A segment begins; what passed since the last one (a checkpoint was written) is no time of computing.
     pub(crate) fn begin(&mut self) {
         self.step = None;
     }
@@ -132,7 +132,7 @@ impl Speedometer {
                 let rate = steps as f64 * simulation.state().grains() as f64 / seconds;
                 *self = Speedometer { step: Some(step), rate: Some(rate), since: Instant::now() };
             }
-            // A stretch or another phase has begun.
+            // A segment or another phase has begun.
             None => *self = Speedometer { step: Some(step), rate: self.rate, since: Instant::now() },
         }
         self.rate

@@ -2,7 +2,7 @@
 
 use granum_core::quantity::format_number;
 use granum_dem::loading::{
-    self, Ending, Stage as Loading, StageEnd, Watched, Watcher, begin, density_scaling,
+    self, Ending, Stage as Loading, StageEnd, StageProgress, Watcher, begin, density_scaling,
 };
 use granum_dem::preparation::{Flow, Progress};
 use granum_dem::simulation::{Properties, Simulation};
@@ -10,9 +10,9 @@ use granum_io::Case;
 use granum_sensors::{Record, Recorder};
 use serde::{Deserialize, Serialize};
 
-use super::standing::{Stage, Standing};
+use super::run_state::{RunState, Stage};
 use super::store::Store;
-use super::{Interval, Laboratory, LaboratoryError, RunObserver, Speedometer, Status, Stretch, quality};
+use super::{Interval, Laboratory, LaboratoryError, RunObserver, Segment, Speedometer, Status, quality};
 
 /// What a test remembers beside the state of the simulation.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -20,7 +20,7 @@ pub(super) struct Test {
     /// What is done, stage by stage.
     stages: Vec<Loading>,
     /// What the ends of the stage under way have to remember.
-    watched: Watched,
+    stage_progress: StageProgress,
     /// One for each stage that was begun; the last belongs to the one under way.
     recorders: Vec<Recorder>,
     /// The stages that are over.
@@ -52,7 +52,7 @@ impl Test {
         simulation.reset_phase(0.0);
         let mut test = Test {
             stages: case.test_stages(),
-            watched: Watched::default(),
+            stage_progress: StageProgress::default(),
             recorders: Vec::new(),
             ends: Vec::new(),
             before: quality::Stored::of(&simulation.assembly()),
@@ -72,7 +72,7 @@ impl Test {
             self.damped = false;
         }
         self.damped |= stage.settling;
-        self.watched = begin(stage, simulation)?;
+        self.stage_progress = begin(stage, simulation)?;
         let recorder = self.fresh_recorder(case, self.recorders.len());
         self.recorders.extend(recorder);
         Ok(())
@@ -84,7 +84,7 @@ impl Test {
         if !self.staged {
             return Some(Recorder::new(&case.recording, case.shear.deviator_strain));
         }
-        let origin = self.watched.origin(stage.record.measure);
+        let origin = self.stage_progress.origin(stage.record.measure);
         Some(Recorder::of_stage(&case.recording, &stage.record, origin))
     }
 
@@ -118,7 +118,7 @@ impl Test {
     pub(super) fn steps(&self, step: u64) -> u64 {
         let before: u64 = self.ends.iter().map(|end| end.steps).sum();
         let under_way = self.recorders.len() > self.ends.len();
-        if under_way { before + step.saturating_sub(self.watched.start_step) } else { before }
+        if under_way { before + step.saturating_sub(self.stage_progress.start_step) } else { before }
     }
 
     /// Number of stages.
@@ -135,7 +135,7 @@ impl Test {
 /// Watches a stage: lets the recorder look, takes snapshots, reports, stops for a checkpoint.
 struct Watch<'a> {
     stage: &'a Loading,
-    watched: Watched,
+    stage_progress: StageProgress,
     /// Where it stands among how many.
     place: [usize; 2],
     staged: bool,
@@ -156,7 +156,7 @@ impl Watcher for Watch<'_> {
     }
     fn look(&mut self, simulation: &Simulation) {
         let measure = self.stage.record.measure;
-        let here = measure.of(&simulation.state().reading()) - self.watched.origin(measure);
+        let here = measure.of(&simulation.state().macro_state()) - self.stage_progress.origin(measure);
         let assembly = simulation.assembly();
         // The recorder may not look earlier for the sake of a snapshot.
         if self.recorder.next_look() <= here {
@@ -175,7 +175,7 @@ impl Watcher for Watch<'_> {
         }
         let simulation = progress.simulation;
         let [at, all] = self.place;
-        let fraction = self.stage.fraction(&self.watched, simulation);
+        let fraction = self.stage.fraction(&self.stage_progress, simulation);
         self.observer.status(&Status {
             phase: progress.phase,
             trial: 1,
@@ -194,42 +194,42 @@ impl Laboratory {
     pub(super) fn begin_test(
         &self,
         case: &Case,
-        standing: &mut Standing,
-    ) -> Result<Stretch, LaboratoryError> {
-        let simulation = &mut standing.simulation;
+        run_state: &mut RunState,
+    ) -> Result<Segment, LaboratoryError> {
+        let simulation = &mut run_state.simulation;
         let mut material = case.grains.material;
         if !case.has_stages() {
             material.density *= density_scaling(&case.shear.rate);
         }
         simulation.set_properties(Properties { material, contact: case.contact })?;
         simulation.set_time_step_factor(case.numerics.time_step_factor);
-        standing.stage = Stage::Test(Box::new(Test::begin(case, simulation)?));
-        Ok(Stretch::GoOn)
+        run_state.stage = Stage::Test(Box::new(Test::begin(case, simulation)?));
+        Ok(Segment::GoOn)
     }
 
     /// Goes on with a test to the end of its stage, until a checkpoint is due or the observer stops it.
     pub(super) fn test_on(
         &self,
         case: &Case,
-        standing: &mut Standing,
+        run_state: &mut RunState,
         store: Store,
         speedometer: &mut Speedometer,
         observer: &mut dyn RunObserver,
-    ) -> Result<Stretch, LaboratoryError> {
-        let Stage::Test(test) = &mut standing.stage else { return Ok(Stretch::GoOn) };
-        let simulation = &mut standing.simulation;
+    ) -> Result<Segment, LaboratoryError> {
+        let Stage::Test(test) = &mut run_state.stage else { return Ok(Segment::GoOn) };
+        let simulation = &mut run_state.simulation;
         let at = test.ends.len();
         if test.recorders.len() == at {
             // The last stage is over, or one was cut short.
-            return Ok(Stretch::Complete);
+            return Ok(Segment::Complete);
         }
         let (Some(stage), Some(recorder)) = (test.stages.get(at), test.recorders.last_mut()) else {
-            return Ok(Stretch::Complete);
+            return Ok(Segment::Complete);
         };
         simulation.set_hardware(self.hardware_for(simulation.state().grains()));
         let mut watch = Watch {
             stage,
-            watched: test.watched.clone(),
+            stage_progress: test.stage_progress.clone(),
             place: [at, test.stages.len()],
             staged: test.staged,
             recorder,
@@ -241,23 +241,23 @@ impl Laboratory {
             interval: Interval::new(self.checkpoint_every),
             stopped: false,
         };
-        let ending = loading::follow(stage, &mut test.watched, simulation, &mut watch)?;
+        let ending = loading::follow(stage, &mut test.stage_progress, simulation, &mut watch)?;
         if let Some(error) = watch.failed {
             return Err(error.into());
         }
         let stopped = watch.stopped;
         let reason = match ending {
             Ending::Complete(reason) => reason,
-            Ending::Stopped if stopped => return Ok(Stretch::Stop),
-            Ending::Stopped => return Ok(Stretch::GoOn),
+            Ending::Stopped if stopped => return Ok(Segment::Stop),
+            Ending::Stopped => return Ok(Segment::GoOn),
         };
-        test.ends.push(StageEnd::of(stage, &test.watched, reason, simulation));
+        test.ends.push(StageEnd::of(stage, &test.stage_progress, reason, simulation));
         // What follows a stage that did not come to its end would not be what was asked for.
         if !reason.is_asked_for() || test.ends.len() == test.stages.len() {
-            return Ok(Stretch::Complete);
+            return Ok(Segment::Complete);
         }
         store.snapshot(&stage_snapshot(test.ends.len()), &simulation.assembly())?;
         test.begin_stage(case, simulation)?;
-        Ok(Stretch::GoOn)
+        Ok(Segment::GoOn)
     }
 }

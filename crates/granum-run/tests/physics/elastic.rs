@@ -15,7 +15,7 @@ fn response(strain: [f64; 3]) -> Matrix {
         let time = steps as f64 * s.state().time_step();
         s.fix_time_step(Some(s.state().time_step()));
         // As in a preparation: slow against the vibrations of a contact.
-        s.set_fading(1e-3 / s.state().time_step());
+        s.set_global_damping(1e-3 / s.state().time_step());
         let mut control = Control::fixed();
         for a in 0..3 {
             control.rate[a][a] = strain[a] / time;

@@ -2,7 +2,7 @@
 
 use granum_core::assembly::{Assembly, Contact as Pair};
 use granum_dem::config::{Contact, Grains, Material, NormalKind, TangentialKind};
-use granum_dem::gas::gas;
+use granum_dem::random_insertion::random_insertion;
 use granum_dem::servo::Control;
 use granum_dem::simulation::Simulation;
 
@@ -51,7 +51,7 @@ const NAMES: [&str; 8] = [
 /// The paper's laws over a whole test: at every state the mechanisms add up to the work of the boundary, losses only
 /// grow, and adhesion is lost in whole makes and breaks of a contact.
 #[test]
-fn the_ledger_closes_by_mechanism() {
+fn the_energy_balance_closes_by_mechanism() {
     let material = Material::default();
     let grains = Grains { count: 200, material, ..Grains::default() };
     let mut s = prepared(&grains, &Contact::default());
@@ -108,8 +108,8 @@ fn synchronous(s: &Simulation) -> f64 {
 #[test]
 fn an_elastic_gas_keeps_its_energy_over_a_million_steps() {
     let grains = Grains { count: 16, ..Grains::default() };
-    let (cell, sites) = gas(&grains, 0.3, 7).unwrap();
-    let mut s = Simulation::new(cell, &sites, properties(0.0, 0.0)).unwrap();
+    let (cell, spheres) = random_insertion(&grains, 0.3, 7).unwrap();
+    let mut s = Simulation::new(cell, &spheres, properties(0.0, 0.0)).unwrap();
     let velocities: Vec<[f64; 3]> =
         (0..16).map(|k| [k as f64 * 0.7, k as f64 * 1.3, k as f64 * 2.1].map(f64::sin)).collect();
     s.set_velocities(&velocities, &[]);
@@ -150,7 +150,7 @@ fn without_adhesion_nothing_is_lost_to_it() {
     assert!(gap.abs() < 1e-4, "{gap}");
 }
 
-/// A test at twice the stress of the sample: the servo shuts the cell within some steps, and the ledger closes all the same.
+/// A test at twice the stress of the sample: the servo shuts the cell within some steps, and the energy balance closes all the same.
 #[test]
 fn a_jump_of_the_stress_is_accounted_for() {
     let mut s = super::sample::sample().clone();

@@ -6,7 +6,7 @@ use granum_dem::config::{Grains, Preparation, Recording};
 use granum_dem::preparation::{Flow, Progress, Recipe, settle};
 use granum_dem::simulation::{Hardware, Simulation};
 use granum_io::read_table;
-use granum_run::laboratory::{cell, sites};
+use granum_run::laboratory::{cell, spheres};
 use granum_sensors::Recorder;
 
 use super::sample::{compress, properties};
@@ -20,7 +20,7 @@ fn data(name: &str) -> PathBuf {
 fn the_start_of_the_curves_is_that_of_lammps() {
     let packing = granum_io::read_packing(data("packing-5000.csv")).unwrap();
     let properties = properties(0.3, 0.1);
-    let simulation = Simulation::new(cell(&packing), &sites(&packing), properties).unwrap();
+    let simulation = Simulation::new(cell(&packing), &spheres(&packing), properties).unwrap();
     let grains = Grains { material: properties.material, ..Grains::default() };
     let preparation = Preparation { unbalanced_force: 5e-3, ..Preparation::default() };
     let hardware = Hardware { threads: 2, ..Hardware::default() };

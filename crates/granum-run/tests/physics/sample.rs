@@ -7,7 +7,7 @@ use granum_core::cell::Cell;
 use granum_dem::config::{Contact, Grains, Material, NormalKind, Preparation, TangentialKind};
 use granum_dem::preparation::{Flow, Progress, Recipe, prepare};
 use granum_dem::servo::Control;
-use granum_dem::simulation::{Hardware, Properties, Simulation, Site};
+use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation};
 
 pub const MEAN_STRESS: f64 = 20e3;
 
@@ -42,8 +42,12 @@ pub fn prepared(grains: &Grains, contact: &Contact) -> Simulation {
     prepare(&recipe, &mut |_: &Progress| Flow::Continue).unwrap().simulation
 }
 
-pub fn sites(assembly: &Assembly) -> Vec<Site> {
-    assembly.grains.iter().map(|g| Site { id: g.id, position: g.position, radius: g.radius }).collect()
+pub fn spheres(assembly: &Assembly) -> Vec<InitialSphere> {
+    assembly
+        .grains
+        .iter()
+        .map(|g| InitialSphere { id: g.id, position: g.position, radius: g.radius })
+        .collect()
 }
 
 pub fn multiply(m: &Matrix, v: [f64; 3]) -> [f64; 3] {
@@ -55,8 +59,10 @@ pub fn mapped(assembly: &Assembly, map: &Matrix, properties: Properties) -> Simu
     let edge = |k: usize| multiply(map, [0, 1, 2].map(|r| assembly.cell[r][k]));
     let edges = [edge(0), edge(1), edge(2)];
     let cell = Cell { edges: std::array::from_fn(|r| std::array::from_fn(|c| edges[c][r])) };
-    let moved: Vec<Site> =
-        sites(assembly).iter().map(|s| Site { position: multiply(map, s.position), ..*s }).collect();
+    let moved: Vec<InitialSphere> = spheres(assembly)
+        .iter()
+        .map(|s| InitialSphere { position: multiply(map, s.position), ..*s })
+        .collect();
     Simulation::new(cell, &moved, properties).unwrap()
 }
 

@@ -1,7 +1,7 @@
 //! Order of the time integration, and its stability.
 
 use granum_core::cell::Cell;
-use granum_dem::simulation::{Simulation, Site};
+use granum_dem::simulation::{InitialSphere, Simulation};
 
 use super::sample::properties;
 
@@ -9,14 +9,14 @@ const SPACING: f64 = 1e-4 * (1.0 - 1e-3);
 
 /// 27 grains of a compressed cubic lattice: six contacts each.
 fn lattice(friction: f64, damping: f64) -> Simulation {
-    let sites: Vec<Site> = (0..27)
-        .map(|k| Site {
+    let spheres: Vec<InitialSphere> = (0..27)
+        .map(|k| InitialSphere {
             id: k + 1,
             position: [k % 3, k / 3 % 3, k / 9].map(|n| n as f64 * SPACING),
             radius: 5e-5,
         })
         .collect();
-    Simulation::new(Cell::cuboid([3.0 * SPACING; 3]), &sites, properties(friction, damping)).unwrap()
+    Simulation::new(Cell::cuboid([3.0 * SPACING; 3]), &spheres, properties(friction, damping)).unwrap()
 }
 
 /// Positions of the lattice's grains that vibrates for 2 microseconds, some three periods.

@@ -59,7 +59,7 @@ fn stress_is_the_derivative_of_the_energy() {
     assert!(worst < 1e-5, "{worst}");
 }
 
-/// The work that the ledger counts contact by contact is the integral of `V sigma : d eps`.
+/// The work that the energy balance counts contact by contact is the integral of `V sigma : d eps`.
 #[test]
 fn boundary_work_is_stress_times_strain() {
     let mut s = sample().clone();

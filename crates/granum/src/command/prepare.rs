@@ -46,9 +46,9 @@ impl Prepare {
         check_free(&self.out, Kind::Run, context.force)?;
         // Before there is a folder: a mistake leaves none behind, and with --force costs no older run.
         let mut show = Show::new(context);
-        let beginning = laboratory.beginning("prepare", &case, &source, &mut show)?;
+        let planned = laboratory.plan("prepare", &case, &source, &mut show)?;
         let folder = RunFolder::create(&self.out, context.force)?;
-        let record = laboratory.run(beginning, &folder, &mut show)?;
-        run_report::tell(context, &self.out, &record)
+        let record = laboratory.run(planned, &folder, &mut show)?;
+        run_report::print(context, &self.out, &record)
     }
 }

@@ -55,9 +55,9 @@ impl Resume {
         let before = folder.run().record().ok().filter(|record| record.status == RunStatus::Finished);
         let record = laboratory.resume(&folder, &mut Show::new(context))?;
         if before.as_ref() == Some(&record) {
-            return run_report::tell_finished(context, &self.folder, &record);
+            return run_report::print_finished(context, &self.folder, &record);
         }
-        run_report::tell(context, &self.folder, &record)
+        run_report::print(context, &self.folder, &record)
     }
 
     /// Goes on with a training.

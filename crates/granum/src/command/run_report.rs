@@ -11,7 +11,7 @@ use crate::failure::{Failure, Interrupted};
 use crate::output;
 
 /// Tells of a run that ended in good order; an interruption is a failure with its own status.
-pub fn tell(context: &Context, folder: &Path, record: &RunRecord) -> Result<(), Failure> {
+pub fn print(context: &Context, folder: &Path, record: &RunRecord) -> Result<(), Failure> {
     if record.status == RunStatus::Interrupted {
         let left = format!(
             "what was done is in {}; continue with `granum resume {}`",
@@ -24,7 +24,7 @@ pub fn tell(context: &Context, folder: &Path, record: &RunRecord) -> Result<(), 
 }
 
 /// Tells of a run that had reached its end before.
-pub fn tell_finished(context: &Context, folder: &Path, record: &RunRecord) -> Result<(), Failure> {
+pub fn print_finished(context: &Context, folder: &Path, record: &RunRecord) -> Result<(), Failure> {
     output::say(context, &result(folder, record), || {
         format!("{}: it was finished before; nothing was left to do", folder.display())
     })

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use granum_learn::antony2006::summary::MappingSummary;
-use granum_learn::student::PairedTest;
+use granum_learn::student_t::PairedTest;
 
 /// A share as a percentage, a dash where there is none.
 pub fn percent(share: Option<f64>) -> String {

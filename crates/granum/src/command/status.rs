@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::Args;
 use granum_io::{OutputFolder, Run, RunStatus};
 use granum_learn::contents::{Contents, Next};
-use granum_learn::keeping::Plan;
+use granum_learn::training_checkpoints::TrainingManifest;
 use granum_run::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
 use serde_json::{Value, json};
 
@@ -30,7 +30,7 @@ impl Status {
             Contents::Training { finished } => self.training(context, finished),
             contents @ Contents::Reproduction { .. } => self.reproduction(context, &contents),
             _ => {
-                let found = Found::of(&self.folder)?;
+                let found = FolderStatus::of(&self.folder)?;
                 output::say(context, &found.json(), || found.text())
             }
         }
@@ -46,7 +46,7 @@ impl Status {
                 lines.push(format!("{}: not begun", folder.display()));
                 continue;
             }
-            let found = Found::of(&folder)?;
+            let found = FolderStatus::of(&folder)?;
             all.push(found.json());
             lines.push(found.text());
         }
@@ -65,8 +65,11 @@ impl Status {
     fn training(&self, context: &Context, finished: bool) -> Result<(), Failure> {
         let name = self.folder.display();
         // The networks of a reproduction have no plan of their own.
-        let networks =
-            if Train::is_in(&self.folder) { Plan::read(&self.folder)?.networks() } else { Vec::new() };
+        let networks = if Train::is_in(&self.folder) {
+            TrainingManifest::read(&self.folder)?.networks()
+        } else {
+            Vec::new()
+        };
         let there = networks.iter().filter(|file| self.folder.join(file).is_file()).count();
         let word = match (OutputFolder::is_in_use(&self.folder), finished) {
             (true, _) => "running",
@@ -94,7 +97,7 @@ impl Status {
 }
 
 /// What a run folder says of itself.
-struct Found {
+struct FolderStatus {
     folder: PathBuf,
     kind: String,
     status: RunStatus,
@@ -112,8 +115,8 @@ struct Found {
     next: Next,
 }
 
-impl Found {
-    fn of(folder: &Path) -> Result<Found, Failure> {
+impl FolderStatus {
+    fn of(folder: &Path) -> Result<FolderStatus, Failure> {
         let run = Run::at(folder)?;
         let (case, record) = (run.case()?, run.record()?);
         let at_work = OutputFolder::is_in_use(folder);
@@ -123,7 +126,7 @@ impl Found {
             .find_map(|name| std::fs::metadata(folder.join(name)).and_then(|file| file.modified()).ok())
             .map(|time| time.elapsed().unwrap_or_default());
         let next = Contents::Run(Some(Box::new(record.clone()))).next(folder);
-        Ok(Found {
+        Ok(FolderStatus {
             folder: folder.to_path_buf(),
             status: record.status,
             at_work,

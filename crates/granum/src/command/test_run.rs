@@ -51,9 +51,9 @@ impl TestRun {
         check_free(&self.out, Kind::Run, context.force)?;
         // Before there is a folder: a mistake leaves none behind, and with --force costs no older run.
         let mut show = Show::new(context);
-        let beginning = laboratory.beginning("shear", case, &source, &mut show)?;
+        let planned = laboratory.plan("shear", case, &source, &mut show)?;
         let folder = RunFolder::create(&self.out, context.force)?;
-        let record = laboratory.run(beginning, &folder, &mut show)?;
-        run_report::tell(context, &self.out, &record)
+        let record = laboratory.run(planned, &folder, &mut show)?;
+        run_report::print(context, &self.out, &record)
     }
 }

@@ -13,10 +13,10 @@ use granum_learn::antony2006::sufficiency::check_states;
 use granum_learn::antony2006::summary::MappingSummary;
 use granum_learn::contents::{Kind, check_free};
 use granum_learn::files::save_study;
-use granum_learn::keeping::{Keeper, Plan};
 use granum_learn::layout::{PLAN_FILE, STUDY_FILE};
 use granum_learn::mapping::{PAPER_STRAIN, paper_mappings_to};
 use granum_learn::runs::{RunRole, StudyRun};
+use granum_learn::training_checkpoints::{TrainingCheckpoints, TrainingManifest};
 use granum_learn::{
     Dataset, DatasetOptions, Form, LearnError, Study, StudyObserver, StudyOptions, StudyProgress,
 };
@@ -89,7 +89,7 @@ enum FormName {
 /// Shows training, keeps networks as they come, and passes on the wish to stop.
 pub(super) struct Show<'a> {
     context: &'a Context,
-    pub keeper: Keeper,
+    pub checkpoints: TrainingCheckpoints,
     progress: Mutex<Progress>,
 }
 
@@ -98,7 +98,7 @@ impl<'a> Show<'a> {
     pub fn new(context: &'a Context, phase: &str, folder: &Path, every: Duration) -> Show<'a> {
         let mut progress = context.progress();
         progress.phase(phase);
-        Show { context, keeper: Keeper::new(folder, every), progress: Mutex::new(progress) }
+        Show { context, checkpoints: TrainingCheckpoints::new(folder, every), progress: Mutex::new(progress) }
     }
 
     /// Ends the phase with a line that stays.
@@ -108,7 +108,7 @@ impl<'a> Show<'a> {
 
     /// Ends the phase of a study that is trained, with the seconds of the networks that were found.
     fn finish(self, mut study: Study) -> Study {
-        self.keeper.tell_seconds(&mut study);
+        self.checkpoints.add_seconds(&mut study);
         let networks: usize = study.mappings.iter().map(|m| m.surrogate.networks().len()).sum();
         self.end(|| format!("{networks} networks and as many that see strain only"));
         study
@@ -116,12 +116,12 @@ impl<'a> Show<'a> {
 
     /// True if a training that ended so can be gone on with: the user stopped it, or the disk was full.
     fn can_go_on(&self, error: &LearnError) -> bool {
-        matches!(error, LearnError::Stopped { .. }) || self.keeper.failed()
+        matches!(error, LearnError::Stopped { .. }) || self.checkpoints.failed()
     }
 
     /// Why a training ended before its time: a file that could not be written, the user, or an error of its own.
     pub fn failure(&self, error: LearnError, folder: &Path) -> Failure {
-        match (self.keeper.take_failure(), error) {
+        match (self.checkpoints.take_failure(), error) {
             (Some(failure), _) => failure.into(),
             (None, LearnError::Stopped { done, total }) => {
                 let left = format!(
@@ -144,19 +144,19 @@ impl StudyObserver for Show<'_> {
         });
     }
     fn trained(&self, network: &str, model: &Model, seconds: f64) {
-        self.keeper.trained(network, model, seconds);
+        self.checkpoints.trained(network, model, seconds);
     }
     fn finished(&self, network: &str) -> Option<Model> {
-        self.keeper.finished(network)
+        self.checkpoints.finished(network)
     }
     fn under_way(&self, network: &str, key: &str, last: bool, state: &dyn Fn() -> TrainerState) {
-        self.keeper.under_way(network, key, last, state);
+        self.checkpoints.under_way(network, key, last, state);
     }
     fn state(&self, network: &str, key: &str) -> Option<TrainerState> {
-        self.keeper.state(network, key)
+        self.checkpoints.state(network, key)
     }
     fn stop(&self) -> bool {
-        self.context.stopped() || self.keeper.failed()
+        self.context.stopped() || self.checkpoints.failed()
     }
 }
 
@@ -181,7 +181,7 @@ impl Train {
         // Before there is a folder, and before an older one is replaced.
         check_states(&dataset, &options.mappings)?;
         let every = self.checkpoints.every()?;
-        let mut plan = Plan::new(&self.runs, &self.unseen, dataset.hash()?, &options)?;
+        let mut plan = TrainingManifest::new(&self.runs, &self.unseen, dataset.hash()?, &options)?;
         plan.mixed = self.mixed;
         let begun = Train::is_in(&self.out) && !context.force;
         let folder = self.folder(context, &plan)?;
@@ -198,7 +198,7 @@ impl Train {
         };
         let known: Vec<StudyRun> = all.iter().map(|run| run.known.clone()).collect();
         save_study(folder.path(), &study, &known)?;
-        self.tell(context, &study, &dataset, &differences)
+        self.print(context, &study, &dataset, &differences)
     }
 
     fn options(&self) -> Result<StudyOptions, Failure> {
@@ -238,7 +238,7 @@ impl Train {
         threads: Option<usize>,
         checkpoints: CheckpointFlags,
     ) -> Result<Train, Failure> {
-        let plan = Plan::read(out)?;
+        let plan = TrainingManifest::read(out)?;
         let form = match plan.form {
             Form::Point => FormName::Point,
             Form::Histogram => FormName::Histogram,
@@ -257,13 +257,13 @@ impl Train {
 
     /// The folder: new, that of an unfinished training to go on with, or with `--force` any study's. It says first what
     /// the training is of.
-    fn folder(&self, context: &Context, plan: &Plan) -> Result<OutputFolder, Failure> {
+    fn folder(&self, context: &Context, plan: &TrainingManifest) -> Result<OutputFolder, Failure> {
         let unfinished = Train::is_in(&self.out) && !self.out.join(STUDY_FILE).exists();
         if !unfinished || context.force {
             check_free(&self.out, Kind::Training, context.force)?;
         } else {
             let folder = OutputFolder::open(&self.out)?;
-            let differences = Plan::read(&self.out)?.differences(plan);
+            let differences = TrainingManifest::read(&self.out)?.differences(plan);
             if !differences.is_empty() {
                 return Err(Failure::new(format!(
                     "{}: holds an unfinished training that differs in {}; continue that one (`granum resume {}`), choose \
@@ -282,7 +282,7 @@ impl Train {
         Ok(folder)
     }
 
-    fn tell(
+    fn print(
         &self,
         context: &Context,
         study: &Study,

@@ -1,4 +1,4 @@
-//! What a run leaves to look at: spaced states, snapshots, the course of the preparation, peak and late values.
+//! What a run leaves to look at: spaced states, snapshots, the history of the preparation, peak and late values.
 
 use std::path::Path;
 

@@ -48,11 +48,11 @@ fn reports(here: &Path) {
     for words in ["The paper", "the paper", "paper\u{2019}s", "We kept"] {
         assert!(!page.contains(words), "a run's own report says {words:?}");
     }
-    // The energy ledger closes to one figure, that of the check.
+    // The energy balance closes to one figure, that of the check.
     let gap =
-        page.split("Energy ledger, gap over boundary work").nth(1).and_then(|rest| rest.split("<b>").nth(1));
+        page.split("Energy balance, gap over boundary work").nth(1).and_then(|rest| rest.split("<b>").nth(1));
     let gap = gap.and_then(|rest| rest.split("</b>").next()).unwrap();
-    assert!(page.contains(&format!("the ledger closes to {gap} of that work")), "{gap}");
+    assert!(page.contains(&format!("the energy balance closes to {gap} of that work")), "{gap}");
     let message = refused(here, 1, &["report", "one"]);
     assert!(message.contains("report.html exists already"), "{message}");
     done(here, &["report", "one", "--force"]);

@@ -27,7 +27,7 @@ impl Sums {
 }
 
 impl<N: NormalLaw, T: TangentialLaw> Bench<N, T> {
-    fn account(&mut self, approach: f64, slip: [f64; 2], sums: &mut Sums) {
+    fn add_to_sums(&mut self, approach: f64, slip: [f64; 2], sums: &mut Sums) {
         let before = self.memory.history;
         let out = self.step(approach, slip);
         if out.discards {
@@ -46,7 +46,7 @@ impl<N: NormalLaw, T: TangentialLaw> Bench<N, T> {
     fn way(&mut self, [from, to]: [f64; 2], slip: f64, steps: usize, sums: &mut Sums) {
         for k in 1..=steps {
             let approach = from + (to - from) * k as f64 / steps as f64;
-            self.account(approach, [0.6, 0.8].map(|c| c * slip / steps as f64), sums);
+            self.add_to_sums(approach, [0.6, 0.8].map(|c| c * slip / steps as f64), sums);
         }
     }
 }

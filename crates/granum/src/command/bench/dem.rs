@@ -7,7 +7,7 @@ use granum_dem::config::{Contact, Material, NormalKind, TangentialKind};
 use granum_dem::servo::Control;
 use granum_dem::simulation::{Hardware, Properties, Simulation};
 use granum_io::{Case, Packing};
-use granum_run::laboratory::{cell, memory, sites};
+use granum_run::laboratory::{cell, memory, spheres};
 use serde::Serialize;
 
 use super::arithmetic::rounds_per_second;
@@ -60,7 +60,7 @@ pub fn law(text: &str) -> Result<Law, Failure> {
 }
 
 /// What to measure.
-pub struct Course {
+pub struct Measurement {
     pub laws: Vec<Law>,
     pub grains: Vec<usize>,
     pub threads: Vec<usize>,
@@ -68,15 +68,15 @@ pub struct Course {
     /// The instruction sets beside `isa` too, for the last law at the first size.
     pub others: bool,
     pub seconds: f64,
-    /// One stretch of given steps in place of the best of several.
-    pub stretch: Option<Stretch>,
+    /// One segment of given steps in place of the best of several.
+    pub segment: Option<Segment>,
     pub time_step: Option<f64>,
     pub strain_rate: Option<f64>,
 }
 
 /// Steps that are measured once: other programs can go through the same ones.
 #[derive(Clone, Copy)]
-pub struct Stretch {
+pub struct Segment {
     /// Steps from the packing to the first that counts.
     pub skipped: u64,
     /// Steps that count.
@@ -94,7 +94,7 @@ pub struct Figure {
     grains: usize,
     threads: usize,
     isa: &'static str,
-    /// Of the best stretch.
+    /// Of the best segment.
     grain_steps_per_second: f64,
     /// Of all stretches together: all their steps over all their time.
     mean_grain_steps_per_second: f64,
@@ -106,8 +106,12 @@ pub struct Figure {
 }
 
 /// All figures, printed as they come. All laws are measured at the first size, the last law at the others.
-pub fn measure(context: &Context, packing: &Packing, course: &Course) -> Result<Vec<Figure>, Failure> {
-    for &size in &course.grains {
+pub fn measure(
+    context: &Context,
+    packing: &Packing,
+    measurement: &Measurement,
+) -> Result<Vec<Figure>, Failure> {
+    for &size in &measurement.grains {
         check_memory(size)?;
         check_size(size, packing.grains.len())?;
     }
@@ -127,23 +131,24 @@ pub fn measure(context: &Context, packing: &Packing, course: &Course) -> Result<
         );
     }
     let mut take = |law: Law, packing: &Packing, hardware: &[Hardware]| -> Result<(), Failure> {
-        let taken = self::figures(context, law, packing, hardware, course)?;
+        let taken = self::figures(context, law, packing, hardware, measurement)?;
         if !context.json {
             taken.iter().enumerate().for_each(|(k, figure)| print(figure, k > 0));
         }
         figures.extend(taken);
         Ok(())
     };
-    for (k, &size) in course.grains.iter().enumerate() {
+    for (k, &size) in measurement.grains.iter().enumerate() {
         let packing = enlarged(packing, size)?;
-        let laws = if k == 0 { &course.laws[..] } else { &course.laws[course.laws.len() - 1..] };
+        let laws =
+            if k == 0 { &measurement.laws[..] } else { &measurement.laws[measurement.laws.len() - 1..] };
         for &law in laws {
-            let hardware = |&threads| Hardware { threads, isa: course.isa };
-            take(law, &packing, &course.threads.iter().map(hardware).collect::<Vec<_>>())?;
+            let hardware = |&threads| Hardware { threads, isa: measurement.isa };
+            take(law, &packing, &measurement.threads.iter().map(hardware).collect::<Vec<_>>())?;
         }
-        if k == 0 && course.others {
-            let law = course.laws[course.laws.len() - 1];
-            for isa in Isa::ALL.into_iter().filter(|isa| isa.available() && *isa != course.isa) {
+        if k == 0 && measurement.others {
+            let law = measurement.laws[measurement.laws.len() - 1];
+            for isa in Isa::ALL.into_iter().filter(|isa| isa.available() && *isa != measurement.isa) {
                 take(law, &packing, &[Hardware { threads: 1, isa }])?;
             }
         }
@@ -211,33 +216,33 @@ fn enlarged(packing: &Packing, grains: usize) -> Result<Packing, Failure> {
     Ok(packing.repeated(counts)?)
 }
 
-/// Shears the packing and measures stretches of steps, for each number of threads the best. In a stretch all of them go
+/// Shears the packing and measures stretches of steps, for each number of threads the best. In a segment all of them go
 /// through the same steps, one after another: a ratio of two knows neither other steps nor another hour of the machine.
 fn figures(
     context: &Context,
     law: Law,
     packing: &Packing,
     hardware: &[Hardware],
-    course: &Course,
+    measurement: &Measurement,
 ) -> Result<Vec<Figure>, Failure> {
-    let mut from = sheared(law, packing, course)?;
+    let mut from = sheared(law, packing, measurement)?;
     let first = hardware.first().copied().unwrap_or_default();
     from.set_hardware(first);
-    if let Some(wanted) = course.stretch {
-        return one_stretch(context, law, packing.grains.len(), &from, hardware, wanted);
+    if let Some(wanted) = measurement.segment {
+        return one_segment(context, law, packing.grains.len(), &from, hardware, wanted);
     }
-    let warm = warm_up(context, &mut from, 0.2 * course.seconds)?;
+    let warm = warm_up(context, &mut from, 0.2 * measurement.seconds)?;
     // At most about the patience: slow machines and instruction sets see fewer steps than a list lives.
-    let enough = FEWEST_STEPS.min((PATIENCE * course.seconds / warm) as u64);
-    let steps = enough.max((course.seconds / 3.0 / warm) as u64).max(1);
+    let enough = FEWEST_STEPS.min((PATIENCE * measurement.seconds / warm) as u64);
+    let steps = enough.max((measurement.seconds / 3.0 / warm) as u64).max(1);
     let mut best = vec![f64::INFINITY; hardware.len()];
     let mut arithmetic = vec![0.0; hardware.len()];
     let mut sums = vec![0.0; hardware.len()];
     let mut made = 0;
     let clock = Instant::now();
-    while made == 0 || clock.elapsed().as_secs_f64() < 0.9 * course.seconds * hardware.len() as f64 {
+    while made == 0 || clock.elapsed().as_secs_f64() < 0.9 * measurement.seconds * hardware.len() as f64 {
         if let ([_], [best], [sum]) = (hardware, &mut best[..], &mut sums[..]) {
-            let each = stretch(context, &mut from, steps, warm)?;
+            let each = segment(context, &mut from, steps, warm)?;
             *best = best.min(each);
             *sum += each * steps as f64;
             made += steps;
@@ -249,13 +254,13 @@ fn figures(
             drop(end.take());
             let mut simulation = from.clone();
             simulation.set_hardware(*hardware);
-            let each = stretch(context, &mut simulation, steps, warm)?;
+            let each = segment(context, &mut simulation, steps, warm)?;
             *best = best.min(each);
             *sum += each * steps as f64;
             end = Some(simulation);
         }
         for (hardware, sum) in hardware.iter().zip(&mut arithmetic) {
-            *sum += rounds_per_second(*hardware, 0.1 * course.seconds);
+            *sum += rounds_per_second(*hardware, 0.1 * measurement.seconds);
         }
         made += steps;
         from = end.unwrap_or(from);
@@ -282,13 +287,13 @@ fn figures(
 }
 
 /// Goes through the same steps once for each number of threads, all of them from the packing as it is.
-fn one_stretch(
+fn one_segment(
     context: &Context,
     law: Law,
     grains: usize,
     from: &Simulation,
     hardware: &[Hardware],
-    wanted: Stretch,
+    wanted: Segment,
 ) -> Result<Vec<Figure>, Failure> {
     let mut figures: Vec<Figure> = Vec::new();
     for hardware in hardware {
@@ -298,9 +303,9 @@ fn one_stretch(
         let guess = 1e-6 * grains as f64;
         let each = match wanted.skipped {
             0 => guess,
-            skipped => stretch(context, &mut simulation, skipped, guess)?,
+            skipped => segment(context, &mut simulation, skipped, guess)?,
         };
-        let rate = grains as f64 / stretch(context, &mut simulation, wanted.steps, each)?;
+        let rate = grains as f64 / segment(context, &mut simulation, wanted.steps, each)?;
         let first = figures.first().map_or(rate, |figure| figure.grain_steps_per_second);
         figures.push(Figure {
             normal: law.0.normal.name(),
@@ -321,11 +326,12 @@ fn one_stretch(
 }
 
 /// The packing under shear.
-fn sheared(law: Law, packing: &Packing, course: &Course) -> Result<Simulation, Failure> {
+fn sheared(law: Law, packing: &Packing, measurement: &Measurement) -> Result<Simulation, Failure> {
     let properties = Properties { material: Material::default(), contact: law.0 };
-    let mut simulation = Simulation::new(cell(packing), &sites(packing), properties)?;
-    simulation.fix_time_step(course.time_step);
-    let rate = course.strain_rate.unwrap_or_else(|| simulation.strain_rate(INERTIAL_NUMBER, MEAN_STRESS));
+    let mut simulation = Simulation::new(cell(packing), &spheres(packing), properties)?;
+    simulation.fix_time_step(measurement.time_step);
+    let rate =
+        measurement.strain_rate.unwrap_or_else(|| simulation.strain_rate(INERTIAL_NUMBER, MEAN_STRESS));
     let mut control = Control::fixed();
     control.rate[0][0] = rate;
     control.rate[1][1] = -0.5 * rate;
@@ -351,7 +357,7 @@ fn warm_up(context: &Context, simulation: &mut Simulation, seconds: f64) -> Resu
 }
 
 /// Advances by so many steps, each of about `each` seconds; returns the time of a step, s.
-fn stretch(context: &Context, simulation: &mut Simulation, steps: u64, each: f64) -> Result<f64, Failure> {
+fn segment(context: &Context, simulation: &mut Simulation, steps: u64, each: f64) -> Result<f64, Failure> {
     // Threads start anew with each call; a user who interrupts waits for the end of one.
     let call = ((0.1 / each) as u64).clamp(1, 1000);
     let clock = Instant::now();

@@ -22,7 +22,7 @@ const PACKING: &str = include_str!("../../../data/packing-5000.csv");
 /// Measure speed on this machine: grain-steps per second by law, size, threads and instruction set, and the networks.
 ///
 /// The packing is sheared at constant volume at an inertial number of 1e-3; larger samples are copies of it side by side.
-/// Every figure is the best of several stretches, with the mean of all of them beside it; in a stretch all numbers of threads
+/// Every figure is the best of several stretches, with the mean of all of them beside it; in a segment all numbers of threads
 /// go through the same steps by turns. Beside their speed-up stands that of arithmetic in registers: what the processor itself
 /// gives. About a minute on two cores.
 #[derive(Args)]
@@ -87,7 +87,8 @@ impl Bench {
                     granum_io::formats::packing_csv::read_from(PACKING.as_bytes(), "the shipped packing")?
                 }
             };
-            answer["dem"] = json!(dem::measure(context, &packing, &self.course(isa, packing.grains.len())?)?);
+            answer["dem"] =
+                json!(dem::measure(context, &packing, &self.measurement(isa, packing.grains.len())?)?);
         }
         if wanted("nets") {
             let threads = self.threads.iter().copied().max().unwrap_or_else(processors);
@@ -97,7 +98,7 @@ impl Bench {
     }
 
     /// What to measure of the engine.
-    fn course(&self, isa: Option<Isa>, base: usize) -> Result<dem::Course, Failure> {
+    fn measurement(&self, isa: Option<Isa>, base: usize) -> Result<dem::Measurement, Failure> {
         for threads in &self.threads {
             if !(1..=1024).contains(threads) {
                 return Err(Failure::new(format!("--threads {threads}: from 1 to 1024")));
@@ -118,14 +119,14 @@ impl Bench {
             None => dem::LAWS.to_vec(),
             Some(text) => vec![dem::law(text)?],
         };
-        Ok(dem::Course {
+        Ok(dem::Measurement {
             laws,
             grains,
             threads,
             isa: isa.unwrap_or_else(Isa::detect),
             others: isa.is_none() && self.law.is_none(),
             seconds: self.seconds,
-            stretch: self.steps.map(|steps| dem::Stretch { skipped: self.skip_steps, steps }),
+            segment: self.steps.map(|steps| dem::Segment { skipped: self.skip_steps, steps }),
             time_step: self.time_step,
             strain_rate: self.strain_rate,
         })

@@ -61,7 +61,7 @@ pub fn measure(
 ) -> Result<Vec<Figure>, Failure> {
     let isa = isa.unwrap_or_else(Isa::detect);
     let mut figures = Vec::new();
-    let mut tell = |name, value, unit, threads| {
+    let mut show = |name, value, unit, threads| {
         if !context.json {
             println!("{name:<62} {threads} threads {:>9} {value:>12.3} {unit}", isa.name());
         }
@@ -70,9 +70,9 @@ pub fn measure(
     if !context.json {
         println!();
     }
-    tell("traingdx, 280 rows, 3-60-60-1", descent(context, isa, seconds)?, "epochs/s", 1);
-    tell("Levenberg-Marquardt, 280 rows, 3-60-60-1", second_order(context, isa, seconds)?, "epochs/s", 1);
-    tell("the paper's eighteen networks, default trainer", eighteen(context, isa, threads)?, "s", threads);
+    show("traingdx, 280 rows, 3-60-60-1", descent(context, isa, seconds)?, "epochs/s", 1);
+    show("Levenberg-Marquardt, 280 rows, 3-60-60-1", second_order(context, isa, seconds)?, "epochs/s", 1);
+    show("the paper's eighteen networks, default trainer", eighteen(context, isa, threads)?, "s", threads);
     let model = model(isa)?;
     let value = best(context, 0.3 * seconds, || {
         for k in 0..1000 {
@@ -80,20 +80,20 @@ pub fn measure(
         }
         Ok(())
     })?;
-    tell("one prediction, 3-60-60-1", 1e3 * value, "microseconds", 1);
+    show("one prediction, 3-60-60-1", 1e3 * value, "microseconds", 1);
     let both = best(context, 0.3 * seconds, || {
         for k in 0..1000 {
             black_box(model.predict(black_box(&[1e-3 * k as f64, 0.3, 0.4]))?);
         }
         Ok(())
     })?;
-    tell("one prediction with its standard deviation, 3-60-60-1", 1e3 * both, "microseconds", 1);
+    show("one prediction with its standard deviation, 3-60-60-1", 1e3 * both, "microseconds", 1);
     let table: Vec<f64> = (0..3 * TABLE).map(|k| (k as f64 * 0.37).sin()).collect();
     let batch = best(context, seconds, || {
         black_box(model.predict_batch(&table)?);
         Ok(())
     })?;
-    tell("a million rows in one call, 3-60-60-1", 1e-6 * TABLE as f64 / batch, "M rows/s", 1);
+    show("a million rows in one call, 3-60-60-1", 1e-6 * TABLE as f64 / batch, "M rows/s", 1);
     Ok(figures)
 }
 

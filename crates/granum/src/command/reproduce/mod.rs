@@ -66,11 +66,11 @@ impl Reproduce {
         let plan = Plan::new(&self.options());
         let folder = self.folder(context, &plan)?;
         if !context.force && self.is_finished(&folder, &plan, &laboratory.version) {
-            return self.tell(context, &folder, &read_summary(folder.path())?, None);
+            return self.print(context, &folder, &read_summary(folder.path())?, None);
         }
         let runs = runs::all(context, &laboratory, &plan, &self.out)?;
         let summary = study::all(context, &folder, &plan, &runs, self)?;
-        self.tell(context, &folder, &summary, Some(started))
+        self.print(context, &folder, &summary, Some(started))
     }
 
     /// The same reproduction again, as its folder says.
@@ -130,7 +130,7 @@ impl Reproduce {
     }
 
     /// Tells of a reproduction that is finished, just now or before.
-    fn tell(
+    fn print(
         &self,
         context: &Context,
         folder: &OutputFolder,

@@ -3,7 +3,7 @@
 use granum_io::{OutputFolder, Run};
 use granum_learn::antony2006::figures::figures;
 use granum_learn::antony2006::summary::{DemSummary, MappingSummary, RunSummary};
-use granum_learn::antony2006::{reading, speed};
+use granum_learn::antony2006::{interpretation, speed};
 use granum_learn::files::save_study;
 use granum_learn::layout::write_json;
 use granum_learn::runs::{RunRole, StudyRun};
@@ -59,7 +59,7 @@ pub fn all(
     let show = Show::new(context, "networks", &models, every);
     let mut study =
         Study::train(&dataset, &options, &show).map_err(|error| show.failure(error, folder.path()))?;
-    show.keeper.tell_seconds(&mut study);
+    show.checkpoints.add_seconds(&mut study);
     let networks: usize = study.mappings.iter().map(|m| m.surrogate.networks().len()).sum();
     show.end(|| format!("{networks} networks and as many that see strain only"));
     save_study(&models, &study, &known(runs)?)?;
@@ -91,7 +91,7 @@ pub fn all(
     let summary = Summary {
         dem: dem_summary(&reports, runs),
         mappings: evaluations.iter().map(|e| (e.mapping.name.clone(), MappingSummary::new(e))).collect(),
-        reading: reading::read(&evaluations, Some(&size_study), Some(&speed)),
+        reading: interpretation::read(&evaluations, Some(&size_study), Some(&speed)),
         speed,
         size_study: Some(size_study),
         learning_curve: many,

@@ -1,4 +1,5 @@
-//! A state and what moves it on: lists, time step, servo, ledger; all that is serial in a step.
+//! The time integrator: the serial part of a step. It keeps the neighbour lists, the time step, the servo and the energy
+//! balance; the parallel stages of a step are in [`crate::kernel`].
 
 use granum_simd::{Kernel, LANES, Lanes, Row4, Row8, dispatch};
 
@@ -7,7 +8,7 @@ use crate::blocks::{self, Change};
 use crate::cell::Cell;
 use crate::config::{Contact, MOST_CONTACTS};
 use crate::contact::{PairConstants, PairProperties};
-use crate::kernel::{ContactSums, NORMAL_COLUMNS, Nearness, Stages, Views, Watch};
+use crate::kernel::{ContactSums, InnerList, NORMAL_COLUMNS, Nearness, Stages, Views};
 use crate::loading::Event;
 use crate::pairs::{self, IMAGES};
 use crate::search;
@@ -16,19 +17,19 @@ use crate::simulation::{Hardware, Properties, SimulationError};
 use crate::state::State;
 use crate::team::RawSlice;
 
-/// Steps between two chances to raise the time step.
+/// Number of steps after which the time step may be raised.
 const TIME_STEP_WINDOW: u64 = 256;
-/// The pair list should last this many steps; the skin follows.
+/// The neighbour list should last this many steps; the skin is adapted to that.
 const WANTED_LIFE: std::ops::Range<u64> = 300..1200;
-/// The grains are put in spatial order again after this many rebuilds of the list.
+/// The grains are sorted in space again after this many rebuilds of the list.
 const REORDER_EVERY: u64 = 64;
 
-/// Bytes of what is kept for contacts from which it is asked for ahead of time.
+/// From this size of the contact data on, in bytes, the kernels prefetch it: below, it stays in the caches.
 const FAR: usize = 2 << 20;
 
-/// A state and what moves it on.
+/// The state of a simulation with everything that advances it in time.
 #[derive(Clone)]
-pub(crate) struct Machine {
+pub(crate) struct Integrator {
     pub(crate) state: State,
     pub(crate) properties: Properties,
     pub(crate) stages: Stages,
@@ -36,21 +37,21 @@ pub(crate) struct Machine {
     pub(crate) time_step_factor: f64,
     pub(crate) fixed_time_step: Option<f64>,
     pub(crate) expected_force: f64,
-    /// Constants of all pairs, where grains are equal.
+    /// Constants of every pair where all grains have the same size.
     pub(crate) alike: PairConstants<f64>,
     pub(crate) contact_sums: Vec<ContactSums>,
     fastest_grain: Vec<f64>,
     nearness: Vec<Nearness>,
-    /// What ends a run of steps early.
+    /// Events that end a series of steps early.
     pub(crate) events: Vec<Event>,
     /// Largest and mean radius, m.
     largest_radius: f64,
     mean_radius: f64,
 }
 
-impl Machine {
-    pub(crate) fn new(state: State, properties: Properties) -> Machine {
-        let mut machine = Machine {
+impl Integrator {
+    pub(crate) fn new(state: State, properties: Properties) -> Integrator {
+        let mut integrator = Integrator {
             state,
             properties,
             stages: Stages::of(&properties.contact),
@@ -66,18 +67,18 @@ impl Machine {
             largest_radius: 0.0,
             mean_radius: 0.0,
         };
-        machine.measure_grains();
-        machine
+        integrator.measure_grains();
+        integrator
     }
 
-    /// Radii never change. The sum runs in the order of the ids: places are exchanged now and then, and a sum in their order
-    /// would come out otherwise after a checkpoint.
+    /// Measures the radii, which never change. The sum runs in the order of the grain ids: the storage order changes when
+    /// grains are sorted in space, and a sum in storage order would differ in its last bits after a restart.
     fn measure_grains(&mut self) {
         let state = &self.state;
         let n = state.grains();
         let mut order: Vec<usize> = (0..n).collect();
         order.sort_unstable_by_key(|&g| state.ids[g]);
-        let radius = |&g: &usize| state.place[g].0[3];
+        let radius = |&g: &usize| state.particles[g].0[3];
         self.largest_radius = order.iter().map(radius).fold(0.0, f64::max);
         self.mean_radius = order.iter().map(radius).sum::<f64>() / n as f64;
     }
@@ -88,8 +89,8 @@ impl Machine {
 
     fn all_alike(&self) -> bool {
         let n = self.state.grains();
-        let first = self.state.place[0].0;
-        self.state.place[..n].iter().all(|r| r.0[3] == first[3] && r.0[7] == first[7])
+        let first = self.state.particles[0].0;
+        self.state.particles[..n].iter().all(|r| r.0[3] == first[3] && r.0[7] == first[7])
     }
 
     fn properties_of(&self, i: f64, j: f64) -> PairProperties {
@@ -97,15 +98,16 @@ impl Machine {
         PairProperties::new((material, i), (material, j), self.properties.contact.damping)
     }
 
-    /// Makes the pair list anew: wraps the grains, now and then reorders them, searches, carries memory over.
+    /// Rebuilds the neighbour list: wraps the grains into the cell, sorts them in space every [`REORDER_EVERY`] rebuilds,
+    /// searches, and carries the contact histories over.
     pub(crate) fn rebuild(&mut self) {
         let n = self.state.grains();
         adapt_skin(&mut self.state, 2.0 * self.largest_radius);
         let state = &mut self.state;
-        let moved = pairs::wrap(&state.cell, &mut state.place[..n]);
+        let moved = pairs::wrap(&state.cell, &mut state.particles[..n]);
         let reorder = state.rebuilds.is_multiple_of(REORDER_EVERY);
         let new_place = reorder.then(|| reorder_grains(state, 2.0 * self.largest_radius));
-        let near = search::find(self.hardware.isa, &state.cell, &state.place[..n], state.skin);
+        let near = search::find(self.hardware.isa, &state.cell, &state.particles[..n], state.skin);
         let laws = self.properties.contact;
         let [tangential, moments] = laws.history();
         let columns = [NORMAL_COLUMNS + tangential, moments];
@@ -115,17 +117,17 @@ impl Machine {
             new_place: new_place.as_deref(),
             swap: &|memory| laws.swap_sides(memory),
         };
-        state.pairs = blocks::rebuild(old, &near, &state.cell, &state.place[..n], &change, columns);
+        state.pairs = blocks::rebuild(old, &near, &state.cell, &state.particles[..n], &change, columns);
         state.travel = 0.0;
         state.distortion = 0.0;
         state.steps_since_rebuild = 0;
         state.rebuilds += 1;
-        state.watch.travel = f64::NEG_INFINITY;
+        state.inner_list.travel = f64::NEG_INFINITY;
         self.prepare_constants();
     }
 
     pub(crate) fn prepare_constants(&mut self) {
-        let radius = self.state.place[0].0[3];
+        let radius = self.state.particles[0].0[3];
         let laws = self.properties.contact;
         self.alike = laws.constants(&self.properties_of(radius, radius));
         self.state.pairs.constants = Vec::new();
@@ -137,8 +139,8 @@ impl Machine {
         let mut rows = vec![Row8::default(); batches * count];
         for b in 0..batches {
             for l in 0..LANES {
-                let i = self.state.place[self.state.pairs.first[b][l] as usize].0[3];
-                let j = self.state.place[self.state.pairs.second[b][l] as usize].0[3];
+                let i = self.state.particles[self.state.pairs.first[b][l] as usize].0[3];
+                let j = self.state.particles[self.state.pairs.second[b][l] as usize].0[3];
                 let values = laws.constants(&self.properties_of(i, j)).to_array();
                 for c in 0..count {
                     rows[b * count + c].0[l] = values[c];
@@ -213,7 +215,7 @@ impl Machine {
                 power -= state.sums.virial[3 * r + c] * (state.gradient[r][c] - before[r][c]);
             }
         }
-        state.ledger.boundary_work += 0.5 * state.dt * power;
+        state.energy_balance.boundary_work += 0.5 * state.dt * power;
         state.cell = state.cell.strained(&state.gradient, state.dt);
         for r in 0..3 {
             for c in 0..3 {
@@ -223,28 +225,28 @@ impl Machine {
         state.walk();
         views.gradient = state.gradient;
         views.dt = state.dt;
-        views.retain = 1.0 - state.fading * state.dt;
-        views.account = crate::discarded::account(state.step);
+        views.retain = 1.0 - state.global_damping * state.dt;
+        views.sampling_weight = crate::discarded::sampling_weight(state.step);
         views.images = dispatch(self.hardware.isa, Images(&state.cell));
     }
 
-    /// Serial work after the contacts: totals, ledger, list statistics.
+    /// Serial work after the contacts: totals, energy balance, list statistics.
     pub(crate) fn end_step(&mut self, fastest_grain: f64, rebuilt: bool) -> Result<(), SimulationError> {
         let state = &mut self.state;
         state.sums = ContactSums::total(&self.contact_sums);
-        state.ledger.boundary_work += 0.5 * state.dt * state.sums.boundary_power;
-        state.ledger.tangential_work += state.sums.tangential_work;
-        state.ledger.friction += state.sums.friction_loss;
-        state.ledger.damping += state.sums.damping_loss;
-        state.ledger.micro_slip += state.sums.micro_slip_loss;
-        state.ledger.adhesion_made += state.sums.adhesion_made;
-        state.ledger.adhesion_broken += state.sums.adhesion_broken;
-        state.ledger.rolling_work += state.sums.moment_work;
-        state.ledger.rolling += state.sums.moment_loss;
+        state.energy_balance.boundary_work += 0.5 * state.dt * state.sums.boundary_power;
+        state.energy_balance.tangential_work += state.sums.tangential_work;
+        state.energy_balance.friction += state.sums.friction_loss;
+        state.energy_balance.damping += state.sums.damping_loss;
+        state.energy_balance.micro_slip += state.sums.micro_slip_loss;
+        state.energy_balance.adhesion_made += state.sums.adhesion_made;
+        state.energy_balance.adhesion_broken += state.sums.adhesion_broken;
+        state.energy_balance.rolling_work += state.sums.moment_work;
+        state.energy_balance.rolling += state.sums.moment_loss;
         state.time += state.dt;
         state.step += 1;
         state.steps_since_rebuild += 1;
-        state.watch.steps += 1;
+        state.inner_list.steps += 1;
         if !rebuilt {
             state.travel += fastest_grain.sqrt() * state.dt;
             state.distortion += norm(&state.gradient) * state.dt;
@@ -262,8 +264,8 @@ impl Machine {
         if self.events.is_empty() {
             return false;
         }
-        let reading = self.state.reading();
-        self.events.iter().any(|event| event.has_come(&reading))
+        let macro_state = self.state.macro_state();
+        self.events.iter().any(|event| event.has_come(&macro_state))
     }
 
     pub(crate) fn views(&mut self) -> Views {
@@ -278,7 +280,7 @@ impl Machine {
         Views {
             grains: s.ids.len(),
             images: dispatch(self.hardware.isa, Images(&s.cell)),
-            place: RawSlice::new(&mut s.place),
+            particles: RawSlice::new(&mut s.particles),
             spin: RawSlice::new(&mut s.spin),
             blocks: RawSlice::new(&mut s.pairs.blocks),
             first: RawSlice::new(&mut s.pairs.first),
@@ -303,8 +305,8 @@ impl Machine {
             isa: self.hardware.isa,
             gradient: s.gradient,
             dt: s.dt,
-            margin: s.watch.margin,
-            account: 0.0,
+            inner_skin: s.inner_list.inner_skin,
+            sampling_weight: 0.0,
             retain: 1.0,
         }
     }
@@ -321,9 +323,10 @@ impl Machine {
         bound > state.skin && bound.is_finite()
     }
 
-    /// True if a pair that is not watched may have come to touch; the pairs must be sorted then, and are taken as sorted. How
-    /// the grains moved in the step that makes a new list is not counted: the list was made after that.
-    pub(crate) fn watch_again(&mut self, views: &mut Views, fastest: f64, renewed: bool) -> bool {
+    /// True if a pair outside the inner list may have come to touch, so that the lists must be pruned again; the bounds on
+    /// travel are reset for that. The motion of a step that rebuilds the list does not count, since the list is built
+    /// after it.
+    pub(crate) fn prune_again(&mut self, views: &mut Views, fastest: f64, renewed: bool) -> bool {
         let diameter = 2.0 * self.largest_radius + self.state.skin;
         let state = &mut self.state;
         let (mut travel, mut distortion) = (state.travel, state.distortion);
@@ -331,15 +334,15 @@ impl Machine {
             travel += fastest.sqrt() * views.dt;
             distortion += norm(&views.gradient) * views.dt;
         }
-        let watch = &mut state.watch;
-        if watch.holds(travel, distortion, diameter) {
+        let inner_list = &mut state.inner_list;
+        if inner_list.holds(travel, distortion, diameter) {
             return false;
         }
         if !renewed {
-            watch.adapt(state.skin);
+            inner_list.adapt(state.skin);
         }
-        *watch = Watch { travel, distortion, steps: 0, ..*watch };
-        views.margin = watch.margin;
+        *inner_list = InnerList { travel, distortion, steps: 0, ..*inner_list };
+        views.inner_skin = inner_list.inner_skin;
         true
     }
 }
@@ -361,7 +364,7 @@ impl Kernel for Images<'_> {
     }
 }
 
-/// A list that lasts long is too wide, one that does not last is too narrow.
+/// Widens the skin of a list that lasted too few steps, and narrows that of a list that lasted too many.
 fn adapt_skin(state: &mut State, diameter: f64) {
     if state.rebuilds == 0 {
         return;
@@ -374,18 +377,18 @@ fn adapt_skin(state: &mut State, diameter: f64) {
     state.skin = state.skin.clamp(1e-3 * diameter, 0.2 * diameter);
 }
 
-/// Sorts the grains along a space-filling curve; returns the new place of each.
+/// Sorts the grains along a space-filling curve; returns the new index of each.
 fn reorder_grains(state: &mut State, spacing: f64) -> Vec<u32> {
     let n = state.grains();
-    let order = pairs::spatial_order(&state.cell, &state.place[..n], spacing);
+    let order = pairs::spatial_order(&state.cell, &state.particles[..n], spacing);
     let mut new_place = vec![0u32; n];
     for (new, &old) in order.iter().enumerate() {
         new_place[old as usize] = new as u32;
     }
-    let place: Vec<Row8> = order.iter().map(|&o| state.place[o as usize]).collect();
+    let particles: Vec<Row8> = order.iter().map(|&o| state.particles[o as usize]).collect();
     let spin: Vec<Row4> = order.iter().map(|&o| state.spin[o as usize]).collect();
     let ids: Vec<u64> = order.iter().map(|&o| state.ids[o as usize]).collect();
-    state.place[..n].copy_from_slice(&place);
+    state.particles[..n].copy_from_slice(&particles);
     state.spin[..n].copy_from_slice(&spin);
     state.ids = ids;
     new_place

@@ -3,7 +3,7 @@
 use crate::antony2006::size_study::SizeStudy;
 use crate::antony2006::summary::SpeedSummary;
 use crate::sensor_use::Verdict;
-use crate::student::PairedTest;
+use crate::student_t::PairedTest;
 use crate::study::Evaluation;
 
 fn percent(share: f64) -> String {

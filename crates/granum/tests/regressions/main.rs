@@ -96,7 +96,7 @@ fn mutated(seed: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
 fn replay(target: &str) {
     let (_, work) = checks::ALL.into_iter().find(|(name, _)| *name == target).unwrap();
     let mut inputs = Vec::new();
-    for file in ["corpus", "finds"].into_iter().flat_map(|folder| kept(folder, target)) {
+    for file in ["corpus", "regressions"].into_iter().flat_map(|folder| kept(folder, target)) {
         let bytes = std::fs::read(&file).unwrap();
         check(target, work, &file.display().to_string(), &bytes);
         inputs.push(bytes);

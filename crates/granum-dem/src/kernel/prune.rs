@@ -1,9 +1,10 @@
-//! The watch: of the listed pairs only those that touch, or may come to touch soon, are looked at in every step.
+//! Dynamic pruning of the neighbour list: of the listed pairs, only those of an inner list are evaluated in every step.
 //!
-//! A pair list that lasts hundreds of steps holds many pairs that are apart, and as contacts are made and broken, batches that
-//! were full of contacts get holes. So the slots of each block are sorted now and then: pairs that touch first, pairs closer than
-//! the margin next, the rest behind them, not to be looked at until a grain may have moved by half the margin. (Páll
-//! et al. 2020 prune their lists so.) Only slots that are out of place change places: few do.
+//! A neighbour list that lasts hundreds of steps holds many pairs that do not touch, and as contacts form and break, batches
+//! that were full of contacts become sparse. The slots of each block are therefore sorted every few dozen steps: touching
+//! pairs first, then pairs closer than the inner skin, then the rest, which need no evaluation until a grain may have moved
+//! by half the inner skin (Páll et al. 2020 prune their lists in the same way). Only slots in the wrong group are
+//! exchanged, and these are few.
 
 use std::ops::Range;
 
@@ -14,59 +15,59 @@ use super::Views;
 use crate::contact::interaction::dot;
 use crate::team::RawSlice;
 
-/// Pairs should stay as they were sorted for this many steps; the margin follows.
+/// The inner list should last this many steps; the inner skin is adapted to that.
 const WANTED_STEPS: Range<u64> = 20..60;
 
-/// Which of the listed pairs are looked at: those that touched or were closer than the margin when they were last sorted.
+/// The inner list: the pairs that touched or were closer than the inner skin when the pairs were last sorted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Watch {
-    /// Closer pairs are watched, m.
-    pub(crate) margin: f64,
-    /// Bound on how far any grain had moved since the list was made when the pairs were sorted, m; minus infinity if they
-    /// were not.
+pub struct InnerList {
+    /// Pairs with a smaller gap belong to the inner list, m.
+    pub(crate) inner_skin: f64,
+    /// Bound on the displacement of any grain between the building of the neighbour list and the sorting of its pairs, m;
+    /// minus infinity before the first sorting.
     pub(crate) travel: f64,
-    /// Bound on the strain since the list was made, then.
+    /// Bound on the strain over the same time.
     pub(crate) distortion: f64,
-    /// Steps since.
+    /// Steps since the pairs were sorted.
     pub(crate) steps: u64,
 }
 
-impl Watch {
-    /// Of pairs that are not sorted yet.
-    pub(crate) fn new(margin: f64) -> Watch {
-        Watch { margin, travel: f64::NEG_INFINITY, distortion: 0.0, steps: 0 }
+impl InnerList {
+    /// The inner list before the first sorting.
+    pub(crate) fn new(inner_skin: f64) -> InnerList {
+        InnerList { inner_skin, travel: f64::NEG_INFINITY, distortion: 0.0, steps: 0 }
     }
 
-    /// True while no pair that is not watched can have come to touch; `diameter` is the largest distance of a listed pair.
+    /// True while no pair outside the inner list can have come to touch; `diameter` is the largest distance of a listed pair.
     pub(crate) fn holds(&self, travel: f64, distortion: f64, diameter: f64) -> bool {
-        2.0 * (travel - self.travel) + 1.01 * (distortion - self.distortion) * diameter <= self.margin
+        2.0 * (travel - self.travel) + 1.01 * (distortion - self.distortion) * diameter <= self.inner_skin
     }
 
-    /// What lasts long has a margin too wide, what does not last too narrow.
+    /// Widens the inner skin if the inner list lasted too few steps, and narrows it if it lasted too many.
     pub(crate) fn adapt(&mut self, skin: f64) {
         if self.steps < WANTED_STEPS.start {
-            self.margin *= 1.25;
+            self.inner_skin *= 1.25;
         } else if self.steps > WANTED_STEPS.end {
-            self.margin *= 0.9;
+            self.inner_skin *= 0.9;
         }
-        self.margin = self.margin.min(skin);
+        self.inner_skin = self.inner_skin.min(skin);
     }
 }
 
 /// Sorts the pairs of a range of blocks.
-pub(crate) struct WatchStage<'a> {
+pub(crate) struct PruneStage<'a> {
     pub(crate) views: &'a Views,
     pub(crate) blocks: Range<usize>,
 }
 
-/// Bits by lane of how the pairs of a batch stand.
+/// One bit for each pair of a batch: whether it touches, and whether it is within the inner skin.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Nearness {
     touching: u8,
     near: u8,
 }
 
-impl Kernel for WatchStage<'_> {
+impl Kernel for PruneStage<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -83,8 +84,8 @@ impl Kernel for WatchStage<'_> {
                     *n = measure::<L>(v, b);
                 }
                 let begin = batches.start as u32;
-                let [touching, watched] = sort(v, batches, nearness);
-                block.watched[zone] = begin + watched.div_ceil(LANES) as u32;
+                let [touching, near] = sort(v, batches, nearness);
+                block.inner_ends[zone] = begin + near.div_ceil(LANES) as u32;
                 if zone == 0 {
                     block.touching = (touching / LANES) as u32;
                 }
@@ -93,29 +94,29 @@ impl Kernel for WatchStage<'_> {
     }
 }
 
-/// How the pairs of a batch stand.
+/// Measures the gaps of the pairs of a batch.
 #[inline(always)]
 fn measure<L: Lanes>(v: &Views, b: usize) -> Nearness {
     // SAFETY: grains are only read in this stage; lists and marks belong to the thread that works on the block.
-    let (place, i, j, image, marks) = unsafe {
+    let (particles, i, j, image, marks) = unsafe {
         (
-            &v.place.read()[..v.grains + 2],
+            &v.particles.read()[..v.grains + 2],
             v.first.write(b..b + 1)[0],
             v.second.write(b..b + 1)[0],
             v.image.write(b..b + 1)[0],
             v.marks.write(b..b + 1)[0],
         )
     };
-    let (a, c, image) = (L::gather8(place, &i), L::gather8(place, &j), L::gather4(&v.images, &image));
+    let (a, c, image) = (L::gather8(particles, &i), L::gather8(particles, &j), L::gather4(&v.images, &image));
     let branch = [c[0] - a[0] + image[0], c[1] - a[1] + image[1], c[2] - a[2] + image[2]];
     let square = dot(branch, branch);
     let sum = a[3] + c[3];
-    let reach = sum + L::splat(v.margin);
+    let reach = sum + L::splat(v.inner_skin);
     let touching = square.lt(sum * sum).bits() as u8 | marks.touched;
     Nearness { touching, near: square.lt(reach * reach).bits() as u8 }
 }
 
-/// Sorts the slots of some batches; returns how many touch and how many are to be watched.
+/// Sorts the slots of some batches; returns how many pairs touch and how many belong to the inner list.
 fn sort(v: &Views, batches: Range<usize>, nearness: &mut [Nearness]) -> [usize; 2] {
     let kinds: [fn(&mut Nearness) -> &mut u8; 2] = [|n| &mut n.touching, |n| &mut n.near];
     let first = batches.start * LANES;
@@ -148,7 +149,7 @@ fn sort(v: &Views, batches: Range<usize>, nearness: &mut [Nearness]) -> [usize; 
     ends
 }
 
-/// Lets two pairs of a block change slots, but for their marks.
+/// Exchanges the slots of two pairs of a block, except for their marks.
 fn trade(v: &Views, a: usize, b: usize) {
     let constants = if v.constants.len() == 0 { 0 } else { v.constants_kept };
     // SAFETY: all of this belongs to the thread that works on the block.
@@ -205,7 +206,7 @@ mod tests {
     fn branch(s: &Simulation, slot: usize) -> ([f64; 3], f64) {
         let (state, pairs) = (s.state(), &s.state().pairs);
         let (b, l) = (slot / LANES, slot % LANES);
-        let [i, j] = [&pairs.first, &pairs.second].map(|list| state.place[list[b][l] as usize].0);
+        let [i, j] = [&pairs.first, &pairs.second].map(|list| state.particles[list[b][l] as usize].0);
         let image = state.cell.image(image_vector(pairs.image[b][l]));
         (std::array::from_fn(|a| j[a] + image[a] - i[a]), i[3] + j[3])
     }
@@ -232,11 +233,11 @@ mod tests {
             let mut before = (s.rebuilds(), listed(&s), s.state().pairs.first.clone());
             for _ in 0..600 {
                 s.advance(1).unwrap();
-                sorted += usize::from(s.state().watch.steps == 1);
+                sorted += usize::from(s.state().inner_list.steps == 1);
                 let pairs = &s.state().pairs;
                 for block in &pairs.blocks {
                     let [_, inner, end] = block.batches;
-                    for b in (block.watched[0]..inner).chain(block.watched[1]..end) {
+                    for b in (block.inner_ends[0]..inner).chain(block.inner_ends[1]..end) {
                         for slot in b as usize * LANES..(b as usize + 1) * LANES {
                             let (r, sum) = branch(&s, slot);
                             assert!(!pairs.touched(slot) && length(r) > sum);
@@ -267,10 +268,10 @@ mod tests {
         let mut s = running(300, 0.3);
         s.advance(17).unwrap();
         let mut again = s.clone();
-        again.machine.state.watch.travel = f64::NEG_INFINITY;
+        again.integrator.state.inner_list.travel = f64::NEG_INFINITY;
         s.advance(1).unwrap();
         again.advance(1).unwrap();
-        assert!(again.state().watch.steps == 1 && s.state().watch.steps > 1);
+        assert!(again.state().inner_list.steps == 1 && s.state().inner_list.steps > 1);
         let scale = s.state().sums.virial[0].abs();
         for (a, b) in s.state().sums.virial.iter().zip(again.state().sums.virial) {
             assert!((a - b).abs() < 1e-12 * scale, "{a} {b}");

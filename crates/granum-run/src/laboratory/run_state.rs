@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use granum_dem::preparation::{Course, Phase};
+use granum_dem::preparation::{Phase, PreparationState};
 use granum_dem::simulation::Simulation;
 use granum_io::Case;
 use granum_io::run::{
@@ -19,10 +19,10 @@ use super::test::Test;
 use super::{LaboratoryError, RunObserver};
 
 /// A run at one moment.
-pub(super) struct Standing {
+pub(super) struct RunState {
     pub(super) simulation: Simulation,
     pub(super) stage: Stage,
-    pub(super) found: Found,
+    pub(super) results: RunResults,
     /// True if it comes from an older checkpoint than the last one written.
     pub(super) older: bool,
 }
@@ -32,11 +32,11 @@ pub(super) struct Standing {
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Stage {
     /// The sample is being made.
-    Preparation(Course),
+    Preparation(PreparationState),
     /// It is there.
     Sample,
     /// It is being brought to the mean stress of its test.
-    Consolidation(Course),
+    Consolidation(PreparationState),
     /// It is there, at the mean stress of its test.
     Consolidated,
     /// It is being tested.
@@ -45,7 +45,7 @@ pub(super) enum Stage {
 
 /// What a run has found out for its record so far.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Found {
+pub(super) struct RunResults {
     pub(super) grains: usize,
     pub(super) steps: BTreeMap<String, u64>,
     #[serde(deserialize_with = "granum_io::run::nulls_are_nan")]
@@ -56,10 +56,10 @@ pub(super) struct Found {
     pub(super) curve: PreparationCurve,
 }
 
-impl Standing {
-    pub(super) fn new(simulation: Simulation, stage: Stage) -> Standing {
-        let found = Found { grains: simulation.state().grains(), ..Found::default() };
-        Standing { simulation, stage, found, older: false }
+impl RunState {
+    pub(super) fn new(simulation: Simulation, stage: Stage) -> RunState {
+        let results = RunResults { grains: simulation.state().grains(), ..RunResults::default() };
+        RunState { simulation, stage, results, older: false }
     }
 
     /// Under what the wall time of the stage is recorded; a sample that stands by takes none.
@@ -75,25 +75,25 @@ impl Standing {
     /// Writes the checkpoint.
     pub(super) fn write(&self, folder: &RunFolder) -> Result<(), LaboratoryError> {
         let bad = |what: String| LaboratoryError::Checkpoint { path: folder.path().join(CHECKPOINT), what };
-        let text = serde_json::to_string(&(&self.stage, &self.found)).map_err(|e| bad(e.to_string()))?;
+        let text = serde_json::to_string(&(&self.stage, &self.results)).map_err(|e| bad(e.to_string()))?;
         folder.write_checkpoint(|out| self.simulation.write_checkpoint(&text, out))?;
         Ok(())
     }
 
     /// Puts into the record what was found so far.
-    pub(super) fn tell(&self, record: &mut RunRecord) {
-        let found = &self.found;
-        record.grains = found.grains;
-        record.steps = found.steps.clone();
-        record.measures = found.measures.clone();
-        record.quality = found.quality.clone();
+    pub(super) fn write_into(&self, record: &mut RunRecord) {
+        let results = &self.results;
+        record.grains = results.grains;
+        record.steps = results.steps.clone();
+        record.measures = results.measures.clone();
+        record.quality = results.quality.clone();
         let step = self.simulation.state().step();
         match &self.stage {
-            Stage::Preparation(course) => {
-                record.steps.insert("prepare".into(), course.steps().saturating_add(step));
-                record.phase = course.phase().name().to_string();
-                if course.trial() > 1 {
-                    record.phase += &format!(", trial {}", course.trial());
+            Stage::Preparation(progress) => {
+                record.steps.insert("prepare".into(), progress.steps().saturating_add(step));
+                record.phase = progress.phase().name().to_string();
+                if progress.trial() > 1 {
+                    record.phase += &format!(", trial {}", progress.trial());
                 }
             }
             Stage::Sample | Stage::Consolidated => record.phase.clear(),
@@ -112,7 +112,7 @@ impl Standing {
     }
 
     /// Reads a checkpoint, of a run of the case where one is given; `None` if there is no such file.
-    pub(super) fn read(path: &Path, case: Option<&Case>) -> Result<Option<Standing>, LaboratoryError> {
+    pub(super) fn read(path: &Path, case: Option<&Case>) -> Result<Option<RunState>, LaboratoryError> {
         let bad = |what: String| LaboratoryError::Checkpoint { path: path.to_path_buf(), what };
         let bytes = match std::fs::read(path) {
             Ok(bytes) => bytes,
@@ -120,21 +120,21 @@ impl Standing {
             Err(error) => return Err(bad(format!("it cannot be read: {error}"))),
         };
         let (simulation, text) = Simulation::restore(&bytes).map_err(|e| bad(e.to_string()))?;
-        let (stage, found) = beside(&text, case).map_err(bad)?;
-        Ok(Some(Standing { simulation, stage, found, older: false }))
+        let (stage, results) = beside(&text, case).map_err(bad)?;
+        Ok(Some(RunState { simulation, stage, results, older: false }))
     }
 }
 
 /// What stands in a checkpoint beside the simulation, if it can be of a run (of the case).
-fn beside(text: &str, case: Option<&Case>) -> Result<(Stage, Found), String> {
-    let (stage, found): (Stage, Found) = serde_json::from_str(text)
+fn beside(text: &str, case: Option<&Case>) -> Result<(Stage, RunResults), String> {
+    let (stage, results): (Stage, RunResults) = serde_json::from_str(text)
         .map_err(|e| format!("its part on how far the run is cannot be read ({e})"))?;
     if let Stage::Test(test) = &stage
         && case.is_some_and(|case| !test.is_of(case))
     {
         return Err("its part on how far the run is belongs to a test of another case".into());
     }
-    Ok((stage, found))
+    Ok((stage, results))
 }
 
 /// Whether the text that stands in a checkpoint beside the simulation can be of a run of the case.
@@ -151,14 +151,14 @@ pub(super) fn last_good(
     folder: &RunFolder,
     case: &Case,
     observer: &mut dyn RunObserver,
-) -> Result<Option<Standing>, LaboratoryError> {
-    let current = match Standing::read(&folder.path().join(CHECKPOINT), Some(case)) {
-        Ok(Some(standing)) => return Ok(Some(standing)),
+) -> Result<Option<RunState>, LaboratoryError> {
+    let current = match RunState::read(&folder.path().join(CHECKPOINT), Some(case)) {
+        Ok(Some(run_state)) => return Ok(Some(run_state)),
         Ok(None) => None,
         Err(error) => Some(error),
     };
     let previous = folder.path().join(PREVIOUS_CHECKPOINT);
-    let older = match (Standing::read(&previous, Some(case)), &current) {
+    let older = match (RunState::read(&previous, Some(case)), &current) {
         (Ok(Some(older)), _) => older,
         (Ok(None), None) => return Ok(None),
         (Ok(None), Some(why)) => {
@@ -180,7 +180,7 @@ pub(super) fn last_good(
             folder.put_checkpoint_aside()?;
         }
     }
-    Ok(Some(Standing { older: true, ..older }))
+    Ok(Some(RunState { older: true, ..older }))
 }
 
 fn no_way_on(folder: &RunFolder, what: String) -> LaboratoryError {

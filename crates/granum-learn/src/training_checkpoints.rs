@@ -27,7 +27,7 @@ const VERSION: u64 = 1;
 /// What a training is of: runs, data and options.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Plan {
+pub struct TrainingManifest {
     format: String,
     version: u64,
     granum_version: String,
@@ -52,7 +52,7 @@ pub struct Plan {
     pub mappings: Vec<Mapping>,
 }
 
-impl Plan {
+impl TrainingManifest {
     /// The plan of a study on runs.
     ///
     /// # Errors
@@ -62,13 +62,13 @@ impl Plan {
         unseen: &[PathBuf],
         dataset_hash: String,
         options: &StudyOptions,
-    ) -> Result<Plan> {
+    ) -> Result<TrainingManifest> {
         let absolute = |paths: &[PathBuf]| -> Result<Vec<PathBuf>> {
             let one =
                 |path: &PathBuf| std::path::absolute(path).map_err(Error::file("find the folder of", path));
             Ok(paths.iter().map(one).collect::<std::result::Result<_, _>>()?)
         };
-        Ok(Plan {
+        Ok(TrainingManifest {
             format: FORMAT.into(),
             version: VERSION,
             granum_version: env!("CARGO_PKG_VERSION").into(),
@@ -96,10 +96,10 @@ impl Plan {
     ///
     /// # Errors
     /// If the file is missing, damaged or of another version.
-    pub fn read(folder: &Path) -> Result<Plan> {
+    pub fn read(folder: &Path) -> Result<TrainingManifest> {
         let path = folder.join(PLAN_FILE);
         let text = std::fs::read_to_string(&path).map_err(Error::file("read", &path))?;
-        let plan: Plan = serde_json::from_str(&text)
+        let plan: TrainingManifest = serde_json::from_str(&text)
             .map_err(|error| Error::content(&path, format!("this is no plan of a training: {error}")))?;
         if plan.format != FORMAT || plan.version != VERSION {
             let found = format!("format \"{}\" version {}", plan.format, plan.version);
@@ -111,7 +111,7 @@ impl Plan {
     }
 
     /// In what another training would make other networks: nothing if the two are the same, wherever their runs lie.
-    pub fn differences(&self, other: &Plan) -> Vec<&'static str> {
+    pub fn differences(&self, other: &TrainingManifest) -> Vec<&'static str> {
         [
             (self.dataset_hash != other.dataset_hash, "runs"),
             (self.form != other.form, "form"),
@@ -153,7 +153,7 @@ fn state_file(network: &str) -> String {
 }
 
 /// Keeps networks in a folder.
-pub struct Keeper {
+pub struct TrainingCheckpoints {
     folder: PathBuf,
     every: Duration,
     held: Mutex<Held>,
@@ -176,13 +176,13 @@ struct UnderWay {
     state: TrainerState,
 }
 
-impl Keeper {
+impl TrainingCheckpoints {
     /// Keeps networks in a folder that is there, those under way every so often.
-    pub fn new(folder: &Path, every: Duration) -> Keeper {
+    pub fn new(folder: &Path, every: Duration) -> TrainingCheckpoints {
         let seconds = std::fs::read_to_string(folder.join(TIMES_FILE)).ok();
         // Times are of interest to people only; a damaged file of them is written anew.
         let seconds = seconds.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default();
-        Keeper {
+        TrainingCheckpoints {
             folder: folder.to_path_buf(),
             every,
             held: Mutex::new(Held { seconds, ..Held::default() }),
@@ -279,7 +279,7 @@ impl Keeper {
     }
 
     /// Gives a study the seconds of those networks that were found finished.
-    pub fn tell_seconds(&self, study: &mut Study) {
+    pub fn add_seconds(&self, study: &mut Study) {
         let held = self.held();
         for trained in &mut study.mappings {
             let mapping = trained.surrogate.mapping().clone();
@@ -333,12 +333,12 @@ mod tests {
         let base = tempfile::tempdir().unwrap();
         let folder = base.path();
         let (_, state) = trained(40, None);
-        let keeper = Keeper::new(folder, Duration::ZERO);
-        keeper.under_way("F1-1", "this", false, &|| state.clone());
-        assert_eq!(keeper.state("F1-1", "this"), Some(state.clone()));
-        assert!(keeper.state("F1-1", "other").is_none() && keeper.state("F1-2", "this").is_none());
+        let checkpoints = TrainingCheckpoints::new(folder, Duration::ZERO);
+        checkpoints.under_way("F1-1", "this", false, &|| state.clone());
+        assert_eq!(checkpoints.state("F1-1", "this"), Some(state.clone()));
+        assert!(checkpoints.state("F1-1", "other").is_none() && checkpoints.state("F1-2", "this").is_none());
         let (whole, _) = trained(90, None);
-        let (rest, _) = trained(90, keeper.state("F1-1", "this"));
+        let (rest, _) = trained(90, checkpoints.state("F1-1", "this"));
         assert_eq!(whole.to_json(), rest.to_json());
 
         let file = folder.join("F1-1.unfinished");
@@ -347,19 +347,19 @@ mod tests {
             let mut altered = bytes.clone();
             altered[at] ^= 1;
             std::fs::write(&file, altered).unwrap();
-            assert!(keeper.state("F1-1", "this").is_none(), "byte {at}");
+            assert!(checkpoints.state("F1-1", "this").is_none(), "byte {at}");
         }
         std::fs::write(&file, &bytes[..bytes.len() / 2]).unwrap();
-        assert!(keeper.state("F1-1", "this").is_none());
+        assert!(checkpoints.state("F1-1", "this").is_none());
 
-        keeper.trained("F1-1", &whole, 2.5);
-        assert!(!file.exists() && !keeper.failed());
-        assert_eq!(keeper.finished("F1-1").unwrap().to_json(), whole.to_json());
-        // A second keeper knows the time; a damaged file of times costs nothing else.
-        let again = Keeper::new(folder, Duration::MAX);
+        checkpoints.trained("F1-1", &whole, 2.5);
+        assert!(!file.exists() && !checkpoints.failed());
+        assert_eq!(checkpoints.finished("F1-1").unwrap().to_json(), whole.to_json());
+        // A second checkpoints knows the time; a damaged file of times costs nothing else.
+        let again = TrainingCheckpoints::new(folder, Duration::MAX);
         assert_eq!(again.held().seconds["F1-1"], 2.5);
         std::fs::write(folder.join(TIMES_FILE), "{").unwrap();
-        assert!(Keeper::new(folder, Duration::MAX).held().seconds.is_empty());
+        assert!(TrainingCheckpoints::new(folder, Duration::MAX).held().seconds.is_empty());
         again.under_way("F1-2", "this", false, &|| state.clone());
         assert!(again.state("F1-2", "this").is_none());
         again.under_way("F1-2", "this", true, &|| state.clone());
@@ -369,17 +369,17 @@ mod tests {
     #[test]
     fn what_cannot_be_written_is_told() {
         let base = tempfile::tempdir().unwrap();
-        let keeper = Keeper::new(&base.path().join("nowhere"), Duration::ZERO);
-        keeper.trained("F1-1", &trained(3, None).0, 1.0);
-        assert!(keeper.failed() && keeper.take_failure().unwrap().to_string().contains("nowhere"));
+        let checkpoints = TrainingCheckpoints::new(&base.path().join("nowhere"), Duration::ZERO);
+        checkpoints.trained("F1-1", &trained(3, None).0, 1.0);
+        assert!(checkpoints.failed() && checkpoints.take_failure().unwrap().to_string().contains("nowhere"));
     }
 
     #[test]
-    fn plans_differ_in_what_makes_other_networks() {
+    fn manifests_differ_in_what_makes_other_networks() {
         let base = tempfile::tempdir().unwrap();
         let options = StudyOptions::default();
         let plan = |runs: &[PathBuf], hash: &str, options: &StudyOptions| {
-            Plan::new(runs, &[], hash.to_string(), options).unwrap()
+            TrainingManifest::new(runs, &[], hash.to_string(), options).unwrap()
         };
         let one = plan(&["a".into()], "h", &options);
         assert!(one.runs[0].is_absolute());
@@ -388,12 +388,12 @@ mod tests {
         assert_eq!(one.differences(&plan(&["a".into()], "g", &other)), ["runs", "trainer", "seed"]);
         assert_eq!((one.networks().len(), one.files().len()), (36, 76));
         one.write(base.path()).unwrap();
-        assert_eq!(Plan::read(base.path()).unwrap(), one);
+        assert_eq!(TrainingManifest::read(base.path()).unwrap(), one);
         let path = base.path().join(PLAN_FILE);
         let text = std::fs::read_to_string(&path).unwrap();
         std::fs::write(&path, text.replace("\"version\": 1", "\"version\": 2")).unwrap();
-        assert!(Plan::read(base.path()).unwrap_err().to_string().contains("version 2"));
+        assert!(TrainingManifest::read(base.path()).unwrap_err().to_string().contains("version 2"));
         std::fs::write(&path, &text[..50]).unwrap();
-        assert!(Plan::read(base.path()).unwrap_err().to_string().contains("training.json"));
+        assert!(TrainingManifest::read(base.path()).unwrap_err().to_string().contains("training.json"));
     }
 }

@@ -1,4 +1,4 @@
-//! A random gas of grains that do not overlap, from a seed: where a preparation starts.
+//! Random insertion of grains that do not overlap, from a seed: where a preparation starts.
 
 use granum_simd::Row8;
 use rand_chacha::ChaCha8Rng;
@@ -7,9 +7,9 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use crate::assembly::Vector;
 use crate::cell::Cell;
 use crate::config::Grains;
-use crate::simulation::Site;
+use crate::simulation::InitialSphere;
 
-/// Tries for one grain before the gas is called too dense.
+/// Tries for one grain before the initial state is called too dense.
 const TRIES: usize = 200_000;
 /// Tries after which places are looked for only where there may be room.
 const PATIENCE: usize = 30;
@@ -17,13 +17,13 @@ const PATIENCE: usize = 30;
 const ROOM: f64 = 1.0 / 3.0;
 const MOST_ROOMS: usize = 1024;
 
-/// The gas cannot be made.
+/// The initial state cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "no room for grain {placed} of {count} at an initial solid fraction of {solid_fraction}: random placement reaches about \
      0.38; choose preparation.initial_solid_fraction from 0.01 to 0.36"
 )]
-pub struct GasError {
+pub struct InsertionError {
     placed: usize,
     count: usize,
     solid_fraction: f64,
@@ -36,7 +36,11 @@ fn unit(rng: &mut ChaCha8Rng) -> f64 {
 
 /// Places grains one after the other at random in a cubic cell of the given solid fraction (random sequential addition).
 /// Radii are uniform in `d/2 (1 ± spread)`.
-pub fn gas(grains: &Grains, solid_fraction: f64, seed: u64) -> Result<(Cell, Vec<Site>), GasError> {
+pub fn random_insertion(
+    grains: &Grains,
+    solid_fraction: f64,
+    seed: u64,
+) -> Result<(Cell, Vec<InitialSphere>), InsertionError> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut radii: Vec<f64> = (0..grains.count)
         .map(|_| 0.5 * grains.diameter * (1.0 + grains.spread * (2.0 * unit(&mut rng) - 1.0)))
@@ -48,12 +52,12 @@ pub fn gas(grains: &Grains, solid_fraction: f64, seed: u64) -> Result<(Cell, Vec
     let mut boxes = Boxes::new(length, 2.0 * radii[0]);
     let smallest = radii.last().copied().unwrap_or(0.0);
     let mut rooms: Option<Rooms> = None;
-    let mut sites: Vec<Site> = Vec::with_capacity(grains.count);
+    let mut spheres: Vec<InitialSphere> = Vec::with_capacity(grains.count);
     for (k, &radius) in radii.iter().enumerate() {
         let mut found = None;
         for attempt in 0..TRIES {
             if attempt == PATIENCE && rooms.is_none() {
-                rooms = Some(Rooms::new(length, smallest, &sites));
+                rooms = Some(Rooms::new(length, smallest, &spheres));
             }
             let guess = match &mut rooms {
                 None => Some([(); 3].map(|()| length * unit(&mut rng))),
@@ -66,15 +70,15 @@ pub fn gas(grains: &Grains, solid_fraction: f64, seed: u64) -> Result<(Cell, Vec
             }
         }
         let Some(position) = found else {
-            return Err(GasError { placed: k, count: grains.count, solid_fraction });
+            return Err(InsertionError { placed: k, count: grains.count, solid_fraction });
         };
         boxes.insert(position, radius);
         if let Some(rooms) = &mut rooms {
             rooms.close_around(&position, radius);
         }
-        sites.push(Site { id: k as u64 + 1, position, radius });
+        spheres.push(InitialSphere { id: k as u64 + 1, position, radius });
     }
-    Ok((Cell::cuboid([length; 3]), sites))
+    Ok((Cell::cuboid([length; 3]), spheres))
 }
 
 /// Small cubes that fill the cell. One that lies wholly too near to a placed grain is closed for ever; a random point of
@@ -88,7 +92,7 @@ struct Rooms {
 }
 
 impl Rooms {
-    fn new(length: f64, smallest: f64, sites: &[Site]) -> Rooms {
+    fn new(length: f64, smallest: f64, spheres: &[InitialSphere]) -> Rooms {
         let count = ((length / (2.0 * smallest * ROOM)).ceil() as usize).clamp(1, MOST_ROOMS);
         let all = count.pow(3);
         let mut rooms = Rooms {
@@ -98,8 +102,8 @@ impl Rooms {
             closed: vec![false; all],
             open: Vec::new(),
         };
-        for site in sites {
-            rooms.close_around(&site.position, site.radius);
+        for sphere in spheres {
+            rooms.close_around(&sphere.position, sphere.radius);
         }
         rooms.open = (0..all as u32).filter(|&k| !rooms.closed[k as usize]).collect();
         rooms
@@ -204,10 +208,10 @@ mod tests {
 
     #[test]
     fn no_two_grains_overlap_and_the_solid_fraction_is_met() {
-        let (cell, sites) = gas(&grains(500, 0.2), 0.33, 7).unwrap();
+        let (cell, spheres) = random_insertion(&grains(500, 0.2), 0.33, 7).unwrap();
         let length = cell.edges[0][0];
-        for (k, a) in sites.iter().enumerate() {
-            for b in &sites[..k] {
+        for (k, a) in spheres.iter().enumerate() {
+            for b in &spheres[..k] {
                 let square: f64 = (0..3)
                     .map(|c| {
                         let d = a.position[c] - b.position[c];
@@ -217,34 +221,34 @@ mod tests {
                 assert!(square.sqrt() > a.radius + b.radius);
             }
         }
-        let solid: f64 = sites.iter().map(|s| 4.0 / 3.0 * std::f64::consts::PI * s.radius.powi(3)).sum();
+        let solid: f64 = spheres.iter().map(|s| 4.0 / 3.0 * std::f64::consts::PI * s.radius.powi(3)).sum();
         assert!((solid / cell.volume() - 0.33).abs() < 1e-12);
     }
 
     #[test]
-    fn a_seed_decides_the_gas() {
+    fn a_seed_decides_the_initial_state() {
         let g = grains(50, 0.0);
-        assert_eq!(gas(&g, 0.2, 3).unwrap().1, gas(&g, 0.2, 3).unwrap().1);
-        assert_ne!(gas(&g, 0.2, 3).unwrap().1, gas(&g, 0.2, 4).unwrap().1);
+        assert_eq!(random_insertion(&g, 0.2, 3).unwrap().1, random_insertion(&g, 0.2, 3).unwrap().1);
+        assert_ne!(random_insertion(&g, 0.2, 3).unwrap().1, random_insertion(&g, 0.2, 4).unwrap().1);
     }
 
     #[test]
-    fn too_dense_a_gas_is_refused() {
-        assert!(gas(&grains(300, 0.0), 0.6, 1).is_err());
+    fn too_dense_an_initial_state_is_refused() {
+        assert!(random_insertion(&grains(300, 0.0), 0.6, 1).is_err());
     }
 
     #[test]
     fn closed_rooms_have_no_free_point() {
         for spread in [0.0, 0.3] {
-            let (cell, sites) = gas(&grains(400, spread), 0.36, 5).unwrap();
+            let (cell, spheres) = random_insertion(&grains(400, spread), 0.36, 5).unwrap();
             let length = cell.edges[0][0];
-            let largest = sites.iter().fold(0.0f64, |m, s| m.max(s.radius));
-            let smallest = sites.iter().fold(f64::INFINITY, |m, s| m.min(s.radius));
+            let largest = spheres.iter().fold(0.0f64, |m, s| m.max(s.radius));
+            let smallest = spheres.iter().fold(f64::INFINITY, |m, s| m.min(s.radius));
             let mut boxes = Boxes::new(length, 2.0 * largest);
-            for s in &sites {
+            for s in &spheres {
                 boxes.insert(s.position, s.radius);
             }
-            let rooms = Rooms::new(length, smallest, &sites);
+            let rooms = Rooms::new(length, smallest, &spheres);
             let mut rng = ChaCha8Rng::seed_from_u64(1);
             let (mut closed, mut free) = (0, 0);
             for _ in 0..200_000 {

@@ -29,7 +29,7 @@ pub struct HistoryPoint {
 #[serde(deny_unknown_fields)]
 pub struct TrainerState {
     pub(super) weights: Vec<f64>,
-    pub(super) course: Course,
+    pub(super) history: TrainingHistory,
     pub(super) method: Method,
 }
 
@@ -53,7 +53,7 @@ pub(super) enum Method {
 impl TrainerState {
     /// Epochs done.
     pub fn epoch(&self) -> u64 {
-        self.course.epoch
+        self.history.epoch
     }
 
     /// Refuses a state of another network.
@@ -63,7 +63,7 @@ impl TrainerState {
             let text = format!("it has {} weights, the network {count}", self.weights.len());
             return Err(TrainingError::State(text));
         }
-        let best = self.course.best.as_ref().map_or(count, |b| b.weights.len());
+        let best = self.history.best.as_ref().map_or(count, |b| b.weights.len());
         let step = match &self.method {
             Method::Traingdx { step, .. } => step.len(),
             Method::LevenbergMarquardt { start, .. } => start.as_ref().map_or(count, Vec::len),
@@ -74,7 +74,7 @@ impl TrainerState {
         if self.weights.iter().any(|w| !w.is_finite()) {
             return Err(TrainingError::State("a weight is not a finite number".into()));
         }
-        if self.course.counts().iter().any(|n| *n > MOST) || self.course.every == 0 {
+        if self.history.counts().iter().any(|n| *n > MOST) || self.history.every == 0 {
             return Err(TrainingError::State("it counts what no training can have made".into()));
         }
         self.method.check()
@@ -119,10 +119,10 @@ pub(super) struct Best {
     pub weights: Vec<f64>,
 }
 
-/// The course of a training.
+/// The history of a training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Course {
+pub(super) struct TrainingHistory {
     pub epoch: u64,
     every: u64,
     pub history: Vec<HistoryPoint>,
@@ -130,13 +130,13 @@ pub(super) struct Course {
     pub failures: u64,
 }
 
-impl Course {
+impl TrainingHistory {
     fn counts(&self) -> [u64; 3] {
         [self.epoch, self.every, self.failures]
     }
 
-    pub(super) fn new() -> Course {
-        Course { epoch: 0, every: 1, history: Vec::new(), best: None, failures: 0 }
+    pub(super) fn new() -> TrainingHistory {
+        TrainingHistory { epoch: 0, every: 1, history: Vec::new(), best: None, failures: 0 }
     }
 
     /// Notes the error after the present epoch. When the history is full, every second point is dropped.
@@ -194,14 +194,14 @@ mod tests {
 
     #[test]
     fn the_history_is_thinned_evenly() {
-        let mut course = Course::new();
+        let mut history = TrainingHistory::new();
         for epoch in 0..10_000 {
-            course.epoch = epoch;
-            course.note(1.0 / (1.0 + epoch as f64), None);
+            history.epoch = epoch;
+            history.note(1.0 / (1.0 + epoch as f64), None);
         }
-        assert!(course.history.len() <= POINTS && course.history.len() >= POINTS / 2);
-        assert_eq!(course.history[0].epoch, 0);
-        let gaps: Vec<u64> = course.history.windows(2).map(|p| p[1].epoch - p[0].epoch).collect();
+        assert!(history.history.len() <= POINTS && history.history.len() >= POINTS / 2);
+        assert_eq!(history.history[0].epoch, 0);
+        let gaps: Vec<u64> = history.history.windows(2).map(|p| p[1].epoch - p[0].epoch).collect();
         assert!(gaps.iter().all(|&g| g == gaps[0]));
     }
 }
