@@ -8,6 +8,8 @@ use crate::portable::Portable;
 pub enum Isa {
     /// Whatever the compiler's baseline offers.
     Portable,
+    /// NEON of aarch64.
+    Neon,
     /// AVX2 with FMA.
     Avx2,
     /// AVX-512 F, DQ, BW and VL.
@@ -16,7 +18,7 @@ pub enum Isa {
 
 impl Isa {
     /// Every instruction set, the widest last.
-    pub const ALL: [Isa; 3] = [Isa::Portable, Isa::Avx2, Isa::Avx512];
+    pub const ALL: [Isa; 4] = [Isa::Portable, Isa::Neon, Isa::Avx2, Isa::Avx512];
 
     /// The widest instruction set that this machine has.
     pub fn detect() -> Isa {
@@ -27,6 +29,7 @@ impl Isa {
     pub fn available(self) -> bool {
         match self {
             Isa::Portable => true,
+            Isa::Neon => cfg!(target_arch = "aarch64"),
             #[cfg(target_arch = "x86_64")]
             Isa::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
             #[cfg(target_arch = "x86_64")]
@@ -47,6 +50,7 @@ impl Isa {
     pub fn name(self) -> &'static str {
         match self {
             Isa::Portable => "portable",
+            Isa::Neon => "neon",
             Isa::Avx2 => "avx2",
             Isa::Avx512 => "avx512",
         }
@@ -70,6 +74,14 @@ pub trait Kernel {
 /// Runs the kernel compiled for `isa`, or for the portable path where the machine lacks `isa`.
 #[inline]
 pub fn dispatch<K: Kernel>(isa: Isa, kernel: K) -> K::Output {
+    dispatch_or(isa, kernel, |kernel| kernel.run::<Portable>())
+}
+
+/// Runs the kernel compiled for `isa`, or `portable` where the machine lacks `isa` or `isa` is the portable path. A kernel
+/// that exists in many versions need not be compiled for processors without vector instructions: `portable` can compute
+/// the same in a slower way.
+#[inline]
+pub fn dispatch_or<K: Kernel>(isa: Isa, kernel: K, portable: impl FnOnce(K) -> K::Output) -> K::Output {
     match isa {
         #[cfg(target_arch = "x86_64")]
         // SAFETY: `available` has just asked the processor for every feature that the function enables.
@@ -77,7 +89,9 @@ pub fn dispatch<K: Kernel>(isa: Isa, kernel: K) -> K::Output {
         #[cfg(target_arch = "x86_64")]
         // SAFETY: as above.
         Isa::Avx2 if isa.available() => unsafe { run_avx2(kernel) },
-        _ => kernel.run::<Portable>(),
+        #[cfg(target_arch = "aarch64")]
+        Isa::Neon => kernel.run::<crate::neon::Neon>(),
+        _ => portable(kernel),
     }
 }
 

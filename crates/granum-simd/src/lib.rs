@@ -1,12 +1,12 @@
 //! Eight double precision lanes with the same bits on every instruction set.
 //!
 //! A formula is written once, generic over [`Real`], and runs on a plain `f64`, on eight portable
-//! lanes, on AVX2 with FMA and on AVX-512. Only operations that IEEE 754 rounds correctly are
+//! lanes, on NEON, on AVX2 with FMA and on AVX-512. Only operations that IEEE 754 rounds correctly are
 //! offered (add, subtract, multiply, divide, square root, fused multiply-add), together with exact
 //! bit operations, so that the result does not depend on which of them ran. A fused operation
 //! happens only where [`Real::mul_add`] is called: the compiler never contracts on its own.
 //!
-//! All `unsafe` of the arithmetic lives in `avx2.rs` and `avx512.rs` (x86-64 only); [`Row8::numbers`] has one more.
+//! All `unsafe` of the arithmetic lives in `avx2.rs`, `avx512.rs` (x86-64) and `neon.rs` (aarch64); [`Row8::numbers`] has one more.
 
 mod dispatch;
 mod lanes;
@@ -20,11 +20,13 @@ mod twice;
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+#[cfg(target_arch = "aarch64")]
+mod neon;
 
 #[cfg(test)]
 mod tests;
 
-pub use dispatch::{Isa, Kernel, dispatch};
+pub use dispatch::{Isa, Kernel, dispatch, dispatch_or};
 pub use lanes::{Lanes, Mask, Real};
 pub use math::{cbrt, exp, sigmoid, tanh};
 pub use portable::Portable;

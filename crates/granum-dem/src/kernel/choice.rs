@@ -6,7 +6,7 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use granum_simd::dispatch;
+use granum_simd::{dispatch, dispatch_or};
 
 use super::{Alike, AlikeOrByBatch, AnyLaws, ByBatch, ConstantSource, ContactStage, StageLaws, Views};
 use crate::config::Contact;
@@ -25,8 +25,16 @@ pub(crate) struct Stages {
     pub(crate) by_batch: Stage,
 }
 
+/// The stage of laws that are compiled into the loop. On a processor without vector instructions the loop over slots takes its
+/// place, which gives the same bits: the loops in plain numbers would be most of the code, and hardly anybody would run them.
 fn stage<S: StageLaws, C: ConstantSource>(views: &Views, blocks: Range<usize>) {
-    dispatch(views.isa, ContactStage { views, blocks, laws: PhantomData::<(S, C)> });
+    let kernel = ContactStage { views, blocks, laws: PhantomData::<(S, C)> };
+    dispatch_or(views.isa, kernel, |kernel| slots(views, kernel.blocks));
+}
+
+/// The stage that calls laws through their slots.
+fn slots(views: &Views, blocks: Range<usize>) {
+    dispatch(views.isa, ContactStage { views, blocks, laws: PhantomData::<(AnyLaws, AlikeOrByBatch)> });
 }
 
 fn compiled<S: StageLaws>() -> Stages {
@@ -57,8 +65,7 @@ impl Stages {
 
     /// Those of any set.
     pub(crate) fn any() -> Stages {
-        let stage = stage::<AnyLaws, AlikeOrByBatch>;
-        Stages { alike: stage, by_batch: stage }
+        Stages { alike: slots, by_batch: slots }
     }
 }
 
