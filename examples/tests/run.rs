@@ -1,5 +1,7 @@
 //! Every example runs to its end.
 
+#[path = "../compare_surrogates.rs"]
+mod compare_surrogates;
 #[path = "../measure_a_packing.rs"]
 mod measure_a_packing;
 #[path = "../own_contact_law.rs"]
@@ -50,6 +52,11 @@ fn own_contact_law_runs() {
 #[test]
 fn own_packing_format_runs() {
     own_packing_format::main().unwrap();
+}
+
+#[test]
+fn compare_surrogates_runs() {
+    compare_surrogates::main().unwrap();
 }
 
 #[test]

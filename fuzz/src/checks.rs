@@ -8,7 +8,7 @@ use std::hint::black_box;
 use granum_dem::config::{Contact, Material, Rate, Recording};
 use granum_dem::simulation::{Properties, Simulation};
 use granum_io::{Case, RunRecord, Table};
-use granum_learn::training_checkpoints::TrainingManifest;
+use granum_learn::antony2006::training_checkpoints::TrainingManifest;
 use granum_nets::trainer::{Control, Progress, TrainerState, by_name};
 use granum_nets::{Data, Model, Network};
 use granum_run::laboratory;
@@ -94,11 +94,7 @@ pub fn model(data: &[u8]) {
 fn with_checksum(text: &str) -> String {
     const MARK: &str = ",\n  \"checksum\": \"";
     let body = text.rfind(MARK).map_or(text, |at| &text[..at]);
-    // Fowler, Noll and Vo (1a).
-    let hash = body
-        .bytes()
-        .fold(0xcbf2_9ce4_8422_2325u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
-    format!("{body}{MARK}{hash:016x}\"\n}}\n")
+    format!("{body}{MARK}{}\"\n}}\n", granum_core::digest::of(body.as_bytes()))
 }
 
 /// A training goes on from a state for a few epochs, or refuses it.

@@ -7,7 +7,7 @@ use granum_dem::random_insertion::random_insertion;
 use granum_dem::servo::Control;
 use granum_dem::simulation::{Hardware, Properties, Simulation};
 use granum_io::{Case, Column, Machine, Packing, QualityFlag, RunFolder, RunRecord, Table};
-use granum_learn::training_checkpoints::TrainingManifest;
+use granum_learn::antony2006::training_checkpoints::TrainingManifest;
 use granum_learn::{StudyOptions, paper_mappings};
 use granum_nets::trainer::{Options, Silent, by_name};
 use granum_nets::{Data, Model, Recipe};

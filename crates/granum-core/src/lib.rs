@@ -1,13 +1,15 @@
 //! What all parts of granum speak of: a periodic [`cell`], an [`assembly`] of grains and contacts at one moment, tables of
 //! named columns, [`quantity`] with units, the nearest name to one that is not
-//! known, and [`parallel`] work.
+//! known, one [`digest`], [`json`] that can be read, and [`parallel`] work.
 //!
 //! Sign convention, stated once for the whole project: **compression is positive** for stress, strain, strain
 //! rate and normal force. SI units throughout.
 
 pub mod assembly;
 pub mod cell;
+pub mod digest;
 pub mod geometry;
+pub mod json;
 pub mod names;
 pub mod parallel;
 pub mod quantity;

@@ -9,8 +9,9 @@
 
 use std::error::Error;
 
-use granum_learn::study::{Silent, StudyOptions};
-use granum_learn::{Dataset, DatasetOptions, Form, NamedRecord, State, Study, Surrogate};
+use granum_learn::antony2006::State;
+use granum_learn::antony2006::study::{Silent, StudyOptions};
+use granum_learn::{Form, MappingNetworks, NamedRecord, Study, StudyData, StudyDataOptions};
 use granum_sensors::Record;
 
 const LEVEL: f64 = 0.9;
@@ -30,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     let (training, judging) = (read(&training)?, read(&judging)?);
-    let dataset = Dataset::new(&named(&training), &named(&judging), &DatasetOptions::default())?;
+    let dataset = StudyData::new(&named(&training), &named(&judging), &StudyDataOptions::default())?;
     let options = StudyOptions { form, ..StudyOptions::default() };
     let study = Study::train(&dataset, &options, &Silent)?;
     println!("{} training runs, {} judging runs", training.len(), judging.len());
@@ -53,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Values within the interval, values, and the sum of the widths, for each sub-model.
 type Count = (usize, usize, f64);
 
-fn coverage(surrogate: &Surrogate, states: &[&State]) -> Result<Vec<Count>, Box<dyn Error>> {
+fn coverage(surrogate: &MappingNetworks, states: &[&State]) -> Result<Vec<Count>, Box<dyn Error>> {
     let mapping = surrogate.mapping();
     let mut counts = vec![(0, 0, 0.0); mapping.sub_models.len()];
     let intervals = surrogate.intervals(states.iter().copied(), LEVEL)?;

@@ -14,8 +14,8 @@
 
 use std::error::Error;
 
-use granum_learn::study::{Silent, StudyOptions};
-use granum_learn::{Dataset, DatasetOptions, Form, Mapping, NamedRecord, Study, paper_mappings};
+use granum_learn::antony2006::study::{Silent, StudyOptions};
+use granum_learn::{Form, Mapping, NamedRecord, Study, StudyData, StudyDataOptions, paper_mappings};
 use granum_sensors::Record;
 
 /// What is compared, in the order of the table.
@@ -57,7 +57,7 @@ fn judge(runs: &[(String, Record)], wishes: &Wishes, form: Form, count: usize) -
             let some = (0..runs.len()).filter(|&k| trains(k) == wanted);
             some.map(|k| NamedRecord { name: &runs[k].0, seed: 0, record: &runs[k].1 }).collect()
         };
-        let dataset = Dataset::new(&chosen(true), &chosen(false), &DatasetOptions::default())?;
+        let dataset = StudyData::new(&chosen(true), &chosen(false), &StudyDataOptions::default())?;
         let options = StudyOptions { form, mappings: mappings.clone(), ..StudyOptions::default() };
         let study = Study::train(&dataset, &options, &Silent)?;
         let judging = (0..runs.len()).filter(|&k| !trains(k));
@@ -121,7 +121,9 @@ fn wishes() -> Result<Wishes, Failure> {
             ("--sets", _) => wishes.sets = word.parse()?,
             ("--form", "point") => wishes.forms.push(Form::Point),
             ("--form", "histogram") => wishes.forms.push(Form::Histogram),
-            ("--mappings", _) => wishes.mappings.push(granum_learn::mapping::paper_mapping(&word)?),
+            ("--mappings", _) => {
+                wishes.mappings.push(granum_learn::antony2006::mapping::paper_mapping(&word)?)
+            }
             _ => return Err(format!("{word}: {usage}").into()),
         }
     }

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use granum_io::shell::quoted_path;
 use granum_io::{OutputFolder, Run, RunRecord, RunStatus};
 
+use crate::antony2006::layout::PLAN_FILE;
+use crate::antony2006::layout::STUDY_FILE;
 use crate::antony2006::reproduction::{RUNS, Reproduction, SUMMARY_FILE};
 use crate::error::{LearnError, Result};
-use crate::layout::PLAN_FILE;
-use crate::layout::STUDY_FILE;
 use granum_run::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
 
 /// Page of a report.
@@ -37,6 +37,14 @@ impl Kind {
 }
 
 /// What is in a folder.
+///
+/// ```
+/// use granum_learn::contents::Contents;
+///
+/// let nowhere = std::path::Path::new("there is no such folder");
+/// assert_eq!(Contents::of(nowhere)?.name(), "nothing");
+/// # Ok::<(), granum_learn::LearnError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Contents {
     /// No folder, or nothing in it.

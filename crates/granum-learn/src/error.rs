@@ -36,6 +36,9 @@ pub enum LearnError {
         /// States there should be.
         needed: usize,
     },
+    /// A row of a table cannot be answered.
+    #[error("{0}")]
+    Rows(String),
     /// No mapping or network of that name.
     #[error("there is no {kind} `{name}`; there are: {known}")]
     Unknown {
@@ -62,6 +65,25 @@ pub enum LearnError {
         /// What is wrong.
         reason: String,
     },
+    /// A surrogate cannot be fitted, or cannot answer.
+    #[error("{method}: {reason}")]
+    Surrogate {
+        /// Name of its method.
+        method: String,
+        /// What is wrong, and what would be right.
+        reason: String,
+    },
+    /// The file of a surrogate cannot be used.
+    #[error("{file}: {reason}")]
+    SurrogateFile {
+        /// The file.
+        file: String,
+        /// What is wrong, and what would be right.
+        reason: String,
+    },
+    /// What a surrogate keeps of itself is not what its method expects.
+    #[error("the content is not that of such a surrogate: {0}")]
+    Content(String),
     /// A folder holds something that would be replaced.
     #[error("{} already holds {holds}; {advice}", folder.display())]
     Taken {

@@ -1,45 +1,57 @@
-//! The hybrid method of Antony, Zhou and Wang (2006): networks that learn from soft sensors of DEM runs, judged
-//! against runs that none of them saw.
+//! Data sets from runs, and surrogates that are fitted to them and judged on runs that none of them saw.
 //!
 //! ```text
-//! Record --> Dataset --> Study --> Evaluation --> Summary, Figures, reading
+//! runs --> Dataset --> SurrogateMethod::fit --> Surrogate --> predictions with intervals
+//!            (split)                              (scored, saved)
 //! ```
 //!
-//! [`Dataset`] draws states from records and splits them, [`Study`] trains the six [`mapping`]s with their three
-//! sub-models, each beside a network of the same size that sees strain only, and [`Evaluation`] scores both on held-out
-//! states and on unseen runs, next to [`baseline`]s without networks and the scatter between runs of different seeds, and
-//! tells whether the networks use their sensors ([`sensor_use`]). [`SizeStudy`] and [`antony2006::speed`] measure the paper's
-//! claims on size and speed.
+//! A [`Dataset`] is named columns over the states of runs, whatever the path of their tests. A [`SurrogateMethod`] fits a
+//! [`Surrogate`] to it; networks, ridge regression and any method of a program's own are scored in the same way by
+//! [`compare`], are saved in one format and found by name in [`SurrogateMethods`].
+//!
+//! ```
+//! use granum_core::{Column, Table};
+//! use granum_learn::{Dataset, FitSpec, RunStates, Split, SurrogateMethods, compare};
+//!
+//! // Three runs of columns of one's own: y = x^2 with a little of what runs differ by.
+//! let run = |k: u32| {
+//!     let x: Vec<f64> = (0..40).map(|i| f64::from(i) / 39.0).collect();
+//!     let y = x.iter().map(|x| x * x + 0.01 * f64::from(k) * x).collect();
+//!     RunStates::new(&format!("run-{k}"), Table::new(vec![Column::new("x", "m", x), Column::new("y", "m2", y)])?)
+//! };
+//! let dataset = Dataset::new((1..=3).map(run).collect::<Result<_, Box<dyn std::error::Error>>>()?)?;
+//! let parts = dataset.split(&Split::default().unseen(["run-3"]))?;
+//!
+//! let methods = SurrogateMethods::standard();
+//! let spec = FitSpec::new(["x"], ["y"]).with_coordinate("x");
+//! for scored in compare(&parts, &spec, &[methods.by_name("ridge")?, methods.by_name("feed-forward")?], 0.9)? {
+//!     assert!(scored.unseen.relative_rmse < 0.05, "{} {:?}", scored.method, scored.unseen);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! [`antony2006`] is the paper's study with its six mappings.
 
 pub mod antony2006;
-pub mod baseline;
+mod comparison;
 pub mod contents;
 pub mod dataset;
 mod error;
-pub mod files;
-pub mod layout;
-pub mod mapping;
+pub mod inference;
+mod regression;
 pub mod runs;
 pub mod score;
-mod sensor_share;
-pub mod sensor_use;
 pub mod student_t;
-pub mod study;
-mod surrogate;
-pub mod training_checkpoints;
-mod training_rows;
+pub mod surrogate;
 
-#[cfg(test)]
-mod synthetic;
-#[cfg(test)]
-mod tests;
-
+pub use antony2006::mapping::{Form, Mapping, Quantity, SubModel, paper_mappings};
+pub use antony2006::sensor_use::{SensorUse, Verdict};
 pub use antony2006::size_study::{SizeStudy, SizeStudyOptions};
+pub use antony2006::study::{Evaluation, Study, StudyObserver, StudyOptions, StudyProgress};
 pub use antony2006::summary::Summary;
-pub use dataset::{Dataset, DatasetOptions, NamedRecord, Run, State};
+pub use antony2006::{MappingMethod, MappingNetworks, StudyData, StudyDataOptions};
+pub use comparison::{SurrogateScores, compare, score_surrogate};
+pub use dataset::{Dataset, NamedRecord, Parts, RunStates, Split, Variable};
 pub use error::{LearnError, Result};
-pub use mapping::{Form, Mapping, Quantity, SubModel, paper_mappings};
 pub use score::Score;
-pub use sensor_use::{SensorUse, Verdict};
-pub use study::{Evaluation, Study, StudyObserver, StudyOptions, StudyProgress};
-pub use surrogate::{Answer, Outside, RowAnswer, Surrogate};
+pub use surrogate::{FitSpec, Prediction, Surrogate, SurrogateMethod, SurrogateMethods};

@@ -34,6 +34,14 @@ pub fn quantile(degrees_of_freedom: usize) -> f64 {
 }
 
 /// Differences of errors, one an unseen run, and whether their mean is above zero.
+///
+/// ```
+/// use granum_learn::student_t::PairedTest;
+///
+/// // Mean 2, standard error 1 / sqrt 3: t = 3.46, more than the 2.92 that chance exceeds in 5 of 100 cases.
+/// let test = PairedTest::new(&[1.0, 2.0, 3.0]).unwrap();
+/// assert_eq!((test.mean, test.above_zero), (2.0, Some(true)));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PairedTest {
     /// Mean difference.

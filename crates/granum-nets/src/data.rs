@@ -1,5 +1,6 @@
 //! Rows for training.
 
+use granum_core::digest::Digest;
 use serde::{Deserialize, Serialize};
 
 /// Most numbers that a table may hold (inputs and targets together).
@@ -41,6 +42,13 @@ fn one() -> usize {
 }
 
 /// Rows of inputs with their targets, each table flat and row by row.
+///
+/// ```
+/// // Two rows of two inputs and one target, worth one independent observation together.
+/// let data = granum_nets::Data::new(vec![0.0, 1.0, 0.5, 2.0], 2, vec![0.1, 0.2])?.with_observations(1.0)?;
+/// assert_eq!((data.rows(), data.input_columns(), data.observations()), (2, 2, 1.0));
+/// # Ok::<(), granum_nets::DataError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Data {
     pub(crate) rows: usize,
@@ -311,29 +319,26 @@ impl Data {
         self.validation.as_deref()
     }
 
-    /// A hash of every bit of the table (inputs, targets, weights and validation rows), to name the data in a record.
+    /// SHA-256 of every bit of the table (inputs, targets, weights and validation rows), to name the data in a record.
     pub fn hash(&self) -> String {
-        let mut hash = crate::hash::Fnv::default();
-        self.feed(&mut hash);
-        hash.hex()
+        let mut digest = Digest::new();
+        self.feed(&mut digest);
+        digest.finish()
     }
 
-    fn feed(&self, hash: &mut crate::hash::Fnv) {
+    fn feed(&self, digest: &mut Digest) {
         for count in [self.rows, self.input_columns, self.target_columns, self.points] {
-            hash.write(&(count as u64).to_le_bytes());
+            digest.count(count);
         }
-        let weights = self.weights.as_deref().unwrap_or(&[]);
-        for value in self.inputs.iter().chain(&self.targets).chain(weights) {
-            hash.write(&value.to_bits().to_le_bytes());
+        for values in [&self.inputs, &self.targets, self.weights.as_ref().unwrap_or(&Vec::new())] {
+            digest.numbers(values);
         }
-        for block in &self.blocks {
-            hash.write(&(*block as u64).to_le_bytes());
-        }
-        if let Some(column) = self.spread_column {
-            hash.write(&(column as u64).to_le_bytes());
-        }
+        digest.count(self.blocks.len());
+        self.blocks.iter().for_each(|block| digest.count(*block));
+        digest.count(self.spread_column.map_or(0, |column| column + 1));
+        digest.count(usize::from(self.validation.is_some()));
         if let Some(validation) = &self.validation {
-            validation.feed(hash);
+            validation.feed(digest);
         }
     }
 }

@@ -3,10 +3,26 @@
 use granum_core::parallel;
 
 use crate::data::Data;
-use crate::model::{BatchPrediction, Model, ModelError, Prediction, Recipe};
+use crate::model::Model;
+use crate::model_error::ModelError;
+use crate::prediction::{BatchPrediction, Prediction};
+use crate::recipe::Recipe;
 use crate::trainer::{Silent, Trainer, TrainingReport};
 
 /// Models of one recipe that differ in their seed.
+///
+/// ```
+/// use granum_nets::trainer::LevenbergMarquardt;
+/// use granum_nets::{Column, Data, Ensemble, Recipe};
+///
+/// let x: Vec<f64> = (0..20).map(|k| k as f64 / 19.0).collect();
+/// let y = x.iter().map(|x| (3.0 * x).sin()).collect();
+/// let recipe = Recipe::new(vec![Column::new("x", "1")], Column::new("y", "1"), vec![4]);
+/// let (ensemble, _) = Ensemble::fit(&recipe, &Data::new(x, 1, y)?, &LevenbergMarquardt::default(), &[1, 2, 3], 1)?;
+/// let [inside, outside] = [0.5, 2.0].map(|x| ensemble.predict(&[x]).unwrap());
+/// assert!(inside.standard_deviation < outside.standard_deviation);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Ensemble {
     members: Vec<Model>,
@@ -89,7 +105,7 @@ impl Ensemble {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Column;
+    use crate::recipe::Column;
     use crate::trainer::LevenbergMarquardt;
 
     fn recipe() -> Recipe {

@@ -261,7 +261,7 @@ mod tests {
             loaded.standard_deviations(&asked).unwrap(),
             reference.standard_deviations(&asked).unwrap()
         );
-        assert!(text.contains("\"degrees_of_freedom\"") && text.contains("\"version\": 2"));
+        assert!(text.contains("\"degrees_of_freedom\"") && text.contains("\"version\": 3"));
     }
 
     #[test]

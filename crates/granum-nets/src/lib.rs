@@ -9,14 +9,8 @@
 //! let ratio = strain.iter().map(|e| 0.6 * (1.0 - (-30.0 * e).exp())).collect();
 //! let data = Data::new(strain, 1, ratio)?;
 //!
-//! let recipe = Recipe {
-//!     inputs: vec![Column::new("deviator_strain", "1")],
-//!     output: Column::new("stress_ratio", "1"),
-//!     quantities: Vec::new(),
-//!     shares: Vec::new(),
-//!     hidden: vec![10, 10],
-//!     seed: 1,
-//! };
+//! let inputs = vec![Column::new("deviator_strain", "1")];
+//! let recipe = Recipe::new(inputs, Column::new("stress_ratio", "1"), vec![10, 10]).with_seed(1);
 //! let trainer = trainer::by_name("levenberg-marquardt", &Options::default())?;
 //! let (model, report) = Model::fit(&recipe, &data, trainer.as_ref(), &mut Silent)?;
 //! println!("{} epochs: {}", report.epochs, report.termination);
@@ -37,13 +31,17 @@ mod curvature;
 mod data;
 mod ensemble;
 mod forward;
-mod hash;
 mod initialisation;
 mod intervals;
 mod kernels;
 mod model;
+mod model_error;
 mod model_file;
 mod network;
+mod objective;
+mod prediction;
+mod provenance;
+mod recipe;
 mod scaler;
 mod student_t;
 mod symmetric;
@@ -54,6 +52,12 @@ pub use activation::Activation;
 pub use data::{Data, DataError};
 pub use ensemble::Ensemble;
 pub use intervals::Intervals;
-pub use model::{BatchPrediction, Column, Fit, Model, ModelError, Prediction, Provenance, Recipe};
+pub use model::Model;
+pub use model_error::ModelError;
 pub use network::{LARGEST_LAYER, MOST_LAYERS, MOST_WEIGHTS, Network, NetworkError};
+pub use objective::Objective;
+pub use prediction::{BatchPrediction, Deviation, Prediction};
+pub use provenance::{Fit, Provenance};
+pub use recipe::{Column, Recipe};
 pub use scaler::Scaler;
+pub use student_t::two_sided_quantile;

@@ -4,19 +4,24 @@ use std::fs;
 use std::io::{Read, Write};
 use std::path::Path;
 
+use granum_core::json;
 use serde::{Deserialize, Serialize};
 
 use crate::activation::Activation;
-use crate::hash::Fnv;
-use crate::model::{Column, Fit, Model, ModelError, Provenance};
+use crate::model::Model;
+use crate::model_error::ModelError;
 use crate::network::Network;
+use crate::provenance::{Fit, Provenance};
+use crate::recipe::Column;
 use crate::scaler::Scaler;
 use crate::trainer::Evidence;
 use crate::uncertainty::TrainingRows;
 
 const FORMAT: &str = "granum model";
-/// Version 1 had neither intervals nor the range of the answers.
-const VERSION: u64 = 2;
+/// Version 1 had neither intervals nor the range of the answers; up to version 2 the checksum was no SHA-256.
+const VERSION: u64 = 3;
+/// The last version with the checksum of [`fowler_noll_vo`].
+const LAST_WITH_SHORT_CHECKSUM: u64 = 2;
 /// Largest file that is read.
 const LARGEST_FILE: u64 = 1 << 27;
 /// What comes before the checksum, which covers every byte before it.
@@ -63,7 +68,8 @@ struct Header {
     version: Option<u64>,
 }
 
-pub(crate) fn to_json(model: &Model) -> String {
+/// The content of the file.
+fn content(model: &Model) -> File {
     let column =
         |c: &Column, s: &Scaler| FileColumn { name: c.name.clone(), unit: c.unit.clone(), scaler: *s };
     let mut at = 0;
@@ -74,7 +80,7 @@ pub(crate) fn to_json(model: &Model) -> String {
         at += count;
         FileLayer { inputs: shape[0], neurons: shape[1], activation, weights }
     });
-    let file = File {
+    File {
         format: FORMAT.into(),
         version: VERSION,
         inputs: model.inputs.iter().zip(&model.input_scalers).map(|(c, s)| column(c, s)).collect(),
@@ -84,24 +90,50 @@ pub(crate) fn to_json(model: &Model) -> String {
         layers: layers.collect(),
         training_rows: model.training_rows.clone(),
         _checksum: String::new(),
-    };
-    let mut bytes = Vec::new();
-    let mut serializer = serde_json::Serializer::with_formatter(&mut bytes, Lines { depth: 0 });
-    // Writing plain structures to memory cannot fail; an empty text would fail its checksum when read.
-    if file.serialize(&mut serializer).is_err() {
-        return String::new();
     }
-    let mut text = String::from_utf8(bytes).unwrap_or_default();
+}
+
+pub(crate) fn to_json(model: &Model) -> String {
+    // Writing plain structures to memory cannot fail; an empty text would fail its checksum when read.
+    let mut text = json::readable(&content(model)).unwrap_or_default();
     text.truncate(text.trim_end_matches('}').trim_end().len());
-    let checksum = checksum(&text);
+    let checksum = checksum(&text, VERSION);
     text.push_str(&format!("{CHECKSUM}{checksum}\"\n}}\n"));
     text
 }
 
-fn checksum(text: &str) -> String {
-    let mut hash = Fnv::default();
-    hash.write(text.as_bytes());
-    hash.hex()
+fn checksum(text: &str, version: u64) -> String {
+    if version <= LAST_WITH_SHORT_CHECKSUM {
+        return fowler_noll_vo(text);
+    }
+    granum_core::digest::of(text.as_bytes())
+}
+
+/// The 64-bit hash of Fowler, Noll and Vo (variant 1a), in model files of earlier versions.
+fn fowler_noll_vo(text: &str) -> String {
+    let fold = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+    format!("{:016x}", text.bytes().fold(0xcbf2_9ce4_8422_2325, fold))
+}
+
+/// The content of the file as a value, to be a part of another file.
+pub(crate) fn to_value(model: &Model) -> Result<serde_json::Value, ModelError> {
+    let failed =
+        |error: serde_json::Error| ModelError::File { path: "model".into(), problem: error.to_string() };
+    serde_json::to_value(content(model)).map_err(failed)
+}
+
+/// A model from such a value; `name` is what messages call it.
+pub(crate) fn from_value(value: &serde_json::Value, name: &str) -> Result<Model, ModelError> {
+    let file = File::deserialize(value).map_err(|error| format!("not a usable model: {error}"));
+    let version = |file: File| match (file.format.as_str(), file.version) {
+        (FORMAT, 1..=VERSION) => Ok(file),
+        (format, version) => {
+            let wanted = format!("this program reads \"{FORMAT}\" up to version {VERSION}");
+            Err(format!("found format \"{format}\" version {version}; {wanted}"))
+        }
+    };
+    let model = file.and_then(version).and_then(assemble);
+    model.map_err(|problem| ModelError::File { path: name.to_string(), problem })
 }
 
 pub(crate) fn from_json(text: &str, name: &str) -> Result<Model, ModelError> {
@@ -120,17 +152,18 @@ fn parse(text: &str) -> Result<Model, String> {
         let found = header.format.unwrap_or_else(|| "none".into());
         return Err(format!("this is no model file: \"format\" should be \"{FORMAT}\", found {found}"));
     }
-    match header.version {
-        Some(1..=VERSION) => {}
+    let version = match header.version {
+        Some(version @ 1..=VERSION) => version,
         Some(version) if version > VERSION => {
             return Err(format!(
                 "written by a newer granum (format version {version}, this program reads {VERSION})"
             ));
         }
         _ => return Err(format!("\"version\" should be 1 to {VERSION}")),
-    }
+    };
     let body = text.rfind(CHECKSUM).map(|at| (&text[..at], &text[at + CHECKSUM.len()..]));
-    let intact = body.is_some_and(|(body, rest)| rest.trim_end() == format!("{}\"\n}}", checksum(body)));
+    let intact =
+        body.is_some_and(|(body, rest)| rest.trim_end() == format!("{}\"\n}}", checksum(body, version)));
     if !intact {
         return Err(
             "the checksum does not fit the content: the file was altered or damaged; save the model again"
@@ -236,39 +269,4 @@ pub(crate) fn load(path: &Path) -> Result<Model, ModelError> {
     let text =
         String::from_utf8(bytes).map_err(|_| problem("this is no model file: not UTF-8 text".into()))?;
     from_json(&text, &name)
-}
-
-/// Objects a key a line, lists of numbers on one line.
-struct Lines {
-    depth: usize,
-}
-
-impl Lines {
-    fn line<W: ?Sized + Write>(&self, writer: &mut W) -> std::io::Result<()> {
-        write!(writer, "\n{}", "  ".repeat(self.depth))
-    }
-}
-
-impl serde_json::ser::Formatter for Lines {
-    fn begin_object<W: ?Sized + Write>(&mut self, writer: &mut W) -> std::io::Result<()> {
-        self.depth += 1;
-        writer.write_all(b"{")
-    }
-    fn end_object<W: ?Sized + Write>(&mut self, writer: &mut W) -> std::io::Result<()> {
-        self.depth -= 1;
-        self.line(writer)?;
-        writer.write_all(b"}")
-    }
-    fn begin_object_key<W: ?Sized + Write>(&mut self, writer: &mut W, first: bool) -> std::io::Result<()> {
-        if !first {
-            writer.write_all(b",")?;
-        }
-        self.line(writer)
-    }
-    fn begin_object_value<W: ?Sized + Write>(&mut self, writer: &mut W) -> std::io::Result<()> {
-        writer.write_all(b": ")
-    }
-    fn begin_array_value<W: ?Sized + Write>(&mut self, writer: &mut W, first: bool) -> std::io::Result<()> {
-        writer.write_all(if first { b"" } else { b", " })
-    }
 }

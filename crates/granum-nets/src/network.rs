@@ -49,6 +49,13 @@ pub enum NetworkError {
 /// With `a_0` the inputs, layer `l` computes `a_l = f_l(W_l [a_(l-1); 1])`. Sums start from the bias and add the inputs in
 /// their order, each by a fused multiply-add, wherever a network is evaluated: one row, a batch or training give the
 /// same bits, on every instruction set.
+///
+/// ```
+/// let network = granum_nets::Network::new(&[3, 60, 60, 1], 7)?;
+/// assert_eq!(network.weights().len(), 4 * 60 + 61 * 60 + 61);
+/// assert_eq!(network.forward(&[0.1, 0.2, 0.3])?.len(), 1);
+/// # Ok::<(), granum_nets::NetworkError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Network {
     layers: Vec<usize>,

@@ -10,7 +10,7 @@ const MOST: f64 = 2000.0;
 ///
 /// With `T = sqrt(n) tan(a)` the density of the angle `a` is proportional to `cos(a)^(n - 1)`, which is summed by the
 /// midpoint rule.
-pub(crate) fn two_sided_quantile(level: f64, degrees_of_freedom: f64) -> f64 {
+pub fn two_sided_quantile(level: f64, degrees_of_freedom: f64) -> f64 {
     let n = degrees_of_freedom.clamp(1.0, MOST);
     let step = std::f64::consts::FRAC_PI_2 / STEPS as f64;
     let share = |k: usize| ((k as f64 + 0.5) * step).cos().powf(n - 1.0);

@@ -127,6 +127,11 @@ impl Laplace {
         None
     }
 
+    /// The part of the variance of an observation that is noise.
+    pub(crate) fn noise(&self) -> f64 {
+        1.0 / self.beta
+    }
+
     /// Variances of observations at rows in the network's units, so many points each; infinite where a row lies beyond all
     /// numbers there.
     pub(crate) fn variances(&self, network: &Network, mut inputs: Vec<f64>, points: usize) -> Vec<f64> {

@@ -174,6 +174,45 @@ fn a_saved_model_comes_back_whole() {
     assert_eq!(names, ["model.json"], "nothing else is left behind");
 }
 
+/// As part of another file a model answers with the same bits.
+#[test]
+fn a_model_comes_back_from_a_value() {
+    let model = model();
+    let text = serde_json::to_string(&model.to_value().unwrap()).unwrap();
+    let value: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(Model::from_value(&value, "f").unwrap().to_json(), model.to_json());
+    let forged = |pointer: &str, to: serde_json::Value| {
+        let mut value = value.clone();
+        *value.pointer_mut(pointer).unwrap() = to;
+        Model::from_value(&value, "f").unwrap_err().to_string()
+    };
+    assert!(forged("/version", 9.into()).contains("found format \"granum model\" version 9"));
+    assert!(forged("/layers/0/neurons", 7.into()).contains("takes 8 inputs, but 7 come to it"));
+}
+
+/// The squares of the causes add up to that of the whole, and the whole is what is said without causes.
+#[test]
+fn standard_deviations_are_split_by_cause() {
+    let rows: Vec<f64> = (0..20).flat_map(|k| [0.02 * k as f64, 2e4, 1e-4]).collect();
+    let alone = model();
+    let blocks = |count: usize| (0..120).map(|k| k * count / 120).collect();
+    let data = data(120).with_blocks(blocks(4)).unwrap().with_spread_column(0).unwrap();
+    let (several, _) = Model::fit(&recipe(), &data, &LevenbergMarquardt::default(), &mut Silent).unwrap();
+    for model in [alone, several] {
+        let totals = model.standard_deviations(&rows).unwrap().unwrap();
+        let split = model.deviations_of(&rows, 1).unwrap().unwrap();
+        for (total, split) in totals.iter().zip(&split) {
+            assert_eq!(*total, split.total);
+            let squares = split.noise.powi(2) + split.weights.powi(2) + split.blocks.powi(2);
+            assert!((squares.sqrt() / total - 1.0).abs() < 1e-12, "{split:?}");
+            assert!(split.noise > 0.0 && split.weights > 0.0);
+            assert!(model.blocks().is_some() || split.blocks == 0.0);
+        }
+        // Outside the rows the weights are known less, the noise is the same.
+        assert!(split[19].weights > 2.0 * split[5].weights);
+    }
+}
+
 #[test]
 fn damaged_files_are_told_apart() {
     let text = model().to_json();
@@ -183,8 +222,8 @@ fn damaged_files_are_told_apart() {
     assert!(message(&text[..text.rfind(",\n  \"checksum\"").unwrap()]).contains("truncated"));
     assert!(message("{}").contains("\"format\" should be \"granum model\""));
     assert!(message("strain,stress\n1,2\n").contains("no model file"));
-    let newer = text.replacen("\"version\": 2", "\"version\": 3", 1);
-    assert!(message(&newer).contains("written by a newer granum (format version 3, this program reads 2)"));
+    let newer = text.replacen("\"version\": 3", "\"version\": 4", 1);
+    assert!(message(&newer).contains("written by a newer granum (format version 4, this program reads 3)"));
     let altered = text.replacen("\"seed\": 11", "\"seed\": 12", 1);
     assert!(message(&altered).starts_with("f.json: the checksum does not fit"));
     let error = Model::load(&std::env::temp_dir().join("granum-there-is-no-such-model.json")).unwrap_err();
@@ -198,18 +237,26 @@ fn damaged_files_are_told_apart() {
 /// Gives a changed text the checksum that fits, as someone would who edits a file on purpose.
 fn sealed(text: &str) -> String {
     let at = text.rfind(",\n  \"checksum\": \"").unwrap();
-    let hash = text[..at]
-        .bytes()
-        .fold(0xcbf2_9ce4_8422_2325u64, |h, b| (h ^ b as u64).wrapping_mul(0x0100_0000_01b3));
-    format!("{},\n  \"checksum\": \"{hash:016x}\"\n}}\n", &text[..at])
+    let sum = if text.contains("\"version\": 3") {
+        granum_core::digest::of(&text.as_bytes()[..at])
+    } else {
+        // Files of versions 1 and 2 have the hash of Fowler, Noll and Vo (1a).
+        let fold = |h: u64, b: u8| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3);
+        format!("{:016x}", text[..at].bytes().fold(0xcbf2_9ce4_8422_2325u64, fold))
+    };
+    format!("{},\n  \"checksum\": \"{sum}\"\n}}\n", &text[..at])
 }
 
 #[test]
 fn forged_files_are_refused_without_harm() {
     let text = model().to_json();
     assert!(Model::from_json(&sealed(&text), "f").is_ok());
+    // Files of version 2 have a shorter checksum.
+    let second = sealed(&text.replacen("\"version\": 3", "\"version\": 2", 1));
+    assert_eq!(Model::from_json(&second, "f").unwrap().to_json(), text);
+    assert!(Model::from_json(&second.replacen("\"seed\": 11", "\"seed\": 12", 1), "f").is_err());
     // Files of version 1 know no intervals; they answer all the same.
-    let old = text.replacen("\"version\": 2", "\"version\": 1", 1);
+    let old = text.replacen("\"version\": 3", "\"version\": 1", 1);
     let from = old.find(",\n    \"answer_range\"").unwrap();
     let to = old[from..].find("\n  },\n  \"layers\"").unwrap() + from;
     let old = Model::from_json(&sealed(&format!("{}{}", &old[..from], &old[to..])), "f").unwrap();

@@ -2,7 +2,7 @@
 
 use granum_learn::Summary;
 use granum_learn::antony2006::figures::{Band, Curve, Figure as Data, Panel as DataPanel};
-use granum_learn::mapping::Quantity;
+use granum_learn::antony2006::mapping::Quantity;
 
 use super::figure::palette::{COLORS, GREY, INK, PALE, color};
 use super::figure::ticks::fixed;

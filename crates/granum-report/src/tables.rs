@@ -1,7 +1,7 @@
 //! Tables 1-6: the paper's columns and ours.
 
+use granum_learn::antony2006::mapping::{Mapping, SubModel, paper_mappings};
 use granum_learn::antony2006::summary::{MappingSummary, SubModelSummary};
-use granum_learn::mapping::{Mapping, SubModel, paper_mappings};
 
 use super::numbers::{percent, trimmed, whole};
 use super::page::Table;

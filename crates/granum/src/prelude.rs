@@ -28,7 +28,11 @@ pub use granum_io::packing::{PackedGrain, Packing};
 pub use granum_io::{
     Case, Run, RunFolder, read_columns, read_packing, read_table, write_packing, write_table,
 };
-pub use granum_learn::study::Silent;
-pub use granum_learn::{Dataset, DatasetOptions, Form, Mapping, NamedRecord, Study, StudyOptions, Surrogate};
+pub use granum_learn::antony2006::study::Silent;
+pub use granum_learn::surrogate::Estimate;
+pub use granum_learn::{
+    Dataset, FitSpec, Form, Mapping, MappingNetworks, NamedRecord, Prediction, RunStates, Split, Study,
+    StudyData, StudyDataOptions, StudyOptions, Surrogate, SurrogateMethod, SurrogateMethods, compare,
+};
 pub use granum_run::{Laboratory, Nobody, RunObserver, Source, Status, TestResult};
 pub use granum_sensors::{Record, column_index, measure_row};

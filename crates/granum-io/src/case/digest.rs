@@ -1,6 +1,6 @@
 //! Digests of what decides a result, so that a finished run is used again only for the same case.
 
-use sha2::{Digest, Sha256};
+use granum_core::digest;
 
 use super::fields::RENAMED;
 use super::{Case, FIELDS, Field, Value};
@@ -65,7 +65,7 @@ impl Case {
         if wanted("stage") {
             text.push_str(&self.stages_toml());
         }
-        hexadecimal(&Sha256::digest(text.as_bytes()))
+        digest::of(text.as_bytes())
     }
 }
 
@@ -79,9 +79,4 @@ fn name(field: &Field) -> String {
 /// True if a key decides the sample, and not only what is done with it.
 pub fn decides_sample(key: &str) -> bool {
     key.rsplit_once('.').is_some_and(|(section, _)| PREPARATION.contains(&section))
-}
-
-/// Bytes as lower-case hexadecimal digits.
-pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -297,7 +297,7 @@ impl Field {
     }
 
     /// The SI unit of the field; empty where there is none.
-    pub(super) fn si_unit(&self) -> String {
+    pub fn si_unit(&self) -> String {
         match &self.kind {
             Kind::Number { dimension, .. } | Kind::List { dimension, .. } => dimension.si_unit(),
             Kind::Law(parameter) => parameter.unit.symbol.to_string(),

@@ -20,7 +20,6 @@ use serde::{Deserialize, Serialize};
 
 pub use difference::{CaseValues, Difference, SEED, differences};
 pub use digest::decides_sample;
-pub(crate) use digest::hexadecimal;
 pub use field::{Field, Value};
 pub use fields::{FIELDS, field};
 pub use stage::CaseStage;

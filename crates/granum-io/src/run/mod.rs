@@ -8,7 +8,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use granum_core::assembly::Assembly;
-use sha2::{Digest, Sha256};
+use granum_core::digest::Digest;
 
 use crate::atomic::{write_atomically, write_keeping_previous};
 use crate::case::Case;
@@ -284,12 +284,12 @@ impl RunFolder {
 /// [`Error::File`] if it cannot be read.
 pub fn file_digest(path: &Path) -> Result<String> {
     let mut file = File::open(path).map_err(Error::file("read", path))?;
-    let mut hash = Sha256::new();
+    let mut hash = Digest::new();
     let mut buffer = vec![0; 1 << 16];
     loop {
         match io::Read::read(&mut file, &mut buffer).map_err(Error::file("read", path))? {
-            0 => return Ok(crate::case::hexadecimal(&hash.finalize())),
-            count => hash.update(&buffer[..count]),
+            0 => return Ok(hash.finish()),
+            count => hash.bytes(&buffer[..count]),
         }
     }
 }

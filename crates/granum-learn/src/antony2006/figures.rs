@@ -6,10 +6,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::dataset::{Dataset, Run, State};
+use crate::antony2006::mapping::{Mapping, Quantity};
+use crate::antony2006::study::{Study, TrainedMapping, scatter};
+use crate::antony2006::study_data::{Run, State, StudyData};
 use crate::error::Result;
-use crate::mapping::{Mapping, Quantity};
-use crate::study::{Study, TrainedMapping, scatter};
 
 /// A figure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -78,7 +78,7 @@ const FINE: usize = 200;
 ///
 /// # Errors
 /// If a state holds a value that is not finite.
-pub fn figures(study: &Study, dataset: &Dataset) -> Result<Vec<Figure>> {
+pub fn figures(study: &Study, dataset: &StudyData) -> Result<Vec<Figure>> {
     let runs = if dataset.unseen_runs.is_empty() { &dataset.training_runs } else { &dataset.unseen_runs };
     study
         .mappings
@@ -102,7 +102,7 @@ pub fn figures(study: &Study, dataset: &Dataset) -> Result<Vec<Figure>> {
         .collect()
 }
 
-fn scalar_panel(trained: &TrainedMapping, dataset: &Dataset, runs: &[Run]) -> Result<Panel> {
+fn scalar_panel(trained: &TrainedMapping, dataset: &StudyData, runs: &[Run]) -> Result<Panel> {
     let mapping = trained.surrogate.mapping();
     let sub_models = &mapping.sub_models;
     let range = [sub_models[0].strain_range[0], sub_models[sub_models.len() - 1].strain_range[1]];
@@ -155,7 +155,12 @@ fn fine_states(mapping: &Mapping, run: &Run, sub_model: usize) -> Vec<State> {
         .collect()
 }
 
-fn distribution_panel(trained: &TrainedMapping, dataset: &Dataset, runs: &[Run], k: usize) -> Result<Panel> {
+fn distribution_panel(
+    trained: &TrainedMapping,
+    dataset: &StudyData,
+    runs: &[Run],
+    k: usize,
+) -> Result<Panel> {
     let mapping = trained.surrogate.mapping();
     let range = mapping.sub_models[k].strain_range;
     let mut panel = empty_panel(range, true);

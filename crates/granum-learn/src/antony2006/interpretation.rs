@@ -1,10 +1,10 @@
 //! What the networks learned, in plain sentences from the numbers.
 
+use crate::antony2006::sensor_use::Verdict;
 use crate::antony2006::size_study::SizeStudy;
+use crate::antony2006::study::Evaluation;
 use crate::antony2006::summary::SpeedSummary;
-use crate::sensor_use::Verdict;
 use crate::student_t::PairedTest;
-use crate::study::Evaluation;
 
 fn percent(share: f64) -> String {
     format!("{:.2} %", 100.0 * share)
@@ -37,7 +37,7 @@ pub fn read_mapping(evaluation: &Evaluation) -> String {
 fn errors(evaluation: &Evaluation) -> String {
     let mapping = &evaluation.mapping;
     let unseen = evaluation.network.unseen.states > 0;
-    let of = |parts: &crate::study::Parts| {
+    let of = |parts: &crate::antony2006::study::Parts| {
         percent(if unseen { parts.unseen } else { parts.held_out }.relative_rmse)
     };
     format!(

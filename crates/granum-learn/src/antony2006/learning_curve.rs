@@ -7,15 +7,16 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::baseline::{MappingBaselines, Ridge};
-use crate::dataset::{Dataset, DatasetOptions, NamedRecord, Run};
+use crate::antony2006::baseline::{MappingBaselines, Ridge};
+use crate::antony2006::mapping::Mapping;
+use crate::antony2006::mapping_networks::states_of;
+use crate::antony2006::sensor_use::SensorUse;
+use crate::antony2006::study::{PAPER_TRAINER, Study, StudyObserver, StudyOptions, TrainedMapping};
+use crate::antony2006::study_data::{Run, StudyData, StudyDataOptions};
+use crate::dataset::NamedRecord;
 use crate::error::Result;
-use crate::mapping::Mapping;
 use crate::score::Scorer;
-use crate::sensor_use::SensorUse;
 use crate::student_t::PairedTest;
-use crate::study::{PAPER_TRAINER, Study, StudyObserver, StudyOptions, TrainedMapping};
-use crate::surrogate::states_of;
 
 /// Sets of training runs of one number that are tried at the most; their errors are averaged.
 const MOST_SETS: usize = 2;
@@ -106,11 +107,11 @@ impl LearningCurve {
         let mut curve = LearningCurve {
             grains,
             unseen_runs: unseen.len(),
-            trainer: options.trainer.clone(),
+            trainer: options.trainer.name().to_owned(),
             points: Vec::new(),
         };
         // The paper's trainer takes so many epochs that one and all must do.
-        let thorough = options.trainer != PAPER_TRAINER;
+        let thorough = options.trainer.name() != PAPER_TRAINER;
         let sets = if thorough { MOST_SETS } else { 1 };
         for runs in numbers(training.len()).into_iter().filter(|&n| thorough || n == 1 || n == training.len())
         {
@@ -214,7 +215,7 @@ fn points(
     let sets: Vec<&[NamedRecord]> = training.chunks_exact(runs).take(most_sets).collect();
     let mut errors: Vec<Errors> = vec![Errors::default(); options.mappings.len()];
     for set in &sets {
-        let dataset = Dataset::new(set, unseen, &DatasetOptions::default())?;
+        let dataset = StudyData::new(set, unseen, &StudyDataOptions::default())?;
         let study = Study::train(&dataset, options, observer)?;
         for (trained, errors) in study.mappings.iter().zip(&mut errors) {
             errors.add(trained, &dataset)?;
@@ -244,7 +245,7 @@ struct Errors {
 }
 
 impl Errors {
-    fn add(&mut self, trained: &TrainedMapping, dataset: &Dataset) -> Result<()> {
+    fn add(&mut self, trained: &TrainedMapping, dataset: &StudyData) -> Result<()> {
         self.by_run.resize(dataset.unseen_runs.len(), [0.0; 5]);
         let mapping = trained.surrogate.mapping();
         let ridges = MappingBaselines::fit(mapping, dataset)?;
@@ -285,9 +286,9 @@ fn ridge_error(ridge: &Ridge, mapping: &Mapping, run: &Run) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mapping::paper_mapping;
-    use crate::study::Silent;
-    use crate::synthetic::{Law, record};
+    use crate::antony2006::mapping::paper_mapping;
+    use crate::antony2006::study::Silent;
+    use crate::antony2006::synthetic::{Law, record};
 
     #[test]
     fn a_sensor_that_shows_a_hidden_variable_helps_and_one_that_does_not_does_not() {

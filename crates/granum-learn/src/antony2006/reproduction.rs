@@ -6,9 +6,9 @@ use granum_io::Error;
 use granum_io::shell::{quoted, quoted_path};
 use serde::{Deserialize, Serialize};
 
+use crate::antony2006::layout::write_json;
+use crate::antony2006::study::StudyOptions;
 use crate::error::Result;
-use crate::layout::write_json;
-use crate::study::StudyOptions;
 
 /// File that says what the reproduction in a folder is of.
 pub const REPRODUCTION_FILE: &str = "reproduction.json";
@@ -37,7 +37,11 @@ pub struct ReproductionOptions {
 
 impl Default for ReproductionOptions {
     fn default() -> Self {
-        ReproductionOptions { quick: false, trainer: StudyOptions::default().trainer, training_runs: None }
+        ReproductionOptions {
+            quick: false,
+            trainer: StudyOptions::default().trainer.name().to_owned(),
+            training_runs: None,
+        }
     }
 }
 

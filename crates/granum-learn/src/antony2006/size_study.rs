@@ -7,14 +7,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::dataset::Dataset;
+use crate::antony2006::mapping::{Mapping, paper_mappings};
+use crate::antony2006::mapping_networks::MappingNetworks;
+use crate::antony2006::study::{Job, StudyObserver, StudyOptions, network_seed, train_all};
+use crate::antony2006::study_data::StudyData;
 use crate::error::Result;
-use crate::mapping::{Mapping, paper_mappings};
-use crate::study::{Job, StudyObserver, StudyOptions, network_seed, train_all};
-use crate::surrogate::Surrogate;
 
 /// What to compare.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct SizeStudyOptions {
     /// The mappings; the first sets the error to reach.
     pub mappings: Vec<Mapping>,
@@ -88,9 +88,9 @@ impl SizeStudy {
     /// Trains every mapping at every size from every seed.
     ///
     /// # Errors
-    /// As [`crate::study::Study::train`].
+    /// As [`crate::antony2006::study::Study::train`].
     pub fn run(
-        dataset: &Dataset,
+        dataset: &StudyData,
         options: &SizeStudyOptions,
         observer: &dyn StudyObserver,
     ) -> Result<SizeStudy> {
@@ -123,7 +123,7 @@ impl SizeStudy {
                     point.neurons = model.network().layers().get(1).copied().unwrap_or(0);
                 }
                 let forces = dataset.forces.clone();
-                let surrogate = Surrogate::new(mapping.clone(), options.study.form, forces, models)?;
+                let surrogate = MappingNetworks::new(mapping.clone(), options.study.form, forces, models)?;
                 point.held_out.push(surrogate.evaluate(dataset.held_out(), None)?.relative_rmse);
                 if !dataset.unseen_runs.is_empty() {
                     point.unseen.push(surrogate.evaluate(dataset.unseen(), None)?.relative_rmse);

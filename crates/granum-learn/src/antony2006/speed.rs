@@ -9,10 +9,10 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use crate::antony2006::size_study::median;
+use crate::antony2006::study::Study;
+use crate::antony2006::study_data::Run;
 use crate::antony2006::summary::SpeedSummary;
-use crate::dataset::Run;
 use crate::error::Result;
-use crate::study::Study;
 
 /// Times the networks' answer for every state of a run, `repetitions` times (at least once), and compares the median
 /// with the wall time of the DEM test.

@@ -1,16 +1,16 @@
 //! Whether a data set can train mappings at all, told before anything is written.
 
-use crate::dataset::Dataset;
+use crate::antony2006::mapping::Mapping;
+use crate::antony2006::mapping_networks::states_of;
+use crate::antony2006::study::FEWEST_STATES;
+use crate::antony2006::study_data::StudyData;
 use crate::error::{LearnError, Result};
-use crate::mapping::Mapping;
-use crate::study::FEWEST_STATES;
-use crate::surrogate::states_of;
 
 /// Refuses mappings of which a sub-model would have too few training states.
 ///
 /// # Errors
 /// [`LearnError::TooFewStates`] for the first such sub-model.
-pub fn check_states(dataset: &Dataset, mappings: &[Mapping]) -> Result<()> {
+pub fn check_states(dataset: &StudyData, mappings: &[Mapping]) -> Result<()> {
     let states = dataset.training();
     for mapping in mappings {
         for (k, sub_model) in mapping.sub_models.iter().enumerate() {

@@ -8,11 +8,11 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::antony2006::learning_curve::LearningCurve;
+use crate::antony2006::sensor_use::Verdict;
 use crate::antony2006::size_study::SizeStudy;
+use crate::antony2006::study::Evaluation;
 use crate::score::Score;
-use crate::sensor_use::Verdict;
 use crate::student_t::PairedTest;
-use crate::study::Evaluation;
 
 /// Everything in `summary.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

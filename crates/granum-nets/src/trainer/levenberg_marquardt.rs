@@ -25,11 +25,11 @@ use std::time::Instant;
 
 use granum_simd::{Isa, Row8};
 
+use super::state::{MOST, TrainerState, TrainingHistory, Validation};
 use super::traingdx::norm;
-use super::training_history::{Method, TrainerState, TrainingHistory, Validation};
 use super::{
-    Control, Evidence, Observer, Options, Progress, TerminationReason, Trainer, TrainingError,
-    TrainingReport, check_columns,
+    Control, Evidence, Observer, Options, Progress, SharedTrainer, TerminationReason, Trainer, TrainerKind,
+    TrainingError, TrainingReport, check_columns,
 };
 use crate::backprop::Workspace;
 use crate::curvature::Curvature;
@@ -39,6 +39,13 @@ use crate::network::Network;
 
 /// Most memory for the matrices, in bytes.
 const MEMORY: usize = 2 << 30;
+
+/// How it is found by name.
+pub(super) const KIND: TrainerKind = TrainerKind {
+    name: LevenbergMarquardt::NAME,
+    help: "Levenberg-Marquardt with Bayesian regularisation",
+    make: |options| LevenbergMarquardt::with_options(options).into(),
+};
 
 /// How large weights are held back.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -119,15 +126,19 @@ impl LevenbergMarquardt {
 
     /// The defaults, changed by the options.
     pub fn with_options(options: &Options) -> LevenbergMarquardt {
-        let default = LevenbergMarquardt::default();
+        LevenbergMarquardt::default().changed(options)
+    }
+
+    /// The same, changed by the options.
+    fn changed(&self, options: &Options) -> LevenbergMarquardt {
         LevenbergMarquardt {
-            epochs: options.epochs.unwrap_or(default.epochs),
-            goal: options.goal.unwrap_or(default.goal),
-            minimum_gradient: options.minimum_gradient.unwrap_or(default.minimum_gradient),
-            maximum_failures: options.maximum_failures.unwrap_or(default.maximum_failures),
-            first_ratio: options.first_ratio.unwrap_or(default.first_ratio),
-            isa: options.isa.unwrap_or(default.isa),
-            ..default
+            epochs: options.epochs.unwrap_or(self.epochs),
+            goal: options.goal.unwrap_or(self.goal),
+            minimum_gradient: options.minimum_gradient.unwrap_or(self.minimum_gradient),
+            maximum_failures: options.maximum_failures.unwrap_or(self.maximum_failures),
+            first_ratio: options.first_ratio.unwrap_or(self.first_ratio),
+            isa: options.isa.unwrap_or(self.isa),
+            ..self.clone()
         }
     }
 
@@ -155,8 +166,12 @@ fn deviation(data: &Data) -> f64 {
 }
 
 impl Trainer for LevenbergMarquardt {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         LevenbergMarquardt::NAME
+    }
+
+    fn adapted(&self, options: &Options) -> Option<SharedTrainer> {
+        Some(self.changed(options).into())
     }
 
     fn resume(
@@ -183,17 +198,57 @@ impl Trainer for LevenbergMarquardt {
             _ => search.left_out(network.weights(), data),
         };
         Ok(TrainingReport {
-            trainer: LevenbergMarquardt::NAME,
-            epochs: search.history.epoch,
-            error,
             validation_error,
-            history: search.history.history.clone(),
-            termination,
             evidence: (self.regularisation == Regularisation::Bayesian).then_some(search.evidence),
             left_out,
             seconds: clock.elapsed().as_secs_f64(),
-            state: search.state(),
+            ..TrainingReport::new(search.state(), error, termination)
         })
+    }
+}
+
+/// What a state holds beside weights and history.
+struct Method {
+    damping: f64,
+    evidence: Evidence,
+    start: Option<Vec<f64>>,
+    ceiling: f64,
+    settled: bool,
+    quiet: u64,
+}
+
+impl Method {
+    fn into_state(self, state: TrainerState) -> TrainerState {
+        let Evidence { alpha, beta, gamma } = self.evidence;
+        let state = state
+            .with("damping", &[self.damping])
+            .with("evidence", &[alpha, beta, gamma])
+            .with("ceiling", &[self.ceiling])
+            .with("settled", &[f64::from(u8::from(self.settled))])
+            .with("quiet", &[self.quiet as f64]);
+        match self.start {
+            Some(start) => state.with("start", &start),
+            None => state,
+        }
+    }
+
+    /// Reads it from a state; refuses numbers with which the search for a step would not end.
+    fn of(state: &TrainerState, weights: usize) -> Result<Method, TrainingError> {
+        let start = state.values("start").map(|_| state.vector("start", weights)).transpose()?;
+        let evidence = state.vector("evidence", 3)?;
+        let method = Method {
+            damping: state.number("damping")?,
+            evidence: Evidence { alpha: evidence[0], beta: evidence[1], gamma: evidence[2] },
+            start: start.map(<[f64]>::to_vec),
+            ceiling: state.number("ceiling")?,
+            settled: state.number("settled")? != 0.0,
+            quiet: state.number("quiet")? as u64,
+        };
+        let Evidence { alpha, beta, .. } = method.evidence;
+        if method.damping > 0.0 && alpha >= 0.0 && beta > 0.0 && method.ceiling > 0.0 && method.quiet < MOST {
+            return Ok(method);
+        }
+        Err(TrainingError::State("its damping or evidence is no such number".into()))
     }
 }
 
@@ -244,25 +299,20 @@ impl<'a> Search<'a> {
             return Err(TrainingError::Memory { trainer, rows, weights: count, bytes, limit: MEMORY });
         }
         let fresh = state.is_none();
-        let state = state.unwrap_or_else(|| TrainerState {
-            weights: network.weights().to_vec(),
-            history: TrainingHistory::new(),
-            method: Method::LevenbergMarquardt {
+        let state = state.unwrap_or_else(|| {
+            let bayesian = rule.regularisation == Regularisation::Bayesian;
+            let method = Method {
                 damping: rule.damping,
                 evidence: rule.first_evidence(data, count),
-                start: (rule.regularisation == Regularisation::Bayesian).then(|| network.weights().to_vec()),
+                start: bayesian.then(|| network.weights().to_vec()),
                 ceiling: f64::MAX,
                 settled: false,
                 quiet: 0,
-            },
+            };
+            method.into_state(TrainerState::new(LevenbergMarquardt::NAME, network.weights().to_vec()))
         });
-        state.check(network)?;
-        let Method::LevenbergMarquardt { damping, evidence, start, ceiling, settled, quiet } = state.method
-        else {
-            return Err(TrainingError::State(
-                "it was left by another trainer than levenberg-marquardt".into(),
-            ));
-        };
+        state.check(LevenbergMarquardt::NAME, network)?;
+        let Method { damping, evidence, start, ceiling, settled, quiet } = Method::of(&state, count)?;
         let workspace = Workspace::of_residuals(rule.isa, network, data);
         let mut search = Search {
             rule,
@@ -302,7 +352,7 @@ impl<'a> Search<'a> {
     }
 
     fn state(&self) -> TrainerState {
-        let method = Method::LevenbergMarquardt {
+        let method = Method {
             damping: self.damping,
             evidence: self.evidence,
             start: self.start.clone(),
@@ -310,7 +360,8 @@ impl<'a> Search<'a> {
             settled: self.settled,
             quiet: self.quiet,
         };
-        TrainerState { weights: self.weights.clone(), history: self.history.clone(), method }
+        let (weights, history) = (self.weights.clone(), self.history.clone());
+        method.into_state(TrainerState::with_course(LevenbergMarquardt::NAME, weights, history))
     }
 
     fn run(&mut self, observer: &mut dyn Observer) -> TerminationReason {

@@ -1,124 +1,172 @@
 //! Trainers behind one trait, one file each.
+//!
+//! Everything that trains takes a `&dyn Trainer`, so a trainer of one's own stands beside those of this crate; names
+//! ([`by_name`]) are a registry on top. The error of a network and its gradient come from [`crate::Objective`]:
+//!
+//! ```
+//! use granum_nets::trainer::{
+//!     Control, Observer, Progress, Silent, TerminationReason, Trainer, TrainerState, TrainingError, TrainingReport,
+//! };
+//! use granum_nets::{Column, Data, Model, Network, Objective, Recipe};
+//!
+//! /// Resilient propagation (Riedmiller and Braun 1993): the sign of the gradient decides, each weight has its own step.
+//! struct Rprop {
+//!     epochs: u64,
+//! }
+//!
+//! impl Trainer for Rprop {
+//!     fn name(&self) -> &str {
+//!         "rprop"
+//!     }
+//!
+//!     fn resume(
+//!         &self,
+//!         network: &mut Network,
+//!         data: &Data,
+//!         state: Option<TrainerState>,
+//!         observer: &mut dyn Observer,
+//!     ) -> Result<TrainingReport, TrainingError> {
+//!         let mut objective = Objective::new(network, data)?;
+//!         let count = network.weights().len();
+//!         let mut state = state.unwrap_or_else(|| {
+//!             let state = TrainerState::new("rprop", network.weights().to_vec());
+//!             state.with("steps", &vec![0.05; count]).with("signs", &vec![0.0; count])
+//!         });
+//!         state.check("rprop", network)?;
+//!         let mut termination = TerminationReason::EpochLimit;
+//!         while state.epoch() < self.epochs {
+//!             let (_, gradient) = objective.error_and_gradient(state.weights())?;
+//!             let mut weights = state.weights().to_vec();
+//!             let (mut steps, mut signs) = (state.vector("steps", count)?.to_vec(), state.vector("signs", count)?.to_vec());
+//!             for k in 0..count {
+//!                 let agrees = signs[k] * gradient[k];
+//!                 steps[k] = (steps[k] * if agrees < 0.0 { 0.5 } else { 1.2 }).clamp(1e-6, 1.0);
+//!                 signs[k] = if agrees < 0.0 { 0.0 } else { gradient[k].signum() };
+//!                 weights[k] -= steps[k] * signs[k];
+//!             }
+//!             let error = objective.error(&weights)?;
+//!             state.set("steps", &steps);
+//!             state.set("signs", &signs);
+//!             state.note_epoch(&weights, error);
+//!             let to_go_on_from = || state.clone();
+//!             let progress = Progress::new(state.epoch(), self.epochs, error, &to_go_on_from);
+//!             if observer.progress(&progress) == Control::Stop {
+//!                 termination = TerminationReason::Stopped;
+//!                 break;
+//!             }
+//!         }
+//!         let error = objective.error(state.weights())?;
+//!         network.weights_mut().copy_from_slice(state.weights());
+//!         Ok(TrainingReport::new(state, error, termination))
+//!     }
+//! }
+//!
+//! let x: Vec<f64> = (0..30).map(|k| k as f64 / 29.0).collect();
+//! let y = x.iter().map(|x| 2.0 * x * x).collect();
+//! let recipe = Recipe::new(vec![Column::new("x", "1")], Column::new("y", "1"), vec![6]);
+//! let (model, report) = Model::fit(&recipe, &Data::new(x, 1, y)?, &Rprop { epochs: 300 }, &mut Silent)?;
+//! assert!((model.value(&[0.5])? - 0.5).abs() < 0.02 && report.trainer == "rprop");
+//! assert_eq!(model.provenance().trainer, "rprop");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
+mod error;
 mod levenberg_marquardt;
+mod registry;
+mod state;
 mod traingdx;
-mod training_history;
 
-use granum_simd::Isa;
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use crate::data::Data;
 use crate::network::Network;
 
+pub use error::{TerminationReason, TrainingError};
 pub use levenberg_marquardt::{LevenbergMarquardt, Regularisation};
+pub use registry::{ALL, NAMES, Options, TrainerKind, by_name};
+pub use state::{HistoryPoint, TrainerState};
 pub use traingdx::Traingdx;
-pub use training_history::{HistoryPoint, TrainerState};
 
-/// Names that [`by_name`] knows, the default first.
-pub const NAMES: [&str; 2] = [LevenbergMarquardt::NAME, Traingdx::NAME];
+/// A way to train a network; the head of [this module](self) has one of a user's own.
+pub trait Trainer: Send + Sync {
+    /// Its name in commands and records.
+    fn name(&self) -> &str;
 
-/// What every trainer can be told. A field left `None` takes the trainer's own default.
-#[derive(Clone, Debug, PartialEq, Default)]
-pub struct Options {
-    /// Most epochs.
-    pub epochs: Option<u64>,
-    /// Training ends when the mean squared error (scaled units) is at or below this.
-    pub goal: Option<f64>,
-    /// Training ends when the Euclidean norm of the gradient of the trainer's objective is at or below this.
-    pub minimum_gradient: Option<f64>,
-    /// Training with validation rows ends when their error has not fallen for so many accepted steps in a row.
-    pub maximum_failures: Option<u64>,
-    /// Where Bayesian regularisation starts, see [`LevenbergMarquardt::first_ratio`].
-    pub first_ratio: Option<f64>,
-    /// The instruction set; the widest of the machine if none. The bits are the same on each.
-    pub isa: Option<Isa>,
+    /// Trains from the given state, or from the network's weights if there is none. The data are in the network's own
+    /// (scaled) units. A resumed training ends with the bits of one that was never interrupted.
+    ///
+    /// # Errors
+    /// If data or state do not fit, or memory would not do.
+    fn resume(
+        &self,
+        network: &mut Network,
+        data: &Data,
+        state: Option<TrainerState>,
+        observer: &mut dyn Observer,
+    ) -> Result<TrainingReport, TrainingError>;
+
+    /// Trains from the network's present weights.
+    ///
+    /// # Errors
+    /// As [`Trainer::resume`].
+    fn train(
+        &self,
+        network: &mut Network,
+        data: &Data,
+        observer: &mut dyn Observer,
+    ) -> Result<TrainingReport, TrainingError> {
+        self.resume(network, data, None, observer)
+    }
+
+    /// The same trainer with those of these options that it knows and that are given; `None` if it knows none. A study that
+    /// trains several kinds of networks asks this of the trainer that it was given.
+    fn adapted(&self, _options: &Options) -> Option<SharedTrainer> {
+        None
+    }
 }
 
-/// Why a trainer cannot be made or cannot train.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum TrainingError {
-    /// No trainer has this name.
-    #[error("there is no trainer \"{0}\"; known are {names}", names = NAMES.join(", "))]
-    UnknownTrainer(String),
-    /// An option is out of bounds.
-    #[error("trainer option {name} = {value}: {expected}")]
-    Option {
-        /// Its name.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// What would be right.
-        expected: &'static str,
-    },
-    /// The data do not fit the network.
-    #[error("the network has {inputs} inputs and {outputs} outputs, the data {columns} and {targets}")]
-    Columns {
-        /// Inputs of the network.
-        inputs: usize,
-        /// Outputs of the network.
-        outputs: usize,
-        /// Input columns of the data.
-        columns: usize,
-        /// Target columns of the data.
-        targets: usize,
-    },
-    /// The training would need too much memory.
-    #[error(
-        "{trainer} with {rows} rows and {weights} weights would need {bytes} bytes of memory, more than {limit}; use traingdx, fewer rows or fewer neurons"
-    )]
-    Memory {
-        /// The trainer.
-        trainer: &'static str,
-        /// Rows.
-        rows: usize,
-        /// Weights.
-        weights: usize,
-        /// Estimate.
-        bytes: usize,
-        /// Limit.
-        limit: usize,
-    },
-    /// A state to go on from belongs to another trainer or network.
-    #[error("cannot go on from this state: {0}")]
-    State(String),
-    /// The error is not finite at the very start.
-    #[error("the error of the initial network is {0}: weights or data are too large")]
-    NotFinite(f64),
+/// A trainer that is shared between the parts of a study.
+///
+/// ```
+/// use granum_nets::trainer::{LevenbergMarquardt, SharedTrainer};
+///
+/// let trainer = SharedTrainer::from(LevenbergMarquardt { epochs: 50, ..Default::default() });
+/// assert_eq!(trainer.name(), "levenberg-marquardt");
+/// ```
+#[derive(Clone)]
+pub struct SharedTrainer(Arc<dyn Trainer>);
+
+impl<T: Trainer + 'static> From<T> for SharedTrainer {
+    fn from(trainer: T) -> SharedTrainer {
+        SharedTrainer(Arc::new(trainer))
+    }
 }
 
-/// Why training ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[non_exhaustive]
-pub enum TerminationReason {
-    /// The limit of epochs was reached.
-    EpochLimit,
-    /// The error fell to the goal.
-    Goal,
-    /// The gradient fell below its limit.
-    MinimumGradient,
-    /// The error on the validation rows no longer fell.
-    ValidationFailures,
-    /// No step, however small, lowers the objective.
-    MaximumDamping,
-    /// Objective and effective number of parameters no longer change.
-    Converged,
-    /// The observer asked to stop.
-    Stopped,
+impl std::ops::Deref for SharedTrainer {
+    type Target = dyn Trainer;
+    fn deref(&self) -> &(dyn Trainer + 'static) {
+        self.0.as_ref()
+    }
 }
 
-impl std::fmt::Display for TerminationReason {
+impl AsRef<dyn Trainer> for SharedTrainer {
+    fn as_ref(&self) -> &(dyn Trainer + 'static) {
+        self.0.as_ref()
+    }
+}
+
+impl std::fmt::Debug for SharedTrainer {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        f.write_str(match self {
-            TerminationReason::EpochLimit => "the limit of epochs was reached",
-            TerminationReason::Goal => "the error fell to the goal",
-            TerminationReason::MinimumGradient => "the gradient fell below its limit",
-            TerminationReason::ValidationFailures => "the error on the validation rows no longer fell",
-            TerminationReason::MaximumDamping => "no step, however small, lowers the objective any more",
-            TerminationReason::Converged => "objective and effective number of parameters no longer change",
-            TerminationReason::Stopped => "stopped on request",
-        })
+        f.debug_tuple("SharedTrainer").field(&self.name()).finish()
+    }
+}
+
+impl Default for SharedTrainer {
+    /// Levenberg-Marquardt with Bayesian regularisation.
+    fn default() -> SharedTrainer {
+        LevenbergMarquardt::default().into()
     }
 }
 
@@ -141,10 +189,15 @@ pub struct Progress<'a> {
     pub error: f64,
     /// The same over the validation rows, where there are any.
     pub validation_error: Option<f64>,
-    pub(crate) state: &'a dyn Fn() -> TrainerState,
+    state: &'a dyn Fn() -> TrainerState,
 }
 
-impl Progress<'_> {
+impl<'a> Progress<'a> {
+    /// Progress after an epoch, with what gives the state to go on from when it is asked for.
+    pub fn new(epoch: u64, epochs: u64, error: f64, state: &'a dyn Fn() -> TrainerState) -> Progress<'a> {
+        Progress { epoch, epochs, error, validation_error: None, state }
+    }
+
     /// Everything needed to go on from here with identical bits, see [`Trainer::resume`].
     pub fn state(&self) -> TrainerState {
         (self.state)()
@@ -152,12 +205,25 @@ impl Progress<'_> {
 }
 
 /// Hears of the progress after every epoch. What it does cannot change the result, except by stopping.
+///
+/// ```
+/// use granum_nets::trainer::{Control, LevenbergMarquardt, Progress, Trainer};
+/// use granum_nets::{Data, Network};
+///
+/// let data = Data::new(vec![0.0, 0.5, 1.0], 1, vec![0.2, 0.4, 0.8])?;
+/// let mut network = Network::new(&[1, 3, 1], 1)?;
+/// // A closure is an observer; this one stops after the second epoch.
+/// let mut stop = |p: &Progress| if p.epoch < 2 { Control::Continue } else { Control::Stop };
+/// let report = LevenbergMarquardt::default().train(&mut network, &data, &mut stop)?;
+/// assert_eq!(report.epochs, 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Observer {
     /// Called after every epoch.
     fn progress(&mut self, progress: &Progress) -> Control;
 }
 
-/// An observer that looks away.
+/// An observer that does nothing.
 pub struct Silent;
 
 impl Observer for Silent {
@@ -186,9 +252,10 @@ pub struct Evidence {
 
 /// What a training did.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct TrainingReport {
     /// Name of the trainer.
-    pub trainer: &'static str,
+    pub trainer: String,
     /// Epochs done.
     pub epochs: u64,
     /// Mean squared error over the training rows in scaled units, at the end.
@@ -204,70 +271,32 @@ pub struct TrainingReport {
     /// Errors (answer less target, in scaled units) that the observations of each block would have if the block had not been
     /// trained on, to first order; where the trainer does that and there are two blocks or more.
     pub left_out: Option<Vec<f64>>,
-    /// Wall time. No part of what may be hashed.
+    /// Wall time; 0 where the trainer did not measure it. No part of what may be hashed.
     pub seconds: f64,
     /// From here training can go on, see [`Trainer::resume`].
     pub state: TrainerState,
 }
 
-/// A way to train a network.
-pub trait Trainer: Send + Sync {
-    /// Its name in commands and records.
-    fn name(&self) -> &'static str;
-
-    /// Trains from the given state, or from the network's weights if there is none. The data are in the network's own
-    /// (scaled) units. A resumed training ends with the bits of one that was never interrupted.
-    ///
-    /// # Errors
-    /// If data or state do not fit, or memory would not do.
-    fn resume(
-        &self,
-        network: &mut Network,
-        data: &Data,
-        state: Option<TrainerState>,
-        observer: &mut dyn Observer,
-    ) -> Result<TrainingReport, TrainingError>;
-
-    /// Trains from the network's present weights.
-    ///
-    /// # Errors
-    /// As [`Trainer::resume`].
-    fn train(
-        &self,
-        network: &mut Network,
-        data: &Data,
-        observer: &mut dyn Observer,
-    ) -> Result<TrainingReport, TrainingError> {
-        self.resume(network, data, None, observer)
-    }
-}
-
-/// The trainer of that name, see [`NAMES`].
-///
-/// # Errors
-/// If there is none, or an option is out of bounds.
-pub fn by_name(name: &str, options: &Options) -> Result<Box<dyn Trainer>, TrainingError> {
-    check("goal", options.goal, "a number that is zero or positive")?;
-    check("first_ratio", options.first_ratio, "a number that is zero or positive")?;
-    check("minimum_gradient", options.minimum_gradient, "a number that is zero or positive")?;
-    match name {
-        LevenbergMarquardt::NAME => Ok(Box::new(LevenbergMarquardt::with_options(options))),
-        Traingdx::NAME => Ok(Box::new(Traingdx::with_options(options))),
-        _ => Err(TrainingError::UnknownTrainer(name.to_string())),
-    }
-}
-
-fn check(name: &'static str, value: Option<f64>, expected: &'static str) -> Result<(), TrainingError> {
-    match value {
-        Some(value) if !(value >= 0.0 && value.is_finite()) => {
-            Err(TrainingError::Option { name, value, expected })
+impl TrainingReport {
+    /// The report of a training that came to a state with this mean squared error; the rest is left out.
+    pub fn new(state: TrainerState, error: f64, termination: TerminationReason) -> TrainingReport {
+        TrainingReport {
+            trainer: state.trainer().to_string(),
+            epochs: state.epoch(),
+            error,
+            validation_error: None,
+            history: state.history().to_vec(),
+            termination,
+            evidence: None,
+            left_out: None,
+            seconds: 0.0,
+            state,
         }
-        _ => Ok(()),
     }
 }
 
 /// Refuses data whose columns are not those of the network.
-fn check_columns(network: &Network, data: &Data) -> Result<(), TrainingError> {
+pub(crate) fn check_columns(network: &Network, data: &Data) -> Result<(), TrainingError> {
     if (network.inputs(), network.outputs()) == (data.input_columns(), data.target_columns()) {
         return Ok(());
     }

@@ -2,6 +2,8 @@
 
 use proptest::prelude::*;
 
+use granum_simd::Isa;
+
 use super::*;
 use crate::activation::Activation;
 use crate::backprop::Workspace;
@@ -359,7 +361,7 @@ fn copies_of_rows_are_not_taken_for_witnesses() {
     assert!((once.gamma / copied.gamma - 1.0).abs() > 1e-1, "{once:?} {copied:?}");
 }
 
-fn trainers(isa: Isa) -> [(Box<dyn Trainer>, u64); 2] {
+fn trainers(isa: Isa) -> [(SharedTrainer, u64); 2] {
     let options = |epochs| Options { epochs: Some(epochs), isa: Some(isa), ..Options::default() };
     [
         (by_name("levenberg-marquardt", &options(24)).unwrap(), 24),
@@ -445,10 +447,10 @@ fn states_that_no_training_left_are_refused() {
             |state| state["history"]["every"] = 0.into(),
             |state| state["history"]["failures"] = u64::MAX.into(),
             // With no damping to begin with, more of it would be none for ever.
-            |state| state["method"]["levenberg-marquardt"]["damping"] = 0.into(),
-            |state| state["method"]["levenberg-marquardt"]["evidence"]["beta"] = (-1).into(),
+            |state| state["own"]["damping"][0] = 0.into(),
+            |state| state["own"]["evidence"][1] = (-1).into(),
         ];
-        let count = if good["method"].get("traingdx").is_some() { 3 } else { 5 };
+        let count = if trainer.name() == Traingdx::NAME { 3 } else { 5 };
         for change in &changes[..count] {
             let mut forged = good.clone();
             change(&mut forged);

@@ -15,14 +15,21 @@ use std::time::Instant;
 
 use granum_simd::{Isa, Kernel, LANES, Lanes, dispatch};
 
-use super::training_history::{Method, TrainerState, TrainingHistory, Validation};
+use super::state::{TrainerState, TrainingHistory, Validation};
 use super::{
-    Control, Observer, Options, Progress, TerminationReason, Trainer, TrainingError, TrainingReport,
-    check_columns,
+    Control, Observer, Options, Progress, SharedTrainer, TerminationReason, Trainer, TrainerKind,
+    TrainingError, TrainingReport, check_columns,
 };
 use crate::backprop::Workspace;
 use crate::data::Data;
 use crate::network::Network;
+
+/// How it is found by name.
+pub(super) const KIND: TrainerKind = TrainerKind {
+    name: Traingdx::NAME,
+    help: "gradient descent with momentum and an adaptive rate, the paper's trainer",
+    make: |options| Traingdx::with_options(options).into(),
+};
 
 /// Gradient descent with momentum and adaptive learning rate. The defaults are the toolbox's.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,21 +79,29 @@ impl Traingdx {
 
     /// The defaults, changed by the options.
     pub fn with_options(options: &Options) -> Traingdx {
-        let default = Traingdx::default();
+        Traingdx::default().changed(options)
+    }
+
+    /// The same, changed by the options.
+    fn changed(&self, options: &Options) -> Traingdx {
         Traingdx {
-            epochs: options.epochs.unwrap_or(default.epochs),
-            goal: options.goal.unwrap_or(default.goal),
-            minimum_gradient: options.minimum_gradient.unwrap_or(default.minimum_gradient),
-            maximum_failures: options.maximum_failures.unwrap_or(default.maximum_failures),
-            isa: options.isa.unwrap_or(default.isa),
-            ..default
+            epochs: options.epochs.unwrap_or(self.epochs),
+            goal: options.goal.unwrap_or(self.goal),
+            minimum_gradient: options.minimum_gradient.unwrap_or(self.minimum_gradient),
+            maximum_failures: options.maximum_failures.unwrap_or(self.maximum_failures),
+            isa: options.isa.unwrap_or(self.isa),
+            ..self.clone()
         }
     }
 }
 
 impl Trainer for Traingdx {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         Traingdx::NAME
+    }
+
+    fn adapted(&self, options: &Options) -> Option<SharedTrainer> {
+        Some(self.changed(options).into())
     }
 
     fn resume(
@@ -109,19 +124,16 @@ impl Trainer for Traingdx {
             validation_error = Some(best.error);
         }
         Ok(TrainingReport {
-            trainer: Traingdx::NAME,
-            epochs: descent.history.epoch,
-            error,
             validation_error,
-            history: descent.history.history.clone(),
-            termination,
-            evidence: None,
-            left_out: None,
             seconds: clock.elapsed().as_secs_f64(),
-            state: descent.state(),
+            ..TrainingReport::new(descent.state(), error, termination)
         })
     }
 }
+
+/// Names under which the last step and the learning rate stand in a state.
+const STEP: &str = "step";
+const RATE: &str = "rate";
 
 /// A descent on its way.
 struct Descent<'a> {
@@ -149,15 +161,13 @@ impl<'a> Descent<'a> {
     ) -> Result<Descent<'a>, TrainingError> {
         let count = network.weights().len();
         let fresh = state.is_none();
-        let state = state.unwrap_or_else(|| TrainerState {
-            weights: network.weights().to_vec(),
-            history: TrainingHistory::new(),
-            method: Method::Traingdx { step: vec![0.0; count], rate: rule.learning_rate },
+        let state = state.unwrap_or_else(|| {
+            TrainerState::new(Traingdx::NAME, network.weights().to_vec())
+                .with(STEP, &vec![0.0; count])
+                .with(RATE, &[rule.learning_rate])
         });
-        state.check(network)?;
-        let Method::Traingdx { step, rate } = state.method else {
-            return Err(TrainingError::State("it was left by another trainer than traingdx".into()));
-        };
+        state.check(Traingdx::NAME, network)?;
+        let (step, rate) = (state.vector(STEP, count)?.to_vec(), state.number(RATE)?);
         let mut descent = Descent {
             rule,
             workspace: Workspace::new(rule.isa, network, data),
@@ -188,11 +198,9 @@ impl<'a> Descent<'a> {
     }
 
     fn state(&self) -> TrainerState {
-        TrainerState {
-            weights: self.weights.clone(),
-            history: self.history.clone(),
-            method: Method::Traingdx { step: self.step.clone(), rate: self.rate },
-        }
+        TrainerState::with_course(Traingdx::NAME, self.weights.clone(), self.history.clone())
+            .with(STEP, &self.step)
+            .with(RATE, &[self.rate])
     }
 
     fn run(&mut self, observer: &mut dyn Observer) -> TerminationReason {

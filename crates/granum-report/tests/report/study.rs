@@ -5,10 +5,10 @@ use std::sync::OnceLock;
 use granum_learn::antony2006::interpretation;
 use granum_learn::antony2006::learning_curve::LearningCurve;
 use granum_learn::antony2006::size_study::SizeStudyOptions;
+use granum_learn::antony2006::study::Silent;
 use granum_learn::antony2006::summary::{DemSummary, MappingSummary, RunSummary, SpeedSummary, Summary};
-use granum_learn::study::Silent;
 use granum_learn::{
-    Dataset, DatasetOptions, Mapping, NamedRecord, SizeStudy, Study, StudyOptions, paper_mappings,
+    Mapping, NamedRecord, SizeStudy, Study, StudyData, StudyDataOptions, StudyOptions, paper_mappings,
 };
 use granum_report::{Role, RunReport, StudyReport};
 
@@ -35,7 +35,7 @@ fn train() -> StudyReport {
     let training = [named("training-1", 0, kept)];
     let unseen = [named("unseen-2", 1, kept), named("unseen-3", 2, kept)];
     let dataset =
-        Dataset::new(&training, &unseen, &DatasetOptions::default()).expect("the records are whole");
+        StudyData::new(&training, &unseen, &StudyDataOptions::default()).expect("the records are whole");
     let options = StudyOptions { mappings: small_mappings(), threads: 2, ..Default::default() };
     let study = Study::train(&dataset, &options, &Silent).expect("small networks train");
     let evaluations = study.evaluate(&dataset).expect("states are finite");

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use granum_core::digest::Digest as Hash;
 use granum_io::snapshot::{contacts_table, grains_table};
 use granum_io::{Run, RunStatus, Table};
 use serde_json::{Value, json};
-use sha2::{Digest as _, Sha256};
 
 use super::records;
 use crate::context::Context;
@@ -49,9 +49,9 @@ fn digest(folder: &Path) -> Result<(String, RunStatus), Failure> {
     let run = Run::at(folder)?;
     let record = run.record()?;
     records::check_begun(&run, &record)?;
-    let mut hash = Sha256::new();
-    text(&mut hash, "granum digest 1");
-    text(&mut hash, &run.case()?.digest_with(record.packing_digest()));
+    let mut hash = Hash::new();
+    hash.text("granum digest 1");
+    hash.text(&run.case()?.digest_with(record.packing_digest()));
     // A sample has no tables of a test; a run that began has both.
     if record.kind != "prepare" {
         table(&mut hash, "series", &run.series()?);
@@ -59,37 +59,21 @@ fn digest(folder: &Path) -> Result<(String, RunStatus), Failure> {
     }
     for name in run.snapshots()? {
         let assembly = run.snapshot(&name)?;
-        text(&mut hash, &name);
+        hash.text(&name);
         table(&mut hash, "grains", &grains_table(&assembly)?);
         table(&mut hash, "contacts", &contacts_table(&assembly)?);
-        numbers(&mut hash, &[assembly.cell, assembly.velocity_gradient, assembly.strain].concat().concat());
-        numbers(&mut hash, &[assembly.time, assembly.time_step, assembly.step as f64]);
-        text(&mut hash, &serde_json::to_string(&assembly.energy)?);
+        hash.numbers(&[assembly.cell, assembly.velocity_gradient, assembly.strain].concat().concat());
+        hash.numbers(&[assembly.time, assembly.time_step, assembly.step as f64]);
+        hash.text(&serde_json::to_string(&assembly.energy)?);
     }
-    let hexadecimal = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
-    Ok((hexadecimal, record.status))
+    Ok((hash.finish(), record.status))
 }
 
-/// Text with its length, so that no two lists of texts hash alike.
-fn text(hash: &mut Sha256, text: &str) {
-    hash.update((text.len() as u64).to_le_bytes());
-    hash.update(text);
-}
-
-/// The bits of numbers; every NaN counts as the same, for machines differ in its payload.
-fn numbers(hash: &mut Sha256, values: &[f64]) {
-    hash.update((values.len() as u64).to_le_bytes());
-    for value in values {
-        let bits = if value.is_nan() { 0x7ff8_0000_0000_0000 } else { value.to_bits() };
-        hash.update(bits.to_le_bytes());
-    }
-}
-
-fn table(hash: &mut Sha256, name: &str, table: &Table) {
-    text(hash, name);
+fn table(hash: &mut Hash, name: &str, table: &Table) {
+    hash.text(name);
     for column in table.columns() {
-        text(hash, &column.name);
-        text(hash, &column.unit);
-        numbers(hash, &column.values);
+        hash.text(&column.name);
+        hash.text(&column.unit);
+        hash.numbers(&column.values);
     }
 }

@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use granum_learn::dataset::Run;
-use granum_learn::files::{load_runs, load_study};
+use granum_learn::antony2006::Run;
+use granum_learn::antony2006::files::{load_runs, load_study};
+use granum_learn::antony2006::study::{RunScore, Study};
 use granum_learn::runs::RunRole;
-use granum_learn::study::{RunScore, Study};
 use granum_learn::{Score, SensorUse};
 use serde_json::{Value, json};
 

@@ -1,12 +1,13 @@
 //! `granum predict`: what the networks of a study answer.
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use granum_core::names::nearest;
-use granum_io::{Column, Table, check_output_file, read_columns, write_table};
-use granum_learn::{RowAnswer, Surrogate, files::load_study};
+use granum_io::{check_output_file, read_columns, write_table};
+use granum_learn::antony2006::RowAnswer;
+use granum_learn::antony2006::files::load_study;
+use granum_learn::{LearnError, MappingNetworks};
 use serde_json::json;
 
 use super::trained_range::{inputs, short};
@@ -54,8 +55,8 @@ impl Predict {
         }
     }
 
-    fn one(&self, context: &Context, surrogate: &Surrogate) -> Result<(), Failure> {
-        let answer = surrogate.predict(&row(surrogate, &self.values)?, LEVEL)?;
+    fn one(&self, context: &Context, surrogate: &MappingNetworks) -> Result<(), Failure> {
+        let answer = surrogate.predict_row(&row(surrogate, &self.values)?, LEVEL)?;
         let network = &surrogate.networks()[answer.sub_model];
         let output = surrogate.mapping().network_output();
         let range = surrogate.mapping().sub_models[answer.sub_model].strain_range;
@@ -88,45 +89,50 @@ impl Predict {
                 range[1]
             );
             let mut lines = vec![head];
-            lines.extend(remarks(surrogate, &[answer.sub_model]));
+            lines.extend(surrogate.remarks(&[answer.sub_model]));
             lines.extend(outside_text(&answer));
             lines.join("\n")
         })
     }
 
-    fn many(&self, context: &Context, surrogate: &Surrogate, path: &Path) -> Result<(), Failure> {
+    fn many(&self, context: &Context, surrogate: &MappingNetworks, path: &Path) -> Result<(), Failure> {
         if let Some(output) = &self.output {
             check_output_file(output, context.force)?;
         }
         let names = surrogate.input_names();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let table = read_columns(path, &names)?;
-        check_finite(path, &table)?;
-        let (answers, outside, sub_models) = answer(surrogate, &table)?;
+        let answers = surrogate.predict_table(&table, LEVEL).map_err(|error| match error {
+            LearnError::Rows(reason) => Failure::new(format!("{}: {reason}", path.display())),
+            other => other.into(),
+        })?;
         let warning = format!(
-            "{outside} of {} rows lie outside the trained range (column outside is 1): do not trust their answers",
-            answers.rows()
+            "{} of {} rows lie outside the trained range (column outside is 1): do not trust their answers",
+            answers.outside,
+            answers.table.rows()
         );
-        if outside > 0 && !context.json {
+        if answers.outside > 0 && !context.json {
             eprintln!("warning: {warning}");
         }
         if !context.json {
-            remarks(surrogate, &sub_models).iter().for_each(|remark| eprintln!("note: {remark}"));
+            surrogate.remarks(&answers.sub_models).iter().for_each(|remark| eprintln!("note: {remark}"));
         }
-        let Some(output) = &self.output else { return output::put_table(context, None, &answers) };
-        write_table(output, &answers)?;
+        let Some(output) = &self.output else { return output::put_table(context, None, &answers.table) };
+        write_table(output, &answers.table)?;
         let result = json!({
             "output": output,
-            "rows": answers.rows(),
-            "rows_outside": outside,
-            "constant_sub_models": constants(surrogate, &sub_models),
+            "rows": answers.table.rows(),
+            "rows_outside": answers.outside,
+            "constant_sub_models": surrogate.constants(&answers.sub_models),
         });
-        output::say(context, &result, || format!("wrote {} rows to {}", answers.rows(), output.display()))
+        output::say(context, &result, || {
+            format!("wrote {} rows to {}", answers.table.rows(), output.display())
+        })
     }
 }
 
 /// The row that `--set` flags give, in the order of the network's inputs.
-fn row(surrogate: &Surrogate, flags: &[String]) -> Result<Vec<f64>, Failure> {
+fn row(surrogate: &MappingNetworks, flags: &[String]) -> Result<Vec<f64>, Failure> {
     let names = surrogate.input_names();
     let needs = || format!("{} needs:\n{}", surrogate.mapping().formula(), inputs(surrogate, None));
     let mut row = vec![None; names.len()];
@@ -156,53 +162,6 @@ fn row(surrogate: &Surrogate, flags: &[String]) -> Result<Vec<f64>, Failure> {
     Ok(row.into_iter().flatten().collect())
 }
 
-fn check_finite(path: &Path, table: &Table) -> Result<(), Failure> {
-    for column in table.columns() {
-        if let Some(k) = column.values.iter().position(|value| !value.is_finite()) {
-            let (name, value) = (&column.name, column.values[k]);
-            return Err(Failure::new(format!(
-                "{}: data row {}: {name} is {value}, not a finite number",
-                path.display(),
-                k + 1
-            )));
-        }
-    }
-    Ok(())
-}
-
-/// Numbers, from 1, of those of the sub-models whose networks learned a constant.
-fn constants(surrogate: &Surrogate, sub_models: &[usize]) -> Vec<usize> {
-    let networks = surrogate.networks();
-    sub_models.iter().filter(|k| networks[**k].is_constant()).map(|k| k + 1).collect()
-}
-
-/// What there is to know about answers of these sub-models.
-fn remarks(surrogate: &Surrogate, sub_models: &[usize]) -> Vec<String> {
-    let name = &surrogate.mapping().name;
-    let constant = constants(surrogate, sub_models).into_iter().map(|number| {
-        format!("{name} sub-model {number}: this network learned a constant: it does not use its inputs.")
-    });
-    let mut remarks: Vec<String> = constant.collect();
-    let asked = || sub_models.iter().map(|&k| &surrogate.networks()[k]);
-    if asked().any(|network| network.training_fit().evidence.is_none()) {
-        let trainer = &surrogate.networks()[0].provenance().trainer;
-        remarks.push(format!(
-            "There is no interval: networks trained by {trainer} do not know how sure they are."
-        ));
-    } else if let Some(runs) = asked().map(granum_nets::Model::blocks).min().flatten() {
-        remarks.push(format!(
-            "The interval contains the scatter between samples, judged by {runs} training runs."
-        ));
-    } else {
-        remarks.push(
-            "The interval does not contain the scatter between samples: the network was trained on one run, or cannot tell \
-             runs apart."
-                .into(),
-        );
-    }
-    remarks
-}
-
 /// The inputs that lie outside, in words.
 fn outside_text(answer: &RowAnswer) -> Option<String> {
     let each = answer.outside.iter().map(|outside| {
@@ -211,27 +170,4 @@ fn outside_text(answer: &RowAnswer) -> Option<String> {
     });
     let all = each.collect::<Vec<_>>().join(", ");
     (!all.is_empty()).then(|| format!("OUTSIDE the trained range: {all}; do not trust this answer."))
-}
-
-/// The rows with their answers, how many of them lie outside, and the sub-models that answered.
-fn answer(surrogate: &Surrogate, table: &Table) -> Result<(Table, usize, Vec<usize>), Failure> {
-    let columns: Vec<&[f64]> = table.columns().iter().map(|column| column.values.as_slice()).collect();
-    let rows: Vec<f64> =
-        (0..table.rows()).flat_map(|row| columns.iter().map(move |column| column[row])).collect();
-    let answers = surrogate.predict_rows(&rows, LEVEL)?;
-    let beyond = answers.iter().filter(|answer| !answer.outside.is_empty()).count();
-    let mut all = table.columns().to_vec();
-    let mut add = |name: &str, value: &dyn Fn(&RowAnswer) -> f64| {
-        all.push(Column::new(name, "", answers.iter().map(value).collect()));
-    };
-    add(&format!("predicted_{}", surrogate.mapping().network_output()), &|answer| answer.value);
-    if answers.iter().any(|answer| answer.interval.is_some()) {
-        add("standard_deviation", &|answer| answer.standard_deviation.unwrap_or(f64::NAN));
-        add("lower", &|answer| answer.interval.map_or(f64::NAN, |[lower, _]| lower));
-        add("upper", &|answer| answer.interval.map_or(f64::NAN, |[_, upper]| upper));
-    }
-    add("sub_model", &|answer| (answer.sub_model + 1) as f64);
-    add("outside", &|answer| f64::from(u8::from(!answer.outside.is_empty())));
-    let sub_models: BTreeSet<usize> = answers.iter().map(|answer| answer.sub_model).collect();
-    Ok((Table::new(all)?, beyond, sub_models.into_iter().collect()))
 }

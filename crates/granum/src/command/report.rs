@@ -7,10 +7,10 @@ use clap::Args;
 use granum_io::shell::quoted_path;
 use granum_io::{Run, RunStatus, atomic::write_atomically, check_output_file};
 use granum_learn::antony2006::figures::figures;
+use granum_learn::antony2006::files::load_study;
 use granum_learn::antony2006::reproduction::{Reproduction, SUMMARY_FILE};
 use granum_learn::contents::{Contents, Kind, taken};
-use granum_learn::files::load_study;
-use granum_learn::{Dataset, DatasetOptions, NamedRecord};
+use granum_learn::{NamedRecord, StudyData, StudyDataOptions};
 use granum_report::{Document, Role, RunReport, StudyReport, run_report, sample_report, study_report};
 use serde_json::json;
 
@@ -86,7 +86,7 @@ fn document(folder: &Path) -> Result<Document, Failure> {
         let (name, next) = (folder.display(), contents.next(folder).text);
         return Err(Failure::new(format!("{name}: the reproduction is not finished; {next}")));
     }
-    if folder.join(granum_learn::layout::STUDY_FILE).is_file() {
+    if folder.join(granum_learn::antony2006::layout::STUDY_FILE).is_file() {
         return Err(Failure::new(format!(
             "{}: holds networks but no runs to draw; `granum evaluate {} RUN...` scores them on runs",
             folder.display(),
@@ -134,7 +134,7 @@ fn study(folder: &Path, runs: &Path, models: &Path) -> Result<StudyReport, Failu
         own.map(|r| NamedRecord { name: &r.name, seed: r.run.seed.unwrap_or_default(), record: &r.record })
             .collect()
     };
-    let dataset = Dataset::new(&of(Role::Training), &of(Role::Unseen), &DatasetOptions::default())?;
+    let dataset = StudyData::new(&of(Role::Training), &of(Role::Unseen), &StudyDataOptions::default())?;
     let study = load_study(models)?;
     let dataset_hash = dataset.hash()?;
     if dataset_hash != study.dataset_hash {

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use granum_io::{RunFolder, RunStatus};
+use granum_learn::antony2006::layout::STUDY_FILE;
 use granum_learn::contents::Contents;
-use granum_learn::layout::STUDY_FILE;
 use serde_json::json;
 
 use super::checkpoints::CheckpointFlags;

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use clap::Args;
 use granum_io::{OutputFolder, Run, RunStatus};
+use granum_learn::antony2006::training_checkpoints::TrainingManifest;
 use granum_learn::contents::{Contents, Next};
-use granum_learn::training_checkpoints::TrainingManifest;
 use granum_run::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
 use serde_json::{Value, json};
 

@@ -9,19 +9,19 @@ use clap::{Args, ValueEnum};
 use granum_io::OutputFolder;
 use granum_io::case::Difference;
 use granum_io::shell::quoted_path;
+use granum_learn::antony2006::files::save_study;
+use granum_learn::antony2006::layout::{PLAN_FILE, STUDY_FILE};
+use granum_learn::antony2006::mapping::{PAPER_STRAIN, paper_mappings_to};
 use granum_learn::antony2006::sufficiency::check_states;
 use granum_learn::antony2006::summary::MappingSummary;
+use granum_learn::antony2006::training_checkpoints::{TrainingCheckpoints, TrainingManifest};
 use granum_learn::contents::{Kind, check_free};
-use granum_learn::files::save_study;
-use granum_learn::layout::{PLAN_FILE, STUDY_FILE};
-use granum_learn::mapping::{PAPER_STRAIN, paper_mappings_to};
 use granum_learn::runs::{RunRole, StudyRun};
-use granum_learn::training_checkpoints::{TrainingCheckpoints, TrainingManifest};
 use granum_learn::{
-    Dataset, DatasetOptions, Form, LearnError, Study, StudyObserver, StudyOptions, StudyProgress,
+    Form, LearnError, Study, StudyData, StudyDataOptions, StudyObserver, StudyOptions, StudyProgress,
 };
 use granum_nets::Model;
-use granum_nets::trainer::TrainerState;
+use granum_nets::trainer::{self, TrainerState};
 use granum_run::laboratory::Field;
 use serde_json::json;
 
@@ -60,8 +60,7 @@ pub struct Train {
     /// not called the scatter between samples.
     #[arg(long)]
     mixed: bool,
-    /// Trainer: levenberg-marquardt (with Bayesian regularisation) or traingdx (the paper's, with its epochs).
-    #[arg(long, default_value = "levenberg-marquardt", value_name = "NAME")]
+    #[arg(long, default_value = trainer::NAMES[0], value_name = "NAME", help = trainers())]
     trainer: String,
     /// How P(f) enters a network: as points f, P (the paper), or every bin at once.
     #[arg(long, value_enum, default_value_t = FormName::Point)]
@@ -77,6 +76,13 @@ pub struct Train {
     threads: Option<usize>,
     #[command(flatten)]
     checkpoints: CheckpointFlags,
+}
+
+/// The help of `--trainer`: the names of all trainers with what they do.
+pub(super) fn trainers() -> String {
+    let each: Vec<String> =
+        trainer::ALL.iter().map(|kind| format!("{} ({})", kind.name, kind.help)).collect();
+    format!("Trainer: {}", each.join(" or "))
 }
 
 /// [`Form`] as a flag.
@@ -176,8 +182,11 @@ impl Train {
                  scaled to it"
             );
         }
-        let dataset =
-            Dataset::new(&records::named(&training), &records::named(&unseen), &DatasetOptions::default())?;
+        let dataset = StudyData::new(
+            &records::named(&training),
+            &records::named(&unseen),
+            &StudyDataOptions::default(),
+        )?;
         // Before there is a folder, and before an older one is replaced.
         check_states(&dataset, &options.mappings)?;
         let every = self.checkpoints.every()?;
@@ -202,7 +211,7 @@ impl Train {
     }
 
     fn options(&self) -> Result<StudyOptions, Failure> {
-        granum_nets::trainer::by_name(&self.trainer, &Default::default())?;
+        let trainer = trainer::by_name(&self.trainer, &Default::default())?;
         if let Some(factor) = self.epoch_factor {
             if self.trainer != PAPER_TRAINER {
                 return Err(Failure::new(format!(
@@ -224,7 +233,7 @@ impl Train {
                 FormName::Point => Form::Point,
                 FormName::Histogram => Form::Histogram,
             },
-            trainer: self.trainer.clone(),
+            trainer,
             epoch_factor: self.epoch_factor.unwrap_or(1.0),
             seed: self.seed,
             threads: self.threads.unwrap_or(0),
@@ -286,7 +295,7 @@ impl Train {
         &self,
         context: &Context,
         study: &Study,
-        dataset: &Dataset,
+        dataset: &StudyData,
         differences: &[Difference],
     ) -> Result<(), Failure> {
         let spread = Spread::of(differences);

@@ -1,10 +1,10 @@
 //! The ranges of inputs that the networks of a mapping were trained in.
 
-use granum_learn::Surrogate;
+use granum_learn::MappingNetworks;
 
 /// The inputs with the ranges that a sub-model, or each of them, was trained in; one a line, bins with the same range
 /// together.
-pub fn inputs(surrogate: &Surrogate, sub_model: Option<usize>) -> String {
+pub fn inputs(surrogate: &MappingNetworks, sub_model: Option<usize>) -> String {
     let chosen: Vec<(usize, Vec<[f64; 2]>)> = (0..surrogate.networks().len())
         .filter(|k| sub_model.is_none_or(|wanted| wanted == *k))
         .map(|k| (k + 1, surrogate.trained_ranges(k)))

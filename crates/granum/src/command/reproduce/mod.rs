@@ -44,9 +44,7 @@ pub struct Reproduce {
     /// Folder of the results; made if it is not there, gone on with if it holds this very reproduction.
     #[arg(short, long, default_value = "reproduction", value_name = "DIR")]
     out: PathBuf,
-    /// Trainer of the networks: levenberg-marquardt (with Bayesian regularisation) or traingdx (the paper's, with its
-    /// epochs).
-    #[arg(long, default_value = "levenberg-marquardt", value_name = "NAME")]
+    #[arg(long, default_value = granum_nets::trainer::NAMES[0], value_name = "NAME", help = super::train::trainers())]
     trainer: String,
     /// Runs that the same mappings learn from beside the paper's one, 0 to 64 (0 leaves that part out); 8 runs of 2000 grains
     /// by default, with --quick 4 of 1000.

@@ -2,13 +2,13 @@
 
 use granum_io::{OutputFolder, Run};
 use granum_learn::antony2006::figures::figures;
+use granum_learn::antony2006::files::save_study;
+use granum_learn::antony2006::layout::write_json;
 use granum_learn::antony2006::summary::{DemSummary, MappingSummary, RunSummary};
 use granum_learn::antony2006::{interpretation, speed};
-use granum_learn::files::save_study;
-use granum_learn::layout::write_json;
 use granum_learn::runs::{RunRole, StudyRun};
 use granum_learn::{
-    Dataset, DatasetOptions, NamedRecord, SizeStudy, SizeStudyOptions, Study, StudyOptions, Summary,
+    NamedRecord, SizeStudy, SizeStudyOptions, Study, StudyData, StudyDataOptions, StudyOptions, Summary,
 };
 use granum_report::{Role, RunReport, StudyReport, study_report};
 
@@ -47,9 +47,10 @@ pub fn all(
         .map(|(report, run)| NamedRecord { name: &report.name, seed: run.seed, record: &report.record })
         .collect();
     let count = runs.iter().filter(|run| run.role == PlannedRole::Training).count();
-    let dataset = Dataset::new(&named[..count], &named[count..], &DatasetOptions::default())?;
+    let dataset = StudyData::new(&named[..count], &named[count..], &StudyDataOptions::default())?;
     let threads = arguments.hardware.hardware()?.threads;
-    let options = StudyOptions { trainer: arguments.trainer.clone(), threads, ..StudyOptions::default() };
+    let trainer = granum_nets::trainer::by_name(&arguments.trainer, &Default::default())?;
+    let options = StudyOptions { trainer, threads, ..StudyOptions::default() };
 
     let every = arguments.checkpoints.every()?;
     let models = folder.subfolder("models")?;

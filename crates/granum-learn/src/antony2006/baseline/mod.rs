@@ -1,0 +1,83 @@
+//! What stands beside the networks: answers that need no network at all.
+//!
+//! - The **mean curve** of the training runs, which knows strain only.
+//! - **Ridge regression**: strain on splines, with the same sensors as the networks and without any. It is linear in the
+//!   sensors and has one setting for all mappings; a network that does worse has not earned its place.
+//!
+//! They are fitted to the training states of all training runs and kept with the study, so that it can be judged
+//! where its training runs are gone.
+
+mod mean_curve;
+mod ridge;
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+pub use mean_curve::MeanCurve;
+pub use ridge::Ridge;
+
+use crate::antony2006::mapping::Mapping;
+use crate::antony2006::study_data::StudyData;
+use crate::error::Result;
+
+/// The baselines of a study.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Baselines {
+    /// The mean curve of the training runs.
+    pub mean_curve: MeanCurve,
+    /// Ridge regression for each mapping, by name.
+    pub mappings: BTreeMap<String, MappingBaselines>,
+}
+
+/// Ridge regression for a mapping.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MappingBaselines {
+    /// On strain and the sensors of the mapping.
+    pub ridge: Ridge,
+    /// On strain alone.
+    pub strain_only: Ridge,
+}
+
+impl MappingBaselines {
+    /// Fits both to the training states of a data set.
+    ///
+    /// # Errors
+    /// [`crate::LearnError::Dataset`] if there is no training state or the fit cannot be solved.
+    pub fn fit(mapping: &Mapping, dataset: &StudyData) -> Result<MappingBaselines> {
+        let states = dataset.training();
+        Ok(MappingBaselines {
+            ridge: Ridge::fit(mapping, &states)?,
+            strain_only: Ridge::fit(&mapping.strain_only(), &states)?,
+        })
+    }
+}
+
+impl Baselines {
+    /// Fits all baselines to the training states of a data set.
+    ///
+    /// # Errors
+    /// As [`MappingBaselines::fit`].
+    pub fn fit<'a>(
+        mappings: impl IntoIterator<Item = &'a Mapping>,
+        dataset: &StudyData,
+    ) -> Result<Baselines> {
+        let fit = |mapping: &Mapping| Ok((mapping.name.clone(), MappingBaselines::fit(mapping, dataset)?));
+        Ok(Baselines {
+            mean_curve: MeanCurve::new(dataset),
+            mappings: mappings.into_iter().map(fit).collect::<Result<_>>()?,
+        })
+    }
+
+    /// True if these are baselines of these mappings, for so many bins of f.
+    pub fn are_of<'a>(&self, mappings: impl IntoIterator<Item = &'a Mapping>, bins: usize) -> bool {
+        let fits = |mapping: &Mapping| {
+            self.mappings.get(&mapping.name).is_some_and(|both| {
+                both.ridge.is_of(mapping, bins) && both.strain_only.is_of(&mapping.strain_only(), bins)
+            })
+        };
+        self.mean_curve.is_sound(bins) && mappings.into_iter().all(fits)
+    }
+}

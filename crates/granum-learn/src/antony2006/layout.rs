@@ -1,0 +1,51 @@
+//! The files in the folder of a study: their names, and what the name of a mapping may be.
+
+use std::io::Write;
+use std::path::Path;
+
+use granum_io::Error;
+use granum_io::atomic::write_atomically;
+use serde::Serialize;
+
+use crate::antony2006::mapping::Mapping;
+use crate::error::Result;
+
+/// File that describes a study.
+pub const STUDY_FILE: &str = "study.json";
+/// File with the baselines of a study.
+pub const BASELINES_FILE: &str = "baselines.json";
+
+/// File that says what the training in a folder is of.
+pub const PLAN_FILE: &str = "training.json";
+/// File of the seconds that each network took. They are apart because all other files have the same bytes again.
+pub const TIMES_FILE: &str = "seconds.json";
+
+/// File of a network in the folder of a study.
+pub fn network_file(network: &str) -> String {
+    format!("{network}.json")
+}
+
+/// Writes a value as JSON that a person can read.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
+    write_atomically(path, |file| {
+        serde_json::to_writer_pretty(&mut *file, value)?;
+        file.write_all(b"\n")
+    })?;
+    Ok(())
+}
+
+/// Most networks of a mapping.
+const MOST_SUB_MODELS: usize = 1000;
+
+/// The name of a mapping becomes part of the names of files: it must not lead out of the folder.
+pub(crate) fn check_mapping(path: &Path, mapping: &Mapping) -> Result<()> {
+    let wrong = |why: String| Error::content(path, format!("mapping {:?}: {why}", mapping.name)).into();
+    granum_io::check_name("name", &mapping.name).map_err(|error| wrong(error.to_string()))?;
+    match mapping.sub_models.len() {
+        0..=MOST_SUB_MODELS => Ok(()),
+        many => Err(wrong(format!("{many} sub-models; at most {MOST_SUB_MODELS} are possible"))),
+    }
+}

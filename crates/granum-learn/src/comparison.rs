@@ -1,0 +1,125 @@
+//! Surrogates of any kind, scored in the same way.
+
+use std::time::Instant;
+
+use crate::dataset::{Dataset, Parts};
+use crate::error::{LearnError, Result};
+use crate::score::{Score, Scorer};
+use crate::surrogate::{Columns, FitSpec, Prediction, Surrogate, SurrogateMethod};
+
+/// A fitted surrogate with its scores on the parts of a data set.
+#[non_exhaustive]
+pub struct SurrogateScores {
+    /// Name of its method.
+    pub method: String,
+    /// The surrogate itself.
+    pub surrogate: Box<dyn Surrogate>,
+    /// On the rows that it was fitted to.
+    pub training: Score,
+    /// On the held-out rows of the same runs.
+    pub held_out: Score,
+    /// On the runs that it never saw.
+    pub unseen: Score,
+    /// The share of the values of unseen runs that lie within their intervals; `None` without intervals or unseen runs.
+    pub coverage: Option<f64>,
+    /// Rows of unseen runs with an input outside what it was fitted to.
+    pub unseen_outside: usize,
+    /// Wall time of the fit, s.
+    pub seconds: f64,
+}
+
+/// Fits every method to the training part and scores what it fitted on all parts, with intervals of this level. The scores
+/// do not depend on the order of the methods.
+///
+/// The head of [this crate](crate) has an example.
+///
+/// # Errors
+/// If the outputs have different units (one score cannot hold them), and as [`SurrogateMethod::fit`] and
+/// [`Surrogate::predict`].
+pub fn compare(
+    parts: &Parts,
+    spec: &FitSpec,
+    methods: &[&dyn SurrogateMethod],
+    level: f64,
+) -> Result<Vec<SurrogateScores>> {
+    check_units(&spec.columns(&parts.training)?)?;
+    methods.iter().map(|method| compare_one(parts, spec, *method, level)).collect()
+}
+
+fn compare_one(
+    parts: &Parts,
+    spec: &FitSpec,
+    method: &dyn SurrogateMethod,
+    level: f64,
+) -> Result<SurrogateScores> {
+    let clock = Instant::now();
+    let surrogate = method.fit(&parts.training, spec)?;
+    let seconds = clock.elapsed().as_secs_f64();
+    let judge = |part: &Dataset| judged(surrogate.as_ref(), part, level);
+    let unseen = judge(&parts.unseen)?;
+    Ok(SurrogateScores {
+        method: method.name().to_owned(),
+        training: judge(&parts.training)?.score,
+        held_out: judge(&parts.held_out)?.score,
+        unseen: unseen.score,
+        coverage: unseen.coverage,
+        unseen_outside: unseen.outside,
+        seconds,
+        surrogate,
+    })
+}
+
+/// Scores any surrogate on all rows of a data set, one that was loaded or made by hand too; all 0 of no rows.
+///
+/// # Errors
+/// If a column of the surrogate is missing, and as [`Surrogate::predict`].
+pub fn score_surrogate(surrogate: &dyn Surrogate, dataset: &Dataset) -> Result<Score> {
+    Ok(judged(surrogate, dataset, 0.9)?.score)
+}
+
+struct Judged {
+    score: Score,
+    coverage: Option<f64>,
+    outside: usize,
+}
+
+fn judged(surrogate: &dyn Surrogate, dataset: &Dataset, level: f64) -> Result<Judged> {
+    if dataset.rows() == 0 {
+        return Ok(Judged { score: Score::default(), coverage: None, outside: 0 });
+    }
+    let columns = surrogate.columns();
+    check_units(columns)?;
+    let exact = dataset.values(&columns.output_names())?;
+    let predictions = surrogate.predict(&dataset.values(&columns.input_names())?, level)?;
+    let mut scorer = Scorer::default();
+    let (mut held, mut intervals) = (0, 0);
+    for (exact, prediction) in exact.chunks_exact(columns.outputs.len()).zip(&predictions) {
+        let means: Vec<f64> = prediction.values.iter().map(|estimate| estimate.mean).collect();
+        scorer.add(exact, &means);
+        for (exact, estimate) in exact.iter().zip(&prediction.values) {
+            if let Some(interval) = &estimate.interval {
+                intervals += 1;
+                held += usize::from(interval.lower <= *exact && *exact <= interval.upper);
+            }
+        }
+    }
+    let is_outside = |prediction: &&Prediction| !prediction.outside.is_empty();
+    Ok(Judged {
+        score: scorer.score(),
+        coverage: (intervals > 0).then(|| held as f64 / intervals as f64),
+        outside: predictions.iter().filter(is_outside).count(),
+    })
+}
+
+fn check_units(columns: &Columns) -> Result<()> {
+    let Some(first) = columns.outputs.first() else { return Ok(()) };
+    let Some(other) = columns.outputs.iter().find(|other| other.unit != first.unit) else { return Ok(()) };
+    let unit = |unit: &str| if unit.is_empty() { "no unit".to_string() } else { unit.to_string() };
+    Err(LearnError::Dataset(format!(
+        "{} ({}) and {} ({}) have different units, and one score cannot hold both; fit them one by one",
+        first.name,
+        unit(&first.unit),
+        other.name,
+        unit(&other.unit)
+    )))
+}

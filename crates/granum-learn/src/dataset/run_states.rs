@@ -1,0 +1,364 @@
+//! The states of one run.
+
+use granum_core::digest::Digest;
+use granum_core::names::suggestion;
+use granum_core::{Column, Table};
+use granum_io::case::{FIELDS, Value};
+use granum_io::{Case, Run};
+use granum_run::record::read_record;
+use granum_sensors::Record;
+
+use super::Variable;
+use crate::error::{LearnError, Result};
+
+/// Columns of the key.
+pub(crate) const STAGE: &str = "stage";
+/// See [`STAGE`].
+pub(crate) const STATE: &str = "state";
+/// Length of the path of strain up to a state.
+const ARC_LENGTH: &str = "arc_length";
+/// The histogram of contact forces: its columns are called `probability_density_0.125` after the centres of its bins.
+pub(crate) const DENSITY: &str = "probability_density";
+
+/// A record with its name and seed.
+#[derive(Clone, Copy, Debug)]
+pub struct NamedRecord<'a> {
+    /// Name of the run, for messages and figures.
+    pub name: &'a str,
+    /// Seed of its sample.
+    pub seed: u64,
+    /// What the sensors saw.
+    pub record: &'a Record,
+}
+
+/// The columns of a histogram: one for each bin.
+///
+/// ```
+/// use granum_core::{Column, Table};
+/// use granum_learn::dataset::{ColumnGroup, RunStates};
+///
+/// let columns = ["probability_density_0.5", "probability_density_1.5"];
+/// let table = Table::new(columns.iter().map(|name| Column::new(*name, "", vec![0.6, 0.7])).collect())?;
+/// let centres = vec![0.5, 1.5];
+/// let (name, variable) = ("probability_density".to_string(), "force".to_string());
+/// let run = RunStates::new("run", table)?.with_group(ColumnGroup { name, variable, bin_width: 1.0, centres })?;
+/// assert_eq!(run.group("probability_density").unwrap().columns().collect::<Vec<_>>(), columns);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColumnGroup {
+    /// What the columns hold; each is called after it and the centre of its bin.
+    pub name: String,
+    /// What is binned.
+    pub variable: String,
+    /// Width of a bin.
+    pub bin_width: f64,
+    /// Centre of each bin.
+    pub centres: Vec<f64>,
+}
+
+impl ColumnGroup {
+    /// Name of the column of a bin.
+    pub fn column(&self, centre: f64) -> String {
+        format!("{}_{centre}", self.name)
+    }
+
+    /// Names of all columns.
+    pub fn columns(&self) -> impl Iterator<Item = String> + '_ {
+        self.centres.iter().map(|&centre| self.column(centre))
+    }
+}
+
+/// The states of one run: a table with a row for each state, and parameters that are the same in all of them.
+///
+/// See [`super::Dataset`] for an example.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunStates {
+    name: String,
+    table: Table,
+    groups: Vec<ColumnGroup>,
+    parameters: Vec<(Variable, f64)>,
+}
+
+impl RunStates {
+    /// From any table with a row for each state. Without a column `stage` all are of stage 1, without a column `state` they are
+    /// numbered from 0.
+    ///
+    /// # Errors
+    /// If the name is empty, or the numbers of stages and states are not whole numbers that rise.
+    pub fn new(name: &str, table: Table) -> Result<RunStates> {
+        if name.is_empty() {
+            return Err(LearnError::Dataset("a run has no name".into()));
+        }
+        let rows = table.rows();
+        let mut columns = vec![
+            Column::new(STAGE, "", table.values(STAGE).map_or(vec![1.0; rows], <[f64]>::to_vec)),
+            Column::new(
+                STATE,
+                "",
+                table.values(STATE).map_or_else(|| (0..rows).map(|k| k as f64).collect(), <[f64]>::to_vec),
+            ),
+        ];
+        columns.extend(table.columns().iter().filter(|c| c.name != STAGE && c.name != STATE).cloned());
+        let table = Table::new(columns).map_err(|error| record_error(name, error.to_string()))?;
+        let run = RunStates { name: name.into(), table, groups: Vec::new(), parameters: Vec::new() };
+        run.check_key()?;
+        Ok(run)
+    }
+
+    /// From what the sensors saw of a test: the columns of the series, one column a bin of the histogram of forces, the
+    /// length of the path of strain, and the seed of the sample as `preparation.seed`.
+    ///
+    /// A test of stages has its `arc_length` from the sensors. For others it is summed over the recorded states from the
+    /// strains along the axes.
+    ///
+    /// # Errors
+    /// If there is not one histogram for each state, or their bins differ from state to state.
+    pub fn from_record(named: &NamedRecord) -> Result<RunStates> {
+        let mut run = RunStates::of_sensors(named.name, named.record)?;
+        run.set_parameter(granum_io::case::SEED, "", named.seed as f64);
+        Ok(run)
+    }
+
+    /// From the folder of a run, with every number of its case file as a parameter (`grains.material.friction`). The
+    /// parameters of a part of the case that is not in use, and choices such as the names of contact laws, are no columns.
+    ///
+    /// # Errors
+    /// If the folder holds no record of a test; and as [`RunStates::from_record`].
+    pub fn read(name: &str, run: &Run) -> Result<RunStates> {
+        let mut states = RunStates::of_sensors(name, &read_record(run)?)?;
+        for (variable, value) in numbers_of(&run.case()?) {
+            states.set_parameter(&variable.name, &variable.unit, value);
+        }
+        Ok(states)
+    }
+
+    fn of_sensors(name: &str, record: &Record) -> Result<RunStates> {
+        let (group, densities) = histogram(name, record)?;
+        let mut table = record.series.clone();
+        let arc_length = if table.has(ARC_LENGTH) { None } else { arc_length(&table) };
+        let arc_length = arc_length.map(|values| Column::new(ARC_LENGTH, "", values));
+        for column in arc_length.into_iter().chain(densities) {
+            table.set(column).map_err(|error| record_error(name, error.to_string()))?;
+        }
+        Ok(RunStates { groups: group.into_iter().collect(), ..RunStates::new(name, table)? })
+    }
+
+    /// The same run with a further parameter.
+    ///
+    /// # Errors
+    /// If a column has this name, or the value is not a finite number.
+    pub fn with_parameter(mut self, name: &str, unit: &str, value: f64) -> Result<RunStates> {
+        if self.table.has(name) {
+            return Err(record_error(&self.name, format!("{name} is a column of its states already")));
+        }
+        if !value.is_finite() {
+            return Err(record_error(
+                &self.name,
+                format!("parameter {name} is {value}, not a finite number"),
+            ));
+        }
+        self.set_parameter(name, unit, value);
+        Ok(self)
+    }
+
+    /// The same run with columns of its table known as a histogram, whose name then stands for all of them.
+    ///
+    /// # Errors
+    /// If a column of a bin is missing.
+    pub fn with_group(mut self, group: ColumnGroup) -> Result<RunStates> {
+        for column in group.columns() {
+            self.column(&column)?;
+        }
+        self.groups.retain(|known| known.name != group.name);
+        self.groups.push(group);
+        Ok(self)
+    }
+
+    fn set_parameter(&mut self, name: &str, unit: &str, value: f64) {
+        let variable = Variable { name: name.into(), unit: unit.into() };
+        self.parameters.retain(|(known, _)| known.name != name);
+        self.parameters.push((variable, value));
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Number of its states.
+    pub fn rows(&self) -> usize {
+        self.table.rows()
+    }
+
+    /// Its states, without the parameters.
+    pub fn table(&self) -> &Table {
+        &self.table
+    }
+
+    /// Its histograms.
+    pub fn groups(&self) -> &[ColumnGroup] {
+        &self.groups
+    }
+
+    /// The histogram of that name, if the run has it.
+    pub fn group(&self, name: &str) -> Option<&ColumnGroup> {
+        self.groups.iter().find(|group| group.name == name)
+    }
+
+    /// A parameter of the run.
+    pub fn parameter(&self, name: &str) -> Option<f64> {
+        self.parameters.iter().find(|(variable, _)| variable.name == name).map(|(_, value)| *value)
+    }
+
+    /// Names and units of all its columns, parameters included.
+    pub fn variables(&self) -> Vec<Variable> {
+        let of = |column: &Column| Variable { name: column.name.clone(), unit: column.unit.clone() };
+        let columns = self.table.columns().iter().map(of);
+        columns.chain(self.parameters.iter().map(|(variable, _)| variable.clone())).collect()
+    }
+
+    /// True if there is a column or parameter of that name.
+    pub fn has(&self, name: &str) -> bool {
+        self.table.has(name) || self.parameter(name).is_some()
+    }
+
+    /// The values of a column, or of a parameter for every state.
+    ///
+    /// # Errors
+    /// If there is none of that name; the message suggests one.
+    pub fn column(&self, name: &str) -> Result<Vec<f64>> {
+        if let Some(values) = self.table.values(name) {
+            return Ok(values.to_vec());
+        }
+        if let Some(value) = self.parameter(name) {
+            return Ok(vec![value; self.rows()]);
+        }
+        let variables = self.variables();
+        let names = variables.iter().map(|variable| variable.name.as_str());
+        Err(record_error(&self.name, format!("there is no column {name}; {}", suggestion(name, names))))
+    }
+
+    /// The states for which `keep` is true.
+    pub(super) fn select(&self, keep: impl Fn(usize) -> bool) -> RunStates {
+        let rows: Vec<usize> = (0..self.rows()).filter(|&row| keep(row)).collect();
+        let of = |column: &Column| {
+            let values = rows.iter().map(|&row| column.values[row]).collect();
+            Column::new(&column.name, &column.unit, values)
+        };
+        // The names are those of a table, so this is one.
+        let table = Table::new(self.table.columns().iter().map(of).collect()).unwrap_or_default();
+        RunStates { table, ..self.clone() }
+    }
+
+    /// What is wrong in a row, with its key.
+    pub(super) fn at(&self, row: usize, reason: &str) -> LearnError {
+        let number = |name: &str| self.table.values(name).and_then(|values| values.get(row)).copied();
+        let key = match (number(STAGE), number(STATE)) {
+            (Some(1.0), Some(state)) => format!("state {state}"),
+            (Some(stage), Some(state)) => format!("stage {stage}, state {state}"),
+            _ => format!("row {row}"),
+        };
+        record_error(&self.name, format!("{key}: {reason}"))
+    }
+
+    fn check_key(&self) -> Result<()> {
+        let (stages, states) = (self.column(STAGE)?, self.column(STATE)?);
+        for row in 0..self.rows() {
+            let key = [stages[row], states[row]];
+            if key.iter().any(|x| !(*x >= 0.0 && x.fract() == 0.0 && *x <= 9e15)) {
+                let reason = "stages and states are counted by whole numbers from 0";
+                return Err(record_error(&self.name, format!("row {row}: {reason}, not {key:?}")));
+            }
+            if row > 0 && key <= [stages[row - 1], states[row - 1]] {
+                let reason = "the key must rise from row to row: first the stage, then the state in it";
+                return Err(self.at(row, reason));
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn feed(&self, digest: &mut Digest) {
+        digest.text(&self.name);
+        for column in self.table.columns() {
+            digest.text(&column.name);
+            digest.text(&column.unit);
+            digest.numbers(&column.values);
+        }
+        for (variable, value) in &self.parameters {
+            digest.text(&variable.name);
+            digest.text(&variable.unit);
+            digest.numbers(&[*value]);
+        }
+    }
+}
+
+pub(crate) fn record_error(run: &str, reason: impl Into<String>) -> LearnError {
+    LearnError::Record { run: run.to_owned(), reason: reason.into() }
+}
+
+/// The numbers of a case with their keys.
+fn numbers_of(case: &Case) -> Vec<(Variable, f64)> {
+    let number = |value: Value| match value {
+        Value::Number(number) => number,
+        Value::Count(count) => Some(count as f64),
+        Value::Choice(_) | Value::List(_) => None,
+    };
+    let field = |field: &granum_io::case::Field| {
+        let value = number(field.value(case)?)?;
+        Some((Variable { name: field.path(), unit: field.si_unit().to_string() }, value))
+    };
+    FIELDS.iter().filter_map(field).collect()
+}
+
+/// The histograms of forces as columns.
+fn histogram(name: &str, record: &Record) -> Result<(Option<ColumnGroup>, Vec<Column>)> {
+    let (histograms, states) = (&record.forces, record.series.rows());
+    if histograms.len() != states {
+        return Err(record_error(name, format!("{states} states have {} histograms", histograms.len())));
+    }
+    let Some(first) = histograms.first() else { return Ok((None, Vec::new())) };
+    let centres: Vec<f64> = (0..first.bins()).map(|bin| first.centre(bin)).collect();
+    for (k, other) in histograms.iter().enumerate() {
+        let alike = other.bins() == centres.len()
+            && (0..other.bins()).all(|bin| (other.centre(bin) - centres[bin]).abs() < 1e-6 * first.bin_width);
+        if !alike || (other.bin_width - first.bin_width).abs() > 1e-9 * first.bin_width {
+            let reason = "its histogram does not have the bins of the first state";
+            return Err(record_error(
+                name,
+                format!("state {k}: {reason}; record with bins of width {}", first.bin_width),
+            ));
+        }
+    }
+    let bin_width = first.bin_width;
+    let group = ColumnGroup { name: DENSITY.into(), variable: "force".into(), bin_width, centres };
+    let column = |(bin, name): (usize, String)| {
+        Column::new(name, "", histograms.iter().map(|histogram| histogram.density(bin)).collect())
+    };
+    let columns = group.columns().enumerate().map(column).collect();
+    Ok((Some(group), columns))
+}
+
+/// The length of the path of strain up to each state, from the strains along the axes at the recorded states.
+fn arc_length(series: &Table) -> Option<Vec<f64>> {
+    let strains: Vec<&[f64]> = ["axial_strain", "lateral_strain_2", "lateral_strain_3"]
+        .iter()
+        .map(|name| series.values(name))
+        .collect::<Option<_>>()?;
+    let mut length = 0.0;
+    let step = |row: usize| {
+        let square = |strain: &&[f64]| {
+            let before = if row == 0 { 0.0 } else { strain[row - 1] };
+            (strain[row] - before) * (strain[row] - before)
+        };
+        (2.0 / 3.0 * strains.iter().map(square).sum::<f64>()).sqrt()
+    };
+    Some(
+        (0..series.rows())
+            .map(|row| {
+                length += step(row);
+                length
+            })
+            .collect(),
+    )
+}

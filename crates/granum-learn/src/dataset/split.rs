@@ -1,0 +1,110 @@
+//! What trains, what is held out, and what no surrogate sees.
+
+use super::{Dataset, RunStates};
+use crate::error::{LearnError, Result};
+
+/// How a data set is split: of the states of the training runs one of so many trains, those between are held out, and the
+/// unseen runs only judge.
+///
+/// See [`Dataset`] for an example.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Split {
+    /// Of so many states one trains (2).
+    pub stride: usize,
+    /// Number of the first state that is used, and the first that trains; those before it in a stage are left out (0).
+    pub first_state: u64,
+    /// Names of the runs that no surrogate sees.
+    pub unseen: Vec<String>,
+    /// A column and the range of it, ends included, to which all parts are confined.
+    pub within: Option<(String, [f64; 2])>,
+}
+
+impl Default for Split {
+    fn default() -> Self {
+        Split { stride: 2, first_state: 0, unseen: Vec::new(), within: None }
+    }
+}
+
+impl Split {
+    /// The same with another stride; 1 holds nothing out.
+    pub fn stride(self, stride: usize) -> Split {
+        Split { stride, ..self }
+    }
+
+    /// The same from another state on.
+    pub fn first_state(self, first_state: u64) -> Split {
+        Split { first_state, ..self }
+    }
+
+    /// The same with these runs unseen.
+    pub fn unseen<S: Into<String>>(self, names: impl IntoIterator<Item = S>) -> Split {
+        Split { unseen: names.into_iter().map(Into::into).collect(), ..self }
+    }
+
+    /// The same confined to a range of a column.
+    pub fn within(self, column: &str, range: [f64; 2]) -> Split {
+        Split { within: Some((column.into(), range)), ..self }
+    }
+
+    pub(super) fn apply(&self, dataset: &Dataset) -> Result<Parts> {
+        let bad = |reason: String| Err(LearnError::Dataset(reason));
+        if self.stride == 0 {
+            return bad("the stride of training states must be 1 or more, not 0".into());
+        }
+        for name in &self.unseen {
+            if !dataset.runs().iter().any(|run| run.name() == name) {
+                let names = dataset.runs().iter().map(RunStates::name);
+                let hint = granum_core::names::suggestion(name, names);
+                return bad(format!("there is no run {name} to be left unseen; {hint}"));
+            }
+        }
+        if let Some((name, _)) = &self.within {
+            dataset.variable(name)?;
+        }
+        let used = dataset.select(|run, row| self.uses(run, row));
+        let is_unseen = |run: &RunStates| self.unseen.iter().any(|name| name == run.name());
+        let trains = |run: &RunStates, row: usize| {
+            (state_of(run, row) - self.first_state).is_multiple_of(self.stride as u64)
+        };
+        let parts = Parts {
+            training: used.select(|run, row| !is_unseen(run) && trains(run, row)),
+            held_out: used.select(|run, row| !is_unseen(run) && !trains(run, row)),
+            unseen: used.select(|run, _| is_unseen(run)),
+        };
+        if parts.training.rows() == 0 {
+            return bad("the split leaves no state to train on".into());
+        }
+        Ok(parts)
+    }
+
+    fn uses(&self, run: &RunStates, row: usize) -> bool {
+        let inside = |(name, [low, high]): &(String, [f64; 2])| {
+            let value = run
+                .table()
+                .values(name)
+                .map_or_else(|| run.parameter(name), |values| values.get(row).copied());
+            value.is_some_and(|value| value >= *low && value <= *high)
+        };
+        state_of(run, row) >= self.first_state && self.within.as_ref().is_none_or(inside)
+    }
+}
+
+/// Number of the state of a row.
+fn state_of(run: &RunStates, row: usize) -> u64 {
+    run.table()
+        .values(super::run_states::STATE)
+        .and_then(|states| states.get(row))
+        .map_or(0, |state| *state as u64)
+}
+
+/// The parts of a data set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parts {
+    /// States that train.
+    pub training: Dataset,
+    /// States of the same runs that are held out.
+    pub held_out: Dataset,
+    /// States of runs that no surrogate sees.
+    pub unseen: Dataset,
+}

@@ -1,0 +1,82 @@
+//! Many predictions at once, from table to table.
+
+use granum_core::{Column, Table};
+
+use crate::error::{LearnError, Result};
+use crate::surrogate::{Estimate, Prediction, Surrogate};
+
+/// Predicts every row of a table. The result has the inputs of the surrogate, then for each output `predicted_NAME`, and
+/// where the surrogate knows them `standard_deviation_NAME`, `lower_NAME` and `upper_NAME` (NaN where one row has none), and
+/// last `outside`: 1 where an input lies outside what was fitted.
+///
+/// ```
+/// use granum_core::{Column, Table};
+/// use granum_learn::{Dataset, FitSpec, RunStates, SurrogateMethods, inference};
+///
+/// let x: Vec<f64> = (0..20).map(f64::from).collect();
+/// let y = x.iter().map(|x| 3.0 * x).collect();
+/// let table = Table::new(vec![Column::new("x", "", x), Column::new("y", "", y)])?;
+/// let dataset = Dataset::new(vec![RunStates::new("run", table)?])?;
+/// let methods = SurrogateMethods::standard();
+/// let ridge = methods.by_name("ridge")?.fit(&dataset, &FitSpec::new(["x"], ["y"]).with_coordinate("x"))?;
+///
+/// let asked = Table::new(vec![Column::new("x", "", vec![4.5, 40.0])])?;
+/// let answers = inference::predict_table(ridge.as_ref(), &asked, 0.9)?;
+/// assert!((answers.column("predicted_y")?[0] - 13.5).abs() < 0.1);
+/// assert_eq!(answers.column("outside")?, [0.0, 1.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// If a column is missing, and as [`Surrogate::predict`].
+pub fn predict_table(surrogate: &dyn Surrogate, table: &Table, level: f64) -> Result<Table> {
+    let columns = surrogate.columns();
+    let inputs = chosen(table, &columns.input_names())?;
+    let predictions = surrogate.predict(&rows_of(&inputs), level)?;
+    let mut all = inputs.columns().to_vec();
+    for (k, output) in columns.outputs.iter().enumerate() {
+        let mut add = |prefix: &str, value: &dyn Fn(&Estimate) -> f64| {
+            let values = predictions.iter().map(|prediction| value(&prediction.values[k])).collect();
+            all.push(Column::new(format!("{prefix}_{}", output.name), &output.unit, values));
+        };
+        add("predicted", &|estimate| estimate.mean);
+        if predictions.iter().any(|prediction| prediction.values[k].interval.is_some()) {
+            let of = |estimate: &Estimate, value: &dyn Fn(&crate::surrogate::Interval) -> f64| {
+                estimate.interval.as_ref().map_or(f64::NAN, value)
+            };
+            add("standard_deviation", &|estimate| of(estimate, &|interval| interval.standard_deviation()));
+            add("lower", &|estimate| of(estimate, &|interval| interval.lower));
+            add("upper", &|estimate| of(estimate, &|interval| interval.upper));
+        }
+    }
+    let outside = |prediction: &Prediction| f64::from(u8::from(!prediction.outside.is_empty()));
+    all.push(Column::new("outside", "", predictions.iter().map(outside).collect()));
+    Table::new(all).map_err(table_error)
+}
+
+/// The columns of these names, in their order.
+///
+/// # Errors
+/// If one is missing.
+pub fn chosen(table: &Table, names: &[String]) -> Result<Table> {
+    let column = |name: &String| {
+        let known = table.columns().iter().find(|column| column.name == *name);
+        known.cloned().ok_or_else(|| {
+            LearnError::Dataset(match table.column(name) {
+                Err(error) => error.to_string(),
+                Ok(_) => format!("there is no column {name}"),
+            })
+        })
+    };
+    Table::new(names.iter().map(column).collect::<Result<_>>()?).map_err(table_error)
+}
+
+/// The values of a table row by row.
+pub fn rows_of(table: &Table) -> Vec<f64> {
+    let columns: Vec<&[f64]> = table.columns().iter().map(|column| column.values.as_slice()).collect();
+    (0..table.rows()).flat_map(|row| columns.iter().map(move |column| column[row])).collect()
+}
+
+fn table_error(error: granum_core::TableError) -> LearnError {
+    LearnError::Dataset(error.to_string())
+}

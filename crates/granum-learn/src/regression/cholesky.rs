@@ -1,0 +1,78 @@
+//! Linear equations with a symmetric, positive definite matrix, by its Cholesky factor. Sums have a fixed order, so the
+//! bits are the same on every machine.
+
+/// The lower factor `L` of a matrix `A = L L^T`, row by row.
+pub(crate) struct Cholesky {
+    size: usize,
+    lower: Vec<f64>,
+}
+
+impl Cholesky {
+    /// Factors a matrix, of which the lower half is read; `None` if it is not positive definite.
+    pub(crate) fn new(size: usize, matrix: &[f64]) -> Option<Cholesky> {
+        let mut lower = vec![0.0; size * size];
+        for i in 0..size {
+            for j in 0..=i {
+                let mut sum = matrix[i * size + j];
+                for k in 0..j {
+                    sum -= lower[i * size + k] * lower[j * size + k];
+                }
+                if i == j && !(sum > 0.0 && sum.is_finite()) {
+                    return None;
+                }
+                lower[i * size + j] = if i == j { sum.sqrt() } else { sum / lower[j * size + j] };
+            }
+        }
+        Some(Cholesky { size, lower })
+    }
+
+    /// A factor that was kept; `None` if it is none.
+    pub(crate) fn from_lower(size: usize, lower: Vec<f64>) -> Option<Cholesky> {
+        let positive = |i: usize| lower[i * size + i] > 0.0;
+        let is_factor = lower.len() == size * size
+            && lower.iter().all(|value| value.is_finite())
+            && (0..size).all(positive);
+        is_factor.then_some(Cholesky { size, lower })
+    }
+
+    /// The lower factor, row by row.
+    pub(crate) fn lower(&self) -> &[f64] {
+        &self.lower
+    }
+
+    /// The `x` of `A x = b`.
+    pub(crate) fn solve(&self, b: &[f64]) -> Vec<f64> {
+        let n = self.size;
+        let mut x = b.to_vec();
+        for i in 0..n {
+            for k in 0..i {
+                x[i] -= self.lower[i * n + k] * x[k];
+            }
+            x[i] /= self.lower[i * n + i];
+        }
+        for i in (0..n).rev() {
+            for k in i + 1..n {
+                x[i] -= self.lower[k * n + i] * x[k];
+            }
+            x[i] /= self.lower[i * n + i];
+        }
+        x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equations_solved_by_hand() {
+        // Factor (2; 1 3; -1 2 1), solution (1, 2, 3).
+        let matrix = [4.0, 2.0, -2.0, 2.0, 10.0, 5.0, -2.0, 5.0, 6.0];
+        let factor = Cholesky::new(3, &matrix).unwrap();
+        assert_eq!(factor.lower, [2.0, 0.0, 0.0, 1.0, 3.0, 0.0, -1.0, 2.0, 1.0]);
+        let x = factor.solve(&[2.0, 37.0, 26.0]);
+        assert!(x.iter().zip([1.0, 2.0, 3.0]).all(|(a, b)| (a - b).abs() < 1e-12), "{x:?}");
+        assert!(Cholesky::new(2, &[1.0, 2.0, 2.0, 1.0]).is_none());
+        assert!(Cholesky::new(1, &[f64::NAN]).is_none());
+    }
+}

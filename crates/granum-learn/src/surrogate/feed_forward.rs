@@ -1,0 +1,192 @@
+//! Feed-forward networks, one for each output.
+//!
+//! The bins of a histogram are scaled together, as one quantity. With two runs or more the intervals come from leaving each
+//! run out, see [`granum_nets::Intervals`].
+
+use granum_core::parallel;
+use granum_nets::trainer::{SharedTrainer, Silent};
+use granum_nets::{Column, Data, Deviation, Model, Recipe};
+use serde::{Deserialize, Serialize};
+
+use super::{Cause, Columns, Content, Estimate, FitSpec, Prediction, Surrogate, SurrogateMethod, outside_of};
+use crate::dataset::{Dataset, Variable};
+use crate::error::{LearnError, Result};
+
+/// Feed-forward networks of one size for every output.
+///
+/// ```
+/// use granum_learn::surrogate::{FeedForward, SurrogateMethod};
+/// use granum_nets::trainer::LevenbergMarquardt;
+///
+/// // Small networks, and a trainer of one's own choice (or making).
+/// let mut method = FeedForward::default();
+/// method.hidden = vec![6];
+/// method.trainer = LevenbergMarquardt { epochs: 200, ..Default::default() }.into();
+/// assert_eq!(method.name(), "feed-forward");
+/// ```
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct FeedForward {
+    /// Neurons of each hidden layer (10 and 10).
+    pub hidden: Vec<usize>,
+    /// The trainer (Levenberg-Marquardt with Bayesian regularisation).
+    pub trainer: SharedTrainer,
+    /// How many independent observations a row is worth (1). Neighbouring states of a test are alike; the study of the paper
+    /// found 0.15 for states of its default recording.
+    pub observations_per_row: f64,
+}
+
+impl Default for FeedForward {
+    fn default() -> Self {
+        FeedForward { hidden: vec![10, 10], trainer: SharedTrainer::default(), observations_per_row: 1.0 }
+    }
+}
+
+const NAME: &str = "feed-forward";
+
+fn failed(error: impl std::fmt::Display) -> LearnError {
+    LearnError::Surrogate { method: NAME.into(), reason: error.to_string() }
+}
+
+impl SurrogateMethod for FeedForward {
+    fn name(&self) -> &str {
+        NAME
+    }
+
+    fn help(&self) -> &str {
+        "feed-forward networks, one for each output"
+    }
+
+    fn fit(&self, dataset: &Dataset, spec: &FitSpec) -> Result<Box<dyn Surrogate>> {
+        let columns = spec.columns(dataset)?;
+        let inputs = dataset.values(&columns.input_names())?;
+        let recipe = Recipe {
+            quantities: quantities(dataset, &columns),
+            ..Recipe::new(
+                columns.inputs.iter().map(network_column).collect(),
+                Column::new("", "1"),
+                self.hidden.clone(),
+            )
+        };
+        let blocks = dataset.run_of_rows();
+        let models = parallel::map(columns.outputs.len(), spec.threads, |k| {
+            let output = &columns.outputs[k];
+            let targets = dataset.values(&[&output.name])?;
+            let observations = targets.len() as f64 * self.observations_per_row;
+            let data = Data::new(inputs.clone(), columns.inputs.len(), targets)
+                .and_then(|data| data.with_observations(observations))
+                .and_then(|data| data.with_blocks(blocks.clone()))
+                .and_then(|data| match spec.place_of_coordinate(&columns) {
+                    Some(place) => data.with_spread_column(place),
+                    None => Ok(data),
+                })
+                .map_err(failed)?;
+            let seed = spec.seed.wrapping_add(k as u64);
+            let recipe = Recipe { output: network_column(output), seed, ..recipe.clone() };
+            let (model, _) = Model::fit(&recipe, &data, &*self.trainer, &mut Silent).map_err(failed)?;
+            Ok::<_, LearnError>(model)
+        })?;
+        Ok(Box::new(FittedNetworks { columns, models }))
+    }
+
+    fn load(&self, columns: Columns, content: &Content) -> Result<Box<dyn Surrogate>> {
+        let kept: Kept = content.read()?;
+        let models = kept.networks.iter().map(|value| Model::from_value(value, "network").map_err(failed));
+        let models = models.collect::<Result<Vec<_>>>()?;
+        let names = columns.input_names();
+        let fits = |(model, output): (&Model, &Variable)| {
+            model.output().name == output.name && model.inputs().iter().map(|c| &c.name).eq(&names)
+        };
+        if models.len() != columns.outputs.len() || !models.iter().zip(&columns.outputs).all(fits) {
+            return Err(failed("the networks are not those of its columns"));
+        }
+        Ok(Box::new(FittedNetworks { columns, models }))
+    }
+}
+
+fn network_column(variable: &Variable) -> Column {
+    Column::new(&variable.name, if variable.unit.is_empty() { "1" } else { &variable.unit })
+}
+
+/// Which quantity each input belongs to: the bins of a histogram are one.
+fn quantities(dataset: &Dataset, columns: &Columns) -> Vec<usize> {
+    let histograms: Vec<Vec<String>> = dataset
+        .runs()
+        .first()
+        .map_or(Vec::new(), |run| run.groups().iter().map(|group| group.columns().collect()).collect());
+    let histogram_of = |name: &String| histograms.iter().position(|names| names.contains(name));
+    let mut numbers: Vec<usize> = Vec::new();
+    for (k, input) in columns.inputs.iter().enumerate() {
+        let same = histogram_of(&input.name).and_then(|own| {
+            columns.inputs[..k].iter().position(|other| histogram_of(&other.name) == Some(own))
+        });
+        numbers.push(
+            same.map_or_else(|| numbers.iter().max().map_or(0, |most| most + 1), |first| numbers[first]),
+        );
+    }
+    numbers
+}
+
+/// Networks, one for each output.
+struct FittedNetworks {
+    columns: Columns,
+    models: Vec<Model>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Kept {
+    networks: Vec<serde_json::Value>,
+}
+
+/// The standard deviation of a network by its causes.
+pub(crate) fn causes(deviation: &Deviation) -> Vec<(Cause, f64)> {
+    let all = [
+        (Cause::Noise, deviation.noise),
+        (Cause::Parameters, deviation.weights),
+        (Cause::Runs, deviation.blocks),
+    ];
+    all.into_iter().filter(|(_, deviation)| *deviation > 0.0).collect()
+}
+
+impl Surrogate for FittedNetworks {
+    fn method(&self) -> &str {
+        NAME
+    }
+
+    fn columns(&self) -> &Columns {
+        &self.columns
+    }
+
+    fn answer(&self, rows: &[&[f64]], level: f64) -> Result<Vec<Prediction>> {
+        let flat = rows.concat();
+        let mut predictions = vec![Prediction::default(); rows.len()];
+        for model in &self.models {
+            let means = model.predict_batch(&flat).map_err(failed)?.values;
+            let deviations = model.deviations_of(&flat, 1).map_err(failed)?;
+            let quantile = model.quantile(level);
+            for (k, (prediction, mean)) in predictions.iter_mut().zip(means).enumerate() {
+                let estimate = Estimate::new(mean);
+                prediction.values.push(match &deviations {
+                    None => estimate,
+                    Some(all) => {
+                        let half = quantile * all[k].total;
+                        estimate.within([mean - half, mean + half], causes(&all[k]))
+                    }
+                });
+            }
+        }
+        let ranges: Vec<[f64; 2]> = self.models.first().map_or(Vec::new(), |model| {
+            model.input_scalers().iter().map(|scaler| [scaler.minimum, scaler.maximum]).collect()
+        });
+        for (prediction, row) in predictions.iter_mut().zip(rows) {
+            prediction.outside = outside_of(&self.columns, &ranges, row);
+        }
+        Ok(predictions)
+    }
+
+    fn content(&self) -> Result<Content> {
+        let networks = self.models.iter().map(|model| model.to_value().map_err(failed));
+        Content::of(&Kept { networks: networks.collect::<Result<_>>()? })
+    }
+}

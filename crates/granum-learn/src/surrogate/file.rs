@@ -1,0 +1,152 @@
+//! Surrogates in files: one JSON document that a person can read, with its version, and a SHA-256 as its last entry.
+
+use std::io::Write;
+use std::path::Path;
+
+use granum_core::{digest, json};
+use granum_io::Error;
+use granum_io::atomic::write_atomically;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use super::{Columns, Surrogate};
+use crate::error::{LearnError, Result};
+
+const FORMAT: &str = "granum surrogate";
+const VERSION: u64 = 1;
+/// What comes before the digest, which is of every byte before it.
+const DIGEST: &str = ",\n  \"sha256\": \"";
+/// Largest file that is read.
+const LARGEST_FILE: u64 = 1 << 28;
+
+/// What a surrogate keeps of itself in a file: any value that can be written as JSON.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Content(serde_json::Value);
+
+impl Content {
+    /// From any value that serde can write.
+    ///
+    /// # Errors
+    /// If it has no place in JSON.
+    pub fn of(value: &impl Serialize) -> Result<Content> {
+        let failed = |error: serde_json::Error| LearnError::Content(error.to_string());
+        Ok(Content(serde_json::to_value(value).map_err(failed)?))
+    }
+
+    /// The value again. Numbers have the bits that they had.
+    ///
+    /// # Errors
+    /// If it is another value than the one asked for.
+    pub fn read<T: DeserializeOwned>(&self) -> Result<T> {
+        T::deserialize(&self.0).map_err(|error| LearnError::Content(error.to_string()))
+    }
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    format: String,
+    version: u64,
+    granum_version: String,
+    method: String,
+    columns: Columns,
+    content: serde_json::Value,
+    #[serde(default, skip_serializing, rename = "sha256")]
+    _digest: String,
+}
+
+/// What is read first, whatever else the file holds.
+#[derive(Deserialize)]
+struct Header {
+    format: Option<String>,
+    version: Option<u64>,
+}
+
+/// A file that is whole.
+pub(super) struct Opened {
+    pub method: String,
+    pub columns: Columns,
+    pub content: Content,
+}
+
+/// The text of the file that [`save`] writes.
+///
+/// # Errors
+/// If the surrogate holds what cannot be written.
+pub fn to_json(surrogate: &dyn Surrogate) -> Result<String> {
+    let file = File {
+        format: FORMAT.into(),
+        version: VERSION,
+        granum_version: env!("CARGO_PKG_VERSION").into(),
+        method: surrogate.method().into(),
+        columns: surrogate.columns().clone(),
+        content: surrogate.content()?.0,
+        _digest: String::new(),
+    };
+    let text = json::readable(&file).map_err(|error| LearnError::Content(error.to_string()))?;
+    // The digest is put before the brace that closes the document.
+    let body = text.strip_suffix('}').unwrap_or(&text).trim_end();
+    Ok(format!("{body}{DIGEST}{}\"\n}}\n", digest::of(body.as_bytes())))
+}
+
+/// Writes a surrogate; [`super::SurrogateMethods::load`] reads it again.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn save(path: &Path, surrogate: &dyn Surrogate) -> Result<()> {
+    let text = to_json(surrogate)?;
+    write_atomically(path, |file| file.write_all(text.as_bytes()))?;
+    Ok(())
+}
+
+pub(super) fn read(path: &Path) -> Result<Opened> {
+    let name = path.display().to_string();
+    let size = std::fs::metadata(path).map_err(Error::file("read", path))?.len();
+    if size > LARGEST_FILE {
+        let reason = format!("it has {size} bytes; a surrogate has at most {LARGEST_FILE}");
+        return Err(LearnError::SurrogateFile { file: name, reason });
+    }
+    let text = std::fs::read_to_string(path).map_err(Error::file("read", path))?;
+    parse(&text, &name)
+}
+
+pub(super) fn parse(text: &str, name: &str) -> Result<Opened> {
+    opened(text).map_err(|reason| LearnError::SurrogateFile { file: name.to_owned(), reason })
+}
+
+fn opened(text: &str) -> std::result::Result<Opened, String> {
+    let header: Header = serde_json::from_str(text).map_err(|error| match error.is_eof() {
+        true => "the file ends too early: it is truncated; save the surrogate again".to_string(),
+        false => format!("this is no surrogate file: {error}"),
+    })?;
+    match (header.format.as_deref(), header.version) {
+        (Some(FORMAT), Some(VERSION)) => {}
+        (Some(FORMAT), Some(version)) => {
+            return Err(format!("it has version {version}, this program reads version {VERSION}"));
+        }
+        (Some("granum model"), _) => {
+            return Err("this is a single network; granum_nets::Model::load reads it".into());
+        }
+        (Some("granum study"), _) => {
+            return Err("this is a study of networks; antony2006::files::load_study reads its folder".into());
+        }
+        (format, _) => {
+            let found = format.unwrap_or("none");
+            return Err(format!(
+                "this is no surrogate file: \"format\" should be \"{FORMAT}\", found {found}"
+            ));
+        }
+    }
+    let body = text.rfind(DIGEST).map(|at| (&text[..at], &text[at + DIGEST.len()..]));
+    let whole =
+        |(body, rest): (&str, &str)| rest.trim_end() == format!("{}\"\n}}", digest::of(body.as_bytes()));
+    if !body.is_some_and(whole) {
+        return Err(
+            "the SHA-256 does not fit the content: the file was altered or damaged; save the surrogate again"
+                .into(),
+        );
+    }
+    let file: File =
+        serde_json::from_str(text).map_err(|error| format!("not a usable surrogate: {error}"))?;
+    Ok(Opened { method: file.method, columns: file.columns, content: Content(file.content) })
+}

@@ -1,0 +1,99 @@
+//! The methods by name. A new one is a file beside this one and a line in [`SurrogateMethods::standard`].
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::file::{self, Opened};
+use super::{FeedForward, RidgeRegression, Surrogate, SurrogateMethod};
+use crate::antony2006::MappingMethod;
+use crate::error::{LearnError, Result};
+
+/// The methods that are known by name, for fitting and for reading files.
+///
+/// ```
+/// use granum_learn::SurrogateMethods;
+///
+/// let methods = SurrogateMethods::standard();
+/// assert_eq!(methods.names(), ["feed-forward", "ridge", "antony2006"]);
+/// let error = methods.by_name("rigde").err().unwrap().to_string();
+/// assert!(error.starts_with("there is no surrogate method `rigde`"), "{error}");
+/// ```
+#[derive(Clone)]
+pub struct SurrogateMethods {
+    methods: Vec<Arc<dyn SurrogateMethod>>,
+}
+
+impl Default for SurrogateMethods {
+    fn default() -> Self {
+        SurrogateMethods::standard()
+    }
+}
+
+impl SurrogateMethods {
+    /// The methods of this crate, with their usual settings.
+    pub fn standard() -> SurrogateMethods {
+        SurrogateMethods {
+            methods: vec![
+                Arc::new(FeedForward::default()),
+                Arc::new(RidgeRegression::default()),
+                Arc::new(MappingMethod::default()),
+            ],
+        }
+    }
+
+    /// The same with a further method, which takes the place of one of the same name.
+    pub fn with(mut self, method: impl SurrogateMethod + 'static) -> SurrogateMethods {
+        self.methods.retain(|known| known.name() != method.name());
+        self.methods.push(Arc::new(method));
+        self
+    }
+
+    /// All methods.
+    pub fn all(&self) -> impl Iterator<Item = &dyn SurrogateMethod> {
+        self.methods.iter().map(AsRef::as_ref)
+    }
+
+    /// Their names.
+    pub fn names(&self) -> Vec<&str> {
+        self.all().map(SurrogateMethod::name).collect()
+    }
+
+    /// The method of that name.
+    ///
+    /// # Errors
+    /// [`LearnError::Unknown`] with the names that there are.
+    pub fn by_name(&self, name: &str) -> Result<&dyn SurrogateMethod> {
+        self.all().find(|method| method.name() == name).ok_or_else(|| LearnError::Unknown {
+            kind: "surrogate method",
+            name: name.to_owned(),
+            known: self.names().join(", "),
+        })
+    }
+
+    /// Reads a surrogate that [`super::save`] wrote.
+    ///
+    /// # Errors
+    /// If the file cannot be read, was altered, is of a newer version or of a method that is not known here; the message
+    /// names the file.
+    pub fn load(&self, path: &Path) -> Result<Box<dyn Surrogate>> {
+        self.assembled(file::read(path)?, &path.display().to_string())
+    }
+
+    /// A surrogate from the text of its file; `name` is what messages call it.
+    ///
+    /// # Errors
+    /// As [`SurrogateMethods::load`].
+    pub fn from_json(&self, text: &str, name: &str) -> Result<Box<dyn Surrogate>> {
+        self.assembled(file::parse(text, name)?, name)
+    }
+
+    fn assembled(&self, opened: Opened, name: &str) -> Result<Box<dyn Surrogate>> {
+        let damaged = |reason: String| LearnError::SurrogateFile { file: name.to_owned(), reason };
+        let method = self.by_name(&opened.method).map_err(|error| {
+            damaged(format!(
+                "{error}; a method of a program of its own must be registered before its files are read"
+            ))
+        })?;
+        method.load(opened.columns, &opened.content).map_err(|error| damaged(error.to_string()))
+    }
+}

@@ -1,0 +1,322 @@
+//! Ridge regression, for each output,
+//!
+//! ```text
+//! output = B(coordinate) a + sum_k b_k z_k,   z_k = (input_k - B(coordinate) c_k) / s_k
+//! ```
+//!
+//! with the cubic B-splines `B` of a coordinate (8 knots at equal distances in the square root of how far along it is
+//! from 0, or from its smallest value where that is negative), and
+//! each other input by its deviation from its own mean over the coordinate (`c_k`), over the standard deviation `s_k` of
+//! that. Without a coordinate `B` is 1. The coefficients minimise the sum of squared errors over the n rows plus
+//! `1e-6 |a|^2 + 0.05 n |b|^2` (Hoerl and Kennard 1970). It is the baseline of the paper's study with columns of any name.
+//!
+//! The standard deviation of a new observation at a row `x` of the regression has three parts:
+//!
+//! ```text
+//! s^2 = sum of squared errors / (n - gamma)          noise, gamma the effective number of parameters
+//! s^2 x^T (X^T X + P)^-1 x                           coefficients, P the penalties
+//! mean of e^2 less the first two, at least 0         runs, e the errors of each run when the others answer it
+//! ```
+//!
+//! and intervals reach Student's quantile with the degrees of freedom of Welch and Satterthwaite: n - gamma for the first two
+//! parts, the number of runs less one for the third.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Cause, Columns, Content, Estimate, FitSpec, Prediction, Surrogate, SurrogateMethod, outside_of};
+use crate::dataset::Dataset;
+use crate::error::{LearnError, Result};
+use crate::regression::cholesky::Cholesky;
+use crate::regression::deviations::{CURVE_PENALTY, Deviation, Equations, dot, row};
+use crate::regression::spline::{FUNCTIONS, basis};
+
+/// Ridge regression with its penalty.
+///
+/// ```
+/// use granum_core::{Column, Table};
+/// use granum_learn::surrogate::{Cause, FitSpec, RidgeRegression, SurrogateMethod};
+/// use granum_learn::{Dataset, RunStates};
+///
+/// // y = 2 x + 1 with a scatter of 0.1.
+/// let x: Vec<f64> = (0..50).map(f64::from).collect();
+/// let y = x.iter().map(|x| 2.0 * x + 1.0 + 0.1 * (7.0 * x).sin()).collect();
+/// let table = Table::new(vec![Column::new("x", "", x), Column::new("y", "", y)])?;
+/// let dataset = Dataset::new(vec![RunStates::new("run", table)?])?;
+///
+/// let mut method = RidgeRegression::default();
+/// method.penalty = 1e-9;
+/// let fitted = method.fit(&dataset, &FitSpec::new(["x"], ["y"]))?;
+/// let prediction = &fitted.predict(&[20.0], 0.9)?[0];
+/// assert!((prediction.values[0].mean - 41.0).abs() < 0.1);
+/// let causes = &prediction.values[0].interval.as_ref().unwrap().causes;
+/// assert!(matches!(causes[0], (Cause::Noise, s) if (s - 0.07).abs() < 0.01), "{causes:?}");
+/// assert_eq!(fitted.predict(&[90.0], 0.9)?[0].outside[0].range, [0.0, 49.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct RidgeRegression {
+    /// Penalty on the squared coefficients of the inputs, times the number of rows (0.05).
+    pub penalty: f64,
+}
+
+impl Default for RidgeRegression {
+    fn default() -> Self {
+        RidgeRegression { penalty: 0.05 }
+    }
+}
+
+const NAME: &str = "ridge";
+
+fn failed(reason: impl Into<String>) -> LearnError {
+    LearnError::Surrogate { method: NAME.into(), reason: reason.into() }
+}
+
+/// The coordinate: its place among the inputs, where it begins (at 0, or at its smallest value if that is negative) and ends.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Coordinate {
+    input: usize,
+    start: f64,
+    end: f64,
+}
+
+/// What is needed to answer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Fitted {
+    coordinate: Option<Coordinate>,
+    /// Range of each input over the rows.
+    ranges: Vec<[f64; 2]>,
+    /// One for each input but the coordinate.
+    deviations: Vec<Deviation>,
+    /// The Cholesky factor of the normal equations, row by row.
+    factor: Vec<f64>,
+    outputs: Vec<Output>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Output {
+    /// Those of the functions of the coordinate, then those of the deviations.
+    coefficients: Vec<f64>,
+    noise_variance: f64,
+    /// What runs differ by; 0 of a single run.
+    run_variance: f64,
+    degrees_of_freedom: f64,
+}
+
+impl Fitted {
+    fn functions(&self, inputs: &[f64]) -> Vec<f64> {
+        match &self.coordinate {
+            Some(Coordinate { input, start, end }) => basis(inputs[*input] - start, end - start).to_vec(),
+            None => vec![1.0],
+        }
+    }
+
+    /// The inputs but the coordinate.
+    fn others<'a>(&self, inputs: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        let coordinate = self.coordinate.as_ref().map(|coordinate| coordinate.input);
+        inputs.iter().enumerate().filter(move |(k, _)| Some(*k) != coordinate).map(|(_, value)| *value)
+    }
+
+    fn row(&self, inputs: &[f64]) -> Vec<f64> {
+        row(&self.deviations, &self.functions(inputs), self.others(inputs))
+    }
+
+    /// Refuses parts that do not fit together.
+    fn check(&self, columns: &Columns) -> Result<()> {
+        let inputs = columns.inputs.len();
+        let others = inputs - usize::from(self.coordinate.is_some());
+        let functions = if self.coordinate.is_some() { FUNCTIONS } else { 1 };
+        let size = functions + others;
+        let positive = |x: f64| x >= 0.0 && x.is_finite();
+        let output = |output: &Output| {
+            output.coefficients.len() == size
+                && output.coefficients.iter().all(|c| c.is_finite())
+                && positive(output.noise_variance)
+                && positive(output.run_variance)
+                && output.degrees_of_freedom >= 1.0
+        };
+        let fits = self.coordinate.as_ref().is_none_or(|c| c.input < inputs && c.start <= c.end)
+            && self.ranges.len() == inputs
+            && self.deviations.len() == others
+            && self.deviations.iter().all(|deviation| deviation.mean.len() == functions)
+            && Cholesky::from_lower(size, self.factor.clone()).is_some()
+            && self.outputs.len() == columns.outputs.len()
+            && self.outputs.iter().all(output);
+        if fits { Ok(()) } else { Err(failed("its coefficients are not those of its columns")) }
+    }
+}
+
+impl SurrogateMethod for RidgeRegression {
+    fn name(&self) -> &str {
+        NAME
+    }
+
+    fn help(&self) -> &str {
+        "ridge regression, linear in the inputs along a curve"
+    }
+
+    fn fit(&self, dataset: &Dataset, spec: &FitSpec) -> Result<Box<dyn Surrogate>> {
+        if !(self.penalty > 0.0 && self.penalty.is_finite()) {
+            return Err(failed(format!("the penalty must be a positive number, not {}", self.penalty)));
+        }
+        let columns = spec.columns(dataset)?;
+        let values = dataset.values(&columns.input_names())?;
+        let inputs: Vec<&[f64]> = values.chunks_exact(columns.inputs.len()).collect();
+        let ranges: Vec<[f64; 2]> =
+            (0..columns.inputs.len()).map(|k| range(inputs.iter().map(|row| row[k]))).collect();
+        let coordinate = spec.place_of_coordinate(&columns);
+        let along =
+            |input: usize| Coordinate { input, start: ranges[input][0].min(0.0), end: ranges[input][1] };
+        let coordinate = coordinate.map(along);
+        let mut fitted =
+            Fitted { coordinate, ranges, deviations: Vec::new(), factor: Vec::new(), outputs: Vec::new() };
+        let functions: Vec<Vec<f64>> = inputs.iter().map(|row| fitted.functions(row)).collect();
+        let others: Vec<Vec<f64>> = inputs.iter().map(|row| fitted.others(row).collect()).collect();
+        let transposed: Vec<Vec<f64>> =
+            (0..others[0].len()).map(|k| others.iter().map(|row| row[k]).collect()).collect();
+        let unsolved = || failed("the equations have no solution; are there infinite or huge values?");
+        fitted.deviations = Deviation::fit(&functions, &transposed).ok_or_else(unsolved)?;
+        let rows: Vec<Vec<f64>> = inputs.iter().map(|row| fitted.row(row)).collect();
+        let regression = Regression::new(self.penalty, functions[0].len(), &rows).ok_or_else(unsolved)?;
+        let runs = dataset.run_of_rows();
+        for output in &columns.outputs {
+            let targets = dataset.values(&[&output.name])?;
+            fitted.outputs.push(regression.output(&rows, &targets, &runs).ok_or_else(unsolved)?);
+        }
+        fitted.factor = regression.equations.factor().lower().to_vec();
+        Ok(Box::new(FittedRidge { columns, fitted }))
+    }
+
+    fn load(&self, columns: Columns, content: &Content) -> Result<Box<dyn Surrogate>> {
+        let fitted: Fitted = content.read()?;
+        fitted.check(&columns)?;
+        Ok(Box::new(FittedRidge { columns, fitted }))
+    }
+}
+
+fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+}
+
+/// The equations over all rows.
+struct Regression {
+    penalty: f64,
+    functions: usize,
+    equations: Equations,
+    /// Effective number of parameters: the trace of `(X^T X + P)^-1 X^T X`.
+    effective: f64,
+}
+
+impl Regression {
+    fn new(penalty: f64, functions: usize, rows: &[Vec<f64>]) -> Option<Regression> {
+        let penalties = penalties(penalty, functions, rows);
+        let equations = Equations::new(rows, &penalties)?;
+        let size = penalties.len();
+        let taken = |k: usize| {
+            let unit: Vec<f64> = (0..size).map(|i| f64::from(u8::from(i == k))).collect();
+            penalties[k] * equations.factor().solve(&unit)[k]
+        };
+        let effective = size as f64 - (0..size).map(taken).sum::<f64>();
+        Some(Regression { penalty, functions, equations, effective })
+    }
+
+    /// The coefficients for an output, and what observations scatter by.
+    fn output(&self, rows: &[Vec<f64>], targets: &[f64], runs: &[usize]) -> Option<Output> {
+        let coefficients = self.equations.solve(rows, targets);
+        let squares =
+            rows.iter().zip(targets).map(|(row, target)| (dot(&coefficients, row) - target).powi(2));
+        let free = (targets.len() as f64 - self.effective).max(1.0);
+        let noise_variance = squares.sum::<f64>() / free;
+        let parameters = |row: &Vec<f64>| noise_variance * dot(row, &self.equations.factor().solve(row));
+        let parameter_variance = rows.iter().map(parameters).sum::<f64>() / rows.len() as f64;
+        let count = runs.last().map_or(0, |last| last + 1);
+        let within = noise_variance + parameter_variance;
+        let run_variance = match count {
+            0 | 1 => 0.0,
+            _ => (self.left_out(rows, targets, runs, count)? - within).max(0.0),
+        };
+        // Welch and Satterthwaite; two runs are the fewest that make a variance.
+        let between = run_variance * run_variance / (count.max(2) - 1) as f64;
+        let all = (within + run_variance).powi(2);
+        let degrees_of_freedom = if all > 0.0 { all / (within * within / free + between) } else { free };
+        Some(Output {
+            coefficients,
+            noise_variance,
+            run_variance,
+            degrees_of_freedom: degrees_of_freedom.max(1.0),
+        })
+    }
+
+    /// Mean squared error where every run is answered by the others.
+    fn left_out(&self, rows: &[Vec<f64>], targets: &[f64], runs: &[usize], count: usize) -> Option<f64> {
+        let mut sum = 0.0;
+        for run in 0..count {
+            let (mut others, mut their_targets) = (Vec::new(), Vec::new());
+            for k in (0..rows.len()).filter(|&k| runs[k] != run) {
+                others.push(rows[k].clone());
+                their_targets.push(targets[k]);
+            }
+            let equations = Equations::new(&others, &penalties(self.penalty, self.functions, &others))?;
+            let coefficients = equations.solve(&others, &their_targets);
+            let own = (0..rows.len()).filter(|&k| runs[k] == run);
+            sum += own.map(|k| (dot(&coefficients, &rows[k]) - targets[k]).powi(2)).sum::<f64>();
+        }
+        Some(sum / rows.len() as f64)
+    }
+}
+
+fn penalties(penalty: f64, functions: usize, rows: &[Vec<f64>]) -> Vec<f64> {
+    let size = rows.first().map_or(functions, Vec::len);
+    let of = |k: usize| if k < functions { CURVE_PENALTY } else { penalty * rows.len() as f64 };
+    (0..size).map(of).collect()
+}
+
+/// A fitted ridge regression.
+struct FittedRidge {
+    columns: Columns,
+    fitted: Fitted,
+}
+
+impl Surrogate for FittedRidge {
+    fn method(&self) -> &str {
+        NAME
+    }
+
+    fn columns(&self) -> &Columns {
+        &self.columns
+    }
+
+    fn answer(&self, rows: &[&[f64]], level: f64) -> Result<Vec<Prediction>> {
+        let fitted = &self.fitted;
+        let size = fitted.outputs.first().map_or(0, |output| output.coefficients.len());
+        let factor = Cholesky::from_lower(size, fitted.factor.clone());
+        let factor = factor.ok_or_else(|| failed("its coefficients are not those of its columns"))?;
+        let quantiles: Vec<f64> = fitted
+            .outputs
+            .iter()
+            .map(|output| granum_nets::two_sided_quantile(level, output.degrees_of_freedom))
+            .collect();
+        let predict = |inputs: &&[f64]| {
+            let row = fitted.row(inputs);
+            let leverage = dot(&row, &factor.solve(&row)).max(0.0);
+            let estimate = |(output, quantile): (&Output, &f64)| {
+                let causes = vec![
+                    (Cause::Noise, output.noise_variance.sqrt()),
+                    (Cause::Parameters, (output.noise_variance * leverage).sqrt()),
+                    (Cause::Runs, output.run_variance.sqrt()),
+                ];
+                Estimate::new(dot(&output.coefficients, &row)).by(causes, *quantile)
+            };
+            let estimates = fitted.outputs.iter().zip(&quantiles).map(estimate).collect();
+            Prediction::new(estimates).with_outside(outside_of(&self.columns, &fitted.ranges, inputs))
+        };
+        Ok(rows.iter().map(predict).collect())
+    }
+
+    fn content(&self) -> Result<Content> {
+        Content::of(&self.fitted)
+    }
+}

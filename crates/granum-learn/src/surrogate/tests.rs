@@ -1,0 +1,398 @@
+//! Surrogates of every kind, one of a user's own among them.
+
+use granum_core::{Column, Table};
+use granum_sensors::Record;
+
+use super::*;
+use crate::antony2006::mapping::paper_mapping;
+use crate::antony2006::study::{Silent, Study, StudyOptions};
+use crate::antony2006::synthetic::{Law, record};
+use crate::antony2006::{MappingMethod, MappingNetworks, StudyData, StudyDataOptions};
+use crate::dataset::{NamedRecord, Parts, RunStates, Split};
+use crate::{SurrogateScores, compare, score_surrogate};
+
+/// A method of a user's own: the outputs of the nearest training row, inputs over their range.
+struct Nearest;
+
+struct FittedNearest {
+    columns: Columns,
+    ranges: Vec<[f64; 2]>,
+    rows: Vec<(Vec<f64>, Vec<f64>)>,
+}
+
+impl SurrogateMethod for Nearest {
+    fn name(&self) -> &str {
+        "nearest"
+    }
+    fn help(&self) -> &str {
+        "the outputs of the nearest training row"
+    }
+    fn fit(&self, dataset: &Dataset, spec: &FitSpec) -> Result<Box<dyn Surrogate>> {
+        let columns = spec.columns(dataset)?;
+        let (inputs, outputs) = (columns.input_names(), columns.output_names());
+        let (x, y) = (dataset.values(&inputs)?, dataset.values(&outputs)?);
+        let rows: Vec<(Vec<f64>, Vec<f64>)> = x
+            .chunks(inputs.len())
+            .zip(y.chunks(outputs.len()))
+            .map(|(x, y)| (x.to_vec(), y.to_vec()))
+            .collect();
+        let range = |k: usize| {
+            let values = rows.iter().map(|(x, _)| x[k]);
+            [values.clone().fold(f64::INFINITY, f64::min), values.fold(f64::NEG_INFINITY, f64::max)]
+        };
+        let ranges = (0..inputs.len()).map(range).collect();
+        Ok(Box::new(FittedNearest { columns, ranges, rows }))
+    }
+    fn load(&self, columns: Columns, content: &Content) -> Result<Box<dyn Surrogate>> {
+        let (ranges, rows) = content.read()?;
+        Ok(Box::new(FittedNearest { columns, ranges, rows }))
+    }
+}
+
+impl Surrogate for FittedNearest {
+    fn method(&self) -> &str {
+        "nearest"
+    }
+    fn columns(&self) -> &Columns {
+        &self.columns
+    }
+    fn answer(&self, rows: &[&[f64]], _level: f64) -> Result<Vec<Prediction>> {
+        let distance = |a: &[f64], b: &[f64]| -> f64 {
+            let each = a.iter().zip(b).zip(&self.ranges);
+            each.map(|((a, b), [low, high])| ((a - b) / (high - low).max(1e-300)).powi(2)).sum()
+        };
+        let predict = |row: &&[f64]| {
+            let nearest = self.rows.iter().min_by(|a, b| distance(&a.0, row).total_cmp(&distance(&b.0, row)));
+            let outputs = nearest.map_or(&[][..], |(_, outputs)| outputs);
+            let estimates = outputs.iter().map(|mean| Estimate::new(*mean)).collect();
+            Prediction::new(estimates).with_outside(outside_of(&self.columns, &self.ranges, row))
+        };
+        Ok(rows.iter().map(predict).collect())
+    }
+    fn content(&self) -> Result<Content> {
+        Content::of(&(&self.ranges, &self.rows))
+    }
+}
+
+fn records(law: Law, count: u64) -> Vec<Record> {
+    (1..=count).map(|seed| record(law, seed, 60)).collect()
+}
+
+fn dataset_of(records: &[Record]) -> Dataset {
+    let run = |(k, record): (usize, &Record)| {
+        let name = format!("run-{}", k + 1);
+        RunStates::from_record(&NamedRecord { name: &name, seed: k as u64 + 1, record }).unwrap()
+    };
+    Dataset::new(records.iter().enumerate().map(run).collect()).unwrap()
+}
+
+/// The split of the paper, the last two runs unseen.
+fn parts(dataset: &Dataset) -> Parts {
+    let unseen = dataset.runs().iter().rev().take(2).map(|run| run.name().to_string());
+    dataset.split(&Split::default().first_state(1).unseen(unseen)).unwrap()
+}
+
+/// What the paper's mapping reads, by the names of columns: bins from 0 to 3.5.
+fn spec_of(dataset: &Dataset, mapping: &str) -> FitSpec {
+    let densities: Vec<String> = dataset
+        .expand(&["probability_density"])
+        .unwrap()
+        .into_iter()
+        .filter(|name| {
+            (0.0..3.5).contains(&name.trim_start_matches("probability_density_").parse::<f64>().unwrap())
+        })
+        .collect();
+    let number = |name: &str| vec![name.to_string()];
+    let strain = number("deviator_strain");
+    let (inputs, outputs) = match mapping {
+        "F2" => ([strain, number("stress_ratio")].concat(), densities),
+        "F3" => ([strain, number("deviator_fabric"), densities].concat(), number("stress_ratio")),
+        other => panic!("{other}"),
+    };
+    FitSpec::new(inputs, outputs).with_coordinate("deviator_strain")
+}
+
+/// The networks of a mapping, ridge regression and a user's own surrogate go through one function, and the first two get the
+/// very scores that the study of the paper gives them.
+#[test]
+fn a_study_scores_any_surrogate_in_the_same_way() {
+    let records = records(Law::Hidden, 4);
+    let dataset = dataset_of(&records);
+    let parts = parts(&dataset);
+    let mapping = paper_mapping("F3").unwrap().with_neurons(4);
+    let methods = SurrogateMethods::standard().with(MappingMethod::new(mapping.clone())).with(Nearest);
+    let asked = ["antony2006", "ridge", "nearest"].map(|name| methods.by_name(name).unwrap());
+    let scores = compare(&parts, &spec_of(&dataset, "F3"), &asked, 0.9).unwrap();
+
+    let named: Vec<NamedRecord> =
+        records.iter().map(|record| NamedRecord { name: "run", seed: 0, record }).collect();
+    let data = StudyData::new(&named[..2], &named[2..], &StudyDataOptions::default()).unwrap();
+    let options = StudyOptions { mappings: vec![mapping], ..Default::default() };
+    let study = Study::train(&data, &options, &Silent).unwrap();
+    let evaluation = &study.evaluate(&data).unwrap()[0];
+    for (scored, known) in scores.iter().zip([&evaluation.network, &evaluation.ridge]) {
+        let name = &scored.method;
+        assert_eq!(scored.training, known.training, "{name}");
+        assert_eq!(scored.held_out, known.held_out, "{name}");
+        assert_eq!(scored.unseen, known.unseen, "{name}");
+    }
+    let [networks, ridge, nearest] = &scores[..] else { panic!() };
+    // The nearest row of the training rows is the row itself.
+    assert_eq!((nearest.training.rmse, nearest.coverage), (0.0, None));
+    assert!(nearest.unseen.relative_rmse > 1.2 * ridge.unseen.relative_rmse, "{:?}", nearest.unseen);
+    assert_eq!((nearest.unseen.states, nearest.unseen_outside > 0), (120, true));
+    for known in [networks, ridge] {
+        assert!(known.coverage.is_some_and(|share| share > 0.7), "{} {:?}", known.method, known.coverage);
+    }
+    // Also one that was fitted elsewhere.
+    assert_eq!(score_surrogate(ridge.surrogate.as_ref(), &parts.unseen).unwrap(), ridge.unseen);
+}
+
+fn fitted(scores: &SurrogateScores) -> &dyn Surrogate {
+    scores.surrogate.as_ref()
+}
+
+#[test]
+fn every_surrogate_comes_back_from_its_file_with_the_same_bits() {
+    let dataset = dataset_of(&records(Law::Plain, 3));
+    let parts = parts(&dataset);
+    let mut small = FeedForward::default();
+    small.hidden = vec![3];
+    let mapping = MappingMethod::new(paper_mapping("F2").unwrap().with_neurons(3));
+    let methods = SurrogateMethods::standard().with(mapping).with(small).with(Nearest);
+    let folder = tempfile::tempdir().unwrap();
+    for name in methods.names() {
+        let scores =
+            compare(&parts, &spec_of(&dataset, "F2"), &[methods.by_name(name).unwrap()], 0.9).unwrap();
+        let path = folder.path().join(format!("{name}.json"));
+        save(&path, fitted(&scores[0])).unwrap();
+        let loaded = methods.load(&path).unwrap();
+        assert_eq!((loaded.method(), loaded.columns()), (name, fitted(&scores[0]).columns()));
+        let rows = parts.unseen.values(&loaded.columns().input_names()).unwrap();
+        let predictions = loaded.predict(&rows, 0.8).unwrap();
+        assert_eq!(predictions, fitted(&scores[0]).predict(&rows, 0.8).unwrap(), "{name}");
+        assert_eq!(predictions[0].values.len(), 14);
+
+        let text = std::fs::read_to_string(&path).unwrap();
+        let message = |text: &str| methods.from_json(text, "s.json").err().unwrap().to_string();
+        assert!(
+            message(&text.replacen("stress_ratio", "stress_ratia", 1))
+                .starts_with("s.json: the SHA-256 does not fit")
+        );
+        assert!(message(&text[..text.len() / 2]).contains("truncated"));
+        let newer = text.replacen("\"version\": 1", "\"version\": 2", 1);
+        assert_eq!(message(&newer), "s.json: it has version 2, this program reads version 1");
+        // Sealed again, but with the content of another method.
+        let alien = sealed(&text.replacen("\"content\": {", "\"content\": {\"alien\": 1, ", 1));
+        if alien.contains("alien") {
+            assert!(
+                message(&alien).contains("the content is not that of such a surrogate"),
+                "{}",
+                message(&alien)
+            );
+        }
+    }
+}
+
+/// The text with the digest that fits, as someone would who edits a file on purpose.
+fn sealed(text: &str) -> String {
+    let at = text.rfind(",\n  \"sha256\": \"").unwrap();
+    format!("{},\n  \"sha256\": \"{}\"\n}}\n", &text[..at], granum_core::digest::of(&text.as_bytes()[..at]))
+}
+
+#[test]
+fn files_that_are_no_surrogates_are_refused_with_what_they_are() {
+    let dataset = dataset_of(&records(Law::Plain, 3));
+    let methods = SurrogateMethods::standard().with(Nearest);
+    let spec = FitSpec::new(["deviator_strain"], ["stress_ratio"]);
+    let nearest = methods.by_name("nearest").unwrap().fit(&dataset, &spec).unwrap();
+    let standard = SurrogateMethods::standard();
+    let message = |text: &str| standard.from_json(text, "s.json").err().unwrap().to_string();
+    let unknown = message(&to_json(nearest.as_ref()).unwrap());
+    assert!(
+        unknown.contains("no surrogate method `nearest`") && unknown.contains("must be registered"),
+        "{unknown}"
+    );
+    assert!(message("{\"format\": \"granum model\", \"version\": 2}").contains("a single network"));
+    assert!(message("{\"format\": \"granum study\", \"version\": 2}").contains("a study of networks"));
+    assert!(message("{}").contains("\"format\" should be \"granum surrogate\", found none"));
+    assert!(message("x,y\n1,2\n").contains("no surrogate file"));
+
+    let ridge = standard.by_name("ridge").unwrap().fit(&dataset, &spec).unwrap();
+    let text = to_json(ridge.as_ref()).unwrap();
+    let forged = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        message(&sealed(&text.replacen(from, to, 1)))
+    };
+    assert!(
+        forged("\"factor\": [", "\"factor\": [1.0, ")
+            .contains("its coefficients are not those of its columns")
+    );
+    assert!(forged("\"noise_variance\": ", "\"noise_variance\": -").contains("its coefficients are not"));
+    assert!(forged("\"ranges\": [[", "\"ranges\": [[0.0, 1.0], [").contains("its coefficients are not"));
+    let missing = standard.load(std::path::Path::new("/nowhere/s.json")).err().unwrap().to_string();
+    assert!(missing.contains("/nowhere/s.json"), "{missing}");
+}
+
+/// Seen as a surrogate, a mapping gives all bins of a distribution at once, and the same numbers as to states.
+#[test]
+fn a_mapping_as_a_surrogate_answers_as_it_answers_states() {
+    let records = records(Law::Plain, 3);
+    let dataset = dataset_of(&records);
+    let parts = parts(&dataset);
+    let mapping = paper_mapping("F2").unwrap().with_neurons(3);
+    let fitted = MappingMethod::new(mapping.clone()).fit(&parts.training, &spec_of(&dataset, "F2")).unwrap();
+    let rows = parts.unseen.values(&["deviator_strain", "stress_ratio"]).unwrap();
+    let predictions = fitted.predict(&rows, 0.9).unwrap();
+
+    let named: Vec<NamedRecord> =
+        records.iter().map(|record| NamedRecord { name: "run", seed: 0, record }).collect();
+    let data = StudyData::new(&named[..1], &named[1..], &StudyDataOptions::default()).unwrap();
+    let options = StudyOptions { mappings: vec![mapping], ..Default::default() };
+    let study = Study::train(&data, &options, &Silent).unwrap();
+    let networks: &MappingNetworks = &study.mappings[0].surrogate;
+    let intervals = networks.intervals(data.unseen(), 0.9).unwrap();
+    let answers = networks.answer(data.unseen()).unwrap();
+    assert_eq!(predictions.len(), answers.len());
+    for ((prediction, answer), interval) in predictions.iter().zip(&answers).zip(intervals) {
+        let means: Vec<f64> = prediction.values.iter().map(|value| value.mean).collect();
+        assert_eq!(means, answer.values);
+        let interval = interval.unwrap();
+        for (value, ends) in prediction.values.iter().zip(interval) {
+            let own = value.interval.as_ref().unwrap();
+            assert_eq!([own.lower, own.upper], ends);
+            // A single run: nothing is known of what runs differ by.
+            assert!(own.causes.iter().map(|(cause, _)| *cause).eq([Cause::Noise, Cause::Parameters]));
+        }
+    }
+    let message = |spec: FitSpec| MappingMethod::default().fit(&dataset, &spec).err().unwrap().to_string();
+    let text = message(FitSpec::new(["deviator_strain"], ["stress_ratio"]));
+    assert!(
+        text.contains("no mapping goes from (deviator_strain) to (stress_ratio); there are: q/p = F1("),
+        "{text}"
+    );
+}
+
+/// Runs `y = x + offset of the run + noise` along x.
+fn offset_runs(count: u32, first: u32, offset: f64, noise: f64) -> Dataset {
+    let mut state = u64::from(first) + 1;
+    let mut normal = move || -> f64 {
+        let mut sum = -6.0;
+        for _ in 0..12 {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            sum += (state >> 11) as f64 / 9_007_199_254_740_992.0;
+        }
+        sum
+    };
+    let mut run = |k: u32| {
+        let own = offset * normal();
+        let x: Vec<f64> = (0..40).map(|i| f64::from(i) / 39.0).collect();
+        let y = x.iter().map(|x| x + own + noise * normal()).collect();
+        let table = Table::new(vec![Column::new("x", "m", x), Column::new("y", "m", y)]).unwrap();
+        RunStates::new(&format!("run-{}", first + k), table).unwrap()
+    };
+    Dataset::new((0..count).map(&mut run).collect()).unwrap()
+}
+
+/// Intervals of both kinds hold new runs, and say what they come from.
+#[test]
+fn intervals_hold_new_runs_and_name_their_causes() {
+    let spec = FitSpec::new(["x"], ["y"]).with_coordinate("x");
+    for name in ["ridge", "feed-forward"] {
+        let mut method = FeedForward::default();
+        method.hidden = vec![4];
+        let methods = SurrogateMethods::standard().with(method);
+        let method = methods.by_name(name).unwrap();
+        let (mut held, mut all, mut runs) = (0, 0, 0.0);
+        for trial in 0..10 {
+            let fitted = method.fit(&offset_runs(6, 100 * trial, 0.05, 0.01), &spec).unwrap();
+            let new = offset_runs(30, 100 * trial + 50, 0.05, 0.01);
+            let predictions = fitted.predict(&new.values(&["x"]).unwrap(), 0.9).unwrap();
+            for (prediction, exact) in predictions.iter().zip(new.column("y").unwrap()) {
+                let interval = prediction.values[0].interval.as_ref().unwrap();
+                all += 1;
+                held += usize::from(interval.lower <= exact && exact <= interval.upper);
+                let of =
+                    |wanted| interval.causes.iter().find(|(cause, _)| *cause == wanted).map_or(0.0, |c| c.1);
+                runs += of(Cause::Runs);
+            }
+        }
+        let share = f64::from(held as u32) / f64::from(all);
+        assert!((0.82..0.98).contains(&share), "{name}: {share}");
+        let mean = runs / f64::from(all);
+        assert!((0.02..0.08).contains(&mean), "{name}: runs differ by 0.05, found {mean}");
+        // Without a scatter between runs there is no such cause.
+        let fitted = method.fit(&offset_runs(6, 7, 0.0, 0.01), &spec).unwrap();
+        let prediction = &fitted.predict(&[0.5], 0.9).unwrap()[0];
+        let causes = &prediction.values[0].interval.as_ref().unwrap().causes;
+        let small = causes.iter().all(|(cause, s)| *cause != Cause::Runs || *s < 0.006);
+        assert!(small, "{name}: {causes:?}");
+    }
+}
+
+#[test]
+fn wrong_questions_are_refused() {
+    let dataset = offset_runs(3, 1, 0.05, 0.01);
+    let ridge = RidgeRegression::default();
+    let fitted = ridge.fit(&dataset, &FitSpec::new(["x"], ["y"])).unwrap();
+    let message = |rows: &[f64], level: f64| fitted.predict(rows, level).unwrap_err().to_string();
+    assert_eq!(message(&[f64::NAN], 0.9), "ridge: row 1: x is NaN, not a finite number");
+    assert_eq!(message(&[1.0], 1.0), "ridge: an interval holds a share between 0 and 1, not 1");
+    assert!(fitted.predict(&[], 0.9).unwrap().is_empty());
+    let message = |spec: FitSpec| ridge.fit(&dataset, &spec).err().unwrap().to_string();
+    assert!(message(FitSpec::new(["x"], ["x"])).contains("x is both an input and an output"));
+    assert!(message(FitSpec::new(["x", "x"], ["y"])).contains("x is named twice among the inputs"));
+    assert!(message(FitSpec::new(["x"], ["z"])).contains("there is no column z"));
+    assert!(message(FitSpec::new(Vec::<String>::new(), ["y"])).contains("no input column"));
+    assert!(
+        message(FitSpec::new(["x"], ["y"]).with_coordinate("state")).contains("must be one of the inputs: x")
+    );
+    let mut wrong = RidgeRegression::default();
+    wrong.penalty = 0.0;
+    let text = wrong.fit(&dataset, &FitSpec::new(["x"], ["y"])).err().unwrap().to_string();
+    assert!(text.contains("must be a positive number, not 0"));
+    // A score over metres and pure numbers would mean nothing.
+    let parts = dataset.split(&Split::default()).unwrap();
+    let text =
+        compare(&parts, &FitSpec::new(["x"], ["y", "state"]), &[&ridge], 0.9).err().unwrap().to_string();
+    assert!(text.contains("y (m) and state (no unit) have different units"), "{text}");
+
+    /// Answers with nothing.
+    struct Mute(Columns);
+    impl Surrogate for Mute {
+        fn method(&self) -> &str {
+            "mute"
+        }
+        fn columns(&self) -> &Columns {
+            &self.0
+        }
+        fn answer(&self, _: &[&[f64]], _: f64) -> Result<Vec<Prediction>> {
+            Ok(Vec::new())
+        }
+        fn content(&self) -> Result<Content> {
+            Content::of(&0)
+        }
+    }
+    let mute = Mute(fitted.columns().clone());
+    let text = mute.predict(&[1.0, 2.0], 0.9).unwrap_err().to_string();
+    assert_eq!(text, "mute: it did not answer 2 rows with 1 values each");
+}
+
+/// Neither the number of threads nor the company of other outputs changes a bit.
+#[test]
+fn threads_change_no_bit() {
+    let dataset = dataset_of(&records(Law::Plain, 2));
+    let mut method = FeedForward::default();
+    method.hidden = vec![3];
+    let text = |threads: usize| {
+        let spec =
+            FitSpec::new(["deviator_strain"], ["stress_ratio", "deviator_fabric"]).with_threads(threads);
+        to_json(method.fit(&dataset, &spec).unwrap().as_ref()).unwrap()
+    };
+    assert_eq!(text(1), text(3));
+    // The bins of a histogram are one quantity among the inputs.
+    let spec = FitSpec::new(["deviator_strain", "probability_density"], ["stress_ratio"]);
+    let fitted = method.fit(&dataset, &spec).unwrap();
+    assert_eq!(fitted.columns().inputs.len(), 1 + dataset.runs()[0].groups()[0].centres.len());
+    assert!(fitted.predict(&dataset.values(&fitted.columns().input_names()).unwrap(), 0.9).is_ok());
+}

@@ -1,0 +1,72 @@
+//! The error of a network over the rows of a table, and its gradient: what a trainer of one's own works with.
+
+use granum_simd::Isa;
+
+use crate::backprop::Workspace;
+use crate::data::Data;
+use crate::network::Network;
+use crate::trainer::{TrainingError, check_columns};
+
+/// The mean squared error of a network as a function of its weights,
+///
+/// ```text
+/// E = sum of w (answer - target)^2 / (observations * targets)
+/// ```
+///
+/// with the weights `w` of the rows. Sums have a fixed order: the bits are the same on every instruction set.
+///
+/// ```
+/// use granum_nets::{Data, Network, Objective};
+///
+/// let data = Data::new(vec![0.0, 0.5, 1.0], 1, vec![0.2, 0.4, 0.8])?;
+/// let network = Network::new(&[1, 3, 1], 1)?;
+/// let mut objective = Objective::new(&network, &data)?;
+/// let (error, gradient) = objective.error_and_gradient(network.weights())?;
+/// // A small step against the gradient lowers the error.
+/// let lower: Vec<f64> = network.weights().iter().zip(&gradient).map(|(w, g)| w - 0.01 * g).collect();
+/// assert!(objective.error(&lower)? < error);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Objective {
+    workspace: Workspace,
+    /// Number of errors: observations times targets.
+    values: f64,
+    weights: usize,
+}
+
+impl Objective {
+    /// The error of networks of this shape over these rows.
+    ///
+    /// # Errors
+    /// If the columns of the data are not those of the network.
+    pub fn new(network: &Network, data: &Data) -> Result<Objective, TrainingError> {
+        check_columns(network, data)?;
+        Ok(Objective {
+            workspace: Workspace::new(Isa::detect(), network, data),
+            values: data.observations() * data.target_columns() as f64,
+            weights: network.weights().len(),
+        })
+    }
+
+    /// The mean squared error at these weights.
+    ///
+    /// # Errors
+    /// If there are not as many weights as the network has.
+    pub fn error(&mut self, weights: &[f64]) -> Result<f64, TrainingError> {
+        if weights.len() != self.weights {
+            return Err(TrainingError::Weights { expected: self.weights, found: weights.len() });
+        }
+        Ok(self.workspace.squared_error(weights) / self.values)
+    }
+
+    /// The mean squared error at these weights, and its derivative with respect to each of them.
+    ///
+    /// # Errors
+    /// As [`Objective::error`].
+    pub fn error_and_gradient(&mut self, weights: &[f64]) -> Result<(f64, Vec<f64>), TrainingError> {
+        let error = self.error(weights)?;
+        let mut gradient = vec![0.0; weights.len()];
+        self.workspace.gradient(weights, 2.0 / self.values, &mut gradient);
+        Ok((error, gradient))
+    }
+}

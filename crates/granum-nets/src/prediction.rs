@@ -1,0 +1,192 @@
+//! What a trained model says of rows: values, standard deviations and their causes, inputs outside the trained range.
+
+use granum_simd::Isa;
+
+use crate::forward::{self, Scalers};
+use crate::model::Model;
+use crate::model_error::ModelError;
+use crate::uncertainty::Laplace;
+
+/// One predicted value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prediction {
+    /// The value, in the unit of the output.
+    pub value: f64,
+    /// Standard deviation of an observation around it (noise and uncertainty of the weights), if the model knows it.
+    pub standard_deviation: Option<f64>,
+    /// Names of the inputs that lie outside the range the model was trained in.
+    pub outside: Vec<String>,
+}
+
+/// Standard deviation of an observation around a prediction, split by its cause, in the unit of the output: the squares of
+/// the causes add up to that of the total.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Deviation {
+    /// The whole of it.
+    pub total: f64,
+    /// Noise of the targets.
+    pub noise: f64,
+    /// Weights that the training rows leave undetermined.
+    pub weights: f64,
+    /// What a new block (a new run) differs by from those that trained; 0 where a single block trained, and where left-out
+    /// blocks were off by no more than the other two say.
+    pub blocks: f64,
+}
+
+impl Deviation {
+    /// From the variance of the Laplace approximation and the part of it that is noise, both in scaled units, and the factor
+    /// by which left-out blocks are off by more.
+    fn new(variance: f64, noise: f64, factor: f64, unit: f64) -> Deviation {
+        let noise = noise.min(variance);
+        let within = factor.min(1.0) * unit;
+        let beyond = if variance.is_finite() { (factor * factor - 1.0).max(0.0) * variance } else { 0.0 };
+        Deviation {
+            total: factor * variance.sqrt() * unit,
+            noise: within * noise.sqrt(),
+            weights: within * (variance - noise).sqrt(),
+            blocks: beyond.sqrt() * unit,
+        }
+    }
+}
+
+/// Predicted values of many rows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BatchPrediction {
+    /// One value a row, in the unit of the output.
+    pub values: Vec<f64>,
+    /// True for a row with an input outside the range the model was trained in.
+    pub outside: Vec<bool>,
+}
+
+impl Model {
+    /// Predicts one row, with what there is to say about its trustworthiness.
+    ///
+    /// # Errors
+    /// If the row has the wrong length or a value is not finite.
+    pub fn predict(&self, row: &[f64]) -> Result<Prediction, ModelError> {
+        let value = self.value(row)?;
+        let standard_deviation = self.standard_deviations(row)?.map(|d| d[0]);
+        Ok(Prediction { value, standard_deviation, outside: self.outside(row) })
+    }
+
+    /// The value of one row alone: what a control loop calls.
+    ///
+    /// # Errors
+    /// As [`Model::predict`].
+    pub fn value(&self, row: &[f64]) -> Result<f64, ModelError> {
+        if row.len() != self.inputs.len() {
+            return Err(self.row_length(row.len()));
+        }
+        self.check_finite(row)?;
+        let mut scaled = [0.0];
+        self.rows.evaluate(Isa::detect(), |i| self.input_scalers[i].scale(row[i]), &mut scaled);
+        Ok(self.output_scaler.unscale(scaled[0]))
+    }
+
+    /// Names of the inputs of a row that lie outside the range the model was trained in.
+    pub fn outside(&self, row: &[f64]) -> Vec<String> {
+        let columns = self.inputs.iter().zip(&self.input_scalers).zip(row);
+        columns.filter(|((_, s), v)| s.is_outside(**v)).map(|((c, _), _)| c.name.clone()).collect()
+    }
+
+    /// Predicts many rows (flat, row by row).
+    ///
+    /// # Errors
+    /// If `rows` is no whole number of rows or a value is not finite.
+    pub fn predict_batch(&self, rows: &[f64]) -> Result<BatchPrediction, ModelError> {
+        let columns = self.inputs.len();
+        self.check_rows(rows)?;
+        let mut values = vec![0.0; rows.len() / columns];
+        let scalers =
+            Scalers { inputs: &self.input_scalers, outputs: std::slice::from_ref(&self.output_scaler) };
+        forward::batch(Isa::detect(), &self.network, Some(scalers), rows, &mut values);
+        let is_outside = |row: &[f64]| row.iter().zip(&self.input_scalers).any(|(v, s)| s.is_outside(*v));
+        Ok(BatchPrediction { values, outside: rows.chunks_exact(columns).map(is_outside).collect() })
+    }
+
+    /// Standard deviations of observations around the predictions of many rows (flat, row by row), in the unit of the
+    /// output; none if the model was trained without Bayesian regularisation. Where it was trained on several blocks (runs),
+    /// [`Intervals`] widens or narrows them to what blocks that are left out are off by.
+    ///
+    /// The first call factorises the curvature over the training rows, later ones use it.
+    ///
+    /// # Errors
+    /// As [`Model::predict_batch`].
+    pub fn standard_deviations(&self, rows: &[f64]) -> Result<Option<Vec<f64>>, ModelError> {
+        self.standard_deviations_of(rows, 1)
+    }
+
+    /// As [`Model::standard_deviations`] for the means over so many rows that follow each other, the points of one
+    /// observation, see [`Data::with_points`]: one number an observation.
+    ///
+    /// # Errors
+    /// As [`Model::predict_batch`], and if `rows` is no whole number of observations.
+    pub fn standard_deviations_of(
+        &self,
+        rows: &[f64],
+        points: usize,
+    ) -> Result<Option<Vec<f64>>, ModelError> {
+        let deviations = self.deviations_of(rows, points)?;
+        Ok(deviations.map(|all| all.iter().map(|deviation| deviation.total).collect()))
+    }
+
+    /// As [`Model::standard_deviations_of`], split by cause.
+    ///
+    /// # Errors
+    /// As [`Model::standard_deviations_of`].
+    pub fn deviations_of(&self, rows: &[f64], points: usize) -> Result<Option<Vec<Deviation>>, ModelError> {
+        self.check_rows(rows)?;
+        if points == 0 || !(rows.len() / self.inputs.len()).is_multiple_of(points) {
+            let found = rows.len() / self.inputs.len();
+            return Err(ModelError::Columns(format!(
+                "{found} rows are no whole number of observations of {points} points"
+            )));
+        }
+        let laplace = self.laplace.get_or_init(|| {
+            let (rows, evidence) = (self.training_rows.as_ref()?, self.fit.evidence?);
+            Laplace::new(Isa::detect(), &self.network, rows, evidence)
+        });
+        let Some(laplace) = laplace else { return Ok(None) };
+        let scalers = &self.input_scalers;
+        let scaled = rows.iter().enumerate().map(|(i, v)| scalers[i % scalers.len()].scale(*v)).collect();
+        let unit = self.output_scaler.inverse_factor();
+        let variances = laplace.variances(&self.network, scaled, points);
+        let factors: Vec<f64> = match &self.fit.intervals {
+            None => vec![1.0; variances.len()],
+            Some(intervals) => {
+                let column =
+                    self.inputs.iter().position(|input| Some(&input.name) == intervals.input.as_ref());
+                let first_points = rows.chunks(points * self.inputs.len());
+                first_points.map(|row| intervals.factor(column.map_or(0.0, |column| row[column]))).collect()
+            }
+        };
+        let noise = laplace.noise();
+        let each = variances.iter().zip(&factors);
+        Ok(Some(each.map(|(variance, factor)| Deviation::new(*variance, noise, *factor, unit)).collect()))
+    }
+
+    fn row_length(&self, given: usize) -> ModelError {
+        let names: Vec<&str> = self.inputs.iter().map(|c| c.name.as_str()).collect();
+        ModelError::RowLength { expected: self.inputs.len(), names: names.join(", "), given }
+    }
+
+    fn check_rows(&self, rows: &[f64]) -> Result<(), ModelError> {
+        let columns = self.inputs.len();
+        if !rows.len().is_multiple_of(columns) {
+            return Err(self.row_length(rows.len() % columns));
+        }
+        self.check_finite(rows)
+    }
+
+    fn check_finite(&self, rows: &[f64]) -> Result<(), ModelError> {
+        match rows.iter().position(|v| !v.is_finite()) {
+            None => Ok(()),
+            Some(i) => Err(ModelError::NotFinite {
+                row: i / self.inputs.len(),
+                name: self.inputs[i % self.inputs.len()].name.clone(),
+                value: rows[i],
+            }),
+        }
+    }
+}

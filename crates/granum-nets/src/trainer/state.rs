@@ -1,0 +1,250 @@
+//! What every trainer keeps as it goes: weights, epochs, the thinned history, and numbers of its own by name.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::TrainingError;
+use crate::backprop::Workspace;
+use crate::data::Data;
+use crate::network::Network;
+use granum_simd::Isa;
+
+/// Most points of a history.
+const POINTS: usize = 1024;
+/// More epochs than any training makes.
+pub(super) const MOST: u64 = 1 << 60;
+
+/// The error after an epoch.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HistoryPoint {
+    /// Epochs done.
+    pub epoch: u64,
+    /// Mean squared error over the training rows, in scaled units.
+    pub error: f64,
+    /// The same over the validation rows.
+    pub validation_error: Option<f64>,
+}
+
+/// Everything a trainer needs to go on with identical bits: the weights, the history, and what the trainer itself keeps,
+/// as named lists of numbers. It can be serialised with any format that keeps the bits of a double.
+///
+/// ```
+/// use granum_nets::trainer::TrainerState;
+///
+/// let mut state = TrainerState::new("mine", vec![0.1, 0.2]).with("step", &[0.5, 0.5]);
+/// state.note_epoch(&[0.3, 0.4], 1e-3);
+/// assert_eq!((state.epoch(), state.weights(), state.history().len()), (1, &[0.3, 0.4][..], 1));
+/// assert_eq!(state.vector("step", 2).unwrap(), [0.5, 0.5]);
+/// let error = state.number("rate").unwrap_err();
+/// assert_eq!(error.to_string(), "cannot go on from this state: it has no \"rate\"");
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrainerState {
+    trainer: String,
+    pub(super) weights: Vec<f64>,
+    pub(super) history: TrainingHistory,
+    own: BTreeMap<String, Vec<f64>>,
+}
+
+impl TrainerState {
+    /// The state before the first epoch.
+    pub fn new(trainer: &str, weights: Vec<f64>) -> TrainerState {
+        TrainerState::with_course(trainer, weights, TrainingHistory::new())
+    }
+
+    pub(super) fn with_course(trainer: &str, weights: Vec<f64>, history: TrainingHistory) -> TrainerState {
+        TrainerState { trainer: trainer.into(), weights, history, own: BTreeMap::new() }
+    }
+
+    /// The same state with further numbers of the trainer under a name.
+    pub fn with(mut self, name: &str, values: &[f64]) -> TrainerState {
+        self.set(name, values);
+        self
+    }
+
+    /// Keeps numbers of the trainer under a name.
+    pub fn set(&mut self, name: &str, values: &[f64]) {
+        self.own.insert(name.into(), values.to_vec());
+    }
+
+    /// Counts an epoch, takes its weights and notes the mean squared error after it.
+    pub fn note_epoch(&mut self, weights: &[f64], error: f64) {
+        self.weights = weights.to_vec();
+        self.history.epoch += 1;
+        self.history.note(error, None);
+    }
+
+    /// Name of the trainer that left it.
+    pub fn trainer(&self) -> &str {
+        &self.trainer
+    }
+
+    /// Epochs done.
+    pub fn epoch(&self) -> u64 {
+        self.history.epoch
+    }
+
+    /// The weights that it has come to.
+    pub fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// The error after the epochs, thinned to at most 1024 points.
+    pub fn history(&self) -> &[HistoryPoint] {
+        &self.history.history
+    }
+
+    /// Numbers that the trainer kept under a name.
+    pub fn values(&self, name: &str) -> Option<&[f64]> {
+        self.own.get(name).map(Vec::as_slice)
+    }
+
+    /// So many numbers that the trainer kept under a name.
+    ///
+    /// # Errors
+    /// [`TrainingError::State`] if they are not there, not as many, or not finite.
+    pub fn vector(&self, name: &str, length: usize) -> Result<&[f64], TrainingError> {
+        let refused = |reason: String| Err(TrainingError::State(reason));
+        match self.values(name) {
+            None => refused(format!("it has no \"{name}\"")),
+            Some(values) if values.len() != length => {
+                refused(format!("it has {} numbers of \"{name}\", not {length}", values.len()))
+            }
+            Some(values) if values.iter().any(|x| !x.is_finite()) => {
+                refused(format!("a number of \"{name}\" is not finite"))
+            }
+            Some(values) => Ok(values),
+        }
+    }
+
+    /// One number that the trainer kept under a name.
+    ///
+    /// # Errors
+    /// As [`TrainerState::vector`].
+    pub fn number(&self, name: &str) -> Result<f64, TrainingError> {
+        Ok(self.vector(name, 1)?[0])
+    }
+
+    /// Refuses a state of another trainer or network, or one that no training can have left.
+    ///
+    /// # Errors
+    /// [`TrainingError::State`].
+    pub fn check(&self, trainer: &str, network: &Network) -> Result<(), TrainingError> {
+        let refused = |reason: String| Err(TrainingError::State(reason));
+        if self.trainer != trainer {
+            return refused(format!("it was left by {}, not by {trainer}", self.trainer));
+        }
+        let count = network.weights().len();
+        if self.weights.len() != count {
+            return refused(format!("it has {} weights, the network {count}", self.weights.len()));
+        }
+        if self.history.best.as_ref().is_some_and(|best| best.weights.len() != count) {
+            return refused("its parts have different lengths".into());
+        }
+        if self.weights.iter().any(|w| !w.is_finite()) {
+            return refused("a weight is not a finite number".into());
+        }
+        if self.history.counts().iter().any(|n| *n > MOST) || self.history.every == 0 {
+            return refused("it counts what no training can have made".into());
+        }
+        Ok(())
+    }
+}
+
+/// The best weights so far by the validation rows.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Best {
+    pub error: f64,
+    pub weights: Vec<f64>,
+}
+
+/// The history of a training.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TrainingHistory {
+    pub epoch: u64,
+    every: u64,
+    pub history: Vec<HistoryPoint>,
+    pub best: Option<Best>,
+    pub failures: u64,
+}
+
+impl TrainingHistory {
+    fn counts(&self) -> [u64; 3] {
+        [self.epoch, self.every, self.failures]
+    }
+
+    pub(super) fn new() -> TrainingHistory {
+        TrainingHistory { epoch: 0, every: 1, history: Vec::new(), best: None, failures: 0 }
+    }
+
+    /// Notes the error after the present epoch. When the history is full, every second point is dropped.
+    pub(super) fn note(&mut self, error: f64, validation_error: Option<f64>) {
+        if !self.epoch.is_multiple_of(self.every) {
+            return;
+        }
+        if self.history.len() >= POINTS {
+            self.every *= 2;
+            let every = self.every;
+            self.history.retain(|p| p.epoch.is_multiple_of(every));
+            if !self.epoch.is_multiple_of(every) {
+                return;
+            }
+        }
+        self.history.push(HistoryPoint { epoch: self.epoch, error, validation_error });
+    }
+
+    /// Takes in the validation error after an accepted step.
+    pub(super) fn validate(&mut self, error: f64, weights: &[f64]) {
+        match &mut self.best {
+            Some(best) if error < best.error => {
+                best.error = error;
+                best.weights.copy_from_slice(weights);
+                self.failures = 0;
+            }
+            Some(_) => self.failures += 1,
+            None => self.best = Some(Best { error, weights: weights.to_vec() }),
+        }
+    }
+}
+
+/// The rows for early stopping, laid out.
+pub(super) struct Validation {
+    workspace: Workspace,
+    values: f64,
+}
+
+impl Validation {
+    pub(super) fn new(isa: Isa, network: &Network, data: &Data) -> Option<Validation> {
+        let rows = data.validation()?;
+        let values = rows.observations() * rows.target_columns() as f64;
+        Some(Validation { workspace: Workspace::new(isa, network, rows), values })
+    }
+
+    /// Mean squared error.
+    pub(super) fn error(&mut self, weights: &[f64]) -> f64 {
+        self.workspace.squared_error(weights) / self.values
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_history_is_thinned_evenly() {
+        let mut history = TrainingHistory::new();
+        for epoch in 0..10_000 {
+            history.epoch = epoch;
+            history.note(1.0 / (1.0 + epoch as f64), None);
+        }
+        assert!(history.history.len() <= POINTS && history.history.len() >= POINTS / 2);
+        assert_eq!(history.history[0].epoch, 0);
+        let gaps: Vec<u64> = history.history.windows(2).map(|p| p[1].epoch - p[0].epoch).collect();
+        assert!(gaps.iter().all(|&g| g == gaps[0]));
+    }
+}
