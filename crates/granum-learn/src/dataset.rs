@@ -276,7 +276,7 @@ impl Rows {
 
 /// The bins of the first state of a record that lie in the wanted range.
 fn learned_bins(record: &NamedRecord, options: &DatasetOptions) -> Result<(Vec<f64>, f64)> {
-    let Some(histogram) = record.record.forces.first() else {
+    let Some(histogram) = record.record.forces().first() else {
         return Err(bad(record, "it has no state"));
     };
     let slack = 1e-6 * histogram.bin_width;
@@ -303,12 +303,12 @@ fn read_run(record: &NamedRecord, forces: &[f64], bin_width: f64) -> Result<Run>
     let strains = column("deviator_strain")?;
     let ratios = column("stress_ratio")?;
     let fabrics = column("deviator_fabric")?;
-    if record.record.forces.len() != numbers.len() {
-        let found = record.record.forces.len();
+    if record.record.forces().len() != numbers.len() {
+        let found = record.record.forces().len();
         return Err(bad(record, &format!("{} states have {found} histograms", numbers.len())));
     }
     let mut states: Vec<State> = Vec::with_capacity(numbers.len());
-    for (k, histogram) in record.record.forces.iter().enumerate() {
+    for (k, histogram) in record.record.forces().iter().enumerate() {
         let found: Vec<usize> = (0..histogram.bins())
             .filter(|&bin| forces.iter().any(|f| (f - histogram.centre(bin)).abs() < 1e-6 * bin_width))
             .collect();
@@ -436,7 +436,7 @@ mod tests {
         };
         let text = message(&|record| drop(record.series.remove("deviator_fabric")));
         assert_eq!(text, "record `other`: there is no column deviator_fabric; did you mean deviator_strain?");
-        let text = message(&|record| record.forces[4].bin_width = 0.2);
+        let text = message(&|record| record.histograms[0].states[4].bin_width = 0.2);
         assert!(text.starts_with("record `other`: state 4: its histogram does not have the bins"), "{text}");
         let text = message(&|record| {
             change(record, "deviator_strain", |values| values[9] = values[3]);

@@ -17,7 +17,7 @@
 //! ```
 
 pub use granum_core::assembly::{Assembly, Matrix, Vector};
-pub use granum_core::{Cell, Column, Table};
+pub use granum_core::{Cell, Column, Part, Parts, Table};
 pub use granum_dem::config::{
     Contact, Grains, Material, NormalKind, Preparation, Recording, RollingKind, Shear, TangentialKind,
 };
@@ -30,5 +30,9 @@ pub use granum_io::{
 };
 pub use granum_learn::study::Silent;
 pub use granum_learn::{Dataset, DatasetOptions, Form, Mapping, NamedRecord, Study, StudyOptions, Surrogate};
-pub use granum_run::{Laboratory, Nobody, RunObserver, Source, Status, TestResult};
-pub use granum_sensors::{Record, column_index, measure_row};
+pub use granum_run::{
+    Beginning, Engine, Flow, Laboratory, NoObserver, Observer, Progress, Source, Task, TestResult,
+};
+pub use granum_sensors::{
+    Bins, Histogram, Look, Memory, Record, Sensor, SensorColumn, Sensors, Values, column_index, measure_row,
+};
