@@ -186,7 +186,7 @@ fn assert_same(table: &Table, back: &Table) {
 
 /// A table may claim to be the series of a run, its forces, or both.
 fn use_table(table: &Table) {
-    if let Ok(record) = granum_sensors::Record::from_tables(table.clone(), table) {
-        black_box(record.force_table());
+    if let Ok(record) = granum_sensors::Record::from_tables(table.clone(), [("forces", table)]) {
+        record.histogram_tables().for_each(|table| drop(black_box(table)));
     }
 }

@@ -11,7 +11,8 @@ use granum_learn::antony2006::training_checkpoints::TrainingManifest;
 use granum_learn::{StudyOptions, paper_mappings};
 use granum_nets::trainer::{Options, Silent, by_name};
 use granum_nets::{Data, Model, Recipe};
-use granum_run::laboratory::{CHECKPOINT, Laboratory, Nobody, Source};
+use granum_run::NoObserver;
+use granum_run::laboratory::{CHECKPOINT, Laboratory, Source};
 use parquet::data_type::{BoolType, DoubleType, FloatType, Int32Type, Int64Type};
 use parquet::file::properties::{WriterProperties, WriterVersion};
 use parquet::file::writer::SerializedFileWriter;
@@ -147,10 +148,10 @@ fn attachments() -> [String; 2] {
         Simulation::restore(&bytes).expect("a checkpoint").1
     };
     let sample = RunFolder::create(base.path().join("sample"), false).expect("a folder");
-    laboratory.prepare(&case, &Source::Case, &sample, &mut Nobody).expect("a sample");
+    laboratory.prepare(&case, &Source::Case, &sample, &mut NoObserver).expect("a sample");
     let test = RunFolder::create(base.path().join("test"), false).expect("a folder");
     let source = Source::Folder(sample.path().to_path_buf());
-    laboratory.shear(&case, &source, &test, &mut Nobody).expect("a test");
+    laboratory.shear(&case, &source, &test, &mut NoObserver).expect("a test");
     [beside(&sample), beside(&test)]
 }
 

@@ -12,9 +12,11 @@ pub mod geometry;
 pub mod json;
 pub mod names;
 pub mod parallel;
+mod parts;
 pub mod quantity;
 mod table;
 
 pub use assembly::Assembly;
 pub use cell::Cell;
+pub use parts::{Part, Parts};
 pub use table::{Column, ColumnKind, Table, TableError};

@@ -251,6 +251,9 @@ pub struct Recording {
     pub bin_width: f64,
     /// Largest f with a bin of its own; what lies above is counted apart.
     pub largest_force: f64,
+    /// Names of sensors that are recorded beside those that always are.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sensors: Vec<String>,
 }
 
 impl Default for Recording {
@@ -262,6 +265,7 @@ impl Default for Recording {
             looks: 20,
             bin_width: 0.25,
             largest_force: 6.0,
+            sensors: Vec::new(),
         }
     }
 }

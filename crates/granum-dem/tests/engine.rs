@@ -5,7 +5,8 @@ use granum_dem::cell::Cell;
 use granum_dem::config::{
     Contact, Grains, Material, NormalKind, Preparation, Rate, Recording, Shear, TangentialKind,
 };
-use granum_dem::loading::{Watcher, begin, follow, preset};
+use granum_dem::loading::{begin, follow, preset};
+use granum_dem::observer::{NoObserver, Observer};
 use granum_dem::preparation::{Flow, Progress, Recipe, prepare};
 use granum_dem::random_insertion::random_insertion;
 use granum_dem::servo::Control;
@@ -74,20 +75,9 @@ fn small_sample(hardware: Hardware, spread: f64) -> Simulation {
     prepare(&recipe, &mut |_: &Progress| Flow::Continue).unwrap().simulation
 }
 
-struct Nobody;
-impl Watcher for Nobody {
-    fn next_look(&self) -> f64 {
-        f64::INFINITY
-    }
-    fn look(&mut self, _: &Simulation) {}
-    fn progress(&mut self, _: &Progress) -> Flow {
-        Flow::Continue
-    }
-}
-
-/// A watcher that looks often and thoroughly.
+/// An observer that looks often and thoroughly.
 struct Everything(f64);
-impl Watcher for Everything {
+impl Observer for Everything {
     fn next_look(&self) -> f64 {
         self.0
     }
@@ -95,19 +85,16 @@ impl Watcher for Everything {
         assert!(!simulation.assembly().contacts.is_empty());
         self.0 += 1.7e-5;
     }
-    fn progress(&mut self, _: &Progress) -> Flow {
-        Flow::Continue
-    }
 }
 
-fn sheared(sample: &Simulation, hardware: Hardware, watcher: &mut dyn Watcher) -> String {
+fn sheared(sample: &Simulation, hardware: Hardware, observer: &mut dyn Observer) -> String {
     let mut s = sample.clone();
     s.set_hardware(hardware);
     let rate = Rate::StrainRate { strain_rate: 100.0, density_scaling: 1.0 };
     let shear = Shear { rate, mean_stress: Some(20e3), deviator_strain: 0.0005 };
     let stage = preset::antony2006(&shear, &Recording::default(), 20e3);
     let mut stage_progress = begin(&stage, &mut s).unwrap();
-    follow(&stage, &mut stage_progress, &mut s, watcher).unwrap();
+    follow(&stage, &mut stage_progress, &mut s, observer).unwrap();
     // Debug formatting of floats is exact.
     format!("{:?}", s.state())
 }
@@ -116,7 +103,7 @@ fn sheared(sample: &Simulation, hardware: Hardware, watcher: &mut dyn Watcher) -
 fn same_bits_on_any_machine_and_whoever_looks() {
     for spread in [0.0, 0.2] {
         let sample = small_sample(Hardware::default(), spread);
-        let reference = sheared(&sample, Hardware { threads: 1, isa: Isa::detect() }, &mut Nobody);
+        let reference = sheared(&sample, Hardware { threads: 1, isa: Isa::detect() }, &mut NoObserver);
         for isa in Isa::ALL.into_iter().filter(|i| i.available()) {
             for threads in [1, 2, 4] {
                 let other = sheared(&sample, Hardware { threads, isa }, &mut Everything(0.0));

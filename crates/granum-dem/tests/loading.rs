@@ -8,9 +8,10 @@ use granum_dem::config::{Contact, Grains, Material, NormalKind, Preparation, Tan
 use granum_dem::invariants;
 use granum_dem::loading::{
     Control, Drive, Ending, Measure, Reason, Speed, Stage, StageEnd, StageProgress, Target, Turns, Until,
-    Watcher, begin, follow, preset,
+    begin, follow, preset,
 };
-use granum_dem::preparation::{Flow, Progress, Recipe, prepare};
+use granum_dem::observer::{Flow, Observer, Progress};
+use granum_dem::preparation::{Recipe, prepare};
 use granum_dem::simulation::{Hardware, Simulation};
 
 /// 300 equal grains at rest at 20 kPa: Hertz, no-slip, friction 0.3.
@@ -53,7 +54,7 @@ impl Default for Notes {
     }
 }
 
-impl Watcher for Notes {
+impl Observer for Notes {
     fn next_look(&self) -> f64 {
         self.next
     }

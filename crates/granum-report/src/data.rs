@@ -161,7 +161,7 @@ mod tests {
             column("stress_ratio", &[0.0, 0.9, f64::NAN, 0.7]),
         ])
         .unwrap();
-        let run = RunReport { record: Record { series, forces: Vec::new() }, ..Default::default() };
+        let run = RunReport { record: Record { series, histograms: Vec::new() }, ..Default::default() };
         assert_eq!(run.against_strain("stress_ratio").len(), 4);
         assert_eq!(run.peak_row("stress_ratio"), Some(1));
         // From 0.225 to 0.3, between the state at 0.1, 0.9, and the one at 0.3, 0.7.

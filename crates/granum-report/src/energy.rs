@@ -131,7 +131,7 @@ mod tests {
             ("elastic_tangential_energy", [1.0, 2.0]),
         ];
         let columns = columns.map(|(name, values)| Column::new(name, "J", values.to_vec())).to_vec();
-        let record = Record { series: Table::new(columns).unwrap(), forces: Vec::new() };
+        let record = Record { series: Table::new(columns).unwrap(), histograms: Vec::new() };
         // 10 of work: 4 friction, 1 micro-slip, 1 tangential, 1 damping, 0.5 adhesion, 0.1 kinetic, 2 normal; 0.4 is missing.
         assert!((closure(&record).unwrap() - 0.04).abs() < 1e-12);
         let shares = shares(&record);

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use granum_core::assembly::Assembly;
-use granum_sensors::force_distribution::ForceHistogram;
+use granum_sensors::Histogram;
 
 use super::data::RunReport;
 use super::figure::chains::View;
@@ -30,7 +30,7 @@ pub fn characteristic_rows(run: &RunReport) -> Vec<(usize, &'static str)> {
 }
 
 /// Bins as points: centre and density, empty bins left out.
-pub fn density(histogram: &ForceHistogram) -> Vec<[f64; 2]> {
+pub fn density(histogram: &Histogram) -> Vec<[f64; 2]> {
     (0..histogram.bins())
         .filter(|&bin| histogram.counts[bin] > 0)
         .map(|bin| [histogram.centre(bin), histogram.density(bin)])
@@ -47,7 +47,7 @@ pub fn distribution(run: &RunReport) -> (Figure, String) {
     let force = "Normal force *f* = *N*/⟨*N*⟩";
     let mut plot = Plot::new(Axis::new(force), Axis::new("Probability density *P*(*f*)").logarithmic());
     for (k, (row, name)) in characteristic_rows(run).into_iter().enumerate() {
-        let Some(histogram) = run.record.forces.get(row) else { continue };
+        let Some(histogram) = run.record.forces().get(row) else { continue };
         let label = at_strain(run, row, name);
         plot = plot.with(Layer::points(density(histogram), SHAPES[k], color(k)).named(&label));
     }
@@ -79,10 +79,10 @@ fn tail_fits(run: &RunReport, row: usize) -> Vec<Fit> {
     let value =
         |name: &str| run.column(name).get(row).copied().filter(|value| value.is_finite() && *value > 0.0);
     let Some(strong) = value("strong_fraction") else { return Vec::new() };
-    let largest = run.record.forces.get(row).map_or(1.0, |h| h.centre(h.bins().saturating_sub(1)));
+    let largest = run.record.forces().get(row).map_or(1.0, |h| h.centre(h.bins().saturating_sub(1)));
     let fine: Vec<f64> = (0..=100).map(|k| 1.0 + (largest - 1.0) * k as f64 / 100.0).collect();
     // A line need not go on far below the last point.
-    let points = run.record.forces.get(row).map(density).unwrap_or_default();
+    let points = run.record.forces().get(row).map(density).unwrap_or_default();
     let least = 0.3 * points.iter().filter(|p| p[0] > 1.0).map(|p| p[1]).fold(f64::INFINITY, f64::min);
     let drawn = |tail: &dyn Fn(f64) -> f64| -> Vec<[f64; 2]> {
         fine.iter().map(|&f| [f, strong * tail(f)]).filter(|p| p[1] >= least).collect()

@@ -204,7 +204,7 @@ mod tests {
             column("coordination_number", all),
         ])
         .unwrap();
-        RunReport { record: Record { series, forces: Vec::new() }, ..Default::default() }
+        RunReport { record: Record { series, histograms: Vec::new() }, ..Default::default() }
     }
 
     #[test]

@@ -1,7 +1,8 @@
-//! The record of a test in the folder of its run: two tables, the series and the histograms of forces.
+//! The record of a test in the folder of its run: the series, and a table for each histogram.
 
 use granum_io::{Error, Result, Run, RunFolder};
 use granum_sensors::Record;
+use granum_sensors::force_distribution::FORCES;
 
 /// Writes a record into the folder of a run.
 ///
@@ -9,7 +10,12 @@ use granum_sensors::Record;
 /// If a file cannot be written.
 pub fn write_record(folder: &RunFolder, record: &Record) -> Result<()> {
     folder.write_series(&record.series)?;
-    folder.write_forces(&record.force_table())?;
+    for (name, table) in record.histogram_tables() {
+        match name {
+            FORCES => folder.write_forces(&table)?,
+            _ => folder.write_histogram(name, &table)?,
+        }
+    }
     Ok(())
 }
 
@@ -18,9 +24,15 @@ pub fn write_record(folder: &RunFolder, record: &Record) -> Result<()> {
 /// # Errors
 /// If a file is missing or damaged, or the two are no record; the message names the file or folder.
 pub fn read_record(run: &Run) -> Result<Record> {
-    Record::from_tables(run.series()?, &run.forces()?).map_err(|error| {
+    let mut tables = vec![(FORCES.to_string(), run.forces()?)];
+    for name in run.histograms()? {
+        let table = run.histogram(&name)?;
+        tables.push((name, table));
+    }
+    let tables = tables.iter().map(|(name, table)| (name.as_str(), table));
+    Record::from_tables(run.series()?, tables).map_err(|error| {
         let message =
-            format!("its series.parquet and forces.parquet are not those of a test: {error}; run it again");
+            format!("its series.parquet and histograms are not those of a test: {error}; run it again");
         Error::content(run.path(), message)
     })
 }

@@ -4,7 +4,7 @@
 
 use granum_core::assembly::{Assembly, Contact, Grain};
 use granum_dem::config::Recording;
-use granum_sensors::Recorder;
+use granum_sensors::{Recorder, Sensors};
 use std::time::Instant;
 
 fn main() {
@@ -34,7 +34,8 @@ fn main() {
         ..Default::default()
     };
     let looks = 1000;
-    let mut recorder = Recorder::new(&Recording { states: looks, looks: 1, ..Default::default() }, 1.0);
+    let recording = Recording { states: looks, looks: 1, ..Default::default() };
+    let Ok(mut recorder) = Recorder::new(&Sensors::standard(), &recording, 1.0) else { return };
     let start = Instant::now();
     for k in 0..looks {
         assembly.strain[0][0] = (k as f64 + 0.5) / looks as f64;

@@ -10,33 +10,58 @@
 //!
 //! Rattlers are the grains with fewer than two contacts: N_0 + N_1.
 
+use granum_core::Part;
 use granum_core::assembly::Contact;
 
 use crate::look::mean;
-use crate::{Look, Sensor, SensorColumn};
+use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
 
 /// The sensor.
-pub const SENSOR: Sensor = Sensor {
-    name: "coordination",
-    description: "mean number of contacts a grain, by several definitions",
-    columns: &[
-        SensorColumn::new("coordination_number", "1", "Z = 2 N_k / N over all grains"),
-        SensorColumn::new(
-            "mechanical_coordination_number",
-            "1",
-            "Z_m of Thornton (2000): over grains with two contacts or more",
-        ),
-        SensorColumn::new("compressive_coordination_number", "1", "Z of the contacts in compression alone"),
-        SensorColumn::new(
-            "backbone_coordination_number",
-            "1",
-            "Z after grains with fewer than two contacts are taken out until none is left",
-        ),
-        SensorColumn::new("rattler_fraction", "1", "grains with fewer than two contacts over all grains"),
-        SensorColumn::new("contacts", "1", "number N_k of contacts"),
-    ],
-    measure,
-};
+pub struct CoordinationNumbers;
+
+impl Sensor for CoordinationNumbers {
+    fn description(&self) -> Description {
+        Description::new("coordination", "mean number of contacts a grain, by several definitions")
+            .columns([
+                SensorColumn::new("coordination_number", "1", "Z = 2 N_k / N over all grains"),
+                SensorColumn::new(
+                    "mechanical_coordination_number",
+                    "1",
+                    "Z_m of Thornton (2000): over grains with two contacts or more",
+                ),
+                SensorColumn::new(
+                    "compressive_coordination_number",
+                    "1",
+                    "Z of the contacts in compression alone",
+                )
+                .needing(&[Part::NormalForces]),
+                SensorColumn::new(
+                    "backbone_coordination_number",
+                    "1",
+                    "Z after grains with fewer than two contacts are taken out until none is left",
+                ),
+                SensorColumn::new(
+                    "rattler_fraction",
+                    "1",
+                    "grains with fewer than two contacts over all grains",
+                ),
+                SensorColumn::new("contacts", "1", "number N_k of contacts"),
+            ])
+            .needing(&[Part::Contacts])
+    }
+
+    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
+        let z = Coordination::of(look);
+        values.extend([
+            z.all,
+            z.mechanical,
+            z.compressive,
+            z.backbone,
+            z.rattler_fraction,
+            look.assembly.contacts.len() as f64,
+        ]);
+    }
+}
 
 /// Coordination numbers of an assembly.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -96,18 +121,6 @@ fn backbone(contacts: &[&Contact], mut degree: Vec<u32>) -> f64 {
             return mean(2.0 * left.len() as f64, grains);
         }
     }
-}
-
-fn measure(look: &Look, row: &mut Vec<f64>) {
-    let z = Coordination::of(look);
-    row.extend([
-        z.all,
-        z.mechanical,
-        z.compressive,
-        z.backbone,
-        z.rattler_fraction,
-        look.assembly.contacts.len() as f64,
-    ]);
 }
 
 #[cfg(test)]

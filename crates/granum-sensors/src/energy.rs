@@ -7,42 +7,83 @@
 //! what is missing here is the inconsistency of the tangential law (none without micro-slip). Where contacts resist rolling,
 //! `rolling_work` of [`crate::rolling`] comes to the right side.
 
-use crate::{Look, Sensor, SensorColumn};
+use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+use granum_core::Part;
 
 /// The sensor.
-pub const SENSOR: Sensor = Sensor {
-    name: "energy",
-    description: "stored energies and the energy balance of work and losses since the start of the phase",
-    columns: &[
-        SensorColumn::new("kinetic_energy", "J", "of the fluctuating velocities and the spins"),
-        SensorColumn::new(
-            "elastic_normal_energy",
-            "J",
-            "of the normal approach of all contacts, that of their joined surfaces included",
-        ),
-        SensorColumn::new(
-            "elastic_tangential_energy",
-            "J",
-            "stored by the tangential displacement of all contacts",
-        ),
-        SensorColumn::new("boundary_work", "J", "work that the deformation of the cell did on the grains"),
-        SensorColumn::new("tangential_work", "J", "work taken up by the elastic tangential forces"),
-        SensorColumn::new(
-            "friction_loss",
-            "J",
-            "lost to sliding at the friction limit, part of tangential_work",
-        ),
-        SensorColumn::new(
-            "micro_slip_loss",
-            "J",
-            "lost in the zones of slip of contacts that do not slide, part of tangential_work",
-        ),
-        SensorColumn::new("damping_loss", "J", "lost in the contact dashpots"),
-        SensorColumn::new("adhesion_made_loss", "J", "lost when adhesive contacts were made"),
-        SensorColumn::new("adhesion_broken_loss", "J", "lost when adhesive contacts broke"),
-    ],
-    measure,
-};
+pub struct Energy;
+
+impl Sensor for Energy {
+    fn description(&self) -> Description {
+        Description::new(
+            "energy",
+            "stored energies and the energy balance of work and losses since the start of the phase",
+        )
+        .columns([
+            SensorColumn::new("kinetic_energy", "J", "of the fluctuating velocities and the spins")
+                .needing(&[Part::Radii, Part::Masses, Part::Velocities, Part::Spins]),
+            SensorColumn::new(
+                "elastic_normal_energy",
+                "J",
+                "of the normal approach of all contacts, that of their joined surfaces included",
+            )
+            .needing(&[Part::Contacts, Part::ContactEnergies]),
+            SensorColumn::new(
+                "elastic_tangential_energy",
+                "J",
+                "stored by the tangential displacement of all contacts",
+            )
+            .needing(&[Part::Contacts, Part::ContactEnergies]),
+            SensorColumn::new(
+                "boundary_work",
+                "J",
+                "work that the deformation of the cell did on the grains",
+            )
+            .needing(&[Part::EnergyBalance]),
+            SensorColumn::new("tangential_work", "J", "work taken up by the elastic tangential forces")
+                .needing(&[Part::EnergyBalance]),
+            SensorColumn::new(
+                "friction_loss",
+                "J",
+                "lost to sliding at the friction limit, part of tangential_work",
+            )
+            .needing(&[Part::EnergyBalance]),
+            SensorColumn::new(
+                "micro_slip_loss",
+                "J",
+                "lost in the zones of slip of contacts that do not slide, part of tangential_work",
+            )
+            .needing(&[Part::EnergyBalance]),
+            SensorColumn::new("damping_loss", "J", "lost in the contact dashpots")
+                .needing(&[Part::EnergyBalance]),
+            SensorColumn::new("adhesion_made_loss", "J", "lost when adhesive contacts were made")
+                .needing(&[Part::EnergyBalance]),
+            SensorColumn::new("adhesion_broken_loss", "J", "lost when adhesive contacts broke")
+                .needing(&[Part::EnergyBalance]),
+        ])
+    }
+
+    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
+        let (mut normal, mut tangential) = (0.0, 0.0);
+        for contact in &look.assembly.contacts {
+            normal += contact.normal_energy;
+            tangential += contact.tangential_energy;
+        }
+        let balance = &look.assembly.energy;
+        values.extend([
+            kinetic_energy(look),
+            normal,
+            tangential,
+            balance.boundary_work,
+            balance.tangential_work,
+            balance.friction,
+            balance.micro_slip,
+            balance.damping,
+            balance.adhesion_made,
+            balance.adhesion_broken,
+        ]);
+    }
+}
 
 /// Kinetic energy of the fluctuating motion and the spins (solid spheres: inertia 2/5 m R^2), J.
 pub fn kinetic_energy(look: &Look) -> f64 {
@@ -55,27 +96,6 @@ pub fn kinetic_energy(look: &Look) -> f64 {
                 * (square(&grain.velocity) + 0.4 * grain.radius * grain.radius * square(&grain.spin))
         })
         .sum()
-}
-
-fn measure(look: &Look, row: &mut Vec<f64>) {
-    let (mut normal, mut tangential) = (0.0, 0.0);
-    for contact in &look.assembly.contacts {
-        normal += contact.normal_energy;
-        tangential += contact.tangential_energy;
-    }
-    let balance = &look.assembly.energy;
-    row.extend([
-        kinetic_energy(look),
-        normal,
-        tangential,
-        balance.boundary_work,
-        balance.tangential_work,
-        balance.friction,
-        balance.micro_slip,
-        balance.damping,
-        balance.adhesion_made,
-        balance.adhesion_broken,
-    ]);
 }
 
 #[cfg(test)]

@@ -6,30 +6,51 @@
 //! difference of the largest and smallest eigenvalue is given beside: it knows no axis, but is biased upward by
 //! noise (a finite isotropic sample has a small positive one).
 
+use granum_core::Part;
 use granum_core::assembly::{Contact, Matrix};
 
 use crate::tensor::{add_dyad, deviator, eigenvalues, scaled};
-use crate::{Look, Sensor, SensorColumn};
+use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
 
 /// The sensor.
-pub const SENSOR: Sensor = Sensor {
-    name: "fabric",
-    description: "Satake's fabric tensor and its deviator, also of strong and weak contacts alone",
-    columns: &[
-        SensorColumn::new("fabric_11", "1", "phi_11 = <n_1 n_1>"),
-        SensorColumn::new("fabric_22", "1", "phi_22"),
-        SensorColumn::new("fabric_33", "1", "phi_33"),
-        SensorColumn::new("fabric_12", "1", "phi_12"),
-        SensorColumn::new("fabric_13", "1", "phi_13"),
-        SensorColumn::new("fabric_23", "1", "phi_23"),
-        SensorColumn::new("deviator_fabric", "1", "phi_d = phi_1 - phi_3, axes 2 and 3 averaged"),
-        SensorColumn::new("strong_deviator_fabric", "1", "phi_d of the strong contacts, N > <N>"),
-        SensorColumn::new("weak_deviator_fabric", "1", "phi_d of the weak contacts, N <= <N>"),
-        SensorColumn::new("principal_deviator_fabric", "1", "largest minus smallest eigenvalue of phi"),
-        SensorColumn::new("strong_fraction", "1", "strong contacts over all contacts"),
-    ],
-    measure,
-};
+pub struct Fabric;
+
+impl Sensor for Fabric {
+    fn description(&self) -> Description {
+        Description::new(
+            "fabric",
+            "Satake's fabric tensor and its deviator, also of strong and weak contacts alone",
+        )
+        .columns([
+            SensorColumn::new("fabric_11", "1", "phi_11 = <n_1 n_1>"),
+            SensorColumn::new("fabric_22", "1", "phi_22"),
+            SensorColumn::new("fabric_33", "1", "phi_33"),
+            SensorColumn::new("fabric_12", "1", "phi_12"),
+            SensorColumn::new("fabric_13", "1", "phi_13"),
+            SensorColumn::new("fabric_23", "1", "phi_23"),
+            SensorColumn::new("deviator_fabric", "1", "phi_d = phi_1 - phi_3, axes 2 and 3 averaged"),
+            SensorColumn::new("strong_deviator_fabric", "1", "phi_d of the strong contacts, N > <N>")
+                .needing(&[Part::NormalForces]),
+            SensorColumn::new("weak_deviator_fabric", "1", "phi_d of the weak contacts, N <= <N>")
+                .needing(&[Part::NormalForces]),
+            SensorColumn::new("principal_deviator_fabric", "1", "largest minus smallest eigenvalue of phi"),
+            SensorColumn::new("strong_fraction", "1", "strong contacts over all contacts")
+                .needing(&[Part::NormalForces]),
+        ])
+        .needing(&[Part::Contacts])
+    }
+
+    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
+        let (strong, strong_count) = fabric(look, |contact| look.is_strong(contact));
+        let (weak, weak_count) = fabric(look, |contact| !look.is_strong(contact));
+        let count = (strong_count + weak_count).max(1) as f64;
+        let (a, b) = (strong_count as f64 / count, weak_count as f64 / count);
+        let all: Matrix = std::array::from_fn(|i| std::array::from_fn(|j| a * strong[i][j] + b * weak[i][j]));
+        let principal = eigenvalues(&all);
+        values.extend([all[0][0], all[1][1], all[2][2], all[0][1], all[0][2], all[1][2]]);
+        values.extend([deviator(&all), deviator(&strong), deviator(&weak), principal[0] - principal[2], a]);
+    }
+}
 
 /// Fabric tensor of the contacts that are chosen, and their number; zero of none.
 pub fn fabric(look: &Look, chosen: impl Fn(&Contact) -> bool) -> (Matrix, usize) {
@@ -47,21 +68,11 @@ pub fn deviator_fabric(look: &Look) -> f64 {
     deviator(&fabric(look, |_| true).0)
 }
 
-fn measure(look: &Look, row: &mut Vec<f64>) {
-    let (strong, strong_count) = fabric(look, |contact| look.is_strong(contact));
-    let (weak, weak_count) = fabric(look, |contact| !look.is_strong(contact));
-    let count = (strong_count + weak_count).max(1) as f64;
-    let (a, b) = (strong_count as f64 / count, weak_count as f64 / count);
-    let all: Matrix = std::array::from_fn(|i| std::array::from_fn(|j| a * strong[i][j] + b * weak[i][j]));
-    let principal = eigenvalues(&all);
-    row.extend([all[0][0], all[1][1], all[2][2], all[0][1], all[0][2], all[1][2]]);
-    row.extend([deviator(&all), deviator(&strong), deviator(&weak), principal[0] - principal[2], a]);
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::lattice;
+    use crate::sensor::measured;
     use crate::tensor::trace;
     use proptest::prelude::*;
 
@@ -97,8 +108,7 @@ mod tests {
         for contact in &mut assembly.contacts {
             contact.normal_force = if contact.normal[0].abs() > 0.5 { 3.0 } else { 1.0 };
         }
-        let mut row = Vec::new();
-        measure(&Look::new(&assembly), &mut row);
+        let row = measured(&Fabric, &assembly);
         assert!(row[6].abs() < 1e-12, "all: {}", row[6]);
         assert!((row[7] - 1.0).abs() < 1e-12, "strong: {}", row[7]);
         assert!((row[8] + 0.5).abs() < 1e-12, "weak: {}", row[8]);

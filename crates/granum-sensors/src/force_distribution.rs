@@ -7,30 +7,90 @@
 //!
 //! Without contacts, or where `<N>` is not positive, f has no meaning and every moment is 0.
 
-use serde::{Deserialize, Serialize};
-
-use crate::look::{mean, ratio};
+use crate::look::mean;
 use crate::numerics::{ln, mills_ratio};
-use crate::{Look, Sensor, SensorColumn};
+use crate::{Bins, Description, Histogram, Look, Memory, Sensor, SensorColumn, Values};
+use granum_core::Part;
+use granum_dem::config::Recording;
 
 /// The sensor.
-pub const SENSOR: Sensor = Sensor {
-    name: "force_distribution",
-    description: "moments and tail of the distribution of f = N/<N>",
-    columns: &[
-        SensorColumn::new("mean_normal_force", "N", "<N> over all contacts, tension negative"),
-        SensorColumn::new("mean_square_force", "1", "<f^2>, f = N/<N>"),
-        SensorColumn::new("tensile_fraction", "1", "contacts in tension over all contacts"),
-        SensorColumn::new("exponential_decay", "1", "beta of beta exp(-beta (f - 1)) fitted to f > 1"),
-        SensorColumn::new("half_gaussian_width", "1", "s of exp(-f^2 / 2 s^2) fitted to f > 1"),
-        SensorColumn::new(
-            "exponential_advantage",
-            "1",
-            "log-likelihood per contact with f > 1, exponential minus half-Gaussian",
-        ),
-    ],
-    measure,
-};
+pub struct ForceDistribution;
+
+impl Sensor for ForceDistribution {
+    fn description(&self) -> Description {
+        Description::new("force_distribution", "moments and tail of the distribution of f = N/<N>")
+            .columns([
+                SensorColumn::new("mean_normal_force", "N", "<N> over all contacts, tension negative"),
+                SensorColumn::new("mean_square_force", "1", "<f^2>, f = N/<N>"),
+                SensorColumn::new("tensile_fraction", "1", "contacts in tension over all contacts"),
+                SensorColumn::new(
+                    "exponential_decay",
+                    "1",
+                    "beta of beta exp(-beta (f - 1)) fitted to f > 1",
+                ),
+                SensorColumn::new("half_gaussian_width", "1", "s of exp(-f^2 / 2 s^2) fitted to f > 1"),
+                SensorColumn::new(
+                    "exponential_advantage",
+                    "1",
+                    "log-likelihood per contact with f > 1, exponential minus half-Gaussian",
+                ),
+            ])
+            .needing(&[Part::Contacts, Part::NormalForces])
+    }
+
+    fn histograms(&self, recording: &Recording) -> Vec<Bins> {
+        vec![bins(recording.bin_width, recording.largest_force)]
+    }
+
+    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
+        let contacts = &look.assembly.contacts;
+        let tensile = contacts.iter().filter(|contact| contact.normal_force < 0.0).count();
+        let mut squares = 0.0;
+        let (mut tail, mut tail_sum, mut tail_squares) = (0, 0.0, 0.0);
+        if look.mean_normal_force > 0.0 {
+            for contact in contacts {
+                let f = contact.normal_force / look.mean_normal_force;
+                squares += f * f;
+                if f > 1.0 {
+                    tail += 1;
+                    tail_sum += f;
+                    tail_squares += f * f;
+                }
+            }
+        }
+        let fit = TailFit::new(mean(tail_sum, tail), mean(tail_squares, tail));
+        values.extend([
+            look.mean_normal_force,
+            mean(squares, contacts.len()),
+            mean(tensile as f64, contacts.len()),
+            fit.exponential_decay,
+            fit.half_gaussian_width,
+            fit.exponential_likelihood - fit.half_gaussian_likelihood,
+        ]);
+        if let Some(histogram) = values.histogram(0) {
+            count(look, histogram);
+        }
+    }
+}
+
+/// The bins of f from [`SMALLEST_FORCE`] on.
+pub fn bins(width: f64, largest_force: f64) -> Bins {
+    Bins::new(FORCES, "force", "1").width(width).range(SMALLEST_FORCE, largest_force)
+}
+
+/// Counts `f = N/<N>` of every contact; nothing where `<N>` is not positive.
+fn count(look: &Look, histogram: &mut Histogram) {
+    if look.mean_normal_force.is_nan() || look.mean_normal_force <= 0.0 {
+        return;
+    }
+    let per_bin = 1.0 / (look.mean_normal_force * histogram.bin_width);
+    for contact in &look.assembly.contacts {
+        histogram.add_in_widths(contact.normal_force * per_bin);
+    }
+}
+
+/// Name of the histogram of f.
+pub const FORCES: &str = "forces";
 
 /// Smallest f with a bin of its own; adhesive contacts pull with at most the pull-off force, a fraction of `<N>` in
 /// a confined sample.
@@ -95,118 +155,11 @@ fn inverse_width(mean_square: f64) -> f64 {
     x
 }
 
-fn measure(look: &Look, row: &mut Vec<f64>) {
-    let contacts = &look.assembly.contacts;
-    let tensile = contacts.iter().filter(|contact| contact.normal_force < 0.0).count();
-    let mut squares = 0.0;
-    let (mut tail, mut tail_sum, mut tail_squares) = (0, 0.0, 0.0);
-    if look.mean_normal_force > 0.0 {
-        for contact in contacts {
-            let f = contact.normal_force / look.mean_normal_force;
-            squares += f * f;
-            if f > 1.0 {
-                tail += 1;
-                tail_sum += f;
-                tail_squares += f * f;
-            }
-        }
-    }
-    let fit = TailFit::new(mean(tail_sum, tail), mean(tail_squares, tail));
-    row.extend([
-        look.mean_normal_force,
-        mean(squares, contacts.len()),
-        mean(tensile as f64, contacts.len()),
-        fit.exponential_decay,
-        fit.half_gaussian_width,
-        fit.exponential_likelihood - fit.half_gaussian_likelihood,
-    ]);
-}
-
-/// Histogram of f = N/`<N>` with bins of equal width, one edge at f = 0; counts are kept, so looks can be added.
-///
-/// Bin b covers `[(first + b) w, (first + b + 1) w)`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ForceHistogram {
-    /// Width w of a bin.
-    pub bin_width: f64,
-    /// Lower edge of the first bin, in widths (negative: adhesive contacts have f < 0).
-    pub first_bin: i64,
-    /// Contacts in each bin, all looks together.
-    pub counts: Vec<u64>,
-    /// Contacts below the first bin.
-    pub below: u64,
-    /// Contacts above the last bin.
-    pub above: u64,
-}
-
-impl ForceHistogram {
-    /// An empty histogram from [`SMALLEST_FORCE`] to `largest_force`. A width that is not a positive number becomes
-    /// the default 0.25.
-    pub fn new(bin_width: f64, largest_force: f64) -> Self {
-        let bin_width = if bin_width.is_finite() && bin_width > 0.0 { bin_width } else { 0.25 };
-        // The rounding guard keeps 6.0 / 0.1 at 60 bins.
-        let first = (SMALLEST_FORCE / bin_width + 1e-9).floor() as i64;
-        let last = ((largest_force / bin_width - 1e-9).ceil() as i64).max(1);
-        let bins = last.saturating_sub(first).clamp(1, 1_000_000) as usize;
-        ForceHistogram { bin_width, first_bin: first, counts: vec![0; bins], below: 0, above: 0 }
-    }
-
-    /// Adds a look. One whose mean normal force is not positive adds nothing.
-    pub fn add(&mut self, look: &Look) {
-        if look.mean_normal_force.is_nan() || look.mean_normal_force <= 0.0 {
-            return;
-        }
-        let per_bin = 1.0 / (look.mean_normal_force * self.bin_width);
-        let first = self.first_bin as f64;
-        for contact in &look.assembly.contacts {
-            // From the first bin on positions are positive and the cast rounds down.
-            let position = contact.normal_force * per_bin - first;
-            if position < 0.0 {
-                self.below += 1;
-            } else if position >= self.counts.len() as f64 {
-                self.above += 1;
-            } else {
-                self.counts[position as usize] += 1;
-            }
-        }
-    }
-
-    /// Number N_k of contacts counted, those outside the bins included.
-    pub fn contacts(&self) -> u64 {
-        self.counts.iter().chain([&self.below, &self.above]).fold(0, |sum, count| sum.saturating_add(*count))
-    }
-
-    /// Number of bins.
-    pub fn bins(&self) -> usize {
-        self.counts.len()
-    }
-
-    /// Centre of bin b.
-    pub fn centre(&self, bin: usize) -> f64 {
-        (self.first_bin as f64 + bin as f64 + 0.5) * self.bin_width
-    }
-
-    /// Probability density `P_b = n_b / (N_k w)` of bin b; 0 without contacts.
-    pub fn density(&self, bin: usize) -> f64 {
-        ratio(self.counts[bin] as f64, self.contacts() as f64 * self.bin_width)
-    }
-
-    /// Probability density at f, linear between the centres of bins, 0 outside them.
-    pub fn density_at(&self, force: f64) -> f64 {
-        let position = force / self.bin_width - self.first_bin as f64 - 0.5;
-        let low = position.floor();
-        let weight = position - low;
-        let value = |bin: f64| {
-            if bin >= 0.0 && bin < self.bins() as f64 { self.density(bin as usize) } else { 0.0 }
-        };
-        (1.0 - weight) * value(low) + weight * value(low + 1.0)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::lattice;
+    use crate::sensor::measured;
     use proptest::prelude::*;
 
     /// Contacts whose forces are the quantiles of a distribution, so that means are integrals.
@@ -218,12 +171,19 @@ mod tests {
         assembly
     }
 
+    /// The histogram of an assembly.
+    fn counted(assembly: &granum_core::assembly::Assembly, bin_width: f64, largest_force: f64) -> Histogram {
+        let recording = Recording { bin_width, largest_force, ..Recording::default() };
+        let mut histogram = ForceDistribution.histograms(&recording)[0].empty();
+        count(&Look::new(assembly), &mut histogram);
+        histogram
+    }
+
     #[test]
     fn exponential_forces_have_their_moments_and_win_the_tail() {
         let n = 200_000;
         let assembly = assembly_of((0..n).map(|k| -2e-4 * (1.0 - (k as f64 + 0.5) / n as f64).ln()));
-        let mut row = Vec::new();
-        measure(&Look::new(&assembly), &mut row);
+        let row = measured(&ForceDistribution, &assembly);
         assert!((row[0] / 2e-4 - 1.0).abs() < 1e-4);
         assert!((row[1] - 2.0).abs() < 1e-3, "<f^2> {}", row[1]);
         assert!((row[3] - 1.0).abs() < 2e-3, "beta {}", row[3]);
@@ -236,8 +196,7 @@ mod tests {
         let n = 100_000;
         let forces = inverse_half_gaussian(n);
         let assembly = assembly_of(forces.into_iter());
-        let mut row = Vec::new();
-        measure(&Look::new(&assembly), &mut row);
+        let row = measured(&ForceDistribution, &assembly);
         let exact = (0.5 * std::f64::consts::PI).sqrt();
         assert!((row[4] / exact - 1.0).abs() < 2e-3, "s {} {exact}", row[4]);
         assert!((row[1] - 0.5 * std::f64::consts::PI).abs() < 1e-3);
@@ -264,13 +223,12 @@ mod tests {
     #[test]
     fn a_lattice_has_all_its_forces_at_one() {
         let assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 3e-4);
-        let mut histogram = ForceHistogram::new(0.3, 6.0);
-        histogram.add(&Look::new(&assembly));
+        let histogram = counted(&assembly, 0.3, 6.0);
         assert_eq!(histogram.bins(), 27);
         assert_eq!(histogram.first_bin, -7);
         let bin = (0..histogram.bins()).find(|&b| histogram.counts[b] > 0).unwrap();
         assert!((histogram.centre(bin) - 1.05).abs() < 1e-12);
-        assert_eq!(histogram.contacts(), 81);
+        assert_eq!(histogram.total(), 81);
         assert!((histogram.density(bin) - 1.0 / 0.3).abs() < 1e-12);
     }
 
@@ -279,20 +237,18 @@ mod tests {
         let assembly = assembly_of([-0.3, 0.1, 0.2, 4.0, -4.0, 6.0].into_iter());
         let look = Look::new(&assembly);
         assert!((look.mean_normal_force - 1.0).abs() < 1e-15);
-        let mut histogram = ForceHistogram::new(0.25, 5.0);
-        histogram.add(&look);
+        let histogram = counted(&assembly, 0.25, 5.0);
         assert_eq!((histogram.below, histogram.above), (1, 1));
         assert_eq!(histogram.counts[6], 1, "-0.3 lies in [-0.5, -0.25)");
         assert_eq!(histogram.counts[8], 2, "0.1 and 0.2 lie in [0, 0.25)");
-        assert_eq!(histogram.contacts(), 6);
+        assert_eq!(histogram.total(), 6);
     }
 
     #[test]
     fn tension_on_the_whole_adds_nothing() {
         let assembly = assembly_of([-1.0, -2.0].into_iter());
-        let mut histogram = ForceHistogram::new(0.25, 5.0);
-        histogram.add(&Look::new(&assembly));
-        assert_eq!(histogram.contacts(), 0);
+        let histogram = counted(&assembly, 0.25, 5.0);
+        assert_eq!(histogram.total(), 0);
         assert_eq!(histogram.density(3), 0.0);
     }
 
@@ -300,8 +256,7 @@ mod tests {
         #[test]
         fn density_integrates_to_one_with_mean_one(seed in 0u64..500, width in 0.02..0.5f64) {
             let assembly = lattice::random_contacts(200, seed);
-            let mut histogram = ForceHistogram::new(width, 50.0);
-            histogram.add(&Look::new(&assembly));
+            let histogram = counted(&assembly, width, 50.0);
             let integral: f64 = (0..histogram.bins()).map(|b| histogram.density(b) * width).sum();
             let first: f64 = (0..histogram.bins()).map(|b| histogram.centre(b) * histogram.density(b) * width).sum();
             prop_assert!((integral - 1.0).abs() < 1e-12);

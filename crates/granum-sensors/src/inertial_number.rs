@@ -6,15 +6,31 @@
 //! positive.
 
 use crate::solid_fraction::grain_volume;
-use crate::{Look, Sensor, SensorColumn};
+use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+use granum_core::Part;
 
 /// The sensor.
-pub const SENSOR: Sensor = Sensor {
-    name: "inertial_number",
-    description: "ratio of inertia to confinement; quasi-static below about 1e-3",
-    columns: &[SensorColumn::new("inertial_number", "1", "I = strain_rate d sqrt(rho / p)")],
-    measure: |look, row| row.push(inertial_number(look)),
-};
+pub struct InertialNumber;
+
+impl Sensor for InertialNumber {
+    fn description(&self) -> Description {
+        Description::new("inertial_number", "ratio of inertia to confinement; quasi-static below about 1e-3")
+            .columns([SensorColumn::new("inertial_number", "1", "I = strain_rate d sqrt(rho / p)")])
+            .needing(&[
+                Part::Cell,
+                Part::Radii,
+                Part::Masses,
+                Part::StrainRate,
+                Part::Contacts,
+                Part::NormalForces,
+                Part::TangentialForces,
+            ])
+    }
+
+    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
+        values.push(inertial_number(look));
+    }
+}
 
 /// The inertial number.
 pub fn inertial_number(look: &Look) -> f64 {

@@ -1,61 +1,87 @@
 //! Invariants of stress and strain that know no axis of compression, and the shear strains: the further columns of tests that
 //! are given as stages. The formulas stand in [`granum_dem::invariants`].
 
+use granum_core::Part;
 use granum_dem::invariants::{
     deviatoric_strain, intermediate_ratio, lode_cosine, mean, mobilised_friction, signed_von_mises,
 };
 
 use crate::look::ratio;
-use crate::{Look, Sensor, SensorColumn};
+use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
 
-/// The sensor. It is not one of [`crate::all`]: the series of the paper's test keeps its columns.
-pub const SENSOR: Sensor = Sensor {
-    name: "invariants",
-    description: "arc length of the strain path, shear strains, and invariants of stress and strain",
-    columns: &[
-        SensorColumn::new("arc_length", "1", "arc length of the strain path, sum of sqrt(2/3 d_eps:d_eps)"),
-        SensorColumn::new("shear_strain_yz", "1", "gamma_yz, an angle"),
-        SensorColumn::new("shear_strain_zx", "1", "gamma_zx, an angle"),
-        SensorColumn::new("shear_strain_xy", "1", "gamma_xy, an angle"),
-        SensorColumn::new("deviatoric_strain", "1", "eps_q = sqrt(2/3 e:e) of the deviator e of the strain"),
-        SensorColumn::new("von_mises_stress", "Pa", "q = sqrt(3/2 s:s), negative in triaxial extension"),
-        SensorColumn::new("von_mises_ratio", "1", "that q over p"),
-        SensorColumn::new(
-            "intermediate_stress_ratio",
-            "1",
-            "b = (sigma_2 - sigma_3) / (sigma_1 - sigma_3) of the principal stresses",
-        ),
-        SensorColumn::new(
-            "lode_cosine",
-            "1",
-            "cos(3 theta) of the Lode angle: 1 in compression, -1 in extension",
-        ),
-        SensorColumn::new("mobilised_friction", "1", "sin(phi) = (sigma_1 - sigma_3) / (sigma_1 + sigma_3)"),
-    ],
-    measure,
-};
+/// The sensor. It is recorded in tests that are given as stages: the series of the paper's test keeps its columns.
+pub struct Invariants;
 
-fn measure(look: &Look, row: &mut Vec<f64>) {
-    let (stress, strain) = (look.stress.tensor(), &look.assembly.strain);
-    let q = signed_von_mises(&stress);
-    row.extend([
-        look.assembly.arc_length,
-        strain[1][2] + strain[2][1],
-        strain[2][0] + strain[0][2],
-        strain[0][1] + strain[1][0],
-        deviatoric_strain(strain),
-        q,
-        ratio(q, mean(&stress)),
-        intermediate_ratio(&stress),
-        lode_cosine(&stress),
-        mobilised_friction(&stress),
-    ]);
+impl Sensor for Invariants {
+    fn description(&self) -> Description {
+        Description::new(
+            "invariants",
+            "arc length of the strain path, shear strains, and invariants of stress and strain",
+        )
+        .columns([
+            SensorColumn::new(
+                "arc_length",
+                "1",
+                "arc length of the strain path, sum of sqrt(2/3 d_eps:d_eps)",
+            ),
+            SensorColumn::new("shear_strain_yz", "1", "gamma_yz, an angle"),
+            SensorColumn::new("shear_strain_zx", "1", "gamma_zx, an angle"),
+            SensorColumn::new("shear_strain_xy", "1", "gamma_xy, an angle"),
+            SensorColumn::new(
+                "deviatoric_strain",
+                "1",
+                "eps_q = sqrt(2/3 e:e) of the deviator e of the strain",
+            ),
+            SensorColumn::new("von_mises_stress", "Pa", "q = sqrt(3/2 s:s), negative in triaxial extension"),
+            SensorColumn::new("von_mises_ratio", "1", "that q over p"),
+            SensorColumn::new(
+                "intermediate_stress_ratio",
+                "1",
+                "b = (sigma_2 - sigma_3) / (sigma_1 - sigma_3) of the principal stresses",
+            ),
+            SensorColumn::new(
+                "lode_cosine",
+                "1",
+                "cos(3 theta) of the Lode angle: 1 in compression, -1 in extension",
+            ),
+            SensorColumn::new(
+                "mobilised_friction",
+                "1",
+                "sin(phi) = (sigma_1 - sigma_3) / (sigma_1 + sigma_3)",
+            ),
+        ])
+        .needing(&[
+            Part::Cell,
+            Part::Contacts,
+            Part::NormalForces,
+            Part::TangentialForces,
+            Part::Strain,
+        ])
+    }
+
+    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
+        let (stress, strain) = (look.stress.tensor(), &look.assembly.strain);
+        let q = signed_von_mises(&stress);
+        values.extend([
+            look.assembly.arc_length,
+            strain[1][2] + strain[2][1],
+            strain[2][0] + strain[0][2],
+            strain[0][1] + strain[1][0],
+            deviatoric_strain(strain),
+            q,
+            ratio(q, mean(&stress)),
+            intermediate_ratio(&stress),
+            lode_cosine(&stress),
+            mobilised_friction(&stress),
+        ]);
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::lattice;
+    use crate::sensor::measured;
     use granum_core::assembly::Assembly;
     use proptest::prelude::*;
 
@@ -66,13 +92,9 @@ mod tests {
             prop_assume!(axis.iter().map(|x| x * x).sum::<f64>() > 0.01);
             let assembly = lattice::random_contacts(60, seed);
             let turned = lattice::rotated(&assembly, &lattice::rotation(axis, 1.3));
-            let row = |assembly: &Assembly| {
-                let mut row = Vec::new();
-                measure(&Look::new(assembly), &mut row);
-                row
-            };
+            let row = |assembly: &Assembly| measured(&Invariants, assembly);
             let (before, after) = (row(&assembly), row(&turned));
-            prop_assert_eq!(before.len(), SENSOR.columns.len());
+            prop_assert_eq!(before.len(), Invariants.description().columns.len());
             for (a, b) in before.iter().zip(&after).skip(5) {
                 prop_assert!((a - b).abs() <= 1e-7 * a.abs().max(1.0), "{:?} {:?}", before, after);
             }

@@ -1,20 +1,28 @@
 //! Largest overlap `alpha / (R_i + R_j)`: elastic spheres are a fair model while it is small (below about 1e-2).
 
 use crate::look::ratio;
-use crate::{Averaging, Look, Sensor, SensorColumn};
+use crate::{Averaging, Description, Look, Memory, Sensor, SensorColumn, Values};
+use granum_core::Part;
 
 /// The sensor.
-pub const SENSOR: Sensor = Sensor {
-    name: "overlap",
-    description: "how deep the grains are pressed into each other",
-    columns: &[SensorColumn::new(
-        "largest_overlap",
-        "1",
-        "largest alpha / (R_i + R_j) over the contacts and the observations",
-    )
-    .averaged(Averaging::Largest)],
-    measure: |look, row| row.push(largest_overlap(look)),
-};
+pub struct Overlap;
+
+impl Sensor for Overlap {
+    fn description(&self) -> Description {
+        Description::new("overlap", "how deep the grains are pressed into each other")
+            .columns([SensorColumn::new(
+                "largest_overlap",
+                "1",
+                "largest alpha / (R_i + R_j) over the contacts and the observations",
+            )
+            .averaged(Averaging::Largest)])
+            .needing(&[Part::Radii, Part::Contacts, Part::Overlaps])
+    }
+
+    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
+        values.push(largest_overlap(look));
+    }
+}
 
 /// Largest `alpha / (R_i + R_j)`; 0 without contacts, and for contacts in tension that are stretched apart.
 pub fn largest_overlap(look: &Look) -> f64 {

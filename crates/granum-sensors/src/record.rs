@@ -1,11 +1,14 @@
-//! What the sensors saw over a test: a series of rows and the histogram of forces of each.
+//! What the sensors saw over a test: a series of rows and the histograms of each.
+
+use std::ops::Range;
 
 use granum_core::{Column, Table, TableError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::force_distribution::ForceHistogram;
-use crate::{all, invariants};
+use crate::force_distribution::FORCES;
+use crate::recorder::StateSums;
+use crate::{Bins, Histogram, SensorColumn};
 
 /// What is wrong with a table that should be a record.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -26,7 +29,7 @@ pub enum RecordError {
         wanted: &'static str,
     },
     /// The bins of a state do not follow one another.
-    #[error("forces, row {row}: the bins of state {state} do not follow one another at steps of {bin_width}")]
+    #[error("row {row}: the bins of state {state} do not follow one another at steps of {bin_width}")]
     BrokenBins {
         /// Row, from 0.
         row: usize,
@@ -40,62 +43,126 @@ pub enum RecordError {
 /// The record of a test.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// One row a state: `state`, `looks`, every column of every sensor, then `forces_below` and `forces_above`, the
-    /// contacts outside the bins of the histogram. A test that is given as stages has a column `stage` before `state`, which
-    /// counts from 0 in each, and the columns of the general invariants after those of the sensors.
+    /// One row a state: `state`, `looks`, every column of every sensor, then for each histogram how many values lie outside its
+    /// bins, as `forces_below` and `forces_above`. A test that is given as stages has a column `stage` before `state`, which
+    /// counts from 0 in each.
     pub series: Table,
-    /// The histogram of forces of each row.
-    pub forces: Vec<ForceHistogram>,
+    /// The histograms of the sensors, those of the contact forces first.
+    pub histograms: Vec<Histograms>,
+}
+
+/// A histogram of every state.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Histograms {
+    /// Its name, e.g. `forces`.
+    pub name: String,
+    /// What is counted, e.g. `force`.
+    pub quantity: String,
+    /// Unit of that; empty for a number.
+    pub unit: String,
+    /// One for each row of the series.
+    pub states: Vec<Histogram>,
 }
 
 impl Record {
-    /// From state number, looks and values of each state, and its histogram; `stages` is the number of the stage of each
-    /// row, where the test is given as stages.
-    pub(crate) fn from_states(
-        rows: &[(usize, u64, Vec<f64>)],
-        forces: Vec<ForceHistogram>,
-        stages: Option<&[usize]>,
+    /// From the sums over the states, each with the number of its stage, of sensors with these columns and bins.
+    pub(crate) fn from_states<'a>(
+        sensors: &[&[SensorColumn]],
+        bins: &[Bins],
+        states: impl Iterator<Item = (usize, &'a StateSums)>,
+        staged: bool,
     ) -> Self {
-        let number = |name: &str, values: Vec<f64>| column(name, "", values);
+        let states: Vec<(usize, &StateSums)> = states.collect();
+        let columns = || sensors.iter().flat_map(|columns| columns.iter());
+        let rows: Vec<Vec<f64>> = states.iter().map(|(_, sums)| sums.averages(columns())).collect();
+        let number = |name: &str, value: &dyn Fn(&(usize, &StateSums)) -> f64| {
+            column(name, "", states.iter().map(value).collect())
+        };
         let mut table = Vec::new();
-        if let Some(stages) = stages {
-            table.push(number("stage", stages.iter().map(|stage| *stage as f64).collect()));
+        if staged {
+            table.push(number("stage", &|(stage, _)| *stage as f64));
         }
-        table.push(number("state", rows.iter().map(|row| row.0 as f64).collect()));
-        table.push(number("looks", rows.iter().map(|row| row.1 as f64).collect()));
+        table.push(number("state", &|(_, sums)| sums.state as f64));
+        table.push(number("looks", &|(_, sums)| sums.looks as f64));
         let mut first = 0;
-        let further = stages.is_some().then_some(&invariants::SENSOR);
-        for sensor in all().iter().chain(further) {
-            let places = first..first + sensor.columns.len();
+        for sensor in sensors {
+            let places = first..first + sensor.len();
             first = places.end;
-            let is_unused = |row: &(usize, u64, Vec<f64>)| {
-                let values = sensor.columns.iter().zip(&row.2[places.clone()]);
-                values.filter(|(column, _)| column.optional).all(|(_, value)| *value == 0.0)
+            let is_unused = |row: &Vec<f64>| {
+                let mut values =
+                    sensor.iter().zip(&row[places.clone()]).filter(|(column, _)| column.optional);
+                values.all(|(_, value)| *value == 0.0)
             };
             let unused = rows.iter().all(is_unused);
-            for (k, sensor_column) in places.zip(sensor.columns) {
+            for (k, sensor_column) in places.clone().zip(*sensor) {
                 if !(sensor_column.optional && unused) {
-                    let values = rows.iter().map(|row| row.2[k]).collect();
+                    let values = rows.iter().map(|row| row[k]).collect();
                     table.push(column(sensor_column.name, sensor_column.unit, values));
                 }
             }
         }
-        table.push(number("forces_below", forces.iter().map(|h| h.below as f64).collect()));
-        table.push(number("forces_above", forces.iter().map(|h| h.above as f64).collect()));
-        Record { series: table_of(table), forces }
+        let mut histograms = Vec::new();
+        for (k, bins) in bins.iter().enumerate() {
+            let found = states.iter().filter_map(|(_, sums)| sums.histograms.get(k).cloned());
+            let series = Histograms {
+                name: bins.name.into(),
+                quantity: bins.quantity.into(),
+                unit: if bins.unit == "1" { String::new() } else { bins.unit.into() },
+                states: found.collect(),
+            };
+            let outside =
+                |value: fn(&Histogram) -> u64| series.states.iter().map(|h| value(h) as f64).collect();
+            table.push(column(&below(bins.name), "", outside(|h| h.below)));
+            table.push(column(&above(bins.name), "", outside(|h| h.above)));
+            histograms.push(series);
+        }
+        Record { series: table_of(table), histograms }
     }
 
-    /// The histograms as a table, one row a bin: `state`, `deviator_strain`, `force` (centre of the bin),
-    /// `bin_width`, `count`, `probability_density`, before them `stage` where the series has it. With [`Record::series`] it is
-    /// the whole record.
-    pub fn force_table(&self) -> Table {
-        let states = self.series.values("state").unwrap_or(&[]);
-        let strains = self.series.values("deviator_strain").unwrap_or(&[]);
-        let mut table = ["state", "deviator_strain", "force", "bin_width", "count", "probability_density"]
-            .map(|name| column(name, "", Vec::new()));
+    /// A record of a series and the histograms of the contact forces of its rows.
+    pub fn with_forces(series: Table, forces: Vec<Histogram>) -> Record {
+        let (name, quantity) = (FORCES.to_string(), "force".to_string());
+        Record {
+            series,
+            histograms: vec![Histograms { name, quantity, unit: String::new(), states: forces }],
+        }
+    }
+
+    /// The histograms of that name, one for each row of the series; empty where they were not recorded.
+    pub fn histograms(&self, name: &str) -> &[Histogram] {
+        self.histograms.iter().find(|known| known.name == name).map_or(&[], |known| &known.states)
+    }
+
+    /// The histograms of the contact forces.
+    pub fn forces(&self) -> &[Histogram] {
+        self.histograms(FORCES)
+    }
+
+    /// The histograms as tables with their names, one row a bin: `state`, `deviator_strain`, the centre of the bin (named as
+    /// what is counted, e.g. `force`), `bin_width`, `count`, `probability_density`, before them `stage` where the series has
+    /// it. With [`Record::series`] they are the whole record.
+    pub fn histogram_tables(&self) -> impl Iterator<Item = (&str, Table)> {
+        self.histograms.iter().map(|histograms| (histograms.name.as_str(), self.table_of(histograms)))
+    }
+
+    fn table_of(&self, histograms: &Histograms) -> Table {
+        let series = |name: &str| self.series.values(name).unwrap_or(&[]);
+        let (states, strains, stage) =
+            (series("state"), series("deviator_strain"), self.series.values("stage"));
+        let (quantity, unit) = (histograms.quantity.as_str(), histograms.unit.as_str());
+        let mut table = [
+            ("state", ""),
+            ("deviator_strain", ""),
+            (quantity, unit),
+            ("bin_width", unit),
+            ("count", ""),
+            ("probability_density", ""),
+        ]
+        .map(|(name, unit)| column(name, unit, Vec::new()));
         let mut stages = Vec::new();
-        let stage = self.series.values("stage");
-        for (k, ((histogram, &state), &strain)) in self.forces.iter().zip(states).zip(strains).enumerate() {
+        for (k, ((histogram, &state), &strain)) in
+            histograms.states.iter().zip(states).zip(strains).enumerate()
+        {
             if let Some(stage) = stage.and_then(|stage| stage.get(k)) {
                 stages.extend(std::iter::repeat_n(*stage, histogram.bins()));
             }
@@ -117,40 +184,66 @@ impl Record {
         table_of(stage.into_iter().chain(table))
     }
 
-    /// Puts a record together again from its two tables.
+    /// Puts a record together again from its tables: the series, and those of the histograms with their names.
     ///
     /// # Errors
     /// A missing or ragged column, a count that is not a whole number, bins that do not follow one another.
-    pub fn from_tables(series: Table, force_table: &Table) -> Result<Self, RecordError> {
-        let states = series.column("state")?;
-        let below = series.column("forces_below")?;
-        let above = series.column("forces_above")?;
-        let of = force_table.column("state")?;
-        let stage_of = force_table.values("stage").unwrap_or(&[]);
-        let stages = series.values("stage").unwrap_or(&[]);
-        let mut forces = Vec::with_capacity(states.len());
-        let mut row = 0;
-        for (k, &state) in states.iter().enumerate() {
-            let start = row;
-            let stage = stages.get(k);
-            while row < of.len() && of[row] == state && stage_of.get(row) == stage {
-                row += 1;
-            }
-            let mut histogram = read_histogram(force_table, start, row, state)?;
-            histogram.below = whole("forces_below", k, below[k])?;
-            histogram.above = whole("forces_above", k, above[k])?;
-            forces.push(histogram);
-        }
-        if row < of.len() {
-            return Err(RecordError::BadValue {
-                name: "state".to_owned(),
-                row,
-                value: of[row],
-                wanted: "the state of a row of the series, in the same order",
-            });
-        }
-        Ok(Record { series, forces })
+    pub fn from_tables<'a>(
+        series: Table,
+        tables: impl IntoIterator<Item = (&'a str, &'a Table)>,
+    ) -> Result<Self, RecordError> {
+        let read = |(name, table)| read_histograms(&series, name, table);
+        let histograms = tables.into_iter().map(read).collect::<Result<_, _>>()?;
+        Ok(Record { series, histograms })
     }
+}
+
+/// Name of the column of values below the bins.
+fn below(name: &str) -> String {
+    format!("{name}_below")
+}
+
+/// Name of the column of values above the bins.
+fn above(name: &str) -> String {
+    format!("{name}_above")
+}
+
+/// The histograms of one name, one for each row of the series.
+fn read_histograms(series: &Table, name: &str, table: &Table) -> Result<Histograms, RecordError> {
+    let states = series.column("state")?;
+    let below = (below(name), series.column(&below(name))?);
+    let above = (above(name), series.column(&above(name))?);
+    let of = table.column("state")?;
+    let stage_of = table.values("stage").unwrap_or(&[]);
+    let stages = series.values("stage").unwrap_or(&[]);
+    // What is counted stands before the width of the bins.
+    let names: Vec<&str> = table.names().collect();
+    let width = names.iter().position(|name| *name == "bin_width").unwrap_or(0);
+    let quantity = names.get(width.saturating_sub(1)).copied().unwrap_or("force");
+    let mut found = Histograms { name: name.into(), quantity: quantity.into(), ..Histograms::default() };
+    found.unit =
+        table.columns().iter().find(|c| c.name == quantity).map_or_else(String::new, |c| c.unit.clone());
+    let mut row = 0;
+    for (k, &state) in states.iter().enumerate() {
+        let start = row;
+        let stage = stages.get(k);
+        while row < of.len() && of[row] == state && stage_of.get(row) == stage {
+            row += 1;
+        }
+        let mut histogram = read_histogram(table, quantity, start..row, state)?;
+        histogram.below = whole(&below.0, k, below.1[k])?;
+        histogram.above = whole(&above.0, k, above.1[k])?;
+        found.states.push(histogram);
+    }
+    if row < of.len() {
+        return Err(RecordError::BadValue {
+            name: "state".to_owned(),
+            row,
+            value: of[row],
+            wanted: "the state of a row of the series, in the same order",
+        });
+    }
+    Ok(found)
 }
 
 fn column(name: &str, unit: &str, values: Vec<f64>) -> Column {
@@ -172,19 +265,20 @@ fn whole(name: &str, row: usize, value: f64) -> Result<u64, RecordError> {
     if (0.0..=9_007_199_254_740_992.0).contains(&value) && value.fract() == 0.0 {
         Ok(value as u64)
     } else {
-        Err(RecordError::BadValue { name: name.to_owned(), row, value, wanted: "a whole number of contacts" })
+        Err(RecordError::BadValue { name: name.to_owned(), row, value, wanted: "a whole number" })
     }
 }
 
 fn read_histogram(
     table: &Table,
-    start: usize,
-    end: usize,
+    quantity: &str,
+    rows: Range<usize>,
     state: f64,
-) -> Result<ForceHistogram, RecordError> {
-    let centres = &table.column("force")?[start..end];
-    let widths = &table.column("bin_width")?[start..end];
-    let counts = &table.column("count")?[start..end];
+) -> Result<Histogram, RecordError> {
+    let start = rows.start;
+    let counts = &table.column("count")?[rows.clone()];
+    let widths = &table.column("bin_width")?[rows.clone()];
+    let centres = &table.column(quantity)?[rows.clone()];
     let (Some(&first_centre), Some(&bin_width)) = (centres.first(), widths.first()) else {
         return Err(RecordError::BrokenBins { row: start, state, bin_width: 0.0 });
     };
@@ -198,10 +292,10 @@ fn read_histogram(
             wanted: "the positive width of a bin",
         });
     }
-    let mut histogram = ForceHistogram {
+    let mut histogram = Histogram {
         bin_width,
         first_bin: first as i64,
-        counts: Vec::with_capacity(end - start),
+        counts: Vec::with_capacity(rows.len()),
         below: 0,
         above: 0,
     };
@@ -219,26 +313,34 @@ fn read_histogram(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Recorder, lattice};
+    use crate::{Recorder, Sensors, lattice};
     use granum_dem::config::Recording;
 
     fn record() -> Record {
-        let recording = Recording { states: 3, looks: 2, bin_width: 0.1, ..Default::default() };
-        let mut recorder = Recorder::new(&recording, 0.3);
+        let sensors = vec!["overlap_distribution".to_string()];
+        let recording = Recording { states: 3, looks: 2, bin_width: 0.1, sensors, ..Default::default() };
+        let mut recorder = Recorder::new(&Sensors::standard(), &recording, 0.3).unwrap();
         for k in 0..=60 {
             let mut assembly = lattice::random_contacts(50, k);
             assembly.strain[0][0] = 0.005 * k as f64;
+            assembly.contacts.iter_mut().for_each(|contact| contact.approach = contact.normal_force.abs());
             recorder.look(&assembly);
         }
         recorder.record()
     }
 
     #[test]
-    fn two_tables_hold_the_whole_record() {
+    fn tables_hold_the_whole_record() {
         let record = record();
-        let forces = record.force_table();
-        assert_eq!(forces.rows(), 4 * record.forces[0].bins());
-        assert_eq!(Record::from_tables(record.series.clone(), &forces), Ok(record));
+        let tables: Vec<(&str, Table)> = record.histogram_tables().collect();
+        assert_eq!(tables.iter().map(|(name, _)| *name).collect::<Vec<_>>(), ["forces", "overlaps"]);
+        assert_eq!(tables[0].1.rows(), 4 * record.forces()[0].bins());
+        let names = ["state", "deviator_strain", "force", "bin_width", "count", "probability_density"];
+        assert_eq!(tables[0].1.names().collect::<Vec<_>>(), names);
+        assert_eq!(tables[1].1.names().nth(2), Some("overlap"));
+        assert!(record.histograms("overlaps").iter().all(|histogram| histogram.total() > 0));
+        let tables = tables.iter().map(|(name, table)| (*name, table));
+        assert_eq!(Record::from_tables(record.series.clone(), tables), Ok(record.clone()));
     }
 
     /// The table with one of its columns changed.
@@ -259,9 +361,9 @@ mod tests {
     #[test]
     fn broken_tables_are_refused_with_the_place() {
         let record = record();
-        let good = record.force_table();
+        let good = record.histogram_tables().next().unwrap().1;
         let message = |series: &Table, forces: &Table| {
-            Record::from_tables(series.clone(), forces).unwrap_err().to_string()
+            Record::from_tables(series.clone(), [("forces", forces)]).unwrap_err().to_string()
         };
 
         let columns = record.series.columns().iter().filter(|column| column.name != "forces_above");
@@ -270,15 +372,18 @@ mod tests {
 
         let forces = with(&good, "count", |values| values[7] = 2.5);
         let text = message(&record.series, &forces);
-        assert_eq!(text, "column `count`, row 7: 2.5 is not a whole number of contacts");
+        assert_eq!(text, "column `count`, row 7: 2.5 is not a whole number");
 
         let forces = with(&good, "force", |values| values.swap(3, 4));
         assert!(message(&record.series, &forces).contains("row 3: the bins of state 0"));
 
-        let forces = with_all(&good, |values| values.truncate(2 * record.forces[0].bins()));
-        assert!(Record::from_tables(record.series.clone(), &forces).is_err(), "two states have no bins");
+        let forces = with_all(&good, |values| values.truncate(2 * record.forces()[0].bins()));
+        assert!(
+            Record::from_tables(record.series.clone(), [("forces", &forces)]).is_err(),
+            "two states have no bins"
+        );
 
         let forces = with_all(&good, |values| values.push(*values.last().unwrap()));
-        assert!(Record::from_tables(record.series, &forces).is_err(), "a bin too many");
+        assert!(Record::from_tables(record.series, [("forces", &forces)]).is_err(), "a bin too many");
     }
 }

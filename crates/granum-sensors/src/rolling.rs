@@ -3,44 +3,48 @@
 //!
 //! `rolling_work = change of elastic rolling energy + rolling_loss`; what dashpots against rolling take is in `damping_loss`.
 
-use crate::{Look, Sensor, SensorColumn};
+use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+use granum_core::Part;
 
 /// The sensor.
-pub const SENSOR: Sensor = Sensor {
-    name: "rolling",
-    description: "energy of rolling and twisting, where contacts resist them",
-    columns: &[
-        SensorColumn::new(
-            "elastic_rolling_energy",
-            "J",
-            "stored by the rolling and twisting of all contacts",
-        )
-        .optional(),
-        SensorColumn::new(
-            "rolling_work",
-            "J",
-            "work taken up by the elastic couples of rolling and twisting",
-        )
-        .optional(),
-        SensorColumn::new(
-            "rolling_loss",
-            "J",
-            "lost by rolling and twisting without dashpots, part of rolling_work",
-        )
-        .optional(),
-    ],
-    measure,
-};
+pub struct Rolling;
 
-fn measure(look: &Look, row: &mut Vec<f64>) {
-    let stored: f64 = look.assembly.contacts.iter().map(|contact| contact.rolling_energy).sum();
-    // A sum of nothing is minus zero.
-    row.extend([stored + 0.0, look.assembly.energy.rolling_work, look.assembly.energy.rolling]);
+impl Sensor for Rolling {
+    fn description(&self) -> Description {
+        Description::new("rolling", "energy of rolling and twisting, where contacts resist them")
+            .columns([
+                SensorColumn::new(
+                    "elastic_rolling_energy",
+                    "J",
+                    "stored by the rolling and twisting of all contacts",
+                )
+                .optional(),
+                SensorColumn::new(
+                    "rolling_work",
+                    "J",
+                    "work taken up by the elastic couples of rolling and twisting",
+                )
+                .optional(),
+                SensorColumn::new(
+                    "rolling_loss",
+                    "J",
+                    "lost by rolling and twisting without dashpots, part of rolling_work",
+                )
+                .optional(),
+            ])
+            .needing(&[Part::Contacts, Part::ContactEnergies, Part::EnergyBalance])
+    }
+
+    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
+        let stored: f64 = look.assembly.contacts.iter().map(|contact| contact.rolling_energy).sum();
+        // A sum of nothing is minus zero.
+        values.extend([stored + 0.0, look.assembly.energy.rolling_work, look.assembly.energy.rolling]);
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use crate::{Recorder, column_index, lattice, measure_row};
+    use crate::{Recorder, Sensors, column_index, lattice, measure_row};
     use granum_dem::config::Recording;
 
     #[test]
@@ -58,7 +62,9 @@ mod tests {
         let series = |energy: f64| {
             let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4);
             assembly.contacts[0].rolling_energy = energy;
-            let mut recorder = Recorder::new(&Recording { states: 2, ..Recording::default() }, 0.1);
+            let mut recorder =
+                Recorder::new(&Sensors::standard(), &Recording { states: 2, ..Recording::default() }, 0.1)
+                    .unwrap();
             recorder.look(&assembly);
             recorder.record().series
         };

@@ -5,7 +5,8 @@
 //! force is `<N>_b / <N>` (Rothenburg and Bathurst 1989).
 
 use crate::look::{mean, ratio};
-use crate::{Look, Sensor, SensorColumn};
+use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+use granum_core::Part;
 
 /// Number of bins.
 pub const BINS: usize = 9;
@@ -25,31 +26,51 @@ pub const EDGE_COSINES: [f64; BINS + 1] = [
 ];
 
 /// The sensor.
-pub const SENSOR: Sensor = Sensor {
-    name: "rose",
-    description: "contact normals and forces by their angle to the axis of compression",
-    columns: &[
-        SensorColumn::new("rose_05", "1", "density of normals at 0-10 degrees, 1 if isotropic"),
-        SensorColumn::new("rose_15", "1", "density of normals at 10-20 degrees, 1 if isotropic"),
-        SensorColumn::new("rose_25", "1", "density of normals at 20-30 degrees, 1 if isotropic"),
-        SensorColumn::new("rose_35", "1", "density of normals at 30-40 degrees, 1 if isotropic"),
-        SensorColumn::new("rose_45", "1", "density of normals at 40-50 degrees, 1 if isotropic"),
-        SensorColumn::new("rose_55", "1", "density of normals at 50-60 degrees, 1 if isotropic"),
-        SensorColumn::new("rose_65", "1", "density of normals at 60-70 degrees, 1 if isotropic"),
-        SensorColumn::new("rose_75", "1", "density of normals at 70-80 degrees, 1 if isotropic"),
-        SensorColumn::new("rose_85", "1", "density of normals at 80-90 degrees, 1 if isotropic"),
-        SensorColumn::new("rose_force_05", "1", "mean normal force at 0-10 degrees over <N>"),
-        SensorColumn::new("rose_force_15", "1", "mean normal force at 10-20 degrees over <N>"),
-        SensorColumn::new("rose_force_25", "1", "mean normal force at 20-30 degrees over <N>"),
-        SensorColumn::new("rose_force_35", "1", "mean normal force at 30-40 degrees over <N>"),
-        SensorColumn::new("rose_force_45", "1", "mean normal force at 40-50 degrees over <N>"),
-        SensorColumn::new("rose_force_55", "1", "mean normal force at 50-60 degrees over <N>"),
-        SensorColumn::new("rose_force_65", "1", "mean normal force at 60-70 degrees over <N>"),
-        SensorColumn::new("rose_force_75", "1", "mean normal force at 70-80 degrees over <N>"),
-        SensorColumn::new("rose_force_85", "1", "mean normal force at 80-90 degrees over <N>"),
-    ],
-    measure,
-};
+pub struct RoseOfContacts;
+
+impl Sensor for RoseOfContacts {
+    fn description(&self) -> Description {
+        Description::new("rose", "contact normals and forces by their angle to the axis of compression")
+            .columns([
+                SensorColumn::new("rose_05", "1", "density of normals at 0-10 degrees, 1 if isotropic"),
+                SensorColumn::new("rose_15", "1", "density of normals at 10-20 degrees, 1 if isotropic"),
+                SensorColumn::new("rose_25", "1", "density of normals at 20-30 degrees, 1 if isotropic"),
+                SensorColumn::new("rose_35", "1", "density of normals at 30-40 degrees, 1 if isotropic"),
+                SensorColumn::new("rose_45", "1", "density of normals at 40-50 degrees, 1 if isotropic"),
+                SensorColumn::new("rose_55", "1", "density of normals at 50-60 degrees, 1 if isotropic"),
+                SensorColumn::new("rose_65", "1", "density of normals at 60-70 degrees, 1 if isotropic"),
+                SensorColumn::new("rose_75", "1", "density of normals at 70-80 degrees, 1 if isotropic"),
+                SensorColumn::new("rose_85", "1", "density of normals at 80-90 degrees, 1 if isotropic"),
+                SensorColumn::new("rose_force_05", "1", "mean normal force at 0-10 degrees over <N>")
+                    .needing(&[Part::NormalForces]),
+                SensorColumn::new("rose_force_15", "1", "mean normal force at 10-20 degrees over <N>")
+                    .needing(&[Part::NormalForces]),
+                SensorColumn::new("rose_force_25", "1", "mean normal force at 20-30 degrees over <N>")
+                    .needing(&[Part::NormalForces]),
+                SensorColumn::new("rose_force_35", "1", "mean normal force at 30-40 degrees over <N>")
+                    .needing(&[Part::NormalForces]),
+                SensorColumn::new("rose_force_45", "1", "mean normal force at 40-50 degrees over <N>")
+                    .needing(&[Part::NormalForces]),
+                SensorColumn::new("rose_force_55", "1", "mean normal force at 50-60 degrees over <N>")
+                    .needing(&[Part::NormalForces]),
+                SensorColumn::new("rose_force_65", "1", "mean normal force at 60-70 degrees over <N>")
+                    .needing(&[Part::NormalForces]),
+                SensorColumn::new("rose_force_75", "1", "mean normal force at 70-80 degrees over <N>")
+                    .needing(&[Part::NormalForces]),
+                SensorColumn::new("rose_force_85", "1", "mean normal force at 80-90 degrees over <N>")
+                    .needing(&[Part::NormalForces]),
+            ])
+            .needing(&[Part::Contacts])
+    }
+
+    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
+        let rose = Rose::of(look);
+        values.extend((0..BINS).map(|b| rose.density(b)));
+        values.extend(
+            (0..BINS).map(|b| ratio(mean(rose.force_sums[b], rose.counts[b]), look.mean_normal_force)),
+        );
+    }
+}
 
 /// Contacts by the angle of their normal to axis 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -80,16 +101,11 @@ impl Rose {
     }
 }
 
-fn measure(look: &Look, row: &mut Vec<f64>) {
-    let rose = Rose::of(look);
-    row.extend((0..BINS).map(|b| rose.density(b)));
-    row.extend((0..BINS).map(|b| ratio(mean(rose.force_sums[b], rose.counts[b]), look.mean_normal_force)));
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::lattice;
+    use crate::sensor::measured;
 
     #[test]
     fn edges_are_the_cosines_of_tens_of_degrees() {
@@ -100,9 +116,8 @@ mod tests {
 
     #[test]
     fn a_simple_cubic_lattice_has_two_petals() {
-        let mut row = Vec::new();
         let assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 2e-4);
-        measure(&Look::new(&assembly), &mut row);
+        let row = measured(&RoseOfContacts, &assembly);
         assert!((row[0] - 1.0 / 3.0 / (1.0 - EDGE_COSINES[1])).abs() < 1e-12);
         assert!((row[8] - 2.0 / 3.0 / EDGE_COSINES[8]).abs() < 1e-12);
         assert!(row[1..8].iter().all(|&density| density == 0.0));

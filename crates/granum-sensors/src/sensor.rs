@@ -1,6 +1,10 @@
 //! What a sensor is.
 
+use granum_core::Part;
+use granum_dem::config::Recording;
+
 use crate::Look;
+use crate::histogram::{Bins, Histogram};
 
 /// How the looks around a recorded state become its one value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,6 +19,7 @@ pub enum Averaging {
 
 /// One column of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct SensorColumn {
     /// Its name, unique among all sensors.
     pub name: &'static str,
@@ -27,12 +32,14 @@ pub struct SensorColumn {
     /// True for a column that a series leaves out, with the other such columns of its sensor, where all of them are zero
     /// throughout.
     pub optional: bool,
+    /// Parts of an assembly that it needs beside those that its sensor needs.
+    pub needs: &'static [Part],
 }
 
 impl SensorColumn {
     /// A column whose looks are averaged by their mean.
     pub const fn new(name: &'static str, unit: &'static str, description: &'static str) -> Self {
-        SensorColumn { name, unit, description, averaging: Averaging::Mean, optional: false }
+        SensorColumn { name, unit, description, averaging: Averaging::Mean, optional: false, needs: &[] }
     }
 
     /// The same column, left out of a series where it is zero throughout.
@@ -44,17 +51,147 @@ impl SensorColumn {
     pub const fn averaged(self, averaging: Averaging) -> Self {
         SensorColumn { averaging, ..self }
     }
+
+    /// The same column, which needs more parts of an assembly than the other columns of its sensor.
+    pub const fn needing(self, needs: &'static [Part]) -> Self {
+        SensorColumn { needs, ..self }
+    }
 }
 
-/// A soft sensor: named columns and the function that measures them.
-#[derive(Clone, Copy)]
-pub struct Sensor {
-    /// Its name.
+/// What a sensor says of itself.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Description {
+    /// Its name, by which a case asks for it.
     pub name: &'static str,
     /// What it measures, in one line.
-    pub description: &'static str,
+    pub help: &'static str,
     /// Its columns.
-    pub columns: &'static [SensorColumn],
-    /// Appends one value a column.
-    pub measure: fn(&Look, &mut Vec<f64>),
+    pub columns: Vec<SensorColumn>,
+    /// The parts of an assembly that it needs.
+    pub needs: Vec<Part>,
+    /// True if it compares an observation with the one before, so that it says nothing of a single assembly.
+    pub remembers: bool,
+}
+
+impl Description {
+    /// A sensor without columns, which needs nothing.
+    pub fn new(name: &'static str, help: &'static str) -> Description {
+        Description { name, help, columns: Vec::new(), needs: Vec::new(), remembers: false }
+    }
+
+    /// The same with these columns.
+    pub fn columns(self, columns: impl IntoIterator<Item = SensorColumn>) -> Description {
+        Description { columns: columns.into_iter().collect(), ..self }
+    }
+
+    /// The same, which needs these parts of an assembly.
+    pub fn needing(self, parts: &[Part]) -> Description {
+        Description { needs: parts.to_vec(), ..self }
+    }
+
+    /// The same, which compares an observation with the one before.
+    pub fn remembering(self) -> Description {
+        Description { remembers: true, ..self }
+    }
+}
+
+/// What a sensor remembers from one observation of a test to the next: plain finite numbers, none at the first one. They are
+/// written down with the run, so that one that is resumed goes on to the same bits.
+pub type Memory = Vec<f64>;
+
+/// Measures an assembly.
+///
+/// A sensor reads the assembly and nothing else, so it cannot disturb a run and works as well on the data of another program.
+/// Scalars go into columns and many values into histograms; what one observation leaves for the next goes into a [`Memory`].
+/// For any finite assembly every value must be a finite number: a mean over nothing is 0.
+///
+/// ```
+/// use granum_core::{Assembly, Part};
+/// use granum_dem::config::Recording;
+/// use granum_sensors::{Bins, Description, Look, Memory, Sensor, SensorColumn, Sensors, Values};
+///
+/// /// The radii of the grains: a scalar, a histogram, and a number that is remembered.
+/// struct Sizes;
+///
+/// impl Sensor for Sizes {
+///     fn description(&self) -> Description {
+///         Description::new("sizes", "how large the grains are")
+///             .columns([
+///                 SensorColumn::new("largest_radius", "m", "the largest radius"),
+///                 SensorColumn::new("grain_gain", "1", "grains that came since the last observation"),
+///             ])
+///             .needing(&[Part::Radii])
+///     }
+///     fn histograms(&self, _: &Recording) -> Vec<Bins> {
+///         vec![Bins::new("radii", "radius", "m").width(1e-5).range(0.0, 1e-3)]
+///     }
+///     fn measure(&self, look: &Look, memory: &mut Memory, values: &mut Values) {
+///         let radii = || look.assembly.grains.iter().map(|grain| grain.radius);
+///         let count = look.assembly.grains.len() as f64;
+///         values.push(radii().fold(0.0, f64::max));
+///         values.push(memory.first().map_or(0.0, |before| count - before));
+///         values.count(0, radii());
+///         *memory = vec![count];
+///     }
+/// }
+///
+/// let sensors = Sensors::standard().with(Sizes)?;
+/// assert_eq!(sensors.named("sizes")?.columns.len(), 2);
+/// # Ok::<(), granum_sensors::SensorError>(())
+/// ```
+pub trait Sensor: Send + Sync {
+    /// Its name, its columns, and what it needs.
+    fn description(&self) -> Description;
+
+    /// The bins of its histograms, for a recording.
+    fn histograms(&self, recording: &Recording) -> Vec<Bins> {
+        let _ = recording;
+        Vec::new()
+    }
+
+    /// Measures: one value for each column, in their order, and counts into the histograms.
+    fn measure(&self, look: &Look, memory: &mut Memory, values: &mut Values);
+}
+
+/// Takes what a sensor measures.
+pub struct Values<'a> {
+    row: &'a mut Vec<f64>,
+    histograms: &'a mut [Histogram],
+}
+
+impl<'a> Values<'a> {
+    pub(crate) fn new(row: &'a mut Vec<f64>, histograms: &'a mut [Histogram]) -> Values<'a> {
+        Values { row, histograms }
+    }
+
+    /// The value of the next column.
+    pub fn push(&mut self, value: f64) {
+        self.row.push(value);
+    }
+
+    /// The values of the next columns.
+    pub fn extend(&mut self, values: impl IntoIterator<Item = f64>) {
+        self.row.extend(values);
+    }
+
+    /// Counts values into a histogram, by its number in [`Sensor::histograms`]; one that is not there takes nothing.
+    pub fn count(&mut self, histogram: usize, values: impl IntoIterator<Item = f64>) {
+        if let Some(histogram) = self.histogram(histogram) {
+            values.into_iter().for_each(|value| histogram.add(value));
+        }
+    }
+
+    /// A histogram, by its number in [`Sensor::histograms`].
+    pub fn histogram(&mut self, number: usize) -> Option<&mut Histogram> {
+        self.histograms.get_mut(number)
+    }
+}
+
+/// What a sensor measures of one assembly, for tests.
+#[cfg(test)]
+pub(crate) fn measured(sensor: &dyn Sensor, assembly: &granum_core::Assembly) -> Vec<f64> {
+    let mut row = Vec::new();
+    sensor.measure(&Look::new(assembly), &mut Memory::new(), &mut Values::new(&mut row, &mut []));
+    row
 }

@@ -2,20 +2,43 @@
 //!
 //! Relative error `p/p_target - 1`; 0 where the servo aims at no mean stress.
 
-use crate::{Averaging, Look, Sensor, SensorColumn};
+use crate::{Averaging, Description, Look, Memory, Sensor, SensorColumn, Values};
+use granum_core::Part;
 
 /// The sensor.
-pub const SENSOR: Sensor = Sensor {
-    name: "servo",
-    description: "relative error of the mean stress against the target of the servo",
-    columns: &[
-        SensorColumn::new("servo_error_rms", "1", "root mean square of p/p_target - 1 over the observations")
-            .averaged(Averaging::RootMeanSquare),
-        SensorColumn::new("servo_error_largest", "1", "largest |p/p_target - 1| over the observations")
-            .averaged(Averaging::Largest),
-    ],
-    measure,
-};
+pub struct Servo;
+
+impl Sensor for Servo {
+    fn description(&self) -> Description {
+        Description::new("servo", "relative error of the mean stress against the target of the servo")
+            .columns([
+                SensorColumn::new(
+                    "servo_error_rms",
+                    "1",
+                    "root mean square of p/p_target - 1 over the observations",
+                )
+                .averaged(Averaging::RootMeanSquare),
+                SensorColumn::new(
+                    "servo_error_largest",
+                    "1",
+                    "largest |p/p_target - 1| over the observations",
+                )
+                .averaged(Averaging::Largest),
+            ])
+            .needing(&[
+                Part::Cell,
+                Part::Contacts,
+                Part::NormalForces,
+                Part::TangentialForces,
+                Part::TargetMeanStress,
+            ])
+    }
+
+    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
+        let error = servo_error(look);
+        values.extend([error, error.abs()]);
+    }
+}
 
 /// `p/p_target - 1`; 0 without a target or with a target of zero.
 pub fn servo_error(look: &Look) -> f64 {
@@ -25,15 +48,11 @@ pub fn servo_error(look: &Look) -> f64 {
     }
 }
 
-fn measure(look: &Look, row: &mut Vec<f64>) {
-    let error = servo_error(look);
-    row.extend([error, error.abs()]);
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::lattice;
+    use crate::sensor::measured;
 
     #[test]
     fn the_error_is_relative_to_the_target() {
@@ -41,12 +60,10 @@ mod tests {
         let p = Look::new(&assembly).stress.mean();
         assert_eq!(servo_error(&Look::new(&assembly)), 0.0);
         assembly.target_mean_stress = Some(p / 1.02);
-        let mut row = Vec::new();
-        measure(&Look::new(&assembly), &mut row);
+        let row = measured(&Servo, &assembly);
         assert!((row[0] - 0.02).abs() < 1e-12 && (row[1] - 0.02).abs() < 1e-12);
         assembly.target_mean_stress = Some(p / 0.97);
-        row.clear();
-        measure(&Look::new(&assembly), &mut row);
+        let row = measured(&Servo, &assembly);
         assert!((row[0] + 0.03).abs() < 1e-12 && (row[1] - 0.03).abs() < 1e-12);
     }
 }

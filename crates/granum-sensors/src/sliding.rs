@@ -1,34 +1,44 @@
 //! Sliding fraction: contacts at the friction limit in the last step over contacts, also among strong ones.
 
 use crate::look::mean;
-use crate::{Look, Sensor, SensorColumn};
+use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+use granum_core::Part;
 
 /// The sensor.
-pub const SENSOR: Sensor = Sensor {
-    name: "sliding",
-    description: "contacts whose tangential force stands at the friction limit",
-    columns: &[
-        SensorColumn::new("sliding_fraction", "1", "sliding contacts over all contacts"),
-        SensorColumn::new("strong_sliding_fraction", "1", "sliding strong contacts over strong contacts"),
-    ],
-    measure,
-};
+pub struct Sliding;
 
-fn measure(look: &Look, row: &mut Vec<f64>) {
-    let (mut sliding, mut strong, mut both) = (0, 0, 0);
-    for contact in &look.assembly.contacts {
-        let is_strong = look.is_strong(contact);
-        sliding += usize::from(contact.sliding);
-        strong += usize::from(is_strong);
-        both += usize::from(is_strong && contact.sliding);
+impl Sensor for Sliding {
+    fn description(&self) -> Description {
+        Description::new("sliding", "contacts whose tangential force stands at the friction limit")
+            .columns([
+                SensorColumn::new("sliding_fraction", "1", "sliding contacts over all contacts"),
+                SensorColumn::new(
+                    "strong_sliding_fraction",
+                    "1",
+                    "sliding strong contacts over strong contacts",
+                )
+                .needing(&[Part::NormalForces]),
+            ])
+            .needing(&[Part::Contacts, Part::Sliding])
     }
-    row.extend([mean(sliding as f64, look.assembly.contacts.len()), mean(both as f64, strong)]);
+
+    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
+        let (mut sliding, mut strong, mut both) = (0, 0, 0);
+        for contact in &look.assembly.contacts {
+            let is_strong = look.is_strong(contact);
+            sliding += usize::from(contact.sliding);
+            strong += usize::from(is_strong);
+            both += usize::from(is_strong && contact.sliding);
+        }
+        values.extend([mean(sliding as f64, look.assembly.contacts.len()), mean(both as f64, strong)]);
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::lattice;
+    use crate::sensor::measured;
 
     #[test]
     fn sliding_is_counted_among_all_and_among_strong() {
@@ -37,8 +47,7 @@ mod tests {
             contact.normal_force = if k % 3 == 0 { 4.0 } else { 1.0 };
             contact.sliding = k % 6 == 0 || k % 3 == 1;
         }
-        let mut row = Vec::new();
-        measure(&Look::new(&assembly), &mut row);
+        let row = measured(&Sliding, &assembly);
         let n = assembly.contacts.len();
         assert_eq!(n, 81);
         assert!((row[0] - (14.0 + 27.0) / 81.0).abs() < 1e-15);

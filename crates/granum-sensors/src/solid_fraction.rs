@@ -1,15 +1,27 @@
 //! Solid fraction: `sum (4/3) pi R^3 / V`, overlaps counted twice as is usual (they are some 1e-4 of the volume).
 
 use crate::look::ratio;
-use crate::{Look, Sensor, SensorColumn};
+use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+use granum_core::Part;
 
 /// The sensor.
-pub const SENSOR: Sensor = Sensor {
-    name: "solid_fraction",
-    description: "volume of the grains over the volume of the cell",
-    columns: &[SensorColumn::new("solid_fraction", "1", "sum of (4/3) pi R^3 over the volume of the cell")],
-    measure: |look, row| row.push(solid_fraction(look)),
-};
+pub struct SolidFraction;
+
+impl Sensor for SolidFraction {
+    fn description(&self) -> Description {
+        Description::new("solid_fraction", "volume of the grains over the volume of the cell")
+            .columns([SensorColumn::new(
+                "solid_fraction",
+                "1",
+                "sum of (4/3) pi R^3 over the volume of the cell",
+            )])
+            .needing(&[Part::Cell, Part::Radii])
+    }
+
+    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
+        values.push(solid_fraction(look));
+    }
+}
 
 /// Volume of all grains, m3.
 pub fn grain_volume(look: &Look) -> f64 {

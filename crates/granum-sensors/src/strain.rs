@@ -4,25 +4,44 @@
 //! `eps_d = eps_1 - eps_3` with axes 2 and 3 averaged; the volumetric strain `eps_v = eps_1 + eps_2 + eps_3` is
 //! positive in compaction, so a dilating sample has a negative one.
 
+use granum_core::Part;
 use granum_core::assembly::Assembly;
 
 use crate::tensor::{deviator, trace};
-use crate::{Look, Sensor, SensorColumn};
+use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
 
 /// The sensor.
-pub const SENSOR: Sensor = Sensor {
-    name: "strain",
-    description: "strain of the cell since the start of the phase, compression positive, and the clock",
-    columns: &[
-        SensorColumn::new("deviator_strain", "1", "eps_d = eps_1 - eps_3, axes 2 and 3 averaged"),
-        SensorColumn::new("axial_strain", "1", "eps_1"),
-        SensorColumn::new("lateral_strain_2", "1", "eps_2"),
-        SensorColumn::new("lateral_strain_3", "1", "eps_3"),
-        SensorColumn::new("volumetric_strain", "1", "eps_1 + eps_2 + eps_3, positive in compaction"),
-        SensorColumn::new("time", "s", "time since the start of the phase"),
-    ],
-    measure,
-};
+pub struct Strain;
+
+impl Sensor for Strain {
+    fn description(&self) -> Description {
+        Description::new(
+            "strain",
+            "strain of the cell since the start of the phase, compression positive, and the clock",
+        )
+        .columns([
+            SensorColumn::new("deviator_strain", "1", "eps_d = eps_1 - eps_3, axes 2 and 3 averaged"),
+            SensorColumn::new("axial_strain", "1", "eps_1"),
+            SensorColumn::new("lateral_strain_2", "1", "eps_2"),
+            SensorColumn::new("lateral_strain_3", "1", "eps_3"),
+            SensorColumn::new("volumetric_strain", "1", "eps_1 + eps_2 + eps_3, positive in compaction"),
+            SensorColumn::new("time", "s", "time since the start of the phase").needing(&[Part::Time]),
+        ])
+        .needing(&[Part::Strain])
+    }
+
+    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
+        let strain = &look.assembly.strain;
+        values.extend([
+            deviator_strain(look.assembly),
+            strain[0][0],
+            strain[1][1],
+            strain[2][2],
+            volumetric_strain(look.assembly),
+            look.assembly.time,
+        ]);
+    }
+}
 
 /// Deviator strain `eps_1 - (eps_2 + eps_3) / 2`.
 pub fn deviator_strain(assembly: &Assembly) -> f64 {
@@ -32,18 +51,6 @@ pub fn deviator_strain(assembly: &Assembly) -> f64 {
 /// Volumetric strain `eps_1 + eps_2 + eps_3`.
 pub fn volumetric_strain(assembly: &Assembly) -> f64 {
     trace(&assembly.strain)
-}
-
-fn measure(look: &Look, row: &mut Vec<f64>) {
-    let strain = &look.assembly.strain;
-    row.extend([
-        deviator_strain(look.assembly),
-        strain[0][0],
-        strain[1][1],
-        strain[2][2],
-        volumetric_strain(look.assembly),
-        look.assembly.time,
-    ]);
 }
 
 #[cfg(test)]

@@ -9,41 +9,67 @@
 //! `p = tr(sigma)/3`, `q = sigma_1 - sigma_3`, axes 2 and 3 averaged. The shares of q are divided by p, so that
 //! normal + tangential = strong + weak = q/p.
 
+use granum_core::Part;
 use granum_core::assembly::{Matrix, Vector};
 
 use crate::look::ratio;
 use crate::tensor::{add_dyad, deviator, scaled, trace};
-use crate::{Look, Sensor, SensorColumn};
+use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
 
 /// The sensor.
-pub const SENSOR: Sensor = Sensor {
-    name: "stress",
-    description: "stress tensor of the elastic contact forces and the parts of its deviator",
-    columns: &[
-        SensorColumn::new("stress_11", "Pa", "sigma_11, compression positive"),
-        SensorColumn::new("stress_12", "Pa", "sigma_12"),
-        SensorColumn::new("stress_13", "Pa", "sigma_13"),
-        SensorColumn::new("stress_21", "Pa", "sigma_21"),
-        SensorColumn::new("stress_22", "Pa", "sigma_22"),
-        SensorColumn::new("stress_23", "Pa", "sigma_23"),
-        SensorColumn::new("stress_31", "Pa", "sigma_31"),
-        SensorColumn::new("stress_32", "Pa", "sigma_32"),
-        SensorColumn::new("stress_33", "Pa", "sigma_33"),
-        SensorColumn::new("mean_stress", "Pa", "p = (sigma_1 + sigma_2 + sigma_3) / 3"),
-        SensorColumn::new("deviator_stress", "Pa", "q = sigma_1 - sigma_3, axes 2 and 3 averaged"),
-        SensorColumn::new("stress_ratio", "1", "q/p"),
-        SensorColumn::new("normal_stress_ratio", "1", "part of q/p carried by normal forces"),
-        SensorColumn::new("tangential_stress_ratio", "1", "part of q/p carried by tangential forces"),
-        SensorColumn::new("strong_stress_ratio", "1", "part of q/p carried by strong contacts, N > <N>"),
-        SensorColumn::new("weak_stress_ratio", "1", "part of q/p carried by weak contacts, N <= <N>"),
-        SensorColumn::new(
-            "kinetic_mean_stress",
-            "Pa",
-            "mean stress of the fluctuating motion, not part of p",
-        ),
-    ],
-    measure,
-};
+pub struct StressSensor;
+
+impl Sensor for StressSensor {
+    fn description(&self) -> Description {
+        Description::new(
+            "stress",
+            "stress tensor of the elastic contact forces and the parts of its deviator",
+        )
+        .columns([
+            SensorColumn::new("stress_11", "Pa", "sigma_11, compression positive"),
+            SensorColumn::new("stress_12", "Pa", "sigma_12"),
+            SensorColumn::new("stress_13", "Pa", "sigma_13"),
+            SensorColumn::new("stress_21", "Pa", "sigma_21"),
+            SensorColumn::new("stress_22", "Pa", "sigma_22"),
+            SensorColumn::new("stress_23", "Pa", "sigma_23"),
+            SensorColumn::new("stress_31", "Pa", "sigma_31"),
+            SensorColumn::new("stress_32", "Pa", "sigma_32"),
+            SensorColumn::new("stress_33", "Pa", "sigma_33"),
+            SensorColumn::new("mean_stress", "Pa", "p = (sigma_1 + sigma_2 + sigma_3) / 3"),
+            SensorColumn::new("deviator_stress", "Pa", "q = sigma_1 - sigma_3, axes 2 and 3 averaged"),
+            SensorColumn::new("stress_ratio", "1", "q/p"),
+            SensorColumn::new("normal_stress_ratio", "1", "part of q/p carried by normal forces"),
+            SensorColumn::new("tangential_stress_ratio", "1", "part of q/p carried by tangential forces"),
+            SensorColumn::new("strong_stress_ratio", "1", "part of q/p carried by strong contacts, N > <N>"),
+            SensorColumn::new("weak_stress_ratio", "1", "part of q/p carried by weak contacts, N <= <N>"),
+            SensorColumn::new(
+                "kinetic_mean_stress",
+                "Pa",
+                "mean stress of the fluctuating motion, not part of p",
+            )
+            .needing(&[Part::Masses, Part::Velocities]),
+        ])
+        .needing(&[Part::Cell, Part::Contacts, Part::NormalForces, Part::TangentialForces])
+    }
+
+    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
+        let stress = &look.stress;
+        let tensor: [Vector; 3] = stress.tensor();
+        let p = stress.mean();
+        let share = |a: &Matrix, b: &Matrix| ratio(deviator(a) + deviator(b), p);
+        values.extend(tensor.into_iter().flatten());
+        values.extend([
+            p,
+            stress.deviator(),
+            stress.ratio(),
+            share(&stress.strong_normal, &stress.weak_normal),
+            share(&stress.strong_tangential, &stress.weak_tangential),
+            share(&stress.strong_normal, &stress.strong_tangential),
+            share(&stress.weak_normal, &stress.weak_tangential),
+            trace(&stress.kinetic) / 3.0,
+        ]);
+    }
+}
 
 /// Stress of an assembly, Pa, compression positive.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -109,24 +135,6 @@ impl Stress {
     pub fn ratio(&self) -> f64 {
         ratio(self.deviator(), self.mean())
     }
-}
-
-fn measure(look: &Look, row: &mut Vec<f64>) {
-    let stress = &look.stress;
-    let tensor: [Vector; 3] = stress.tensor();
-    let p = stress.mean();
-    let share = |a: &Matrix, b: &Matrix| ratio(deviator(a) + deviator(b), p);
-    row.extend(tensor.iter().flatten());
-    row.extend([
-        p,
-        stress.deviator(),
-        stress.ratio(),
-        share(&stress.strong_normal, &stress.weak_normal),
-        share(&stress.strong_tangential, &stress.weak_tangential),
-        share(&stress.strong_normal, &stress.strong_tangential),
-        share(&stress.weak_normal, &stress.weak_tangential),
-        trace(&stress.kinetic) / 3.0,
-    ]);
 }
 
 #[cfg(test)]

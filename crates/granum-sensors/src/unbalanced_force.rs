@@ -6,19 +6,27 @@
 //! the largest contact force, which looks smaller.
 
 use crate::look::{mean, ratio};
-use crate::{Look, Sensor, SensorColumn};
+use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+use granum_core::Part;
 
 /// The sensor.
-pub const SENSOR: Sensor = Sensor {
-    name: "unbalanced_force",
-    description: "mean resultant force on a grain over the mean contact force",
-    columns: &[SensorColumn::new(
-        "unbalanced_force",
-        "1",
-        "mean |resultant force| over grains / mean |contact force| over contacts",
-    )],
-    measure: |look, row| row.push(unbalanced_force(look)),
-};
+pub struct UnbalancedForce;
+
+impl Sensor for UnbalancedForce {
+    fn description(&self) -> Description {
+        Description::new("unbalanced_force", "mean resultant force on a grain over the mean contact force")
+            .columns([SensorColumn::new(
+                "unbalanced_force",
+                "1",
+                "mean |resultant force| over grains / mean |contact force| over contacts",
+            )])
+            .needing(&[Part::ResultantForces, Part::Contacts, Part::NormalForces, Part::TangentialForces])
+    }
+
+    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
+        values.push(unbalanced_force(look));
+    }
+}
 
 /// The unbalanced force; 0 without contact forces.
 pub fn unbalanced_force(look: &Look) -> f64 {

@@ -3,6 +3,8 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use granum_run::Flow;
+
 use crate::failure::{Failure, Interrupted};
 use crate::progress::Progress;
 
@@ -31,6 +33,11 @@ impl Context {
     /// True once Ctrl-C or SIGTERM came: finish in good order and soon.
     pub fn stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
+    }
+
+    /// What an observer of a run asks for.
+    pub fn flow(&self) -> Flow {
+        if self.stopped() { Flow::Stop } else { Flow::Continue }
     }
 
     /// An error if the user wants to stop; `left` says what stands where.

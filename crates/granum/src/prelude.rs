@@ -17,7 +17,7 @@
 //! ```
 
 pub use granum_core::assembly::{Assembly, Matrix, Vector};
-pub use granum_core::{Cell, Column, Table};
+pub use granum_core::{Cell, Column, Part, Parts, Table};
 pub use granum_dem::config::{
     Contact, Grains, Material, NormalKind, Preparation, Recording, RollingKind, Shear, TangentialKind,
 };
@@ -34,5 +34,10 @@ pub use granum_learn::{
     Dataset, FitSpec, Form, Mapping, MappingNetworks, NamedRecord, Prediction, RunStates, Split, Study,
     StudyData, StudyDataOptions, StudyOptions, Surrogate, SurrogateMethod, SurrogateMethods, compare,
 };
-pub use granum_run::{Laboratory, Nobody, RunObserver, Source, Status, TestResult};
-pub use granum_sensors::{Record, column_index, measure_row};
+
+pub use granum_run::{
+    Engine, Flow, Laboratory, NoObserver, Observer, PlannedRun, Progress, Source, Task, TestResult,
+};
+pub use granum_sensors::{
+    Bins, Histogram, Look, Memory, Record, Sensor, SensorColumn, Sensors, Values, column_index, measure_row,
+};

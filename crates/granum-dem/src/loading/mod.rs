@@ -14,7 +14,8 @@ pub use self::measure::{Event, MacroState, Measure};
 pub use self::record::Record;
 pub use self::until::{Reason, StageProgress, Until};
 use crate::config::Rate;
-use crate::preparation::{Flow, Phase, Progress};
+use crate::observer::{Flow, Observer, Progress};
+use crate::preparation::Phase;
 use crate::simulation::{Simulation, SimulationError};
 use crate::state::ServoError;
 
@@ -90,22 +91,12 @@ impl Stage {
     }
 }
 
-/// Who watches a stage. Observing is by shared reference and cannot disturb the run.
-pub trait Watcher {
-    /// Value of the record's measure at which to be called next; infinity for never.
-    fn next_look(&self) -> f64;
-    /// The value has been reached.
-    fn look(&mut self, simulation: &Simulation);
-    /// Called every few hundred steps.
-    fn progress(&mut self, progress: &Progress) -> Flow;
-}
-
 /// How the following of a stage ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ending {
     /// The stage is over.
     Complete(Reason),
-    /// The watcher stopped it; the simulation can go on from here.
+    /// The observer stopped it; the simulation can go on from here.
     Stopped,
 }
 
@@ -170,7 +161,7 @@ pub fn follow(
     stage: &Stage,
     stage_progress: &mut StageProgress,
     simulation: &mut Simulation,
-    watcher: &mut dyn Watcher,
+    observer: &mut dyn Observer,
 ) -> Result<Ending, SimulationError> {
     let measure = stage.record.measure;
     let origin = stage_progress.origin(measure);
@@ -178,10 +169,10 @@ pub fn follow(
     let mut events = Vec::new();
     loop {
         let here = measure.of(&simulation.state().macro_state()) - origin;
-        while watcher.next_look() <= here {
-            let due = watcher.next_look();
-            watcher.look(simulation);
-            if watcher.next_look() == due {
+        while observer.next_look() <= here {
+            let due = observer.next_look();
+            observer.look(simulation);
+            if observer.next_look() == due {
                 // It measures another way and finds itself a rounding short: the next step will do.
                 break;
             }
@@ -192,12 +183,13 @@ pub fn follow(
             return Ok(Ending::Complete(reason));
         }
         let (steps, time) = (simulation.state().step(), simulation.state().time());
-        let progress = Progress { phase: Phase::Shear, trial: 1, steps, time, simulation };
-        if watcher.progress(&progress) == Flow::Stop {
+        let fraction = stage.fraction(stage_progress, simulation);
+        let progress = Progress { fraction, ..Progress::new(Phase::Shear, steps, time, simulation) };
+        if observer.progress(&progress) == Flow::Stop {
             return Ok(Ending::Stopped);
         }
         events.clear();
-        let next = watcher.next_look();
+        let next = observer.next_look();
         if next.is_finite() {
             events.push(Event { measure, origin, value: next, rising: true });
         }

@@ -26,8 +26,9 @@ mod progress;
 use serde::{Deserialize, Serialize};
 
 use self::friction_search::{next_friction, repeats};
-pub use self::progress::{Flow, Phase, Progress, Sample, Trial};
+pub use self::progress::{Phase, Sample, Trial};
 use crate::config::{Contact, Grains, Material, Preparation};
+pub use crate::observer::{Flow, Observer, Progress};
 use crate::random_insertion::{InsertionError, random_insertion};
 use crate::servo::Control;
 use crate::simulation::{Hardware, Properties, Simulation, SimulationError};
@@ -226,10 +227,7 @@ impl PreparationState {
 ///
 /// # Errors
 /// As [`Preparing::go_on`], and [`PreparationError::Stopped`] if the observer stops it.
-pub fn prepare(
-    recipe: &Recipe,
-    observer: &mut dyn FnMut(&Progress) -> Flow,
-) -> Result<Sample, PreparationError> {
+pub fn prepare(recipe: &Recipe, observer: &mut dyn Observer) -> Result<Sample, PreparationError> {
     complete(Preparing::new(recipe)?, recipe, observer)
 }
 
@@ -241,7 +239,7 @@ pub fn prepare(
 pub fn settle(
     simulation: Simulation,
     recipe: &Recipe,
-    observer: &mut dyn FnMut(&Progress) -> Flow,
+    observer: &mut dyn Observer,
 ) -> Result<Sample, PreparationError> {
     complete(Preparing::settling(simulation, recipe), recipe, observer)
 }
@@ -249,7 +247,7 @@ pub fn settle(
 fn complete(
     preparing: Preparing,
     recipe: &Recipe,
-    observer: &mut dyn FnMut(&Progress) -> Flow,
+    observer: &mut dyn Observer,
 ) -> Result<Sample, PreparationError> {
     match preparing.go_on(recipe, observer)? {
         Outcome::Sample(sample) => Ok(*sample),
@@ -353,11 +351,11 @@ impl Preparing {
     pub fn go_on(
         mut self,
         recipe: &Recipe,
-        observer: &mut dyn FnMut(&Progress) -> Flow,
+        observer: &mut dyn Observer,
     ) -> Result<Outcome, PreparationError> {
         self.simulation.set_hardware(recipe.hardware);
         loop {
-            if observer(&self.progress()) == Flow::Stop {
+            if observer.progress(&self.progress()) == Flow::Stop {
                 return Ok(Outcome::Stopped(Box::new(self)));
             }
             self.simulation.advance(LOOK_EVERY)?;
@@ -384,13 +382,9 @@ impl Preparing {
 
     fn progress(&self) -> Progress<'_> {
         let (progress, state) = (&self.progress, self.simulation.state());
-        Progress {
-            phase: progress.phase(),
-            trial: progress.trial(),
-            steps: progress.steps.saturating_add(state.step()),
-            time: progress.time + state.time(),
-            simulation: &self.simulation,
-        }
+        let steps = progress.steps.saturating_add(state.step());
+        let time = progress.time + state.time();
+        Progress { trial: progress.trial(), ..Progress::new(progress.phase(), steps, time, &self.simulation) }
     }
 
     /// Slows down once load is carried; goes over to relaxation once the stress is met and steady.

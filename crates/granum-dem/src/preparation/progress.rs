@@ -1,4 +1,4 @@
-//! What a preparation tells while it runs, and what it gives.
+//! The phases of a run, and what a preparation gives.
 
 use serde::{Deserialize, Serialize};
 
@@ -27,29 +27,6 @@ impl Phase {
             Phase::Shear => "shear",
         }
     }
-}
-
-/// What an observer may do: go on or stop cleanly.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Flow {
-    /// Go on.
-    Continue,
-    /// Stop here.
-    Stop,
-}
-
-/// What a running phase tells its observer. Looking cannot disturb: everything is by shared reference.
-pub struct Progress<'a> {
-    /// Which phase.
-    pub phase: Phase,
-    /// Which trial of the preparation friction, from 1.
-    pub trial: usize,
-    /// Steps since the start of the preparation, in all its trials, or of the path.
-    pub steps: u64,
-    /// Simulated time since then, s.
-    pub time: f64,
-    /// The simulation.
-    pub simulation: &'a Simulation,
 }
 
 /// One trial of the preparation friction.

@@ -10,8 +10,13 @@ const PREPARATION: [&str; 5] = ["grains", "grains.material", "contact", "prepara
 
 /// Keys that came after the first digests were given out: they are left out where they are not in use, so that a case that
 /// does without them keeps its digest.
-const LATER: [&str; 4] =
-    ["recording.first_strain", "recording.strains", "recording.snapshots", "contact.rolling"];
+const LATER: [&str; 5] = [
+    "recording.first_strain",
+    "recording.strains",
+    "recording.snapshots",
+    "recording.sensors",
+    "contact.rolling",
+];
 
 impl Case {
     /// SHA-256 (hexadecimal) of the whole case: equal exactly if every field has the same bits.
@@ -44,6 +49,7 @@ impl Case {
             let value = field.value(self);
             let unused = match &value {
                 Some(Value::List(values)) => values.is_empty(),
+                Some(Value::Names(names)) => names.is_empty(),
                 Some(Value::Number(None)) | None => true,
                 Some(Value::Choice(name)) => *name == "none",
                 Some(_) => false,
@@ -56,6 +62,7 @@ impl Case {
                 Some(Value::Number(None)) | None => "-".to_string(),
                 Some(Value::Count(value)) => value.to_string(),
                 Some(Value::Choice(name)) => name.to_string(),
+                Some(Value::Names(names)) => names.join(" "),
                 Some(Value::List(values)) => {
                     values.iter().map(|value| format!("{:016x} ", value.to_bits())).collect()
                 }

@@ -16,6 +16,8 @@ pub enum Value {
     Choice(&'static str),
     /// Quantities, rising; empty where the field's keyword stands ("none").
     List(Vec<f64>),
+    /// Names of what a program knows, in any order; empty where the field's keyword stands ("none").
+    Names(Vec<String>),
 }
 
 /// "a, b or c".
@@ -54,6 +56,15 @@ pub(super) enum Kind {
         absent: [&'static str; 2],
         get: fn(&Case) -> Vec<f64>,
         set: fn(&mut Case, Vec<f64>),
+    },
+    /// Names that are checked where they are used: a program can bring its own.
+    Names {
+        /// What they are names of.
+        what: &'static str,
+        /// The word that stands for no name, with its meaning.
+        absent: [&'static str; 2],
+        get: fn(&Case) -> Vec<String>,
+        set: fn(&mut Case, Vec<String>),
     },
     Choice {
         /// Name and meaning of each.
@@ -107,6 +118,7 @@ impl Field {
             Kind::Count { get, .. } => Some(Value::Count(get(case))),
             Kind::Choice { get, .. } => Some(Value::Choice(get(case))),
             Kind::List { get, .. } => Some(Value::List(get(case))),
+            Kind::Names { get, .. } => Some(Value::Names(get(case))),
             Kind::Law(parameter) => {
                 let used = registry::parameters_of(&case.contact);
                 let known = used.into_iter().find(|known| known.key == parameter.key)?;
@@ -117,7 +129,12 @@ impl Field {
 
     /// True if the field takes a list.
     pub fn is_list(&self) -> bool {
-        matches!(self.kind, Kind::List { .. })
+        matches!(self.kind, Kind::List { .. } | Kind::Names { .. })
+    }
+
+    /// True if the field takes a list of names.
+    pub(super) fn is_names(&self) -> bool {
+        matches!(self.kind, Kind::Names { .. })
     }
 
     /// True if the field takes one of several names.
@@ -137,6 +154,7 @@ impl Field {
             (Kind::Count { set, .. }, Value::Count(value)) => set(case, value),
             (Kind::Choice { set, .. }, Value::Choice(value)) => set(case, value),
             (Kind::List { set, .. }, Value::List(value)) => set(case, value),
+            (Kind::Names { set, .. }, Value::Names(value)) => set(case, value),
             (Kind::Law(parameter), Value::Number(Some(value))) => {
                 // There is room for all that are registered.
                 let _ = case.contact.parameters.set(parameter.key, value);
@@ -177,10 +195,13 @@ impl Field {
                 Some([name, _]) => Ok(Value::Choice(name)),
                 None => Err(format!("is not known; it must be {}", self.bounds_text())),
             },
-            Kind::List { absent: [word, _], .. } => {
+            Kind::List { absent: [word, _], .. } | Kind::Names { absent: [word, _], .. } => {
                 let text = text.trim();
                 if text == *word {
-                    return Ok(Value::List(Vec::new()));
+                    return Ok(match self.kind {
+                        Kind::Names { .. } => Value::Names(Vec::new()),
+                        _ => Value::List(Vec::new()),
+                    });
                 }
                 let inner = text.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')).unwrap_or(text);
                 let items: Vec<&str> = inner.split(',').map(|item| item.trim().trim_matches('"')).collect();
@@ -202,8 +223,10 @@ impl Field {
         &self,
         items: impl IntoIterator<Item = &'a str>,
     ) -> Result<Value, (Option<usize>, String)> {
-        let Kind::List { dimension, .. } = &self.kind else {
-            return Err((None, format!("is a list; it must be {}", self.bounds_text())));
+        let dimension = match &self.kind {
+            Kind::List { dimension, .. } => dimension,
+            Kind::Names { .. } => return self.parse_names(items),
+            _ => return Err((None, format!("is a list; it must be {}", self.bounds_text()))),
         };
         let [low, high] = self.number_bounds();
         let mut values: Vec<f64> = Vec::new();
@@ -222,6 +245,29 @@ impl Field {
             0 => Err((None, format!("holds no value; it must be {}", self.bounds_text()))),
             1..=LONGEST_LIST => Ok(Value::List(values)),
             many => Err((None, format!("holds {many} values; at most {LONGEST_LIST} are possible"))),
+        }
+    }
+
+    fn parse_names<'a>(
+        &self,
+        items: impl IntoIterator<Item = &'a str>,
+    ) -> Result<Value, (Option<usize>, String)> {
+        let mut names: Vec<String> = Vec::new();
+        for (at, item) in items.into_iter().enumerate() {
+            let plain = |c: u8| c.is_ascii_alphanumeric() || c == b'_' || c == b'-';
+            if item.is_empty() || !item.bytes().all(plain) {
+                let message = format!("is no name; it must be {}", self.bounds_text());
+                return Err((Some(at), message));
+            }
+            if names.iter().any(|known| known == item) {
+                return Err((Some(at), "is given twice; leave one out".into()));
+            }
+            names.push(item.to_string());
+        }
+        match names.len() {
+            0 => Err((None, format!("holds no name; it must be {}", self.bounds_text()))),
+            1..=LONGEST_LIST => Ok(Value::Names(names)),
+            many => Err((None, format!("holds {many} names; at most {LONGEST_LIST} are possible"))),
         }
     }
 
@@ -268,6 +314,9 @@ impl Field {
                 any_of(&names)
             }
             Kind::List { bounds: [low, high], .. } => format!("a list of rising values from {low} to {high}"),
+            Kind::Names { what, .. } => {
+                format!("a list of names of {what}: letters, digits, underscores and hyphens")
+            }
         }
     }
 
@@ -276,7 +325,7 @@ impl Field {
         match &self.kind {
             Kind::Number { absent, .. } => absent.as_slice(),
             Kind::Choice { options, .. } => options,
-            Kind::List { absent, .. } => std::slice::from_ref(absent),
+            Kind::List { absent, .. } | Kind::Names { absent, .. } => std::slice::from_ref(absent),
             Kind::Count { .. } | Kind::Law(_) => &[],
         }
     }
@@ -289,6 +338,11 @@ impl Field {
             Value::Count(value) => value.to_string(),
             Value::Choice(name) => format!("\"{name}\""),
             Value::List(values) if values.is_empty() => self.toml(&Value::Number(None)),
+            Value::Names(names) if names.is_empty() => self.toml(&Value::Number(None)),
+            Value::Names(names) => {
+                let names: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
+                format!("[{}]", names.join(", "))
+            }
             Value::List(values) => {
                 let values: Vec<String> = values.iter().copied().map(format_number).collect();
                 format!("[{}]", values.join(", "))
@@ -320,6 +374,8 @@ impl Field {
             Kind::Choice { options, .. } => {
                 Value::Choice(options[(place * 0.999 * options.len() as f64) as usize][0])
             }
+            Kind::Names { .. } if place < 0.5 => Value::Names(Vec::new()),
+            Kind::Names { .. } => Value::Names(vec![format!("sensor_{:.0}", 1e3 * place), "fabric".into()]),
             Kind::List { .. } if place < 0.5 => Value::List(Vec::new()),
             Kind::List { .. } => {
                 let [low, high] = self.number_bounds();

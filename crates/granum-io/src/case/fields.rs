@@ -228,6 +228,12 @@ fn fields() -> Vec<Field> { vec![
         get: |case| case.recording.snapshots.clone(),
         set: |case, strains| case.recording.snapshots = strains,
     }),
+    entry("recording", "sensors", "Sensors that are recorded beside the usual ones, e.g. [\"overlap_distribution\"]; `granum measure --list` shows all.", "none", Kind::Names {
+        what: "sensors",
+        absent: ["none", "the usual ones"],
+        get: |case| case.recording.sensors.clone(),
+        set: |case, names| case.recording.sensors = names,
+    }),
     entry("recording", "observations_per_state", "Observations averaged for one recorded state, spread evenly over one interval of strain around it.", "20",
         count!(1..=100_000, recording.looks)),
     entry("recording", "bin_width", "Width of a bin of f = N/<N>.", "0.25",

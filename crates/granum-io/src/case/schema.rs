@@ -29,7 +29,7 @@ impl Case {
         root["properties"]["stage"] = json!({
             "description": "The test as stages, one after another, in place of the section [shear].",
             "type": "array",
-            "items": { "anyOf": preset::ALL.iter().map(of_path).chain([written_out()]).collect::<Vec<_>>() },
+            "items": { "anyOf": preset::all().into_iter().map(of_path).chain([written_out()]).collect::<Vec<_>>() },
         });
         root["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
         root["title"] = json!("granum case");
@@ -51,7 +51,7 @@ fn quantity(help: &str, bounds: &str, unit: &str) -> Value {
 fn of_field(field: &Field) -> Value {
     let mut schema = match field.words() {
         _ if field.is_list() => {
-            let items = json!({ "type": ["number", "string"] });
+            let items = json!({ "type": if field.is_names() { json!("string") } else { json!(["number", "string"]) } });
             let list = json!({ "type": "array", "items": items });
             let words: Vec<&str> = field.words().iter().map(|[word, _]| *word).collect();
             json!({ "anyOf": [list, { "enum": words }], "description": field.help })

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use granum_dem::config::Spacing;
+use granum_dem::config::{Recording, Spacing};
 use granum_dem::loading::preset::{self, Parameter, Preset};
 use granum_dem::loading::{Drive, Kinematics, Record, Speed, Stage, Target, Turns, Until};
 use granum_dem::servo::COMPONENTS;
@@ -251,14 +251,14 @@ impl Case {
             message,
         };
         let Some(preset) = preset::named(name) else {
-            let help = meant(name, preset::ALL.iter().map(|preset| preset.name));
+            let help = meant(name, preset::all().iter().map(|preset| preset.name));
             return Err(wrong("path", name, format!("is no path; {help}")));
         };
         let mut case = self.clone();
         case.shear = Default::default();
-        let looks = (self.recording.looks, self.recording.bin_width, self.recording.largest_force);
-        case.recording = Default::default();
-        (case.recording.looks, case.recording.bin_width, case.recording.largest_force) = looks;
+        let Recording { looks, bin_width, largest_force, .. } = self.recording;
+        let sensors = self.recording.sensors.clone();
+        case.recording = Recording { looks, bin_width, largest_force, sensors, ..Recording::default() };
         case.stages = vec![CaseStage::Path { name: name.to_string(), parameters: BTreeMap::new() }];
         for (key, text) in parameters {
             if preset.parameter(key).is_none() {

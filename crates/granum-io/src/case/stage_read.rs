@@ -135,7 +135,7 @@ impl TableReader<'_, '_> {
     fn named(mut self, table: &DeTable<'_>, path: &Node<'_>) -> Option<CaseStage> {
         let found = text(path).and_then(|name| {
             preset::named(&name).ok_or_else(|| {
-                let help = meant(&name, preset::ALL.iter().map(|preset| preset.name));
+                let help = meant(&name, preset::all().iter().map(|preset| preset.name));
                 Mistake(path.span(), "is no path".into(), Some(help))
             })
         });

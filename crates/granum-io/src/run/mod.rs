@@ -18,7 +18,9 @@ use crate::format::{check_format, damaged};
 use crate::snapshot;
 use granum_core::Table;
 
-pub use record::{Machine, PackingRecord, QualityFlag, RunRecord, RunSource, RunStatus, nulls_are_nan};
+pub use record::{
+    Machine, OWN_ENGINE, PackingRecord, QualityFlag, RunRecord, RunSource, RunStatus, nulls_are_nan,
+};
 
 /// Newest layout of `run.json` that this version reads and writes.
 pub const RUN_FORMAT: u32 = 1;
@@ -28,6 +30,7 @@ const SERIES: &str = "series.parquet";
 const FORCES: &str = "forces.parquet";
 const PREPARATION: &str = "preparation.parquet";
 const SNAPSHOTS: &str = "snapshots";
+const HISTOGRAMS: &str = "histograms";
 const RECORD: &str = "run.json";
 const REPORT: &str = "report.html";
 const FIGURES: &str = "figures";
@@ -36,8 +39,11 @@ const FIGURES: &str = "figures";
 const CONTENTS: [&str; 9] =
     [RECORD, CASE, SERIES, FORCES, PREPARATION, CHECKPOINT, PREVIOUS_CHECKPOINT, REFUSED_CHECKPOINT, REPORT];
 /// Folders inside, and the ends of the names of granum's files in them.
-const FOLDERS: [(&str, &[&str]); 2] =
-    [(SNAPSHOTS, &[".json", ".grains.parquet", ".contacts.parquet"]), (FIGURES, &[".svg"])];
+const FOLDERS: [(&str, &[&str]); 3] = [
+    (SNAPSHOTS, &[".json", ".grains.parquet", ".contacts.parquet"]),
+    (HISTOGRAMS, &[".parquet"]),
+    (FIGURES, &[".svg"]),
+];
 
 /// Name of the checkpoint in a run folder.
 pub const CHECKPOINT: &str = "checkpoint";
@@ -123,6 +129,33 @@ impl Run {
     /// As [`crate::formats::parquet::read`].
     pub fn forces(&self) -> Result<Table> {
         crate::formats::parquet::read(&self.path.join(FORCES), None)
+    }
+
+    /// Names of the histograms beside that of the forces, sorted.
+    ///
+    /// # Errors
+    /// [`Error::File`] if the folder of histograms cannot be read.
+    pub fn histograms(&self) -> Result<Vec<String>> {
+        let folder = self.path.join(HISTOGRAMS);
+        if !folder.is_dir() {
+            return Ok(Vec::new());
+        }
+        let mut names = Vec::new();
+        for entry in std::fs::read_dir(&folder).map_err(Error::file("read", &folder))? {
+            let name = entry.map_err(Error::file("read", &folder))?.file_name();
+            names.extend(name.to_str().and_then(|name| name.strip_suffix(".parquet")).map(str::to_string));
+        }
+        names.sort();
+        Ok(names)
+    }
+
+    /// The table of a histogram of that name.
+    ///
+    /// # Errors
+    /// As [`crate::formats::parquet::read`]; [`Error::Value`] if the name is no plain word.
+    pub fn histogram(&self, name: &str) -> Result<Table> {
+        check_name("histogram", name)?;
+        crate::formats::parquet::read(&self.path.join(HISTOGRAMS).join(format!("{name}.parquet")), None)
     }
 
     /// The history of the preparation; none where it was not recorded.
@@ -249,6 +282,16 @@ impl RunFolder {
         crate::formats::parquet::write(&self.folder.file(FORCES), table)
     }
 
+    /// Writes the table of another histogram than that of the forces.
+    ///
+    /// # Errors
+    /// As [`crate::formats::parquet::write`]; [`Error::Value`] if the name is no plain word.
+    pub fn write_histogram(&self, name: &str, table: &Table) -> Result<()> {
+        check_name("histogram", name)?;
+        let path = self.folder.subfolder(HISTOGRAMS)?.join(format!("{name}.parquet"));
+        crate::formats::parquet::write(&path, table)
+    }
+
     /// Writes a snapshot, e.g. `sample` or `end`.
     ///
     /// # Errors
@@ -265,10 +308,12 @@ impl RunFolder {
     pub fn write_record(&self, record: &RunRecord) -> Result<()> {
         let mut record = record.clone();
         record.format = RUN_FORMAT;
-        for name in [SERIES, FORCES, PREPARATION] {
-            let path = self.folder.file(name);
+        let histograms = self.run().histograms()?;
+        let histograms = histograms.iter().map(|name| format!("{HISTOGRAMS}/{name}.parquet"));
+        for name in [SERIES, FORCES, PREPARATION].map(String::from).into_iter().chain(histograms) {
+            let path = self.folder.path().join(&name);
             if path.is_file() {
-                record.content.insert(name.to_string(), file_digest(&path)?);
+                record.content.insert(name, file_digest(&path)?);
             }
         }
         write_atomically(&self.folder.file(RECORD), |file| {

@@ -104,6 +104,17 @@ impl Machine {
     }
 }
 
+/// Name of granum's own engine, which records leave out.
+pub const OWN_ENGINE: &str = "granum";
+
+fn own_engine() -> String {
+    OWN_ENGINE.to_string()
+}
+
+fn is_own_engine(engine: &str) -> bool {
+    engine == OWN_ENGINE || engine.is_empty()
+}
+
 /// What `run.json` says of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {
@@ -115,6 +126,9 @@ pub struct RunRecord {
     pub kind: String,
     /// How far it got.
     pub status: RunStatus,
+    /// Name of the engine that ran it.
+    #[serde(default = "own_engine", skip_serializing_if = "is_own_engine")]
+    pub engine: String,
     /// Seed of the sample; none if it is made of a packing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
@@ -170,6 +184,7 @@ impl RunRecord {
             format: RUN_FORMAT,
             granum_version: granum_version.into(),
             kind: kind.into(),
+            engine: own_engine(),
             seed: Some(case.preparation.seed),
             case_digest: case.digest(),
             preparation_digest: case.preparation_digest(),

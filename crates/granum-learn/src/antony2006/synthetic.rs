@@ -2,7 +2,7 @@
 
 use granum_core::{Column, Table};
 use granum_sensors::Record;
-use granum_sensors::force_distribution::ForceHistogram;
+use granum_sensors::{Histogram, force_distribution};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
@@ -51,12 +51,12 @@ pub(crate) fn record(law: Law, seed: u64, intervals: usize) -> Record {
         }
     }
     let columns = columns.into_iter().map(|(name, values)| Column::new(name, "", values));
-    Record { series: Table::new(columns.collect()).unwrap(), forces }
+    Record::with_forces(Table::new(columns.collect()).unwrap(), forces)
 }
 
 /// Counts of a Gamma-like distribution of forces, noisy as 200,000 contacts are.
-fn histogram(noise: &mut Noise, decay: f64) -> ForceHistogram {
-    let mut histogram = ForceHistogram::new(0.25, 6.0);
+fn histogram(noise: &mut Noise, decay: f64) -> Histogram {
+    let mut histogram = force_distribution::bins(0.25, 6.0).empty();
     let weights: Vec<f64> = (0..histogram.bins())
         .map(|bin| {
             let f = histogram.centre(bin);

@@ -381,7 +381,7 @@ fn any_record_can_be_scored() {
         assert!(score.states_outside < run.states.len());
     }
     let mut finer = other;
-    for histogram in &mut finer.forces {
+    for histogram in &mut finer.histograms[0].states {
         histogram.bin_width = 0.25 / 3.0;
         histogram.counts =
             [histogram.counts.clone(), histogram.counts.clone(), histogram.counts.clone()].concat();
@@ -395,7 +395,7 @@ fn a_record_survives_its_files() {
     let record = record(Law::Plain, 1, 10);
     let mut record = record;
     for name in ["forces_below", "forces_above"] {
-        let values = vec![0.0; record.forces.len()];
+        let values = vec![0.0; record.forces().len()];
         record.series.set(granum_core::Column::new(name, "", values)).unwrap();
     }
     let parent = tempfile::tempdir().unwrap();
@@ -403,10 +403,10 @@ fn a_record_survives_its_files() {
     granum_run::record::write_record(&folder, &record).unwrap();
     assert_eq!(granum_run::record::read_record(&folder.run()).unwrap(), record);
     let mut broken = record.clone();
-    broken.forces.pop();
+    broken.histograms[0].states.pop();
     granum_run::record::write_record(&folder, &broken).unwrap();
     let error = granum_run::record::read_record(&folder.run()).unwrap_err().to_string();
-    assert!(error.contains("run: its series.parquet and forces.parquet are not those of a test"), "{error}");
+    assert!(error.contains("run: its series.parquet and histograms are not those of a test"), "{error}");
 }
 
 #[test]

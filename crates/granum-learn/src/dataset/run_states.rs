@@ -302,7 +302,7 @@ fn numbers_of(case: &Case) -> Vec<(Variable, f64)> {
     let number = |value: Value| match value {
         Value::Number(number) => number,
         Value::Count(count) => Some(count as f64),
-        Value::Choice(_) | Value::List(_) => None,
+        Value::Choice(_) | Value::List(_) | Value::Names(_) => None,
     };
     let field = |field: &granum_io::case::Field| {
         let value = number(field.value(case)?)?;
@@ -313,8 +313,8 @@ fn numbers_of(case: &Case) -> Vec<(Variable, f64)> {
 
 /// The histograms of forces as columns.
 fn histogram(name: &str, record: &Record) -> Result<(Option<ColumnGroup>, Vec<Column>)> {
-    let (histograms, states) = (&record.forces, record.series.rows());
-    if histograms.len() != states {
+    let (histograms, states) = (record.forces(), record.series.rows());
+    if !histograms.is_empty() && histograms.len() != states {
         return Err(record_error(name, format!("{states} states have {} histograms", histograms.len())));
     }
     let Some(first) = histograms.first() else { return Ok((None, Vec::new())) };

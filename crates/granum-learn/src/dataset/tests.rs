@@ -111,15 +111,15 @@ fn a_histogram_is_a_column_for_each_bin() {
     let group = run.group("probability_density").unwrap();
     assert_eq!(
         (group.variable.as_str(), group.bin_width, group.centres.len()),
-        ("force", 0.25, record.forces[0].bins())
+        ("force", 0.25, record.forces()[0].bins())
     );
     let bin = group.centres.iter().position(|centre| *centre == 1.125).unwrap();
     let column = run.column("probability_density_1.125").unwrap();
-    assert!(column.iter().zip(&record.forces).all(|(value, histogram)| *value == histogram.density(bin)));
+    assert!(column.iter().zip(record.forces()).all(|(value, histogram)| *value == histogram.density(bin)));
     assert_eq!(run.parameter("preparation.seed"), Some(7.0));
     let dataset = Dataset::new(vec![run]).unwrap();
     let names = dataset.expand(&["deviator_strain", "probability_density"]).unwrap();
-    assert_eq!((names.len(), names[0].as_str()), (1 + record.forces[0].bins(), "deviator_strain"));
+    assert_eq!((names.len(), names[0].as_str()), (1 + record.forces()[0].bins(), "deviator_strain"));
 
     let refused = |change: &dyn Fn(&mut Record)| {
         let mut broken = record.clone();
@@ -128,8 +128,10 @@ fn a_histogram_is_a_column_for_each_bin() {
             .unwrap_err()
             .to_string()
     };
-    assert!(refused(&|record| drop(record.forces.pop())).contains("9 states have 8 histograms"));
-    let text = refused(&|record| record.forces[4].bin_width = 0.2);
+    assert!(
+        refused(&|record| drop(record.histograms[0].states.pop())).contains("9 states have 8 histograms")
+    );
+    let text = refused(&|record| record.histograms[0].states[4].bin_width = 0.2);
     assert!(text.contains("state 4: its histogram does not have the bins of the first state"), "{text}");
 }
 

@@ -186,7 +186,7 @@ fn a_run_is_read_from_its_folder_as_it_was_written() {
     for (found, written) in read.record.series.columns().iter().zip(run.record.series.columns()) {
         assert!(found == written, "{} differs", written.name);
     }
-    assert!(read.record.forces == run.record.forces, "the histograms differ");
+    assert!(read.record.histograms == run.record.histograms, "the histograms differ");
     assert!(read.case == run.case, "the case differs");
     let [written, again] = [&run, &read].map(|run| {
         let document = report::run_report(&RunReport { name: "same".into(), ..run.clone() });

@@ -7,7 +7,7 @@ use granum_core::{Column, Table};
 use granum_io::run::{Machine, QualityFlag, RunRecord, RunStatus};
 use granum_report::{Role, RunReport};
 use granum_sensors::Record;
-use granum_sensors::force_distribution::ForceHistogram;
+use granum_sensors::{Histogram, force_distribution};
 
 /// A generator of numbers in -1..1.
 pub struct Noise(u64);
@@ -56,7 +56,7 @@ pub fn record(seed: u64, states: usize) -> Record {
     columns.push(simple("forces_below", &|_| 0.0));
     columns.push(simple("forces_above", &|_| 40.0));
     let forces = strain.iter().map(|&e| histogram(e, &mut noise)).collect();
-    Record { series: Table::new(columns).expect("columns that fit"), forces }
+    Record::with_forces(Table::new(columns).expect("columns that fit"), forces)
 }
 
 /// The value of a sensor at a strain, `noise` about in -0.5..0.5.
@@ -120,8 +120,8 @@ fn value(name: &str, e: f64, noise: f64) -> f64 {
 }
 
 /// Forces with a small tensile part, a shoulder below the mean and an exponential tail.
-fn histogram(strain: f64, noise: &mut Noise) -> ForceHistogram {
-    let mut histogram = ForceHistogram::new(0.25, 6.0);
+fn histogram(strain: f64, noise: &mut Noise) -> Histogram {
+    let mut histogram = force_distribution::bins(0.25, 6.0).empty();
     let decay = 1.42 - 0.12 * (1.0 - (-strain * 60.0).exp());
     for bin in 0..histogram.bins() {
         let f = histogram.centre(bin);

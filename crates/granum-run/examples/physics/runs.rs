@@ -6,11 +6,12 @@ use granum_core::{Table, parallel};
 use granum_dem::config::{
     Contact, Grains, Material, NormalKind, Preparation, Rate, Recording, Shear, TangentialKind,
 };
-use granum_dem::loading::{Watcher, begin, follow, preset};
-use granum_dem::preparation::{Flow, Progress, Recipe, prepare, settle};
+use granum_dem::loading::{begin, follow, preset};
+use granum_dem::observer::{NoObserver, Observer};
+use granum_dem::preparation::{Recipe, prepare, settle};
 use granum_dem::simulation::{Hardware, Properties, Simulation};
 use granum_run::laboratory::{cell, spheres};
-use granum_sensors::Recorder;
+use granum_sensors::{Recorder, Sensors};
 
 /// Mean stress, Pa.
 pub const MEAN_STRESS: f64 = 20e3;
@@ -61,7 +62,7 @@ pub fn sample(laws: Laws, count: usize, friction: f64, seed: u64) -> Result<Simu
         unbalanced_force: 2e-3,
         ..Preparation::default()
     };
-    Ok(prepare(&recipe(&grains, &contact, &preparation), &mut |_: &Progress| Flow::Continue)?.simulation)
+    Ok(prepare(&recipe(&grains, &contact, &preparation), &mut NoObserver)?.simulation)
 }
 
 /// A packing of another program, brought to rest.
@@ -71,8 +72,7 @@ pub fn packed(path: &std::path::Path) -> Result<Simulation, Box<dyn Error>> {
     let preparation = Preparation::default();
     let properties = Properties { material: grains.material, contact };
     let simulation = Simulation::new(cell(&packing), &spheres(&packing), properties)?;
-    Ok(settle(simulation, &recipe(&grains, &contact, &preparation), &mut |_: &Progress| Flow::Continue)?
-        .simulation)
+    Ok(settle(simulation, &recipe(&grains, &contact, &preparation), &mut NoObserver)?.simulation)
 }
 
 fn recipe<'a>(grains: &'a Grains, contact: &'a Contact, preparation: &'a Preparation) -> Recipe<'a> {
@@ -107,7 +107,7 @@ pub fn sheared(sample: &Simulation, test: Test) -> Result<Table, Box<dyn Error>>
         deviator_strain: test.deviator_strain,
     };
     let recording = Recording { states: test.states, looks: LOOKS, ..Recording::default() };
-    let mut watch = Watch(Recorder::new(&recording, test.deviator_strain));
+    let mut watch = Watch(Recorder::new(&Sensors::standard(), &recording, test.deviator_strain)?);
     let stage = preset::antony2006(&shear, &recording, MEAN_STRESS);
     let mut stage_progress = begin(&stage, &mut simulation)?;
     follow(&stage, &mut stage_progress, &mut simulation, &mut watch)?;
@@ -125,15 +125,12 @@ pub fn of_seeds(
 
 struct Watch(Recorder);
 
-impl Watcher for Watch {
+impl Observer for Watch {
     fn next_look(&self) -> f64 {
         self.0.next_look()
     }
     fn look(&mut self, simulation: &Simulation) {
         self.0.look(&simulation.assembly());
-    }
-    fn progress(&mut self, _: &Progress) -> Flow {
-        Flow::Continue
     }
 }
 

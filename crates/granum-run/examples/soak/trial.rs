@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 use granum_dem::Isa;
 use granum_dem::simulation::{Hardware, Simulation};
 use granum_io::{Case, RunFolder, RunRecord, RunStatus};
-use granum_run::laboratory::{CHECKPOINT, Laboratory, RunObserver, Source, Status};
+use granum_run::laboratory::{CHECKPOINT, Laboratory, Source};
+use granum_run::{Flow, Observer, Progress};
 
 use crate::draw::Way;
 
@@ -48,12 +49,11 @@ struct Eyes {
     since: Instant,
 }
 
-impl RunObserver for Eyes {
-    fn status(&mut self, _: &Status) {
+impl Observer for Eyes {
+    fn progress(&mut self, _: &Progress) -> Flow {
         self.looks += 1;
-    }
-    fn stop(&self) -> bool {
-        self.looks >= self.stop_at || self.since.elapsed() > LONGEST
+        let over = self.looks >= self.stop_at || self.since.elapsed() > LONGEST;
+        if over { Flow::Stop } else { Flow::Continue }
     }
 }
 

@@ -1,12 +1,13 @@
 //! Brings a sample to the mean stress of its test, where that is another than the sample's.
 
 use granum_dem::config::Preparation;
+use granum_dem::observer::Observer;
 use granum_dem::preparation::{Outcome, Phase, Preparing};
 use granum_io::Case;
 
 use super::run_state::{RunState, Stage};
 use super::sample::measure_sample;
-use super::{Laboratory, LaboratoryError, RunObserver, Segment, Speedometer, quality};
+use super::{Laboratory, LaboratoryError, Segment, Speedometer, quality};
 
 /// How the sample of a case is consolidated; none if its test is at the mean stress of the sample, or is
 /// given as stages, which consolidate themselves.
@@ -41,7 +42,7 @@ impl Laboratory {
         case: &Case,
         run_state: RunState,
         speedometer: &mut Speedometer,
-        observer: &mut dyn RunObserver,
+        observer: &mut dyn Observer,
     ) -> Result<(RunState, Segment), LaboratoryError> {
         let RunState { simulation, stage, mut results, older } = run_state;
         let (Stage::Consolidation(progress), Some(preparation)) = (&stage, wanted(case)) else {

@@ -1,12 +1,15 @@
 //! Tests that are kept in memory, for programs of one's own.
 
+use granum_dem::observer::{NoObserver, Observer};
 use granum_dem::simulation::{Hardware, Simulation};
 use granum_io::{Case, RunRecord, RunStatus};
 use granum_sensors::Record;
 
 use super::run_state::Stage;
 use super::store::Store;
-use super::{Laboratory, LaboratoryError, Nobody, RunObserver, Source};
+use super::{Laboratory, LaboratoryError, Source, run};
+use crate::engine::Task;
+use crate::engine::native::Native;
 
 /// What came of a test that was kept in memory.
 #[derive(Clone)]
@@ -26,8 +29,8 @@ impl Laboratory {
         Laboratory::new(Hardware { threads, ..Hardware::default() }, env!("CARGO_PKG_VERSION"))
     }
 
-    /// Makes the sample of a case and tests it, by the same rules and to the same bits as [`Laboratory::shear`], and leaves
-    /// no files.
+    /// Makes the sample of a case and tests it, by the same rules and to the same bits as [`Laboratory::shear`] with granum's own
+    /// engine, and leaves no files.
     ///
     /// ```
     /// use granum_io::Case;
@@ -43,7 +46,7 @@ impl Laboratory {
     /// # Errors
     /// [`LaboratoryError`] if the case cannot be run, or the run fails.
     pub fn test(&self, case: &Case) -> Result<TestResult, LaboratoryError> {
-        self.test_of(case, &Source::Case, &mut Nobody)
+        self.test_of(case, &Source::Case, &mut NoObserver)
     }
 
     /// As [`Laboratory::test`], on a sample from elsewhere and with an observer, who may end it early.
@@ -54,11 +57,11 @@ impl Laboratory {
         &self,
         case: &Case,
         source: &Source,
-        observer: &mut dyn RunObserver,
+        observer: &mut dyn Observer,
     ) -> Result<TestResult, LaboratoryError> {
-        let mut planned = self.plan("shear", case, source, observer)?;
-        let about = &mut planned.record;
-        let run_state = self.go_on(case, planned.run_state, Store(None), about, observer)?;
+        let task = Task::new("shear", case, source, self);
+        let run::Begun { record: mut about, run_state } = run::begin(&task, &Native, observer)?;
+        let run_state = self.go_on(case, run_state, Store(None), &mut about, observer)?;
         if about.status == RunStatus::Running {
             about.status = RunStatus::Finished;
         }
@@ -66,6 +69,6 @@ impl Laboratory {
             Stage::Test(test) => test.record(),
             _ => Record::default(),
         };
-        Ok(TestResult { record, about: planned.record, simulation: run_state.simulation })
+        Ok(TestResult { record, about, simulation: run_state.simulation })
     }
 }

@@ -1,32 +1,30 @@
 //! Runs that are broken off and gone on with, and checkpoints that cannot be used.
 
-use std::cell::Cell;
 use std::fs;
 use std::path::PathBuf;
 
-use granum_io::run::{REFUSED_CHECKPOINT, Run};
+use granum_dem::observer::{Flow, NoObserver, Progress};
+use granum_io::run::{Machine, REFUSED_CHECKPOINT, Run, RunStatus};
 
 use super::tests::{laboratory, small};
 use super::*;
 
 /// Stops after so many looks and keeps what it is warned of.
 struct Stopper {
-    looks: Cell<u32>,
+    looks: u32,
     warnings: Vec<String>,
 }
 
 impl Stopper {
     fn after(looks: u32) -> Stopper {
-        Stopper { looks: Cell::new(looks), warnings: Vec::new() }
+        Stopper { looks, warnings: Vec::new() }
     }
 }
 
-impl RunObserver for Stopper {
-    fn status(&mut self, _: &Status) {
-        self.looks.set(self.looks.get().saturating_sub(1));
-    }
-    fn stop(&self) -> bool {
-        self.looks.get() == 0
+impl Observer for Stopper {
+    fn progress(&mut self, _: &Progress) -> Flow {
+        self.looks = self.looks.saturating_sub(1);
+        if self.looks == 0 { Flow::Stop } else { Flow::Continue }
     }
     fn warn(&mut self, text: &str) {
         self.warnings.push(text.to_string());
@@ -51,7 +49,10 @@ fn searching() -> Case {
 /// Every file of a folder but the lock and the record, which has times in it.
 fn contents(folder: &RunFolder) -> Vec<(PathBuf, Vec<u8>)> {
     let mut found = Vec::new();
-    for place in [folder.path().to_path_buf(), folder.path().join("snapshots")] {
+    for place in ["", "snapshots", "histograms"].map(|name| folder.path().join(name)) {
+        if !place.is_dir() {
+            continue;
+        }
         for entry in fs::read_dir(place).unwrap() {
             let path = entry.unwrap().path();
             let name = path.strip_prefix(folder.path()).unwrap().to_path_buf();
@@ -80,7 +81,7 @@ fn a_run_stopped_again_and_again_ends_in_the_same_bytes() {
     let base = tempfile::tempdir().unwrap();
     let (case, lab) = (searching(), laboratory());
     let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
-    let whole = lab.shear(&case, &Source::Case, &straight, &mut Nobody).unwrap();
+    let whole = lab.shear(&case, &Source::Case, &straight, &mut NoObserver).unwrap();
     assert!(whole.measures["preparation_trials"] >= 2.0, "{:?}", whole.measures);
 
     let broken = RunFolder::create(base.path().join("broken"), false).unwrap();
@@ -111,7 +112,10 @@ fn staged() -> Case {
     let stages = Case::parse(text, "case.toml").unwrap().stages;
     let mut case = Case { stages, ..small() };
     case.shear = Default::default();
-    case.recording = granum_dem::config::Recording { looks: 3, ..Default::default() };
+    // Sensors that compare observations, and another histogram, go on to the same bytes too.
+    let sensors = ["nonaffine_displacement", "second_order_work", "overlap_distribution"].map(String::from);
+    case.recording =
+        granum_dem::config::Recording { looks: 3, sensors: sensors.to_vec(), ..Default::default() };
     case
 }
 
@@ -120,7 +124,7 @@ fn stages_stopped_again_and_again_end_in_the_same_bytes() {
     let base = tempfile::tempdir().unwrap();
     let (case, lab) = (staged(), laboratory());
     let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
-    let whole = lab.shear(&case, &Source::Case, &straight, &mut Nobody).unwrap();
+    let whole = lab.shear(&case, &Source::Case, &straight, &mut NoObserver).unwrap();
     assert_eq!(whole.status, RunStatus::Finished);
     let told: Vec<&String> = whole.notes.iter().filter(|note| note.starts_with("stage ")).collect();
     assert!(told.len() == 3 && told[1].contains("xx_strain came to 0.004"), "{:?}", whole.notes);
@@ -137,6 +141,9 @@ fn stages_stopped_again_and_again_end_in_the_same_bytes() {
         "{:?}",
         held.collect::<Vec<_>>()
     );
+    assert!(column("nonaffine_displacement").iter().any(|moved| *moved > 0.0));
+    assert!(column("second_order_work").iter().any(|work| *work > 0.0));
+    assert_eq!(record.histograms("overlaps").len(), states.len());
     assert!(column("arc_length").iter().all(|arc| arc.is_finite()));
     assert_eq!(straight.run().snapshots().unwrap(), ["end", "stage-1", "stage-2", "start"]);
 
@@ -177,7 +184,7 @@ fn a_packing_is_needed_only_until_the_first_checkpoint() {
     let base = tempfile::tempdir().unwrap();
     let (case, lab) = (small(), laboratory());
     let made = RunFolder::create(base.path().join("made"), false).unwrap();
-    lab.prepare(&case, &Source::Case, &made, &mut Nobody).unwrap();
+    lab.prepare(&case, &Source::Case, &made, &mut NoObserver).unwrap();
     let grains = made.run().snapshot(SAMPLE).unwrap();
     let edge = grains.cell[0][0];
     let mut text = format!(
@@ -192,7 +199,7 @@ fn a_packing_is_needed_only_until_the_first_checkpoint() {
     fs::write(&file, &text).unwrap();
     let source = Source::Packing(file.clone());
     let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
-    lab.shear(&case, &source, &straight, &mut Nobody).unwrap();
+    lab.shear(&case, &source, &straight, &mut NoObserver).unwrap();
 
     let broken = RunFolder::create(base.path().join("broken"), false).unwrap();
     let record = lab.shear(&case, &source, &broken, &mut Stopper::after(1)).unwrap();
@@ -204,13 +211,13 @@ fn a_packing_is_needed_only_until_the_first_checkpoint() {
         fs::remove_file(early.path().join(name)).unwrap();
     }
     fs::write(&file, text.replace("\n1,", "\n001,")).unwrap();
-    let message = lab.resume(&early, &mut Nobody).unwrap_err().to_string();
+    let message = lab.resume(&early, &mut NoObserver).unwrap_err().to_string();
     assert!(message.contains("packing.csv: was changed since the run began"), "{message}");
     fs::remove_file(&file).unwrap();
-    let message = lab.resume(&early, &mut Nobody).unwrap_err().to_string();
+    let message = lab.resume(&early, &mut NoObserver).unwrap_err().to_string();
     assert!(message.contains("packing.csv"), "{message}");
 
-    lab.resume(&broken, &mut Nobody).unwrap();
+    lab.resume(&broken, &mut NoObserver).unwrap();
     assert_same(&straight, &broken);
 }
 
@@ -219,18 +226,18 @@ fn a_run_killed_before_its_first_checkpoint_begins_again() {
     let base = tempfile::tempdir().unwrap();
     let (case, lab) = (small(), laboratory());
     let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
-    lab.prepare(&case, &Source::Case, &straight, &mut Nobody).unwrap();
+    lab.prepare(&case, &Source::Case, &straight, &mut NoObserver).unwrap();
     // All that is there after the first file.
     let killed = RunFolder::create(base.path().join("killed"), false).unwrap();
     let mut record = RunRecord::new("prepare", "test", &case, Machine::here("portable", 1));
     record.unwritten_case = Some(case.resolved_toml());
     killed.write_record(&record).unwrap();
-    let record = lab.resume(&killed, &mut Nobody).unwrap();
+    let record = lab.resume(&killed, &mut NoObserver).unwrap();
     assert!(record.status == RunStatus::Finished && record.unwritten_case.is_none());
     assert_same(&straight, &killed);
     // A case that was changed is another run.
     killed.write_case(&Case::default(), None).unwrap();
-    let message = lab.resume(&killed, &mut Nobody).unwrap_err().to_string();
+    let message = lab.resume(&killed, &mut NoObserver).unwrap_err().to_string();
     assert!(message.contains("case.toml: the case was changed since the run began"), "{message}");
 }
 
@@ -239,7 +246,7 @@ fn the_checkpoint_before_is_used_where_the_last_one_cannot_be() {
     let base = tempfile::tempdir().unwrap();
     let (case, lab) = (small(), laboratory());
     let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
-    lab.shear(&case, &Source::Case, &straight, &mut Nobody).unwrap();
+    lab.shear(&case, &Source::Case, &straight, &mut NoObserver).unwrap();
     type Damage = fn(&mut Vec<u8>);
     let damages: [(&str, Damage); 4] = [
         ("truncated", |bytes| bytes.truncate(bytes.len() / 2)),
@@ -278,7 +285,7 @@ fn a_missing_checkpoint_falls_back_and_two_bad_ones_are_refused() {
     let base = tempfile::tempdir().unwrap();
     let (case, lab) = (small(), Laboratory { checkpoint_every: Duration::ZERO, ..laboratory() });
     let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
-    lab.prepare(&case, &Source::Case, &straight, &mut Nobody).unwrap();
+    lab.prepare(&case, &Source::Case, &straight, &mut NoObserver).unwrap();
     let folder = RunFolder::create(base.path().join("run"), false).unwrap();
     lab.prepare(&case, &Source::Case, &folder, &mut Stopper::after(20)).unwrap();
     let (current, previous) = (folder.path().join(CHECKPOINT), folder.path().join(PREVIOUS_CHECKPOINT));
@@ -289,15 +296,15 @@ fn a_missing_checkpoint_falls_back_and_two_bad_ones_are_refused() {
     let good = fs::read(&current).unwrap();
     fs::write(&current, &good[..100]).unwrap();
     fs::write(&previous, "x").unwrap();
-    let message = lab.resume(&folder, &mut Nobody).unwrap_err().to_string();
+    let message = lab.resume(&folder, &mut NoObserver).unwrap_err().to_string();
     for part in ["checkpoint: ", "truncated", "checkpoint.previous: ", "not a granum", "granum shear"] {
         assert!(message.contains(part), "{part}: {message}");
     }
     fs::remove_file(&previous).unwrap();
-    let message = lab.resume(&folder, &mut Nobody).unwrap_err().to_string();
+    let message = lab.resume(&folder, &mut NoObserver).unwrap_err().to_string();
     assert!(message.contains("there is no checkpoint.previous"), "{message}");
     fs::write(&current, &good).unwrap();
-    lab.resume(&folder, &mut Nobody).unwrap();
+    lab.resume(&folder, &mut NoObserver).unwrap();
     assert_same(&straight, &folder);
 
     // A finished sample whose checkpoint is damaged is made again from the one before; a test names the way.
@@ -306,9 +313,9 @@ fn a_missing_checkpoint_falls_back_and_two_bad_ones_are_refused() {
     fs::write(&current, bytes).unwrap();
     let other = RunFolder::create(base.path().join("other"), false).unwrap();
     let source = Source::Folder(folder.path().to_path_buf());
-    let message = lab.shear(&case, &source, &other, &mut Nobody).unwrap_err().to_string();
+    let message = lab.shear(&case, &source, &other, &mut NoObserver).unwrap_err().to_string();
     assert!(message.contains("checksum") && message.contains("granum resume"), "{message}");
-    lab.resume(&folder, &mut Nobody).unwrap();
+    lab.resume(&folder, &mut NoObserver).unwrap();
     assert_same(&straight, &folder);
     assert!(Run::at(folder.path()).unwrap().record().unwrap().is_good());
 }
@@ -321,12 +328,12 @@ fn an_unfinished_sample_is_not_sheared() {
     lab.prepare(&case, &Source::Case, &sample, &mut Stopper::after(3)).unwrap();
     let run = RunFolder::create(base.path().join("run"), false).unwrap();
     let source = Source::Folder(sample.path().to_path_buf());
-    let message = lab.shear(&case, &source, &run, &mut Nobody).unwrap_err().to_string();
+    let message = lab.shear(&case, &source, &run, &mut NoObserver).unwrap_err().to_string();
     assert!(
         message.contains("its preparation is not finished; continue it with `granum resume"),
         "{message}"
     );
     // Once it is finished the same folder serves: nothing was left in it.
-    lab.resume(&sample, &mut Nobody).unwrap();
-    assert_eq!(lab.shear(&case, &source, &run, &mut Nobody).unwrap().status, RunStatus::Finished);
+    lab.resume(&sample, &mut NoObserver).unwrap();
+    assert_eq!(lab.shear(&case, &source, &run, &mut NoObserver).unwrap().status, RunStatus::Finished);
 }

@@ -11,6 +11,7 @@
 //! where the sample comes from.
 
 mod consolidation;
+mod follow;
 mod from_packing;
 mod in_memory;
 mod measures;
@@ -18,6 +19,7 @@ pub mod memory;
 mod pace;
 mod preparation_curve;
 mod quality;
+pub(crate) mod run;
 mod run_state;
 mod sample;
 mod status;
@@ -27,22 +29,25 @@ mod test;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use granum_dem::loading::{ControlError, StageEnd};
+use granum_dem::loading::ControlError;
+use granum_dem::observer::Observer;
 use granum_dem::preparation::PreparationError;
 use granum_dem::simulation::{Hardware, SimulationError};
-use granum_io::run::{Machine, RunFolder, RunRecord, RunSource, RunStatus};
+use granum_io::Case;
+use granum_io::run::{RunFolder, RunRecord};
 use granum_io::shell::quoted_path;
-use granum_io::{Case, Error as FileError};
+use granum_sensors::{Sensor, SensorError, Sensors};
 use thiserror::Error;
 
-pub(crate) use self::pace::Interval;
-use self::run_state::{RunState, Stage};
+use crate::engine::native::Native;
+use crate::engine::{Engine, EngineError, Engines, PlannedRun, Task};
+
+use self::pace::Interval;
 use self::status::Speedometer;
 use self::store::Store;
 use self::test::Test;
-use crate::record::write_record;
 
 pub use granum_io::run::{CHECKPOINT, PREVIOUS_CHECKPOINT};
 pub use in_memory::TestResult;
@@ -50,7 +55,7 @@ pub use measures::late_mean;
 pub use preparation_curve::PREPARATION_COLUMNS;
 pub use run_state::check_beside;
 pub use sample::{Source, cell, simulation, spheres};
-pub use status::{Field, Status};
+pub use status::{Field, fields, line};
 
 /// Name of the snapshot of a sample, in the folder of a test as it is when the test begins.
 pub const SAMPLE: &str = "start";
@@ -73,6 +78,12 @@ pub enum LaboratoryError {
     /// A stage of the test.
     #[error(transparent)]
     Control(#[from] ControlError),
+    /// A sensor of the recording.
+    #[error("recording.sensors: {0}")]
+    Sensor(#[from] SensorError),
+    /// The engine that was asked for.
+    #[error(transparent)]
+    Engine(#[from] EngineError),
     /// The machine cannot hold it.
     #[error(
         "{grains} grains need up to {needed:.1} GB of memory, and this machine has {available:.1} GB free: grains.count can be \
@@ -110,25 +121,6 @@ pub enum LaboratoryError {
         /// What is wrong with each.
         what: String,
     },
-}
-
-/// Who watches a run. Nothing that it does can change a result but to stop it.
-pub trait RunObserver {
-    /// Called every few hundred steps.
-    fn status(&mut self, status: &Status);
-    /// True to end the run in good order.
-    fn stop(&self) -> bool {
-        false
-    }
-    /// Something that the user should know and that does not end the run.
-    fn warn(&mut self, _text: &str) {}
-}
-
-/// An observer that looks away.
-pub struct Nobody;
-
-impl RunObserver for Nobody {
-    fn status(&mut self, _: &Status) {}
 }
 
 /// Processors that several runs share: a run that is alone gets all of them, many get one each.
@@ -172,13 +164,12 @@ pub struct Laboratory {
     pub checkpoint_every: Duration,
     /// Version to write into records.
     pub version: String,
-}
-
-/// A run that is about to begin: what it begins with was found good, and nothing is written yet.
-pub struct PlannedRun {
-    case: Case,
-    record: RunRecord,
-    run_state: RunState,
+    /// Name of the engine that runs cases.
+    pub engine: String,
+    /// The engines that are known.
+    pub engines: Engines,
+    /// The sensors that are known.
+    pub sensors: Sensors,
 }
 
 /// How a segment of a run ended.
@@ -200,6 +191,9 @@ impl Laboratory {
             shared: None,
             checkpoint_every: CHECKPOINT_EVERY,
             version: version.into(),
+            engine: Native.name().to_string(),
+            engines: Engines::standard(),
+            sensors: Sensors::standard(),
         }
     }
 
@@ -220,9 +214,9 @@ impl Laboratory {
         case: &Case,
         source: &Source,
         folder: &RunFolder,
-        observer: &mut dyn RunObserver,
+        observer: &mut dyn Observer,
     ) -> Result<RunRecord, LaboratoryError> {
-        self.run(self.plan("prepare", case, source, observer)?, folder, observer)
+        self.engine()?.run(Task::new("prepare", case, source, self), folder, observer)
     }
 
     /// Makes or takes a sample and shears it as the case says; leaves a run folder.
@@ -234,9 +228,24 @@ impl Laboratory {
         case: &Case,
         source: &Source,
         folder: &RunFolder,
-        observer: &mut dyn RunObserver,
+        observer: &mut dyn Observer,
     ) -> Result<RunRecord, LaboratoryError> {
-        self.run(self.plan("shear", case, source, observer)?, folder, observer)
+        self.engine()?.run(Task::new("shear", case, source, self), folder, observer)
+    }
+
+    /// Reads what a run of a `kind` (`prepare`, `shear`) begins with and refuses what cannot be run. Nothing is written, so that
+    /// a mistake leaves no folder behind. The observer is told what the user should know of it.
+    ///
+    /// # Errors
+    /// [`LaboratoryError`] if the machine cannot hold the case, or its sample or packing cannot be used.
+    pub fn planned<'a>(
+        &'a self,
+        kind: &'a str,
+        case: &'a Case,
+        source: &'a Source,
+        observer: &mut dyn Observer,
+    ) -> Result<PlannedRun<'a>, LaboratoryError> {
+        self.engine()?.begin(Task::new(kind, case, source, self), observer)
     }
 
     /// Goes on with a preparation or test that was interrupted, killed or failed: from its last good checkpoint, or from
@@ -247,254 +256,34 @@ impl Laboratory {
     pub fn resume(
         &self,
         folder: &RunFolder,
-        observer: &mut dyn RunObserver,
+        observer: &mut dyn Observer,
     ) -> Result<RunRecord, LaboratoryError> {
-        let run = folder.run();
-        let case = run.case()?;
-        let mut record = run.record()?;
-        if !record.is_of(&case) {
-            let message =
-                "the case was changed since the run began; run the changed case anew in another folder";
-            return Err(FileError::content(&folder.path().join("case.toml"), message).into());
-        }
-        let run_state = run_state::last_good(folder, &case, observer)?;
-        if record.status == RunStatus::Finished && run_state.as_ref().is_none_or(|s| !s.older) {
-            return Ok(record);
-        }
-        if record.granum_version != self.version {
-            let (old, new) = (&record.granum_version, &self.version);
-            let text = format!(
-                "begun by granum {old} and resumed by {new}: its results may differ in the last digits from those of either version"
-            );
-            observer.warn(&text);
-            record.notes.push(text);
-        }
-        record.status = RunStatus::Running;
-        self.finish(folder, &mut record, |record| {
-            if record.unwritten_case.take().is_some() {
-                write_case(folder, &case, record)?;
-            }
-            let run_state = match run_state {
-                Some(run_state) => run_state,
-                None => {
-                    let source = Source::recorded(&record.source)?;
-                    self.start(&case, &source, None, record, observer)?
-                }
-            };
-            self.go_on(&case, run_state, Store(Some(folder)), record, observer).map(drop)
-        })
+        let engine = folder.run().record()?.engine;
+        self.engines.named(&engine)?.resume(self, folder, observer)
     }
 
-    /// Reads what a run of a `kind` (`prepare`, `shear`) begins with and refuses what cannot be run. Nothing is written, so that
-    /// a mistake leaves no folder behind. The observer is told what the user should know of it.
+    /// The engine that runs cases.
+    fn engine(&self) -> Result<&dyn Engine, EngineError> {
+        self.engines.named(&self.engine)
+    }
+
+    /// The same laboratory with another engine, which runs its cases.
     ///
     /// # Errors
-    /// [`LaboratoryError`] if the machine cannot hold the case, or its sample or packing cannot be used.
-    pub fn plan(
-        &self,
-        kind: &str,
-        case: &Case,
-        source: &Source,
-        observer: &mut dyn RunObserver,
-    ) -> Result<PlannedRun, LaboratoryError> {
-        if *source == Source::Case {
-            memory::check(case)?;
-        }
-        let packing = Self::packing(source)?;
-        let machine = Machine::here(self.hardware.isa.name(), self.hardware.threads);
-        let mut record = RunRecord::new(kind, &self.version, case, machine);
-        record.source = source.record()?;
-        if let (Some(packing), RunSource::Packing { file, sha256 }) = (&packing, &record.source) {
-            let packing = from_packing::describe(file, packing, sha256);
-            record.set_packing(case, packing);
-        }
-        let run_state = self.start(case, source, packing, &mut record, observer)?;
-        Ok(PlannedRun { case: case.clone(), record, run_state })
+    /// [`EngineError::NameTaken`] if an engine of that name is known already.
+    pub fn with_engine(mut self, engine: impl Engine + 'static) -> Result<Laboratory, EngineError> {
+        self.engine = engine.name().to_string();
+        self.engines = self.engines.with(engine)?;
+        Ok(self)
     }
 
-    /// Runs from a beginning to the end. The record goes first and holds the case until that has its own file: from then
-    /// on the run can be resumed.
+    /// The same laboratory with one more sensor, which a case asks for by its name in `recording.sensors`.
     ///
     /// # Errors
-    /// [`LaboratoryError`]; the record in the folder then has the status `failed`.
-    pub fn run(
-        &self,
-        planned: PlannedRun,
-        folder: &RunFolder,
-        observer: &mut dyn RunObserver,
-    ) -> Result<RunRecord, LaboratoryError> {
-        let PlannedRun { case, mut record, run_state } = planned;
-        record.unwritten_case = Some(case.resolved_toml());
-        folder.write_record(&record)?;
-        write_case(folder, &case, &record)?;
-        record.unwritten_case = None;
-        self.finish(folder, &mut record, |record| {
-            self.go_on(&case, run_state, Store(Some(folder)), record, observer).map(drop)
-        })
-    }
-
-    /// Goes from stage to stage until the run is complete or the observer stops it.
-    fn go_on(
-        &self,
-        case: &Case,
-        mut run_state: RunState,
-        store: Store,
-        record: &mut RunRecord,
-        observer: &mut dyn RunObserver,
-    ) -> Result<RunState, LaboratoryError> {
-        // At once, so that nothing outside the folder is needed from here on.
-        save(store, &run_state, record)?;
-        let mut speedometer = Speedometer::new();
-        loop {
-            let started = Instant::now();
-            speedometer.begin();
-            let phase = run_state.phase();
-            let segment = match run_state.stage {
-                Stage::Preparation(_) => {
-                    let source = &record.source;
-                    let (next, segment) =
-                        self.prepare_on(case, run_state, source, &mut speedometer, observer)?;
-                    run_state = next;
-                    segment
-                }
-                Stage::Sample => {
-                    write_sample(store, &run_state)?;
-                    if record.kind == "prepare" {
-                        return Ok(run_state);
-                    }
-                    match consolidation::wanted(case) {
-                        None => self.begin_test(case, &mut run_state)?,
-                        Some(preparation) => {
-                            run_state = self.begin_consolidation(case, run_state, &preparation);
-                            Segment::GoOn
-                        }
-                    }
-                }
-                Stage::Consolidation(_) => {
-                    let (next, segment) = self.consolidate_on(case, run_state, &mut speedometer, observer)?;
-                    run_state = next;
-                    segment
-                }
-                Stage::Consolidated => {
-                    write_sample(store, &run_state)?;
-                    self.begin_test(case, &mut run_state)?
-                }
-                Stage::Test(_) => self.test_on(case, &mut run_state, store, &mut speedometer, observer)?,
-            };
-            if let Some(phase) = phase {
-                *record.wall_seconds.entry(phase.into()).or_default() += started.elapsed().as_secs_f64();
-            }
-            match segment {
-                Segment::Complete => {
-                    complete(&run_state, store, record, observer)?;
-                    return Ok(run_state);
-                }
-                Segment::GoOn if phase.is_none() => {}
-                Segment::GoOn => save(store, &run_state, record)?,
-                Segment::Stop => {
-                    save(store, &run_state, record)?;
-                    record.status = RunStatus::Interrupted;
-                    return Ok(run_state);
-                }
-            }
-        }
-    }
-
-    /// Does the work and writes the record with the status that it came to.
-    fn finish(
-        &self,
-        folder: &RunFolder,
-        record: &mut RunRecord,
-        work: impl FnOnce(&mut RunRecord) -> Result<(), LaboratoryError>,
-    ) -> Result<RunRecord, LaboratoryError> {
-        let result = work(record);
-        match &result {
-            Ok(()) if record.status == RunStatus::Running => record.status = RunStatus::Finished,
-            Ok(()) => {}
-            Err(error) => {
-                record.status = RunStatus::Failed;
-                record.notes.push(format!("failed: {error}"));
-            }
-        }
-        let written = folder.write_record(record);
-        // Of two errors the first is the one to tell: a full disk fails twice.
-        result?;
-        written?;
-        Ok(record.clone())
-    }
-}
-
-/// Writes down where a run stands: checkpoint, what the sensors saw, record.
-fn save(store: Store, run_state: &RunState, record: &mut RunRecord) -> Result<(), LaboratoryError> {
-    store.write(|folder| run_state.write(folder))?;
-    match &run_state.stage {
-        Stage::Test(test) => store.write(|folder| write_record(folder, &test.record()))?,
-        Stage::Preparation(_) | Stage::Consolidation(_) => write_curve(store, run_state)?,
-        Stage::Sample | Stage::Consolidated => {}
-    }
-    run_state.write_into(record);
-    store.write(|folder| folder.write_record(record))?;
-    Ok(())
-}
-
-/// Writes the case; a packing in place of the random insertion is named in it.
-fn write_case(folder: &RunFolder, case: &Case, record: &RunRecord) -> Result<(), LaboratoryError> {
-    let packing = record.packing.as_ref().map(|packing| packing.file_name.as_str());
-    Ok(folder.write_case(case, packing)?)
-}
-
-/// Writes how the sample was come by, as far as it is.
-fn write_curve(store: Store, run_state: &RunState) -> Result<(), LaboratoryError> {
-    let Some(folder) = store.0 else { return Ok(()) };
-    if let Some(table) = run_state.results.curve.table()? {
-        folder.write_preparation(&table)?;
-    }
-    Ok(())
-}
-
-/// Writes a sample that is there.
-fn write_sample(store: Store, run_state: &RunState) -> Result<(), LaboratoryError> {
-    write_curve(store, run_state)?;
-    Ok(store.snapshot(SAMPLE, &run_state.simulation.assembly())?)
-}
-
-/// The end of a test: last snapshot, judgement.
-fn complete(
-    run_state: &RunState,
-    store: Store,
-    record: &mut RunRecord,
-    observer: &mut dyn RunObserver,
-) -> Result<(), LaboratoryError> {
-    let Stage::Test(test) = &run_state.stage else { return Ok(()) };
-    let end = run_state.simulation.assembly();
-    store.snapshot(END, &end)?;
-    save(store, run_state, record)?;
-    let seen = test.record();
-    record.quality.extend(quality::judge(&run_state.simulation, &end, &seen, test));
-    measures::of_test(&seen, &mut record.measures);
-    if test.staged {
-        record_stages(test, record, observer);
-    }
-    if let Some(remark) = quality::remark_on_samples(&test.shortfall()) {
-        observer.warn(&remark);
-        record.notes.push(remark);
-    }
-    record.phase.clear();
-    Ok(())
-}
-
-/// Writes down how each stage ended; a stage that did not come to its end is told at once.
-fn record_stages(test: &Test, record: &mut RunRecord, observer: &mut dyn RunObserver) {
-    for (k, end) in test.ends.iter().enumerate() {
-        let StageEnd { name, reason, steps, .. } = end;
-        let note = format!("stage {} ({name}) ended after {steps} steps: {reason}", k + 1);
-        if !reason.is_asked_for() {
-            let left = test.stages() - test.ends.len();
-            let rest =
-                if left > 0 { format!("; the {left} stages after it were not run") } else { String::new() };
-            observer.warn(&format!("{note}{rest}"));
-        }
-        record.notes.push(note);
+    /// As [`Sensors::with`].
+    pub fn with_sensor(mut self, sensor: impl Sensor + 'static) -> Result<Laboratory, SensorError> {
+        self.sensors = self.sensors.with(sensor)?;
+        Ok(self)
     }
 }
 

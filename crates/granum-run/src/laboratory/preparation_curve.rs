@@ -1,6 +1,7 @@
 //! The history of a preparation: how stress, density and contacts grew, as a table of the sample's folder.
 
-use granum_dem::preparation::{Phase, Progress, Sample};
+use granum_dem::observer::Progress;
+use granum_dem::preparation::{Phase, Sample};
 use granum_dem::simulation::Simulation;
 use granum_io::{Column, ColumnKind, Table};
 use serde::{Deserialize, Serialize};

@@ -6,17 +6,19 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use granum_dem::observer::Observer;
 use granum_dem::preparation::{Phase, PreparationState};
 use granum_dem::simulation::Simulation;
 use granum_io::Case;
 use granum_io::run::{
     CHECKPOINT, PREVIOUS_CHECKPOINT, QualityFlag, REFUSED_CHECKPOINT, RunFolder, RunRecord,
 };
+use granum_sensors::Sensors;
 use serde::{Deserialize, Serialize};
 
+use super::LaboratoryError;
 use super::preparation_curve::PreparationCurve;
-use super::test::Test;
-use super::{LaboratoryError, RunObserver};
+use super::test::{SavedTest, Test};
 
 /// A run at one moment.
 pub(super) struct RunState {
@@ -30,7 +32,7 @@ pub(super) struct RunState {
 /// Which part of a run is under way, with what that has to remember beside the simulation.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum Stage {
+pub(super) enum Stage<T = Test> {
     /// The sample is being made.
     Preparation(PreparationState),
     /// It is there.
@@ -40,7 +42,25 @@ pub(super) enum Stage {
     /// It is there, at the mean stress of its test.
     Consolidated,
     /// It is being tested.
-    Test(Box<Test>),
+    Test(Box<T>),
+}
+
+impl Stage<SavedTest> {
+    /// The same with the sensors of a test.
+    fn with_sensors(self, sensors: &Sensors) -> Result<Stage, String> {
+        Ok(match self {
+            Stage::Preparation(progress) => Stage::Preparation(progress),
+            Stage::Sample => Stage::Sample,
+            Stage::Consolidation(progress) => Stage::Consolidation(progress),
+            Stage::Consolidated => Stage::Consolidated,
+            Stage::Test(test) => {
+                let test = test.with_sensors(sensors);
+                Stage::Test(Box::new(
+                    test.map_err(|error| format!("its test has a sensor that is not known: {error}"))?,
+                ))
+            }
+        })
+    }
 }
 
 /// What a run has found out for its record so far.
@@ -112,7 +132,11 @@ impl RunState {
     }
 
     /// Reads a checkpoint, of a run of the case where one is given; `None` if there is no such file.
-    pub(super) fn read(path: &Path, case: Option<&Case>) -> Result<Option<RunState>, LaboratoryError> {
+    pub(super) fn read(
+        path: &Path,
+        case: Option<&Case>,
+        sensors: &Sensors,
+    ) -> Result<Option<RunState>, LaboratoryError> {
         let bad = |what: String| LaboratoryError::Checkpoint { path: path.to_path_buf(), what };
         let bytes = match std::fs::read(path) {
             Ok(bytes) => bytes,
@@ -120,17 +144,18 @@ impl RunState {
             Err(error) => return Err(bad(format!("it cannot be read: {error}"))),
         };
         let (simulation, text) = Simulation::restore(&bytes).map_err(|e| bad(e.to_string()))?;
-        let (stage, results) = beside(&text, case).map_err(bad)?;
+        let (stage, results) = beside(&text, case, sensors).map_err(bad)?;
         Ok(Some(RunState { simulation, stage, results, older: false }))
     }
 }
 
 /// What stands in a checkpoint beside the simulation, if it can be of a run (of the case).
-fn beside(text: &str, case: Option<&Case>) -> Result<(Stage, RunResults), String> {
-    let (stage, results): (Stage, RunResults) = serde_json::from_str(text)
+fn beside(text: &str, case: Option<&Case>, sensors: &Sensors) -> Result<(Stage, RunResults), String> {
+    let (stage, results): (Stage<SavedTest>, RunResults) = serde_json::from_str(text)
         .map_err(|e| format!("its part on how far the run is cannot be read ({e})"))?;
+    let stage = stage.with_sensors(sensors)?;
     if let Stage::Test(test) = &stage
-        && case.is_some_and(|case| !test.is_of(case))
+        && case.is_some_and(|case| !test.is_of(case, sensors))
     {
         return Err("its part on how far the run is belongs to a test of another case".into());
     }
@@ -142,7 +167,7 @@ fn beside(text: &str, case: Option<&Case>) -> Result<(Stage, RunResults), String
 /// # Errors
 /// A sentence that says why not.
 pub fn check_beside(text: &str, case: &Case) -> Result<(), String> {
-    beside(text, Some(case)).map(|_| ())
+    beside(text, Some(case), &Sensors::standard()).map(|_| ())
 }
 
 /// The last checkpoint of a folder that can be used; `None` if none was ever written. One that cannot be used is put
@@ -150,15 +175,16 @@ pub fn check_beside(text: &str, case: &Case) -> Result<(), String> {
 pub(super) fn last_good(
     folder: &RunFolder,
     case: &Case,
-    observer: &mut dyn RunObserver,
+    sensors: &Sensors,
+    observer: &mut dyn Observer,
 ) -> Result<Option<RunState>, LaboratoryError> {
-    let current = match RunState::read(&folder.path().join(CHECKPOINT), Some(case)) {
+    let current = match RunState::read(&folder.path().join(CHECKPOINT), Some(case), sensors) {
         Ok(Some(run_state)) => return Ok(Some(run_state)),
         Ok(None) => None,
         Err(error) => Some(error),
     };
     let previous = folder.path().join(PREVIOUS_CHECKPOINT);
-    let older = match (RunState::read(&previous, Some(case)), &current) {
+    let older = match (RunState::read(&previous, Some(case), sensors), &current) {
         (Ok(Some(older)), _) => older,
         (Ok(None), None) => return Ok(None),
         (Ok(None), Some(why)) => {

@@ -4,19 +4,22 @@ use std::path::{Path, PathBuf};
 
 use granum_core::cell::Cell;
 use granum_dem::config::Preparation;
-use granum_dem::preparation::{Flow, Outcome, Phase, Preparing, Progress, Recipe, Sample};
+use granum_dem::observer::{Flow, Observer, Observers, Progress};
+use granum_dem::preparation::{Outcome, Phase, Preparing, Recipe, Sample};
 use granum_dem::simulation::{InitialSphere, Properties, Simulation};
 use granum_io::case::{decides_sample, differences};
 use granum_io::run::{Run, RunRecord, RunSource};
 use granum_io::shell::quoted_path;
 use granum_io::{Case, Packing, run};
+use granum_sensors::Sensors;
 
 use super::preparation_curve::PreparationCurve;
 use super::run_state::{RunResults, RunState, Stage};
 use super::{
-    CHECKPOINT, Interval, Laboratory, LaboratoryError, PREVIOUS_CHECKPOINT, RunObserver, Segment,
-    Speedometer, Status, from_packing, memory, quality,
+    CHECKPOINT, Interval, Laboratory, LaboratoryError, PREVIOUS_CHECKPOINT, Segment, Speedometer,
+    from_packing, memory, quality,
 };
+use crate::laboratory::follow::Follow;
 
 /// Where a sample comes from.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,7 +35,7 @@ pub enum Source {
 
 impl Source {
     /// For the record of a run: with paths that hold wherever it is resumed from.
-    pub(super) fn record(&self) -> Result<RunSource, LaboratoryError> {
+    pub(crate) fn record(&self) -> Result<RunSource, LaboratoryError> {
         let absolute = |path: &PathBuf| {
             std::path::absolute(path).map_err(granum_io::Error::file("find the folder of", path))
         };
@@ -70,11 +73,11 @@ impl Laboratory {
         source: &Source,
         packing: Option<Packing>,
         record: &mut RunRecord,
-        observer: &mut dyn RunObserver,
+        observer: &mut dyn Observer,
     ) -> Result<RunState, LaboratoryError> {
         let recipe = self.recipe(case, &case.preparation, case.grains.count);
         let preparing = match source {
-            Source::Folder(path) => return take_sample(case, path, record),
+            Source::Folder(path) => return take_sample(case, path, &self.sensors, record),
             Source::Case => Preparing::new(&recipe)?,
             Source::Packing(path) => {
                 let packing = packing.map_or_else(|| granum_io::read_packing(path), Ok)?;
@@ -111,7 +114,7 @@ impl Laboratory {
         run_state: RunState,
         source: &RunSource,
         speedometer: &mut Speedometer,
-        observer: &mut dyn RunObserver,
+        observer: &mut dyn Observer,
     ) -> Result<(RunState, Segment), LaboratoryError> {
         // By value: a large simulation would not fit into memory twice.
         let RunState { simulation, stage, mut results, older } = run_state;
@@ -147,26 +150,23 @@ impl Laboratory {
         recipe: &Recipe,
         curve: &mut PreparationCurve,
         speedometer: &mut Speedometer,
-        observer: &mut dyn RunObserver,
+        observer: &mut dyn Observer,
     ) -> Result<(Outcome, bool), LaboratoryError> {
-        let mut interval = Interval::new(self.checkpoint_every);
-        let mut stopped = false;
-        let mut watch = |p: &Progress| {
-            curve.observe(p);
-            observer.status(&Status {
-                stage: None,
-                phase: p.phase,
-                trial: p.trial,
-                fraction: None,
-                grain_steps_per_second: speedometer.rate(p.simulation),
-                simulation: p.simulation,
-            });
-            stopped = observer.stop();
-            if stopped || interval.is_over() { Flow::Stop } else { Flow::Continue }
+        let mut note = |progress: &Progress| {
+            curve.observe(progress);
+            Flow::Continue
         };
-        let outcome = preparing.go_on(recipe, &mut watch)?;
+        let mut follow = Follow {
+            observer,
+            speedometer,
+            checkpoint: Interval::new(self.checkpoint_every),
+            stage: None,
+            place: [0, 1],
+            stopped: false,
+        };
+        let outcome = preparing.go_on(recipe, &mut Observers(vec![&mut note, &mut follow]))?;
         // Once there is a sample, what was asked for in the last moment waits for the next.
-        let stopped = stopped && matches!(outcome, Outcome::Stopped(_));
+        let stopped = follow.stopped && matches!(outcome, Outcome::Stopped(_));
         Ok((outcome, stopped))
     }
 }
@@ -179,7 +179,12 @@ fn note(record: &mut RunRecord, text: String) {
 }
 
 /// The sample of another folder.
-fn take_sample(case: &Case, path: &Path, record: &mut RunRecord) -> Result<RunState, LaboratoryError> {
+fn take_sample(
+    case: &Case,
+    path: &Path,
+    sensors: &Sensors,
+    record: &mut RunRecord,
+) -> Result<RunState, LaboratoryError> {
     let folder = Run::at(path)?;
     let other = folder.record()?;
     let checkpoint = path.join(CHECKPOINT);
@@ -191,7 +196,7 @@ fn take_sample(case: &Case, path: &Path, record: &mut RunRecord) -> Result<RunSt
             in_what(&folder.case()?, case)
         )));
     }
-    let run_state = match RunState::read(&checkpoint, None) {
+    let run_state = match RunState::read(&checkpoint, None, sensors) {
         Ok(Some(run_state)) => run_state,
         Ok(None) => return Err(bad(format!("there is none; `granum resume {name}` makes the sample"))),
         Err(LaboratoryError::Checkpoint { what, .. }) if path.join(PREVIOUS_CHECKPOINT).is_file() => {

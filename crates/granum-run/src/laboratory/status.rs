@@ -1,27 +1,12 @@
-//! What a running phase tells, and how fast it goes.
+//! Where a run stands, in words, and how fast it goes.
 
 use std::time::Instant;
 
 use granum_dem::invariants::deviatoric_strain;
 use granum_dem::loading::Measure;
+use granum_dem::observer::Progress;
 use granum_dem::preparation::Phase;
 use granum_dem::simulation::Simulation;
-
-/// What a running phase tells.
-pub struct Status<'a> {
-    /// Which phase.
-    pub phase: Phase,
-    /// Which trial of the preparation friction, from 1.
-    pub trial: usize,
-    /// Name of the stage under way, where the test is given as stages.
-    pub stage: Option<&'a str>,
-    /// Fraction of the phase done, where it can be told.
-    pub fraction: Option<f64>,
-    /// Grain-steps per second of the last segment; `None` until it has been measured.
-    pub grain_steps_per_second: Option<f64>,
-    /// The simulation, for reading.
-    pub simulation: &'a Simulation,
-}
 
 /// A part of a line of progress.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -39,59 +24,57 @@ impl Field {
     }
 }
 
-impl Status<'_> {
-    /// Where it stands, in one line for people.
-    pub fn line(&self) -> String {
-        let s = self.simulation.state();
-        let mut parts = Vec::new();
-        match self.phase {
-            Phase::Shear => {
-                parts.extend(self.stage.map(str::to_string));
-                parts.push(format!("strain {:.4}  q/p {:.3}", self.strain(), self.stress_ratio()));
-            }
-            _ if self.trial > 1 => parts.push(format!("trial {}", self.trial)),
-            _ => {}
+/// Where a run stands, in one line for people.
+pub fn line(progress: &Progress) -> String {
+    let s = progress.simulation.state();
+    let mut parts = Vec::new();
+    match progress.phase {
+        Phase::Shear => {
+            parts.extend(progress.stage.map(str::to_string));
+            parts.push(format!("strain {:.4}  q/p {:.3}", strain(progress), stress_ratio(progress)));
         }
-        parts.push(format!("p {:.2} kPa  solid fraction {:.4}", s.mean_stress() / 1e3, s.solid_fraction()));
-        parts.extend(self.grain_steps_per_second.map(|rate| format!("{} grain-steps/s", speed(rate))));
-        parts.join("  ")
+        _ if progress.trial > 1 => parts.push(format!("trial {}", progress.trial)),
+        _ => {}
     }
+    parts.push(format!("p {:.2} kPa  solid fraction {:.4}", s.mean_stress() / 1e3, s.solid_fraction()));
+    parts.extend(progress.grain_steps_per_second.map(|rate| format!("{} grain-steps/s", speed(rate))));
+    parts.join("  ")
+}
 
-    /// The same in short for a line on a terminal. Solid fraction and speed stay longest, then come strain, stress ratio and
-    /// mean stress, which is held in a test.
-    pub fn fields(&self) -> Vec<Field> {
-        let s = self.simulation.state();
-        let mut fields = Vec::new();
-        match self.phase {
-            Phase::Shear => {
-                fields.push(Field::new(1, format!("strain {:.3}", self.strain())));
-                fields.push(Field::new(2, format!("q/p {:.3}", self.stress_ratio())));
-            }
-            _ if self.trial > 1 => fields.push(Field::new(1, format!("trial {}", self.trial))),
-            _ => {}
+/// Where a run stands, in short for a line on a terminal. Solid fraction and speed stay longest, then come strain, stress ratio and
+/// mean stress, which is held in a test.
+pub fn fields(progress: &Progress) -> Vec<Field> {
+    let s = progress.simulation.state();
+    let mut fields = Vec::new();
+    match progress.phase {
+        Phase::Shear => {
+            fields.push(Field::new(1, format!("strain {:.3}", strain(progress))));
+            fields.push(Field::new(2, format!("q/p {:.3}", stress_ratio(progress))));
         }
-        fields.push(Field::new(3, format!("p {:.1} kPa", s.mean_stress() / 1e3)));
-        fields.push(Field::new(0, format!("density {:.3}", s.solid_fraction())));
-        fields.extend(self.grain_steps_per_second.map(|rate| Field::new(0, format!("{}/s", speed(rate)))));
-        fields
+        _ if progress.trial > 1 => fields.push(Field::new(1, format!("trial {}", progress.trial))),
+        _ => {}
     }
+    fields.push(Field::new(3, format!("p {:.1} kPa", s.mean_stress() / 1e3)));
+    fields.push(Field::new(0, format!("density {:.3}", s.solid_fraction())));
+    fields.extend(progress.grain_steps_per_second.map(|rate| Field::new(0, format!("{}/s", speed(rate)))));
+    fields
+}
 
-    /// The deviator strain of the paper's test, the deviatoric one of others.
-    fn strain(&self) -> f64 {
-        let s = self.simulation.state();
-        if self.stage.is_some() { deviatoric_strain(&s.strain()) } else { s.deviator_strain() }
-    }
+/// The deviator strain of the paper's test, the deviatoric one of others.
+fn strain(progress: &Progress) -> f64 {
+    let s = progress.simulation.state();
+    if progress.stage.is_some() { deviatoric_strain(&s.strain()) } else { s.deviator_strain() }
+}
 
-    /// q/p, 0 where p is.
-    fn stress_ratio(&self) -> f64 {
-        let s = self.simulation.state();
-        if self.stage.is_some() {
-            return Measure::StressRatio.of(&s.macro_state());
-        }
-        let (stress, p) = (s.stress(), s.mean_stress());
-        let q = stress[0][0] - 0.5 * (stress[1][1] + stress[2][2]);
-        if p == 0.0 { 0.0 } else { q / p }
+/// q/p, 0 where p is.
+fn stress_ratio(progress: &Progress) -> f64 {
+    let s = progress.simulation.state();
+    if progress.stage.is_some() {
+        return Measure::StressRatio.of(&s.macro_state());
     }
+    let (stress, p) = (s.stress(), s.mean_stress());
+    let q = stress[0][0] - 0.5 * (stress[1][1] + stress[2][2]);
+    if p == 0.0 { 0.0 } else { q / p }
 }
 
 /// A number of grain-steps with three digits at most: "18.4 M", "840 k".

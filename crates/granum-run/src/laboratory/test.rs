@@ -1,28 +1,26 @@
 //! The test itself: its stages one after another, with a recorder each.
 
-use granum_core::quantity::format_number;
-use granum_dem::loading::{
-    self, Ending, Stage as Loading, StageEnd, StageProgress, Watcher, begin, density_scaling,
-};
-use granum_dem::preparation::{Flow, Progress};
+use granum_dem::loading::{self, Ending, Stage as Loading, StageEnd, StageProgress, begin, density_scaling};
+use granum_dem::observer::{Observer, Observers};
 use granum_dem::simulation::{Properties, Simulation};
 use granum_io::Case;
-use granum_sensors::{Record, Recorder};
+use granum_sensors::{Record, Recorder, SavedRecorder, SensorError, Sensors};
 use serde::{Deserialize, Serialize};
 
+use super::follow::{self, Follow, Snapshots};
 use super::run_state::{RunState, Stage};
 use super::store::Store;
-use super::{Interval, Laboratory, LaboratoryError, RunObserver, Segment, Speedometer, Status, quality};
+use super::{Interval, Laboratory, LaboratoryError, Segment, Speedometer, quality};
 
 /// What a test remembers beside the state of the simulation.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Test {
+pub(super) struct Test<R = Recorder> {
     /// What is done, stage by stage.
     stages: Vec<Loading>,
     /// What the ends of the stage under way have to remember.
     stage_progress: StageProgress,
     /// One for each stage that was begun; the last belongs to the one under way.
-    recorders: Vec<Recorder>,
+    recorders: Vec<R>,
     /// The stages that are over.
     pub(super) ends: Vec<StageEnd>,
     /// Energy of the sample when strains and energy began to be counted.
@@ -36,9 +34,24 @@ pub(super) struct Test {
     snapshots: Vec<f64>,
 }
 
-/// Name of the snapshot at a strain, e.g. `strain-0_05`.
-fn snapshot_name(strain: f64) -> String {
-    format!("strain-{}", format_number(strain).replace('.', "_"))
+/// A test as it stands in a checkpoint: its recorders are without their sensors.
+pub(super) type SavedTest = Test<SavedRecorder>;
+
+impl SavedTest {
+    /// The test again, with the sensors of its recorders.
+    pub(super) fn with_sensors(self, sensors: &Sensors) -> Result<Test, SensorError> {
+        let recorders = self.recorders.into_iter().map(|recorder| recorder.with_sensors(sensors));
+        Ok(Test {
+            recorders: recorders.collect::<Result<_, _>>()?,
+            stages: self.stages,
+            stage_progress: self.stage_progress,
+            ends: self.ends,
+            before: self.before,
+            damped: self.damped,
+            staged: self.staged,
+            snapshots: self.snapshots,
+        })
+    }
 }
 
 /// Name of the snapshot at the end of a stage that others follow.
@@ -48,7 +61,7 @@ fn stage_snapshot(number: usize) -> String {
 
 impl Test {
     /// Begins the first stage of a case's test.
-    fn begin(case: &Case, simulation: &mut Simulation) -> Result<Test, LaboratoryError> {
+    fn begin(case: &Case, sensors: &Sensors, simulation: &mut Simulation) -> Result<Test, LaboratoryError> {
         simulation.reset_phase(0.0);
         let mut test = Test {
             stages: case.test_stages(),
@@ -60,12 +73,17 @@ impl Test {
             staged: case.has_stages(),
             snapshots: case.recording.snapshots.clone(),
         };
-        test.begin_stage(case, simulation)?;
+        test.begin_stage(case, sensors, simulation)?;
         Ok(test)
     }
 
     /// Begins the next stage.
-    fn begin_stage(&mut self, case: &Case, simulation: &mut Simulation) -> Result<(), LaboratoryError> {
+    fn begin_stage(
+        &mut self,
+        case: &Case,
+        sensors: &Sensors,
+        simulation: &mut Simulation,
+    ) -> Result<(), LaboratoryError> {
         let Some(stage) = self.stages.get(self.recorders.len()) else { return Ok(()) };
         if stage.resets {
             self.before = quality::Stored::of(&simulation.assembly());
@@ -73,25 +91,31 @@ impl Test {
         }
         self.damped |= stage.settling;
         self.stage_progress = begin(stage, simulation)?;
-        let recorder = self.fresh_recorder(case, self.recorders.len());
+        let recorder = self.fresh_recorder(case, sensors, self.recorders.len())?;
         self.recorders.extend(recorder);
         Ok(())
     }
 
     /// The recorder of a stage that is just begun.
-    fn fresh_recorder(&self, case: &Case, at: usize) -> Option<Recorder> {
-        let stage = self.stages.get(at)?;
+    fn fresh_recorder(
+        &self,
+        case: &Case,
+        sensors: &Sensors,
+        at: usize,
+    ) -> Result<Option<Recorder>, SensorError> {
+        let Some(stage) = self.stages.get(at) else { return Ok(None) };
         if !self.staged {
-            return Some(Recorder::new(&case.recording, case.shear.deviator_strain));
+            return Recorder::new(sensors, &case.recording, case.shear.deviator_strain).map(Some);
         }
         let origin = self.stage_progress.origin(stage.record.measure);
-        Some(Recorder::of_stage(&case.recording, &stage.record, origin))
+        Recorder::of_stage(sensors, &case.recording, &stage.record, origin).map(Some)
     }
 
     /// True if it can be a test of the case: with another end or rate it would perhaps never end.
-    pub(super) fn is_of(&self, case: &Case) -> bool {
+    pub(super) fn is_of(&self, case: &Case, sensors: &Sensors) -> bool {
         let (at, staged) = (self.ends.len(), case.has_stages());
-        let last = self.fresh_recorder(case, at.min(self.recorders.len().saturating_sub(1)));
+        let last = self.fresh_recorder(case, sensors, at.min(self.recorders.len().saturating_sub(1)));
+        let last = last.ok().flatten();
         let alike = self.recorders.last().zip(last).is_some_and(|(own, fresh)| own.is_like(&fresh));
         alike
             && self.staged == staged
@@ -132,63 +156,6 @@ impl Test {
     }
 }
 
-/// Watches a stage: lets the recorder look, takes snapshots, reports, stops for a checkpoint.
-struct Watch<'a> {
-    stage: &'a Loading,
-    stage_progress: StageProgress,
-    /// Where it stands among how many.
-    place: [usize; 2],
-    staged: bool,
-    recorder: &'a mut Recorder,
-    snapshots: &'a mut Vec<f64>,
-    store: Store<'a>,
-    /// Why a snapshot could not be written; the test then stops.
-    failed: Option<granum_io::Error>,
-    observer: &'a mut dyn RunObserver,
-    speedometer: &'a mut Speedometer,
-    interval: Interval,
-    stopped: bool,
-}
-
-impl Watcher for Watch<'_> {
-    fn next_look(&self) -> f64 {
-        self.snapshots.first().copied().unwrap_or(f64::INFINITY).min(self.recorder.next_look())
-    }
-    fn look(&mut self, simulation: &Simulation) {
-        let measure = self.stage.record.measure;
-        let here = measure.of(&simulation.state().macro_state()) - self.stage_progress.origin(measure);
-        let assembly = simulation.assembly();
-        // The recorder may not look earlier for the sake of a snapshot.
-        if self.recorder.next_look() <= here {
-            self.recorder.look(&assembly);
-        }
-        while self.snapshots.first().is_some_and(|due| *due <= here) {
-            let name = snapshot_name(self.snapshots.remove(0));
-            if let Err(error) = self.store.snapshot(&name, &assembly) {
-                self.failed.get_or_insert(error);
-            }
-        }
-    }
-    fn progress(&mut self, progress: &Progress) -> Flow {
-        if self.failed.is_some() {
-            return Flow::Stop;
-        }
-        let simulation = progress.simulation;
-        let [at, all] = self.place;
-        let fraction = self.stage.fraction(&self.stage_progress, simulation);
-        self.observer.status(&Status {
-            phase: progress.phase,
-            trial: 1,
-            stage: self.staged.then_some(self.stage.name.as_str()),
-            fraction: fraction.map(|part| (at as f64 + part) / all.max(1) as f64),
-            grain_steps_per_second: self.speedometer.rate(simulation),
-            simulation,
-        });
-        self.stopped = self.observer.stop();
-        if self.stopped || self.interval.is_over() { Flow::Stop } else { Flow::Continue }
-    }
-}
-
 impl Laboratory {
     /// Makes a sample ready to be tested as the case says.
     pub(super) fn begin_test(
@@ -203,7 +170,7 @@ impl Laboratory {
         }
         simulation.set_properties(Properties { material, contact: case.contact })?;
         simulation.set_time_step_factor(case.numerics.time_step_factor);
-        run_state.stage = Stage::Test(Box::new(Test::begin(case, simulation)?));
+        run_state.stage = Stage::Test(Box::new(Test::begin(case, &self.sensors, simulation)?));
         Ok(Segment::GoOn)
     }
 
@@ -214,7 +181,7 @@ impl Laboratory {
         run_state: &mut RunState,
         store: Store,
         speedometer: &mut Speedometer,
-        observer: &mut dyn RunObserver,
+        observer: &mut dyn Observer,
     ) -> Result<Segment, LaboratoryError> {
         let Stage::Test(test) = &mut run_state.stage else { return Ok(Segment::GoOn) };
         let simulation = &mut run_state.simulation;
@@ -227,37 +194,44 @@ impl Laboratory {
             return Ok(Segment::Complete);
         };
         simulation.set_hardware(self.hardware_for(simulation.state().grains()));
-        let mut watch = Watch {
-            stage,
-            stage_progress: test.stage_progress.clone(),
-            place: [at, test.stages.len()],
-            staged: test.staged,
-            recorder,
-            snapshots: &mut test.snapshots,
-            store,
-            failed: None,
+        let before = test.stage_progress.clone();
+        let mut follow = Follow {
             observer,
             speedometer,
-            interval: Interval::new(self.checkpoint_every),
+            checkpoint: Interval::new(self.checkpoint_every),
+            stage: test.staged.then_some(stage.name.as_str()),
+            place: [at, test.stages.len()],
             stopped: false,
         };
-        let ending = loading::follow(stage, &mut test.stage_progress, simulation, &mut watch)?;
-        if let Some(error) = watch.failed {
+        let mut record = follow::Record(recorder);
+        let mut snapshots = Snapshots {
+            due: &mut test.snapshots,
+            measure: stage.record.measure,
+            stage_progress: &before,
+            store,
+            failed: None,
+        };
+        let mut observers = Observers(vec![&mut record, &mut snapshots, &mut follow]);
+        let ending = loading::follow(stage, &mut test.stage_progress, simulation, &mut observers)?;
+        if let Some(error) = snapshots.failed {
             return Err(error.into());
         }
-        let stopped = watch.stopped;
+        let stopped = follow.stopped;
         let reason = match ending {
             Ending::Complete(reason) => reason,
             Ending::Stopped if stopped => return Ok(Segment::Stop),
             Ending::Stopped => return Ok(Segment::GoOn),
         };
+        if let Some(recorder) = test.recorders.last_mut() {
+            recorder.end();
+        }
         test.ends.push(StageEnd::of(stage, &test.stage_progress, reason, simulation));
         // What follows a stage that did not come to its end would not be what was asked for.
         if !reason.is_asked_for() || test.ends.len() == test.stages.len() {
             return Ok(Segment::Complete);
         }
         store.snapshot(&stage_snapshot(test.ends.len()), &simulation.assembly())?;
-        test.begin_stage(case, simulation)?;
+        test.begin_stage(case, &self.sensors, simulation)?;
         Ok(Segment::GoOn)
     }
 }

@@ -1,6 +1,7 @@
 use granum_dem::config::{Rate, Recording};
+use granum_dem::observer::{Flow, NoObserver, Progress};
 use granum_dem::preparation::Phase;
-use granum_io::run::Run;
+use granum_io::run::{Run, RunStatus};
 
 use super::*;
 use crate::record::read_record;
@@ -24,16 +25,14 @@ pub(super) fn laboratory() -> Laboratory {
 }
 
 /// Stops after so many calls.
-struct Stopper(std::cell::Cell<u32>);
-impl RunObserver for Stopper {
-    fn status(&mut self, status: &Status) {
-        assert!(status.line().contains("kPa"));
-        if status.phase == Phase::Shear {
-            self.0.set(self.0.get().saturating_sub(1));
+struct Stopper(u32);
+impl Observer for Stopper {
+    fn progress(&mut self, progress: &Progress) -> Flow {
+        assert!(line(progress).contains("kPa"));
+        if progress.phase == Phase::Shear {
+            self.0 = self.0.saturating_sub(1);
         }
-    }
-    fn stop(&self) -> bool {
-        self.0.get() == 0
+        if self.0 == 0 { Flow::Stop } else { Flow::Continue }
     }
 }
 
@@ -42,15 +41,15 @@ fn an_interrupted_run_resumes_to_the_same_bits() {
     let base = tempfile::tempdir().unwrap();
     let (case, lab) = (small(), laboratory());
     let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
-    let record = lab.shear(&case, &Source::Case, &straight, &mut Nobody).unwrap();
+    let record = lab.shear(&case, &Source::Case, &straight, &mut NoObserver).unwrap();
     assert_eq!(record.status, RunStatus::Finished);
     assert!(record.quality.iter().any(|q| q.name == "energy_gap" && q.passed), "{:?}", record.quality);
 
     let broken = RunFolder::create(base.path().join("broken"), false).unwrap();
-    let mut stopper = Stopper(std::cell::Cell::new(5));
+    let mut stopper = Stopper(5);
     let record = lab.shear(&case, &Source::Case, &broken, &mut stopper).unwrap();
     assert_eq!(record.status, RunStatus::Interrupted);
-    let record = lab.resume(&broken, &mut Nobody).unwrap();
+    let record = lab.resume(&broken, &mut NoObserver).unwrap();
     assert_eq!(record.status, RunStatus::Finished);
     let bytes = |folder: &RunFolder, name: &str| std::fs::read(folder.path().join(name)).unwrap();
     for name in ["series.parquet", "forces.parquet"] {
@@ -63,19 +62,19 @@ fn a_prepared_sample_shears_as_a_case_in_one_go() {
     let base = tempfile::tempdir().unwrap();
     let (case, lab) = (small(), laboratory());
     let sample = RunFolder::create(base.path().join("sample"), false).unwrap();
-    lab.prepare(&case, &Source::Case, &sample, &mut Nobody).unwrap();
+    lab.prepare(&case, &Source::Case, &sample, &mut NoObserver).unwrap();
     let source = Source::Folder(sample.path().to_path_buf());
     let two = RunFolder::create(base.path().join("two"), false).unwrap();
-    lab.shear(&case, &source, &two, &mut Nobody).unwrap();
+    lab.shear(&case, &source, &two, &mut NoObserver).unwrap();
     let one = RunFolder::create(base.path().join("one"), false).unwrap();
-    lab.shear(&case, &Source::Case, &one, &mut Nobody).unwrap();
+    lab.shear(&case, &Source::Case, &one, &mut NoObserver).unwrap();
     let record = |folder: &RunFolder| read_record(&Run::at(folder.path()).unwrap()).unwrap();
     assert_eq!(record(&one), record(&two));
 
     let mut other = case.clone();
     other.grains.material.youngs_modulus = 30e9;
     let three = RunFolder::create(base.path().join("three"), false).unwrap();
-    let error = lab.shear(&other, &source, &three, &mut Nobody).unwrap_err();
+    let error = lab.shear(&other, &source, &three, &mut NoObserver).unwrap_err();
     let wanted = "grains.material.youngs_modulus: 7e10 Pa in the sample; 3e10 Pa in the case";
     assert!(error.to_string().contains(wanted), "{error}");
     assert!(Run::at(three.path()).is_err(), "a sample that cannot be used leaves nothing behind");
@@ -88,13 +87,13 @@ fn density_scaling_says_the_same_physics() {
     let mut case = small();
     case.shear.deviator_strain = 0.004;
     let number = RunFolder::create(base.path().join("number"), false).unwrap();
-    lab.shear(&case, &Source::Case, &number, &mut Nobody).unwrap();
+    lab.shear(&case, &Source::Case, &number, &mut NoObserver).unwrap();
     // A power of four scales time by a power of two, so that even the rounding agrees.
     let scaling = 4f64.powi(20);
     let fast = 3e-3 * (20e3f64 / 2650.0).sqrt() / 1e-4;
     case.shear.rate = Rate::StrainRate { strain_rate: fast / 2f64.powi(20), density_scaling: scaling };
     let scaled = RunFolder::create(base.path().join("scaled"), false).unwrap();
-    let record = lab.shear(&case, &Source::Case, &scaled, &mut Nobody).unwrap();
+    let record = lab.shear(&case, &Source::Case, &scaled, &mut NoObserver).unwrap();
     // The first step works half with the power of the sample's last one, which ran on another clock.
     let gap = record.quality.iter().find(|flag| flag.name == "energy_gap").unwrap().value;
     assert!(gap < 1e-3, "{gap}");

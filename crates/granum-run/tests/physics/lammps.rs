@@ -7,7 +7,7 @@ use granum_dem::preparation::{Flow, Progress, Recipe, settle};
 use granum_dem::simulation::{Hardware, Simulation};
 use granum_io::read_table;
 use granum_run::laboratory::{cell, spheres};
-use granum_sensors::Recorder;
+use granum_sensors::{Recorder, Sensors};
 
 use super::sample::{compress, properties};
 
@@ -35,7 +35,8 @@ fn the_start_of_the_curves_is_that_of_lammps() {
     s.set_hardware(hardware);
     compress(&mut s, 0, 1e-3);
     // States as in the stored table: 0, 0.005, 0.01.
-    let mut recorder = Recorder::new(&Recording { states: 2, looks: 7, ..Recording::default() }, 0.01);
+    let recording = Recording { states: 2, looks: 7, ..Recording::default() };
+    let mut recorder = Recorder::new(&Sensors::standard(), &recording, 0.01).unwrap();
     loop {
         if s.state().deviator_strain() >= recorder.next_look() {
             recorder.look(&s.assembly());

@@ -56,6 +56,9 @@ fn digest(folder: &Path) -> Result<(String, RunStatus), Failure> {
     if record.kind != "prepare" {
         table(&mut hash, "series", &run.series()?);
         table(&mut hash, "forces", &run.forces()?);
+        for name in run.histograms()? {
+            table(&mut hash, &format!("histogram {name}"), &run.histogram(&name)?);
+        }
     }
     for name in run.snapshots()? {
         let assembly = run.snapshot(&name)?;

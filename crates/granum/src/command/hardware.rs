@@ -3,7 +3,8 @@
 use clap::Args;
 use granum_dem::Isa;
 use granum_dem::simulation::Hardware;
-use granum_run::laboratory::{Field, Laboratory, RunObserver, Status};
+use granum_run::laboratory::{self, Field, Laboratory};
+use granum_run::{Flow, Observer, Progress as RunProgress};
 
 use super::checkpoints::CheckpointFlags;
 use crate::context::Context;
@@ -103,19 +104,17 @@ impl<'a> Show<'a> {
     }
 }
 
-impl RunObserver for Show<'_> {
-    fn status(&mut self, status: &Status) {
-        if self.phase != status.phase.name() {
-            self.phase = status.phase.name().to_string();
+impl Observer for Show<'_> {
+    fn progress(&mut self, progress: &RunProgress) -> Flow {
+        if self.phase != progress.phase.name() {
+            self.phase = progress.phase.name().to_string();
             self.progress.phase(self.phase.clone());
         }
-        self.progress.update(status.fraction, |room| match room {
-            Room::Line => vec![Field::new(0, status.line())],
-            Room::Screen => status.fields(),
+        self.progress.update(progress.fraction, |room| match room {
+            Room::Line => vec![Field::new(0, laboratory::line(progress))],
+            Room::Screen => laboratory::fields(progress),
         });
-    }
-    fn stop(&self) -> bool {
-        self.context.stopped()
+        self.context.flow()
     }
     fn warn(&mut self, text: &str) {
         self.context.warn(text);

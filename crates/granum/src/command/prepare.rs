@@ -48,7 +48,7 @@ impl Prepare {
         let mut show = Show::new(context);
         let planned = laboratory.plan("prepare", &case, &source, &mut show)?;
         let folder = RunFolder::create(&self.out, context.force)?;
-        let record = laboratory.run(planned, &folder, &mut show)?;
+        let record = planned.run(&folder, &mut show)?;
         run_report::print(context, &self.out, &record)
     }
 }

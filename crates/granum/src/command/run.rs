@@ -56,9 +56,9 @@ impl Run {
 
 /// The named paths with their parameters.
 fn list(context: &Context) -> Result<(), Failure> {
-    let paths: Vec<Value> = preset::ALL.iter().map(described).collect();
+    let paths: Vec<Value> = preset::all().into_iter().map(described).collect();
     output::say(context, &json!({ "paths": paths }), || {
-        preset::ALL.iter().map(text).collect::<Vec<_>>().join("\n\n")
+        preset::all().into_iter().map(text).collect::<Vec<_>>().join("\n\n")
     })
 }
 

@@ -53,7 +53,7 @@ impl TestRun {
         let mut show = Show::new(context);
         let planned = laboratory.plan("shear", case, &source, &mut show)?;
         let folder = RunFolder::create(&self.out, context.force)?;
-        let record = laboratory.run(planned, &folder, &mut show)?;
+        let record = planned.run(&folder, &mut show)?;
         run_report::print(context, &self.out, &record)
     }
 }

@@ -1,4 +1,5 @@
-//! Named paths. A preset declares its parameters and expands to stages; it is one file and one line in [`ALL`].
+//! Named paths. A preset declares its parameters and expands to stages; it is one file and one line in [`ALL`], and a program
+//! adds its own with [`register`].
 
 mod constant_p;
 mod constant_p_and_b;
@@ -10,6 +11,7 @@ mod simple_shear_constant_volume;
 mod undrained_triaxial;
 
 use std::collections::BTreeMap;
+use std::sync::{PoisonError, RwLock};
 
 use super::{Control, Drive, Speed, Stage, Target, Until};
 
@@ -52,7 +54,7 @@ pub struct Preset {
     pub stages: fn(&Values) -> Vec<Stage>,
 }
 
-/// Every preset. A new one is a file and a line here.
+/// granum's own presets. A new one is a file and a line here.
 pub const ALL: &[Preset] = &[
     constant_p::PRESET,
     isotropic::PRESET,
@@ -64,12 +66,107 @@ pub const ALL: &[Preset] = &[
     simple_shear_constant_volume::PRESET,
 ];
 
+/// Presets of the caller's own.
+static OWN: RwLock<Vec<&'static Preset>> = RwLock::new(Vec::new());
+
+/// Every preset that a name can stand for: granum's, then those of [`register`].
+pub fn all() -> Vec<&'static Preset> {
+    let own = OWN.read().unwrap_or_else(PoisonError::into_inner);
+    ALL.iter().chain(own.iter().copied()).collect()
+}
+
 /// The preset of that name.
 pub fn named(name: &str) -> Option<&'static Preset> {
-    ALL.iter().find(|preset| preset.name == name)
+    all().into_iter().find(|preset| preset.name == name)
+}
+
+/// A preset that cannot be registered.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RegisterError {
+    /// Its name stands for another preset.
+    #[error("there is already a path {name:?}: give the new one another name")]
+    NameTaken {
+        /// The name.
+        name: &'static str,
+    },
+    /// A key is used twice, or has a meaning of its own in a stage.
+    #[error(
+        "the path {path:?} has the parameter {key:?} twice, or it is the key of the path's name: choose another key"
+    )]
+    KeyTaken {
+        /// The path.
+        path: &'static str,
+        /// The key.
+        key: &'static str,
+    },
+    /// The default of a parameter is out of its bounds, or the bounds are not in order.
+    #[error("the path {path:?} has the parameter {key:?} with a default outside its bounds, which must rise")]
+    OutOfBounds {
+        /// The path.
+        path: &'static str,
+        /// The key.
+        key: &'static str,
+    },
+}
+
+/// Lets a name in case files stand for a path of the caller's own.
+///
+/// ```
+/// use granum_dem::loading::preset::{INERTIAL_NUMBER, Preset, named, register};
+/// use granum_dem::loading::{Control, Drive, Measure, Stage, Until};
+///
+/// const PLANE_STRAIN: Preset = Preset {
+///     name: "plane-strain-at-constant-lateral-stress",
+///     help: "Axis x is compressed, the stress along y is held, and z is fixed.",
+///     parameters: &[INERTIAL_NUMBER],
+///     stages: |values| {
+///         let (fixed, held) = (Drive::Fixed, Drive::Stress(Default::default()));
+///         let control = Control::of(values.speed(), [Drive::Rate(1.0), held, fixed, fixed, fixed, fixed]);
+///         vec![Stage::new("compression", control, vec![Until::Reaches { measure: Measure::Strain(0), value: 0.1 }])]
+///     },
+/// };
+/// register(&PLANE_STRAIN)?;
+/// assert!(named("plane-strain-at-constant-lateral-stress").is_some());
+/// # Ok::<(), granum_dem::loading::preset::RegisterError>(())
+/// ```
+///
+/// # Errors
+/// If the name stands for another path, or a parameter is declared twice or with a default outside its bounds.
+pub fn register(preset: &'static Preset) -> Result<(), RegisterError> {
+    match named(preset.name) {
+        Some(known) if known.is_same_as(preset) => return Ok(()),
+        Some(_) => return Err(RegisterError::NameTaken { name: preset.name }),
+        None => preset.check()?,
+    }
+    OWN.write().unwrap_or_else(PoisonError::into_inner).push(preset);
+    Ok(())
 }
 
 impl Preset {
+    fn is_same_as(&self, other: &Preset) -> bool {
+        (self.name, self.help, self.parameters) == (other.name, other.help, other.parameters)
+            && std::ptr::fn_addr_eq(self.stages, other.stages)
+    }
+
+    /// Whether its parameters can be.
+    fn check(&self) -> Result<(), RegisterError> {
+        for (k, Parameter { key, default, bounds, .. }) in self.parameters.iter().enumerate() {
+            if *key == "path" || self.parameters[..k].iter().any(|other| other.key == *key) {
+                return Err(RegisterError::KeyTaken { path: self.name, key });
+            }
+            let [low, high] = *bounds;
+            let inside = match default {
+                Default::Value(value) => (low..=high).contains(value),
+                Default::Absent(_) => low <= high,
+            };
+            if !inside {
+                return Err(RegisterError::OutOfBounds { path: self.name, key });
+            }
+        }
+        Ok(())
+    }
+
     /// The parameter of that key.
     pub fn parameter(&self, key: &str) -> Option<&'static Parameter> {
         self.parameters.iter().find(|parameter| parameter.key == key)
@@ -103,22 +200,23 @@ impl Values<'_> {
     }
 
     /// The speed that the parameter `inertial_number` says.
-    fn speed(&self) -> Speed {
+    pub fn speed(&self) -> Speed {
         Speed::InertialNumber { number: self.number("inertial_number"), at: None }
     }
 
-    /// Number of states to record.
-    fn states(&self) -> usize {
+    /// Number of states to record, as the parameter `states` says.
+    pub fn states(&self) -> usize {
         self.number("states") as usize
     }
 
     /// A stage that brings the sample to rest at the stress of a parameter, where it is given.
-    fn consolidation(&self, key: &str) -> Option<Stage> {
+    pub fn consolidation(&self, key: &str) -> Option<Stage> {
         self.optional(key).map(|stress| consolidation(stress, self.number("inertial_number")))
     }
 }
 
-const INERTIAL_NUMBER: Parameter = Parameter {
+/// How fast a path goes, for [`Values::speed`].
+pub const INERTIAL_NUMBER: Parameter = Parameter {
     key: "inertial_number",
     unit: "1",
     help: "How fast: inertial number I of the driving strain rate at the mean stress at the start of the stage.",
@@ -126,7 +224,8 @@ const INERTIAL_NUMBER: Parameter = Parameter {
     bounds: [1e-8, 0.1],
 };
 
-const STATES: Parameter = Parameter {
+/// How many states a path records, for [`Values::states`].
+pub const STATES: Parameter = Parameter {
     key: "states",
     unit: "1",
     help: "Number of equal intervals at whose ends a state is recorded.",
@@ -164,6 +263,30 @@ fn generous(strain: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn paths_that_would_mislead_are_refused() {
+        const OWN: Preset = Preset {
+            name: "test-of-registration",
+            help: "A path of one's own.",
+            parameters: &[INERTIAL_NUMBER],
+            stages: |_| Vec::new(),
+        };
+        assert_eq!(register(&OWN), Ok(()));
+        assert_eq!(register(&OWN), Ok(()), "once more is no harm");
+        assert!(all().len() > ALL.len() && named(OWN.name).is_some());
+        const TAKEN: Preset = Preset { name: "oedometer", ..OWN };
+        assert_eq!(register(&TAKEN), Err(RegisterError::NameTaken { name: "oedometer" }));
+        const TWICE: Preset = Preset { name: "twice", parameters: &[STATES, STATES], ..OWN };
+        assert!(matches!(register(&TWICE), Err(RegisterError::KeyTaken { key: "states", .. })));
+        const OUTSIDE: Preset = Preset {
+            name: "outside",
+            parameters: &[Parameter { default: super::Default::Value(0.0), ..STATES }],
+            ..OWN
+        };
+        assert!(matches!(register(&OUTSIDE), Err(RegisterError::OutOfBounds { key: "states", .. })));
+        assert!(named("twice").is_none() && named("outside").is_none());
+    }
 
     #[test]
     fn every_preset_expands_to_stages_that_can_be_and_end() {

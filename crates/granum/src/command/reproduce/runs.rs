@@ -7,9 +7,8 @@ use granum_core::parallel;
 use granum_dem::preparation::Phase;
 use granum_io::shell::quoted_path;
 use granum_io::{Case, Run, RunFolder, RunRecord, RunStatus, inner_folder};
-use granum_run::laboratory::{
-    Field, GRAINS_PER_THREAD, Laboratory, LaboratoryError, RunObserver, Shared, Source, Status,
-};
+use granum_run::laboratory::{self, Field, GRAINS_PER_THREAD, Laboratory, LaboratoryError, Shared, Source};
+use granum_run::{Flow, Observer, Progress as RunProgress};
 
 use super::plan::{Plan, Role};
 use crate::context::Context;
@@ -41,8 +40,8 @@ struct Eyes<'a> {
     number: usize,
 }
 
-impl RunObserver for Eyes<'_> {
-    fn status(&mut self, status: &Status) {
+impl Observer for Eyes<'_> {
+    fn progress(&mut self, status: &RunProgress) -> Flow {
         let mut held = self.board.progress.lock().unwrap_or_else(PoisonError::into_inner);
         let (progress, done) = &mut *held;
         done[self.number] = match status.phase {
@@ -52,16 +51,14 @@ impl RunObserver for Eyes<'_> {
         let all = share_done(self.board.plan, done);
         let (seed, phase) = (self.board.plan.runs[self.number].seed, status.phase.name());
         progress.update(Some(all), |room| match room {
-            Room::Line => vec![Field::new(0, format!("seed {seed} {phase}  {}", status.line()))],
+            Room::Line => vec![Field::new(0, format!("seed {seed} {phase}  {}", laboratory::line(status)))],
             Room::Screen => {
                 let mut fields = vec![Field::new(0, format!("seed {seed}")), Field::new(4, phase)];
-                fields.extend(status.fields());
+                fields.extend(laboratory::fields(status));
                 fields
             }
         });
-    }
-    fn stop(&self) -> bool {
-        self.board.context.stopped()
+        self.board.context.flow()
     }
     fn warn(&mut self, text: &str) {
         self.board.context.warn(text);

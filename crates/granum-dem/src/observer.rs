@@ -1,0 +1,172 @@
+//! Who follows a preparation or a test as it runs: one trait for showing progress, recording and stopping.
+
+use crate::preparation::Phase;
+use crate::simulation::Simulation;
+
+/// What an observer asks for: to go on, or to stop in good order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flow {
+    /// Go on.
+    Continue,
+    /// Stop here.
+    Stop,
+}
+
+/// Where a running phase stands.
+#[derive(Clone, Copy)]
+#[non_exhaustive]
+pub struct Progress<'a> {
+    /// Which phase.
+    pub phase: Phase,
+    /// Which trial of the preparation friction, from 1.
+    pub trial: usize,
+    /// Name of the stage under way, where a test is given as stages.
+    pub stage: Option<&'a str>,
+    /// Fraction of the phase that is done, where that can be told.
+    pub fraction: Option<f64>,
+    /// Steps since the start of the preparation, in all its trials, or of the path.
+    pub steps: u64,
+    /// Simulated time since then, s.
+    pub time: f64,
+    /// Grain-steps per second of wall time, once they have been measured.
+    pub grain_steps_per_second: Option<f64>,
+    /// The simulation.
+    pub simulation: &'a Simulation,
+}
+
+impl<'a> Progress<'a> {
+    /// The progress of a phase.
+    pub fn new(phase: Phase, steps: u64, time: f64, simulation: &'a Simulation) -> Progress<'a> {
+        Progress {
+            phase,
+            trial: 1,
+            stage: None,
+            fraction: None,
+            steps,
+            time,
+            grain_steps_per_second: None,
+            simulation,
+        }
+    }
+}
+
+/// Follows a preparation or a test. It sees the simulation by shared reference, so nothing that it does can change a result but
+/// to stop the run, and a run that was stopped goes on to the same bits.
+///
+/// Every method has a default, so that an observer writes only what it is interested in. A closure that takes a
+/// [`Progress`] and gives a [`Flow`] is an observer; several observers together are one ([`Observers`]).
+///
+/// ```
+/// use granum_dem::config::{Contact, Grains, Preparation};
+/// use granum_dem::observer::{Flow, Observer, Progress};
+/// use granum_dem::preparation::{PreparationError, Recipe, prepare};
+///
+/// /// Stops once the grains fill two fifths of the cell.
+/// #[derive(Default)]
+/// struct UntilDense {
+///     calls: usize,
+/// }
+///
+/// impl Observer for UntilDense {
+///     fn progress(&mut self, progress: &Progress) -> Flow {
+///         self.calls += 1;
+///         let dense = progress.simulation.state().solid_fraction() > 0.4;
+///         if dense { Flow::Stop } else { Flow::Continue }
+///     }
+/// }
+///
+/// let (grains, contact) = (Grains { count: 60, ..Grains::default() }, Contact::default());
+/// let preparation = Preparation { inertial_number: 1e-2, ..Preparation::default() };
+/// let recipe = Recipe {
+///     grains: &grains,
+///     contact: &contact,
+///     preparation: &preparation,
+///     time_step_factor: 0.2,
+///     hardware: Default::default(),
+/// };
+/// let mut observer = UntilDense::default();
+/// assert!(matches!(prepare(&recipe, &mut observer), Err(PreparationError::Stopped { .. })));
+/// assert!(observer.calls > 1);
+/// ```
+pub trait Observer {
+    /// Called every few hundred steps; asks to go on or to stop.
+    fn progress(&mut self, progress: &Progress) -> Flow {
+        let _ = progress;
+        Flow::Continue
+    }
+
+    /// Value of the measure that a stage records by at which [`Observer::look`] is to be called next; infinity for never.
+    fn next_look(&self) -> f64 {
+        f64::INFINITY
+    }
+
+    /// That value has been reached, at the first step at which it is.
+    fn look(&mut self, simulation: &Simulation) {
+        let _ = simulation;
+    }
+
+    /// Something that the user should know and that does not end the run.
+    fn warn(&mut self, text: &str) {
+        let _ = text;
+    }
+}
+
+/// The observer of a run that nobody follows.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoObserver;
+
+impl Observer for NoObserver {}
+
+impl<F: FnMut(&Progress) -> Flow> Observer for F {
+    fn progress(&mut self, progress: &Progress) -> Flow {
+        self(progress)
+    }
+}
+
+/// Several observers as one: each is called in its turn, and the run stops if one of them asks for it.
+///
+/// ```
+/// use granum_dem::observer::{Flow, NoObserver, Observer, Observers, Progress};
+///
+/// let mut calls = 0;
+/// let mut counting = |_: &Progress| {
+///     calls += 1;
+///     Flow::Continue
+/// };
+/// let mut nobody = NoObserver;
+/// let both = Observers(vec![&mut counting, &mut nobody]);
+/// assert_eq!(both.next_look(), f64::INFINITY);
+/// ```
+pub struct Observers<'a>(pub Vec<&'a mut dyn Observer>);
+
+impl Observer for Observers<'_> {
+    fn progress(&mut self, progress: &Progress) -> Flow {
+        // Every one is told, also after one has asked to stop.
+        let mut flow = Flow::Continue;
+        for observer in &mut self.0 {
+            if observer.progress(progress) == Flow::Stop {
+                flow = Flow::Stop;
+            }
+        }
+        flow
+    }
+
+    fn next_look(&self) -> f64 {
+        self.0.iter().map(|observer| observer.next_look()).fold(f64::INFINITY, f64::min)
+    }
+
+    fn look(&mut self, simulation: &Simulation) {
+        let due = self.next_look();
+        for observer in &mut self.0 {
+            if observer.next_look() <= due {
+                observer.look(simulation);
+            }
+        }
+    }
+
+    fn warn(&mut self, text: &str) {
+        for observer in &mut self.0 {
+            observer.warn(text);
+        }
+    }
+}

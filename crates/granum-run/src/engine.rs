@@ -1,0 +1,252 @@
+//! What runs a case: an [`Engine`]. granum's own is [`Native`](native::Native); the next one is its file and its line in
+//! [`Engines::standard`], and a program of one's own adds its engine with [`Engines::with`].
+
+pub mod native;
+
+use std::sync::Arc;
+
+use granum_core::names::suggestion;
+use granum_dem::observer::Observer;
+use granum_io::Case;
+use granum_io::run::{Machine, RunFolder, RunRecord};
+
+use crate::laboratory::{Laboratory, LaboratoryError, Source};
+
+/// What an engine is to run.
+#[derive(Clone, Copy)]
+#[non_exhaustive]
+pub struct Task<'a> {
+    /// `prepare` for a sample alone, `shear` for a test.
+    pub kind: &'a str,
+    /// The case, which decides the result.
+    pub case: &'a Case,
+    /// Where the sample comes from.
+    pub source: &'a Source,
+    /// The laboratory: hardware, sensors, time between checkpoints. Nothing of it decides a result.
+    pub laboratory: &'a Laboratory,
+}
+
+impl<'a> Task<'a> {
+    /// A task of a laboratory.
+    pub fn new(kind: &'a str, case: &'a Case, source: &'a Source, laboratory: &'a Laboratory) -> Task<'a> {
+        Task { kind, case, source, laboratory }
+    }
+
+    /// The record of a run of this task by an engine, as it begins.
+    ///
+    /// # Errors
+    /// If the sample is a file that cannot be read.
+    pub fn record(&self, engine: &dyn Engine) -> Result<RunRecord, LaboratoryError> {
+        let Laboratory { hardware, version, .. } = self.laboratory;
+        let machine = Machine::here(hardware.isa.name(), hardware.threads);
+        let mut record = RunRecord::new(self.kind, version, self.case, machine);
+        record.engine = engine.name().to_string();
+        record.source = self.source.record()?;
+        Ok(record)
+    }
+}
+
+/// What a [`PlannedRun`] does with the folder of its run.
+type Work<'a> = dyn FnOnce(&RunFolder, &mut dyn Observer) -> Result<RunRecord, LaboratoryError> + 'a;
+
+/// A run that is about to begin: what it begins with was found good, and nothing is written yet.
+pub struct PlannedRun<'a>(Box<Work<'a>>);
+
+impl<'a> PlannedRun<'a> {
+    /// A run that does this with its folder.
+    pub fn new(
+        work: impl FnOnce(&RunFolder, &mut dyn Observer) -> Result<RunRecord, LaboratoryError> + 'a,
+    ) -> PlannedRun<'a> {
+        PlannedRun(Box::new(work))
+    }
+
+    /// Runs to the end, or until the observer stops it.
+    ///
+    /// # Errors
+    /// [`LaboratoryError`]; the record in the folder then has the status `failed`.
+    pub fn run(self, folder: &RunFolder, observer: &mut dyn Observer) -> Result<RunRecord, LaboratoryError> {
+        (self.0)(folder, observer)
+    }
+}
+
+/// Turns a case into a run folder: `case.toml`, `series.parquet`, `forces.parquet`, `run.json`.
+///
+/// ```
+/// use granum_dem::observer::{NoObserver, Observer};
+/// use granum_io::{Case, RunFolder, RunStatus};
+/// use granum_run::{PlannedRun, Engine, Laboratory, LaboratoryError, Source, Task};
+///
+/// /// Gives the record of a run that was made before.
+/// struct Replay(std::path::PathBuf);
+///
+/// impl Engine for Replay {
+///     fn name(&self) -> &'static str {
+///         "replay"
+///     }
+///     fn help(&self) -> &'static str {
+///         "the record of a run that was made before"
+///     }
+///     fn begin<'a>(&'a self, task: Task<'a>, _: &mut dyn Observer) -> Result<PlannedRun<'a>, LaboratoryError> {
+///         // What cannot be run is refused here, before there is a folder.
+///         let recorded = granum_io::Run::at(&self.0)?;
+///         let mut record = task.record(self)?;
+///         Ok(PlannedRun::new(move |folder, _| {
+///             folder.write_case(task.case, None)?;
+///             folder.write_series(&recorded.series()?)?;
+///             folder.write_forces(&recorded.forces()?)?;
+///             record.status = RunStatus::Finished;
+///             folder.write_record(&record)?;
+///             Ok(record)
+///         }))
+///     }
+/// }
+///
+/// # let case = "grains.count = 60\npreparation.solid_fraction = 'none'\npreparation.unbalanced_force = 0.05\n\
+/// #             shear.deviator_strain = 0.01\nshear.inertial_number = 0.01\nrecording.states = 2";
+/// # let case = Case::parse(case, "case")?;
+/// # let base = tempfile::tempdir()?;
+/// let first = RunFolder::create(base.path().join("first"), false)?;
+/// Laboratory::here().shear(&case, &Source::Case, &first, &mut NoObserver)?;
+///
+/// let laboratory = Laboratory::here().with_engine(Replay(first.path().to_path_buf()))?;
+/// let again = RunFolder::create(base.path().join("again"), false)?;
+/// let record = laboratory.shear(&case, &Source::Case, &again, &mut NoObserver)?;
+/// assert_eq!(record.engine, "replay");
+/// assert_eq!(again.run().series()?, first.run().series()?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub trait Engine: Send + Sync {
+    /// Its name, which the record of a run has.
+    fn name(&self) -> &'static str;
+
+    /// What it is, in a few words.
+    fn help(&self) -> &'static str;
+
+    /// Reads what a run begins with and refuses what this engine cannot run. Nothing is written, so that a mistake leaves no
+    /// folder behind.
+    ///
+    /// # Errors
+    /// What is wrong with the case, the sample or the machine.
+    fn begin<'a>(
+        &'a self,
+        task: Task<'a>,
+        observer: &mut dyn Observer,
+    ) -> Result<PlannedRun<'a>, LaboratoryError>;
+
+    /// Runs a task in a folder to its end, or until the observer stops it.
+    ///
+    /// # Errors
+    /// As [`Engine::begin`] and [`PlannedRun::run`].
+    fn run(
+        &self,
+        task: Task,
+        folder: &RunFolder,
+        observer: &mut dyn Observer,
+    ) -> Result<RunRecord, LaboratoryError> {
+        self.begin(task, observer)?.run(folder, observer)
+    }
+
+    /// Goes on with a run that was interrupted, killed or failed.
+    ///
+    /// # Errors
+    /// [`EngineError::CannotResume`] unless the engine can.
+    fn resume(
+        &self,
+        laboratory: &Laboratory,
+        folder: &RunFolder,
+        observer: &mut dyn Observer,
+    ) -> Result<RunRecord, LaboratoryError> {
+        let _ = (laboratory, folder, observer);
+        Err(EngineError::CannotResume { engine: self.name() }.into())
+    }
+}
+
+/// An engine that cannot be taken.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EngineError {
+    /// There is none of that name.
+    #[error("there is no engine {name:?}; {suggestion}")]
+    Unknown {
+        /// The name.
+        name: String,
+        /// The nearest name, or all names that there are.
+        suggestion: String,
+    },
+    /// Its name is that of another one.
+    #[error("there is already an engine {name:?}: give the new one another name")]
+    NameTaken {
+        /// The name.
+        name: &'static str,
+    },
+    /// It cannot go on with runs.
+    #[error(
+        "the engine {engine} cannot go on with a run that was interrupted: run it again in another folder"
+    )]
+    CannotResume {
+        /// Its name.
+        engine: &'static str,
+    },
+    /// It failed in a way of its own.
+    #[error("the engine {engine}: {what}")]
+    Failed {
+        /// Its name.
+        engine: &'static str,
+        /// What is wrong, and what would be right.
+        what: String,
+    },
+}
+
+/// The engines that a program knows.
+///
+/// ```
+/// let engines = granum_run::Engines::standard();
+/// assert_eq!(engines.names().collect::<Vec<_>>(), ["granum"]);
+/// let error = engines.named("gramun").err().map(|error| error.to_string());
+/// assert_eq!(error.as_deref(), Some("there is no engine \"gramun\"; did you mean granum?"));
+/// ```
+#[derive(Clone)]
+pub struct Engines(Vec<Arc<dyn Engine>>);
+
+impl Engines {
+    /// Those that come with granum.
+    pub fn standard() -> Engines {
+        Engines(vec![Arc::new(native::Native)])
+    }
+
+    /// The same engines and one more.
+    ///
+    /// # Errors
+    /// [`EngineError::NameTaken`].
+    pub fn with(mut self, engine: impl Engine + 'static) -> Result<Engines, EngineError> {
+        let name = engine.name();
+        if self.names().any(|known| known == name) {
+            return Err(EngineError::NameTaken { name });
+        }
+        self.0.push(Arc::new(engine));
+        Ok(self)
+    }
+
+    /// Their names.
+    pub fn names(&self) -> impl Iterator<Item = &'static str> + Clone {
+        self.0.iter().map(|engine| engine.name())
+    }
+
+    /// The engine of that name.
+    ///
+    /// # Errors
+    /// [`EngineError::Unknown`] with the nearest name.
+    pub fn named(&self, name: &str) -> Result<&dyn Engine, EngineError> {
+        let found = self.0.iter().find(|engine| engine.name() == name);
+        found.map(|engine| &**engine).ok_or_else(|| EngineError::Unknown {
+            name: name.to_string(),
+            suggestion: suggestion(name, self.names()),
+        })
+    }
+}
+
+impl std::fmt::Debug for Engines {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_list().entries(self.names()).finish()
+    }
+}

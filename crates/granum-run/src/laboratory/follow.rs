@@ -1,0 +1,82 @@
+//! The observers by which the laboratory follows its own runs: one passes progress on and says when a checkpoint is due, one
+//! records, one takes snapshots.
+
+use granum_core::quantity::format_number;
+use granum_dem::loading::{Measure, StageProgress};
+use granum_dem::observer::{Flow, Observer, Progress};
+use granum_dem::simulation::Simulation;
+use granum_sensors::Recorder;
+
+use super::{Interval, Speedometer, Store};
+
+/// Passes progress on to the observer of the run, and stops the part under way for it or for a checkpoint.
+pub(super) struct Follow<'a> {
+    pub(super) observer: &'a mut dyn Observer,
+    pub(super) speedometer: &'a mut Speedometer,
+    pub(super) checkpoint: Interval,
+    /// Name of the stage under way, where the test is given as stages.
+    pub(super) stage: Option<&'a str>,
+    /// Which stage it is, of how many.
+    pub(super) place: [usize; 2],
+    /// True once the observer has asked to stop.
+    pub(super) stopped: bool,
+}
+
+impl Observer for Follow<'_> {
+    fn progress(&mut self, progress: &Progress) -> Flow {
+        let [at, all] = self.place;
+        let mut told = *progress;
+        told.stage = self.stage;
+        told.fraction = progress.fraction.map(|part| (at as f64 + part) / all.max(1) as f64);
+        told.grain_steps_per_second = self.speedometer.rate(progress.simulation);
+        self.stopped = self.observer.progress(&told) == Flow::Stop;
+        if self.stopped || self.checkpoint.is_over() { Flow::Stop } else { Flow::Continue }
+    }
+}
+
+/// Lets the recorder of a stage measure.
+pub(super) struct Record<'a>(pub(super) &'a mut Recorder);
+
+impl Observer for Record<'_> {
+    fn next_look(&self) -> f64 {
+        self.0.next_look()
+    }
+    fn look(&mut self, simulation: &Simulation) {
+        self.0.look(&simulation.assembly());
+    }
+}
+
+/// Takes the snapshots that a case asks for.
+pub(super) struct Snapshots<'a> {
+    /// Values of the measure at which one is still to be taken.
+    pub(super) due: &'a mut Vec<f64>,
+    pub(super) measure: Measure,
+    pub(super) stage_progress: &'a StageProgress,
+    pub(super) store: Store<'a>,
+    /// Why one could not be written; the test then stops.
+    pub(super) failed: Option<granum_io::Error>,
+}
+
+impl Observer for Snapshots<'_> {
+    fn next_look(&self) -> f64 {
+        self.due.first().copied().unwrap_or(f64::INFINITY)
+    }
+    fn look(&mut self, simulation: &Simulation) {
+        let here =
+            self.measure.of(&simulation.state().macro_state()) - self.stage_progress.origin(self.measure);
+        while self.due.first().is_some_and(|due| *due <= here) {
+            let name = snapshot_name(self.due.remove(0));
+            if let Err(error) = self.store.snapshot(&name, &simulation.assembly()) {
+                self.failed.get_or_insert(error);
+            }
+        }
+    }
+    fn progress(&mut self, _: &Progress) -> Flow {
+        if self.failed.is_some() { Flow::Stop } else { Flow::Continue }
+    }
+}
+
+/// Name of the snapshot at a strain, e.g. `strain-0_05`.
+fn snapshot_name(strain: f64) -> String {
+    format!("strain-{}", format_number(strain).replace('.', "_"))
+}

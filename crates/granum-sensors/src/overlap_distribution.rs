@@ -1,0 +1,86 @@
+//! Distribution of the overlaps of contacts in compression: their mean over the sum of the radii, and the histogram of each
+//! overlap over the mean one.
+//!
+//! With equal grains and Hertz's law `f = (alpha / <alpha>)^(3/2)` up to a factor, so that P(overlap) is the distribution of
+//! forces as another code or an experiment sees it that knows places and radii only.
+
+use granum_core::Part;
+use granum_core::assembly::Contact;
+use granum_dem::config::Recording;
+
+use crate::look::{mean, ratio};
+use crate::{Bins, Description, Look, Memory, Sensor, SensorColumn, Values};
+
+/// The sensor.
+pub struct OverlapDistribution;
+
+impl Sensor for OverlapDistribution {
+    fn description(&self) -> Description {
+        Description::new("overlap_distribution", "distribution of the overlaps of contacts in compression")
+            .columns([SensorColumn::new(
+                "mean_overlap",
+                "1",
+                "mean alpha / (R_i + R_j) of the contacts with alpha > 0",
+            )])
+            .needing(&[Part::Radii, Part::Contacts, Part::Overlaps])
+    }
+
+    fn histograms(&self, recording: &Recording) -> Vec<Bins> {
+        let bins = Bins::new("overlaps", "overlap", "1").width(recording.bin_width);
+        vec![bins.range(0.0, recording.largest_force)]
+    }
+
+    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
+        let grains = &look.assembly.grains;
+        let pressed = || look.assembly.contacts.iter().filter(|contact| contact.approach > 0.0);
+        let relative = |contact: &Contact| {
+            let radii = grains.get(contact.i)?.radius + grains.get(contact.j)?.radius;
+            Some(ratio(contact.approach, radii))
+        };
+        let count = pressed().count();
+        values.push(mean(pressed().filter_map(relative).sum::<f64>() + 0.0, count));
+        let mean_overlap = mean(pressed().map(|contact| contact.approach).sum(), count);
+        values.count(0, pressed().map(|contact| contact.approach / mean_overlap));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sensor::measured;
+    use crate::{Histogram, lattice};
+    use granum_core::Assembly;
+
+    fn counted(assembly: &Assembly) -> Histogram {
+        let sensor = OverlapDistribution;
+        let mut histograms = [sensor.histograms(&Recording::default())[0].empty()];
+        let mut values = Vec::new();
+        sensor.measure(
+            &Look::new(assembly),
+            &mut Memory::new(),
+            &mut Values::new(&mut values, &mut histograms),
+        );
+        let [histogram] = histograms;
+        histogram
+    }
+
+    #[test]
+    fn overlaps_are_counted_in_units_of_their_mean() {
+        let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-3, 2e-4);
+        assert!((measured(&OverlapDistribution, &assembly)[0] / 1e-3 - 1.0).abs() < 1e-9);
+        for (k, contact) in assembly.contacts.iter_mut().enumerate() {
+            // A third is stretched apart, a third once and a third three times as deep: the mean is twice the small ones.
+            contact.approach = [-1e-9, 1e-9, 3e-9][k % 3];
+        }
+        let histogram = counted(&assembly);
+        assert_eq!(histogram.total(), 54, "contacts that are stretched apart have no overlap");
+        assert_eq!((histogram.counts[2], histogram.counts[6]), (27, 27), "at 0.5 and 1.5 of the mean");
+    }
+
+    #[test]
+    fn without_overlaps_nothing_is_counted() {
+        let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-3, 2e-4);
+        assembly.contacts.iter_mut().for_each(|contact| contact.approach = 0.0);
+        assert_eq!((measured(&OverlapDistribution, &assembly)[0], counted(&assembly).total()), (0.0, 0));
+    }
+}

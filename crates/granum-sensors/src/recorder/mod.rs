@@ -1,0 +1,280 @@
+//! Averages looks into recorded states as a test goes on.
+
+mod schedule;
+mod sums;
+
+use std::sync::Arc;
+
+use granum_core::assembly::Assembly;
+use granum_dem::config::Recording;
+use granum_dem::loading;
+use serde::{Deserialize, Serialize, Serializer};
+
+use self::schedule::Schedule;
+pub(crate) use self::sums::StateSums;
+use crate::registry::Known;
+use crate::{Bins, Look, Memory, Record, SensorColumn, SensorError, Sensors, Values};
+
+/// Takes looks at a test and averages them into states.
+///
+/// Of a stage of a test the states may stand at values of another measure than the deviator strain, which the following
+/// speaks of, and be asked for at equal intervals without an end ([`Recorder::of_stage`]).
+///
+/// State k of `0..=states` stands at the deviator strain `k / states` of the end, and its window is one interval
+/// wide around it (half a window at the end). Looks are spread evenly over a window, half a spacing off its edges, so
+/// that the test is looked at in equal strides. A column of strain is averaged like every other, so each row pairs
+/// mean values of the same looks.
+///
+/// With another [`Spacing`](granum_dem::config::Spacing) the window of a state is centred on it too, and as wide as the
+/// nearer of its two neighbours is far (the first state's neighbour below is the start, the last one's above is the end), so
+/// that windows never overlap.
+///
+/// State 0 is the sample before it is strained: one look at strain zero. Its window would hold the elastic rise of the
+/// stress, which stiff grains have behind them after some 1e-3 of strain; a mean over that is neither the sample nor
+/// the sheared state.
+///
+/// It can be serialised, with what its sensors remember, and is read back as a [`SavedRecorder`]: a run that is resumed
+/// goes on with the same bits.
+///
+/// ```
+/// use granum_dem::{assembly::Assembly, config::Recording};
+/// use granum_sensors::{Recorder, Sensors};
+///
+/// let recording = Recording { states: 2, looks: 4, ..Default::default() };
+/// let mut recorder = Recorder::new(&Sensors::standard(), &recording, 0.3)?;
+/// let mut assembly = Assembly::default();
+/// while assembly.strain[0][0] < 0.3 {
+///     if assembly.strain[0][0] >= recorder.next_look() {
+///         recorder.look(&assembly);
+///     }
+///     assembly.strain[0][0] += 0.001;
+/// }
+/// assert_eq!(recorder.record().series.rows(), 3);
+/// # Ok::<(), granum_sensors::SensorError>(())
+/// ```
+#[derive(Clone)]
+pub struct Recorder {
+    saved: SavedRecorder,
+    /// Those that `saved` names, in its order.
+    sensors: Vec<Instance>,
+}
+
+/// A recorder as it is written down: without the sensors themselves, of which it has the names and what they remember.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SavedRecorder {
+    schedule: Schedule,
+    /// Names of the sensors, in the order of their columns.
+    sensors: Vec<String>,
+    /// What each of them remembers.
+    memories: Vec<Memory>,
+    states: Vec<StateSums>,
+}
+
+/// A sensor with its bins for this recording.
+#[derive(Clone)]
+struct Instance {
+    known: Arc<Known>,
+    bins: Vec<Bins>,
+}
+
+/// Looks that were asked for and could not be taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Shortfall {
+    /// Looks asked for.
+    pub wanted: usize,
+    /// Looks that were not taken.
+    pub missing: usize,
+    /// States with fewer looks than asked for.
+    pub states: usize,
+    /// Those of them with none, which are not in the record.
+    pub empty_states: usize,
+}
+
+impl Shortfall {
+    /// Both together.
+    pub fn plus(self, other: Shortfall) -> Shortfall {
+        Shortfall {
+            wanted: self.wanted + other.wanted,
+            missing: self.missing + other.missing,
+            states: self.states + other.states,
+            empty_states: self.empty_states + other.empty_states,
+        }
+    }
+}
+
+impl SavedRecorder {
+    /// The recorder again, with its sensors.
+    ///
+    /// # Errors
+    /// [`SensorError::Unknown`] if one of its sensors is not known.
+    pub fn with_sensors(self, sensors: &Sensors) -> Result<Recorder, SensorError> {
+        let recording = &self.schedule.recording;
+        let instance = |name: &String| {
+            let known = sensors.find(name)?.clone();
+            let bins = known.sensor.histograms(recording);
+            Ok(Instance { known, bins })
+        };
+        let sensors = self.sensors.iter().map(instance).collect::<Result<_, SensorError>>()?;
+        Ok(Recorder { saved: self, sensors })
+    }
+}
+
+impl Serialize for Recorder {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        self.saved.serialize(to)
+    }
+}
+
+impl std::fmt::Debug for Recorder {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.saved.fmt(f)
+    }
+}
+
+impl PartialEq for Recorder {
+    fn eq(&self, other: &Recorder) -> bool {
+        self.saved == other.saved
+    }
+}
+
+impl Recorder {
+    /// A recorder for a test that ends at a deviator strain `end`. Numbers of states or looks of zero count as one.
+    ///
+    /// # Errors
+    /// [`SensorError::Unknown`] if the recording names a sensor that is not known.
+    pub fn new(sensors: &Sensors, recording: &Recording, end: f64) -> Result<Recorder, SensorError> {
+        Recorder::with_schedule(sensors, Schedule::of_test(recording, end), false)
+    }
+
+    /// A recorder for a stage whose measure counts from `origin`. Of the recording only the number of looks, the bins and the
+    /// sensors are used.
+    ///
+    /// # Errors
+    /// As [`Recorder::new`].
+    pub fn of_stage(
+        sensors: &Sensors,
+        recording: &Recording,
+        record: &loading::Record,
+        origin: f64,
+    ) -> Result<Recorder, SensorError> {
+        Recorder::with_schedule(sensors, Schedule::of_stage(recording, record, origin), true)
+    }
+
+    fn with_schedule(sensors: &Sensors, schedule: Schedule, staged: bool) -> Result<Recorder, SensorError> {
+        let names = sensors.of_test(&schedule.recording, staged)?;
+        let saved = SavedRecorder {
+            schedule,
+            memories: vec![Memory::new(); names.len()],
+            sensors: names.into_iter().map(String::from).collect(),
+            states: Vec::new(),
+        };
+        saved.with_sensors(sensors)
+    }
+
+    /// What the sensors saw in the stages of a test, one recorder a stage, with their numbers from 1.
+    pub fn record_of_stages<'a>(recorders: impl IntoIterator<Item = &'a Recorder>) -> Record {
+        let recorders: Vec<&Recorder> = recorders.into_iter().collect();
+        let Some(first) = recorders.first() else { return Record::default() };
+        let stages = recorders.iter().enumerate();
+        let rows =
+            stages.flat_map(|(k, recorder)| recorder.saved.states.iter().map(move |sums| (k + 1, sums)));
+        Record::from_states(&first.columns_by_sensor(), &first.bins(), rows, true)
+    }
+
+    /// The record so far: one row a state that has been looked at.
+    pub fn record(&self) -> Record {
+        let rows = self.saved.states.iter().map(|sums| (1, sums));
+        Record::from_states(&self.columns_by_sensor(), &self.bins(), rows, false)
+    }
+
+    /// True if it can be what a fresh recorder has come to: one that was read back may be damaged or of another test.
+    pub fn is_like(&self, fresh: &Recorder) -> bool {
+        let empty = fresh.empty_state(0);
+        let (own, other) = (&self.saved, &fresh.saved);
+        let looks = other.schedule.recording.looks;
+        own.schedule.is_like(&other.schedule)
+            && (&own.sensors, own.memories.len()) == (&other.sensors, other.memories.len())
+            && own.states.iter().all(|sums| sums.is_like(&empty, looks))
+            && own.states.windows(2).all(|pair| pair[0].state < pair[1].state)
+            && own.states.last().is_none_or(|last| last.state <= own.schedule.next_state())
+    }
+
+    /// Value of the measure (in the paper's test the deviator strain) at which the next look is due; infinite when there
+    /// is none.
+    pub fn next_look(&self) -> f64 {
+        self.saved.schedule.next_look()
+    }
+
+    /// True when the last look has been taken.
+    pub fn is_complete(&self) -> bool {
+        self.saved.schedule.is_complete()
+    }
+
+    /// Looks once, for the last look that is due, and goes on to the first that is not. Before anything is due it does
+    /// nothing, so it may be called at any time.
+    pub fn look(&mut self, assembly: &Assembly) {
+        let Some(state) = self.saved.schedule.due(assembly) else { return };
+        if self.saved.states.last().is_none_or(|sums| sums.state != state) {
+            let fresh = self.empty_state(state);
+            self.saved.states.push(fresh);
+        }
+        let Some(sums) = self.saved.states.last_mut() else { return };
+        let look = Look::new(assembly);
+        let mut row = Vec::with_capacity(sums.sums.len());
+        let mut first = 0;
+        for (Instance { known, bins }, memory) in self.sensors.iter().zip(&mut self.saved.memories) {
+            let columns = row.len() + known.description.columns.len();
+            let end = (first + bins.len()).min(sums.histograms.len());
+            let histograms = sums.histograms.get_mut(first..end).unwrap_or_default();
+            known.sensor.measure(&look, memory, &mut Values::new(&mut row, histograms));
+            // What a sensor gives too much or too little must not move the columns of those after it.
+            row.resize(columns, f64::NAN);
+            first = end;
+        }
+        sums.add(&row, self.sensors.iter().flat_map(|instance| &instance.known.description.columns));
+    }
+
+    /// Lets go of what the sensors remember: the stage is over, and nothing will be compared with its last observation.
+    pub fn end(&mut self) {
+        self.saved.memories.iter_mut().for_each(|memory| *memory = Memory::new());
+    }
+
+    /// Of the states that are over: how many were recorded with fewer looks than asked for, or with none, and how many looks
+    /// that leaves out of how many. Steps of the test that are long against a window are the cause.
+    pub fn shortfall(&self) -> Shortfall {
+        let mut found = Shortfall::default();
+        let (schedule, states) = (&self.saved.schedule, &self.saved.states);
+        for state in 0..schedule.next_state().min(schedule.last_state().saturating_add(1)) {
+            let wanted = schedule.looks_of(state);
+            let at = states.binary_search_by_key(&state, |sums| sums.state);
+            let taken = at.map_or(0, |at| states[at].looks as usize);
+            found.wanted += wanted;
+            if taken < wanted {
+                found.missing += wanted - taken;
+                found.states += 1;
+                found.empty_states += usize::from(taken == 0);
+            }
+        }
+        found
+    }
+
+    fn columns(&self) -> impl Iterator<Item = &SensorColumn> {
+        self.sensors.iter().flat_map(|instance| &instance.known.description.columns)
+    }
+
+    /// The columns of each sensor.
+    fn columns_by_sensor(&self) -> Vec<&[SensorColumn]> {
+        self.sensors.iter().map(|instance| instance.known.description.columns.as_slice()).collect()
+    }
+
+    fn bins(&self) -> Vec<Bins> {
+        self.sensors.iter().flat_map(|instance| instance.bins.iter().copied()).collect()
+    }
+
+    fn empty_state(&self, state: usize) -> StateSums {
+        StateSums::new(state, self.columns().count(), self.bins().iter().map(Bins::empty).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests;

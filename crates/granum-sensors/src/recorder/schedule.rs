@@ -1,0 +1,162 @@
+//! When states are observed.
+
+use granum_core::Assembly;
+use granum_dem::config::{Recording, Spacing};
+use granum_dem::loading::{self, MacroState, Measure};
+use serde::{Deserialize, Serialize};
+
+/// Where the states of a test or stage stand, how many looks each takes, and which comes next.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Schedule {
+    pub(super) recording: Recording,
+    /// What the places of states are counted in, and what is subtracted from it.
+    measure: Measure,
+    origin: f64,
+    /// Where the last state stands; `None` where there is no last one.
+    end: Option<f64>,
+    /// State and look within its window that come next.
+    next: (usize, usize),
+}
+
+impl Schedule {
+    /// Of a test that ends at a deviator strain `end`. Numbers of states or looks of zero count as one.
+    pub(super) fn of_test(recording: &Recording, end: f64) -> Schedule {
+        let (states, looks) = (recording.states.max(1), recording.looks.max(1));
+        // Snapshots are not its concern.
+        let recording = Recording { states, looks, snapshots: Vec::new(), ..recording.clone() };
+        Schedule {
+            recording,
+            measure: Measure::AxialDeviatorStrain,
+            origin: 0.0,
+            end: Some(end),
+            next: (0, 0),
+        }
+    }
+
+    /// Of a stage whose measure counts from `origin`.
+    pub(super) fn of_stage(recording: &Recording, record: &loading::Record, origin: f64) -> Schedule {
+        let recording =
+            Recording { states: record.states, spacing: record.spacing.clone(), ..recording.clone() };
+        let end = record.end.is_finite().then_some(record.end);
+        Schedule { measure: record.measure, origin, end, ..Schedule::of_test(&recording, 0.0) }
+    }
+
+    /// True if it can be what a fresh schedule has come to, with these states observed.
+    pub(super) fn is_like(&self, fresh: &Schedule) -> bool {
+        let (state, look) = self.next;
+        self.recording == fresh.recording
+            && (self.measure, self.origin, self.end) == (fresh.measure, fresh.origin, fresh.end)
+            && state <= fresh.last_state().saturating_add(1)
+            && look < fresh.recording.looks
+    }
+
+    /// The state that comes next.
+    pub(super) fn next_state(&self) -> usize {
+        self.next.0
+    }
+
+    /// Number of the last state.
+    pub(super) fn last_state(&self) -> usize {
+        match &self.recording.spacing {
+            Spacing::Strains(strains) => strains.len(),
+            Spacing::Every(_) => usize::MAX,
+            Spacing::Equal | Spacing::Geometric(_) => self.recording.states,
+        }
+    }
+
+    /// Value of the measure at the end; infinite without one.
+    fn end(&self) -> f64 {
+        self.end.unwrap_or(f64::INFINITY)
+    }
+
+    /// Distance by which a state may fall short by rounding and is still due.
+    fn tolerance(&self) -> f64 {
+        match (self.end, &self.recording.spacing) {
+            (Some(end), _) => 1e-9 * end,
+            (None, Spacing::Every(interval)) => 1e-9 * interval,
+            (None, _) => 0.0,
+        }
+    }
+
+    /// Value of the measure at a state.
+    fn strain_of(&self, state: usize) -> f64 {
+        let states = self.recording.states;
+        let end = self.end();
+        match &self.recording.spacing {
+            _ if state == 0 => 0.0,
+            Spacing::Every(interval) => interval * state as f64,
+            Spacing::Strains(strains) => strains.get(state - 1).copied().unwrap_or(end),
+            Spacing::Geometric(first) if state < states => {
+                first * (end / first).powf((state - 1) as f64 / (states - 1) as f64)
+            }
+            Spacing::Geometric(_) => end,
+            Spacing::Equal => end * (state as f64 / states as f64),
+        }
+    }
+
+    /// Half the width of the window of a state, where states are not spaced equally.
+    fn half_window(&self, state: usize) -> f64 {
+        let here = self.strain_of(state);
+        let below = 0.5 * (here - self.strain_of(state - 1));
+        if state < self.last_state() {
+            return below.min(0.5 * (self.strain_of(state + 1) - here));
+        }
+        if here < self.end() { below.min(self.end() - here) } else { below }
+    }
+
+    /// Value of the measure at which the next look is due; infinite when there is none.
+    pub(super) fn next_look(&self) -> f64 {
+        let (state, look) = self.next;
+        if state > self.last_state() {
+            return f64::INFINITY;
+        }
+        if state == 0 {
+            return 0.0;
+        }
+        let offset = (2 * look + 1) as f64 / (2 * self.recording.looks) as f64 - 0.5;
+        match self.recording.spacing {
+            Spacing::Equal => self.end() * ((state as f64 + offset) / self.recording.states as f64),
+            _ => self.strain_of(state) + 2.0 * self.half_window(state) * offset,
+        }
+    }
+
+    /// Looks that are taken at a state: half of them where the window ends with the test.
+    pub(super) fn looks_of(&self, state: usize) -> usize {
+        let looks = self.recording.looks;
+        match state {
+            0 => 1,
+            last if last == self.last_state() && self.strain_of(last) >= self.end() => looks.div_ceil(2),
+            _ => looks,
+        }
+    }
+
+    /// True when the last look has been taken.
+    pub(super) fn is_complete(&self) -> bool {
+        self.next.0 > self.last_state()
+    }
+
+    /// The state that a look at an assembly belongs to, if one is due; then goes on to the first look that is not. A strain that
+    /// falls short by rounding only is due: the caller may have added it up in another order.
+    pub(super) fn due(&mut self, assembly: &Assembly) -> Option<usize> {
+        let reading = match self.measure.needs_stress() {
+            true => MacroState::of(assembly),
+            false => MacroState::without_stress(assembly),
+        };
+        let strain = self.measure.of(&reading) - self.origin + self.tolerance();
+        if strain.is_nan() || strain < self.next_look() {
+            return None;
+        }
+        // Of several looks that are due it is the last: the nearest to the strain.
+        let mut state = 0;
+        while self.next_look() <= strain {
+            state = self.next.0;
+            self.advance();
+        }
+        Some(state)
+    }
+
+    pub(super) fn advance(&mut self) {
+        let (state, look) = self.next;
+        self.next = if look + 1 < self.looks_of(state) { (state, look + 1) } else { (state + 1, 0) };
+    }
+}

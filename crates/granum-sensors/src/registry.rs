@@ -1,0 +1,351 @@
+//! The sensors that a program knows. A new one is its file and its line in [`Sensors::standard`]; a program of one's own adds
+//! its sensors with [`Sensors::with`].
+
+use std::sync::{Arc, LazyLock};
+
+use granum_core::names::suggestion;
+use granum_core::{Assembly, Part, Parts};
+use granum_dem::config::Recording;
+
+use crate::histogram::{Bins, Histogram};
+use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+use crate::{
+    coordination, energy, fabric, force_distribution, inertial_number, invariants, nonaffine_displacement,
+    overlap, overlap_distribution, rolling, rose, second_order_work, servo, sliding, solid_fraction, strain,
+    stress, unbalanced_force,
+};
+
+/// When a sensor is recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Recorded {
+    /// In every test.
+    Always,
+    /// In every test that is given as stages, and where a case names it.
+    InStages,
+    /// Where a case names it in `recording.sensors`.
+    WhereNamed,
+}
+
+/// A sensor that cannot be taken.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SensorError {
+    /// There is none of that name.
+    #[error("there is no sensor {name:?}; {suggestion}")]
+    Unknown {
+        /// The name.
+        name: String,
+        /// The nearest name, or all names that there are.
+        suggestion: String,
+    },
+    /// The name of a sensor, a column or a histogram is taken.
+    #[error(
+        "the sensor {sensor:?} has the {what} {name:?}, which is taken or no plain word: choose another name"
+    )]
+    NameTaken {
+        /// The sensor.
+        sensor: &'static str,
+        /// Whose name it is: `name`, `column` or `histogram`.
+        what: &'static str,
+        /// The name.
+        name: &'static str,
+    },
+    /// It measures another number of values than it has columns.
+    #[error(
+        "the sensor {sensor:?} has {columns} columns but measures {values} values: give one value for each column"
+    )]
+    Values {
+        /// The sensor.
+        sensor: &'static str,
+        /// Its columns.
+        columns: usize,
+        /// Its values.
+        values: usize,
+    },
+}
+
+/// A sensor and what it says of itself.
+pub(crate) struct Known {
+    pub(crate) sensor: Box<dyn Sensor>,
+    pub(crate) description: Description,
+    recorded: Recorded,
+}
+
+/// The sensors that a program knows, in the order of their columns.
+///
+/// ```
+/// use granum_core::{Assembly, Part, Parts};
+/// use granum_sensors::Sensors;
+///
+/// // What can be said of spheres of which only the places are known, and why the rest cannot.
+/// let parts = Parts::of(&[Part::Cell, Part::Positions, Part::Radii]);
+/// let measured = Sensors::standard().measure(&Assembly::default(), parts);
+/// assert_eq!(measured.value("solid_fraction"), Some(0.0));
+/// let fabric = measured.left_out.iter().find(|left_out| left_out.sensor == "fabric").unwrap();
+/// assert_eq!(fabric.to_string(), "fabric: the data have no contacts");
+/// ```
+#[derive(Clone)]
+pub struct Sensors(Vec<Arc<Known>>);
+
+/// [`Sensors::standard`], made once.
+static STANDARD: LazyLock<Sensors> = LazyLock::new(|| {
+    use Recorded::{Always, InStages, WhereNamed};
+    let mut sensors = Sensors(Vec::new());
+    sensors.add(Always, strain::Strain);
+    sensors.add(Always, stress::StressSensor);
+    sensors.add(Always, servo::Servo);
+    sensors.add(Always, fabric::Fabric);
+    sensors.add(Always, force_distribution::ForceDistribution);
+    sensors.add(Always, coordination::CoordinationNumbers);
+    sensors.add(Always, solid_fraction::SolidFraction);
+    sensors.add(Always, sliding::Sliding);
+    sensors.add(Always, inertial_number::InertialNumber);
+    sensors.add(Always, unbalanced_force::UnbalancedForce);
+    sensors.add(Always, overlap::Overlap);
+    sensors.add(Always, energy::Energy);
+    sensors.add(Always, rolling::Rolling);
+    sensors.add(Always, rose::RoseOfContacts);
+    sensors.add(InStages, invariants::Invariants);
+    sensors.add(WhereNamed, overlap_distribution::OverlapDistribution);
+    sensors.add(WhereNamed, nonaffine_displacement::NonaffineDisplacement);
+    sensors.add(WhereNamed, second_order_work::SecondOrderWork);
+    sensors
+});
+
+impl Sensors {
+    /// Those that come with granum.
+    pub fn standard() -> Sensors {
+        STANDARD.clone()
+    }
+
+    /// The same sensors and one more, which is recorded where a case names it in `recording.sensors`.
+    ///
+    /// # Errors
+    /// [`SensorError`] if a name is taken, or it measures another number of values than it has columns.
+    pub fn with(mut self, sensor: impl Sensor + 'static) -> Result<Sensors, SensorError> {
+        self.check(&sensor)?;
+        self.add(Recorded::WhereNamed, sensor);
+        Ok(self)
+    }
+
+    fn add(&mut self, recorded: Recorded, sensor: impl Sensor + 'static) {
+        let description = sensor.description();
+        self.0.push(Arc::new(Known { sensor: Box::new(sensor), description, recorded }));
+    }
+
+    /// Refuses a sensor whose names are taken, or which measures another number of values than it has columns.
+    fn check(&self, sensor: &dyn Sensor) -> Result<(), SensorError> {
+        let description = sensor.description();
+        let bins = sensor.histograms(&Recording::default());
+        let taken = |what, name| SensorError::NameTaken { sensor: description.name, what, name };
+        if !is_word(description.name) || self.0.iter().any(|known| known.description.name == description.name)
+        {
+            return Err(taken("name", description.name));
+        }
+        let mut columns: Vec<&str> = self.columns().map(|column| column.name).collect();
+        columns.extend(["stage", "state", "looks"]);
+        for column in &description.columns {
+            if !is_word(column.name) || columns.contains(&column.name) {
+                return Err(taken("column", column.name));
+            }
+            columns.push(column.name);
+        }
+        let mut histograms: Vec<&str> =
+            self.bins(&Recording::default()).iter().map(|bins| bins.name).collect();
+        for bins in &bins {
+            if !is_word(bins.name) || !is_word(bins.quantity) || histograms.contains(&bins.name) {
+                return Err(taken("histogram", bins.name));
+            }
+            histograms.push(bins.name);
+        }
+        let (mut row, mut counts) = (Vec::new(), bins.iter().map(Bins::empty).collect::<Vec<_>>());
+        let nothing = Assembly::default();
+        sensor.measure(&Look::new(&nothing), &mut Memory::new(), &mut Values::new(&mut row, &mut counts));
+        let (sensor, columns, values) = (description.name, description.columns.len(), row.len());
+        if values == columns { Ok(()) } else { Err(SensorError::Values { sensor, columns, values }) }
+    }
+
+    /// What every sensor says of itself.
+    pub fn descriptions(&self) -> impl Iterator<Item = &Description> {
+        self.0.iter().map(|known| &known.description)
+    }
+
+    /// What the sensor of that name says of itself.
+    ///
+    /// # Errors
+    /// [`SensorError::Unknown`] with the nearest name.
+    pub fn named(&self, name: &str) -> Result<&Description, SensorError> {
+        Ok(&self.find(name)?.description)
+    }
+
+    /// When a sensor is recorded, for people.
+    pub fn recorded(&self, name: &str) -> Result<&'static str, SensorError> {
+        Ok(match self.find(name)?.recorded {
+            Recorded::Always => "in every test",
+            Recorded::InStages => "in tests that are given as stages, and where recording.sensors names it",
+            Recorded::WhereNamed => "where recording.sensors names it",
+        })
+    }
+
+    /// The columns of all sensors.
+    pub fn columns(&self) -> impl Iterator<Item = &SensorColumn> {
+        self.0.iter().flat_map(|known| &known.description.columns)
+    }
+
+    /// The bins of all histograms, for a recording.
+    pub fn bins(&self, recording: &Recording) -> Vec<Bins> {
+        self.0.iter().flat_map(|known| known.sensor.histograms(recording)).collect()
+    }
+
+    pub(crate) fn find(&self, name: &str) -> Result<&Arc<Known>, SensorError> {
+        self.0.iter().find(|known| known.description.name == name).ok_or_else(|| SensorError::Unknown {
+            name: name.to_string(),
+            suggestion: suggestion(name, self.0.iter().map(|known| known.description.name)),
+        })
+    }
+
+    /// The names of the sensors that a test records, in the order of their columns: those that always are, those of stages,
+    /// then those that the recording names.
+    ///
+    /// # Errors
+    /// [`SensorError::Unknown`] for a name that no sensor has.
+    pub fn of_test(&self, recording: &Recording, staged: bool) -> Result<Vec<&'static str>, SensorError> {
+        let usual = |known: &&Arc<Known>| match known.recorded {
+            Recorded::Always => true,
+            Recorded::InStages => staged,
+            Recorded::WhereNamed => false,
+        };
+        let mut names: Vec<&'static str> =
+            self.0.iter().filter(usual).map(|known| known.description.name).collect();
+        for name in &recording.sensors {
+            let name = self.find(name)?.description.name;
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        Ok(names)
+    }
+
+    /// Measures everything that can be measured on an assembly of which these parts are known, and says what cannot and why.
+    pub fn measure(&self, assembly: &Assembly, parts: Parts) -> Measurement {
+        let look = Look::new(assembly);
+        let mut found = Measurement::default();
+        for known in &self.0 {
+            let Description { name, columns, needs, remembers, .. } = &known.description;
+            let missing = parts.missing(needs);
+            if *remembers || !missing.is_empty() {
+                found.left_out.push(LeftOut {
+                    sensor: name,
+                    columns: Vec::new(),
+                    missing,
+                    remembers: *remembers,
+                });
+                continue;
+            }
+            let bins = known.sensor.histograms(&Recording::default());
+            let (mut row, mut counts) = (Vec::new(), bins.iter().map(Bins::empty).collect::<Vec<_>>());
+            known.sensor.measure(&look, &mut Memory::new(), &mut Values::new(&mut row, &mut counts));
+            for (column, value) in columns.iter().zip(row) {
+                match parts.missing(column.needs) {
+                    missing if missing.is_empty() => found.columns.push((*column, value)),
+                    missing => found.leave_out(name, column.name, missing),
+                }
+            }
+            found.histograms.extend(bins.into_iter().zip(counts));
+        }
+        found
+    }
+}
+
+impl std::fmt::Debug for Sensors {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_list().entries(self.descriptions().map(|description| description.name)).finish()
+    }
+}
+
+/// True for a name that can stand in a case file and be the name of a file.
+fn is_word(name: &str) -> bool {
+    !name.is_empty() && name.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'_' || c == b'-')
+}
+
+/// What was measured of one assembly, and what could not be.
+#[derive(Clone, Debug, Default)]
+pub struct Measurement {
+    /// Each column that could be measured, with its value.
+    pub columns: Vec<(SensorColumn, f64)>,
+    /// Each histogram that could be counted.
+    pub histograms: Vec<(Bins, Histogram)>,
+    /// What could not be measured, and why.
+    pub left_out: Vec<LeftOut>,
+}
+
+impl Measurement {
+    /// The value of a column, if it could be measured.
+    pub fn value(&self, column: &str) -> Option<f64> {
+        self.columns.iter().find(|(known, _)| known.name == column).map(|(_, value)| *value)
+    }
+
+    /// Columns of one sensor that lack the same parts are told together.
+    fn leave_out(&mut self, sensor: &'static str, column: &'static str, missing: Vec<Part>) {
+        match self.left_out.iter_mut().find(|known| known.sensor == sensor && known.missing == missing) {
+            Some(known) => known.columns.push(column),
+            None => self.left_out.push(LeftOut { sensor, columns: vec![column], missing, remembers: false }),
+        }
+    }
+}
+
+/// What could not be measured of an assembly, and why.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct LeftOut {
+    /// The sensor.
+    pub sensor: &'static str,
+    /// Its columns that could not be measured; empty for all.
+    pub columns: Vec<&'static str>,
+    /// The parts of the assembly that they need and that are not known.
+    pub missing: Vec<Part>,
+    /// True if the sensor compares an observation with the one before, which a single assembly does not have.
+    pub remembers: bool,
+}
+
+/// `fabric (strong_fraction): the data have no normal forces`.
+impl std::fmt::Display for LeftOut {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}", self.sensor)?;
+        if !self.columns.is_empty() {
+            write!(f, " ({})", self.columns.join(", "))?;
+        }
+        if self.remembers {
+            return write!(f, ": it compares two observations of a test, and this is one");
+        }
+        let names: Vec<&str> = self.missing.iter().map(|part| part.name()).collect();
+        write!(f, ": the data have no {}", names.join(", no "))
+    }
+}
+
+fn always() -> impl Iterator<Item = &'static Arc<Known>> {
+    STANDARD.0.iter().filter(|known| known.recorded == Recorded::Always)
+}
+
+/// The columns of granum's sensors that every test records, in the order of [`measure_row`].
+pub fn columns() -> impl Iterator<Item = &'static SensorColumn> {
+    always().flat_map(|known| &known.description.columns)
+}
+
+/// Where a column of that name stands in [`measure_row`].
+pub fn column_index(name: &str) -> Option<usize> {
+    columns().position(|column| column.name == name)
+}
+
+/// Measures an assembly of which everything is known: one value a column of [`columns`].
+pub fn measure_row(assembly: &Assembly) -> Vec<f64> {
+    let look = Look::new(assembly);
+    let mut row = Vec::with_capacity(columns().count());
+    for known in always() {
+        known.sensor.measure(&look, &mut Memory::new(), &mut Values::new(&mut row, &mut []));
+    }
+    row
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,168 @@
+use super::*;
+use crate::lattice;
+
+#[test]
+fn every_sensor_gives_as_many_finite_values_as_columns_and_names_are_unique() {
+    let assemblies = [
+        Assembly::default(),
+        lattice::face_centred_cubic(3, 1e-4, 1e-4, 1e-4),
+        lattice::random_contacts(60, 5),
+    ];
+    let mut so_far = Sensors(Vec::new());
+    for known in &STANDARD.0 {
+        let Known { sensor, description, .. } = &**known;
+        assert_eq!(so_far.check(sensor.as_ref()), Ok(()));
+        so_far.0.push(known.clone());
+        assert!(!description.help.is_empty());
+        let mut memory = Memory::new();
+        for assembly in &assemblies {
+            let mut row = Vec::new();
+            let bins = sensor.histograms(&Recording::default());
+            let mut counts: Vec<Histogram> = bins.iter().map(Bins::empty).collect();
+            sensor.measure(&Look::new(assembly), &mut memory, &mut Values::new(&mut row, &mut counts));
+            assert_eq!(row.len(), description.columns.len(), "{}", description.name);
+            assert!(row.iter().chain(&memory).all(|x| x.is_finite()), "{}: {row:?}", description.name);
+            assert!(
+                description.remembers || memory.is_empty(),
+                "{} must say that it remembers",
+                description.name
+            );
+        }
+        for column in &description.columns {
+            assert!(!column.description.is_empty() && !column.unit.is_empty());
+        }
+    }
+}
+
+#[test]
+fn grains_without_contacts_and_one_single_contact_are_measured() {
+    let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4);
+    let one = assembly.contacts[0];
+    assembly.contacts.clear();
+    assert!(measure_row(&assembly).iter().all(|value| value.is_finite()));
+    assembly.contacts.push(one);
+    assert!(measure_row(&assembly).iter().all(|value| value.is_finite()));
+    assembly.contacts[0].normal_force = -1e-6;
+    assert!(measure_row(&assembly).iter().all(|value| value.is_finite()));
+}
+
+/// What a sensor declares is what it needs: with only those parts known, its values are those of the whole assembly.
+#[test]
+fn a_sensor_needs_what_it_says_and_nothing_else() {
+    let mut whole = lattice::random_contacts(80, 3);
+    whole.strain = [[0.1, 0.02, 0.0], [0.01, -0.03, 0.0], [0.0, 0.0, -0.05]];
+    whole.arc_length = 0.2;
+    whole.time = 3.0;
+    whole.velocity_gradient = [[-1.0, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5]];
+    whole.target_mean_stress = Some(1.0);
+    whole.energy.boundary_work = 1.0;
+    for (k, grain) in whole.grains.iter_mut().enumerate() {
+        grain.force = [1.0, 0.0, k as f64];
+        grain.spin = [0.0, 0.3, 0.0];
+    }
+    for contact in &mut whole.contacts {
+        contact.approach = 1e-3;
+        contact.normal_energy = 2.0;
+        contact.tangential_energy = 1.0;
+        contact.rolling_energy = 0.5;
+    }
+    let all = STANDARD.measure(&whole, Parts::all());
+    for known in &STANDARD.0 {
+        let mut wanted: Vec<Part> = known.description.needs.clone();
+        wanted.extend(known.description.columns.iter().flat_map(|column| column.needs));
+        let parts = Parts::of(&wanted);
+        let part = STANDARD.measure(&with_only(&whole, parts), parts);
+        for column in &known.description.columns {
+            assert_eq!(part.value(column.name), all.value(column.name), "{}", column.name);
+        }
+    }
+}
+
+/// The assembly with only some of its parts.
+fn with_only(whole: &Assembly, parts: Parts) -> Assembly {
+    let mut a = whole.clone();
+    let unless = |part: Part, clear: &mut dyn FnMut()| {
+        if !parts.has(part) {
+            clear();
+        }
+    };
+    if !parts.has(Part::Contacts) {
+        a.contacts.clear();
+    }
+    unless(Part::Cell, &mut || a.cell = [[0.0; 3]; 3]);
+    unless(Part::Strain, &mut || (a.strain, a.arc_length) = ([[0.0; 3]; 3], 0.0));
+    unless(Part::StrainRate, &mut || a.velocity_gradient = [[0.0; 3]; 3]);
+    unless(Part::Time, &mut || a.time = 0.0);
+    unless(Part::TargetMeanStress, &mut || a.target_mean_stress = None);
+    unless(Part::EnergyBalance, &mut || a.energy = Default::default());
+    for g in &mut a.grains {
+        unless(Part::Positions, &mut || g.position = [0.0; 3]);
+        unless(Part::Radii, &mut || g.radius = 0.0);
+        unless(Part::Masses, &mut || g.mass = 0.0);
+        unless(Part::Velocities, &mut || g.velocity = [0.0; 3]);
+        unless(Part::Spins, &mut || g.spin = [0.0; 3]);
+        unless(Part::ResultantForces, &mut || (g.force, g.torque) = ([0.0; 3], [0.0; 3]));
+    }
+    for c in &mut a.contacts {
+        unless(Part::Overlaps, &mut || c.approach = 0.0);
+        unless(Part::NormalForces, &mut || c.normal_force = 0.0);
+        unless(Part::TangentialForces, &mut || c.tangential_force = [0.0; 3]);
+        unless(Part::Sliding, &mut || c.sliding = false);
+        unless(Part::ContactEnergies, &mut || {
+            (c.normal_energy, c.tangential_energy, c.rolling_energy) = (0.0, 0.0, 0.0)
+        });
+    }
+    a
+}
+
+#[test]
+fn what_the_data_lack_is_named() {
+    let packing = Parts::of(&[Part::Cell, Part::Positions, Part::Radii, Part::Contacts, Part::Overlaps]);
+    let measured = STANDARD.measure(&lattice::simple_cubic(3, 1e-4, 1e-4, 0.0), packing);
+    assert_eq!(measured.value("coordination_number"), Some(6.0));
+    assert_eq!(measured.value("mean_stress"), None);
+    let told: Vec<String> = measured.left_out.iter().map(LeftOut::to_string).collect();
+    let has = |text: &str| assert!(told.iter().any(|line| line == text), "{text} is not in {told:#?}");
+    has("stress: the data have no normal forces, no tangential forces");
+    has("coordination (compressive_coordination_number): the data have no normal forces");
+    has("nonaffine_displacement: it compares two observations of a test, and this is one");
+}
+
+struct Bad(&'static str, &'static str, usize);
+impl Sensor for Bad {
+    fn description(&self) -> Description {
+        Description::new(self.0, "bad").columns([SensorColumn::new(self.1, "1", "bad")])
+    }
+    fn measure(&self, _: &Look, _: &mut Memory, values: &mut Values) {
+        values.extend(std::iter::repeat_n(0.0, self.2));
+    }
+}
+
+#[test]
+fn sensors_that_would_break_a_series_are_refused() {
+    let message =
+        |bad: Bad| Sensors::standard().with(bad).err().map(|error| error.to_string()).unwrap_or_default();
+    assert!(message(Bad("stress", "own", 1)).contains("has the name \"stress\", which is taken"));
+    assert!(message(Bad("own", "time", 1)).contains("has the column \"time\""));
+    assert!(message(Bad("own", "looks", 1)).contains("has the column \"looks\""));
+    assert!(message(Bad("a/b", "own", 1)).contains("no plain word"));
+    assert!(message(Bad("own", "own", 2)).contains("has 1 columns but measures 2 values"));
+    assert_eq!(message(Bad("own", "own", 1)), "");
+    let error = STANDARD.named("fabrik").unwrap_err().to_string();
+    assert_eq!(error, "there is no sensor \"fabrik\"; did you mean fabric?");
+}
+
+#[test]
+fn a_test_records_the_usual_sensors_and_those_that_are_named() {
+    let named = |names: &[&str]| Recording {
+        sensors: names.iter().map(|name| name.to_string()).collect(),
+        ..Recording::default()
+    };
+    let usual = STANDARD.of_test(&named(&[]), false).unwrap();
+    assert_eq!((usual.len(), usual[0], usual[13]), (14, "strain", "rose"));
+    let further = STANDARD.of_test(&named(&["second_order_work", "invariants", "stress"]), false).unwrap();
+    assert_eq!(further[..14], usual[..]);
+    assert_eq!(further[14..], ["second_order_work", "invariants"]);
+    assert_eq!(STANDARD.of_test(&named(&["invariants"]), true).unwrap().len(), 15);
+    assert!(STANDARD.of_test(&named(&["nothing"]), false).is_err());
+}
