@@ -15,6 +15,7 @@
 //! assert_eq!(q_over_p, Some(0.0));
 //! ```
 
+pub mod attraction;
 pub mod coordination;
 pub mod energy;
 pub mod fabric;
@@ -63,6 +64,7 @@ pub fn all() -> &'static [Sensor] {
         overlap::SENSOR,
         energy::SENSOR,
         rolling::SENSOR,
+        attraction::SENSOR,
         rose::SENSOR,
     ];
     ALL

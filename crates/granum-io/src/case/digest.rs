@@ -10,8 +10,13 @@ const PREPARATION: [&str; 5] = ["grains", "grains.material", "contact", "prepara
 
 /// Keys that came after the first digests were given out: they are left out where they are not in use, so that a case that
 /// does without them keeps its digest.
-const LATER: [&str; 4] =
-    ["recording.first_strain", "recording.strains", "recording.snapshots", "contact.rolling"];
+const LATER: [&str; 5] = [
+    "recording.first_strain",
+    "recording.strains",
+    "recording.snapshots",
+    "contact.rolling",
+    "contact.adhesion",
+];
 
 impl Case {
     /// SHA-256 (hexadecimal) of the whole case: equal exactly if every field has the same bits.
@@ -61,6 +66,9 @@ impl Case {
                 }
             };
             text.push_str(&format!("{}={value}\n", name(field)));
+        }
+        if wanted("grains.material") {
+            text.push_str(&self.materials_toml());
         }
         if wanted("stage") {
             text.push_str(&self.stages_toml());
