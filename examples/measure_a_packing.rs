@@ -8,7 +8,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let packing = read_packing(concat!(env!("CARGO_MANIFEST_DIR"), "/../data/packing-5000.csv"))?;
     let material = Material { interface_energy: 0.0, ..Material::default() };
     let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
-    let assembly = simulation(&packing, Properties { material, contact })?.assembly();
+    let assembly = simulation(&packing, Properties::new(material, contact))?.assembly();
     let row = measure_row(&assembly);
     for (column, value) in granum::sensors::columns().zip(&row) {
         println!("{:32} {value:14.6e} {}", column.name, column.unit);

@@ -7,7 +7,9 @@
 use std::f64::consts::PI;
 
 use granum::dem::contact::registry::register_normal;
-use granum::dem::contact::{Description, LAW_CONSTANTS, Normal, NormalLaw, PairProperties, Parameter, Unit};
+use granum::dem::contact::{
+    Description, LAW_CONSTANTS, Mixing, Normal, NormalLaw, PairProperties, Parameter, Unit,
+};
 use granum::prelude::*;
 use granum::simd::Real;
 
@@ -26,6 +28,7 @@ impl NormalLaw for Foundation {
             bounds: [0.01, 100.0],
             meaning: "Modulus of the foundation over E*/R*",
             without_area: false,
+            mixing: Mixing::Geometric,
         }],
     };
 

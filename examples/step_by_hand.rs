@@ -8,7 +8,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let grains = Grains { count: 200, ..Grains::default() };
     // Grains that do not touch, at a solid fraction of 0.35, from the seed 1.
     let (cell, spheres) = random_insertion(&grains, 0.35, 1)?;
-    let properties = Properties { material: grains.material, contact: Contact::default() };
+    let properties = Properties::new(grains.material, Contact::default());
     let mut simulation = Simulation::new(cell, &spheres, properties)?;
     // All three axes are driven to 20 kPa; no rate may exceed 3e4 /s.
     simulation.set_control(Control::isotropic(20e3, 3e4));

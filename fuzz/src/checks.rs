@@ -63,7 +63,7 @@ fn plan(json: &[u8]) {
 pub fn packing(data: &[u8]) {
     let Ok(packing) = granum_io::formats::packing_csv::read_from(data, "packing.csv") else { return };
     black_box(packing.solid_fraction());
-    let properties = Properties { material: Material::default(), contact: Contact::default() };
+    let properties = Properties::new(Material::default(), Contact::default());
     let Ok(mut simulation) = laboratory::simulation(&packing, properties) else { return };
     assert_eq!(simulation.assembly().grains.len(), packing.grains.len());
     let _ = simulation.advance(2);

@@ -113,7 +113,7 @@ fn models() -> Vec<Seed> {
 fn running(count: usize, spread: f64, contact: Contact, steps: u64) -> Simulation {
     let grains = Grains { count, spread, ..Grains::default() };
     let (cell, spheres) = random_insertion(&grains, 0.35, 11).expect("a loose initial state");
-    let properties = Properties { material: Material::default(), contact };
+    let properties = Properties::new(Material::default(), contact);
     let mut simulation = Simulation::new(cell, &spheres, properties).expect("a simulation");
     simulation.set_control(Control::isotropic(20e3, 8000.0));
     simulation.advance(steps).expect("steps");

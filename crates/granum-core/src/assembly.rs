@@ -27,6 +27,14 @@ pub struct Grain {
     pub force: Vector,
     /// Sum of the contact torques on it about its centre, N m.
     pub torque: Vector,
+    /// What it is made of: its place in [`Assembly::materials`]; 0 where there is one material.
+    #[serde(default, skip_serializing_if = "is_first")]
+    pub material: u32,
+}
+
+/// True for the first material, the only one of most assemblies.
+fn is_first(material: &u32) -> bool {
+    *material == 0
 }
 
 /// One contact between grains i and j that touch.
@@ -42,7 +50,7 @@ pub struct Contact {
     pub normal: Vector,
     /// Approach alpha = R_i + R_j - D, m.
     pub approach: f64,
-    /// Elastic normal force N, compression positive, N.
+    /// Elastic normal force N, compression positive, what a law of adhesion adds included, N.
     pub normal_force: f64,
     /// Elastic tangential force T on i, N.
     pub tangential_force: Vector,
@@ -57,6 +65,9 @@ pub struct Contact {
     /// Elastic energy of rolling and twisting, J; zero without a law of moments.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub rolling_energy: f64,
+    /// Energy of a law of adhesion on top of the contact, J.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub attraction_energy: f64,
 }
 
 impl Contact {
@@ -89,9 +100,12 @@ pub struct EnergyBalance {
     /// Lost by rolling and twisting, without dashpots (part of `rolling_work`).
     #[serde(default, skip_serializing_if = "is_zero")]
     pub rolling: f64,
+    /// Lost where attractions beyond touch begin or end: bridges that rupture.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub attraction_loss: f64,
 }
 
-/// True for what files without a law of moments leave out.
+/// True for what files without a law of moments or of adhesion leave out.
 fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }
@@ -120,6 +134,13 @@ pub struct Assembly {
     pub grains: Vec<Grain>,
     /// The contacts that touch, in order of the ids of their grains.
     pub contacts: Vec<Contact>,
+    /// Pairs that act on each other without touching (by liquid bridges, say), in the same order: their force has a part in the
+    /// stress, but they are no contacts.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub apart: Vec<Contact>,
+    /// Names of the materials, where there are several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub materials: Vec<String>,
     /// Energy by mechanism.
     pub energy: EnergyBalance,
 }

@@ -196,7 +196,7 @@ impl Measure {
     fn of<N: NormalLaw, T: TangentialLaw>(self) -> f64 {
         let material = Material::default();
         let side = (&material, 0.5 * DIAMETER);
-        let constants = Compiled::<N, T>::constants(&PairProperties::new(side, side, 0.1), [&[]; 3]);
+        let constants = Compiled::<N, T>::constants(&PairProperties::new(side, side, 0.1), [&[]; 4]);
         let kinematics = kinematics();
         let mut memory = vec![Row8::default(); BATCHES * MEMORY];
         let mut best = f64::INFINITY;

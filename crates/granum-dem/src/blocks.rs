@@ -38,7 +38,7 @@ pub(crate) fn rebuild(
     cell: &Cell,
     particles: &[Row8],
     change: &Change,
-    columns: [usize; 2],
+    columns: [usize; 3],
 ) -> Pairs {
     let grains = particles.len();
     let kept = Kept::of(&old, near, change, grains);
@@ -68,11 +68,12 @@ pub(crate) fn rebuild(
     pairs.memory = vec![Row8::default(); pairs.batches() * pairs.columns_in_all()];
     pairs.marks = vec![Marks::default(); pairs.batches()];
     for (&slot, &from) in slots.iter().zip(&kept.from).filter(|(_, from)| **from != 0) {
-        let (memory, sliding) = &kept.memories[from as usize - 1];
+        let (memory, marks) = &kept.memories[from as usize - 1];
         let (batch, lane) = (slot as usize / LANES, slot as usize % LANES);
         pairs.set_memory(slot as usize, memory);
-        pairs.marks[batch].touched |= 1 << lane;
-        pairs.marks[batch].sliding |= u8::from(*sliding) << lane;
+        pairs.marks[batch].touched |= marks.touched << lane;
+        pairs.marks[batch].sliding |= marks.sliding << lane;
+        pairs.marks[batch].attracting |= marks.attracting << lane;
     }
     pairs.forces = kept.forces;
     pairs.forces.reserve_exact(halo.len());
@@ -194,8 +195,8 @@ fn list_outer(pairs: &mut Pairs, halo: &[u32], grains: usize) {
 struct Kept {
     /// For each near pair: 0 if it did not touch, else one more than where its memory is.
     from: Vec<u32>,
-    /// Memories, for the pairs as they stand in the new list, and whether they slid.
-    memories: Vec<(Memory<f64>, bool)>,
+    /// Memories, for the pairs as they stand in the new list, and the marks of each in the lowest bits.
+    memories: Vec<(Memory<f64>, Marks)>,
     /// Resultants of the last step in the new places.
     forces: Vec<Row8>,
 }
@@ -208,7 +209,7 @@ impl Kept {
             forces: vec![Row8::default(); grains],
         };
         let starts = starts(near, grains);
-        for slot in old.touching() {
+        for slot in old.remembering() {
             let (key, flip) = carried_key(old, slot, change);
             let start = starts[key.i as usize] as usize;
             let of_grain = &near[start..starts[key.i as usize + 1] as usize];
@@ -217,7 +218,12 @@ impl Kept {
             if flip {
                 (change.swap)(&mut memory);
             }
-            kept.memories.push((memory, old.sliding(slot)));
+            let marks = Marks {
+                touched: old.touched(slot).into(),
+                sliding: old.sliding(slot).into(),
+                attracting: old.attracting(slot).into(),
+            };
+            kept.memories.push((memory, marks));
             kept.from[n] = kept.memories.len() as u32;
         }
         if old.outer_offsets.len() == grains + 1 {
@@ -303,7 +309,7 @@ mod tests {
         let near = find(Isa::detect(), &cell, &particles, 0.05);
         let none = vec![[0; 3]; COUNT];
         let change = Change { moved: &none, new_place: None, swap: &negate };
-        let mut pairs = rebuild(Pairs::default(), &near, &cell, &particles, &change, [7, 0]);
+        let mut pairs = rebuild(Pairs::default(), &near, &cell, &particles, &change, [7, 0, 0]);
         assert!(pairs.blocks.len() > 3 && pairs.forces.len() > COUNT);
         // Remember the direction and the branch itself, and let every pair pull with its branch.
         let slots: Vec<usize> = real(&pairs).collect();
@@ -338,7 +344,7 @@ mod tests {
         let particles: Vec<Row8> = order.iter().map(|&o| particles[o as usize]).collect();
         let near = find(Isa::detect(), &cell, &particles, 0.05);
         let change = Change { moved: &moved, new_place: Some(&new_place), swap: &negate };
-        let again = rebuild(pairs.clone(), &near, &cell, &particles, &change, [7, 0]);
+        let again = rebuild(pairs.clone(), &near, &cell, &particles, &change, [7, 0, 0]);
         assert_eq!((again.count, again.contacts()), (pairs.count, pairs.count));
         assert_eq!(real(&again).count(), again.count);
         let slid = |pairs: &Pairs| real(pairs).filter(|&s| pairs.sliding(s)).count();
@@ -364,7 +370,7 @@ mod tests {
         let near = find(Isa::detect(), &cell, &particles, 0.3);
         let none = vec![[0; 3]; COUNT];
         let change = Change { moved: &none, new_place: None, swap: &negate };
-        let pairs = rebuild(Pairs::default(), &near, &cell, &particles, &change, [5, 0]);
+        let pairs = rebuild(Pairs::default(), &near, &cell, &particles, &change, [5, 0, 0]);
         let mut owner = vec![usize::MAX; pairs.forces.len()];
         for (k, block) in pairs.blocks.iter().enumerate() {
             for [from, to] in [block.grains, block.outer] {

@@ -17,7 +17,7 @@ use crate::state::State;
 const MAGIC: &[u8; 8] = b"GRANUMCP";
 const HEADER: usize = 24;
 /// Version that this granum writes.
-pub const VERSION: u32 = 5;
+pub const VERSION: u32 = 6;
 
 /// Why bytes are no usable checkpoint.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -66,7 +66,7 @@ struct Body {
 /// The same for writing: a large state is not copied.
 #[derive(Serialize)]
 struct BodyOf<'a> {
-    properties: Properties,
+    properties: &'a Properties,
     time_step_factor: f64,
     fixed_time_step: Option<f64>,
     expected_force: f64,
@@ -118,7 +118,7 @@ impl Simulation {
     /// no memory to speak of, but the state is gone through twice.
     pub fn write_checkpoint(&self, attachment: &str, out: &mut dyn Write) -> std::io::Result<()> {
         let body = BodyOf {
-            properties: self.integrator.properties,
+            properties: &self.integrator.properties,
             time_step_factor: self.integrator.time_step_factor,
             fixed_time_step: self.integrator.fixed_time_step,
             expected_force: self.integrator.expected_force,
@@ -152,8 +152,8 @@ impl Simulation {
         integrator.time_step_factor = body.time_step_factor;
         integrator.fixed_time_step = body.fixed_time_step;
         integrator.expected_force = body.expected_force;
-        let [tangential, moments] = integrator.properties.contact.history();
-        if integrator.state.pairs.columns != [NORMAL_COLUMNS + tangential, moments] {
+        let [tangential, moments, adhesion] = integrator.properties.contact.history();
+        if integrator.state.pairs.columns != [NORMAL_COLUMNS + tangential, moments, adhesion] {
             return Err(inconsistent("contact memory does not fit the contact laws"));
         }
         integrator.prepare_constants();
@@ -235,7 +235,7 @@ fn check_state(state: &State) -> Result<(), CheckpointError> {
     require(state.particles.len() == n + 2 && state.spin.len() == n + 2, "grains and spins")?;
     let lists = [p.second.len(), p.target.len(), p.image.len(), p.marks.len()];
     require(lists == [batches; 4], "lists of pairs")?;
-    let columns = p.columns[0].saturating_add(p.columns[1]);
+    let columns = p.columns.iter().fold(0usize, |sum, count| sum.saturating_add(*count));
     require((NORMAL_COLUMNS..64).contains(&p.columns[0]) && columns < 64, "columns of contact memory")?;
     require(p.memory.len() == batches * columns, "contact memory")?;
     require(p.outer_offsets.len() == n + 1, "offsets of grains")?;
@@ -282,7 +282,7 @@ fn check_blocks(p: &Pairs, grains: usize) -> Result<(), CheckpointError> {
         require((start..=inner).contains(&within) && (inner..=end).contains(&across))?;
         require(block.touching <= within - start)?;
         let left_out = (within..inner).chain(across..end);
-        require(left_out.map(|b| p.marks[b as usize]).all(|m| m.touched == 0))?;
+        require(left_out.map(|b| p.marks[b as usize]).all(|m| m.touched == 0 && m.attracting == 0))?;
         let own = |g: u32| (from..to).contains(&g);
         let batches = start as usize..end as usize;
         require(p.first[batches.clone()].iter().flatten().all(|&g| own(g)))?;
@@ -331,8 +331,7 @@ pub(crate) mod tests {
         let grains = Grains { count, spread, ..Grains::default() };
         let (cell, spheres) = random_insertion(&grains, 0.3, 11).unwrap();
         let contact = Contact::default();
-        let mut s =
-            Simulation::new(cell, &spheres, Properties { material: Material::default(), contact }).unwrap();
+        let mut s = Simulation::new(cell, &spheres, Properties::new(Material::default(), contact)).unwrap();
         s.set_control(Control::isotropic(20e3, 8000.0));
         s.advance(6000).unwrap();
         s

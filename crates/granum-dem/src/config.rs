@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-pub use crate::contact::{NormalKind, ParameterValues, RollingKind, TangentialKind};
+pub use crate::contact::{AdhesionKind, NormalKind, ParameterValues, RollingKind, TangentialKind};
+pub use crate::mixture::{Component, Mixture, PairRule};
 
 /// The grains: how many, how large, of what.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -15,11 +16,31 @@ pub struct Grains {
     pub spread: f64,
     /// What they are made of.
     pub material: Material,
+    /// Several materials in place of that one; empty where there is one. In a case [`Preparation::seed`] is its seed.
+    #[serde(default, skip_serializing_if = "Mixture::is_empty")]
+    pub mixture: Mixture,
 }
 
 impl Default for Grains {
     fn default() -> Self {
-        Grains { count: 5000, diameter: 1e-4, spread: 0.0, material: Material::default() }
+        Grains {
+            count: 5000,
+            diameter: 1e-4,
+            spread: 0.0,
+            material: Material::default(),
+            mixture: Mixture::default(),
+        }
+    }
+}
+
+impl Grains {
+    /// Coefficient of friction of the material; of several materials the mean over the grains.
+    pub fn mean_friction(&self) -> f64 {
+        let components = &self.mixture.components;
+        if components.is_empty() {
+            return self.material.friction;
+        }
+        components.iter().map(|component| component.share * component.material.friction).sum()
     }
 }
 
@@ -36,6 +57,28 @@ pub struct Material {
     pub friction: f64,
     /// Interface energy Gamma: work of adhesion per area, J/m2. Zero is a value: no adhesion.
     pub interface_energy: f64,
+}
+
+impl Material {
+    /// Refuses values that cannot be.
+    ///
+    /// # Errors
+    /// Property, its value in SI units, and what would be right.
+    pub(crate) fn check(&self) -> Result<(), (&'static str, f64, &'static str)> {
+        let Material { density, youngs_modulus, poissons_ratio, friction, interface_energy } = *self;
+        let positive = |x: f64| x > 0.0 && x.is_finite();
+        let not_negative = |x: f64| x >= 0.0 && x.is_finite();
+        let possible = poissons_ratio > -1.0 && poissons_ratio <= 0.5;
+        let table = [
+            ("density", density, positive(density), "positive"),
+            ("youngs_modulus", youngs_modulus, positive(youngs_modulus), "positive"),
+            ("poissons_ratio", poissons_ratio, possible, "above -1, at most 0.5"),
+            ("friction", friction, not_negative(friction), "zero or positive"),
+            ("interface_energy", interface_energy, not_negative(interface_energy), "zero or positive"),
+        ];
+        let wrong = table.into_iter().find(|row| !row.2);
+        wrong.map_or(Ok(()), |(name, value, _, right)| Err((name, value, right)))
+    }
 }
 
 impl Default for Material {
@@ -67,8 +110,10 @@ pub struct Contact {
     pub normal: NormalKind,
     /// Tangential law.
     pub tangential: TangentialKind,
-    /// Law of the moments of a contact: resistance to rolling.
+    /// Law of the moments of a contact: resistance to rolling and twisting.
     pub rolling: RollingKind,
+    /// Law of adhesion on top of the contact, which may act beyond touch.
+    pub adhesion: AdhesionKind,
     /// Fraction zeta of critical damping in the contact dashpots.
     pub damping: f64,
     /// Values given to the parameters of the laws; the others have their defaults.
@@ -83,6 +128,8 @@ struct ContactForm {
     damping: f64,
     #[serde(default = "no_moments", skip_serializing_if = "is_none")]
     rolling: RollingKind,
+    #[serde(default = "no_adhesion", skip_serializing_if = "is_no_adhesion")]
+    adhesion: AdhesionKind,
     #[serde(default, skip_serializing_if = "ParameterValues::is_empty")]
     parameters: ParameterValues,
 }
@@ -95,25 +142,33 @@ fn is_none(rolling: &RollingKind) -> bool {
     *rolling == RollingKind::NONE
 }
 
+fn no_adhesion() -> AdhesionKind {
+    AdhesionKind::NONE
+}
+
+fn is_no_adhesion(adhesion: &AdhesionKind) -> bool {
+    *adhesion == AdhesionKind::NONE
+}
+
 impl Serialize for Contact {
     fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let Contact { normal, tangential, rolling, damping, parameters } = *self;
+        let Contact { normal, tangential, rolling, adhesion, damping, parameters } = *self;
         if to.is_human_readable() {
-            return ContactForm { normal, tangential, damping, rolling, parameters }.serialize(to);
+            return ContactForm { normal, tangential, damping, rolling, adhesion, parameters }.serialize(to);
         }
-        (normal, tangential, rolling, damping, parameters).serialize(to)
+        (normal, tangential, rolling, adhesion, damping, parameters).serialize(to)
     }
 }
 
 impl<'d> Deserialize<'d> for Contact {
     fn deserialize<D: serde::Deserializer<'d>>(from: D) -> Result<Contact, D::Error> {
         if from.is_human_readable() {
-            let ContactForm { normal, tangential, damping, rolling, parameters } =
+            let ContactForm { normal, tangential, damping, rolling, adhesion, parameters } =
                 ContactForm::deserialize(from)?;
-            return Ok(Contact { normal, tangential, rolling, damping, parameters });
+            return Ok(Contact { normal, tangential, rolling, adhesion, damping, parameters });
         }
-        let (normal, tangential, rolling, damping, parameters) = Deserialize::deserialize(from)?;
-        Ok(Contact { normal, tangential, rolling, damping, parameters })
+        let (normal, tangential, rolling, adhesion, damping, parameters) = Deserialize::deserialize(from)?;
+        Ok(Contact { normal, tangential, rolling, adhesion, damping, parameters })
     }
 }
 
@@ -121,11 +176,11 @@ impl<'d> Deserialize<'d> for Contact {
 pub const MOST_CONTACTS: f64 = 12.0;
 
 impl Contact {
-    /// A normal and a tangential law with a fraction of critical damping; grains roll freely, and parameters have their
-    /// defaults.
+    /// A normal and a tangential law with a fraction of critical damping; grains roll freely, nothing acts beyond touch, and
+    /// parameters have their defaults.
     pub const fn new(normal: NormalKind, tangential: TangentialKind, damping: f64) -> Contact {
-        let (rolling, parameters) = (RollingKind::NONE, ParameterValues::NONE);
-        Contact { normal, tangential, rolling, damping, parameters }
+        let (rolling, adhesion) = (RollingKind::NONE, AdhesionKind::NONE);
+        Contact { normal, tangential, rolling, adhesion, damping, parameters: ParameterValues::NONE }
     }
 
     /// Largest stable `dt sqrt(k_t / m)` of a grain that spins in phase with its neighbours at Z contacts of the tangential

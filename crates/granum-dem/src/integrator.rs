@@ -7,9 +7,10 @@ use crate::assembly::Matrix;
 use crate::blocks::{self, Change};
 use crate::cell::Cell;
 use crate::config::{Contact, MOST_CONTACTS};
-use crate::contact::{PairConstants, PairProperties};
+use crate::contact::PairConstants;
 use crate::kernel::{ContactSums, InnerList, NORMAL_COLUMNS, Nearness, Stages, Views};
 use crate::loading::Event;
+use crate::mixture::{Common, PairTable};
 use crate::pairs::{self, IMAGES};
 use crate::search;
 use crate::servo::Sample;
@@ -32,6 +33,8 @@ const FAR: usize = 2 << 20;
 pub(crate) struct Integrator {
     pub(crate) state: State,
     pub(crate) properties: Properties,
+    /// What grains of any two materials have in common, by these properties.
+    table: PairTable,
     pub(crate) stages: Stages,
     pub(crate) hardware: Hardware,
     pub(crate) time_step_factor: f64,
@@ -39,6 +42,10 @@ pub(crate) struct Integrator {
     pub(crate) expected_force: f64,
     /// Constants of every pair where all grains have the same size.
     pub(crate) alike: PairConstants<f64>,
+    /// Largest distance of the surfaces at which a contact that is torn breaks, and at which grains that do not touch act on each
+    /// other, m.
+    reach: f64,
+    range: f64,
     pub(crate) contact_sums: Vec<ContactSums>,
     fastest_grain: Vec<f64>,
     nearness: Vec<Nearness>,
@@ -47,25 +54,31 @@ pub(crate) struct Integrator {
     /// Largest and mean radius, m.
     largest_radius: f64,
     mean_radius: f64,
+    /// Volume of the grains of each material, m3, and how many materials there are among the grains.
+    volumes: Vec<f64>,
 }
 
 impl Integrator {
     pub(crate) fn new(state: State, properties: Properties) -> Integrator {
         let mut integrator = Integrator {
             state,
-            properties,
+            table: properties.table(),
             stages: Stages::of(&properties.contact),
+            properties,
             hardware: Hardware::default(),
             time_step_factor: 0.2,
             fixed_time_step: None,
             expected_force: 0.0,
-            alike: PairConstants::from_columns(true, |_| 0.0),
+            alike: PairConstants::from_columns(PairConstants::COUNT, |_| 0.0),
+            reach: 0.0,
+            range: 0.0,
             contact_sums: Vec::new(),
             fastest_grain: Vec::new(),
             nearness: Vec::new(),
             events: Vec::new(),
             largest_radius: 0.0,
             mean_radius: 0.0,
+            volumes: Vec::new(),
         };
         integrator.measure_grains();
         integrator
@@ -81,6 +94,30 @@ impl Integrator {
         let radius = |&g: &usize| state.particles[g].0[3];
         self.largest_radius = order.iter().map(radius).fold(0.0, f64::max);
         self.mean_radius = order.iter().map(radius).sum::<f64>() / n as f64;
+        self.volumes = vec![0.0; self.properties.mixture.components.len()];
+        for g in order {
+            if let Some(volume) = state.materials.get(g).and_then(|k| self.volumes.get_mut(*k as usize)) {
+                *volume += 4.0 / 3.0 * std::f64::consts::PI * state.particles[g].0[3].powi(3);
+            }
+        }
+    }
+
+    /// Takes other properties.
+    pub(crate) fn set_properties(&mut self, properties: Properties) {
+        self.table = properties.table();
+        self.properties = properties;
+    }
+
+    /// Density of the grains in the mean over their volume, kg/m3.
+    pub(crate) fn mean_density(&self) -> f64 {
+        let components = &self.properties.mixture.components;
+        let Some(first) = components.first() else { return self.properties.material.density };
+        let density = first.material.density;
+        if components.iter().all(|component| component.material.density == density) {
+            return density;
+        }
+        let mass: f64 = components.iter().zip(&self.volumes).map(|(c, v)| c.material.density * v).sum();
+        mass / self.volumes.iter().sum::<f64>()
     }
 
     pub(crate) fn mean_diameter(&self) -> f64 {
@@ -90,12 +127,19 @@ impl Integrator {
     fn all_alike(&self) -> bool {
         let n = self.state.grains();
         let first = self.state.particles[0].0;
-        self.state.particles[..n].iter().all(|r| r.0[3] == first[3] && r.0[7] == first[7])
+        self.table.is_one()
+            && self.state.particles[..n].iter().all(|r| r.0[3] == first[3] && r.0[7] == first[7])
     }
 
-    fn properties_of(&self, i: f64, j: f64) -> PairProperties {
-        let material = &self.properties.material;
-        PairProperties::new((material, i), (material, j), self.properties.contact.damping)
+    /// The material of the grain in a place; the phantoms have that of the first grain.
+    fn material_of(&self, grain: u32) -> u8 {
+        self.state.materials.get(grain as usize).or(self.state.materials.first()).copied().unwrap_or(0)
+    }
+
+    /// Constants of a pair of grains of given materials and radii, m.
+    fn constants_of(&self, [a, b]: [u8; 2], radii: [f64; 2]) -> PairConstants<f64> {
+        let common = self.table.of(a, b);
+        common.contact.constants(&common.pair(radii))
     }
 
     /// Rebuilds the neighbour list: wraps the grains into the cell, sorts them in space every [`REORDER_EVERY`] rebuilds,
@@ -107,10 +151,12 @@ impl Integrator {
         let moved = pairs::wrap(&state.cell, &mut state.particles[..n]);
         let reorder = state.rebuilds.is_multiple_of(REORDER_EVERY);
         let new_place = reorder.then(|| reorder_grains(state, 2.0 * self.largest_radius));
-        let near = search::find(self.hardware.isa, &state.cell, &state.particles[..n], state.skin);
         let laws = self.properties.contact;
-        let [tangential, moments] = laws.history();
-        let columns = [NORMAL_COLUMNS + tangential, moments];
+        self.range = self.table.range(self.largest_radius);
+        let near =
+            search::find(self.hardware.isa, &state.cell, &state.particles[..n], state.skin + self.range);
+        let [tangential, moments, adhesion] = laws.history();
+        let columns = [NORMAL_COLUMNS + tangential, moments, adhesion];
         let old = std::mem::take(&mut state.pairs);
         let change = Change {
             moved: &moved,
@@ -129,7 +175,13 @@ impl Integrator {
     pub(crate) fn prepare_constants(&mut self) {
         let radius = self.state.particles[0].0[3];
         let laws = self.properties.contact;
-        self.alike = laws.constants(&self.properties_of(radius, radius));
+        self.alike = self.constants_of([self.material_of(0); 2], [radius; 2]);
+        self.range = self.table.range(self.largest_radius);
+        self.reach = if self.table.is_one() {
+            -laws.breaking_overlap(&self.alike)
+        } else {
+            self.table.reach(self.largest_radius)
+        };
         self.state.pairs.constants = Vec::new();
         if self.all_alike() {
             return;
@@ -137,11 +189,13 @@ impl Integrator {
         let count = laws.constants_kept();
         let batches = self.state.pairs.batches();
         let mut rows = vec![Row8::default(); batches * count];
+        let mut known = KnownConstants::default();
         for b in 0..batches {
             for l in 0..LANES {
-                let i = self.state.particles[self.state.pairs.first[b][l] as usize].0[3];
-                let j = self.state.particles[self.state.pairs.second[b][l] as usize].0[3];
-                let values = laws.constants(&self.properties_of(i, j)).to_array();
+                let [i, j] = [&self.state.pairs.first, &self.state.pairs.second].map(|list| list[b][l]);
+                let materials = [self.material_of(i), self.material_of(j)];
+                let radii = [i, j].map(|grain| self.state.particles[grain as usize].0[3]);
+                let values = known.of(materials, radii, || self.constants_of(materials, radii).to_array());
                 for c in 0..count {
                     rows[b * count + c].0[l] = values[c];
                 }
@@ -152,10 +206,17 @@ impl Integrator {
 
     /// Stiffness over mass of a contact that carries the expected force, 1/s2: a floor for the time step's choice.
     fn expected_fastest(&self) -> f64 {
-        let pair = self.properties_of(self.mean_radius, self.mean_radius);
-        let force = self.expected_force.max(1e-6 * pair.effective_modulus * pair.effective_radius.powi(2));
-        let [_, stiffness] = self.properties.contact.stiffness_under(&pair, force);
-        stiffness / (2.0 * pair.effective_mass)
+        let of_pair = |common: &Common| {
+            let pair = common.pair([self.mean_radius; 2]);
+            let force =
+                self.expected_force.max(1e-6 * pair.effective_modulus * pair.effective_radius.powi(2));
+            let [_, stiffness] = common.contact.stiffness_under(&pair, force);
+            // The mass of the lighter of the two.
+            let [a, b] = common.materials.map(|material| material.density);
+            let mass = if a == b { 2.0 } else { (a + b) / a.max(b) } * pair.effective_mass;
+            stiffness / mass
+        };
+        self.table.all().iter().map(of_pair).fold(0.0, f64::max)
     }
 
     fn time_step_for(&self, fastest: f64) -> f64 {
@@ -243,6 +304,7 @@ impl Integrator {
         state.energy_balance.adhesion_broken += state.sums.adhesion_broken;
         state.energy_balance.rolling_work += state.sums.moment_work;
         state.energy_balance.rolling += state.sums.moment_loss;
+        state.energy_balance.attraction_loss += state.sums.attraction_loss;
         state.time += state.dt;
         state.step += 1;
         state.steps_since_rebuild += 1;
@@ -306,6 +368,7 @@ impl Integrator {
             gradient: s.gradient,
             dt: s.dt,
             inner_skin: s.inner_list.inner_skin,
+            range: self.range,
             sampling_weight: 0.0,
             retain: 1.0,
         }
@@ -316,10 +379,9 @@ impl Integrator {
         let state = &self.state;
         let travel = state.travel + fastest.sqrt() * views.dt;
         let distortion = state.distortion + norm(&views.gradient) * views.dt;
-        let reach = -self.properties.contact.breaking_overlap(&self.alike);
-        let diameter = 2.0 * self.largest_radius + state.skin;
+        let diameter = 2.0 * self.largest_radius + state.skin + self.range;
         // A NaN makes no list valid; the step that made it is reported at its end.
-        let bound = 2.0 * travel + 1.01 * distortion * diameter + reach;
+        let bound = 2.0 * travel + 1.01 * distortion * diameter + self.reach;
         bound > state.skin && bound.is_finite()
     }
 
@@ -327,7 +389,7 @@ impl Integrator {
     /// travel are reset for that. The motion of a step that rebuilds the list does not count, since the list is built
     /// after it.
     pub(crate) fn prune_again(&mut self, views: &mut Views, fastest: f64, renewed: bool) -> bool {
-        let diameter = 2.0 * self.largest_radius + self.state.skin;
+        let diameter = 2.0 * self.largest_radius + self.state.skin + self.range;
         let state = &mut self.state;
         let (mut travel, mut distortion) = (state.travel, state.distortion);
         if !renewed {
@@ -344,6 +406,33 @@ impl Integrator {
         *inner_list = InnerList { travel, distortion, steps: 0, ..*inner_list };
         views.inner_skin = inner_list.inner_skin;
         true
+    }
+}
+
+/// Constants of pairs of materials that were found for grains of these radii: few, where all grains are of one size.
+#[derive(Default)]
+struct KnownConstants {
+    radii: [f64; 2],
+    found: Vec<([u8; 2], [f64; PairConstants::COUNT])>,
+}
+
+impl KnownConstants {
+    fn of(
+        &mut self,
+        materials: [u8; 2],
+        radii: [f64; 2],
+        make: impl FnOnce() -> [f64; PairConstants::COUNT],
+    ) -> [f64; PairConstants::COUNT] {
+        if radii != self.radii {
+            self.radii = radii;
+            self.found.clear();
+        }
+        if let Some((_, values)) = self.found.iter().find(|(known, _)| *known == materials) {
+            return *values;
+        }
+        let values = make();
+        self.found.push((materials, values));
+        values
     }
 }
 
@@ -391,5 +480,8 @@ fn reorder_grains(state: &mut State, spacing: f64) -> Vec<u32> {
     state.particles[..n].copy_from_slice(&particles);
     state.spin[..n].copy_from_slice(&spin);
     state.ids = ids;
+    if !state.materials.is_empty() {
+        state.materials = order.iter().map(|&o| state.materials[o as usize]).collect();
+    }
     new_place
 }

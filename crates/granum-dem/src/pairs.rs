@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::cell::Cell;
 use crate::checkpoint::rows;
 use crate::contact::interaction::Memory;
-use crate::contact::{MAX_HISTORY, MAX_MOMENT_HISTORY};
+use crate::contact::{MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY};
 use crate::kernel::NORMAL_COLUMNS;
 use granum_core::geometry::{apply, invert};
 
@@ -69,6 +69,8 @@ pub struct Marks {
     pub(crate) touched: u8,
     /// Which of them slid.
     pub(crate) sliding: u8,
+    /// On which pairs a law of adhesion acted, touching or not.
+    pub(crate) attracting: u8,
 }
 
 /// Pairs in batches, their memory and what they last did to their grains.
@@ -86,11 +88,12 @@ pub struct Pairs {
     pub(crate) target: Vec<[u32; LANES]>,
     /// Code of the image of j.
     pub(crate) image: Vec<[u32; LANES]>,
-    /// Columns of memory, by batch: the old normal (3), the tangential law's history, that of the law of moments.
+    /// Columns of memory, by batch: the old normal (3), the tangential law's history, that of the law of moments, that of the
+    /// law of adhesion.
     #[serde(with = "rows::eight")]
     pub(crate) memory: Vec<Row8>,
-    /// Number of columns of memory: of the normal and the tangential law, of the law of moments.
-    pub(crate) columns: [usize; 2],
+    /// Number of columns of memory: of the normal and the tangential law, of the law of moments, of the law of adhesion.
+    pub(crate) columns: [usize; 3],
     /// What the lanes of a batch did in the last step.
     pub(crate) marks: Vec<Marks>,
     /// Constants by batch, where grains differ; empty where all pairs are alike.
@@ -114,7 +117,7 @@ impl Pairs {
 
     /// Columns of memory of a batch.
     pub(crate) fn columns_in_all(&self) -> usize {
-        self.columns[0] + self.columns[1]
+        self.columns.iter().sum()
     }
 
     /// Memory column `c` of batch `b`.
@@ -133,14 +136,19 @@ impl Pairs {
         for (c, value) in moments.iter_mut().enumerate().take(self.columns[1]) {
             *value = self.column(b, self.columns[0] + c)[l];
         }
-        Memory { normal: [0, 1, 2].map(|c| self.column(b, c)[l]), history, moments }
+        let mut adhesion = [0.0; MAX_ADHESION_HISTORY];
+        for (c, value) in adhesion.iter_mut().enumerate().take(self.columns[2]) {
+            *value = self.column(b, self.columns[0] + self.columns[1] + c)[l];
+        }
+        Memory { normal: [0, 1, 2].map(|c| self.column(b, c)[l]), history, moments, adhesion }
     }
 
     pub(crate) fn set_memory(&mut self, slot: usize, memory: &Memory<f64>) {
         let (b, l) = (slot / LANES, slot % LANES);
         let history = self.columns[0] - NORMAL_COLUMNS;
+        let of_contact = memory.normal.iter().chain(&memory.history[..history]);
         let values =
-            memory.normal.iter().chain(&memory.history[..history]).chain(&memory.moments[..self.columns[1]]);
+            of_contact.chain(&memory.moments[..self.columns[1]]).chain(&memory.adhesion[..self.columns[2]]);
         let first = b * self.columns_in_all();
         for (row, value) in self.memory[first..].iter_mut().zip(values) {
             row.0[l] = *value;
@@ -160,6 +168,21 @@ impl Pairs {
     /// Number of contacts in the last step.
     pub(crate) fn contacts(&self) -> usize {
         self.marks.iter().map(|m| m.touched.count_ones() as usize).sum()
+    }
+
+    /// True if a law of adhesion acted on the pair in this slot in the last step.
+    pub(crate) fn attracting(&self, slot: usize) -> bool {
+        self.marks[slot / LANES].attracting >> (slot % LANES) & 1 != 0
+    }
+
+    /// Slots of the pairs that do not touch, but act on each other at a distance.
+    pub(crate) fn apart(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.batches() * LANES).filter(|&slot| self.attracting(slot) && !self.touched(slot))
+    }
+
+    /// Slots of the pairs that remember something: they touched, or acted on each other at a distance.
+    pub(crate) fn remembering(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.batches() * LANES).filter(|&slot| self.touched(slot) || self.attracting(slot))
     }
 
     /// Slots of the pairs that touched in the last step.

@@ -200,10 +200,9 @@ impl Boxes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::Material;
 
     fn grains(count: usize, spread: f64) -> Grains {
-        Grains { count, diameter: 1e-4, spread, material: Material::default() }
+        Grains { count, spread, ..Grains::default() }
     }
 
     #[test]

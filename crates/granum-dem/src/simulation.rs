@@ -7,12 +7,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::assembly::{Assembly, EnergyBalance, Vector};
 use crate::cell::Cell;
-use crate::config::{Contact, Material};
+use crate::config::{Contact, Grains, Material, Mixture};
 use crate::contact::registry::{LawError, check};
 use crate::contact::{PairConstants, PairProperties};
 use crate::integrator::Integrator;
 use crate::kernel::{ContactSums, InnerList, NORMAL_COLUMNS, Stages};
 use crate::loading::Event;
+use crate::mixture::{MixtureError, PairTable};
 use crate::pairs::{self, Pairs};
 use crate::servo::{Control, Servo};
 use crate::state::{ServoError, State};
@@ -30,12 +31,24 @@ pub struct InitialSphere {
 }
 
 /// What grains are made of and how they touch.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+///
+/// ```
+/// use granum_dem::config::{Contact, Material};
+/// use granum_dem::simulation::Properties;
+///
+/// let properties = Properties::new(Material::default(), Contact::default());
+/// assert!(properties.mixture.is_empty());
+/// assert_eq!(properties.with_surface(0.1, 0.0).material.friction, 0.1);
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Properties {
-    /// Solid and surface.
+    /// Solid and surface, where there is no mixture.
     pub material: Material,
     /// Contact law.
     pub contact: Contact,
+    /// Several materials in place of the one; empty where there is one.
+    pub mixture: Mixture,
 }
 
 /// What runs the simulation; none of it changes a result.
@@ -83,6 +96,15 @@ pub enum SimulationError {
         /// What would be right.
         right: &'static str,
     },
+    /// The materials cannot be together.
+    #[error(transparent)]
+    Mixture(#[from] MixtureError),
+    /// Materials are given for another number of grains, or there are not so many.
+    #[error("{what}")]
+    Assignment {
+        /// What is wrong and what would be right.
+        what: String,
+    },
     /// Adhesion beyond the theory of small contacts.
     #[error(
         "the adhesion of grains of radius {radius:e} m would hold them up to {reach:e} m apart, beyond half the radius, where \
@@ -123,19 +145,40 @@ pub struct Simulation {
 
 impl Simulation {
     /// Grains at rest in a cell, under a control that holds the cell still. Forces are those of the geometry, with
-    /// no history.
+    /// no history. Where there are several materials, which grain is of which is drawn from the seed of the mixture
+    /// ([`Mixture::assign`]).
+    ///
+    /// # Errors
+    /// If a grain, the cell, a material or the laws cannot be.
     pub fn new(
         cell: Cell,
         spheres: &[InitialSphere],
         properties: Properties,
     ) -> Result<Simulation, SimulationError> {
+        let materials = properties.mixture.assign(spheres.len(), properties.mixture.seed);
+        Simulation::of_materials(cell, spheres, &materials, properties)
+    }
+
+    /// As [`Simulation::new`], with the material of each grain given as its place among the components of the mixture.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`]; also if there is not one known material for each grain.
+    pub fn of_materials(
+        cell: Cell,
+        spheres: &[InitialSphere],
+        materials: &[u8],
+        properties: Properties,
+    ) -> Result<Simulation, SimulationError> {
         check_spheres(&cell, spheres)?;
+        check_assignment(materials, spheres.len(), &properties.mixture)?;
         let smallest = spheres.iter().fold(f64::INFINITY, |m, s| m.min(s.radius));
         check_properties(&properties, smallest)?;
         let mut particles: Vec<Row8> = spheres
             .iter()
-            .map(|s| {
-                let mass = properties.material.density * 4.0 / 3.0 * std::f64::consts::PI * s.radius.powi(3);
+            .enumerate()
+            .map(|(k, s)| {
+                let density = properties.density_of(materials.get(k).copied());
+                let mass = density * 4.0 / 3.0 * std::f64::consts::PI * s.radius.powi(3);
                 let x = s.position;
                 Row8([x[0], x[1], x[2], s.radius, 0.0, 0.0, 0.0, mass])
             })
@@ -148,6 +191,7 @@ impl Simulation {
         let state = State {
             spin: vec![Row4::default(); particles.len()],
             ids: spheres.iter().map(|s| s.id).collect(),
+            materials: materials.to_vec(),
             particles,
             cell,
             gradient: [[0.0; 3]; 3],
@@ -183,6 +227,7 @@ impl Simulation {
     /// A simulation from its parts, as a checkpoint holds them.
     pub(crate) fn from_parts(state: State, properties: Properties) -> Result<Simulation, SimulationError> {
         check_properties(&properties, smallest(&state))?;
+        check_assignment(&state.materials, state.grains(), &properties.mixture)?;
         Ok(Simulation { integrator: Integrator::new(state, properties) })
     }
 
@@ -227,14 +272,23 @@ impl Simulation {
 
     /// Changes material or law. Contacts keep the history of a tangential law or a law of moments that stays; another
     /// law's forces start from zero, and so do all where contacts gain or lose an area. Masses follow the density,
-    /// velocities and spins its inverse root: without gravity that only rescales time, and the kinetic energy stays.
+    /// velocities and spins its inverse root: without gravity that only rescales time, and the kinetic energy stays. Which grain
+    /// is of which material stays; of several materials the densities can only change by one factor.
+    ///
+    /// # Errors
+    /// If a material or the laws cannot be, or the materials are not as many as before.
     pub fn set_properties(&mut self, properties: Properties) -> Result<(), SimulationError> {
         check_properties(&properties, smallest(&self.integrator.state))?;
+        check_assignment(
+            &self.integrator.state.materials,
+            self.integrator.state.grains(),
+            &properties.mixture,
+        )?;
         let before = self.integrator.properties.contact;
-        let ratio = properties.material.density / self.integrator.properties.material.density;
+        let ratio = self.integrator.density_ratio(&properties)?;
         self.integrator.scale_density(ratio);
-        self.integrator.properties = properties;
         self.integrator.stages = Stages::of(&properties.contact);
+        self.integrator.set_properties(properties);
         self.integrator.change_history(&before);
         self.integrator.rebuild();
         Ok(())
@@ -293,9 +347,13 @@ impl Simulation {
 
     /// A picture for sensors. It copies what it shows and changes nothing.
     pub fn assembly(&self) -> Assembly {
-        self.integrator
-            .state
-            .assembly(|slot| self.integrator.pair_constants(slot), &self.integrator.properties.contact)
+        let integrator = &self.integrator;
+        let names = integrator.properties.mixture.components.iter().map(|component| component.name.clone());
+        integrator.state.assembly(
+            |slot| integrator.pair_constants(slot),
+            &integrator.properties.contact,
+            names.collect(),
+        )
     }
 
     /// Mean diameter of the grains, m.
@@ -306,8 +364,7 @@ impl Simulation {
     /// The strain rate, 1/s, that has this inertial number at a mean stress, Pa:
     /// `I sqrt(p / rho) / d`.
     pub fn strain_rate(&self, inertial_number: f64, mean_stress: f64) -> f64 {
-        inertial_number * (mean_stress / self.integrator.properties.material.density).sqrt()
-            / self.mean_diameter()
+        inertial_number * (mean_stress / self.integrator.mean_density()).sqrt() / self.mean_diameter()
     }
 
     /// Grains in a pair list slot order are an internal matter; this is how many near pairs are listed.
@@ -374,39 +431,121 @@ fn smallest(state: &State) -> f64 {
 pub const LARGEST_REACH: f64 = 0.5;
 
 impl Properties {
-    /// Distance at which two equal spheres that touched come apart, m: zero without adhesion.
+    /// One material and a contact law.
+    pub fn new(material: Material, contact: Contact) -> Properties {
+        Properties { material, contact, mixture: Mixture::default() }
+    }
+
+    /// Those of grains that may be of several materials, with a contact law; which grain is of which is drawn from the seed.
+    pub fn of(grains: &Grains, contact: &Contact, seed: u64) -> Properties {
+        Properties {
+            material: grains.material,
+            contact: *contact,
+            mixture: grains.mixture.clone().with_seed(seed),
+        }
+    }
+
+    /// The same with several materials in place of the one.
+    pub fn with_mixture(mut self, mixture: Mixture) -> Properties {
+        self.mixture = mixture;
+        self.mixture.sort();
+        self
+    }
+
+    /// The same with one coefficient of friction and one interface energy for all contacts.
+    pub fn with_surface(&self, friction: f64, interface_energy: f64) -> Properties {
+        Properties {
+            material: Material { friction, interface_energy, ..self.material },
+            contact: self.contact,
+            mixture: self.mixture.with_surface(friction, interface_energy),
+        }
+    }
+
+    /// The same with the densities of all grains multiplied by a factor.
+    pub fn with_densities(&self, factor: f64) -> Properties {
+        Properties {
+            material: Material { density: self.material.density * factor, ..self.material },
+            contact: self.contact,
+            mixture: self.mixture.with_densities(factor),
+        }
+    }
+
+    /// The properties of two spheres of named materials and given radii, m.
+    ///
+    /// # Errors
+    /// If there is no such material.
+    pub fn pair(&self, names: [&str; 2], radii: [f64; 2]) -> Result<PairProperties, MixtureError> {
+        let mut places = [0u8; 2];
+        for (place, name) in places.iter_mut().zip(names) {
+            let known = self.mixture.components.iter().map(|component| component.name.as_str());
+            let found = self.mixture.position(name).ok_or_else(|| MixtureError::UnknownName {
+                name: name.to_string(),
+                known: known.collect::<Vec<_>>().join(", "),
+            })?;
+            *place = found as u8;
+        }
+        Ok(self.table().of(places[0], places[1]).pair(radii))
+    }
+
+    /// What grains of any two materials have in common.
+    pub(crate) fn table(&self) -> PairTable {
+        PairTable::new(&self.material, &self.contact, &self.mixture)
+    }
+
+    /// Density of grains of a material, or of the one that there is, kg/m3.
+    fn density_of(&self, material: Option<u8>) -> f64 {
+        let component = material.and_then(|k| self.mixture.components.get(k as usize));
+        component.map_or(self.material.density, |component| component.material.density)
+    }
+
+    /// Largest distance at which two equal spheres that touched come apart, m: zero without adhesion.
     ///
     /// # Errors
     /// If the laws do not go together.
     pub fn adhesion_reach(&self, radius: f64) -> Result<f64, SimulationError> {
         check(&self.contact)?;
-        let sphere = (&self.material, radius);
-        let pair = PairProperties::new(sphere, sphere, self.contact.damping);
-        Ok(-self.contact.breaking_overlap(&self.contact.constants(&pair)))
+        let mut largest = 0.0;
+        for common in self.table().all() {
+            let constants = common.contact.constants(&common.pair([radius; 2]));
+            let reach = -common.contact.breaking_overlap(&constants);
+            // NaN must not pass.
+            if reach.is_nan() || reach > largest {
+                largest = reach;
+            }
+            if reach.is_nan() {
+                break;
+            }
+        }
+        Ok(largest)
+    }
+}
+
+/// Refuses materials of grains that are not there.
+fn check_assignment(materials: &[u8], grains: usize, mixture: &Mixture) -> Result<(), SimulationError> {
+    let kinds = mixture.components.len();
+    let wanted = if kinds == 0 { 0 } else { grains };
+    let wrong = |what: String| Err(SimulationError::Assignment { what });
+    if materials.len() != wanted {
+        return wrong(format!(
+            "materials are given for {} of {grains} grains, and there are {kinds} to choose from; each grain needs one",
+            materials.len()
+        ));
+    }
+    match materials.iter().find(|k| **k as usize >= kinds) {
+        Some(k) => wrong(format!("a grain is of material {k}, but there are only {kinds}, from 0")),
+        None => Ok(()),
     }
 }
 
 /// Refuses laws that do not go together, a material that cannot be and adhesion beyond the theory.
 fn check_properties(properties: &Properties, radius: f64) -> Result<(), SimulationError> {
-    let Material { density, youngs_modulus, poissons_ratio, friction, interface_energy } =
-        properties.material;
-    let positive = |x: f64| x > 0.0 && x.is_finite();
-    let not_negative = |x: f64| x >= 0.0 && x.is_finite();
-    let table = [
-        ("density", density, positive(density), "positive"),
-        ("youngs_modulus", youngs_modulus, positive(youngs_modulus), "positive"),
-        (
-            "poissons_ratio",
-            poissons_ratio,
-            poissons_ratio > -1.0 && poissons_ratio <= 0.5,
-            "above -1, at most 0.5",
-        ),
-        ("friction", friction, not_negative(friction), "zero or positive"),
-        ("interface_energy", interface_energy, not_negative(interface_energy), "zero or positive"),
-    ];
-    if let Some((name, value, _, right)) = table.into_iter().find(|row| !row.2) {
-        return Err(SimulationError::Material { name, value, right });
-    }
+    properties.material.check().map_err(|(name, value, right)| SimulationError::Material {
+        name,
+        value,
+        right,
+    })?;
+    check(&properties.contact)?;
+    properties.mixture.check(&properties.contact)?;
     let reach = properties.adhesion_reach(radius)?;
     if reach.is_nan() || reach > LARGEST_REACH * radius {
         return Err(SimulationError::Adhesion { radius, reach });
@@ -423,9 +562,27 @@ impl Integrator {
         let (b, l) = (slot / LANES, slot % LANES);
         let laws = &self.properties.contact;
         let count = laws.constants_kept();
-        PairConstants::from_columns(laws.rolling.law().acts(), |c| {
-            self.state.pairs.constants[b * count + c].0[l]
-        })
+        PairConstants::from_columns(count, |c| self.state.pairs.constants[b * count + c].0[l])
+    }
+
+    /// The factor by which densities change with other properties.
+    fn density_ratio(&self, properties: &Properties) -> Result<f64, SimulationError> {
+        let before = &self.properties;
+        if before.mixture.is_empty() {
+            return Ok(properties.material.density / before.material.density);
+        }
+        let densities = |of: &Properties| -> Vec<f64> {
+            of.mixture.components.iter().map(|component| component.material.density).collect()
+        };
+        let (old, new) = (densities(before), densities(properties));
+        let ratio = new[0] / old[0];
+        let same = old.len() == new.len()
+            && old.iter().zip(&new).all(|(old, new)| (new / old / ratio - 1.0).abs() < 1e-12);
+        if same {
+            return Ok(ratio);
+        }
+        let what = "the materials of a simulation can change their densities only by one factor".into();
+        Err(SimulationError::Assignment { what })
     }
 
     fn scale_density(&mut self, ratio: f64) {
@@ -459,12 +616,13 @@ impl Integrator {
         let same = [
             now.tangential == before.tangential && measured_alike,
             now.rolling == before.rolling && measured_alike,
+            now.adhesion == before.adhesion,
         ];
-        if same == [true; 2] {
+        if same == [true; 3] {
             return;
         }
-        let [tangential, moments] = now.history();
-        let columns = NORMAL_COLUMNS + tangential + moments;
+        let [tangential, moments, adhesion] = now.history();
+        let columns = NORMAL_COLUMNS + tangential + moments + adhesion;
         let old = &self.state.pairs;
         // Columns of the new memory, and where in the old one they stood.
         let mut kept: Vec<[usize; 2]> = (0..NORMAL_COLUMNS).map(|c| [c, c]).collect();
@@ -474,6 +632,10 @@ impl Integrator {
         if same[1] {
             kept.extend((0..moments).map(|c| [NORMAL_COLUMNS + tangential + c, old.columns[0] + c]));
         }
+        if same[2] {
+            let (to, from) = (NORMAL_COLUMNS + tangential + moments, old.columns[0] + old.columns[1]);
+            kept.extend((0..adhesion).map(|c| [to + c, from + c]));
+        }
         let stride = old.columns_in_all();
         let mut memory = vec![Row8::default(); old.batches() * columns];
         for b in 0..old.batches() {
@@ -482,6 +644,10 @@ impl Integrator {
             }
         }
         self.state.pairs.memory = memory;
-        self.state.pairs.columns = [NORMAL_COLUMNS + tangential, moments];
+        self.state.pairs.columns = [NORMAL_COLUMNS + tangential, moments, adhesion];
+        if !same[2] {
+            // Another law starts without what this one remembered of pairs apart.
+            self.state.pairs.marks.iter_mut().for_each(|marks| marks.attracting = 0);
+        }
     }
 }

@@ -25,6 +25,8 @@ pub struct State {
     pub(crate) spin: Vec<Row4>,
     /// Number of each grain.
     pub(crate) ids: Vec<u64>,
+    /// Material of each grain, as its place in the mixture; empty where there is one material.
+    pub(crate) materials: Vec<u8>,
     pub(crate) cell: Cell,
     pub(crate) gradient: Matrix,
     pub(crate) strain: Matrix,
@@ -77,15 +79,16 @@ mod energy_row {
             adhesion_broken,
             rolling_work,
             rolling,
+            attraction_loss,
         } = *energy_balance;
-        let lost = [friction, micro_slip, damping, adhesion_made, adhesion_broken];
+        let lost = [friction, micro_slip, damping, adhesion_made, adhesion_broken, attraction_loss];
         ([boundary_work, tangential_work], lost, [rolling_work, rolling]).serialize(to)
     }
 
     pub(super) fn deserialize<'d, D: Deserializer<'d>>(from: D) -> Result<EnergyBalance, D::Error> {
         let ([boundary_work, tangential_work], lost, [rolling_work, rolling]) =
-            <([f64; 2], [f64; 5], [f64; 2])>::deserialize(from)?;
-        let [friction, micro_slip, damping, adhesion_made, adhesion_broken] = lost;
+            <([f64; 2], [f64; 6], [f64; 2])>::deserialize(from)?;
+        let [friction, micro_slip, damping, adhesion_made, adhesion_broken, attraction_loss] = lost;
         Ok(EnergyBalance {
             boundary_work,
             tangential_work,
@@ -96,6 +99,7 @@ mod energy_row {
             adhesion_broken,
             rolling_work,
             rolling,
+            attraction_loss,
         })
     }
 }
@@ -330,7 +334,12 @@ impl State {
     }
 
     /// A picture for sensors.
-    pub(crate) fn assembly(&self, constants: impl Fn(usize) -> PairConstants<f64>, laws: &Laws) -> Assembly {
+    pub(crate) fn assembly(
+        &self,
+        constants: impl Fn(usize) -> PairConstants<f64>,
+        laws: &Laws,
+        materials: Vec<String>,
+    ) -> Assembly {
         let n = self.grains();
         let mut order: Vec<usize> = (0..n).collect();
         order.sort_unstable_by_key(|&g| self.ids[g]);
@@ -354,13 +363,19 @@ impl State {
                     mass: p[7],
                     force: [total[0], total[1], total[2]],
                     torque: [p[3] * total[4], p[3] * total[5], p[3] * total[6]],
+                    material: self.materials.get(g).copied().unwrap_or(0).into(),
                 }
             })
             .collect();
-        let mut contacts: Vec<Contact> =
-            self.pairs.touching().map(|s| self.contact(s, &rank, &constants, laws)).collect();
-        contacts
-            .sort_unstable_by(|a, b| (a.i, a.j).cmp(&(b.i, b.j)).then(a.branch[0].total_cmp(&b.branch[0])));
+        let sorted = |slots: &mut dyn Iterator<Item = usize>| {
+            let mut contacts: Vec<Contact> =
+                slots.map(|s| self.contact(s, &rank, &constants, laws)).collect();
+            let images = |a: &Contact, b: &Contact| a.branch[0].total_cmp(&b.branch[0]);
+            contacts.sort_unstable_by(|a, b| (a.i, a.j).cmp(&(b.i, b.j)).then(images(a, b)));
+            contacts
+        };
+        let contacts = sorted(&mut self.pairs.touching());
+        let apart = sorted(&mut self.pairs.apart());
         Assembly {
             time: self.time,
             step: self.step,
@@ -372,6 +387,8 @@ impl State {
             target_mean_stress: self.target_mean_stress(),
             grains,
             contacts,
+            apart,
+            materials,
             energy: self.energy_balance,
         }
     }
@@ -396,8 +413,13 @@ impl State {
         let distance = (branch[0] * branch[0] + branch[1] * branch[1] + branch[2] * branch[2]).sqrt();
         let pair = constants(slot);
         let approach = pair.radius_sum - distance;
-        let normal = laws.normal_contact(&pair, approach);
         let memory = self.pairs.memory(slot);
+        let touching = self.pairs.touched(slot);
+        let attraction = laws.attraction(&pair, approach, touching, &memory);
+        let attraction_energy = laws.attraction_energy(&pair, approach, &memory);
+        // A pair apart has what acts at a distance alone.
+        let contact_of = |overlap: f64| laws.normal_contact(&pair, overlap);
+        let normal = if touching { contact_of(approach) } else { contact_of(-pair.radius_sum) };
         let t = law::tangential_force(&memory);
         // By rank, so that i < j holds for ids whatever the order in memory.
         let sign = if rank[i] <= rank[j] { 1.0 } else { -1.0 };
@@ -408,13 +430,14 @@ impl State {
             branch: branch.map(|x| sign * x),
             normal: branch.map(|x| sign * x / distance),
             approach,
-            normal_force: normal.force,
+            normal_force: normal.force - attraction,
             tangential_force: t.map(|x| sign * x),
             radius: normal.radius,
             sliding: self.pairs.sliding(slot),
-            normal_energy: laws.normal_energy(&pair, approach),
+            normal_energy: if touching { laws.normal_energy(&pair, approach) } else { 0.0 },
             tangential_energy: laws.tangential_energy(&pair, &normal, &memory),
             rolling_energy: laws.moment_energy(&pair, &memory),
+            attraction_energy,
         }
     }
 }

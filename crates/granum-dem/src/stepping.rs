@@ -215,9 +215,9 @@ mod tests {
         let (count, steps) = if cfg!(miri) { (140, 12) } else { (600, 400) };
         let grains = Grains { count, ..Grains::default() };
         let (cell, spheres) = random_insertion(&grains, 0.35, 5).unwrap();
-        let properties = Properties { material: Material::default(), contact: Contact::default() };
+        let properties = Properties::new(Material::default(), Contact::default());
         let run = |threads: usize| {
-            let mut s = Simulation::new(cell, &spheres, properties).unwrap();
+            let mut s = Simulation::new(cell, &spheres, properties.clone()).unwrap();
             s.set_hardware(Hardware { threads, isa: Isa::detect() });
             s.set_control(Control::isotropic(20e3, 3e4));
             // So fast that grains meet and the list is renewed within the few steps.

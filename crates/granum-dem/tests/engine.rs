@@ -15,7 +15,7 @@ use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation, Si
 const DIAMETER: f64 = 1e-4;
 
 fn properties(normal: NormalKind, tangential: TangentialKind) -> Properties {
-    Properties { material: Material::default(), contact: Contact::new(normal, tangential, 0.1) }
+    Properties::new(Material::default(), Contact::new(normal, tangential, 0.1))
 }
 
 fn lattice(spheres: &[[f64; 3]], cell: Cell, normal: NormalKind) -> Simulation {
@@ -119,7 +119,7 @@ fn momentum_and_energy_of_an_elastic_gas_are_kept() {
     let (cell, spheres) = random_insertion(&grains, 0.3, 5).unwrap();
     let material = Material { friction: 0.0, interface_energy: 0.0, ..Material::default() };
     let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.0);
-    let mut s = Simulation::new(cell, &spheres, Properties { material, contact }).unwrap();
+    let mut s = Simulation::new(cell, &spheres, Properties::new(material, contact)).unwrap();
     let velocities: Vec<[f64; 3]> =
         (0..100).map(|k| [k as f64 * 0.7, k as f64 * 1.3, k as f64 * 2.1].map(f64::sin)).collect();
     s.set_velocities(&velocities, &[]);
@@ -196,7 +196,7 @@ fn impossible_grains_are_refused_by_id() {
     let sphere = |id, x: f64, radius| InitialSphere { id, position: [x, 0.0, 0.0], radius };
     let p = properties(NormalKind::HERTZ, TangentialKind::NO_SLIP);
     let cell = Cell::cuboid([1e-3; 3]);
-    let message = |spheres: &[InitialSphere]| match Simulation::new(cell, spheres, p) {
+    let message = |spheres: &[InitialSphere]| match Simulation::new(cell, spheres, p.clone()) {
         Err(e @ SimulationError::Grain { .. }) => e.to_string(),
         Err(e) => panic!("{e}"),
         Ok(_) => panic!("accepted"),
@@ -204,7 +204,7 @@ fn impossible_grains_are_refused_by_id() {
     assert!(message(&[sphere(7, f64::NAN, 5e-5)]).contains("grain 7"));
     assert!(message(&[sphere(8, 0.0, -1.0)]).contains("grain 8"));
     assert!(message(&[sphere(9, 0.0, 5e-5), sphere(9, 2e-4, 5e-5)]).contains("grain 9"));
-    assert!(matches!(Simulation::new(cell, &[], p), Err(SimulationError::NoGrains)));
+    assert!(matches!(Simulation::new(cell, &[], p.clone()), Err(SimulationError::NoGrains)));
 }
 
 #[test]

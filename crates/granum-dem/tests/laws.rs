@@ -6,7 +6,9 @@ use granum_dem::cell::Cell;
 use granum_dem::config::{Contact, Grains, Material, NormalKind, RollingKind, TangentialKind};
 use granum_dem::contact::normal::Hertz;
 use granum_dem::contact::registry::{RegisterError, normal_named, register_normal};
-use granum_dem::contact::{Description, LAW_CONSTANTS, Normal, NormalLaw, PairProperties, Parameter, Unit};
+use granum_dem::contact::{
+    Description, LAW_CONSTANTS, Mixing, Normal, NormalLaw, PairProperties, Parameter, Unit,
+};
 use granum_dem::random_insertion::random_insertion;
 use granum_dem::servo::Control;
 use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation, SimulationError};
@@ -48,7 +50,7 @@ fn rocking(contact: Contact, spin: f64) -> Simulation {
     let gap = DIAMETER * 0.999;
     let cell = Cell::cuboid([2.0 * gap, 3.0 * DIAMETER, 3.0 * DIAMETER]);
     let sphere = |id, x| InitialSphere { id, position: [x, DIAMETER, DIAMETER], radius: 0.5 * DIAMETER };
-    let properties = Properties { material: plain(), contact };
+    let properties = Properties::new(plain(), contact);
     let mut s = Simulation::new(cell, &[sphere(1, 0.2 * gap), sphere(2, 1.2 * gap)], properties).unwrap();
     s.set_velocities(&[], &[[0.0, 0.0, spin], [0.0, 0.0, -spin]]);
     s
@@ -119,13 +121,13 @@ fn sample(properties: Properties, spread: f64, hardware: Hardware) -> Simulation
 /// On every instruction set, with several threads, and through a checkpoint; with the energy in balance.
 #[test]
 fn new_laws_have_the_same_bits_everywhere() {
-    let properties = Properties { material: plain(), contact: soft(0.1, 0.2, 0.3) };
+    let properties = Properties::new(plain(), soft(0.1, 0.2, 0.3));
     for spread in [0.0, 0.3] {
-        let mut reference = sample(properties, spread, Hardware { threads: 1, isa: Isa::Portable });
+        let mut reference = sample(properties.clone(), spread, Hardware { threads: 1, isa: Isa::Portable });
         assert!(reference.state().contacts() > 100, "{}", reference.state().contacts());
         for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
             for threads in [1, 3] {
-                let other = sample(properties, spread, Hardware { threads, isa });
+                let other = sample(properties.clone(), spread, Hardware { threads, isa });
                 assert!(other.state() == reference.state(), "{}, {threads} threads", isa.name());
             }
         }
@@ -168,14 +170,14 @@ fn laws_can_be_changed_in_the_middle() {
     parameters.unset("rolling_friction");
     parameters.unset("rolling_damping");
     let free = Contact { parameters, ..free };
-    let mut s = sample(Properties { material: plain(), contact: free }, 0.3, Hardware::default());
+    let mut s = sample(Properties::new(plain(), free), 0.3, Hardware::default());
     let before = s.assembly();
-    s.set_properties(Properties { material: plain(), contact: soft(0.1, 0.2, 0.3) }).unwrap();
+    s.set_properties(Properties::new(plain(), soft(0.1, 0.2, 0.3))).unwrap();
     let after = s.assembly();
     assert_eq!(before.contacts, after.contacts);
     s.advance(100).unwrap();
     assert!(stored(&s.assembly())[3] > 0.0);
-    s.set_properties(Properties { material: plain(), contact: free }).unwrap();
+    s.set_properties(Properties::new(plain(), free)).unwrap();
     assert_eq!(stored(&s.assembly())[3], 0.0);
     s.advance(100).unwrap();
 }
@@ -185,7 +187,7 @@ fn laws_can_be_changed_in_the_middle() {
 fn parameters_are_checked() {
     let refused = |contact: Contact| {
         let sphere = InitialSphere { id: 1, position: [0.0; 3], radius: 5e-5 };
-        let properties = Properties { material: plain(), contact };
+        let properties = Properties::new(plain(), contact);
         Simulation::new(Cell::cuboid([1e-3; 3]), &[sphere], properties).err().map(|e| e.to_string()).unwrap()
     };
     let unused = Contact { rolling: RollingKind::NONE, ..soft(0.1, 0.2, 0.3) };
@@ -197,7 +199,7 @@ fn parameters_are_checked() {
         Simulation::new(
             Cell::cuboid([1e-3; 3]),
             &[InitialSphere { id: 1, position: [0.0; 3], radius: 5e-5 }],
-            Properties { material: plain(), contact: hertz }
+            Properties::new(plain(), hertz)
         ),
         Err(SimulationError::Law(_))
     ));
@@ -219,6 +221,7 @@ impl NormalLaw for OtherModulus {
             bounds: [0.1, 10.0],
             meaning: "The modulus over that of the material",
             without_area: false,
+            mixing: Mixing::Geometric,
         }],
     };
     fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
@@ -240,10 +243,8 @@ impl NormalLaw for OtherModulus {
 #[test]
 fn a_law_of_the_callers_own_runs_and_is_remembered() {
     let own = NormalKind::new(&OtherModulus);
-    let of = |normal| Properties {
-        material: plain(),
-        contact: Contact::new(normal, TangentialKind::MINDLIN_DERESIEWICZ, 0.1),
-    };
+    let of =
+        |normal| Properties::new(plain(), Contact::new(normal, TangentialKind::MINDLIN_DERESIEWICZ, 0.1));
     let hertz = sample(of(NormalKind::HERTZ), 0.3, Hardware::default());
     let same = sample(of(own), 0.3, Hardware::default());
     assert!(hertz.state() == same.state());

@@ -52,6 +52,15 @@ const CONTACT: [Entry<Contact>; 8] = [
 const ROLLING: [Entry<Contact>; 1] =
     [("rolling_energy", "J", Place::Scalar(|contact| &mut contact.rolling_energy))];
 
+/// A further column, written only where a law of adhesion acts on top of contacts; beside it stands `touching`, which is 0 for
+/// pairs that it holds apart.
+const ATTRACTION: [Entry<Contact>; 1] =
+    [("attraction_energy", "J", Place::Scalar(|contact| &mut contact.attraction_energy))];
+
+/// The column that says which pairs touch, and that of the material of a grain, where there are several.
+const TOUCHING: &str = "touching";
+const MATERIAL: &str = "material";
+
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The rows as columns.
@@ -93,26 +102,49 @@ fn fill<T>(rows: &mut [T], entries: &[Entry<T>], table: &Table) -> Result<()> {
     Ok(())
 }
 
-/// The grains of an assembly: `id`, `position_x`... `torque_z`, in SI units.
+/// The grains of an assembly: `id`, `position_x`... `torque_z`, in SI units; where there are several materials also `material`, the
+/// place in [`Assembly::materials`].
 ///
 /// # Errors
 /// None in practice: the columns fit by construction.
 pub fn grains_table(assembly: &Assembly) -> Result<Table> {
-    grain_rows(&assembly.grains)
+    grain_rows(assembly, 0..assembly.grains.len())
 }
 
-fn grain_rows(grains: &[Grain]) -> Result<Table> {
-    let ids = whole_numbers("id", grains.iter().map(|grain| grain.id as f64).collect());
-    Ok(Table::new(std::iter::once(ids).chain(columns(grains, &GRAIN)).collect())?)
+fn grain_rows(assembly: &Assembly, rows: Range<usize>) -> Result<Table> {
+    let grains = &assembly.grains[rows];
+    let mut table = vec![whole_numbers("id", grains.iter().map(|grain| grain.id as f64).collect())];
+    if !assembly.materials.is_empty() {
+        let materials = grains.iter().map(|grain| f64::from(grain.material)).collect();
+        table.push(whole_numbers(MATERIAL, materials));
+    }
+    table.extend(columns(grains, &GRAIN));
+    Ok(Table::new(table)?)
 }
 
 /// The contacts of an assembly: `first` and `second` (ids of the grains), `branch_x`... `tangential_energy`, and
-/// `sliding` (0 or 1), in SI units.
+/// `sliding` (0 or 1), in SI units. Where grains attract each other beyond touch the pairs that are held apart follow, with
+/// `touching` = 0.
 ///
 /// # Errors
 /// [`Error::Rule`] if a contact names a grain that is not there.
 pub fn contacts_table(assembly: &Assembly) -> Result<Table> {
-    contact_rows(assembly, 0..assembly.contacts.len(), resists_rolling(assembly))
+    contact_rows(assembly, 0..assembly.contacts.len() + assembly.apart.len(), Parts::of(assembly))
+}
+
+/// Which of the further columns a table of contacts has.
+#[derive(Clone, Copy)]
+struct Parts {
+    rolling: bool,
+    attraction: bool,
+}
+
+impl Parts {
+    fn of(assembly: &Assembly) -> Parts {
+        let attraction = !assembly.apart.is_empty()
+            || assembly.contacts.iter().any(|contact| contact.attraction_energy != 0.0);
+        Parts { rolling: resists_rolling(assembly), attraction }
+    }
 }
 
 /// True if a contact stores energy by rolling.
@@ -120,20 +152,29 @@ fn resists_rolling(assembly: &Assembly) -> bool {
     assembly.contacts.iter().any(|contact| contact.rolling_energy != 0.0)
 }
 
-fn contact_rows(assembly: &Assembly, rows: Range<usize>, rolling: bool) -> Result<Table> {
+fn contact_rows(assembly: &Assembly, rows: Range<usize>, parts: Parts) -> Result<Table> {
     let id = |index: usize| {
         let grain = assembly.grains.get(index);
         grain
             .map(|grain| grain.id as f64)
             .ok_or_else(|| Error::Rule(format!("a contact names grain index {index}")))
     };
-    let contacts = &assembly.contacts[rows];
+    let touching = assembly.contacts.len();
+    let pair =
+        |row: usize| assembly.contacts.get(row).or_else(|| assembly.apart.get(row - touching)).copied();
+    let contacts: Vec<Contact> = rows.clone().filter_map(pair).collect();
+    let contacts = contacts.as_slice();
     let first = contacts.iter().map(|contact| id(contact.i)).collect::<Result<_>>()?;
     let second = contacts.iter().map(|contact| id(contact.j)).collect::<Result<_>>()?;
     let mut table = vec![whole_numbers("first", first), whole_numbers("second", second)];
     table.extend(columns(contacts, &CONTACT));
-    if rolling {
+    if parts.rolling {
         table.extend(columns(contacts, &ROLLING));
+    }
+    if parts.attraction {
+        table.extend(columns(contacts, &ATTRACTION));
+        let touches = rows.map(|row| f64::from(u8::from(row < touching))).collect();
+        table.push(Column::new(TOUCHING, "", touches).of_kind(ColumnKind::Boolean));
     }
     let sliding = contacts.iter().map(|contact| f64::from(u8::from(contact.sliding))).collect();
     table.push(Column::new("sliding", "", sliding).of_kind(ColumnKind::Boolean));
@@ -150,7 +191,14 @@ struct State {
     format: u32,
     grains: usize,
     contacts: usize,
+    /// Pairs that are held without touching; they follow the contacts in their table.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    apart: usize,
     assembly: Assembly,
+}
+
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 fn part(folder: &Path, name: &str, end: &str) -> PathBuf {
@@ -165,13 +213,12 @@ fn part(folder: &Path, name: &str, end: &str) -> PathBuf {
 pub fn write_snapshot(folder: &Path, name: &str, assembly: &Assembly) -> Result<()> {
     fs::create_dir_all(folder).map_err(Error::file("make the folder", folder))?;
     // In parts: the tables of a large sample would take as much memory as its simulation.
-    let (grains, contacts) = (&assembly.grains, &assembly.contacts);
     let path = part(folder, name, "grains.parquet");
-    crate::formats::parquet::write_parts(&path, grains.len(), |rows| grain_rows(&grains[rows]))?;
+    crate::formats::parquet::write_parts(&path, assembly.grains.len(), |rows| grain_rows(assembly, rows))?;
     let path = part(folder, name, "contacts.parquet");
-    let rolling = resists_rolling(assembly);
-    crate::formats::parquet::write_parts(&path, contacts.len(), |rows| {
-        contact_rows(assembly, rows, rolling)
+    let parts = Parts::of(assembly);
+    crate::formats::parquet::write_parts(&path, assembly.contacts.len() + assembly.apart.len(), |rows| {
+        contact_rows(assembly, rows, parts)
     })?;
     let bare = Assembly {
         time: assembly.time,
@@ -183,12 +230,14 @@ pub fn write_snapshot(folder: &Path, name: &str, assembly: &Assembly) -> Result<
         arc_length: assembly.arc_length,
         target_mean_stress: assembly.target_mean_stress,
         energy: assembly.energy,
+        materials: assembly.materials.clone(),
         ..Assembly::default()
     };
     let state = State {
         format: FORMAT,
         grains: assembly.grains.len(),
         contacts: assembly.contacts.len(),
+        apart: assembly.apart.len(),
         assembly: bare,
     };
     let path = part(folder, name, "json");
@@ -207,7 +256,9 @@ pub fn read_snapshot(folder: &Path, name: &str) -> Result<Assembly> {
     let mut assembly = state.assembly;
     assembly.grains = read_grains(&part(folder, name, "grains.parquet"), state.grains)?;
     let contacts = part(folder, name, "contacts.parquet");
-    assembly.contacts = read_contacts(&contacts, state.contacts, &assembly.grains)?;
+    let pairs = state.contacts.saturating_add(state.apart);
+    assembly.contacts = read_contacts(&contacts, pairs, &assembly.grains)?;
+    assembly.apart = assembly.contacts.split_off(state.contacts);
     Ok(assembly)
 }
 
@@ -233,6 +284,15 @@ fn read_grains(path: &Path, rows: usize) -> Result<Vec<Grain>> {
         grain.id = *id as u64;
     }
     fill(&mut grains, &GRAIN, &table)?;
+    if table.columns().iter().any(|column| column.name == MATERIAL) {
+        for (row, (grain, material)) in grains.iter_mut().zip(table.column(MATERIAL)?).enumerate() {
+            if !(*material >= 0.0 && material.fract() == 0.0 && *material < f64::from(u32::MAX)) {
+                let message = format!("row {}: material = {material} is no place in a list", row + 1);
+                return Err(Error::content(path, message));
+            }
+            grain.material = *material as u32;
+        }
+    }
     Ok(grains)
 }
 
@@ -253,6 +313,9 @@ fn read_contacts(path: &Path, rows: usize, grains: &[Grain]) -> Result<Vec<Conta
     fill(&mut contacts, &CONTACT, &table)?;
     if table.columns().iter().any(|column| column.name == ROLLING[0].0) {
         fill(&mut contacts, &ROLLING, &table)?;
+    }
+    if table.columns().iter().any(|column| column.name == ATTRACTION[0].0) {
+        fill(&mut contacts, &ATTRACTION, &table)?;
     }
     Ok(contacts)
 }
@@ -299,6 +362,7 @@ pub(crate) mod tests {
             mass: 1.3875e-9,
             force: next3(),
             torque: next3(),
+            material: 0,
         };
         let grains = vec![grain(1, &mut next3), grain(2, &mut next3), grain(4, &mut next3)];
         let contact = |i, j, sliding, next3: &mut dyn FnMut() -> [f64; 3]| Contact {
@@ -314,6 +378,7 @@ pub(crate) mod tests {
             normal_energy: next3()[0],
             tangential_energy: next3()[0],
             rolling_energy: 0.0,
+            attraction_energy: 0.0,
         };
         let contacts = vec![contact(0, 1, false, &mut next3), contact(0, 2, true, &mut next3)];
         Assembly {
@@ -327,6 +392,8 @@ pub(crate) mod tests {
             target_mean_stress: Some(2e4),
             grains,
             contacts,
+            apart: Vec::new(),
+            materials: Vec::new(),
             energy: EnergyBalance { boundary_work: 0.1 + 0.2, ..EnergyBalance::default() },
         }
     }
@@ -343,6 +410,16 @@ pub(crate) mod tests {
         rolling.energy.rolling = 2e-12;
         write_snapshot(&folder, "rolling", &rolling).unwrap();
         assert_eq!(read_snapshot(&folder, "rolling").unwrap(), rolling);
+        let mut wet = assembly();
+        wet.materials = vec!["glass".into(), "steel".into()];
+        wet.grains[1].material = 1;
+        wet.contacts[0].attraction_energy = -1e-12;
+        wet.apart = vec![wet.contacts.pop().unwrap()];
+        write_snapshot(&folder, "wet", &wet).unwrap();
+        assert_eq!(read_snapshot(&folder, "wet").unwrap(), wet);
+        assert_eq!(contacts_table(&wet).unwrap().column("touching").unwrap(), [1.0, 0.0]);
+        assert_eq!(grains_table(&wet).unwrap().column("material").unwrap(), [0.0, 1.0, 0.0]);
+        std::fs::remove_file(folder.join("wet.json")).unwrap();
         std::fs::remove_file(folder.join("rolling.json")).unwrap();
         assert_eq!(list_snapshots(&folder).unwrap(), ["end"]);
     }

@@ -8,7 +8,7 @@ use super::figure::{Axis, Figure, Layer, Panel, Plot, Stroke};
 use super::material::strain_axis;
 
 /// Mechanisms that can give back what they hold; dashed.
-const ELASTIC: [&str; 3] = ["normal elastic", "tangential elastic", "rolling elastic"];
+const ELASTIC: [&str; 4] = ["normal elastic", "tangential elastic", "rolling elastic", "attraction"];
 /// Last of the mechanisms, in grey: it is small wherever a test is quasi-static.
 const KINETIC: &str = "kinetic";
 /// Shares of the final work that are drawn.
@@ -42,7 +42,10 @@ impl Balance {
             (KINETIC, since_start("kinetic_energy")?),
         ];
         // Recorded only where contacts resist rolling.
-        for (name, column) in [("rolling", "rolling_loss"), (ELASTIC[2], "elastic_rolling_energy")] {
+        let rolling = [("rolling", "rolling_loss"), (ELASTIC[2], "elastic_rolling_energy")];
+        // Recorded only where grains attract each other beyond touch.
+        let attraction = [("attraction ended", "attraction_loss"), (ELASTIC[3], "attraction_energy")];
+        for (name, column) in rolling.into_iter().chain(attraction) {
             parts.extend(since_start(column).map(|values| (name, values)));
         }
         Some(Balance {

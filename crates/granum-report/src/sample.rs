@@ -3,7 +3,7 @@
 use super::data::RunReport;
 use super::numbers::{quantity, significant, whole};
 use super::page::Table;
-use granum_dem::config::{Contact, Rate};
+use granum_dem::config::{Component, Contact, Material, Rate};
 use granum_dem::contact::registry::parameters_of;
 
 /// Solid fraction of the paper's sample.
@@ -80,6 +80,31 @@ pub fn interpretation(runs: &[RunReport]) -> Vec<String> {
     sentences
 }
 
+/// The rows of the only material.
+fn of_one_material(material: &Material, row: &mut impl FnMut(&str, &str, String)) {
+    row("Young\u{2019}s modulus *E*", "70 GPa", quantity(material.youngs_modulus, "Pa"));
+    row("Poisson\u{2019}s ratio *ν*", "0.3", trimmed(material.poissons_ratio));
+    row("Friction *μ*", "0.3", trimmed(material.friction));
+    row("Interface energy *Γ*", "0.6 J/m^{2}", format!("{} J/m^{{2}}", trimmed(material.interface_energy)));
+    row("Density", "–", format!("{} kg/m^{{3}}", whole(material.density)));
+}
+
+/// The row of one of several materials.
+fn row_of_component(component: &Component, row: &mut impl FnMut(&str, &str, String)) {
+    let own = &component.material;
+    let name = format!("Material \u{201c}{}\u{201d}", component.name);
+    let values = format!(
+        "{} % of the grains: *E* {}, *ν* {}, *μ* {}, *Γ* {} J/m^{{2}}, {} kg/m^{{3}}",
+        trimmed(100.0 * component.share),
+        quantity(own.youngs_modulus, "Pa"),
+        trimmed(own.poissons_ratio),
+        trimmed(own.friction),
+        trimmed(own.interface_energy),
+        whole(own.density)
+    );
+    row(&name, "–", values);
+}
+
 /// What is said of a sample and its test: name, the paper's value and the one here.
 fn rows(runs: &[RunReport]) -> Vec<[String; 3]> {
     let Some(run) = runs.first() else { return Vec::new() };
@@ -91,11 +116,10 @@ fn rows(runs: &[RunReport]) -> Vec<[String; 3]> {
     }
     row("Grains", "5000", whole(run.grains() as f64));
     row("Diameter", "0.1 mm", diameter(run));
-    row("Young\u{2019}s modulus *E*", "70 GPa", quantity(material.youngs_modulus, "Pa"));
-    row("Poisson\u{2019}s ratio *ν*", "0.3", trimmed(material.poissons_ratio));
-    row("Friction *μ*", "0.3", trimmed(material.friction));
-    row("Interface energy *Γ*", "0.6 J/m^{2}", format!("{} J/m^{{2}}", trimmed(material.interface_energy)));
-    row("Density", "–", format!("{} kg/m^{{3}}", whole(material.density)));
+    if case.grains.mixture.is_empty() {
+        of_one_material(material, &mut row);
+    }
+    case.grains.mixture.components.iter().for_each(|component| row_of_component(component, &mut row));
     row("Contact law", "theoretical contact mechanics (Thornton and Yin 1991)", law(&case.contact));
     row("Contact damping", "–", format!("{} of critical", trimmed(case.contact.damping)));
     row("Mean stress *p*", "20 kPa", quantity(run.mean_stress(), "Pa"));
@@ -164,6 +188,9 @@ pub fn law(contact: &Contact) -> String {
     let mut words = format!("{}, {}", contact.normal.label(), contact.tangential.label());
     if contact.rolling.law().acts() {
         words.push_str(&format!(", {}", contact.rolling.label()));
+    }
+    if contact.adhesion.law().acts() {
+        words.push_str(&format!(", {}", contact.adhesion.label()));
     }
     for parameter in parameters_of(contact) {
         let value = significant(contact.parameters.value(parameter), 4);

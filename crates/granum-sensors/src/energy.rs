@@ -5,7 +5,8 @@
 //! adhesion broken`, where the normal energy counts that of the joined surfaces. The tangential work is stored, slid or
 //! slipped: `tangential_work = change of elastic tangential + friction + micro-slip`; each is found by itself, so that
 //! what is missing here is the inconsistency of the tangential law (none without micro-slip). Where contacts resist rolling,
-//! `rolling_work` of [`crate::rolling`] comes to the right side.
+//! `rolling_work` of [`crate::rolling`] comes to the right side, and so do the change of energy and the loss of
+//! [`crate::attraction`] where grains attract each other beyond touch.
 
 use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
 use granum_core::Part;

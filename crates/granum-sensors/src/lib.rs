@@ -16,6 +16,7 @@
 //! assert_eq!(q_over_p, Some(0.0));
 //! ```
 
+pub mod attraction;
 pub mod coordination;
 pub mod energy;
 pub mod fabric;

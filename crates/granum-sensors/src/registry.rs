@@ -10,9 +10,9 @@ use granum_dem::config::Recording;
 use crate::histogram::{Bins, Histogram};
 use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
 use crate::{
-    coordination, energy, fabric, force_distribution, inertial_number, invariants, nonaffine_displacement,
-    overlap, overlap_distribution, rolling, rose, second_order_work, servo, sliding, solid_fraction, strain,
-    stress, unbalanced_force,
+    attraction, coordination, energy, fabric, force_distribution, inertial_number, invariants,
+    nonaffine_displacement, overlap, overlap_distribution, rolling, rose, second_order_work, servo, sliding,
+    solid_fraction, strain, stress, unbalanced_force,
 };
 
 /// When a sensor is recorded.
@@ -104,6 +104,7 @@ static STANDARD: LazyLock<Sensors> = LazyLock::new(|| {
     sensors.add(Always, overlap::Overlap);
     sensors.add(Always, energy::Energy);
     sensors.add(Always, rolling::Rolling);
+    sensors.add(Always, attraction::Attraction);
     sensors.add(Always, rose::RoseOfContacts);
     sensors.add(InStages, invariants::Invariants);
     sensors.add(WhereNamed, overlap_distribution::OverlapDistribution);

@@ -102,6 +102,10 @@ impl Stress {
             add_dyad(normal, contact.normal_force, &contact.normal, &contact.branch);
             add_dyad(tangential, -1.0, &contact.tangential_force, &contact.branch);
         }
+        // Pairs that act on each other without touching: tension, and so weak.
+        for pair in &look.assembly.apart {
+            add_dyad(&mut stress.weak_normal, pair.normal_force, &pair.normal, &pair.branch);
+        }
         for grain in &look.assembly.grains {
             add_dyad(&mut stress.kinetic, grain.mass, &grain.velocity, &grain.velocity);
         }

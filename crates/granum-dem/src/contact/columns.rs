@@ -3,7 +3,7 @@
 use granum_simd::{Lanes, Real, Row8, Twice};
 
 use super::law::Normal;
-use super::{LAW_CONSTANTS, MAX_HISTORY, MAX_MOMENT_HISTORY};
+use super::{LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY};
 
 /// One number of a contact, for up to two batches of eight contacts.
 pub type Column = [Row8; 2];
@@ -169,7 +169,7 @@ pub(super) mod tangential_call {
     pub const ALL: usize = DISCARDS + 1;
 }
 
-/// Columns of a call to a law of moments: constants, contact, spins, time step, history; then couple, dashpot, losses.
+/// Columns of a call to a law of moments: constants, contact, spins, time step, history; then couple, dashpots, losses.
 pub(super) mod moment_call {
     use super::{LAW_CONSTANTS, MAX_MOMENT_HISTORY, NORMAL_COLUMNS};
     pub const CONTACT: usize = LAW_CONSTANTS;
@@ -177,6 +177,17 @@ pub(super) mod moment_call {
     pub const TIME_STEP: usize = SPIN + 3;
     pub const HISTORY: usize = TIME_STEP + 1;
     pub const RESULT: usize = HISTORY + MAX_MOMENT_HISTORY;
-    pub const AT_LIMIT: usize = RESULT + 7;
+    pub const AT_LIMIT: usize = RESULT + 8;
     pub const ALL: usize = AT_LIMIT + 1;
+}
+
+/// Columns of a call to a law of adhesion: constants, overlap, whether it touches, history; then force, stiffness, loss.
+pub(super) mod adhesion_call {
+    use super::{LAW_CONSTANTS, MAX_ADHESION_HISTORY};
+    pub const OVERLAP: usize = LAW_CONSTANTS;
+    pub const TOUCHING: usize = OVERLAP + 1;
+    pub const HISTORY: usize = TOUCHING + 1;
+    pub const RESULT: usize = HISTORY + MAX_ADHESION_HISTORY;
+    pub const ACTING: usize = RESULT + 3;
+    pub const ALL: usize = ACTING + 1;
 }

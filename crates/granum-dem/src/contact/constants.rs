@@ -19,19 +19,33 @@ pub struct PairConstants<R> {
     pub tangential: [R; LAW_CONSTANTS],
     /// Those of the law of moments.
     pub rolling: [R; LAW_CONSTANTS],
+    /// Those of the law of adhesion.
+    pub adhesion: [R; LAW_CONSTANTS],
 }
 
 impl PairConstants<f64> {
     /// Number of values of [`PairConstants::to_array`].
-    pub const COUNT: usize = Self::WITHOUT_MOMENTS + LAW_CONSTANTS;
-    /// Number of values, from the first, that matter without a law of moments.
+    pub const COUNT: usize = Self::WITHOUT_ADHESION + LAW_CONSTANTS;
+    /// Number of values, from the first, that matter without a law of adhesion.
+    pub const WITHOUT_ADHESION: usize = Self::WITHOUT_MOMENTS + LAW_CONSTANTS;
+    /// Number of values, from the first, that matter with neither a law of moments nor one of adhesion.
     pub const WITHOUT_MOMENTS: usize = 3 + 2 * LAW_CONSTANTS;
+
+    /// Number of values, from the first, that matter for a set with or without a law of moments, with or without one of adhesion.
+    #[inline(always)]
+    pub fn kept(moments: bool, adhesion: bool) -> usize {
+        match (moments, adhesion) {
+            (_, true) => Self::COUNT,
+            (true, false) => Self::WITHOUT_ADHESION,
+            (false, false) => Self::WITHOUT_MOMENTS,
+        }
+    }
 
     /// The values in a row.
     pub fn to_array(&self) -> [f64; Self::COUNT] {
         let mut out = [0.0; Self::COUNT];
         [out[0], out[1], out[2]] = [self.radius_sum, self.inverse_radius_sum, self.damping];
-        let laws = [&self.normal, &self.tangential, &self.rolling];
+        let laws = [&self.normal, &self.tangential, &self.rolling, &self.adhesion];
         for (to, from) in out[3..].chunks_mut(LAW_CONSTANTS).zip(laws) {
             to.copy_from_slice(from);
         }
@@ -43,7 +57,7 @@ impl PairConstants<f64> {
     pub fn splat<R: Real>(&self) -> PairConstants<R> {
         let all = self.to_array();
         PairConstants::from_columns(
-            true,
+            Self::COUNT,
             #[inline(always)]
             |c| R::splat(all[c]),
         )
@@ -51,17 +65,19 @@ impl PairConstants<f64> {
 }
 
 impl<R: Copy> PairConstants<R> {
-    /// From a function that gives column `c` of [`PairConstants::to_array`]; without moments it is not asked for theirs.
+    /// From a function that gives column `c` of [`PairConstants::to_array`]; it is only asked for the first ones, as many as are
+    /// [`PairConstants::kept`].
     #[inline(always)]
-    pub fn from_columns(moments: bool, column: impl Fn(usize) -> R) -> Self {
-        let first = PairConstants::WITHOUT_MOMENTS;
+    pub fn from_columns(kept: usize, column: impl Fn(usize) -> R) -> Self {
+        let [rolling, adhesion] = [PairConstants::WITHOUT_MOMENTS, PairConstants::WITHOUT_ADHESION];
         PairConstants {
             radius_sum: column(0),
             inverse_radius_sum: column(1),
             damping: column(2),
             normal: std::array::from_fn(|c| column(3 + c)),
             tangential: std::array::from_fn(|c| column(3 + LAW_CONSTANTS + c)),
-            rolling: std::array::from_fn(|c| column(if moments { first + c } else { 0 })),
+            rolling: std::array::from_fn(|c| column(if rolling < kept { rolling + c } else { 0 })),
+            adhesion: std::array::from_fn(|c| column(if adhesion < kept { adhesion + c } else { 0 })),
         }
     }
     /// Those of two pairs side by side.
@@ -74,6 +90,7 @@ impl<R: Copy> PairConstants<R> {
             normal: std::array::from_fn(|c| Twice(self.normal[c], other.normal[c])),
             tangential: std::array::from_fn(|c| Twice(self.tangential[c], other.tangential[c])),
             rolling: std::array::from_fn(|c| Twice(self.rolling[c], other.rolling[c])),
+            adhesion: std::array::from_fn(|c| Twice(self.adhesion[c], other.adhesion[c])),
         }
     }
 }

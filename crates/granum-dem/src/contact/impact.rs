@@ -196,7 +196,8 @@ pub(super) fn run(
     let given =
         Collide { pair, velocity, across, steps, time_step: time / steps as f64, patience: PATIENCE * time };
     let constants = contact.constants(pair);
-    let separation = contact.breaking_overlap(&constants);
+    // A bridge may hold grains that do not touch any more.
+    let separation = contact.breaking_overlap(&constants).min(-contact.range(&constants));
     let isa = Isa::detect();
     dispatch(
         isa,
@@ -258,7 +259,8 @@ impl Kernel for Motion<'_> {
         // The force at the instant of touch: adhesion has it at once.
         let first = self.contact.normal_contact(&self.constants, pair.radius_sum * 1e-15);
         let opening = self.constants.damping * first.root_stiffness * -velocity;
-        let mut pull = scale(opening - first.force, normal);
+        let [bridge, _] = self.contact.adhesion.law().at_touch(&self.constants.adhesion);
+        let mut pull = scale(opening - first.force + bridge, normal);
         let mut moment = [0.0; 3];
         // Just inside the separation, so that its force is still there: adhesion, or a dashpot whose spring does not soften.
         let inside = if first.radius > 0.0 { 0.0 } else { pair.radius_sum * 1e-14 };
@@ -297,7 +299,7 @@ impl Kernel for Motion<'_> {
             state = half(&Relative { branch, ..middle }, pull, moment, dt);
             time += dt;
             let closing = -dot(state.velocity, state.branch);
-            if last || !out.touching {
+            if last || !(out.touching || out.attracting) {
                 let distance = dot(state.branch, state.branch).sqrt();
                 let normal = scale(1.0 / distance, state.branch);
                 // Directions at separation: the pair has turned a little.

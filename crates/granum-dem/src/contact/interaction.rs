@@ -7,7 +7,7 @@ use granum_simd::{Mask, Real};
 use super::frame::{Frame, Turn};
 use super::law::RelativeSpin;
 use super::set::Laws;
-use super::{MAX_HISTORY, MAX_MOMENT_HISTORY, PairConstants};
+use super::{MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, PairConstants};
 
 /// How the grains of a pair stand and move.
 #[derive(Clone, Copy)]
@@ -33,6 +33,8 @@ pub struct Memory<R> {
     pub history: [R; MAX_HISTORY],
     /// The same of the law of moments.
     pub moments: [R; MAX_MOMENT_HISTORY],
+    /// The columns of the law of adhesion, which may last beyond touch.
+    pub adhesion: [R; MAX_ADHESION_HISTORY],
 }
 
 impl<R: Real> Memory<R> {
@@ -43,6 +45,7 @@ impl<R: Real> Memory<R> {
             normal: [R::zero(); 3],
             history: [R::zero(); MAX_HISTORY],
             moments: [R::zero(); MAX_MOMENT_HISTORY],
+            adhesion: [R::zero(); MAX_ADHESION_HISTORY],
         }
     }
 }
@@ -54,7 +57,7 @@ impl<R: Real> Default for Memory<R> {
 }
 
 /// What a contact does to its grains in a step. Everything is zero where the pair does not touch, but for
-/// `adhesion_broken`, `moment_work` and `moment_loss`, which fall due just then.
+/// `adhesion_broken`, `moment_work` and `moment_loss`, which fall due just then, and for what a law of adhesion does.
 #[derive(Clone, Copy)]
 pub struct Interaction<R: Real> {
     /// Force on i, dashpots included, N.
@@ -65,7 +68,7 @@ pub struct Interaction<R: Real> {
     pub couple: [R; 3],
     /// Elastic force on i, N.
     pub elastic: [R; 3],
-    /// Elastic normal force N, N.
+    /// Elastic normal force N, what a law of adhesion adds included, N.
     pub normal_force: R,
     /// Radius of the contact area, m.
     pub radius: R,
@@ -77,6 +80,10 @@ pub struct Interaction<R: Real> {
     pub step_stiffness: R,
     /// Where the pair touches.
     pub touching: R::Mask,
+    /// Where a law of adhesion acts.
+    pub attracting: R::Mask,
+    /// Lost in this step where that attraction begins or ends, J.
+    pub attraction_loss: R,
     /// Where the tangential force stands at the friction limit.
     pub sliding: R::Mask,
     /// Work that the elastic tangential force took up in this step, J.
@@ -239,7 +246,7 @@ pub fn interact<R: Real, S: Laws<R>>(
     for c in 0..columns {
         memory.history[c] = memory.history[c].keep(touching);
     }
-    Interaction {
+    let out = Interaction {
         force: keep::<R>(touching, add_scaled(frame.vector(pull), push, normal)),
         moment: keep::<R>(touching, moment),
         couple: keep::<R>(touching, moments.couple),
@@ -250,6 +257,8 @@ pub fn interact<R: Real, S: Laws<R>>(
         tangential_stiffness: tangential.stiffness.keep(touching),
         step_stiffness: moments.step_stiffness.keep(touching),
         touching,
+        attracting: granum_simd::Mask::splat(false),
+        attraction_loss: zero,
         sliding: tangential.sliding & touching,
         tangential_work: (half * work).keep(touching),
         friction_loss: tangential.friction_loss.keep(touching),
@@ -261,6 +270,40 @@ pub fn interact<R: Real, S: Laws<R>>(
         // What a contact that breaks still held is lost.
         moment_work: moments.work.keep(touching | touched),
         moment_loss: moments.loss.keep(touching | touched),
+    };
+    if S::MAY_HAVE_ADHESION && laws.has_adhesion() {
+        return attract(laws, constants, normal, overlap, memory, out);
+    }
+    out
+}
+
+/// A third of a normal stiffness counts as a tangential one for the time step: grains swing fastest by spinning.
+const THIRD: f64 = 1.0 / 3.0;
+
+/// Adds what the law of adhesion does.
+#[inline(always)]
+fn attract<R: Real, S: Laws<R>>(
+    laws: &S,
+    constants: &PairConstants<R>,
+    normal: [R; 3],
+    overlap: R,
+    memory: &mut Memory<R>,
+    contact: Interaction<R>,
+) -> Interaction<R> {
+    let found = laws.adhesion(&constants.adhesion, overlap, contact.touching, &mut memory.adhesion);
+    let force = found.force.keep(found.acting);
+    for value in &mut memory.adhesion {
+        *value = value.keep(found.acting);
+    }
+    let step_stiffness = R::splat(THIRD).mul_add(found.stiffness.keep(found.acting), contact.step_stiffness);
+    Interaction {
+        force: add_scaled(contact.force, force, normal),
+        elastic: add_scaled(contact.elastic, force, normal),
+        normal_force: contact.normal_force - force,
+        step_stiffness,
+        attracting: found.acting,
+        attraction_loss: found.loss,
+        ..contact
     }
 }
 
@@ -303,12 +346,14 @@ fn resist<R: Real, S: Laws<R>>(
     let found = laws.moment(&constants.rolling, contact, spin, dt, &mut memory.moments);
     let [a, b, c] = found.couple;
     let [rolling_x, rolling_y] = [found.dashpot.mul_add(x, a), found.dashpot.mul_add(y, b)];
-    let on_j = add_scaled(frame.vector([rolling_x, rolling_y]), c, normal);
+    let about_normal = found.twisting_dashpot.mul_add(twisting, c);
+    let on_j = add_scaled(frame.vector([rolling_x, rolling_y]), about_normal, normal);
     let moments = Moments {
         couple: [-on_j[0], -on_j[1], -on_j[2]],
         work: found.work,
         loss: found.loss,
         step_stiffness: found.step_stiffness,
     };
-    (moments, found.dashpot * x.mul_add(x, y * y))
+    let rolling_power = found.dashpot * x.mul_add(x, y * y);
+    (moments, found.twisting_dashpot.mul_add(twisting * twisting, rolling_power))
 }

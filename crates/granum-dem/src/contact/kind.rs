@@ -3,10 +3,11 @@
 use std::fmt;
 use std::hash::{Hash, Hasher};
 
-use super::law::{MomentLaw, NormalLaw, TangentialLaw};
+use super::adhesion::{CapillaryBridge, NoAdhesion};
+use super::law::{AdhesionLaw, MomentLaw, NormalLaw, TangentialLaw};
 use super::normal::{Hertz, Hooke, Jkr};
-use super::rolling::{ElasticPlasticRolling, NoMoments};
-use super::slot::{MomentSlot, NormalSlot, TangentialSlot};
+use super::rolling::{ElasticPlasticRolling, ElasticPlasticTwisting, NoMoments};
+use super::slot::{AdhesionSlot, MomentSlot, NormalSlot, TangentialSlot};
 use super::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
 
 /// A law that was chosen: a value to copy and compare; its name is its identity in files.
@@ -88,4 +89,10 @@ kind! {
     RollingKind, MomentSlot, MomentLaw, "law of the moments of a contact",
     NONE = NoMoments,
     ELASTIC_PLASTIC = ElasticPlasticRolling,
+    ELASTIC_PLASTIC_TWISTING = ElasticPlasticTwisting,
+}
+kind! {
+    AdhesionKind, AdhesionSlot, AdhesionLaw, "law of adhesion on top of the contact",
+    NONE = NoAdhesion,
+    CAPILLARY_BRIDGE = CapillaryBridge,
 }

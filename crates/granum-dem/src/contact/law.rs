@@ -5,8 +5,9 @@
 
 use granum_simd::Real;
 
+use super::elementary::{arc_cosine, cosine};
 use super::interaction::Memory;
-use super::{LAW_CONSTANTS, MAX_HISTORY, MAX_MOMENT_HISTORY, PairProperties, frame};
+use super::{LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, PairProperties, frame};
 
 /// Powers of kilogram, metre and second of the SI unit of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +29,60 @@ impl Unit {
     pub const LENGTH: Unit = Unit { symbol: "m", powers: [0, 1, 0] };
     /// A time, s.
     pub const TIME: Unit = Unit { symbol: "s", powers: [0, 0, 1] };
+    /// An angle, rad.
+    pub const ANGLE: Unit = Unit { symbol: "rad", powers: [0, 0, 0] };
+}
+
+/// How the value of a property between two materials follows from the values of the two, where a case gives none for the pair.
+///
+/// ```
+/// use granum_dem::contact::Mixing;
+///
+/// assert_eq!(Mixing::Geometric.of(0.5, 0.125), 0.25);
+/// assert_eq!(Mixing::Harmonic.of(1.0, 3.0), 1.5);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Mixing {
+    /// The root of the product: friction, energies of interfaces.
+    #[default]
+    Geometric,
+    /// The mean.
+    Arithmetic,
+    /// `2 / (1/a + 1/b)`: springs in a row.
+    Harmonic,
+    /// The smaller of the two.
+    Smaller,
+    /// The angle whose cosine is the mean of the two cosines.
+    Cosine,
+}
+
+impl Mixing {
+    /// The value of a pair. It does not depend on the order, and is the common value of like materials.
+    pub fn of(self, a: f64, b: f64) -> f64 {
+        if a == b {
+            return a;
+        }
+        match self {
+            Mixing::Geometric => (a * b).sqrt(),
+            Mixing::Arithmetic => 0.5 * (a + b),
+            Mixing::Harmonic if a == 0.0 || b == 0.0 => 0.0,
+            Mixing::Harmonic => 2.0 / (1.0 / a + 1.0 / b),
+            Mixing::Smaller => a.min(b),
+            Mixing::Cosine => arc_cosine(0.5 * (cosine(a) + cosine(b))),
+        }
+    }
+
+    /// The rule in words, going on from "of a pair".
+    pub fn help(self) -> &'static str {
+        match self {
+            Mixing::Geometric => "the geometric mean",
+            Mixing::Arithmetic => "the mean",
+            Mixing::Harmonic => "the harmonic mean",
+            Mixing::Smaller => "the smaller one",
+            Mixing::Cosine => "the angle of the mean cosine",
+        }
+    }
 }
 
 /// A parameter of a law: the key `contact.<key>` of a case.
@@ -45,6 +100,8 @@ pub struct Parameter {
     pub meaning: &'static str,
     /// True for a parameter that matters only with a normal law that has no contact area.
     pub without_area: bool,
+    /// How the value between two materials follows from those of the two.
+    pub mixing: Mixing,
 }
 
 /// What a law says of itself.
@@ -234,6 +291,8 @@ pub struct Moment<R: Real> {
     pub couple: [R; 3],
     /// Coefficient of the dashpot against rolling, N m s; zero where none acts.
     pub dashpot: R,
+    /// The same against twisting.
+    pub twisting_dashpot: R,
     /// Where the couple stands at its limit.
     pub at_limit: R::Mask,
     /// Work that the elastic couple took up in this step, J.
@@ -252,6 +311,7 @@ impl<R: Real> Moment<R> {
         Moment {
             couple: [zero; 3],
             dashpot: zero,
+            twisting_dashpot: zero,
             at_limit: granum_simd::Mask::splat(false),
             work: zero,
             loss: zero,
@@ -283,6 +343,76 @@ pub trait MomentLaw: Copy + Send + Sync + 'static {
     ) -> Moment<R>;
     /// Energy that the couple stores, J.
     fn energy(constants: &[f64; LAW_CONSTANTS], history: &[f64; MAX_MOMENT_HISTORY]) -> f64;
+}
+
+/// What a law of adhesion says of a pair.
+#[derive(Clone, Copy)]
+pub struct Attraction<R: Real> {
+    /// Force that pulls the grains together along the line of their centres, N; negative where it pushes them apart.
+    pub force: R,
+    /// Size of its slope by the distance, N/m, for the time step.
+    pub stiffness: R,
+    /// Where the law acts: only there its history is kept.
+    pub acting: R::Mask,
+    /// Energy lost in this step, J: what no force gives back where the attraction begins or ends.
+    pub loss: R,
+}
+
+impl<R: Real> Attraction<R> {
+    /// No attraction.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = R::zero();
+        Attraction { force: zero, stiffness: zero, acting: granum_simd::Mask::splat(false), loss: zero }
+    }
+}
+
+/// A law of adhesion on top of the contact: an attraction along the line of centres, of pairs that touch and of pairs up to
+/// [`AdhesionLaw::range`] apart.
+///
+/// ```
+/// use granum_dem::config::Material;
+/// use granum_dem::contact::adhesion::CapillaryBridge;
+/// use granum_dem::contact::{AdhesionLaw, PairProperties};
+///
+/// let sphere = (&Material::default(), 5e-5);
+/// let pair = PairProperties::new(sphere, sphere, 0.1);
+/// let constants = CapillaryBridge::prepare(&pair, &[0.072, 0.0, 0.01]);
+/// let mut history = [0.0; 4];
+/// let touching = CapillaryBridge::update(&constants, 1e-9, true, &mut history);
+/// let apart = CapillaryBridge::update(&constants, -1e-6, false, &mut history);
+/// assert!(apart.acting && 0.0 < apart.force && apart.force < touching.force);
+/// ```
+pub trait AdhesionLaw: Copy + Send + Sync + 'static {
+    /// Name, label, help and parameters.
+    const DESCRIPTION: Description;
+    /// False only for the law that does nothing.
+    const ACTS: bool = true;
+    /// Columns of history used: plain numbers, the same for the pair (j, i) as for (i, j). They are kept while the law acts.
+    const HISTORY: usize;
+    /// Refuses a normal law that it does not go with: what is wrong and what would be right, going on from
+    /// `contact.adhesion = "..."`.
+    ///
+    /// # Errors
+    /// The reason.
+    fn goes_with(_normal: &NormalTraits) -> Result<(), &'static str> {
+        Ok(())
+    }
+    /// The constants of a pair that [`AdhesionLaw::update`] wants; `parameters` in the order of the description.
+    fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS];
+    /// Force, stiffness and loss at an overlap, m (negative for a pair apart), and whether the contact touches. The history is
+    /// all zeros for a pair on which the law did not act a step before.
+    fn update<R: Real>(
+        constants: &[R; LAW_CONSTANTS],
+        overlap: R,
+        touching: R::Mask,
+        history: &mut [R; MAX_ADHESION_HISTORY],
+    ) -> Attraction<R>;
+    /// Energy of the attraction at an overlap, J: minus the work that it has done since the pair was without it, less what
+    /// [`Attraction::loss`] said.
+    fn energy(constants: &[f64; LAW_CONSTANTS], overlap: f64, history: &[f64; MAX_ADHESION_HISTORY]) -> f64;
+    /// Largest distance of the surfaces at which the law acts, m.
+    fn range(constants: &[f64; LAW_CONSTANTS]) -> f64;
 }
 
 /// Rewrites plane vectors that lead a history for the pair (j, i) instead of (i, j): every remembered vector is reversed in

@@ -1,8 +1,8 @@
-//! Contact laws: a normal law, a tangential law and a law of moments make a set.
+//! Contact laws: a normal law, a tangential law, a law of moments and a law of adhesion on top make a set.
 //!
-//! To add a law: a file in [`normal`], [`tangential`] or [`rolling`] with its name, parameters, formula and tests, and its line
-//! in [`registry`]. A program that uses this library does without the line: it makes a [`NormalKind`], [`TangentialKind`] or
-//! [`RollingKind`] of a law of its own.
+//! To add a law: a file in [`normal`], [`tangential`], [`rolling`] or [`adhesion`] with its name, parameters, formula and tests,
+//! and its line in [`registry`]. A program that uses this library does without the line: it makes a [`NormalKind`],
+//! [`TangentialKind`], [`RollingKind`] or [`AdhesionKind`] of a law of its own.
 //!
 //! - [`law`]: what a law is;
 //! - [`interaction`]: what all laws share: kinematics, rotation of the history, damping, energy;
@@ -11,8 +11,10 @@
 
 use crate::config::Material;
 
+pub mod adhesion;
 pub mod columns;
 mod constants;
+pub mod elementary;
 pub mod frame;
 pub mod impact;
 pub mod interaction;
@@ -32,10 +34,10 @@ pub mod tangential;
 mod tests;
 
 pub use constants::PairConstants;
-pub use kind::{NormalKind, RollingKind, TangentialKind};
+pub use kind::{AdhesionKind, NormalKind, RollingKind, TangentialKind};
 pub use law::{
-    AdhesionLosses, Description, Moment, MomentLaw, Normal, NormalLaw, NormalTraits, Parameter, RelativeSpin,
-    Tangential, TangentialLaw, Unit,
+    AdhesionLaw, AdhesionLosses, Attraction, Description, Mixing, Moment, MomentLaw, Normal, NormalLaw,
+    NormalTraits, Parameter, RelativeSpin, Tangential, TangentialLaw, Unit,
 };
 pub use parameters::ParameterValues;
 
@@ -43,6 +45,8 @@ pub use parameters::ParameterValues;
 pub const MAX_HISTORY: usize = 10;
 /// Most columns of history that a law of moments may keep.
 pub const MAX_MOMENT_HISTORY: usize = 6;
+/// Most columns of history that a law of adhesion may keep.
+pub const MAX_ADHESION_HISTORY: usize = 4;
 /// Number of constants that a law may prepare for a pair.
 pub const LAW_CONSTANTS: usize = 6;
 
@@ -74,7 +78,8 @@ pub struct PairProperties {
 impl PairProperties {
     /// Those of two spheres of given material and radius, m, with dashpots of a fraction of critical damping.
     ///
-    /// Friction and interface energy of unlike materials are the geometric means of the two.
+    /// Friction and interface energy of unlike materials are the geometric means of the two; moduli follow from the theory, in
+    /// which the compliances of the two sides add.
     pub fn new(i: (&Material, f64), j: (&Material, f64), damping: f64) -> Self {
         let compliance = |m: &Material| (1.0 - m.poissons_ratio * m.poissons_ratio) / m.youngs_modulus;
         let shear_compliance =

@@ -4,7 +4,7 @@ use std::sync::{PoisonError, RwLock};
 
 use serde::de::{Deserialize, Deserializer, Error};
 
-use super::kind::{NormalKind, RollingKind, TangentialKind};
+use super::kind::{AdhesionKind, NormalKind, RollingKind, TangentialKind};
 use super::law::{Description, Parameter};
 use super::parameters::MOST_PARAMETERS;
 use crate::config::Contact;
@@ -15,7 +15,10 @@ const NORMAL: &[NormalKind] = &[NormalKind::HERTZ, NormalKind::JKR, NormalKind::
 const TANGENTIAL: &[TangentialKind] =
     &[TangentialKind::MINDLIN_DERESIEWICZ, TangentialKind::NO_SLIP, TangentialKind::PEELING];
 /// granum's laws of moments.
-const ROLLING: &[RollingKind] = &[RollingKind::NONE, RollingKind::ELASTIC_PLASTIC];
+const ROLLING: &[RollingKind] =
+    &[RollingKind::NONE, RollingKind::ELASTIC_PLASTIC, RollingKind::ELASTIC_PLASTIC_TWISTING];
+/// granum's laws of adhesion on top of the contact.
+const ADHESION: &[AdhesionKind] = &[AdhesionKind::NONE, AdhesionKind::CAPILLARY_BRIDGE];
 
 /// A law that cannot be registered.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -53,11 +56,13 @@ fn check_parameters(new: &Description) -> Result<(), RegisterError> {
 /// Laws that do not go together, or parameters that they do not have.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LawError {
-    /// The tangential law does not go with the normal law.
-    #[error("contact.tangential = {tangential:?} {reason}")]
+    /// A law does not go with the normal law.
+    #[error("contact.{slot} = {law:?} {reason}")]
     Apart {
-        /// Name of the tangential law.
-        tangential: &'static str,
+        /// Its slot: `tangential` or `adhesion`.
+        slot: &'static str,
+        /// Its name.
+        law: &'static str,
         /// What is wrong and what would be right.
         reason: &'static str,
     },
@@ -141,6 +146,15 @@ list!(
     tangential_named
 );
 list!(ROLLING, RollingKind, "law of moments", OWN_ROLLING, rolling_laws, register_rolling, rolling_named);
+list!(
+    ADHESION,
+    AdhesionKind,
+    "law of adhesion",
+    OWN_ADHESION,
+    adhesion_laws,
+    register_adhesion,
+    adhesion_named
+);
 
 /// Every set of granum's own laws that can be used together.
 pub fn sets() -> Vec<Contact> {
@@ -148,9 +162,12 @@ pub fn sets() -> Vec<Contact> {
     for normal in NORMAL {
         for tangential in TANGENTIAL {
             for rolling in ROLLING {
-                let set = Contact { rolling: *rolling, ..Contact::new(*normal, *tangential, 0.1) };
-                if check(&set).is_ok() {
-                    sets.push(set);
+                for adhesion in ADHESION {
+                    let plain = Contact::new(*normal, *tangential, 0.1);
+                    let set = Contact { rolling: *rolling, adhesion: *adhesion, ..plain };
+                    if check(&set).is_ok() {
+                        sets.push(set);
+                    }
                 }
             }
         }
@@ -163,7 +180,8 @@ fn descriptions() -> Vec<&'static Description> {
     let normal = normal_laws().into_iter().map(|law| law.law().description());
     let tangential = tangential_laws().into_iter().map(|law| law.law().description());
     let rolling = rolling_laws().into_iter().map(|law| law.law().description());
-    normal.chain(tangential).chain(rolling).collect()
+    let adhesion = adhesion_laws().into_iter().map(|law| law.law().description());
+    normal.chain(tangential).chain(rolling).chain(adhesion).collect()
 }
 
 /// The parameters of all laws that names can stand for, each key once.
@@ -189,6 +207,7 @@ pub fn laws_with(parameter: &Parameter) -> String {
     normal_laws().iter().for_each(|law| list("normal", law.law().description()));
     tangential_laws().iter().for_each(|law| list("tangential", law.law().description()));
     rolling_laws().iter().for_each(|law| list("rolling", law.law().description()));
+    adhesion_laws().iter().for_each(|law| list("adhesion", law.law().description()));
     format!("with {}", names.join(" or "))
 }
 
@@ -199,8 +218,10 @@ pub fn parameters_of(contact: &Contact) -> Vec<&'static Parameter> {
         contact.normal.law().description(),
         contact.tangential.law().description(),
         contact.rolling.law().description(),
+        contact.adhesion.law().description(),
     ];
-    laws.into_iter().flat_map(|law| law.parameters).filter(|p| !(p.without_area && area)).collect()
+    let used = laws.into_iter().flat_map(|law| law.parameters).filter(|p| !(p.without_area && area));
+    used.collect()
 }
 
 /// Refuses laws that do not go together, and parameters that they do not have or that are out of bounds.
@@ -209,20 +230,29 @@ pub fn parameters_of(contact: &Contact) -> Vec<&'static Parameter> {
 /// The first thing that is wrong.
 pub fn check(contact: &Contact) -> Result<(), LawError> {
     let traits = contact.normal.law().traits();
-    contact
-        .tangential
-        .law()
-        .goes_with(&traits)
-        .map_err(|reason| LawError::Apart { tangential: contact.tangential.name(), reason })?;
+    contact.tangential.law().goes_with(&traits).map_err(|reason| LawError::Apart {
+        slot: "tangential",
+        law: contact.tangential.name(),
+        reason,
+    })?;
+    contact.adhesion.law().goes_with(&traits).map_err(|reason| LawError::Apart {
+        slot: "adhesion",
+        law: contact.adhesion.name(),
+        reason,
+    })?;
     let used = parameters_of(contact);
     for (key, value) in contact.parameters.iter() {
         let Some(parameter) = used.iter().find(|p| p.key == key) else {
-            let laws = format!(
+            let mut laws = format!(
                 "contact.normal = {:?}, contact.tangential = {:?} and contact.rolling = {:?}",
                 contact.normal.name(),
                 contact.tangential.name(),
                 contact.rolling.name()
             );
+            if contact.adhesion.law().acts() {
+                let others = laws.replace(" and ", ", ");
+                laws = format!("{others} and contact.adhesion = {:?}", contact.adhesion.name());
+            }
             return Err(LawError::Unused { key, laws });
         };
         let [low, high] = parameter.bounds;

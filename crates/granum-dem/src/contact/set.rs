@@ -5,27 +5,36 @@ use std::marker::PhantomData;
 
 use granum_simd::{Isa, Real, Row8};
 
+use super::adhesion::NoAdhesion;
 use super::columns::{
-    Column, Width, moment_call, normal_call, read, read_normal, tangential_call, write, write_normal,
+    Column, Width, adhesion_call, moment_call, normal_call, read, read_normal, tangential_call, write,
+    write_normal,
 };
 use super::interaction::Memory;
 use super::law::{
-    AdhesionLosses, Moment, MomentLaw, Normal, NormalLaw, RelativeSpin, Tangential, TangentialLaw, swap_sides,
+    AdhesionLaw, AdhesionLosses, Attraction, Moment, MomentLaw, Normal, NormalLaw, RelativeSpin, Tangential,
+    TangentialLaw, swap_sides,
 };
 use super::rolling::NoMoments;
-use super::{LAW_CONSTANTS, MAX_HISTORY, MAX_MOMENT_HISTORY, PairConstants, PairProperties};
+use super::{
+    LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, PairConstants, PairProperties,
+};
 use crate::config::Contact;
 
 /// What [`super::interaction::interact`] asks of the laws of a set.
 pub trait Laws<R: Real> {
     /// True if the set may have moments.
     const MAY_HAVE_MOMENTS: bool;
+    /// True if the set may have a law of adhesion.
+    const MAY_HAVE_ADHESION: bool;
     /// Columns of the tangential law's history, and how many plane vectors lead them.
     fn tangential_history(&self) -> [usize; 2];
     /// Columns of history of the law of moments, and how many plane vectors lead them.
     fn moment_history(&self) -> [usize; 2];
     /// True if the set has moments.
     fn has_moments(&self) -> bool;
+    /// True if the set has a law of adhesion.
+    fn has_adhesion(&self) -> bool;
     /// The normal law at an overlap.
     fn normal(
         &self,
@@ -50,36 +59,44 @@ pub trait Laws<R: Real> {
         dt: R,
         history: &mut [R; MAX_MOMENT_HISTORY],
     ) -> Moment<R>;
+    /// A step of the law of adhesion.
+    fn adhesion(
+        &self,
+        constants: &[R; LAW_CONSTANTS],
+        overlap: R,
+        touching: R::Mask,
+        history: &mut [R; MAX_ADHESION_HISTORY],
+    ) -> Attraction<R>;
     /// Energy lost where a step of the tangential law discarded a part of the history, J.
     fn discarded(&self, constants: &[R; LAW_CONSTANTS], stiffness: R, history: &[R; MAX_HISTORY]) -> R;
 }
 
 /// Laws known when the program is compiled.
 #[derive(Debug)]
-pub struct Compiled<N, T, M = NoMoments>(PhantomData<(N, T, M)>);
+pub struct Compiled<N, T, M = NoMoments, A = NoAdhesion>(PhantomData<(N, T, M, A)>);
 
-impl<N, T, M> Compiled<N, T, M> {
+impl<N, T, M, A> Compiled<N, T, M, A> {
     /// The set.
     pub const fn new() -> Self {
         Compiled(PhantomData)
     }
 }
-impl<N, T, M> Default for Compiled<N, T, M> {
+impl<N, T, M, A> Default for Compiled<N, T, M, A> {
     fn default() -> Self {
         Compiled::new()
     }
 }
-impl<N, T, M> Clone for Compiled<N, T, M> {
+impl<N, T, M, A> Clone for Compiled<N, T, M, A> {
     #[inline(always)]
     fn clone(&self) -> Self {
         *self
     }
 }
-impl<N, T, M> Copy for Compiled<N, T, M> {}
+impl<N, T, M, A> Copy for Compiled<N, T, M, A> {}
 
-impl<N: NormalLaw, T: TangentialLaw, M: MomentLaw> Compiled<N, T, M> {
-    /// The constants of a pair; `parameters` of the three laws.
-    pub fn constants(pair: &PairProperties, parameters: [&[f64]; 3]) -> PairConstants<f64> {
+impl<N: NormalLaw, T: TangentialLaw, M: MomentLaw, A: AdhesionLaw> Compiled<N, T, M, A> {
+    /// The constants of a pair; `parameters` of the four laws.
+    pub fn constants(pair: &PairProperties, parameters: [&[f64]; 4]) -> PairConstants<f64> {
         let name = N::DESCRIPTION.name;
         let traits = super::NormalTraits { name, contact_area: N::CONTACT_AREA, adhesive: N::ADHESIVE };
         PairConstants {
@@ -89,12 +106,14 @@ impl<N: NormalLaw, T: TangentialLaw, M: MomentLaw> Compiled<N, T, M> {
             normal: N::prepare(pair, parameters[0]),
             tangential: T::prepare(pair, &traits, parameters[1]),
             rolling: M::prepare(pair, parameters[2]),
+            adhesion: A::prepare(pair, parameters[3]),
         }
     }
 }
 
-impl<R: Real, N: NormalLaw, T: TangentialLaw, M: MomentLaw> Laws<R> for Compiled<N, T, M> {
+impl<R: Real, N: NormalLaw, T: TangentialLaw, M: MomentLaw, A: AdhesionLaw> Laws<R> for Compiled<N, T, M, A> {
     const MAY_HAVE_MOMENTS: bool = M::ACTS;
+    const MAY_HAVE_ADHESION: bool = A::ACTS;
     #[inline(always)]
     fn tangential_history(&self) -> [usize; 2] {
         [T::HISTORY, T::PLANE_VECTORS]
@@ -106,6 +125,10 @@ impl<R: Real, N: NormalLaw, T: TangentialLaw, M: MomentLaw> Laws<R> for Compiled
     #[inline(always)]
     fn has_moments(&self) -> bool {
         M::ACTS
+    }
+    #[inline(always)]
+    fn has_adhesion(&self) -> bool {
+        A::ACTS
     }
     #[inline(always)]
     fn normal(
@@ -138,6 +161,16 @@ impl<R: Real, N: NormalLaw, T: TangentialLaw, M: MomentLaw> Laws<R> for Compiled
         M::update(constants, normal, spin, dt, history)
     }
     #[inline(always)]
+    fn adhesion(
+        &self,
+        constants: &[R; LAW_CONSTANTS],
+        overlap: R,
+        touching: R::Mask,
+        history: &mut [R; MAX_ADHESION_HISTORY],
+    ) -> Attraction<R> {
+        A::update(constants, overlap, touching, history)
+    }
+    #[inline(always)]
     fn discarded(&self, constants: &[R; LAW_CONSTANTS], stiffness: R, history: &[R; MAX_HISTORY]) -> R {
         T::discarded(constants, stiffness, history)
     }
@@ -150,6 +183,8 @@ pub struct Slots {
     tangential_history: [usize; 2],
     moment_history: [usize; 2],
     has_moments: bool,
+    adhesion_history: usize,
+    has_adhesion: bool,
     discards: bool,
     /// Every call writes all that it reads.
     columns: RefCell<[Column; MOST_COLUMNS]>,
@@ -157,6 +192,7 @@ pub struct Slots {
 
 const MOST_COLUMNS: usize = 40;
 const _: () = assert!(normal_call::ALL <= MOST_COLUMNS && tangential_call::ALL <= MOST_COLUMNS);
+const _: () = assert!(adhesion_call::ALL <= MOST_COLUMNS);
 const _: () = assert!(moment_call::ALL <= MOST_COLUMNS && LAW_CONSTANTS + 1 + MAX_HISTORY <= MOST_COLUMNS);
 
 impl Slots {
@@ -168,6 +204,8 @@ impl Slots {
             tangential_history: laws.tangential.law().history(),
             moment_history: laws.rolling.law().history(),
             has_moments: laws.rolling.law().acts(),
+            adhesion_history: laws.adhesion.law().history(),
+            has_adhesion: laws.adhesion.law().acts(),
             discards: laws.tangential.law().discards(),
             columns: RefCell::new([EMPTY; MOST_COLUMNS]),
         }
@@ -189,6 +227,18 @@ impl Slots {
     #[inline(always)]
     pub(crate) fn has_moments(&self) -> bool {
         self.has_moments
+    }
+
+    /// Columns of history of the law of adhesion.
+    #[inline(always)]
+    pub(crate) fn adhesion_columns(&self) -> usize {
+        self.adhesion_history
+    }
+
+    /// True if the set has a law of adhesion.
+    #[inline(always)]
+    pub(crate) fn has_adhesion(&self) -> bool {
+        self.has_adhesion
     }
 
     /// True if the tangential law discards parts of its history which store energy.
@@ -217,6 +267,7 @@ const EMPTY: Column = [Row8([0.0; 8]); 2];
 
 impl<W: Width> Laws<W::Value> for Open<'_, W> {
     const MAY_HAVE_MOMENTS: bool = true;
+    const MAY_HAVE_ADHESION: bool = true;
     #[inline(always)]
     fn tangential_history(&self) -> [usize; 2] {
         self.slots.tangential_history
@@ -228,6 +279,10 @@ impl<W: Width> Laws<W::Value> for Open<'_, W> {
     #[inline(always)]
     fn has_moments(&self) -> bool {
         self.slots.has_moments
+    }
+    #[inline(always)]
+    fn has_adhesion(&self) -> bool {
+        self.slots.has_adhesion
     }
     #[inline(always)]
     fn normal(
@@ -300,9 +355,31 @@ impl<W: Width> Laws<W::Value> for Open<'_, W> {
         write::<W, MAX_MOMENT_HISTORY>(*history, columns, HISTORY);
         self.slots.laws.rolling.law().update(self.slots.isa, W::COUNT, columns);
         *history = read::<W, MAX_MOMENT_HISTORY>(columns, HISTORY);
-        let [a, b, c, dashpot, work, loss, step_stiffness] = read::<W, 7>(columns, RESULT);
+        let [a, b, c, dashpot, twisting_dashpot, work, loss, step_stiffness] = read::<W, 8>(columns, RESULT);
         let at_limit = W::read_mask(&columns[AT_LIMIT]);
-        Moment { couple: [a, b, c], dashpot, at_limit, work, loss, step_stiffness }
+        Moment { couple: [a, b, c], dashpot, twisting_dashpot, at_limit, work, loss, step_stiffness }
+    }
+    #[inline(always)]
+    fn adhesion(
+        &self,
+        constants: &[W::Value; LAW_CONSTANTS],
+        overlap: W::Value,
+        touching: <W::Value as Real>::Mask,
+        history: &mut [W::Value; MAX_ADHESION_HISTORY],
+    ) -> Attraction<W::Value> {
+        use adhesion_call::*;
+        if !self.has_adhesion() {
+            return Attraction::none();
+        }
+        let columns = &mut self.slots.columns.borrow_mut()[..ALL];
+        write::<W, LAW_CONSTANTS>(*constants, columns, 0);
+        W::write(overlap, &mut columns[OVERLAP]);
+        W::write_mask(touching, &mut columns[TOUCHING]);
+        write::<W, MAX_ADHESION_HISTORY>(*history, columns, HISTORY);
+        self.slots.laws.adhesion.law().update(self.slots.isa, W::COUNT, columns);
+        *history = read::<W, MAX_ADHESION_HISTORY>(columns, HISTORY);
+        let [force, stiffness, loss] = read::<W, 3>(columns, RESULT);
+        Attraction { force, stiffness, acting: W::read_mask(&columns[ACTING]), loss }
     }
     #[inline(always)]
     fn discarded(
@@ -322,20 +399,26 @@ impl<W: Width> Laws<W::Value> for Open<'_, W> {
 
 /// What the engine asks of a set, contact by contact.
 impl Contact {
-    /// Columns of history: of the tangential law, of the law of moments.
-    pub(crate) fn history(&self) -> [usize; 2] {
-        [self.tangential.law().history()[0], self.rolling.law().history()[0]]
+    /// True for a set of a normal and a tangential law with nothing beside them.
+    pub(crate) fn has_contact_only(&self) -> bool {
+        !self.rolling.law().acts() && !self.adhesion.law().acts()
+    }
+
+    /// Columns of history: of the tangential law, of the law of moments, of the law of adhesion.
+    pub(crate) fn history(&self) -> [usize; 3] {
+        let [tangential, moments] = [self.tangential.law().history()[0], self.rolling.law().history()[0]];
+        [tangential, moments, self.adhesion.law().history()]
     }
 
     /// Values of [`PairConstants::to_array`] that the engine keeps for a pair.
     pub(crate) fn constants_kept(&self) -> usize {
-        let without = PairConstants::WITHOUT_MOMENTS;
-        if self.rolling.law().acts() { PairConstants::COUNT } else { without }
+        PairConstants::kept(self.rolling.law().acts(), self.adhesion.law().acts())
     }
 
     /// The constants of a pair.
     pub fn constants(&self, pair: &PairProperties) -> PairConstants<f64> {
         let (normal, tangential, rolling) = (self.normal.law(), self.tangential.law(), self.rolling.law());
+        let adhesion = self.adhesion.law();
         let values = |of: &'static super::Description| self.parameters.resolved(of.parameters);
         PairConstants {
             radius_sum: pair.radius_sum,
@@ -344,6 +427,7 @@ impl Contact {
             normal: normal.prepare(pair, &values(normal.description())),
             tangential: tangential.prepare(pair, &normal.traits(), &values(tangential.description())),
             rolling: rolling.prepare(pair, &values(rolling.description())),
+            adhesion: adhesion.prepare(pair, &values(adhesion.description())),
         }
     }
 
@@ -374,6 +458,32 @@ impl Contact {
         self.rolling.law().energy(&constants.rolling, &memory.moments)
     }
 
+    /// Attraction beside the contact at an overlap, m, with this memory, N.
+    pub(crate) fn attraction(
+        &self,
+        constants: &PairConstants<f64>,
+        overlap: f64,
+        touching: bool,
+        memory: &Memory<f64>,
+    ) -> f64 {
+        self.adhesion.law().force(&constants.adhesion, overlap, touching, &memory.adhesion)
+    }
+
+    /// Energy of that attraction, J.
+    pub(crate) fn attraction_energy(
+        &self,
+        constants: &PairConstants<f64>,
+        overlap: f64,
+        memory: &Memory<f64>,
+    ) -> f64 {
+        self.adhesion.law().energy(&constants.adhesion, overlap, &memory.adhesion)
+    }
+
+    /// Largest distance of the surfaces at which grains that do not touch act on each other, m.
+    pub fn range(&self, constants: &PairConstants<f64>) -> f64 {
+        self.adhesion.law().range(&constants.adhesion)
+    }
+
     /// Overlap below which a touching pair breaks, m: zero without adhesion.
     pub fn breaking_overlap(&self, constants: &PairConstants<f64>) -> f64 {
         self.normal.law().breaking_overlap(&constants.normal)
@@ -386,7 +496,8 @@ impl Contact {
         let normal = law.loaded(pair, &self.parameters.resolved(law.description().parameters), load);
         let constants = self.constants(pair);
         let [_, step] = self.tangential.law().stiffness(&constants.tangential, &normal);
-        [normal.stiffness, step]
+        let [_, attraction] = self.adhesion.law().at_touch(&constants.adhesion);
+        [normal.stiffness, step + attraction / 3.0]
     }
 
     /// Rewrites a memory for the pair (j, i) instead of (i, j).

@@ -9,13 +9,14 @@ use std::any::TypeId;
 use granum_simd::{Isa, Kernel, Lanes, Real, dispatch};
 
 use super::columns::{
-    Batch, Column, Count, One, TwoBatches, Width, moment_call, normal_call, read, read_normal,
+    Batch, Column, Count, One, TwoBatches, Width, adhesion_call, moment_call, normal_call, read, read_normal,
     tangential_call, write, write_normal,
 };
 use super::law::{
-    AdhesionLosses, Description, MomentLaw, Normal, NormalLaw, NormalTraits, RelativeSpin, TangentialLaw,
+    AdhesionLaw, AdhesionLosses, Description, MomentLaw, Normal, NormalLaw, NormalTraits, RelativeSpin,
+    TangentialLaw,
 };
-use super::{LAW_CONSTANTS, MAX_HISTORY, MAX_MOMENT_HISTORY, PairProperties};
+use super::{LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, PairProperties};
 
 /// A computation over columns, compiled for every width and instruction set.
 trait Call {
@@ -117,9 +118,24 @@ impl<M: MomentLaw> Call for MomentCall<M> {
         let out = M::update(&constants, &contact, spin, dt, &mut history);
         write::<W, MAX_MOMENT_HISTORY>(history, columns, HISTORY);
         let [a, b, c] = out.couple;
-        let numbers = [a, b, c, out.dashpot, out.work, out.loss, out.step_stiffness];
-        write::<W, 7>(numbers, columns, RESULT);
+        let numbers = [a, b, c, out.dashpot, out.twisting_dashpot, out.work, out.loss, out.step_stiffness];
+        write::<W, 8>(numbers, columns, RESULT);
         W::write_mask(out.at_limit, &mut columns[AT_LIMIT]);
+    }
+}
+
+struct AdhesionCall<A>(std::marker::PhantomData<A>);
+impl<A: AdhesionLaw> Call for AdhesionCall<A> {
+    #[inline(always)]
+    fn call<W: Width>(columns: &mut [Column]) {
+        use adhesion_call::*;
+        let constants = read::<W, LAW_CONSTANTS>(columns, 0);
+        let mut history = read::<W, MAX_ADHESION_HISTORY>(columns, HISTORY);
+        let touching = W::read_mask(&columns[TOUCHING]);
+        let out = A::update(&constants, W::read(&columns[OVERLAP]), touching, &mut history);
+        write::<W, MAX_ADHESION_HISTORY>(history, columns, HISTORY);
+        write::<W, 3>([out.force, out.stiffness, out.loss], columns, RESULT);
+        W::write_mask(out.acting, &mut columns[ACTING]);
     }
 }
 
@@ -289,5 +305,95 @@ impl<M: MomentLaw> MomentSlot for M {
     }
     fn energy(&self, constants: &[f64; LAW_CONSTANTS], history: &[f64; MAX_MOMENT_HISTORY]) -> f64 {
         M::energy(constants, history)
+    }
+}
+
+/// A law of adhesion behind function pointers. Every [`AdhesionLaw`] is one.
+pub trait AdhesionSlot: Send + Sync {
+    /// Name, label, help and parameters.
+    fn description(&self) -> &'static Description;
+    /// The type of the law.
+    fn id(&self) -> TypeId;
+    /// [`AdhesionLaw::ACTS`].
+    fn acts(&self) -> bool;
+    /// [`AdhesionLaw::goes_with`].
+    ///
+    /// # Errors
+    /// The reason why it does not.
+    fn goes_with(&self, normal: &NormalTraits) -> Result<(), &'static str>;
+    /// Columns of history.
+    fn history(&self) -> usize;
+    /// [`AdhesionLaw::prepare`].
+    fn prepare(&self, pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS];
+    /// [`AdhesionLaw::update`] over columns.
+    fn update(&self, isa: Isa, count: Count, columns: &mut [Column]);
+    /// Force and stiffness of a pair that just touches, N and N/m.
+    fn at_touch(&self, constants: &[f64; LAW_CONSTANTS]) -> [f64; 2];
+    /// Force of a pair with this history, N.
+    fn force(
+        &self,
+        constants: &[f64; LAW_CONSTANTS],
+        overlap: f64,
+        touching: bool,
+        history: &[f64; MAX_ADHESION_HISTORY],
+    ) -> f64;
+    /// [`AdhesionLaw::energy`].
+    fn energy(
+        &self,
+        constants: &[f64; LAW_CONSTANTS],
+        overlap: f64,
+        history: &[f64; MAX_ADHESION_HISTORY],
+    ) -> f64;
+    /// [`AdhesionLaw::range`].
+    fn range(&self, constants: &[f64; LAW_CONSTANTS]) -> f64;
+}
+
+impl<A: AdhesionLaw> AdhesionSlot for A {
+    fn description(&self) -> &'static Description {
+        &A::DESCRIPTION
+    }
+    fn id(&self) -> TypeId {
+        TypeId::of::<A>()
+    }
+    fn acts(&self) -> bool {
+        A::ACTS
+    }
+    fn goes_with(&self, normal: &NormalTraits) -> Result<(), &'static str> {
+        A::goes_with(normal)
+    }
+    fn history(&self) -> usize {
+        A::HISTORY
+    }
+    fn prepare(&self, pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
+        A::prepare(pair, parameters)
+    }
+    fn update(&self, isa: Isa, count: Count, columns: &mut [Column]) {
+        if A::ACTS {
+            run::<AdhesionCall<A>>(isa, count, columns);
+        }
+    }
+    fn at_touch(&self, constants: &[f64; LAW_CONSTANTS]) -> [f64; 2] {
+        let out = A::update(constants, 0.0, true, &mut [0.0; MAX_ADHESION_HISTORY]);
+        [out.force, out.stiffness]
+    }
+    fn force(
+        &self,
+        constants: &[f64; LAW_CONSTANTS],
+        overlap: f64,
+        touching: bool,
+        history: &[f64; MAX_ADHESION_HISTORY],
+    ) -> f64 {
+        A::update(constants, overlap, touching, &mut { *history }).force
+    }
+    fn energy(
+        &self,
+        constants: &[f64; LAW_CONSTANTS],
+        overlap: f64,
+        history: &[f64; MAX_ADHESION_HISTORY],
+    ) -> f64 {
+        A::energy(constants, overlap, history)
+    }
+    fn range(&self, constants: &[f64; LAW_CONSTANTS]) -> f64 {
+        A::range(constants)
     }
 }

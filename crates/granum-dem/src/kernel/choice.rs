@@ -58,7 +58,7 @@ impl Stages {
         ];
         let known = sets.iter().find(|(n, t, _)| *n == laws.normal && *t == laws.tangential);
         match known {
-            Some((_, _, stages)) if !laws.rolling.law().acts() => stages(),
+            Some((_, _, stages)) if laws.has_contact_only() => stages(),
             _ => Stages::any(),
         }
     }
@@ -84,10 +84,10 @@ mod tests {
         for spread in [0.0, 0.3] {
             let (cell, spheres) =
                 random_insertion(&Grains { count: 120, spread, ..Grains::default() }, 0.35, 3).unwrap();
-            for contact in sets().into_iter().filter(|set| !set.rolling.law().acts()) {
-                let properties = Properties { material: Material::default(), contact };
+            for contact in sets().into_iter().filter(Contact::has_contact_only) {
+                let properties = Properties::new(Material::default(), contact);
                 let run = |stages: Option<Stages>| {
-                    let mut s = Simulation::new(cell, &spheres, properties).unwrap();
+                    let mut s = Simulation::new(cell, &spheres, properties.clone()).unwrap();
                     s.integrator.stages = stages.unwrap_or(s.integrator.stages);
                     s.set_control(Control::isotropic(20e3, 3e4));
                     s.advance(3000).unwrap();

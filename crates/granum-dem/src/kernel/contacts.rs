@@ -18,7 +18,7 @@ use crate::contact::interaction::{Interaction, Kinematics, Memory, dot, scale};
 use crate::discarded::Discarded;
 use crate::pairs::{Block, Marks};
 
-const SUMS: usize = 20;
+const SUMS: usize = 21;
 const SUMS_OF_EIGHT: usize = SUMS.next_multiple_of(LANES);
 
 /// The contact stage for a range of blocks.
@@ -150,6 +150,7 @@ impl<S: StageLaws, C: ConstantSource> Kernel for ContactStage<'_, S, C> {
                 adhesion_broken: s[17],
                 moment_work: s[18],
                 moment_loss: s[19],
+                attraction_loss: s[20],
                 // Equal grains have one mass to divide by.
                 fastest: fastest.reduce_max() / if C::by_batch(v) { 1.0 } else { mass },
             };
@@ -223,7 +224,7 @@ struct PairBatch<L> {
 /// Number of rows of constants that are stored for each batch.
 #[inline(always)]
 fn constants_kept<S: StageLaws>(laws: &S) -> usize {
-    if laws.has_moments() { PairConstants::COUNT } else { PairConstants::WITHOUT_MOMENTS }
+    PairConstants::kept(laws.has_moments(), laws.has_adhesion())
 }
 
 #[inline(always)]
@@ -237,7 +238,7 @@ fn constants_of<L: Lanes, S: StageLaws, C: ConstantSource>(
         let kept = constants_kept(laws);
         // SAFETY: constants are only read.
         let rows = unsafe { &v.constants.read()[b * kept..(b + 1) * kept] };
-        PairConstants::from_columns(laws.has_moments(), |c| L::load(&rows[c].0))
+        PairConstants::from_columns(kept, |c| L::load(&rows[c].0))
     } else {
         common.alike
     }
@@ -271,13 +272,13 @@ fn near_batch<L: Lanes, S: StageLaws, C: ConstantSource, const IMAGE: bool, cons
 ) -> bool {
     let b = order.batch(turn);
     // SAFETY: grains and lists are only read in this stage; marks of a batch belong to the thread that works on its block.
-    let (particles, spin, i, j, touched) = unsafe {
+    let (particles, spin, i, j, marks) = unsafe {
         (
             &v.particles.read()[..v.grains + 2],
             &v.spin.read()[..v.grains + 2],
             &v.first.read()[b],
             &v.second.read()[b],
-            v.marks.write(b..b + 1)[0].touched,
+            v.marks.write(b..b + 1)[0],
         )
     };
     if v.far {
@@ -295,8 +296,14 @@ fn near_batch<L: Lanes, S: StageLaws, C: ConstantSource, const IMAGE: bool, cons
         branch = [branch[0] + image[0], branch[1] + image[1], branch[2] + image[2]];
     }
     let constants = constants_of::<L, S, C>(v, laws, b, common);
-    if TESTED && touched == 0 {
-        let near = dot(branch, branch).lt(constants.radius_sum * constants.radius_sum);
+    if TESTED && marks.touched == 0 && (!S::MAY_HAVE_ADHESION || marks.attracting == 0) {
+        // Nothing acts at a distance in sets without a law of adhesion, and their range need not be added.
+        let reach = if S::MAY_HAVE_ADHESION {
+            constants.radius_sum + L::splat(v.range)
+        } else {
+            constants.radius_sum
+        };
+        let near = dot(branch, branch).lt(reach * reach);
         if !near.any() {
             return false;
         }
@@ -337,7 +344,7 @@ fn near_batch<L: Lanes, S: StageLaws, C: ConstantSource, const IMAGE: bool, cons
 /// Columns of the memory of a batch.
 #[inline(always)]
 fn columns_of<S: StageLaws>(laws: &S) -> usize {
-    NORMAL_COLUMNS + laws.tangential_columns() + laws.moment_columns()
+    NORMAL_COLUMNS + laws.tangential_columns() + laws.moment_columns() + laws.adhesion_columns()
 }
 
 /// Where the memory of a batch lies.
@@ -345,6 +352,12 @@ fn columns_of<S: StageLaws>(laws: &S) -> usize {
 fn rows_of<S: StageLaws>(laws: &S, b: usize) -> Range<usize> {
     let columns = columns_of(laws);
     b * columns..(b + 1) * columns
+}
+
+/// The first column of the law of adhesion.
+#[inline(always)]
+fn adhesion_at<S: StageLaws>(laws: &S) -> usize {
+    NORMAL_COLUMNS + laws.tangential_columns() + laws.moment_columns()
 }
 
 #[inline(always)]
@@ -358,6 +371,9 @@ fn load_memory<R: Real, S: StageLaws>(laws: &S, load: impl Fn(usize) -> R) -> Me
     }
     for k in 0..laws.moment_columns() {
         memory.moments[k] = load(NORMAL_COLUMNS + laws.tangential_columns() + k);
+    }
+    for k in 0..laws.adhesion_columns() {
+        memory.adhesion[k] = load(adhesion_at(laws) + k);
     }
     memory
 }
@@ -518,13 +534,21 @@ fn finish_batch<L: Lanes, R: Real, S: StageLaws, C: ConstantSource, P: Part<L, R
     for k in 0..laws.moment_columns() {
         P::of(memory.moments[k]).store(&mut rows[NORMAL_COLUMNS + laws.tangential_columns() + k].0);
     }
+    for k in 0..laws.adhesion_columns() {
+        P::of(memory.adhesion[k]).store(&mut rows[adhesion_at(laws) + k].0);
+    }
     let sums = &mut totals.sums;
     let touching = P::mask(out.touching).bits() as u8;
     if touching != marks.touched {
         sums[16] = sums[16] + P::of(out.adhesion_made);
         sums[17] = sums[17] + P::of(out.adhesion_broken);
     }
-    *marks = Marks { touched: touching, sliding: P::mask(out.sliding).bits() as u8 };
+    let mut attracting = 0;
+    if S::MAY_HAVE_ADHESION && laws.has_adhesion() {
+        attracting = P::mask(out.attracting).bits() as u8;
+        sums[20] = sums[20] + P::of(out.attraction_loss);
+    }
+    *marks = Marks { touched: touching, sliding: P::mask(out.sliding).bits() as u8, attracting };
     let force = [P::of(out.force[0]), P::of(out.force[1]), P::of(out.force[2])];
     let moment = [P::of(out.moment[0]), P::of(out.moment[1]), P::of(out.moment[2])];
     let branch = pair_batch.kinematics.branch;

@@ -50,6 +50,8 @@ impl<L: Lanes> Couples<L> for [[L; 3]; 2] {
 pub(crate) trait StageLaws {
     /// True if the set may have moments.
     const MAY_HAVE_MOMENTS: bool;
+    /// True if the set may have a law of adhesion.
+    const MAY_HAVE_ADHESION: bool;
     /// Couples on grains.
     type Couples<L: Lanes>: Couples<L>;
     /// The laws of the state.
@@ -58,8 +60,12 @@ pub(crate) trait StageLaws {
     fn tangential_columns(&self) -> usize;
     /// Columns of history of the law of moments.
     fn moment_columns(&self) -> usize;
+    /// Columns of history of the law of adhesion.
+    fn adhesion_columns(&self) -> usize;
     /// True if the set has moments.
     fn has_moments(&self) -> bool;
+    /// True if the set has a law of adhesion.
+    fn has_adhesion(&self) -> bool;
     /// True if the tangential law discards parts of its history which store energy.
     fn discards(&self) -> bool;
     /// A step of a batch.
@@ -89,6 +95,7 @@ pub(crate) trait StageLaws {
 
 impl<N: NormalLaw, T: TangentialLaw> StageLaws for Compiled<N, T> {
     const MAY_HAVE_MOMENTS: bool = false;
+    const MAY_HAVE_ADHESION: bool = false;
     type Couples<L: Lanes> = ();
     #[inline(always)]
     fn of(_views: &Views) -> Self {
@@ -103,7 +110,15 @@ impl<N: NormalLaw, T: TangentialLaw> StageLaws for Compiled<N, T> {
         0
     }
     #[inline(always)]
+    fn adhesion_columns(&self) -> usize {
+        0
+    }
+    #[inline(always)]
     fn has_moments(&self) -> bool {
+        false
+    }
+    #[inline(always)]
+    fn has_adhesion(&self) -> bool {
         false
     }
     #[inline(always)]
@@ -146,6 +161,7 @@ pub(crate) struct AnyLaws(Slots);
 
 impl StageLaws for AnyLaws {
     const MAY_HAVE_MOMENTS: bool = true;
+    const MAY_HAVE_ADHESION: bool = true;
     type Couples<L: Lanes> = [[L; 3]; 2];
     #[inline(always)]
     fn of(views: &Views) -> Self {
@@ -160,8 +176,16 @@ impl StageLaws for AnyLaws {
         self.0.moment_columns()
     }
     #[inline(always)]
+    fn adhesion_columns(&self) -> usize {
+        self.0.adhesion_columns()
+    }
+    #[inline(always)]
     fn has_moments(&self) -> bool {
         self.0.has_moments()
+    }
+    #[inline(always)]
+    fn has_adhesion(&self) -> bool {
+        self.0.has_adhesion()
     }
     #[inline(always)]
     fn discards(&self) -> bool {

@@ -55,6 +55,8 @@ pub struct ContactSums {
     pub moment_work: f64,
     /// The part of it that was lost, J.
     pub moment_loss: f64,
+    /// Lost in this step where attractions beyond touch begin or end, J.
+    pub attraction_loss: f64,
     /// Power that the cell's deformation feeds into the contacts, W.
     pub boundary_power: f64,
     /// `sum of k_n D^2`, J.
@@ -81,6 +83,7 @@ impl ContactSums {
             t.adhesion_broken += c.adhesion_broken;
             t.moment_work += c.moment_work;
             t.moment_loss += c.moment_loss;
+            t.attraction_loss += c.attraction_loss;
             t.boundary_power += c.boundary_power;
             t.stiffness += c.stiffness;
             t.normal_force += c.normal_force;
@@ -127,6 +130,8 @@ pub(crate) struct Views {
     pub(crate) dt: f64,
     /// Pairs with a gap below this belong to the inner list, m.
     pub(crate) inner_skin: f64,
+    /// Largest distance of the surfaces at which grains that do not touch act on each other, m.
+    pub(crate) range: f64,
     /// Weight of the energy of discarded histories in this step; zero where it is not evaluated.
     pub(crate) sampling_weight: f64,
     /// Factor on velocities and spins in a step: 1 without global damping.

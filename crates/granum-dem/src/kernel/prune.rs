@@ -111,8 +111,9 @@ fn measure<L: Lanes>(v: &Views, b: usize) -> Nearness {
     let branch = [c[0] - a[0] + image[0], c[1] - a[1] + image[1], c[2] - a[2] + image[2]];
     let square = dot(branch, branch);
     let sum = a[3] + c[3];
-    let reach = sum + L::splat(v.inner_skin);
-    let touching = square.lt(sum * sum).bits() as u8 | marks.touched;
+    // Without a range the sum is that of the inner skin alone.
+    let reach = sum + L::splat(v.range + v.inner_skin);
+    let touching = square.lt(sum * sum).bits() as u8 | marks.touched | marks.attracting;
     Nearness { touching, near: square.lt(reach * reach).bits() as u8 }
 }
 
@@ -142,6 +143,7 @@ fn sort(v: &Views, batches: Range<usize>, nearness: &mut [Nearness]) -> [usize; 
             }
             exchange_bits(marks, |m| &mut m.touched, from, to - 1);
             exchange_bits(marks, |m| &mut m.sliding, from, to - 1);
+            exchange_bits(marks, |m| &mut m.attracting, from, to - 1);
             trade(v, first + from, first + to - 1);
         }
         *end = from;

@@ -27,7 +27,7 @@ use serde::{Deserialize, Serialize};
 
 use self::friction_search::{next_friction, repeats};
 pub use self::progress::{Phase, Sample, Trial};
-use crate::config::{Contact, Grains, Material, Preparation};
+use crate::config::{Contact, Grains, Preparation};
 pub use crate::observer::{Flow, Observer, Progress};
 use crate::random_insertion::{InsertionError, random_insertion};
 use crate::servo::Control;
@@ -97,6 +97,13 @@ pub struct Recipe<'a> {
     pub hardware: Hardware,
 }
 
+impl Recipe<'_> {
+    /// Materials and law of the finished sample.
+    pub fn properties(&self) -> Properties {
+        Properties::of(self.grains, self.contact, self.preparation.seed)
+    }
+}
+
 /// A preparation under way: the simulation, and where in the recipe it stands. Both can be written down
 /// ([`Simulation::checkpoint`], serde) and taken up again; it ends with the same bits as in one go.
 pub struct Preparing {
@@ -143,16 +150,14 @@ impl NextTrial {
         let friction = match (p.friction, p.solid_fraction) {
             (Some(friction), _) => friction,
             (None, Some(target)) => next_friction(&[], target),
-            (None, None) => recipe.grains.material.friction,
+            (None, None) => recipe.grains.mean_friction(),
         };
         NextTrial { friction, trials: Vec::new(), steps: 0, time: 0.0 }
     }
 
     /// Material and law while this trial compacts.
     pub fn properties(&self, recipe: &Recipe) -> Properties {
-        let interface_energy = recipe.preparation.interface_energy;
-        let material = Material { friction: self.friction, interface_energy, ..recipe.grains.material };
-        Properties { material, contact: *recipe.contact }
+        recipe.properties().with_surface(self.friction, recipe.preparation.interface_energy)
     }
 }
 
@@ -413,7 +418,7 @@ impl Preparing {
         }
         progress.steps += step;
         progress.time += s.state().time();
-        s.set_properties(Properties { material: recipe.grains.material, contact: *recipe.contact })?;
+        s.set_properties(recipe.properties())?;
         begin_relaxation(s, p);
         progress.stage = Stage::Relaxation;
         progress.converged_checks = 0;

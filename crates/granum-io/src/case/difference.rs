@@ -46,6 +46,7 @@ impl Case {
     /// ```
     pub fn values(&self) -> CaseValues {
         let mut values: CaseValues = FIELDS.iter().map(|field| (field.path(), shown(field, self))).collect();
+        values.extend(self.material_values());
         if self.has_stages() {
             values.insert("stage".into(), self.stages_toml().trim().replace('\n', "; "));
         }
@@ -75,7 +76,10 @@ pub fn differences(cases: &[(&str, &CaseValues)]) -> Vec<Difference> {
 fn difference(key: String, cases: &[(&str, &CaseValues)]) -> Option<Difference> {
     let mut values: Vec<(String, Vec<String>)> = Vec::new();
     for (name, case) in cases {
-        let Some(value) = case.get(&key) else { continue };
+        // A material that one case has and the other has not is a difference, not another version's key.
+        let of_material = key.starts_with("material.") || key.starts_with("pair.");
+        let absent = of_material.then(|| NOT_GIVEN.to_string());
+        let Some(value) = case.get(&key).or(absent.as_ref()) else { continue };
         match values.iter_mut().find(|(known, _)| known == value) {
             Some((_, names)) => names.push((*name).to_string()),
             None => values.push((value.clone(), vec![(*name).to_string()])),
@@ -101,7 +105,12 @@ mod tests {
             }
             if field.is_of_law() {
                 // Keys of laws are compared where a law uses them.
-                let users = [("normal", "hooke"), ("tangential", "no-slip"), ("rolling", "elastic-plastic")];
+                let users = [
+                    ("normal", "hooke"),
+                    ("tangential", "no-slip"),
+                    ("rolling", "elastic-plastic-twisting"),
+                    ("adhesion", "capillary-bridge"),
+                ];
                 users.iter().for_each(|(slot, law)| one.set(&format!("contact.{slot}"), law).unwrap());
             }
             let mut two = one.clone();

@@ -10,12 +10,13 @@ const PREPARATION: [&str; 5] = ["grains", "grains.material", "contact", "prepara
 
 /// Keys that came after the first digests were given out: they are left out where they are not in use, so that a case that
 /// does without them keeps its digest.
-const LATER: [&str; 5] = [
+const LATER: [&str; 6] = [
     "recording.first_strain",
     "recording.strains",
     "recording.snapshots",
     "recording.sensors",
     "contact.rolling",
+    "contact.adhesion",
 ];
 
 impl Case {
@@ -68,6 +69,9 @@ impl Case {
                 }
             };
             text.push_str(&format!("{}={value}\n", name(field)));
+        }
+        if wanted("grains.material") {
+            text.push_str(&self.materials_toml());
         }
         if wanted("stage") {
             text.push_str(&self.stages_toml());

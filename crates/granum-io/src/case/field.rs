@@ -180,8 +180,10 @@ impl Field {
                 self.check_number(value)
             }
             Kind::Law(parameter) => {
-                let powers = parameter.unit.powers;
-                let value = parse_quantity(text, Dimension::of_powers(powers));
+                let angle = parameter.unit == Unit::ANGLE;
+                let dimension =
+                    if angle { Dimension::ANGLE } else { Dimension::of_powers(parameter.unit.powers) };
+                let value = parse_quantity(text, dimension);
                 self.check_number(value.map_err(|why| in_units_of(parameter, why))?)
             }
             Kind::Count { .. } => {

@@ -119,10 +119,15 @@ fn fields() -> Vec<Field> { vec![
         get: |case| case.contact.tangential.name(),
         set: |case, name| if let Some(law) = registry::tangential_named(name) { case.contact.tangential = law },
     }),
-    entry("contact", "rolling", "Resistance to rolling.", "none", Kind::Choice {
+    entry("contact", "rolling", "Resistance to rolling and twisting.", "none", Kind::Choice {
         options: options!(rolling_laws),
         get: |case| case.contact.rolling.name(),
         set: |case, name| if let Some(law) = registry::rolling_named(name) { case.contact.rolling = law },
+    }),
+    entry("contact", "adhesion", "Attraction on top of the contact, which may act beyond touch.", "none", Kind::Choice {
+        options: options!(adhesion_laws),
+        get: |case| case.contact.adhesion.name(),
+        set: |case, name| if let Some(law) = registry::adhesion_named(name) { case.contact.adhesion = law },
     }),
     entry("contact", "damping", "Fraction zeta of critical damping in the contact dashpots.", "0.1",
         number!(NUMBER, "0"..="1", contact.damping)),

@@ -2,12 +2,14 @@
 //!
 //! [`fields`] is the one list of keys with their bounds; reading, writing, the template of `granum init` and the
 //! digests all walk that list. A new key is one entry there. The tables `[[stage]]` stand beside it: named paths declare
-//! their own parameters ([`granum_dem::loading::preset`]).
+//! their own parameters ([`granum_dem::loading::preset`]); and the tables `[[material]]` and `[[pair]]`, which have keys of the list.
 
 mod difference;
 mod digest;
 mod field;
 mod fields;
+mod material;
+mod material_read;
 mod read;
 mod rules;
 mod schema;
@@ -32,6 +34,15 @@ pub const UNUSED_WITH_PACKING: [&str; 5] = [
     "preparation.seed",
     "preparation.initial_solid_fraction",
 ];
+
+impl Case {
+    /// Keys that have no part in a run of this case whose sample is made of a packing: [`UNUSED_WITH_PACKING`], but for the seed
+    /// where it says which grain is of which material.
+    pub fn unused_with_packing(&self) -> impl Iterator<Item = &'static str> + use<> {
+        let drawn = !self.grains.mixture.is_empty();
+        UNUSED_WITH_PACKING.into_iter().filter(move |key| !(drawn && *key == SEED))
+    }
+}
 
 /// Everything that decides a result. [`Default`] is the case of Antony, Zhou and Wang (2006).
 ///
@@ -62,6 +73,8 @@ pub struct Case {
     pub numerics: Numerics,
 }
 
+#[cfg(test)]
+mod material_tests;
 #[cfg(test)]
 mod stage_tests;
 #[cfg(test)]

@@ -10,6 +10,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::fields::{RENAMED, SECTIONS};
+use super::material_read::{MaterialTable, PairTable};
 use super::rules::RULES;
 use super::stage::{CaseStage, has_no_part};
 use super::{Case, FIELDS, Field, Value, field};
@@ -49,6 +50,8 @@ impl Case {
             keys: HashMap::new(),
             values: HashMap::new(),
             stages: Vec::new(),
+            materials: Vec::new(),
+            pairs: Vec::new(),
         };
         reader.table(document.get_ref(), "");
         reader.check_rate();
@@ -59,6 +62,10 @@ impl Case {
             if let Some(value) = reader.values.get(&field.path()) {
                 field.apply(&mut case, value.clone());
             }
+        }
+        let (materials, pairs) = (std::mem::take(&mut reader.materials), std::mem::take(&mut reader.pairs));
+        if !(materials.is_empty() && pairs.is_empty()) {
+            case.grains.mixture = reader.mixture(&case, materials, pairs);
         }
         if reader.errors.is_empty() {
             reader.check_rules(&case);
@@ -76,6 +83,9 @@ impl Case {
             |message: String| Error::Value { name: path.to_string(), value: text.to_string(), message };
         if path.starts_with("stage.") {
             return self.set_stage(path, text);
+        }
+        if path.starts_with("material.") || path.starts_with("pair.") {
+            return self.set_material(path, text);
         }
         if self.has_stages() && has_no_part(path) {
             return Err(wrong("has no part in a case with stages; set stage.1.KEY instead".into()));
@@ -98,7 +108,7 @@ impl Case {
 type ListError = (Option<(usize, Range<usize>)>, String);
 
 /// The text of a single value.
-fn scalar(field: &Field, value: &DeValue<'_>) -> std::result::Result<String, String> {
+pub(super) fn scalar(field: &Field, value: &DeValue<'_>) -> std::result::Result<String, String> {
     match value {
         DeValue::String(text) => Ok(text.to_string()),
         DeValue::Float(number) => Ok(number.as_str().replace('_', "")),
@@ -117,6 +127,8 @@ pub(super) struct Reader<'a> {
     /// By path: the value, if it is right.
     values: HashMap<String, Value>,
     stages: Vec<CaseStage>,
+    materials: Vec<MaterialTable>,
+    pairs: Vec<PairTable>,
 }
 
 impl Reader<'_> {
@@ -145,6 +157,12 @@ impl Reader<'_> {
             } else if path == "stage" {
                 self.keys.insert(path, key.span());
                 self.stages = self.stages(value);
+            } else if path == "material" {
+                self.keys.insert(path, key.span());
+                self.materials = self.materials(value);
+            } else if path == "pair" {
+                self.keys.insert(path, key.span());
+                self.pairs = self.pairs(value);
             } else if let Some(field) = field(&path) {
                 self.field(field, key.span(), value);
             } else if let Some(new) = new_name(&path) {
@@ -245,7 +263,7 @@ impl Reader<'_> {
         if let Err(error) = registry::check(&case.contact) {
             let keys = match &error {
                 LawError::Unused { key, .. } | LawError::OutOfBounds { key, .. } => vec![*key],
-                LawError::Apart { .. } => vec!["tangential", "normal"],
+                LawError::Apart { slot, .. } => vec![*slot, "normal"],
             };
             let given = keys.iter().find_map(|key| self.keys.get(&format!("contact.{key}")));
             let span = given.cloned().unwrap_or(0..0);
@@ -281,7 +299,7 @@ fn suggestion(path: &str, section: &str) -> String {
     let key = path.rsplit('.').next().unwrap_or(path);
     let known_section = FIELDS.iter().any(|field| field.section == section);
     let beside: Vec<&str> = if !known_section {
-        SECTIONS.iter().map(|[name, _]| *name).chain(["stage"]).collect()
+        SECTIONS.iter().map(|[name, _]| *name).chain(["material", "pair", "stage"]).collect()
     } else {
         FIELDS.iter().filter(|field| field.section == section).map(|field| field.key).collect()
     };

@@ -22,6 +22,7 @@ pub(super) const RULES: &[Rule] = &[
         fields: &["preparation.interface_energy", "grains.material.youngs_modulus", "grains.diameter"],
         broken: |case| too_sticky(case, "preparation", case.preparation.interface_energy),
     },
+    Rule { fields: &["material", "pair"], broken: materials_too_sticky },
     Rule {
         fields: &["preparation.initial_solid_fraction", "preparation.solid_fraction"],
         broken: |case| {
@@ -81,10 +82,31 @@ fn beyond_the_end(case: &Case, key: &str, strains: &[f64]) -> Option<String> {
     Some(format!("{key} goes up to {last}, but the test ends at shear.deviator_strain = {end}"))
 }
 
+/// What is wrong where the adhesion of one of several materials reaches beyond the theory of small contacts.
+fn materials_too_sticky(case: &Case) -> Option<String> {
+    if case.grains.mixture.is_empty() {
+        return None;
+    }
+    let smallest = 0.5 * case.grains.diameter * (1.0 - case.grains.spread);
+    let properties = case.properties();
+    let compacting = properties.with_surface(case.grains.mean_friction(), case.preparation.interface_energy);
+    let reach =
+        [properties, compacting].iter().filter_map(|p| p.adhesion_reach(smallest).ok()).fold(0.0, f64::max);
+    (reach > LARGEST_REACH * smallest).then(|| {
+        format!(
+            "adhesion between grains of these materials would hold the smallest grains up to {reach:.2e} m apart, beyond half their \
+             radius, where the theory of small contacts ends: lower an interface_energy or raise a youngs_modulus"
+        )
+    })
+}
+
 /// What is wrong where adhesion reaches beyond the theory of small contacts.
 fn too_sticky(case: &Case, section: &str, interface_energy: f64) -> Option<String> {
     let smallest = 0.5 * case.grains.diameter * (1.0 - case.grains.spread);
-    let mut properties = Properties { material: case.grains.material, contact: case.contact };
+    if !case.grains.mixture.is_empty() {
+        return None;
+    }
+    let mut properties = Properties::new(case.grains.material, case.contact);
     properties.material.interface_energy = interface_energy;
     let largest = LARGEST_REACH * smallest;
     let reach = properties.adhesion_reach(smallest).ok().filter(|reach| *reach > largest)?;
@@ -114,6 +136,7 @@ impl Case {
             })?;
         }
         registry::check(&self.contact).map_err(|error| Error::Rule(error.to_string()))?;
+        self.check_materials()?;
         self.check_stages()?;
         for rule in RULES {
             if let Some(message) = (rule.broken)(self) {

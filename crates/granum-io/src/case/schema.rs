@@ -6,6 +6,7 @@ use granum_dem::servo::COMPONENTS;
 use serde_json::{Map, Value, json};
 
 use super::fields::SECTIONS;
+use super::material::{BETWEEN, NAME, SHARE};
 use super::stage::bounds;
 use super::stage_read::STAGE_KEYS;
 use super::{Case, FIELDS, Field};
@@ -26,6 +27,16 @@ impl Case {
             }
             place["properties"][last] = object(help, keys);
         }
+        root["properties"]["material"] = json!({
+            "description": "Several materials; what one leaves out is as in [grains.material] and [contact].",
+            "type": "array",
+            "items": material(),
+        });
+        root["properties"]["pair"] = json!({
+            "description": "Values between two materials, in place of what follows from the two.",
+            "type": "array",
+            "items": pair(),
+        });
         root["properties"]["stage"] = json!({
             "description": "The test as stages, one after another, in place of the section [shear].",
             "type": "array",
@@ -66,6 +77,37 @@ fn of_field(field: &Field) -> Value {
     };
     schema["default"] =
         field.example.parse::<f64>().map_or_else(|_| json!(field.example), |number| json!(number));
+    schema
+}
+
+/// A field in a table that may leave it out, without the default of its section.
+fn without_default(field: &Field) -> (String, Value) {
+    let mut schema = of_field(field);
+    if let Some(map) = schema.as_object_mut() {
+        map.remove("default");
+    }
+    (field.key.to_string(), schema)
+}
+
+/// A table `[[material]]`.
+fn material() -> Value {
+    let mut keys: Map<String, Value> = super::material::fields().map(without_default).collect();
+    let name = json!({ "description": NAME, "type": "string", "pattern": "^[A-Za-z0-9_-]+$" });
+    keys.insert("name".into(), name);
+    keys.insert("share".into(), json!({ "description": SHARE, "type": ["number", "string"] }));
+    let mut schema = object("A material.", keys);
+    schema["required"] = json!(["name"]);
+    schema
+}
+
+/// A table `[[pair]]`.
+fn pair() -> Value {
+    let mut keys: Map<String, Value> = super::material::pair_fields().map(without_default).collect();
+    let names = json!({ "type": "array", "items": { "type": "string" }, "minItems": 2, "maxItems": 2 });
+    keys.insert("between".into(), names);
+    keys["between"]["description"] = json!(BETWEEN);
+    let mut schema = object("What holds between two materials.", keys);
+    schema["required"] = json!(["between"]);
     schema
 }
 
@@ -138,6 +180,10 @@ mod tests {
             let place = field.path().replace('.', "/properties/");
             let found = schema.pointer(&format!("/properties/{place}"));
             assert!(found.is_some_and(|found| found["description"].is_string()), "{}", field.path());
+        }
+        for field in super::super::material::fields() {
+            let found = &schema["properties"]["material"]["items"]["properties"][field.key];
+            assert!(found["description"].is_string() && found["default"].is_null(), "{}", field.key);
         }
         let stages = schema["properties"]["stage"]["items"]["anyOf"].as_array().unwrap();
         for preset in preset::ALL {

@@ -2,7 +2,7 @@
 
 use super::fields::SECTIONS;
 use super::stage::has_no_part;
-use super::{Case, FIELDS, Field, UNUSED_WITH_PACKING};
+use super::{Case, FIELDS, Field};
 
 const TEMPLATE_HEAD: &str = "\
 # A granum case: everything that decides a result.
@@ -12,6 +12,19 @@ const TEMPLATE_HEAD: &str = "\
 ";
 
 const TEMPLATE_TAIL: &str = "
+# Several materials: what a table leaves out is as in [grains.material] and [contact]. Elastic moduli of a pair follow from the theory of
+# contact, other properties by a mean, unless [[pair]] gives them.
+# [[material]]
+# name = \"glass\"
+# share = 0.7
+# [[material]]
+# name = \"rubber\"
+# youngs_modulus = \"5 MPa\"
+# friction = 0.9
+# [[pair]]
+# between = [\"glass\", \"rubber\"]
+# friction = 0.7
+
 # Another test: stages in place of [shear], each a named path (`granum run --list` shows them all) or a control of its own.
 # [[stage]]
 # path = \"drained-triaxial\"
@@ -66,7 +79,7 @@ impl Case {
                     continue;
                 }
                 let unit = field.si_unit();
-                let unused = packing.is_some() && UNUSED_WITH_PACKING.contains(&field.path().as_str());
+                let unused = packing.is_some() && self.unused_with_packing().any(|key| key == field.path());
                 let comment = match (unit.as_str(), unused) {
                     (_, true) => "  # no part in this run: the grains are those of the packing".to_string(),
                     ("", false) => String::new(),
@@ -75,6 +88,7 @@ impl Case {
                 text.push_str(&format!("{} = {}{comment}\n", field.key, field.toml(&value)));
             }
         }
+        text.push_str(&self.materials_toml());
         text.push_str(&self.stages_toml());
         text
     }

@@ -70,7 +70,7 @@ pub fn packed(path: &std::path::Path) -> Result<Simulation, Box<dyn Error>> {
     let packing = granum_io::read_packing(path)?;
     let (contact, grains) = (Laws::Plain.contact(), Laws::Plain.grains(packing.grains.len()));
     let preparation = Preparation::default();
-    let properties = Properties { material: grains.material, contact };
+    let properties = Properties::new(grains.material, contact);
     let simulation = Simulation::new(cell(&packing), &spheres(&packing), properties)?;
     Ok(settle(simulation, &recipe(&grains, &contact, &preparation), &mut NoObserver)?.simulation)
 }

@@ -3,8 +3,7 @@
 use std::path::Path;
 
 use granum_dem::preparation::{NextTrial, Preparing, Recipe, is_loose};
-use granum_dem::simulation::Properties;
-use granum_io::case::{UNUSED_WITH_PACKING, field};
+use granum_io::case::field;
 use granum_io::run::{PackingRecord, RunSource, file_digest};
 use granum_io::{Case, Packing};
 
@@ -53,8 +52,7 @@ pub(super) fn begin(
         state.solid_fraction()
     );
     drop(loose);
-    let properties = Properties { material: recipe.grains.material, contact: *recipe.contact };
-    Ok((Preparing::settling(simulation(packing, properties)?, recipe), Some(why)))
+    Ok((Preparing::settling(simulation(packing, recipe.properties())?, recipe), Some(why)))
 }
 
 /// The next trial of the preparation friction, from the packing again.
@@ -81,7 +79,7 @@ pub(super) fn remarks(case: &Case, path: &Path, why_not: Option<&str>) -> Vec<St
     let name = file_name(path);
     let set = |key: &&str| field(key).is_some_and(|field| field.value(case) != field.value(&default));
     let shown = |key: &str| field(key).map_or_else(String::new, |field| field.shown(case));
-    let mut remarks: Vec<String> = (UNUSED_WITH_PACKING.iter().filter(|key| set(key)))
+    let mut remarks: Vec<String> = (case.unused_with_packing().filter(|key| set(key)))
         .map(|key| format!("{key} = {} has no part in this run: its grains are those of {name}", shown(key)))
         .collect();
     if let Some(why) = why_not {

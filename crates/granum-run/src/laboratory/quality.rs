@@ -27,9 +27,15 @@ impl Stored {
                 .iter()
                 .map(|g| 0.5 * g.mass * (square(&g.velocity) + 0.4 * g.radius * g.radius * square(&g.spin)))
                 .sum(),
-            elastic_normal: assembly.contacts.iter().map(|c| c.normal_energy).sum(),
+            elastic_normal: assembly.contacts.iter().map(|c| c.normal_energy).sum::<f64>()
+                + attraction_energy(assembly),
         }
     }
+}
+
+/// Energy of attraction on top of contacts and beyond touch, J.
+fn attraction_energy(assembly: &Assembly) -> f64 {
+    assembly.contacts.iter().chain(&assembly.apart).map(|pair| pair.attraction_energy).sum()
 }
 
 /// Relative gap of the energy balance: what the boundary put in against what was stored, slid, damped and broken.
@@ -40,6 +46,7 @@ fn energy_gap(before: &Stored, end: &Assembly) -> f64 {
     // The work of the tangential forces is stored, slipped and slid; what is stored needs no taking apart here.
     let accounted =
         stored + e.tangential_work + e.damping + e.adhesion_made + e.adhesion_broken + e.rolling_work;
+    let accounted = accounted + e.attraction_loss;
     if e.boundary_work == 0.0 { 0.0 } else { ((e.boundary_work - accounted) / e.boundary_work).abs() }
 }
 

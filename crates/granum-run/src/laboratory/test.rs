@@ -2,7 +2,7 @@
 
 use granum_dem::loading::{self, Ending, Stage as Loading, StageEnd, StageProgress, begin, density_scaling};
 use granum_dem::observer::{Observer, Observers};
-use granum_dem::simulation::{Properties, Simulation};
+use granum_dem::simulation::Simulation;
 use granum_io::Case;
 use granum_sensors::{Record, Recorder, SavedRecorder, SensorError, Sensors};
 use serde::{Deserialize, Serialize};
@@ -164,11 +164,11 @@ impl Laboratory {
         run_state: &mut RunState,
     ) -> Result<Segment, LaboratoryError> {
         let simulation = &mut run_state.simulation;
-        let mut material = case.grains.material;
+        let mut properties = case.properties();
         if !case.has_stages() {
-            material.density *= density_scaling(&case.shear.rate);
+            properties = properties.with_densities(density_scaling(&case.shear.rate));
         }
-        simulation.set_properties(Properties { material, contact: case.contact })?;
+        simulation.set_properties(properties)?;
         simulation.set_time_step_factor(case.numerics.time_step_factor);
         run_state.stage = Stage::Test(Box::new(Test::begin(case, &self.sensors, simulation)?));
         Ok(Segment::GoOn)

@@ -12,17 +12,15 @@ use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation};
 pub const MEAN_STRESS: f64 = 20e3;
 
 pub fn properties(friction: f64, damping: f64) -> Properties {
-    Properties {
-        material: Material { friction, interface_energy: 0.0, ..Material::default() },
-        contact: Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, damping),
-    }
+    let material = Material { friction, interface_energy: 0.0, ..Material::default() };
+    Properties::new(material, Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, damping))
 }
 
 /// 300 equal grains at rest at 20 kPa: Hertz, no-slip, friction 0.3.
 pub fn sample() -> &'static Simulation {
     static SAMPLE: OnceLock<Simulation> = OnceLock::new();
     SAMPLE.get_or_init(|| {
-        let Properties { material, contact } = properties(0.3, 0.1);
+        let Properties { material, contact, .. } = properties(0.3, 0.1);
         let grains = Grains { count: 300, material, ..Grains::default() };
         prepared(&grains, &contact)
     })

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use clap::Args;
-use granum_io::case::{UNUSED_WITH_PACKING, field};
+use granum_io::case::field;
 use granum_io::{Case, Error};
 
 use crate::failure::Failure;
@@ -95,14 +95,14 @@ impl CaseFlags {
         if let Some(seed) = &self.seed {
             settings.push(Setting { flag: "--seed".into(), key: "preparation.seed", value: seed });
         }
-        let unused = |setting: &&Setting| UNUSED_WITH_PACKING.contains(&setting.key);
+        let mut case = Case::read(path)?;
+        let unused = |setting: &&Setting| case.unused_with_packing().any(|key| key == setting.key);
         if let Some(setting) = settings.iter().find(unused).filter(|_| packing) {
             return Err(Failure::new(format!(
                 "{} has no part in a run from --packing: the grains are those of the packing",
                 setting.flag
             )));
         }
-        let mut case = Case::read(path)?;
         if let Some((name, parameters)) = loading {
             case = case.with_path(name, parameters)?;
         }

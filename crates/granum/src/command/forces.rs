@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use granum_dem::simulation::Properties;
 use granum_io::{Column, Table};
 use granum_run::laboratory::simulation;
 use serde_json::json;
@@ -32,9 +31,8 @@ pub struct Forces {
 impl Forces {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let case = self.law.case()?;
-        let (material, contact) = (case.grains.material, case.contact);
         let packing = granum_io::read_packing(&self.packing)?;
-        let simulation = simulation(&packing, Properties { material, contact })?;
+        let simulation = simulation(&packing, case.properties())?;
         let assembly = simulation.assembly();
         let mut columns =
             vec![Column::new("id", "1", assembly.grains.iter().map(|g| g.id as f64).collect::<Vec<_>>())];

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use granum_dem::contact::registry::{normal_laws, parameters, rolling_laws, tangential_laws};
+use granum_dem::contact::registry::{adhesion_laws, normal_laws, parameters, rolling_laws, tangential_laws};
 use granum_io::Case;
 
 use super::case_flags::SetFlags;
@@ -25,10 +25,16 @@ pub struct LawFlags {
     #[arg(
         long,
         value_name = "LAW",
-        help = names("Resistance to rolling", rolling_laws().iter().map(|law| law.name())),
+        help = names("Resistance to rolling and twisting", rolling_laws().iter().map(|law| law.name())),
         long_help = rolling_help()
     )]
     rolling: Option<String>,
+    #[arg(
+        long,
+        value_name = "LAW",
+        help = names("Attraction on top of the contact", adhesion_laws().iter().map(|law| law.name()))
+    )]
+    adhesion: Option<String>,
     /// Diameter d of a grain.
     #[arg(long, value_name = "LENGTH")]
     diameter: Option<String>,
@@ -65,12 +71,25 @@ fn names(what: &str, laws: impl Iterator<Item = &'static str>) -> String {
 
 /// The names, and what parameters of laws `--set` takes.
 fn rolling_help() -> String {
-    let what = names("Resistance to rolling", rolling_laws().iter().map(|law| law.name()));
+    let what = names("Resistance to rolling and twisting", rolling_laws().iter().map(|law| law.name()));
     let keys: Vec<_> = parameters().iter().map(|p| format!("contact.{}", p.key)).collect();
     format!("{what}. Parameters of laws are given by --set: {}", keys.join(", "))
 }
 
 impl LawFlags {
+    /// As [`LawFlags::case`], for a command that knows grains of one material only.
+    pub fn case_of_one_material(&self) -> Result<Case, Failure> {
+        let case = self.case()?;
+        if case.grains.mixture.is_empty() {
+            return Ok(case);
+        }
+        Err(Failure::new(
+            "the case has several materials, and this command takes two grains of one: leave [[material]] and [[pair]] out and give \
+             the properties under [grains.material]"
+                .to_string(),
+        ))
+    }
+
     /// The case that file and flags make together.
     pub fn case(&self) -> Result<Case, Failure> {
         let mut case = match &self.case {
@@ -81,6 +100,7 @@ impl LawFlags {
             ("--normal", "contact.normal", &self.normal),
             ("--tangential", "contact.tangential", &self.tangential),
             ("--rolling", "contact.rolling", &self.rolling),
+            ("--adhesion", "contact.adhesion", &self.adhesion),
             ("--diameter", "grains.diameter", &self.diameter),
             ("--density", "grains.material.density", &self.density),
             ("--youngs-modulus", "grains.material.youngs_modulus", &self.youngs_modulus),

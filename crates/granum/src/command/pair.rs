@@ -42,7 +42,7 @@ pub struct Pair {
 
 impl Pair {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
-        let case = self.law.case()?;
+        let case = self.law.case_of_one_material()?;
         let mut table = read_table(&self.path)?;
         let in_file =
             |error: &dyn std::fmt::Display| Failure::new(format!("{}: {error}", self.path.display()));

@@ -51,7 +51,7 @@ impl TestRun {
         check_free(&self.out, Kind::Run, context.force)?;
         // Before there is a folder: a mistake leaves none behind, and with --force costs no older run.
         let mut show = Show::new(context);
-        let planned = laboratory.plan("shear", case, &source, &mut show)?;
+        let planned = laboratory.planned("shear", case, &source, &mut show)?;
         let folder = RunFolder::create(&self.out, context.force)?;
         let record = planned.run(&folder, &mut show)?;
         run_report::print(context, &self.out, &record)

@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod escape;
+mod materials;
 mod mixed;
 mod networks;
 mod nothing_lost;

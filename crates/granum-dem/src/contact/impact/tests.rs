@@ -1,6 +1,7 @@
 //! Collisions against analysis.
 
 use super::*;
+use crate::config::AdhesionKind;
 use crate::config::{NormalKind, TangentialKind};
 
 const DIAMETER: f64 = 1e-4;
@@ -69,6 +70,30 @@ fn adhesive_contact_times() {
     for (ratio, time) in [(1.5, 2.327835), (2.0, 2.080056), (5.0, 1.557234)] {
         let impact = collide(&jkr, &material, DIAMETER, ratio * 2.366148196e-2, 0.0).unwrap();
         assert!((impact.contact_time / unit / time - 1.0).abs() < 2e-6, "{}", impact.contact_time / unit);
+    }
+}
+
+/// Wet grains come apart when their bridge ruptures, with what it held at its rupture missing: `v'^2 = v^2 - 2 E_c/m*`.
+#[test]
+fn wet_grains_lose_what_their_bridge_held() {
+    let pair = PairProperties::new((&smooth(), 0.5 * DIAMETER), (&smooth(), 0.5 * DIAMETER), 0.0);
+    for normal in [NormalKind::HERTZ, NormalKind::HOOKE] {
+        let wet = Contact {
+            adhesion: AdhesionKind::CAPILLARY_BRIDGE,
+            ..contact(normal, TangentialKind::NO_SLIP, 0.0)
+        };
+        let constants = wet.constants(&pair);
+        let apart = wet.range(&constants);
+        let bridged = Memory { adhesion: [1.0, 0.0, 0.0, 0.0], ..Memory::new() };
+        let held = wet.attraction_energy(&constants, -apart, &bridged);
+        let least = (2.0 * held / pair.effective_mass).sqrt();
+        for times in [1.2, 2.0, 5.0] {
+            let impact = collide(&wet, &smooth(), DIAMETER, times * least, 0.0).unwrap();
+            let expected = (1.0 - 1.0 / (times * times) as f64).sqrt();
+            assert!((impact.restitution / expected - 1.0).abs() < 1e-5, "{normal}: {}", impact.restitution);
+        }
+        let slow = collide(&wet, &smooth(), DIAMETER, 0.9 * least, 0.0).unwrap();
+        assert!(slow.sticks, "{normal}: {slow:?}");
     }
 }
 

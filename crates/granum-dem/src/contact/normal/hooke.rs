@@ -11,7 +11,9 @@
 
 use granum_simd::Real;
 
-use crate::contact::{Description, LAW_CONSTANTS, Normal, NormalLaw, PairProperties, Parameter, Unit};
+use crate::contact::{
+    Description, LAW_CONSTANTS, Mixing, Normal, NormalLaw, PairProperties, Parameter, Unit,
+};
 
 /// A linear spring.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +34,7 @@ impl NormalLaw for Hooke {
             bounds: [1.0, 1e10],
             meaning: "Stiffness k_n of the linear spring of every contact",
             without_area: false,
+            mixing: Mixing::Harmonic,
         }],
     };
     const CONTACT_AREA: bool = false;

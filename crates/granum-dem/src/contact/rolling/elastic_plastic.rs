@@ -18,9 +18,10 @@
 
 use granum_simd::Real;
 
+use super::slider::{slide, stored};
 use crate::contact::{
-    Description, LAW_CONSTANTS, MAX_MOMENT_HISTORY, Moment, MomentLaw, Normal, PairProperties, Parameter,
-    RelativeSpin, Unit,
+    Description, LAW_CONSTANTS, MAX_MOMENT_HISTORY, Mixing, Moment, MomentLaw, Normal, PairProperties,
+    Parameter, RelativeSpin, Unit,
 };
 
 /// Model C of Ai et al. (2011).
@@ -34,7 +35,7 @@ const STIFFNESS_AREA: usize = 1;
 /// `3 zeta_r mu_r R* I_r^(1/2)`: times the root of the normal stiffness it is the dashpot's coefficient.
 const DASHPOT: usize = 2;
 /// `9/4 (mu_r R*)^2 / R^2` with the smaller radius R: times the normal stiffness it counts as a tangential stiffness.
-const STEP: usize = 3;
+const STEP: usize = ElasticPlasticRolling::STEP;
 
 /// Columns of history after the couple.
 const STIFFNESS_BEFORE: usize = 2;
@@ -42,29 +43,38 @@ const STIFFNESS_BEFORE: usize = 2;
 const FRICTION: usize = 0;
 const DAMPING: usize = 1;
 
+/// `contact.rolling_friction`.
+pub(super) const ROLLING_FRICTION: Parameter = Parameter {
+    key: "rolling_friction",
+    unit: Unit::NUMBER,
+    default: 0.1,
+    bounds: [0.0, 2.0],
+    meaning: "Coefficient mu_r of rolling friction: the rolling couple is at most mu_r R* N",
+    without_area: false,
+    mixing: Mixing::Geometric,
+};
+/// `contact.rolling_damping`.
+pub(super) const ROLLING_DAMPING: Parameter = Parameter {
+    key: "rolling_damping",
+    unit: Unit::NUMBER,
+    default: 0.3,
+    bounds: [0.0, 1.0],
+    meaning: "Fraction zeta_r of critical damping of the rolling spring below its limit",
+    without_area: false,
+    mixing: Mixing::Arithmetic,
+};
+
+impl ElasticPlasticRolling {
+    /// Place of the share of the normal stiffness that counts as a tangential one.
+    pub(super) const STEP: usize = 3;
+}
+
 impl MomentLaw for ElasticPlasticRolling {
     const DESCRIPTION: Description = Description {
         name: "elastic-plastic",
         label: "elastic-plastic rolling resistance",
         help: "a spring, a slider and a dashpot against rolling: model C of Ai et al. 2011",
-        parameters: &[
-            Parameter {
-                key: "rolling_friction",
-                unit: Unit::NUMBER,
-                default: 0.1,
-                bounds: [0.0, 2.0],
-                meaning: "Coefficient mu_r of rolling friction: the rolling couple is at most mu_r R* N",
-                without_area: false,
-            },
-            Parameter {
-                key: "rolling_damping",
-                unit: Unit::NUMBER,
-                default: 0.3,
-                bounds: [0.0, 1.0],
-                meaning: "Fraction zeta_r of critical damping of the rolling spring below its limit",
-                without_area: false,
-            },
-        ],
+        parameters: &[ROLLING_FRICTION, ROLLING_DAMPING],
     };
     const HISTORY: usize = 3;
     const PLANE_VECTORS: usize = 1;
@@ -86,43 +96,26 @@ impl MomentLaw for ElasticPlasticRolling {
         dt: R,
         history: &mut [R; MAX_MOMENT_HISTORY],
     ) -> Moment<R> {
-        let (zero, one, half, tiny) = (R::zero(), R::splat(1.0), R::splat(0.5), R::splat(1e-200));
         let stiffness = c[STIFFNESS_AREA] * normal.stiffness;
         let limit = c[ARM] * normal.friction_load;
-        let (held, before) = ([history[0], history[1]], history[STIFFNESS_BEFORE]);
         let turned = [dt * spin.rolling[0], dt * spin.rolling[1]];
-        let kept = (stiffness / before.max(tiny)).min(one);
-        let trial =
-            [stiffness.mul_add(turned[0], kept * held[0]), stiffness.mul_add(turned[1], kept * held[1])];
-        let square = dot(trial, trial);
-        let at_limit = square.ge(limit * limit);
-        let factor = R::select(at_limit, limit / square.sqrt().max(tiny), one);
-        let couple = [factor * trial[0], factor * trial[1]];
-        [history[0], history[1]] = couple;
+        let held = [history[0], history[1]];
+        let out = slide(held, history[STIFFNESS_BEFORE], stiffness, limit, turned);
+        [history[0], history[1]] = out.couple;
         history[STIFFNESS_BEFORE] = stiffness;
-        let work = half * dot([held[0] + couple[0], held[1] + couple[1]], turned);
-        let stored = |couple: [R; 2], stiffness: R| half * dot(couple, couple) / stiffness.max(tiny);
-        // No couple, no energy: also where the stiffness is nothing.
-        let gained = stored(couple, stiffness) - stored(held, before);
         Moment {
-            couple: [couple[0], couple[1], zero],
-            dashpot: (c[DASHPOT] * normal.root_stiffness).keep(!at_limit),
-            at_limit,
-            work,
-            loss: work - gained,
+            couple: [out.couple[0], out.couple[1], R::zero()],
+            dashpot: (c[DASHPOT] * normal.root_stiffness).keep(!out.at_limit),
+            twisting_dashpot: R::zero(),
+            at_limit: out.at_limit,
+            work: out.work,
+            loss: out.loss,
             step_stiffness: c[STEP] * normal.stiffness,
         }
     }
 
     /// `M^2 / 2 k`.
     fn energy(_c: &[f64; LAW_CONSTANTS], history: &[f64; MAX_MOMENT_HISTORY]) -> f64 {
-        let stiffness = history[STIFFNESS_BEFORE];
-        let couple = [history[0], history[1]];
-        if stiffness > 0.0 { 0.5 * dot(couple, couple) / stiffness } else { 0.0 }
+        stored([history[0], history[1]], history[STIFFNESS_BEFORE])
     }
-}
-
-#[inline(always)]
-fn dot<R: Real>(a: [R; 2], b: [R; 2]) -> R {
-    a[0].mul_add(b[0], a[1] * b[1])
 }

@@ -13,8 +13,8 @@
 use granum_simd::{Mask, Real};
 
 use crate::contact::{
-    Description, LAW_CONSTANTS, MAX_HISTORY, Normal, NormalTraits, PairProperties, Parameter, Tangential,
-    TangentialLaw, Unit,
+    Description, LAW_CONSTANTS, MAX_HISTORY, Mixing, Normal, NormalTraits, PairProperties, Parameter,
+    Tangential, TangentialLaw, Unit,
 };
 
 /// No-slip Mindlin with rescaling.
@@ -44,6 +44,7 @@ impl TangentialLaw for NoSlip {
             bounds: [0.0, 1.0],
             meaning: "Tangential stiffness over the normal stiffness, k_t/k_n, for a normal law without contact area",
             without_area: true,
+            mixing: Mixing::Arithmetic,
         }],
     };
     const HISTORY: usize = 3;

@@ -4,19 +4,23 @@ use std::marker::PhantomData;
 
 use super::*;
 use crate::config::Contact;
-use crate::contact::RollingKind;
+use crate::contact::adhesion::CapillaryBridge;
 use crate::contact::columns::{Batch, One, TwoBatches};
 use crate::contact::set::{Open, Slots};
+use crate::contact::{AdhesionKind, AdhesionLaw, RollingKind};
 use granum_simd::{Isa, Kernel, LANES, Lanes, Twice, dispatch};
 
 const STEPS: usize = 400;
 /// Columns of motion: branch, velocity, rolling, mean spin, relative spin.
 const MOTION: usize = 15;
 /// Columns of an answer.
-const ANSWER: usize = 22;
+const ANSWER: usize = 24;
 
-/// Every pair of laws with resistance to rolling, so that all slots work.
-type Set<N, T> = Compiled<N, T, ElasticPlasticRolling>;
+/// Every pair of laws with resistance to rolling and twisting and with bridges, so that all slots work.
+type Set<N, T> = Compiled<N, T, ElasticPlasticTwisting, CapillaryBridge>;
+
+/// Volume of a bridge over the cube of the radius: it ruptures at 5 nm, so that bridges of these pairs come and go.
+const BRIDGE: f64 = 1e-12;
 
 type Motion = [f64; MOTION];
 type Answer = [u64; ANSWER];
@@ -105,6 +109,8 @@ fn columns<R: Real>(out: &Interaction<R>) -> [R; ANSWER] {
         out.couple[1],
         out.couple[2],
         out.moment_work + out.moment_loss + out.step_stiffness,
+        one.keep(out.attracting),
+        out.attraction_loss,
     ]
 }
 use granum_simd::Real;
@@ -124,10 +130,12 @@ fn alone<N: NormalLaw, T: TangentialLaw>(
                 let normal = memory.normal.map(|x| x.to_le_bytes());
                 let history = memory.history.map(|x| x.to_le_bytes());
                 let moments = memory.moments.map(|x| x.to_le_bytes());
+                let adhesion = memory.adhesion.map(|x| x.to_le_bytes());
                 memory = Memory {
                     normal: normal.map(f64::from_le_bytes),
                     history: history.map(f64::from_le_bytes),
                     moments: moments.map(f64::from_le_bytes),
+                    adhesion: adhesion.map(f64::from_le_bytes),
                 };
                 for kept in &memory.history[T::HISTORY..] {
                     assert_eq!(*kept, 0.0);
@@ -230,13 +238,15 @@ fn alone_through_slots(
     motions.iter().map(step).collect()
 }
 
-/// With this set, whose law of moments is the elastic-plastic one.
+/// With this set, whose laws of moments and of adhesion are those of [`Set`]: how often pairs touch, slide and are bridged, and
+/// how many bridges rupture.
 struct SameBits(f64, Contact);
 impl LawVisitor for SameBits {
-    type Output = [usize; 2];
-    fn visit<N: NormalLaw, T: TangentialLaw>(self) -> [usize; 2] {
+    type Output = [usize; 4];
+    fn visit<N: NormalLaw, T: TangentialLaw>(self) -> [usize; 4] {
         let pair = PairProperties { damping: 0.1, ..spheres(self.0) };
-        let constants = constants::<N, T, ElasticPlasticRolling>(&pair);
+        let mut constants = constants::<N, T, ElasticPlasticTwisting>(&pair);
+        constants.adhesion = CapillaryBridge::prepare(&pair, &[0.072, 0.3, BRIDGE]);
         let motions: Vec<Vec<Motion>> = (0..2 * LANES).map(motions).collect();
         let reference: Vec<Vec<Answer>> =
             motions.iter().map(|m| alone::<N, T>(&constants, m, false)).collect();
@@ -257,7 +267,8 @@ impl LawVisitor for SameBits {
         let finite = reference.iter().flatten().flatten().all(|b| f64::from_bits(*b).is_finite());
         assert!(finite);
         let count = |c: usize| reference.iter().flatten().filter(|a| f64::from_bits(a[c]) == 1.0).count();
-        [count(13), count(14)]
+        let ruptured = reference.iter().flatten().filter(|a| f64::from_bits(a[23]) > 0.0).count();
+        [count(13), count(14), count(22), ruptured]
     }
 }
 
@@ -265,12 +276,14 @@ impl LawVisitor for SameBits {
 fn every_law_has_the_same_bits_everywhere() {
     for energy in [0.6, 0.0] {
         for (normal, tangential) in super::ALL {
-            let rolling = RollingKind::ELASTIC_PLASTIC;
-            let contact = Contact { rolling, ..Contact::new(normal, tangential, 0.1) };
-            let [touching, sliding] = super::with_law(normal, tangential, SameBits(energy, contact));
+            let (rolling, adhesion) = (RollingKind::ELASTIC_PLASTIC_TWISTING, AdhesionKind::CAPILLARY_BRIDGE);
+            let contact = Contact { rolling, adhesion, ..Contact::new(normal, tangential, 0.1) };
+            let [touching, sliding, bridged, ruptured] =
+                super::with_law(normal, tangential, SameBits(energy, contact));
             let all = 2 * LANES * STEPS;
             // The motions do visit contact and its absence, sticking and sliding.
             assert!(touching > all / 3 && touching < all, "{normal:?} {tangential:?}: {touching}");
+            assert!(bridged > all / 3 && bridged < all && ruptured > 10, "{normal:?}: {bridged} {ruptured}");
             assert!(
                 sliding > 50 && sliding < touching - 50,
                 "{normal:?} {tangential:?}: {sliding} {touching}"

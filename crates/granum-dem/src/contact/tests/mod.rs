@@ -7,10 +7,11 @@ mod objectivity;
 mod peeling;
 mod rolling;
 mod tables;
+mod twisting;
 
 use super::interaction::{Interaction, Kinematics, Memory, dot, interact};
 use super::normal::{Hertz, Hooke, Jkr};
-use super::rolling::{ElasticPlasticRolling, NoMoments};
+use super::rolling::{ElasticPlasticRolling, ElasticPlasticTwisting, NoMoments};
 use super::set::Compiled;
 use super::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
 use super::{
@@ -70,7 +71,7 @@ fn defaults(description: &Description) -> Vec<f64> {
 /// The constants of a pair for laws with their default parameters.
 fn constants<N: NormalLaw, T: TangentialLaw, M: MomentLaw>(pair: &PairProperties) -> PairConstants<f64> {
     let [n, t, m] = [&N::DESCRIPTION, &T::DESCRIPTION, &M::DESCRIPTION].map(defaults);
-    Compiled::<N, T, M>::constants(pair, [&n, &t, &m])
+    Compiled::<N, T, M>::constants(pair, [&n, &t, &m, &[]])
 }
 
 /// What a normal law with a contact area and without adhesion says of itself.
@@ -114,7 +115,7 @@ fn no_pair_of_laws_is_left_out() {
     for set in &sets {
         assert!(ALL.contains(&(set.normal, set.tangential)), "{:?} {:?}", set.normal, set.tangential);
     }
-    assert_eq!(sets.iter().filter(|set| !set.rolling.law().acts()).count(), ALL.len());
+    assert_eq!(sets.iter().filter(|set| set.has_contact_only()).count(), ALL.len());
 }
 
 /// Runs a check for every pair of laws.

@@ -327,7 +327,7 @@ fn one_segment(
 
 /// The packing under shear.
 fn sheared(law: Law, packing: &Packing, measurement: &Measurement) -> Result<Simulation, Failure> {
-    let properties = Properties { material: Material::default(), contact: law.0 };
+    let properties = Properties::new(Material::default(), law.0);
     let mut simulation = Simulation::new(cell(packing), &spheres(packing), properties)?;
     simulation.fix_time_step(measurement.time_step);
     let rate =

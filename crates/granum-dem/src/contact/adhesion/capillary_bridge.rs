@@ -1,0 +1,232 @@
+//! Liquid bridges of constant volume between wet grains: the closed form of Willett, Adams, Johnson and Seville (2000),
+//! Langmuir 16, 9396-9405.
+//!
+//! With the radius `R_e = 2 R_i R_j / (R_i + R_j)` (Derjaguin), the surface tension gamma, the contact angle theta, the volume V of
+//! the bridge, the gap `S = max(0, -alpha)` between the surfaces and `S+ = (S/2) (R_e/V)^(1/2)`, the bridge pulls with
+//!
+//! `F = 2 pi R_e gamma cos(theta) / (1 + 2.1 S+ + 10 S+^2)`.
+//!
+//! A bridge forms where the grains touch, and ruptures at the gap `S_c = R_e (1 + theta/2) (v^(1/3) + v^(2/3)/10)`, `v = V/R_e^3`.
+//! Its volume is a parameter over `R_e^3`: liquid is neither shared nor lost.
+//!
+//! While it lasts the bridge is elastic. Its energy counts from zero at touch:
+//! `2 F_0 (V/R_e)^(1/2) (2/D) (arctan((20 S+ + 2.1)/D) - arctan(2.1/D))` with `F_0 = F(0)` and `D = 35.59^(1/2)`, and `-F_0 alpha` where the
+//! grains overlap. What it holds at `S_c` is lost when it ruptures. Friction is limited by the load of the contact without it.
+//!
+//! Against the solution of the Young-Laplace equation the closed form is 4 to 35 % too strong at touch and 12 to 49 % too weak
+//! near rupture (v from 1e-4 to 0.05, theta from 0 to 40 degrees); it is what other programs run.
+
+use granum_simd::Real;
+
+use crate::contact::elementary::{arctan, cosine};
+use crate::contact::{
+    AdhesionLaw, Attraction, Description, LAW_CONSTANTS, MAX_ADHESION_HISTORY, Mixing, NormalTraits,
+    PairProperties, Parameter, Unit,
+};
+
+/// Bridges of Willett et al. (2000).
+#[derive(Clone, Copy, Debug)]
+pub struct CapillaryBridge;
+
+/// `F_0`, N.
+const FORCE: usize = 0;
+/// `(R_e/V)^(1/2) / 2`, 1/m: times the gap it is S+.
+const PER_GAP: usize = 1;
+/// `S_c`, m.
+const RUPTURE: usize = 2;
+/// Energy of the bridge at `S_c`, J.
+const LOST: usize = 3;
+
+/// Column of the history: one where there is a bridge.
+const BRIDGED: usize = 0;
+
+const LINEAR: f64 = 2.1;
+const SQUARE: f64 = 10.0;
+
+/// Energy of a bridge at a gap, J, from zero at touch.
+fn energy_at(c: &[f64; LAW_CONSTANTS], gap: f64) -> f64 {
+    if c[FORCE] == 0.0 {
+        return 0.0;
+    }
+    let root = (4.0 * SQUARE - LINEAR * LINEAR).sqrt();
+    let angle = |plus: f64| arctan((2.0 * SQUARE * plus + LINEAR) / root);
+    c[FORCE] / c[PER_GAP] * (2.0 / root) * (angle(c[PER_GAP] * gap) - angle(0.0))
+}
+
+impl AdhesionLaw for CapillaryBridge {
+    const DESCRIPTION: Description = Description {
+        name: "capillary-bridge",
+        label: "capillary bridges (Willett et al. 2000)",
+        help: "liquid bridges of constant volume that form at touch: Willett et al. 2000",
+        parameters: &[
+            Parameter {
+                key: "surface_tension",
+                unit: Unit::STIFFNESS,
+                default: 0.072,
+                bounds: [0.0, 10.0],
+                meaning: "Surface tension gamma of the liquid of the bridges",
+                without_area: false,
+                mixing: Mixing::Geometric,
+            },
+            Parameter {
+                key: "contact_angle",
+                unit: Unit::ANGLE,
+                default: 0.0,
+                bounds: [0.0, 1.5],
+                meaning: "Contact angle theta of the liquid on the grains",
+                without_area: false,
+                mixing: Mixing::Cosine,
+            },
+            Parameter {
+                key: "bridge_volume",
+                unit: Unit::NUMBER,
+                default: 0.01,
+                bounds: [1e-6, 0.1],
+                meaning: "Volume of a bridge over the cube of R_e = 2 R_i R_j / (R_i + R_j)",
+                without_area: false,
+                mixing: Mixing::Geometric,
+            },
+        ],
+    };
+    const HISTORY: usize = 1;
+
+    fn goes_with(normal: &NormalTraits) -> Result<(), &'static str> {
+        if normal.adhesive {
+            Err("adds to a normal law without adhesion: choose contact.normal = \"hertz\" or \"hooke\"")
+        } else {
+            Ok(())
+        }
+    }
+
+    fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
+        let [tension, angle, volume] = [parameters[0], parameters[1], parameters[2]];
+        let radius = 2.0 * pair.effective_radius;
+        let root = granum_simd::cbrt(volume);
+        let mut c = [0.0; LAW_CONSTANTS];
+        c[FORCE] = 2.0 * std::f64::consts::PI * radius * tension * cosine(angle);
+        c[PER_GAP] = 0.5 / (radius * volume.sqrt());
+        c[RUPTURE] = radius * (1.0 + 0.5 * angle) * (root + 0.1 * root * root);
+        c[LOST] = energy_at(&c, c[RUPTURE]);
+        c
+    }
+
+    #[inline(always)]
+    fn update<R: Real>(
+        c: &[R; LAW_CONSTANTS],
+        overlap: R,
+        touching: R::Mask,
+        history: &mut [R; MAX_ADHESION_HISTORY],
+    ) -> Attraction<R> {
+        let (zero, one) = (R::zero(), R::splat(1.0));
+        let gap = (-overlap).max(zero);
+        let before = history[BRIDGED].gt(zero);
+        let acting = (before | touching) & gap.lt(c[RUPTURE]);
+        let plus = c[PER_GAP] * gap;
+        let share = one / plus.mul_add(plus.mul_add(R::splat(SQUARE), R::splat(LINEAR)), one);
+        let force = (c[FORCE] * share).keep(acting);
+        // -dF/dS, of which there is none where the grains overlap.
+        let slope = plus.mul_add(R::splat(2.0 * SQUARE), R::splat(LINEAR)) * c[PER_GAP];
+        history[BRIDGED] = one.keep(acting);
+        Attraction { force, stiffness: force * share * slope, acting, loss: c[LOST].keep(before & !acting) }
+    }
+
+    fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64, history: &[f64; MAX_ADHESION_HISTORY]) -> f64 {
+        if history[BRIDGED] == 0.0 {
+            return 0.0;
+        }
+        if overlap >= 0.0 { -c[FORCE] * overlap } else { energy_at(c, -overlap) }
+    }
+
+    fn range(c: &[f64; LAW_CONSTANTS]) -> f64 {
+        c[RUPTURE]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Material;
+
+    const RADIUS: f64 = 50e-6;
+    const TENSION: f64 = 0.072;
+
+    fn constants(volume: f64, degrees: f64) -> [f64; LAW_CONSTANTS] {
+        let sphere = (&Material::default(), RADIUS);
+        let pair = PairProperties::new(sphere, sphere, 0.0);
+        CapillaryBridge::prepare(&pair, &[TENSION, degrees.to_radians(), volume / RADIUS.powi(3)])
+    }
+
+    fn force(c: &[f64; LAW_CONSTANTS], gap: f64) -> f64 {
+        let mut history = [1.0, 0.0, 0.0, 0.0];
+        CapillaryBridge::update(c, -gap, gap <= 0.0, &mut history).force
+    }
+
+    /// Spheres of 0.1 mm with bridges of water: gap, force.
+    #[test]
+    fn forces_are_those_of_the_closed_form() {
+        let c = constants(1.25e-16, 0.0);
+        let table = [
+            (0.0, 2.2619467106e-5),
+            (1e-7, 2.1013844806e-5),
+            (1e-6, 8.4905413751e-6),
+            (2.5e-6, 2.5386049516e-6),
+            (5e-6, 7.7145856230e-7),
+        ];
+        for (gap, wanted) in table {
+            assert!((force(&c, gap) / wanted - 1.0).abs() < 1e-10, "{gap:e}: {:e}", force(&c, gap));
+        }
+        let c = constants(1.25e-15, 20.0);
+        assert!((force(&c, 1e-6) / 1.6225455210e-5 - 1.0).abs() < 1e-10);
+        // Overlapping grains are pulled as strongly as grains that just touch.
+        assert_eq!(force(&c, -1e-7), force(&c, 0.0));
+    }
+
+    /// The energy at rupture, and the gap of it: `S_c` = 0.101 R and 0.258497 R.
+    #[test]
+    fn rupture_is_where_the_paper_has_it() {
+        for (volume, degrees, gap, lost) in
+            [(1.25e-16, 0.0, 5.05e-6, 2.5390747506e-11), (1.25e-15, 20.0, 1.2924857339e-5, 7.2828768396e-11)]
+        {
+            let c = constants(volume, degrees);
+            assert!(
+                (CapillaryBridge::range(&c) / gap - 1.0).abs() < 1e-9,
+                "{:e}",
+                CapillaryBridge::range(&c)
+            );
+            assert!((c[LOST] / lost - 1.0).abs() < 1e-9, "{:e}", c[LOST]);
+            assert_eq!(force(&c, 1.001 * gap), 0.0);
+            assert!(force(&c, 0.999 * gap) > 0.0);
+        }
+    }
+
+    /// The force is the slope of the energy, and the stiffness that of the force.
+    #[test]
+    fn force_and_stiffness_are_derivatives() {
+        let c = constants(1.25e-15, 20.0);
+        let history = [1.0, 0.0, 0.0, 0.0];
+        for gap in [-1e-7, 1e-8, 5e-7, 2e-6, 1e-5] {
+            let step = 1e-11;
+            let energy = |gap: f64| CapillaryBridge::energy(&c, -gap, &history);
+            let slope = (energy(gap + step) - energy(gap - step)) / (2.0 * step);
+            assert!((slope / force(&c, gap) - 1.0).abs() < 1e-4, "{gap:e}: {slope:e}");
+            let falls = (force(&c, gap - step) - force(&c, gap + step)) / (2.0 * step);
+            let out = CapillaryBridge::update(&c, -gap, false, &mut { history });
+            let expected = if gap < 0.0 { 0.0 } else { out.stiffness };
+            assert!((falls - expected).abs() <= 1e-3 * expected, "{gap:e}: {falls:e} {expected:e}");
+        }
+    }
+
+    /// Grains that come near without touching have no bridge; one that ruptured forms again only at touch.
+    #[test]
+    fn bridges_form_at_touch_and_remember() {
+        let c = constants(1.25e-15, 0.0);
+        let mut history = [0.0; MAX_ADHESION_HISTORY];
+        let mut at = |overlap: f64| CapillaryBridge::update(&c, overlap, overlap > 0.0, &mut history);
+        assert!(!at(-1e-6).acting && at(-1e-6).force == 0.0);
+        assert!(at(1e-8).acting);
+        assert!(at(-5e-6).force > 0.0);
+        let ruptured = at(-2e-5);
+        assert!(!ruptured.acting && ruptured.loss == c[LOST]);
+        assert!(at(-5e-6).force == 0.0 && at(-5e-6).loss == 0.0);
+    }
+}

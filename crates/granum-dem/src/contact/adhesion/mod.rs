@@ -1,0 +1,7 @@
+//! Laws of adhesion on top of a contact, which may act beyond touch, one file each.
+
+pub mod capillary_bridge;
+pub mod none;
+
+pub use capillary_bridge::CapillaryBridge;
+pub use none::NoAdhesion;

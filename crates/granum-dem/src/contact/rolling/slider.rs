@@ -1,0 +1,60 @@
+//! A spring with a slider, in the plane of rolling or about the normal: what the elastic-plastic laws share.
+
+use granum_simd::Real;
+
+/// What a step came to.
+pub(super) struct Slid<R: Real, const D: usize> {
+    /// The couple at its end, N m.
+    pub(super) couple: [R; D],
+    /// Where it stands at its limit.
+    pub(super) at_limit: R::Mask,
+    /// Work that it took up, J.
+    pub(super) work: R,
+    /// The part of it that is not stored, J.
+    pub(super) loss: R,
+}
+
+/// Turns a spring by an angle, rad, with the couple that it held, its stiffness before and now, N m, and the limit of the couple.
+///
+/// Where the stiffness fell the couple falls with it, lest unloading makes energy.
+#[inline(always)]
+pub(super) fn slide<R: Real, const D: usize>(
+    held: [R; D],
+    before: R,
+    stiffness: R,
+    limit: R,
+    turned: [R; D],
+) -> Slid<R, D> {
+    let (one, half, tiny) = (R::splat(1.0), R::splat(0.5), R::splat(1e-200));
+    let kept = (stiffness / before.max(tiny)).min(one);
+    let mut trial = held;
+    for k in 0..D {
+        trial[k] = stiffness.mul_add(turned[k], kept * held[k]);
+    }
+    let at_limit = dot(trial, trial).ge(limit * limit);
+    let factor = R::select(at_limit, limit / dot(trial, trial).sqrt().max(tiny), one);
+    let (mut couple, mut sum) = (trial, held);
+    for k in 0..D {
+        couple[k] = factor * trial[k];
+        sum[k] = held[k] + couple[k];
+    }
+    let work = half * dot(sum, turned);
+    // No couple, no energy: also where the stiffness is nothing.
+    let energy = |couple: [R; D], stiffness: R| half * dot(couple, couple) / stiffness.max(tiny);
+    let gained = energy(couple, stiffness) - energy(held, before);
+    Slid { couple, at_limit, work, loss: work - gained }
+}
+
+/// Energy of a spring with a couple, J: `M^2 / 2 k`.
+pub(super) fn stored<const D: usize>(couple: [f64; D], stiffness: f64) -> f64 {
+    if stiffness > 0.0 { 0.5 * dot(couple, couple) / stiffness } else { 0.0 }
+}
+
+#[inline(always)]
+fn dot<R: Real, const D: usize>(a: [R; D], b: [R; D]) -> R {
+    let mut sum = a[D - 1] * b[D - 1];
+    for k in (0..D - 1).rev() {
+        sum = a[k].mul_add(b[k], sum);
+    }
+    sum
+}

@@ -1,0 +1,519 @@
+//! Several materials in one sample: what each is made of, how many grains each has, and how two of them touch.
+//!
+//! What a pair of materials has in common follows from the two: elastic moduli from the theory of contact, in which the
+//! compliances of the sides add (they are never averaged), everything else by the rule of [`Mixing`] of that property, unless a
+//! [`PairRule`] gives the value. Which grain is of which material is drawn from a seed, with exact numbers of grains, and does not
+//! depend on the order in which materials are named.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use serde::{Deserialize, Serialize};
+
+use crate::config::{Contact, Material, ParameterValues};
+use crate::contact::registry::{LawError, check, parameters_of};
+use crate::contact::{Mixing, PairProperties};
+
+/// Most materials of a sample.
+pub const MOST_MATERIALS: usize = 32;
+
+/// One material of several.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Component {
+    /// Its name.
+    pub name: String,
+    /// Share of the grains, by number.
+    pub share: f64,
+    /// Its properties.
+    pub material: Material,
+    /// Values of contact laws' parameters that are its own; for the others those of [`Contact::parameters`] stand.
+    pub parameters: ParameterValues,
+}
+
+impl Component {
+    /// A material of this name, share and properties, with no parameters of its own.
+    pub fn new(name: impl Into<String>, share: f64, material: Material) -> Component {
+        Component { name: name.into(), share, material, parameters: ParameterValues::NONE }
+    }
+}
+
+/// Values for pairs of grains of two materials, in place of what follows from the two.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PairRule {
+    /// The names of the two; both the same for grains of one material among themselves.
+    pub between: [String; 2],
+    /// Coefficient of friction mu.
+    pub friction: Option<f64>,
+    /// Interface energy Gamma, J/m2.
+    pub interface_energy: Option<f64>,
+    /// Parameters of contact laws.
+    pub parameters: ParameterValues,
+}
+
+/// Several materials. Empty, it stands for the one material of the grains.
+///
+/// ```
+/// use granum_dem::config::{Component, Contact, Material, Mixture, PairRule};
+/// use granum_dem::simulation::Properties;
+///
+/// let glass = Material { friction: 0.5, ..Material::default() };
+/// let steel = Material { friction: 0.125, density: 7800.0, youngs_modulus: 210e9, ..glass };
+/// let mixture = Mixture::new([Component::new("glass", 0.75, glass), Component::new("steel", 0.25, steel)]);
+/// assert_eq!(mixture.assign(8, 1).iter().filter(|k| **k == 1).count(), 2);
+/// let properties = Properties::new(glass, Contact::default()).with_mixture(mixture);
+/// assert_eq!(properties.pair(["glass", "steel"], [5e-5, 5e-5])?.friction, 0.25);
+/// # Ok::<(), granum_dem::mixture::MixtureError>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Mixture {
+    /// The materials, by name.
+    pub components: Vec<Component>,
+    /// Values for pairs of them, by names.
+    pub pairs: Vec<PairRule>,
+    /// Seed of the draw that says which grain is of which material.
+    #[serde(default)]
+    pub seed: u64,
+}
+
+/// Materials that cannot be together.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MixtureError {
+    /// Two materials of one name.
+    #[error("two materials are called {0:?}; names must differ")]
+    NameTwice(String),
+    /// A name that is none.
+    #[error("a material has no name; give each one")]
+    NoName,
+    /// A rule for a material that there is not.
+    #[error("a pair names the material {name:?}, which is not there; there are {known}")]
+    UnknownName {
+        /// The name.
+        name: String,
+        /// The names that there are.
+        known: String,
+    },
+    /// Two rules for one pair.
+    #[error("two rules for the pair of {0:?} and {1:?}; keep one")]
+    PairTwice(String, String),
+    /// Shares that do not come to one.
+    #[error("the shares of the materials sum to {0}; they must be positive and sum to 1")]
+    Shares(f64),
+    /// More than there is room for.
+    #[error("there are {0} materials; at most {MOST_MATERIALS} are possible")]
+    TooMany(usize),
+    /// A property that cannot be.
+    #[error("{name} of {of} is {value}; it must be {right}")]
+    Property {
+        /// The material or the pair.
+        of: String,
+        /// Property.
+        name: &'static str,
+        /// Its value, in SI units.
+        value: f64,
+        /// What would be right.
+        right: &'static str,
+    },
+    /// A parameter of a contact law that cannot be.
+    #[error("{of}: {error}")]
+    Law {
+        /// The material or the pair.
+        of: String,
+        /// What is wrong.
+        error: LawError,
+    },
+}
+
+/// How far the shares may be from one.
+const ROUNDING: f64 = 1e-9;
+
+impl Mixture {
+    /// Materials without rules for pairs, with the seed 1.
+    pub fn new(components: impl IntoIterator<Item = Component>) -> Mixture {
+        let mut mixture =
+            Mixture { components: components.into_iter().collect(), pairs: Vec::new(), seed: 1 };
+        mixture.sort();
+        mixture
+    }
+
+    /// The same with a rule for a pair of materials.
+    pub fn with_pair(mut self, rule: PairRule) -> Mixture {
+        self.pairs.push(rule);
+        self.sort();
+        self
+    }
+
+    /// The same with another seed.
+    pub fn with_seed(mut self, seed: u64) -> Mixture {
+        self.seed = seed;
+        self
+    }
+
+    /// Puts materials and rules in the order of their names, in which the order of naming is lost.
+    pub fn sort(&mut self) {
+        self.components.sort_by(|a, b| a.name.cmp(&b.name));
+        for rule in &mut self.pairs {
+            rule.between.sort();
+        }
+        self.pairs.sort_by(|a, b| a.between.cmp(&b.between));
+    }
+
+    /// True where the grains have one material.
+    pub fn is_empty(&self) -> bool {
+        self.components.is_empty()
+    }
+
+    /// The place of a material among the components.
+    pub fn position(&self, name: &str) -> Option<usize> {
+        self.components.iter().position(|component| component.name == name)
+    }
+
+    /// The rule for two materials.
+    pub fn rule(&self, a: &str, b: &str) -> Option<&PairRule> {
+        self.pairs.iter().find(|rule| {
+            let [x, y] = rule.between.each_ref().map(String::as_str);
+            [x, y] == [a, b] || [x, y] == [b, a]
+        })
+    }
+
+    /// The material of each grain, as its place among the components: as many of each as its share of so many grains comes to
+    /// (by the largest remainders), in an order drawn from the seed. Empty without materials.
+    pub fn assign(&self, grains: usize, seed: u64) -> Vec<u8> {
+        if self.is_empty() {
+            return Vec::new();
+        }
+        let wanted = |component: &Component| component.share * grains as f64;
+        let mut counts: Vec<usize> = self.components.iter().map(|c| wanted(c).floor() as usize).collect();
+        let mut by_remainder: Vec<usize> = (0..counts.len()).collect();
+        // By name where remainders are alike: the components stand in that order, and the sort keeps it.
+        by_remainder.sort_by(|&a, &b| {
+            let rest = |k: usize| wanted(&self.components[k]).fract();
+            rest(b).total_cmp(&rest(a))
+        });
+        let missing = grains.saturating_sub(counts.iter().sum());
+        for &k in by_remainder.iter().cycle().take(missing) {
+            counts[k] += 1;
+        }
+        let each = counts.iter().enumerate().flat_map(|(k, count)| std::iter::repeat_n(k as u8, *count));
+        let mut materials: Vec<u8> = each.take(grains).collect();
+        // A stream of its own: the places of the grains are those of one material.
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(1);
+        for k in (1..materials.len()).rev() {
+            let other = (rng.next_u64() % (k as u64 + 1)) as usize;
+            materials.swap(k, other);
+        }
+        materials
+    }
+
+    /// The same materials, all with one coefficient of friction and one interface energy, also between different ones.
+    pub fn with_surface(&self, friction: f64, interface_energy: f64) -> Mixture {
+        let mut mixture = self.clone();
+        for component in &mut mixture.components {
+            component.material = Material { friction, interface_energy, ..component.material };
+        }
+        for rule in &mut mixture.pairs {
+            (rule.friction, rule.interface_energy) = (None, None);
+        }
+        mixture
+    }
+
+    /// The same materials with densities multiplied by a factor.
+    pub fn with_densities(&self, factor: f64) -> Mixture {
+        let mut mixture = self.clone();
+        mixture.components.iter_mut().for_each(|component| component.material.density *= factor);
+        mixture
+    }
+
+    /// Refuses names, shares and rules that do not go together, and values that cannot be.
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    pub fn check(&self, contact: &Contact) -> Result<(), MixtureError> {
+        if self.is_empty() && self.pairs.is_empty() {
+            return Ok(());
+        }
+        if self.components.len() > MOST_MATERIALS {
+            return Err(MixtureError::TooMany(self.components.len()));
+        }
+        let names = || self.components.iter().map(|component| component.name.as_str());
+        for (k, component) in self.components.iter().enumerate() {
+            if component.name.is_empty() {
+                return Err(MixtureError::NoName);
+            }
+            if names().take(k).any(|name| name == component.name) {
+                return Err(MixtureError::NameTwice(component.name.clone()));
+            }
+            component.material.check().map_err(|(name, value, right)| MixtureError::Property {
+                of: format!("the material {:?}", component.name),
+                name,
+                value,
+                right,
+            })?;
+        }
+        let sum: f64 = self.components.iter().map(|component| component.share).sum();
+        let positive = self.components.iter().all(|component| component.share > 0.0);
+        if !(positive && (sum - 1.0).abs() <= ROUNDING) {
+            return Err(MixtureError::Shares(sum));
+        }
+        for (k, rule) in self.pairs.iter().enumerate() {
+            if let Some(name) = rule.between.iter().find(|name| self.position(name).is_none()) {
+                let known = names().collect::<Vec<_>>().join(", ");
+                return Err(MixtureError::UnknownName { name: name.clone(), known });
+            }
+            let [a, b] = &rule.between;
+            if self.pairs[..k].iter().any(|other| other.between == [a, b].map(String::clone))
+                || self.pairs[..k].iter().any(|other| other.between == [b, a].map(String::clone))
+            {
+                return Err(MixtureError::PairTwice(a.clone(), b.clone()));
+            }
+            for (name, value) in [("friction", rule.friction), ("interface_energy", rule.interface_energy)] {
+                if let Some(value) = value.filter(|value| !(*value >= 0.0 && value.is_finite())) {
+                    let of = format!("the pair of {a:?} and {b:?}");
+                    return Err(MixtureError::Property { of, name, value, right: "zero or positive" });
+                }
+            }
+        }
+        self.check_parameters(contact)
+    }
+
+    fn check_parameters(&self, contact: &Contact) -> Result<(), MixtureError> {
+        let components = self.components.iter().map(|c| (format!("the material {:?}", c.name), c.parameters));
+        let pairs = self.pairs.iter().map(|rule| {
+            let [a, b] = &rule.between;
+            (format!("the pair of {a:?} and {b:?}"), rule.parameters)
+        });
+        for (of, parameters) in components.chain(pairs) {
+            check(&Contact { parameters, ..*contact }).map_err(|error| MixtureError::Law { of, error })?;
+        }
+        Ok(())
+    }
+
+    /// What grains of two components have in common.
+    fn common(&self, contact: &Contact, a: usize, b: usize) -> Common {
+        let (x, y) = (&self.components[a], &self.components[b]);
+        let rule = self.rule(&x.name, &y.name);
+        let mut parameters = ParameterValues::NONE;
+        for parameter in parameters_of(contact) {
+            let of = |own: &Component| {
+                own.parameters.given(parameter.key).unwrap_or_else(|| contact.parameters.value(parameter))
+            };
+            let value = rule
+                .and_then(|rule| rule.parameters.given(parameter.key))
+                .unwrap_or_else(|| parameter.mixing.of(of(x), of(y)));
+            // There is room for all parameters that laws have.
+            let _ = parameters.set(parameter.key, value);
+        }
+        let mixed = |of: fn(&Material) -> f64| Mixing::Geometric.of(of(&x.material), of(&y.material));
+        Common {
+            materials: [x.material, y.material],
+            friction: rule.and_then(|rule| rule.friction).unwrap_or_else(|| mixed(|m| m.friction)),
+            interface_energy: rule
+                .and_then(|rule| rule.interface_energy)
+                .unwrap_or_else(|| mixed(|m| m.interface_energy)),
+            contact: Contact { parameters, ..*contact },
+        }
+    }
+}
+
+/// What grains of two materials have in common, whatever their radii.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Common {
+    pub(crate) materials: [Material; 2],
+    friction: f64,
+    interface_energy: f64,
+    /// The laws with the parameters of the pair.
+    pub(crate) contact: Contact,
+}
+
+impl Common {
+    /// The properties of a pair of such grains of given radii, m.
+    pub(crate) fn pair(&self, radii: [f64; 2]) -> PairProperties {
+        let [a, b] = &self.materials;
+        let pair = PairProperties::new((a, radii[0]), (b, radii[1]), self.contact.damping);
+        PairProperties { friction: self.friction, interface_energy: self.interface_energy, ..pair }
+    }
+}
+
+/// What grains of any two materials of a simulation have in common.
+#[derive(Clone, Debug)]
+pub(crate) struct PairTable {
+    count: usize,
+    rows: Vec<Common>,
+}
+
+impl PairTable {
+    /// Of one material or a mixture. Materials that are alike in everything are one.
+    pub(crate) fn new(material: &Material, contact: &Contact, mixture: &Mixture) -> PairTable {
+        let one = |material: &Material, contact: Contact, friction: f64, interface_energy: f64| PairTable {
+            count: 1,
+            rows: vec![Common { materials: [*material; 2], friction, interface_energy, contact }],
+        };
+        let count = mixture.components.len();
+        if count == 0 {
+            return one(material, *contact, material.friction, material.interface_energy);
+        }
+        let all = (0..count).flat_map(|a| (0..count).map(move |b| [a, b]));
+        let rows: Vec<Common> = all.map(|[a, b]| mixture.common(contact, a, b)).collect();
+        if rows.iter().all(|row| *row == rows[0]) {
+            return PairTable { count: 1, rows: vec![rows[0]] };
+        }
+        PairTable { count, rows }
+    }
+
+    /// True if there is one material, or several that are alike.
+    pub(crate) fn is_one(&self) -> bool {
+        self.count == 1
+    }
+
+    /// What grains of two materials have in common.
+    pub(crate) fn of(&self, a: u8, b: u8) -> &Common {
+        let place = |material: u8| if self.count == 1 { 0 } else { material as usize };
+        &self.rows[place(a) * self.count + place(b)]
+    }
+
+    /// Largest distance at which grains of a radius, m, act on each other without touching, m.
+    pub(crate) fn range(&self, radius: f64) -> f64 {
+        if !self.rows[0].contact.adhesion.law().acts() {
+            return 0.0;
+        }
+        let range = |common: &Common| {
+            let constants = common.contact.constants(&common.pair([radius; 2]));
+            common.contact.range(&constants)
+        };
+        self.rows.iter().map(range).fold(0.0, f64::max)
+    }
+
+    /// Largest distance at which grains of a radius, m, that touched come apart, m.
+    pub(crate) fn reach(&self, radius: f64) -> f64 {
+        let reach = |common: &Common| {
+            let constants = common.contact.constants(&common.pair([radius; 2]));
+            -common.contact.breaking_overlap(&constants)
+        };
+        self.rows.iter().map(reach).fold(0.0, f64::max)
+    }
+
+    /// Of every pair of materials.
+    pub(crate) fn all(&self) -> &[Common] {
+        &self.rows
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::{NormalKind, RollingKind, TangentialKind};
+
+    fn hertz() -> Contact {
+        Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1)
+    }
+
+    fn two(shares: [f64; 2]) -> Mixture {
+        let material = Material { interface_energy: 0.0, ..Material::default() };
+        Mixture::new([
+            Component::new("soft", shares[0], Material { youngs_modulus: 3e9, ..material }),
+            Component::new("hard", shares[1], material),
+        ])
+    }
+
+    /// Glass on a polymer: `1/E* = sum of (1 - nu^2)/E`, friction and energy by geometric means.
+    #[test]
+    fn pairs_have_the_moduli_of_the_theory_and_mixed_surfaces() {
+        let glass = Material { friction: 0.5, interface_energy: 0.6, ..Material::default() };
+        let polymer = Material {
+            youngs_modulus: 3e9,
+            poissons_ratio: 0.35,
+            friction: 0.2,
+            interface_energy: 0.06,
+            ..Material::default()
+        };
+        let mixture =
+            Mixture::new([Component::new("glass", 0.5, glass), Component::new("polymer", 0.5, polymer)]);
+        let contact = Contact { normal: NormalKind::JKR, ..hertz() };
+        let table = PairTable::new(&glass, &contact, &mixture);
+        for [a, b] in [[0, 1], [1, 0]] {
+            let pair = table.of(a, b).pair([5e-5; 2]);
+            assert!(
+                (pair.effective_modulus / 3.2733224223e9 - 1.0).abs() < 1e-10,
+                "{}",
+                pair.effective_modulus
+            );
+            assert!((pair.effective_shear_modulus / 6.4593522192e8 - 1.0).abs() < 1e-10);
+            assert!((pair.friction - 0.3162277660).abs() < 1e-10);
+            assert!((pair.interface_energy - 0.1897366596).abs() < 1e-10);
+            // k_t / k_n of a contact without slip.
+            let ratio = 4.0 * pair.effective_shear_modulus / pair.effective_modulus;
+            assert!((ratio - 0.7893328412).abs() < 1e-10, "{ratio}");
+        }
+        assert_eq!(table.of(0, 0).pair([5e-5; 2]), PairProperties::new((&glass, 5e-5), (&glass, 5e-5), 0.1));
+    }
+
+    #[test]
+    fn rules_for_pairs_come_first() {
+        let mut contact = hertz();
+        contact.rolling = RollingKind::ELASTIC_PLASTIC;
+        let mut mixture = two([0.5, 0.5]);
+        mixture.components[0].parameters.set("rolling_friction", 0.4).unwrap();
+        let mut rule =
+            PairRule { between: ["soft".into(), "hard".into()], friction: Some(0.7), ..PairRule::default() };
+        let of = |mixture: &Mixture| {
+            let common = *PairTable::new(&Material::default(), &contact, mixture).of(1, 0);
+            (common.friction, common.contact.parameters.given("rolling_friction").unwrap())
+        };
+        // The root of 0.4 and of the default 0.1.
+        assert_eq!(of(&mixture), (0.3, (0.4f64 * 0.1).sqrt()));
+        rule.parameters.set("rolling_friction", 0.9).unwrap();
+        let mixture = mixture.with_pair(rule.clone());
+        assert_eq!(of(&mixture), (0.7, 0.9));
+        mixture.check(&contact).unwrap();
+        assert!(matches!(mixture.clone().with_pair(rule).check(&contact), Err(MixtureError::PairTwice(..))));
+        assert_eq!(of(&mixture.with_surface(0.2, 0.0)).0, 0.2);
+    }
+
+    #[test]
+    fn numbers_of_grains_are_exact_and_the_order_of_naming_does_not_matter() {
+        let count = |of: &[u8], k: u8| of.iter().filter(|m| **m == k).count();
+        for (shares, grains, wanted) in [([0.3, 0.7], 10, 3), ([0.5, 0.5], 7, 3), ([0.001, 0.999], 100, 0)] {
+            let drawn = two(shares).assign(grains, 5);
+            // By name "hard" comes first: "soft" is 1.
+            assert_eq!((count(&drawn, 1), drawn.len()), (wanted, grains), "{shares:?}");
+        }
+        let [mut a, b] = [two([0.3, 0.7]), two([0.3, 0.7])];
+        a.components.reverse();
+        a.sort();
+        assert_eq!(a.assign(100, 7), b.assign(100, 7));
+        assert_ne!(b.assign(100, 7), b.assign(100, 8));
+        assert!(Mixture::default().assign(5, 1).is_empty());
+    }
+
+    #[test]
+    fn materials_that_are_alike_are_one() {
+        let material = Material::default();
+        let mixture = Mixture::new([Component::new("a", 0.5, material), Component::new("b", 0.5, material)]);
+        assert!(PairTable::new(&material, &hertz(), &mixture).is_one());
+        let rule = PairRule { between: ["a".into(), "b".into()], friction: Some(0.1), ..PairRule::default() };
+        assert!(!PairTable::new(&material, &hertz(), &mixture.with_pair(rule)).is_one());
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused() {
+        let said = |mixture: &Mixture| mixture.check(&hertz()).unwrap_err().to_string();
+        assert_eq!(
+            said(&two([0.5, 0.4])),
+            "the shares of the materials sum to 0.9; they must be positive and sum to 1"
+        );
+        let mut twice = two([0.5, 0.5]);
+        twice.components[1].name = "hard".into();
+        assert!(said(&twice).contains("two materials are called \"hard\""));
+        let rule = PairRule { between: ["hard".into(), "sott".into()], ..PairRule::default() };
+        assert!(
+            said(&two([0.5, 0.5]).with_pair(rule))
+                .contains("\"sott\", which is not there; there are hard, soft")
+        );
+        let mut bad = two([0.5, 0.5]);
+        bad.components[0].material.density = 0.0;
+        assert_eq!(said(&bad), "density of the material \"hard\" is 0; it must be positive");
+        let mut unused = two([0.5, 0.5]);
+        unused.components[0].parameters.set("rolling_friction", 0.1).unwrap();
+        assert!(said(&unused).contains("the material \"hard\": contact.rolling_friction means nothing"));
+    }
+}

@@ -1,0 +1,68 @@
+//! Attraction on top of contacts and beyond touch (liquid bridges), where a law of adhesion acts: its energy and what it lost since
+//! the start of the phase, and how many pairs it holds that do not touch. In a series without such a law these columns are left
+//! out.
+//!
+//! `boundary_work` of [`crate::energy`] also comes to `change of attraction_energy + attraction_loss`.
+
+use granum_core::Part;
+
+use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+
+/// The sensor.
+pub struct Attraction;
+
+impl Sensor for Attraction {
+    fn description(&self) -> Description {
+        Description::new(
+            "attraction",
+            "energy of adhesion on top of contacts and beyond touch, and the pairs apart that it holds",
+        )
+        .columns([
+            SensorColumn::new(
+                "attraction_energy",
+                "J",
+                "of the attraction of all pairs, zero where they just touch",
+            )
+            .optional(),
+            SensorColumn::new("attraction_loss", "J", "lost where attractions beyond touch begin or end")
+                .optional(),
+            SensorColumn::new("pairs_apart", "1", "pairs of grains that are held without touching")
+                .optional(),
+        ])
+        .needing(&[Part::Contacts, Part::ContactEnergies, Part::EnergyBalance])
+    }
+
+    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
+        let assembly = look.assembly;
+        let pairs = assembly.contacts.iter().chain(&assembly.apart);
+        let energy: f64 = pairs.map(|pair| pair.attraction_energy).sum();
+        // A sum of nothing is minus zero.
+        values.extend([energy + 0.0, assembly.energy.attraction_loss, assembly.apart.len() as f64]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{column_index, lattice, measure_row};
+
+    /// A pair apart counts with its energy and its pull, but is no contact.
+    #[test]
+    fn pairs_apart_have_a_part_in_the_stress() {
+        let assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4);
+        let at = |name: &str| column_index(name).unwrap();
+        let before = measure_row(&assembly);
+        let mut wet = assembly.clone();
+        let mut pair = wet.contacts[0];
+        (pair.normal_force, pair.attraction_energy, pair.approach) = (-1e-6, 2e-12, -1e-7);
+        (pair.tangential_force, pair.normal_energy) = ([0.0; 3], 0.0);
+        wet.apart.push(pair);
+        let after = measure_row(&wet);
+        assert_eq!(after[at("attraction_energy")], 2e-12);
+        assert_eq!(after[at("pairs_apart")], 1.0);
+        assert_eq!(after[at("coordination_number")], before[at("coordination_number")]);
+        let length = pair.branch.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let pull = -1e-6 * length / (3.0 * wet.volume());
+        let change = after[at("mean_stress")] - before[at("mean_stress")];
+        assert!((change / pull - 1.0).abs() < 1e-6, "{change} {pull}");
+    }
+}
