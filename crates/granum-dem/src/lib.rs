@@ -21,6 +21,7 @@ mod discarded;
 mod integrator;
 mod kernel;
 mod pairs;
+mod properties;
 mod search;
 mod stepping;
 mod team;

@@ -20,7 +20,7 @@ fn data(name: &str) -> PathBuf {
 fn the_start_of_the_curves_is_that_of_lammps() {
     let packing = granum_io::read_packing(data("packing-5000.csv")).unwrap();
     let properties = properties(0.3, 0.1);
-    let simulation = Simulation::new(cell(&packing), &spheres(&packing), properties).unwrap();
+    let simulation = Simulation::new(cell(&packing), &spheres(&packing), properties.clone()).unwrap();
     let grains = Grains { material: properties.material, ..Grains::default() };
     let preparation = Preparation { unbalanced_force: 5e-3, ..Preparation::default() };
     let hardware = Hardware { threads: 2, ..Hardware::default() };

@@ -35,7 +35,8 @@ fn stress_is_the_derivative_of_the_energy() {
     let smooth = properties(0.0, 0.0);
     let assembly = &sheared()[0];
     let identity = |r: usize, c: usize| f64::from(u8::from(r == c));
-    let at_rest = mapped(assembly, &std::array::from_fn(|r| std::array::from_fn(|c| identity(r, c))), smooth);
+    let at_rest =
+        mapped(assembly, &std::array::from_fn(|r| std::array::from_fn(|c| identity(r, c))), smooth.clone());
     let stress = at_rest.state().stress();
     let (p, volume) = (at_rest.state().mean_stress(), assembly.volume());
     let step = 1e-8;
@@ -49,7 +50,12 @@ fn stress_is_the_derivative_of_the_energy() {
                         identity(r, c) - e * part
                     })
                 });
-                mapped(assembly, &map, smooth).assembly().contacts.iter().map(|c| c.normal_energy).sum()
+                mapped(assembly, &map, smooth.clone())
+                    .assembly()
+                    .contacts
+                    .iter()
+                    .map(|c| c.normal_energy)
+                    .sum()
             };
             let derivative = (energy(step) - energy(-step)) / (2.0 * step * volume);
             worst = worst.max((derivative - stress[i][j]).abs() / p);
