@@ -22,6 +22,7 @@ mod discarded;
 mod integrator;
 mod kernel;
 mod pairs;
+mod properties;
 mod search;
 mod stepping;
 mod team;

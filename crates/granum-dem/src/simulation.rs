@@ -3,21 +3,23 @@
 use std::collections::HashSet;
 
 use granum_simd::{Isa, LANES, Row4, Row8};
-use serde::{Deserialize, Serialize};
 
 use crate::assembly::{Assembly, EnergyBalance, Vector};
 use crate::cell::Cell;
-use crate::config::{Contact, Grains, Material, Mixture};
-use crate::contact::registry::{LawError, check};
-use crate::contact::{PairConstants, PairProperties};
+use crate::config::Contact;
+use crate::contact::PairConstants;
+use crate::contact::registry::LawError;
 use crate::integrator::Integrator;
 use crate::kernel::{ContactSums, InnerList, NORMAL_COLUMNS, Stages};
 use crate::loading::Event;
-use crate::mixture::{MixtureError, PairTable};
+use crate::mixture::MixtureError;
 use crate::pairs::{self, Pairs};
+use crate::properties::{check_assignment, check_properties};
 use crate::servo::{Control, Servo};
 use crate::state::{ServoError, State};
 use crate::stepping;
+
+pub use crate::properties::{LARGEST_REACH, Properties};
 
 /// Where a grain starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,27 +30,6 @@ pub struct InitialSphere {
     pub position: Vector,
     /// Radius, m.
     pub radius: f64,
-}
-
-/// What grains are made of and how they touch.
-///
-/// ```
-/// use granum_dem::config::{Contact, Material};
-/// use granum_dem::simulation::Properties;
-///
-/// let properties = Properties::new(Material::default(), Contact::default());
-/// assert!(properties.mixture.is_empty());
-/// assert_eq!(properties.with_surface(0.1, 0.0).material.friction, 0.1);
-/// ```
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[non_exhaustive]
-pub struct Properties {
-    /// Solid and surface, where there is no mixture.
-    pub material: Material,
-    /// Contact law.
-    pub contact: Contact,
-    /// Several materials in place of the one; empty where there is one.
-    pub mixture: Mixture,
 }
 
 /// What runs the simulation; none of it changes a result.
@@ -146,7 +127,7 @@ pub struct Simulation {
 impl Simulation {
     /// Grains at rest in a cell, under a control that holds the cell still. Forces are those of the geometry, with
     /// no history. Where there are several materials, which grain is of which is drawn from the seed of the mixture
-    /// ([`Mixture::assign`]).
+    /// ([`crate::config::Mixture::assign`]).
     ///
     /// # Errors
     /// If a grain, the cell, a material or the laws cannot be.
@@ -425,132 +406,6 @@ fn check_spheres(cell: &Cell, spheres: &[InitialSphere]) -> Result<(), Simulatio
 /// Smallest radius, m.
 fn smallest(state: &State) -> f64 {
     state.particles[..state.grains()].iter().fold(f64::INFINITY, |m, row| m.min(row.0[3]))
-}
-
-/// Largest distance at which adhesion may still hold two spheres, over their radius: the theory is one of small contacts.
-pub const LARGEST_REACH: f64 = 0.5;
-
-impl Properties {
-    /// One material and a contact law.
-    pub fn new(material: Material, contact: Contact) -> Properties {
-        Properties { material, contact, mixture: Mixture::default() }
-    }
-
-    /// Those of grains that may be of several materials, with a contact law; which grain is of which is drawn from the seed.
-    pub fn of(grains: &Grains, contact: &Contact, seed: u64) -> Properties {
-        Properties {
-            material: grains.material,
-            contact: *contact,
-            mixture: grains.mixture.clone().with_seed(seed),
-        }
-    }
-
-    /// The same with several materials in place of the one.
-    pub fn with_mixture(mut self, mixture: Mixture) -> Properties {
-        self.mixture = mixture;
-        self.mixture.sort();
-        self
-    }
-
-    /// The same with one coefficient of friction and one interface energy for all contacts.
-    pub fn with_surface(&self, friction: f64, interface_energy: f64) -> Properties {
-        Properties {
-            material: Material { friction, interface_energy, ..self.material },
-            contact: self.contact,
-            mixture: self.mixture.with_surface(friction, interface_energy),
-        }
-    }
-
-    /// The same with the densities of all grains multiplied by a factor.
-    pub fn with_densities(&self, factor: f64) -> Properties {
-        Properties {
-            material: Material { density: self.material.density * factor, ..self.material },
-            contact: self.contact,
-            mixture: self.mixture.with_densities(factor),
-        }
-    }
-
-    /// The properties of two spheres of named materials and given radii, m.
-    ///
-    /// # Errors
-    /// If there is no such material.
-    pub fn pair(&self, names: [&str; 2], radii: [f64; 2]) -> Result<PairProperties, MixtureError> {
-        let mut places = [0u8; 2];
-        for (place, name) in places.iter_mut().zip(names) {
-            let known = self.mixture.components.iter().map(|component| component.name.as_str());
-            let found = self.mixture.position(name).ok_or_else(|| MixtureError::UnknownName {
-                name: name.to_string(),
-                known: known.collect::<Vec<_>>().join(", "),
-            })?;
-            *place = found as u8;
-        }
-        Ok(self.table().of(places[0], places[1]).pair(radii))
-    }
-
-    /// What grains of any two materials have in common.
-    pub(crate) fn table(&self) -> PairTable {
-        PairTable::new(&self.material, &self.contact, &self.mixture)
-    }
-
-    /// Density of grains of a material, or of the one that there is, kg/m3.
-    fn density_of(&self, material: Option<u8>) -> f64 {
-        let component = material.and_then(|k| self.mixture.components.get(k as usize));
-        component.map_or(self.material.density, |component| component.material.density)
-    }
-
-    /// Largest distance at which two equal spheres that touched come apart, m: zero without adhesion.
-    ///
-    /// # Errors
-    /// If the laws do not go together.
-    pub fn adhesion_reach(&self, radius: f64) -> Result<f64, SimulationError> {
-        check(&self.contact)?;
-        let mut largest = 0.0;
-        for common in self.table().all() {
-            let constants = common.contact.constants(&common.pair([radius; 2]));
-            let reach = -common.contact.breaking_overlap(&constants);
-            // NaN must not pass.
-            if reach.is_nan() || reach > largest {
-                largest = reach;
-            }
-            if reach.is_nan() {
-                break;
-            }
-        }
-        Ok(largest)
-    }
-}
-
-/// Refuses materials of grains that are not there.
-fn check_assignment(materials: &[u8], grains: usize, mixture: &Mixture) -> Result<(), SimulationError> {
-    let kinds = mixture.components.len();
-    let wanted = if kinds == 0 { 0 } else { grains };
-    let wrong = |what: String| Err(SimulationError::Assignment { what });
-    if materials.len() != wanted {
-        return wrong(format!(
-            "materials are given for {} of {grains} grains, and there are {kinds} to choose from; each grain needs one",
-            materials.len()
-        ));
-    }
-    match materials.iter().find(|k| **k as usize >= kinds) {
-        Some(k) => wrong(format!("a grain is of material {k}, but there are only {kinds}, from 0")),
-        None => Ok(()),
-    }
-}
-
-/// Refuses laws that do not go together, a material that cannot be and adhesion beyond the theory.
-fn check_properties(properties: &Properties, radius: f64) -> Result<(), SimulationError> {
-    properties.material.check().map_err(|(name, value, right)| SimulationError::Material {
-        name,
-        value,
-        right,
-    })?;
-    check(&properties.contact)?;
-    properties.mixture.check(&properties.contact)?;
-    let reach = properties.adhesion_reach(radius)?;
-    if reach.is_nan() || reach > LARGEST_REACH * radius {
-        return Err(SimulationError::Adhesion { radius, reach });
-    }
-    Ok(())
 }
 
 impl Integrator {

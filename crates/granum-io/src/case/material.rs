@@ -39,7 +39,7 @@ pub(super) fn pair_fields() -> impl Iterator<Item = &'static Field> {
 }
 
 /// True for a name that a material can have.
-pub(super) fn is_name(name: &str) -> bool {
+pub(crate) fn is_name(name: &str) -> bool {
     let usual = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
     !name.is_empty() && name.len() <= 60 && name.chars().all(usual)
 }

@@ -24,6 +24,7 @@ pub use difference::{CaseValues, Difference, SEED, differences};
 pub use digest::decides_sample;
 pub use field::{Field, Value};
 pub use fields::{FIELDS, field};
+pub(crate) use material::is_name as is_material_name;
 pub use stage::CaseStage;
 
 /// Keys that have no part in a run whose sample is made of a packing: its grains take the place of the random insertion.

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! The box may be tilted as in LAMMPS (`xy= xz= yz=` after `zhi`). A cell of any other shape is given by its corner
-//! and its three edges: `# periodic cell, m: ox= oy= oz= ax= ay= az= bx= by= bz= cx= cy= cz=`. Other columns than the
-//! five are passed over. Grains may stand in any order; their ids must be 1, 2, ... without a gap.
+//! and its three edges: `# periodic cell, m: ox= oy= oz= ax= ay= az= bx= by= bz= cx= cy= cz=`. A column `material` names what each
+//! grain is made of. Other columns are passed over. Grains may stand in any order; their ids must be 1, 2, ... without a gap.
 
 mod cell;
 
@@ -18,10 +18,11 @@ use std::path::Path;
 use granum_core::quantity::format_number;
 
 use crate::atomic::write_atomically;
+use crate::case::is_material_name;
 use crate::error::{Error, Result};
 use crate::formats::PackingFormat;
 use crate::formats::csv::{Lines, names, number, position};
-use crate::packing::{PackedGrain, Packing};
+use crate::packing::{PackedGrain, PackedMaterials, Packing};
 
 /// The format.
 pub struct PackingCsv;
@@ -45,10 +46,15 @@ impl PackingFormat for PackingCsv {
     fn write(&self, path: &Path, packing: &Packing) -> Result<()> {
         write_atomically(path, |file| {
             writeln!(file, "{}", cell::text(&packing.origin, &packing.cell))?;
-            writeln!(file, "id,x,y,z,radius")?;
-            for grain in &packing.grains {
+            let named = !packing.materials.of.is_empty();
+            writeln!(file, "id,x,y,z,radius{}", if named { ",material" } else { "" })?;
+            for (k, grain) in packing.grains.iter().enumerate() {
                 let [x, y, z] = grain.position.map(format_number);
-                writeln!(file, "{},{x},{y},{z},{}", grain.id, format_number(grain.radius))?;
+                write!(file, "{},{x},{y},{z},{}", grain.id, format_number(grain.radius))?;
+                match packing.materials.name(k) {
+                    Some(name) => writeln!(file, ",{name}")?,
+                    None => writeln!(file)?,
+                }
             }
             Ok(())
         })
@@ -67,6 +73,9 @@ fn read_lines<R: BufRead>(lines: &mut Lines<R>) -> Result<Packing> {
     let mut cell = None;
     let mut columns = None;
     let mut grains: Vec<(PackedGrain, usize)> = Vec::new();
+    // Materials by id, since grains may stand in any order.
+    let mut materials = PackedMaterials::default();
+    let mut of: Vec<(u64, u8)> = Vec::new();
     while lines.advance()? {
         if lines.is_empty() {
             if let Some(found) = cell::parse(lines)? {
@@ -82,19 +91,46 @@ fn read_lines<R: BufRead>(lines: &mut Lines<R>) -> Result<Packing> {
             let message = "the periodic cell is not given".to_string();
             return Err(lines.error(0..0, message).with_help(cell::EXAMPLE).into());
         }
-        grains.push((columns.grain(lines)?, lines.number()));
+        let grain = columns.grain(lines)?;
+        if let Some(place) = columns.material {
+            of.push((grain.id, material(lines, grain.id, place, &mut materials)?));
+        }
+        grains.push((grain, lines.number()));
     }
     let Some((origin, cell)) = cell else {
         let message = "holds no packing: it needs a cell and grains";
         return Err(Error::content(Path::new(lines.file()), message));
     };
-    Packing::checked(lines.file(), origin, cell, grains)
+    let packing = Packing::checked(lines.file(), origin, cell, grains)?;
+    of.sort_unstable();
+    materials.of = of.into_iter().map(|(_, material)| material).collect();
+    Ok(Packing { materials, ..packing })
+}
+
+/// The material that a row names.
+fn material<R: BufRead>(
+    lines: &Lines<R>,
+    id: u64,
+    place: usize,
+    materials: &mut PackedMaterials,
+) -> Result<u8> {
+    let Some((start, name)) = lines.cells().nth(place) else { return Ok(0) };
+    let wrong = |what: &str| {
+        let message = format!("grain {id}: material = {name:?} {what}");
+        Error::from(lines.cell_error(start, name, message))
+    };
+    if !is_material_name(name) {
+        return Err(wrong("is no name of letters, digits, - and _"));
+    }
+    materials.place(name).ok_or_else(|| wrong("is one material too many"))
 }
 
 /// Where the five columns are.
 struct Columns {
     header: Vec<String>,
     places: [usize; 5],
+    /// Where the names of materials are, if there are any.
+    material: Option<usize>,
 }
 
 impl Columns {
@@ -106,7 +142,8 @@ impl Columns {
         for (place, name) in places.iter_mut().zip(Self::NAMES) {
             *place = position(lines.file(), &header, name)?;
         }
-        Ok(Columns { header, places })
+        let material = header.iter().position(|name| name == "material");
+        Ok(Columns { header, places, material })
     }
 
     fn grain<R: BufRead>(&self, lines: &Lines<R>) -> Result<PackedGrain> {

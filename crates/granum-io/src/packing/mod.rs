@@ -8,6 +8,7 @@ use std::path::Path;
 use granum_core::Cell;
 use granum_core::assembly::{Assembly, Matrix, Vector};
 use granum_core::geometry::{apply, determinant, invert};
+use granum_dem::mixture::MOST_MATERIALS;
 
 use crate::error::{Error, InputError, Result};
 use granum_core::quantity::format_number;
@@ -28,6 +29,33 @@ pub struct PackedGrain {
     pub radius: f64,
 }
 
+/// Which grain of a packing is of which material, where its file says so.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PackedMaterials {
+    /// Names of the materials, each once.
+    pub names: Vec<String>,
+    /// Place of the material of each grain among the names, in the order of the grains; empty where nothing is said.
+    pub of: Vec<u8>,
+}
+
+impl PackedMaterials {
+    /// The name of the material of a grain, by its place among the grains.
+    pub fn name(&self, grain: usize) -> Option<&str> {
+        let name = self.names.get(*self.of.get(grain)? as usize)?;
+        Some(name)
+    }
+
+    /// The place of a name among those that there are, which becomes one of them if it is new; `None` if there are too many.
+    pub(crate) fn place(&mut self, name: &str) -> Option<u8> {
+        let known = self.names.iter().position(|known| known == name);
+        let place = known.unwrap_or(self.names.len());
+        if known.is_none() && place < MOST_MATERIALS {
+            self.names.push(name.to_string());
+        }
+        (place < MOST_MATERIALS).then_some(place as u8)
+    }
+}
+
 /// Grains in a periodic cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Packing {
@@ -37,6 +65,8 @@ pub struct Packing {
     pub cell: Matrix,
     /// The grains, in order of their ids.
     pub grains: Vec<PackedGrain>,
+    /// What they are made of, where the file says so.
+    pub materials: PackedMaterials,
 }
 
 impl Packing {
@@ -47,7 +77,15 @@ impl Packing {
             position: g.position,
             radius: g.radius,
         };
-        Packing { origin: [0.0; 3], cell: assembly.cell, grains: assembly.grains.iter().map(grain).collect() }
+        let materials = match assembly.materials.as_slice() {
+            [] => PackedMaterials::default(),
+            names => PackedMaterials {
+                names: names.to_vec(),
+                of: assembly.grains.iter().map(|g| g.material.min(u32::from(u8::MAX)) as u8).collect(),
+            },
+        };
+        let grains = assembly.grains.iter().map(grain).collect();
+        Packing { origin: [0.0; 3], cell: assembly.cell, grains, materials }
     }
 
     /// Position of a grain from the corner of the cell, m.
@@ -88,7 +126,8 @@ impl Packing {
         }
         let grains = check_ids(file, grains)?;
         overlap::check(file, &cell, &grains)?;
-        Ok(Packing { origin, cell, grains: grains.into_iter().map(|(grain, _)| grain).collect() })
+        let grains = grains.into_iter().map(|(grain, _)| grain).collect();
+        Ok(Packing { origin, cell, grains, materials: PackedMaterials::default() })
     }
 }
 

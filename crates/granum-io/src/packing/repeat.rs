@@ -1,6 +1,6 @@
 //! Larger packings of copies: a periodic cell beside itself.
 
-use super::{PackedGrain, Packing};
+use super::{PackedGrain, PackedMaterials, Packing};
 use crate::error::{Error, Result};
 use std::path::Path;
 
@@ -35,7 +35,10 @@ impl Packing {
             }
         }
         let cell = self.cell.map(|row| std::array::from_fn(|k| row[k] * counts[k] as f64));
-        Ok(Packing { origin: self.origin, cell, grains })
+        let copies = total.unwrap_or(0) / self.grains.len().max(1);
+        let of = if self.materials.of.is_empty() { Vec::new() } else { self.materials.of.repeat(copies) };
+        let materials = PackedMaterials { names: self.materials.names.clone(), of };
+        Ok(Packing { origin: self.origin, cell, grains, materials })
     }
 }
 
@@ -51,6 +54,7 @@ mod tests {
             origin: [0.1, 0.0, -0.2],
             cell,
             grains: vec![grain(1, [0.2, 0.1, 0.0]), grain(2, [1.2, 0.1, 0.0])],
+            materials: PackedMaterials { names: vec!["a".into(), "b".into()], of: vec![0, 1] },
         };
         let many = one.repeated([2, 1, 3]).unwrap();
         assert_eq!(many.grains.len(), 12);
@@ -75,6 +79,7 @@ mod tests {
             origin: [0.0; 3],
             cell: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             grains: vec![],
+            materials: PackedMaterials::default(),
         };
         assert!(one.repeated([1, 1, 1]).is_err());
         assert!(one.repeated([0, 1, 1]).unwrap_err().to_string().contains("0 x 1 x 1"));

@@ -36,10 +36,28 @@ fn what_is_written_reads_back_bit_for_bit() {
         [[1.0, 0.2, 0.1], [0.0, 1.0, -0.3], [0.0, 0.0, 1.0]],
         [[1.0, 0.2, 0.1], [0.1, 1.0, -0.3], [0.0, 0.05, 1.0 / 3.0]],
     ] {
-        let packing = Packing { origin: [-0.1, 0.0, 0.1], cell, grains: grains.clone() };
+        let packing =
+            Packing { origin: [-0.1, 0.0, 0.1], cell, grains: grains.clone(), materials: Default::default() };
         crate::write_packing(&path, &packing).unwrap();
         assert_eq!(crate::read_packing(&path).unwrap(), packing);
     }
+}
+
+/// Grains may stand in any order; their materials go with their ids.
+#[test]
+fn a_column_says_what_grains_are_made_of() {
+    let text = "# periodic box, m: xlo=0 ylo=0 zlo=0 xhi=10 yhi=10 zhi=10\nid,x,y,z,material,radius\n\
+                2,3,3,3,steel,0.5\n1,1,1,1,glass,0.5\n3,5,5,5,steel,0.5\n";
+    let packing = crate::formats::packing_csv::read_from(text.as_bytes(), "p.csv").unwrap();
+    let names: Vec<_> = (0..3).map(|k| packing.materials.name(k).unwrap()).collect();
+    assert_eq!(names, ["glass", "steel", "steel"]);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("p.csv");
+    crate::write_packing(&path, &packing).unwrap();
+    assert_eq!(crate::read_packing(&path).unwrap(), packing);
+    let bad = text.replace("glass", "a b");
+    let said = crate::formats::packing_csv::read_from(bad.as_bytes(), "p.csv").unwrap_err().to_string();
+    assert!(said.starts_with("p.csv:4:9: grain 1: material = \"a b\" is no name"), "{said}");
 }
 
 #[test]
@@ -129,7 +147,7 @@ proptest! {
             position: apply(&cell, *place),
             radius: 0.2 * smallest.powf(*size),
         }).collect();
-        let packing = Packing { origin: [0.0; 3], cell, grains };
+        let packing = Packing { origin: [0.0; 3], cell, grains, materials: Default::default() };
         let lined: Vec<_> = packing.grains.iter().map(|grain| (*grain, 0)).collect();
         prop_assert_eq!(overlap::check("p.csv", &cell, &lined).is_err(), brute_force(&packing));
     }

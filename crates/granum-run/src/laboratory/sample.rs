@@ -257,7 +257,31 @@ pub fn simulation(packing: &Packing, properties: Properties) -> Result<Simulatio
              is possible"
         )));
     }
-    Ok(Simulation::new(cell(packing), &spheres(packing), properties)?)
+    let (cell, spheres) = (cell(packing), spheres(packing));
+    match materials(packing, &properties)? {
+        Some(materials) => Ok(Simulation::of_materials(cell, &spheres, &materials, properties)?),
+        None => Ok(Simulation::new(cell, &spheres, properties)?),
+    }
+}
+
+/// The material of each grain as the packing names it, where it does and there are several to choose from; else it is drawn.
+fn materials(packing: &Packing, properties: &Properties) -> Result<Option<Vec<u8>>, LaboratoryError> {
+    let mixture = &properties.mixture;
+    if mixture.is_empty() || packing.materials.of.is_empty() {
+        return Ok(None);
+    }
+    let place = |grain: usize| {
+        let name = packing.materials.name(grain).unwrap_or_default();
+        mixture.position(name).map(|place| place as u8).ok_or_else(|| {
+            let known: Vec<&str> = mixture.components.iter().map(|c| c.name.as_str()).collect();
+            LaboratoryError::Packing(format!(
+                "its grain {} is of {name:?}, but the case has the materials {}; give it a table [[material]] with this name",
+                packing.grains[grain].id,
+                known.join(", ")
+            ))
+        })
+    };
+    (0..packing.grains.len()).map(place).collect::<Result<_, _>>().map(Some)
 }
 
 /// The cell of a packing, its corner at the origin.

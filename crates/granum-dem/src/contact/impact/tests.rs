@@ -89,7 +89,7 @@ fn wet_grains_lose_what_their_bridge_held() {
         let least = (2.0 * held / pair.effective_mass).sqrt();
         for times in [1.2, 2.0, 5.0] {
             let impact = collide(&wet, &smooth(), DIAMETER, times * least, 0.0).unwrap();
-            let expected = (1.0 - 1.0 / (times * times) as f64).sqrt();
+            let expected = (1.0f64 - 1.0 / (times * times)).sqrt();
             assert!((impact.restitution / expected - 1.0).abs() < 1e-5, "{normal}: {}", impact.restitution);
         }
         let slow = collide(&wet, &smooth(), DIAMETER, 0.9 * least, 0.0).unwrap();
