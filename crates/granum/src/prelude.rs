@@ -34,5 +34,6 @@ pub use granum_run::{
     Beginning, Engine, Flow, Laboratory, NoObserver, Observer, Progress, Source, Task, TestResult,
 };
 pub use granum_sensors::{
-    Bins, Histogram, Look, Memory, Record, Sensor, SensorColumn, Sensors, Values, column_index, measure_row,
+    Bins, Description, Histogram, Look, Memory, Record, Sensor, SensorColumn, Sensors, Values, column_index,
+    measure_row,
 };

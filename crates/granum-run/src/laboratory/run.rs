@@ -38,7 +38,7 @@ pub(crate) fn begin(
     if *source == Source::Case {
         memory::check(case)?;
     }
-    let packing = Laboratory::packing(source)?;
+    let packing = laboratory.packing(source)?;
     let mut record = task.record(engine)?;
     if let (Some(packing), RunSource::Packing { file, sha256 }) = (&packing, &record.source) {
         let packing = from_packing::describe(file, packing, sha256);
@@ -228,7 +228,7 @@ fn write_case(folder: &RunFolder, case: &Case, record: &RunRecord) -> Result<(),
 /// Writes how the sample was come by, as far as it is.
 fn write_curve(store: Store, run_state: &RunState) -> Result<(), LaboratoryError> {
     let Some(folder) = store.0 else { return Ok(()) };
-    if let Some(table) = run_state.found.curve.table()? {
+    if let Some(table) = run_state.results.curve.table()? {
         folder.write_preparation(&table)?;
     }
     Ok(())
