@@ -14,6 +14,7 @@ pub mod packing;
 pub mod run;
 pub mod shell;
 pub mod snapshot;
+mod tables;
 mod text;
 
 pub use case::Case;
@@ -24,3 +25,4 @@ pub use formats::{Formats, read_columns, read_packing, read_table, write_packing
 pub use granum_core::{Column, ColumnKind, Table};
 pub use packing::Packing;
 pub use run::{Machine, QualityFlag, Run, RunFolder, RunRecord, RunSource, RunStatus};
+pub use tables::read_assembly;

@@ -250,3 +250,75 @@ impl std::fmt::Debug for Engines {
         f.debug_list().entries(self.names()).finish()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use granum_dem::observer::NoObserver;
+    use granum_io::RunStatus;
+
+    use super::*;
+
+    /// Writes a case and a record, and no more.
+    struct Clerk;
+    impl Engine for Clerk {
+        fn name(&self) -> &'static str {
+            "clerk"
+        }
+        fn help(&self) -> &'static str {
+            "writes down what it is asked for"
+        }
+        fn begin<'a>(
+            &'a self,
+            task: Task<'a>,
+            observer: &mut dyn Observer,
+        ) -> Result<PlannedRun<'a>, LaboratoryError> {
+            if task.kind != "shear" {
+                let what = "it makes no samples; use the engine granum".to_string();
+                return Err(EngineError::Failed { engine: self.name(), what }.into());
+            }
+            observer.warn("nothing is simulated");
+            let mut record = task.record(self)?;
+            Ok(PlannedRun::new(move |folder, _| {
+                folder.write_case(task.case, None)?;
+                record.status = RunStatus::Interrupted;
+                folder.write_record(&record)?;
+                Ok(record)
+            }))
+        }
+    }
+
+    #[test]
+    fn an_engine_of_ones_own_runs_the_cases_of_a_laboratory() {
+        let base = tempfile::tempdir().unwrap();
+        let laboratory = Laboratory::here().with_engine(Clerk).unwrap();
+        let folder = RunFolder::create(base.path().join("run"), false).unwrap();
+        let record = laboratory.shear(&Case::default(), &Source::Case, &folder, &mut NoObserver).unwrap();
+        assert_eq!((record.engine.as_str(), record.status), ("clerk", RunStatus::Interrupted));
+        assert_eq!(folder.run().record().unwrap(), record);
+        assert_eq!(folder.run().case().unwrap(), Case::default());
+
+        // What it refuses, it refuses before there is a folder.
+        let case = Case::default();
+        let begun = laboratory.planned("prepare", &case, &Source::Case, &mut NoObserver);
+        let message = begun.err().unwrap().to_string();
+        assert_eq!(message, "the engine clerk: it makes no samples; use the engine granum");
+        // The record says whose run it is, so that the right engine is asked to go on with it.
+        let message = laboratory.resume(&folder, &mut NoObserver).unwrap_err().to_string();
+        assert!(message.starts_with("the engine clerk cannot go on with a run"), "{message}");
+        let message = Laboratory::here().resume(&folder, &mut NoObserver).unwrap_err().to_string();
+        assert_eq!(message, "there is no engine \"clerk\"; there are: granum");
+        assert_eq!(laboratory.with_engine(Clerk).err(), Some(EngineError::NameTaken { name: "clerk" }));
+    }
+
+    #[test]
+    fn a_sensor_that_is_not_known_is_refused_before_there_is_a_folder() {
+        let mut case = Case::default();
+        case.grains.count = 60;
+        case.recording.sensors = vec!["overlap_distributon".into()];
+        let laboratory = Laboratory::here();
+        let begun = laboratory.planned("shear", &case, &Source::Case, &mut NoObserver);
+        let message = begun.err().unwrap().to_string();
+        let wanted = "there is no sensor \"overlap_distributon\"; did you mean overlap_distribution?";
+        assert_eq!(message, format!("recording.sensors: {wanted}"));
+    }
+}

@@ -2,6 +2,29 @@
 
 pub mod prelude;
 
+/// What a contact law of one's own needs, and where it is registered; `examples/extend/` has one.
+pub mod law {
+    pub use granum_dem::contact::registry::{
+        RegisterError, register_normal, register_rolling, register_tangential,
+    };
+    pub use granum_dem::contact::{
+        AdhesionLosses, Description, LAW_CONSTANTS, MAX_HISTORY, MAX_MOMENT_HISTORY, Moment, MomentLaw,
+        Normal, NormalLaw, NormalTraits, PairProperties, Parameter, RelativeSpin, Tangential, TangentialLaw,
+        Unit,
+    };
+    pub use granum_simd::{Mask, Real};
+}
+
+/// What a loading path of one's own needs, and where it is registered; `examples/extend/` has one.
+pub mod path {
+    pub use granum_dem::loading::preset::{
+        Default, INERTIAL_NUMBER, Parameter, Preset, RegisterError, STATES, Values, register,
+    };
+    pub use granum_dem::loading::{
+        Constraint, Control, Drive, Kinematics, Measure, Record, Speed, Stage, Target, Turns, Until,
+    };
+}
+
 pub use granum_core as core;
 pub use granum_dem as dem;
 pub use granum_io as io;

@@ -11,6 +11,7 @@
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
+use std::sync::Arc;
 
 use granum_core::Table;
 
@@ -63,29 +64,38 @@ pub trait PackingFormat: Send + Sync {
 }
 
 /// The formats that a program knows.
+#[derive(Clone)]
 pub struct Formats {
-    tables: Vec<Box<dyn TableFormat>>,
-    packings: Vec<Box<dyn PackingFormat>>,
+    tables: Vec<Arc<dyn TableFormat>>,
+    packings: Vec<Arc<dyn PackingFormat>>,
+}
+
+impl std::fmt::Debug for Formats {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let names =
+            self.tables().map(|format| format.name()).chain(self.packings().map(|format| format.name()));
+        f.debug_list().entries(names).finish()
+    }
 }
 
 impl Formats {
     /// Those that come with granum.
     pub fn standard() -> Formats {
         Formats {
-            tables: vec![Box::new(csv::Csv), Box::new(parquet::Parquet)],
-            packings: vec![Box::new(packing_csv::PackingCsv)],
+            tables: vec![Arc::new(csv::Csv), Arc::new(parquet::Parquet)],
+            packings: vec![Arc::new(packing_csv::PackingCsv)],
         }
     }
 
     /// The same formats and one more for tables.
     pub fn with_table(mut self, format: impl TableFormat + 'static) -> Formats {
-        self.tables.push(Box::new(format));
+        self.tables.push(Arc::new(format));
         self
     }
 
     /// The same formats and one more for packings.
     pub fn with_packing(mut self, format: impl PackingFormat + 'static) -> Formats {
-        self.packings.push(Box::new(format));
+        self.packings.push(Arc::new(format));
         self
     }
 

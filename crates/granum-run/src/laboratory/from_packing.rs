@@ -5,7 +5,7 @@ use std::path::Path;
 use granum_dem::preparation::{NextTrial, Preparing, Recipe, is_loose};
 use granum_io::case::field;
 use granum_io::run::{PackingRecord, RunSource, file_digest};
-use granum_io::{Case, Packing};
+use granum_io::{Case, Formats, Packing};
 
 use super::sample::{Source, simulation};
 use super::{Laboratory, LaboratoryError};
@@ -57,6 +57,7 @@ pub(super) fn begin(
 
 /// The next trial of the preparation friction, from the packing again.
 pub(super) fn again(
+    formats: &Formats,
     source: &RunSource,
     recipe: &Recipe,
     next: NextTrial,
@@ -69,7 +70,7 @@ pub(super) fn again(
                        and resume the run, or run it anew";
         return Err(granum_io::Error::content(file, message).into());
     }
-    let simulation = simulation(&granum_io::read_packing(file)?, next.properties(recipe))?;
+    let simulation = simulation(&formats.read_packing(file)?, next.properties(recipe))?;
     Ok(Preparing::compacting(simulation, recipe, next))
 }
 
@@ -95,10 +96,10 @@ impl Laboratory {
     /// Reads the packing of a source, if it is one.
     ///
     /// # Errors
-    /// As [`granum_io::read_packing`].
-    pub(super) fn packing(source: &Source) -> Result<Option<Packing>, LaboratoryError> {
+    /// As [`Formats::read_packing`].
+    pub(super) fn packing(&self, source: &Source) -> Result<Option<Packing>, LaboratoryError> {
         match source {
-            Source::Packing(path) => Ok(Some(granum_io::read_packing(path)?)),
+            Source::Packing(path) => Ok(Some(self.formats.read_packing(path)?)),
             Source::Case | Source::Folder(_) => Ok(None),
         }
     }

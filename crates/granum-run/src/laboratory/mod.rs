@@ -35,9 +35,9 @@ use granum_dem::loading::ControlError;
 use granum_dem::observer::Observer;
 use granum_dem::preparation::PreparationError;
 use granum_dem::simulation::{Hardware, SimulationError};
-use granum_io::Case;
 use granum_io::run::{RunFolder, RunRecord};
 use granum_io::shell::quoted_path;
+use granum_io::{Case, Formats};
 use granum_sensors::{Sensor, SensorError, Sensors};
 use thiserror::Error;
 
@@ -170,6 +170,8 @@ pub struct Laboratory {
     pub engines: Engines,
     /// The sensors that are known.
     pub sensors: Sensors,
+    /// The formats of packings that are known.
+    pub formats: Formats,
 }
 
 /// How a segment of a run ended.
@@ -194,6 +196,7 @@ impl Laboratory {
             engine: Native.name().to_string(),
             engines: Engines::standard(),
             sensors: Sensors::standard(),
+            formats: Formats::standard(),
         }
     }
 
@@ -275,6 +278,11 @@ impl Laboratory {
         self.engine = engine.name().to_string();
         self.engines = self.engines.with(engine)?;
         Ok(self)
+    }
+
+    /// The same laboratory with other formats, by which it reads packings.
+    pub fn with_formats(self, formats: Formats) -> Laboratory {
+        Laboratory { formats, ..self }
     }
 
     /// The same laboratory with one more sensor, which a case asks for by its name in `recording.sensors`.

@@ -38,7 +38,7 @@ pub(crate) fn begin(
     if *source == Source::Case {
         memory::check(case)?;
     }
-    let packing = Laboratory::packing(source)?;
+    let packing = laboratory.packing(source)?;
     let mut record = task.record(engine)?;
     if let (Some(packing), RunSource::Packing { file, sha256 }) = (&packing, &record.source) {
         let packing = from_packing::describe(file, packing, sha256);

@@ -80,7 +80,7 @@ impl Laboratory {
             Source::Folder(path) => return take_sample(case, path, &self.sensors, record),
             Source::Case => Preparing::new(&recipe)?,
             Source::Packing(path) => {
-                let packing = packing.map_or_else(|| granum_io::read_packing(path), Ok)?;
+                let packing = packing.map_or_else(|| self.formats.read_packing(path), Ok)?;
                 let (preparing, why_not) = from_packing::begin(&packing, &recipe)?;
                 for remark in from_packing::remarks(case, path, why_not.as_deref()) {
                     observer.warn(&remark);
@@ -129,7 +129,7 @@ impl Laboratory {
         let (simulation, stage) = match outcome {
             Outcome::Stopped(at) => (at.simulation, Stage::Preparation(at.progress)),
             Outcome::Again(next) => {
-                let preparing = from_packing::again(source, &recipe, next)?;
+                let preparing = from_packing::again(&self.formats, source, &recipe, next)?;
                 (preparing.simulation, Stage::Preparation(preparing.progress))
             }
             Outcome::Sample(sample) => {

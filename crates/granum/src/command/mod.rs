@@ -10,6 +10,7 @@ mod hardware;
 mod impact;
 mod init;
 mod law;
+mod measure;
 mod pair;
 mod predict;
 mod prepare;
@@ -49,6 +50,7 @@ pub enum Command {
     Train(train::Train),
     Predict(predict::Predict),
     Evaluate(evaluate::Evaluate),
+    Measure(measure::Measure),
     Forces(forces::Forces),
     Pair(pair::Pair),
     Impact(impact::Impact),
@@ -71,6 +73,7 @@ impl Command {
             Command::Train(command) => command.run(context),
             Command::Predict(command) => command.run(context),
             Command::Evaluate(command) => command.run(context),
+            Command::Measure(command) => command.run(context),
             Command::Forces(command) => command.run(context),
             Command::Pair(command) => command.run(context),
             Command::Impact(command) => command.run(context),

@@ -1,0 +1,64 @@
+//! A test with a contact law, a sensor, a loading path and a packing format that granum does not have: one file each.
+//!
+//! `cargo run --release`
+
+mod granular_temperature;
+mod plane_strain;
+mod rolling_spring;
+mod spheres;
+
+use granum::prelude::*;
+
+const CASE: &str = r#"
+[grains.material]
+interface_energy = 0
+[contact]
+normal = "hertz"
+tangential = "no-slip"
+rolling = "rolling-spring"
+rolling_spring_friction = 0.2
+[preparation]
+solid_fraction = "none"
+friction = 0.3
+unbalanced_force = 0.01
+[recording]
+observations_per_state = 4
+sensors = ["granular_temperature"]
+[[stage]]
+path = "plane-strain"
+axial_strain = 0.02
+inertial_number = 0.005
+states = 8
+"#;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    // From here on case files know the law and the path by their names, and their parameters by their keys.
+    granum::law::register_rolling(RollingKind::new(&rolling_spring::RollingSpring))?;
+    granum::path::register(&plane_strain::PLANE_STRAIN)?;
+    let laboratory = Laboratory::here()
+        .with_sensor(granular_temperature::GranularTemperature)?
+        .with_formats(Formats::standard().with_packing(spheres::Spheres));
+
+    let file = std::env::temp_dir().join(format!("granum-extend-{}.spheres", std::process::id()));
+    laboratory.formats.write_packing(&file, &spheres::loose_lattice(6))?;
+    let test =
+        laboratory.test_of(&Case::parse(CASE, "case")?, &Source::Packing(file.clone()), &mut NoObserver);
+    std::fs::remove_file(&file)?;
+    let test = test?;
+
+    let columns = ["axial_strain", "lateral_strain_3", "von_mises_ratio", "granular_temperature"];
+    let [strain, fixed, ratio, temperature] = test.record.series.select(columns)?;
+    println!("eps_1    q/p    T_g (m2/s2)");
+    for k in 0..strain.len() {
+        println!("{:.4}  {:.3}  {:.2e}", strain[k], ratio[k], temperature[k]);
+    }
+    let speeds = test.record.histograms("speeds").iter().map(Histogram::total).sum::<u64>();
+    let rolled = test.simulation.assembly().energy.rolling;
+    println!("{speeds} speeds were counted; {rolled:.2e} J were lost by rolling");
+
+    assert!(fixed.iter().all(|strain| strain.abs() < 1e-12), "the path holds axis z");
+    assert!(ratio.iter().any(|ratio| *ratio > 0.2), "the sample resists");
+    assert!(temperature.iter().skip(1).all(|temperature| *temperature > 0.0), "the sensor measures");
+    assert!(speeds > 0 && rolled > 0.0, "the histogram counts, and the law takes energy");
+    Ok(())
+}

@@ -1,0 +1,85 @@
+//! A law of rolling with a parameter and a history of its own: the spring and slider of Iwashita and Oda (1998).
+//!
+//! The couple M grows by `k_r` times the angle of rolling, with `k_r = k_n R*^2`, up to `mu_r R* F`, F the friction load of the
+//! normal law. It is remembered in the frame of the contact, and turns with it.
+
+use granum::law::*;
+
+#[derive(Clone, Copy)]
+pub struct RollingSpring;
+
+/// What is prepared for a pair.
+const ARM: usize = 0;
+const AREA: usize = 1;
+const STEP: usize = 2;
+/// What is remembered after the two components of the couple.
+const STIFFNESS_BEFORE: usize = 2;
+
+impl MomentLaw for RollingSpring {
+    const DESCRIPTION: Description = Description {
+        name: "rolling-spring",
+        label: "rolling spring",
+        help: "a spring and a slider against rolling (Iwashita and Oda 1998)",
+        parameters: &[Parameter {
+            key: "rolling_spring_friction",
+            unit: Unit::NUMBER,
+            default: 0.1,
+            bounds: [0.0, 1.0],
+            meaning: "Coefficient mu_r: the rolling couple is at most mu_r R* F",
+            without_area: false,
+        }],
+    };
+    const HISTORY: usize = 3;
+    const PLANE_VECTORS: usize = 1;
+
+    fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
+        let mut c = [0.0; LAW_CONSTANTS];
+        c[ARM] = parameters[0] * pair.effective_radius;
+        c[AREA] = pair.effective_radius.powi(2);
+        c[STEP] = (pair.effective_radius / pair.smaller_radius).powi(2);
+        c
+    }
+
+    #[inline(always)]
+    fn update<R: Real>(
+        c: &[R; LAW_CONSTANTS],
+        normal: &Normal<R>,
+        spin: RelativeSpin<R>,
+        dt: R,
+        history: &mut [R; MAX_MOMENT_HISTORY],
+    ) -> Moment<R> {
+        let (one, half, tiny) = (R::splat(1.0), R::splat(0.5), R::splat(1e-200));
+        let (stiffness, limit) = (c[AREA] * normal.stiffness, c[ARM] * normal.friction_load);
+        let (held, before) = ([history[0], history[1]], history[STIFFNESS_BEFORE]);
+        // A contact that grows softer cannot hold what it held: it would make energy.
+        let kept = (stiffness / before.max(tiny)).min(one);
+        let turned = [dt * spin.rolling[0], dt * spin.rolling[1]];
+        let trial = [0, 1].map(|a| kept * held[a] + stiffness * turned[a]);
+        let square = dot(trial, trial);
+        let at_limit = square.ge(limit * limit);
+        let factor = R::select(at_limit, limit / square.sqrt().max(tiny), one);
+        let couple = trial.map(|component| factor * component);
+        [history[0], history[1]] = couple;
+        history[STIFFNESS_BEFORE] = stiffness;
+        let work = half * dot([held[0] + couple[0], held[1] + couple[1]], turned);
+        let stored = |couple, stiffness: R| half * dot(couple, couple) / stiffness.max(tiny);
+        Moment {
+            couple: [couple[0], couple[1], R::zero()],
+            at_limit,
+            work,
+            loss: work - (stored(couple, stiffness) - stored(held, before)),
+            step_stiffness: c[STEP] * normal.stiffness,
+            ..Moment::none()
+        }
+    }
+
+    fn energy(_: &[f64; LAW_CONSTANTS], history: &[f64; MAX_MOMENT_HISTORY]) -> f64 {
+        let couple = [history[0], history[1]];
+        0.5 * dot(couple, couple) / history[STIFFNESS_BEFORE].max(1e-200)
+    }
+}
+
+#[inline(always)]
+fn dot<R: Real>(a: [R; 2], b: [R; 2]) -> R {
+    a[0] * b[0] + a[1] * b[1]
+}
