@@ -52,7 +52,7 @@ if [ "${1:-}" = --count ]; then
     ${CC:-cc} -shared -fPIC -O2 scripts/instruction_count.c -o "$out/count.so"
     count() {
         qemu-aarch64 -L /usr/aarch64-linux-gnu -plugin "$out/count.so" -d plugin -D "$out/count.txt" \
-            "$folder/$target/release/granum" bench --packing data/packing-5000.csv --threads 1 --only dem "$@" > /dev/null
+            "$folder/$target/release/granum" bench --packing data/packing-5000.csv --grains 5000 --threads 1 --only dem "$@" > /dev/null
         sed -n 's/^instructions: //p' "$out/count.txt"
     }
     for law in hertz,no-slip jkr,no-slip; do
