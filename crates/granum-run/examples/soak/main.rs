@@ -180,6 +180,6 @@ fn main() {
         totals.add(outcome);
         totals.memory.push(memory());
     }
-    totals.tell(start.elapsed().as_secs_f64());
+    totals.print(start.elapsed().as_secs_f64());
     std::process::exit(i32::from(!totals.failures.is_empty()));
 }

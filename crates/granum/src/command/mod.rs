@@ -12,6 +12,7 @@ mod init;
 mod law;
 mod pair;
 mod predict;
+mod predict_surrogate;
 mod prepare;
 mod records;
 mod relation;
