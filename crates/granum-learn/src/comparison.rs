@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use crate::dataset::{Dataset, Parts};
+use crate::dataset::{Dataset, SplitParts};
 use crate::error::{LearnError, Result};
 use crate::score::{Score, Scorer};
 use crate::surrogate::{Columns, FitSpec, Prediction, Surrogate, SurrogateMethod};
@@ -37,7 +37,7 @@ pub struct SurrogateScores {
 /// If the outputs have different units (one score cannot hold them), and as [`SurrogateMethod::fit`] and
 /// [`Surrogate::predict`].
 pub fn compare(
-    parts: &Parts,
+    parts: &SplitParts,
     spec: &FitSpec,
     methods: &[&dyn SurrogateMethod],
     level: f64,
@@ -47,7 +47,7 @@ pub fn compare(
 }
 
 fn compare_one(
-    parts: &Parts,
+    parts: &SplitParts,
     spec: &FitSpec,
     method: &dyn SurrogateMethod,
     level: f64,

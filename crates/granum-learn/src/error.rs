@@ -17,6 +17,9 @@ pub enum LearnError {
     /// A data set cannot be made or used.
     #[error("data set: {0}")]
     Dataset(String),
+    /// A table cannot be made, or lacks a column.
+    #[error(transparent)]
+    Table(#[from] granum_core::TableError),
     /// A sub-model has too little to learn from.
     #[error(
         "{mapping} sub-model {sub_model} (deviator strain {low} to {high}) has {found} training states, needs {needed}; \

@@ -2,7 +2,7 @@
 
 use granum_core::{Column, Table};
 
-use crate::error::{LearnError, Result};
+use crate::error::Result;
 use crate::surrogate::{Estimate, Prediction, Surrogate};
 
 /// Predicts every row of a table. The result has the inputs of the surrogate, then for each output `predicted_NAME`, and
@@ -51,7 +51,7 @@ pub fn predict_table(surrogate: &dyn Surrogate, table: &Table, level: f64) -> Re
     }
     let outside = |prediction: &Prediction| f64::from(u8::from(!prediction.outside.is_empty()));
     all.push(Column::new("outside", "", predictions.iter().map(outside).collect()));
-    Table::new(all).map_err(table_error)
+    Ok(Table::new(all)?)
 }
 
 /// The columns of these names, in their order.
@@ -59,24 +59,16 @@ pub fn predict_table(surrogate: &dyn Surrogate, table: &Table, level: f64) -> Re
 /// # Errors
 /// If one is missing.
 pub fn chosen(table: &Table, names: &[String]) -> Result<Table> {
-    let column = |name: &String| {
-        let known = table.columns().iter().find(|column| column.name == *name);
-        known.cloned().ok_or_else(|| {
-            LearnError::Dataset(match table.column(name) {
-                Err(error) => error.to_string(),
-                Ok(_) => format!("there is no column {name}"),
-            })
-        })
-    };
-    Table::new(names.iter().map(column).collect::<Result<_>>()?).map_err(table_error)
+    let mut columns = Vec::with_capacity(names.len());
+    for name in names {
+        table.column(name)?;
+        columns.extend(table.columns().iter().filter(|column| column.name == *name).cloned());
+    }
+    Ok(Table::new(columns)?)
 }
 
 /// The values of a table row by row.
 pub fn rows_of(table: &Table) -> Vec<f64> {
     let columns: Vec<&[f64]> = table.columns().iter().map(|column| column.values.as_slice()).collect();
     (0..table.rows()).flat_map(|row| columns.iter().map(move |column| column[row])).collect()
-}
-
-fn table_error(error: granum_core::TableError) -> LearnError {
-    LearnError::Dataset(error.to_string())
 }

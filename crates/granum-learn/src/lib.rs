@@ -19,7 +19,7 @@
 //!     let y = x.iter().map(|x| x * x + 0.01 * f64::from(k) * x).collect();
 //!     RunStates::new(&format!("run-{k}"), Table::new(vec![Column::new("x", "m", x), Column::new("y", "m2", y)])?)
 //! };
-//! let dataset = Dataset::new((1..=3).map(run).collect::<Result<_, Box<dyn std::error::Error>>>()?)?;
+//! let dataset = Dataset::new((1..=3).map(run).collect::<granum_learn::Result<_>>()?)?;
 //! let parts = dataset.split(&Split::default().unseen(["run-3"]))?;
 //!
 //! let methods = SurrogateMethods::standard();
@@ -51,7 +51,7 @@ pub use antony2006::study::{Evaluation, Study, StudyObserver, StudyOptions, Stud
 pub use antony2006::summary::Summary;
 pub use antony2006::{MappingMethod, MappingNetworks, StudyData, StudyDataOptions};
 pub use comparison::{SurrogateScores, compare, score_surrogate};
-pub use dataset::{Dataset, NamedRecord, Parts, RunStates, Split, Variable};
+pub use dataset::{Dataset, NamedRecord, RunStates, Split, SplitParts, Variable};
 pub use error::{LearnError, Result};
 pub use score::Score;
 pub use surrogate::{FitSpec, Prediction, Surrogate, SurrogateMethod, SurrogateMethods};

@@ -50,7 +50,7 @@ impl MappingNetworks {
         }
         add("sub_model", &|answer| (answer.sub_model + 1) as f64);
         add("outside", &|answer| f64::from(u8::from(!answer.outside.is_empty())));
-        let table = Table::new(all).map_err(|error| LearnError::Dataset(error.to_string()))?;
+        let table = Table::new(all)?;
         let sub_models: BTreeSet<usize> = answers.iter().map(|answer| answer.sub_model).collect();
         Ok(Batch { table, outside, sub_models: sub_models.into_iter().collect() })
     }

@@ -175,7 +175,7 @@ impl Surrogate for MappingNetworks {
             .flat_map(|row| forces.iter().flat_map(|force| row.iter().copied().chain(*force)))
             .collect();
         let answers = self.predict_rows(&asked, level)?;
-        Ok(answers.chunks(forces.len()).map(prediction).collect())
+        Ok(answers.chunks(forces.len().max(1)).map(prediction).collect())
     }
 
     fn content(&self) -> Result<Content> {

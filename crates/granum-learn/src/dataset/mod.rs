@@ -20,7 +20,7 @@ use crate::error::{LearnError, Result};
 
 pub(crate) use run_states::record_error;
 pub use run_states::{ColumnGroup, NamedRecord, RunStates};
-pub use split::{Parts, Split};
+pub use split::{Split, SplitParts};
 
 /// Name and unit of a column.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -202,7 +202,7 @@ impl Dataset {
     ///
     /// # Errors
     /// If the split names a run that is not there, or nothing is left to train on.
-    pub fn split(&self, split: &Split) -> Result<Parts> {
+    pub fn split(&self, split: &Split) -> Result<SplitParts> {
         split.apply(self)
     }
 
@@ -216,7 +216,7 @@ impl Dataset {
         for variable in self.variables() {
             columns.push(Column::new(&variable.name, &variable.unit, self.column(&variable.name)?));
         }
-        Table::new(columns).map_err(|error| LearnError::Dataset(error.to_string()))
+        Ok(Table::new(columns)?)
     }
 
     /// SHA-256 of names, units and the bits of every number.

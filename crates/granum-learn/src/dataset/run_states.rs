@@ -40,8 +40,8 @@ pub struct NamedRecord<'a> {
 /// let columns = ["probability_density_0.5", "probability_density_1.5"];
 /// let table = Table::new(columns.iter().map(|name| Column::new(*name, "", vec![0.6, 0.7])).collect())?;
 /// let centres = vec![0.5, 1.5];
-/// let (name, variable) = ("probability_density".to_string(), "force".to_string());
-/// let run = RunStates::new("run", table)?.with_group(ColumnGroup { name, variable, bin_width: 1.0, centres })?;
+/// let (name, binned) = ("probability_density".to_string(), "force".to_string());
+/// let run = RunStates::new("run", table)?.with_group(ColumnGroup { name, binned, bin_width: 1.0, centres })?;
 /// assert_eq!(run.group("probability_density").unwrap().columns().collect::<Vec<_>>(), columns);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -50,7 +50,7 @@ pub struct ColumnGroup {
     /// What the columns hold; each is called after it and the centre of its bin.
     pub name: String,
     /// What is binned.
-    pub variable: String,
+    pub binned: String,
     /// Width of a bin.
     pub bin_width: f64,
     /// Centre of each bin.
@@ -331,7 +331,7 @@ fn histogram(name: &str, record: &Record) -> Result<(Option<ColumnGroup>, Vec<Co
         }
     }
     let bin_width = first.bin_width;
-    let group = ColumnGroup { name: DENSITY.into(), variable: "force".into(), bin_width, centres };
+    let group = ColumnGroup { name: DENSITY.into(), binned: "force".into(), bin_width, centres };
     let column = |(bin, name): (usize, String)| {
         Column::new(name, "", histograms.iter().map(|histogram| histogram.density(bin)).collect())
     };

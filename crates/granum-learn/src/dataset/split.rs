@@ -47,7 +47,7 @@ impl Split {
         Split { within: Some((column.into(), range)), ..self }
     }
 
-    pub(super) fn apply(&self, dataset: &Dataset) -> Result<Parts> {
+    pub(super) fn apply(&self, dataset: &Dataset) -> Result<SplitParts> {
         let bad = |reason: String| Err(LearnError::Dataset(reason));
         if self.stride == 0 {
             return bad("the stride of training states must be 1 or more, not 0".into());
@@ -67,7 +67,7 @@ impl Split {
         let trains = |run: &RunStates, row: usize| {
             (state_of(run, row) - self.first_state).is_multiple_of(self.stride as u64)
         };
-        let parts = Parts {
+        let parts = SplitParts {
             training: used.select(|run, row| !is_unseen(run) && trains(run, row)),
             held_out: used.select(|run, row| !is_unseen(run) && !trains(run, row)),
             unseen: used.select(|run, _| is_unseen(run)),
@@ -100,7 +100,7 @@ fn state_of(run: &RunStates, row: usize) -> u64 {
 
 /// The parts of a data set.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Parts {
+pub struct SplitParts {
     /// States that train.
     pub training: Dataset,
     /// States of the same runs that are held out.

@@ -110,7 +110,7 @@ fn a_histogram_is_a_column_for_each_bin() {
     let run = RunStates::from_record(&NamedRecord { name: "run", seed: 7, record: &record }).unwrap();
     let group = run.group("probability_density").unwrap();
     assert_eq!(
-        (group.variable.as_str(), group.bin_width, group.centres.len()),
+        (group.binned.as_str(), group.bin_width, group.centres.len()),
         ("force", 0.25, record.forces()[0].bins())
     );
     let bin = group.centres.iter().position(|centre| *centre == 1.125).unwrap();

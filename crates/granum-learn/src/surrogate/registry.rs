@@ -89,6 +89,9 @@ impl SurrogateMethods {
 
     fn assembled(&self, opened: Opened, name: &str) -> Result<Box<dyn Surrogate>> {
         let damaged = |reason: String| LearnError::SurrogateFile { file: name.to_owned(), reason };
+        if opened.columns.inputs.is_empty() || opened.columns.outputs.is_empty() {
+            return Err(damaged("it has no inputs or no outputs".into()));
+        }
         let method = self.by_name(&opened.method).map_err(|error| {
             damaged(format!(
                 "{error}; a method of a program of its own must be registered before its files are read"

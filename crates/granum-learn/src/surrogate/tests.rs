@@ -8,7 +8,7 @@ use crate::antony2006::mapping::paper_mapping;
 use crate::antony2006::study::{Silent, Study, StudyOptions};
 use crate::antony2006::synthetic::{Law, record};
 use crate::antony2006::{MappingMethod, MappingNetworks, StudyData, StudyDataOptions};
-use crate::dataset::{NamedRecord, Parts, RunStates, Split};
+use crate::dataset::{NamedRecord, RunStates, Split, SplitParts};
 use crate::{SurrogateScores, compare, score_surrogate};
 
 /// A method of a user's own: the outputs of the nearest training row, inputs over their range.
@@ -87,7 +87,7 @@ fn dataset_of(records: &[Record]) -> Dataset {
 }
 
 /// The split of the paper, the last two runs unseen.
-fn parts(dataset: &Dataset) -> Parts {
+fn parts(dataset: &Dataset) -> SplitParts {
     let unseen = dataset.runs().iter().rev().take(2).map(|run| run.name().to_string());
     dataset.split(&Split::default().first_state(1).unseen(unseen)).unwrap()
 }
@@ -230,6 +230,14 @@ fn files_that_are_no_surrogates_are_refused_with_what_they_are() {
     );
     assert!(forged("\"noise_variance\": ", "\"noise_variance\": -").contains("its coefficients are not"));
     assert!(forged("\"ranges\": [[", "\"ranges\": [[0.0, 1.0], [").contains("its coefficients are not"));
+    // A file that answers nothing, sealed again.
+    let mut value: serde_json::Value = serde_json::from_str(&text).unwrap();
+    value["columns"]["outputs"] = serde_json::json!([]);
+    value.as_object_mut().unwrap().remove("sha256");
+    let body = granum_core::json::readable(&value).unwrap();
+    let body = body.strip_suffix("\n}").unwrap();
+    let empty = sealed(&format!("{body},\n  \"sha256\": \"\"\n}}\n"));
+    assert_eq!(message(&empty), "s.json: it has no inputs or no outputs");
     let missing = standard.load(std::path::Path::new("/nowhere/s.json")).err().unwrap().to_string();
     assert!(missing.contains("/nowhere/s.json"), "{missing}");
 }

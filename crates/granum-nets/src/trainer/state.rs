@@ -13,7 +13,7 @@ use granum_simd::Isa;
 /// Most points of a history.
 const POINTS: usize = 1024;
 /// More epochs than any training makes.
-pub(super) const MOST: u64 = 1 << 60;
+pub(crate) const MOST: u64 = 1 << 60;
 
 /// The error after an epoch.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -13,6 +13,7 @@ mod law;
 mod measure;
 mod pair;
 mod predict;
+mod predict_surrogate;
 mod prepare;
 mod records;
 mod relation;

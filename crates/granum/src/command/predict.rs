@@ -1,39 +1,43 @@
-//! `granum predict`: what the networks of a study answer.
+//! `granum predict`: what the networks of a study, or a saved surrogate, answer.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use granum_core::names::nearest;
 use granum_io::{check_output_file, read_columns, write_table};
-use granum_learn::antony2006::RowAnswer;
 use granum_learn::antony2006::files::load_study;
-use granum_learn::{LearnError, MappingNetworks};
+use granum_learn::surrogate::Outside;
+use granum_learn::{LearnError, MappingNetworks, SurrogateMethods};
 use serde_json::json;
 
+use super::predict_surrogate;
 use super::trained_range::{inputs, short};
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 
 /// Share of the states of unseen runs that intervals hold.
-const LEVEL: f64 = 0.9;
+pub(super) const LEVEL: f64 = 0.9;
 
-/// Ask the networks of a study: one state by flags, or many from a table.
+/// Ask the networks of a study, or a saved surrogate: one row by flags, or many from a table.
 ///
 /// The inputs are those of a state of a test, whatever the form of the networks: deviator_strain, deviator_fabric, stress_ratio,
 /// every bin of P(f) (probability_density_0.125, ...) where the mapping reads it, and force where P(f) is the answer. The
 /// answer comes with the interval that holds 90 % of the states of unseen runs; of networks that were trained on a single
 /// run it does not contain the scatter between samples. A row outside the range that a network was trained in is answered all the same, and said to be outside: do not trust
 /// it. Without --set and --input the error lists the inputs with their ranges.
+///
+/// A surrogate that a program saved in a file is asked by its own columns, without --mapping.
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum predict study --mapping F4 --set deviator_strain=0.12 --set \
-                  deviator_fabric=0.1 --set force=1.125\n  granum predict study --mapping F1 --input rows.csv -o answers.csv")]
+                  deviator_fabric=0.1 --set force=1.125\n  granum predict study --mapping F1 --input rows.csv -o answers.csv\n  granum predict surrogate.json \
+                  --set arc_length=0.1")]
 pub struct Predict {
-    /// Folder of the study that `granum train` left (or `models` of a reproduction).
+    /// Folder of the study that `granum train` left (or `models` of a reproduction), or the file of a surrogate.
     study: PathBuf,
-    /// Mapping to ask, F1 to F6.
+    /// Mapping of a study to ask, F1 to F6.
     #[arg(short, long, value_name = "NAME")]
-    mapping: String,
+    mapping: Option<String>,
     /// One input of the row; give every input once.
     #[arg(short = 's', long = "set", value_name = "INPUT=VALUE", conflicts_with = "input")]
     values: Vec<String>,
@@ -47,23 +51,49 @@ pub struct Predict {
 
 impl Predict {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        if self.study.is_file() {
+            return self.ask_file(context);
+        }
         let study = load_study(&self.study)?;
-        let surrogate = &study.mapping(&self.mapping)?.surrogate;
+        let Some(mapping) = &self.mapping else {
+            let names = study.mappings.iter().map(|trained| trained.surrogate.mapping().name.as_str());
+            let names = names.collect::<Vec<_>>().join(", ");
+            return Err(Failure::new(format!(
+                "give the mapping to ask as --mapping NAME; the study has {names}"
+            )));
+        };
+        let surrogate = &study.mapping(mapping)?.surrogate;
         match &self.input {
             Some(path) => self.many(context, surrogate, path),
             None => self.one(context, surrogate),
         }
     }
 
+    fn ask_file(&self, context: &Context) -> Result<(), Failure> {
+        if let Some(mapping) = &self.mapping {
+            let path = self.study.display();
+            return Err(Failure::new(format!(
+                "--mapping {mapping}: {path} is the file of one surrogate; only a study has mappings to choose from"
+            )));
+        }
+        let surrogate = SurrogateMethods::standard().load(&self.study)?;
+        match &self.input {
+            Some(path) => predict_surrogate::many(context, surrogate.as_ref(), path, self.output.as_deref()),
+            None => predict_surrogate::one(context, surrogate.as_ref(), &self.values),
+        }
+    }
+
     fn one(&self, context: &Context, surrogate: &MappingNetworks) -> Result<(), Failure> {
-        let answer = surrogate.predict_row(&row(surrogate, &self.values)?, LEVEL)?;
+        let needs = || format!("{} needs:\n{}", surrogate.mapping().formula(), inputs(surrogate, None));
+        let row = row(&surrogate.input_names(), &self.values, &needs)?;
+        let answer = surrogate.predict_row(&row, LEVEL)?;
         let network = &surrogate.networks()[answer.sub_model];
         let output = surrogate.mapping().network_output();
         let range = surrogate.mapping().sub_models[answer.sub_model].strain_range;
         let outside =
             answer.outside.iter().map(|o| json!({ "input": o.name, "value": o.value, "range": o.range }));
         let result = json!({
-            "mapping": self.mapping,
+            "mapping": surrogate.mapping().name,
             "output": output,
             "value": answer.value,
             "standard_deviation": answer.standard_deviation,
@@ -83,14 +113,14 @@ impl Predict {
             let head = format!(
                 "{output} = {:.6}{interval}  ({} sub-model {}, deviator strain {} to {})",
                 answer.value,
-                self.mapping,
+                surrogate.mapping().name,
                 answer.sub_model + 1,
                 range[0],
                 range[1]
             );
             let mut lines = vec![head];
             lines.extend(surrogate.remarks(&[answer.sub_model]));
-            lines.extend(outside_text(&answer));
+            lines.extend(outside_text(&answer.outside));
             lines.join("\n")
         })
     }
@@ -131,10 +161,12 @@ impl Predict {
     }
 }
 
-/// The row that `--set` flags give, in the order of the network's inputs.
-fn row(surrogate: &MappingNetworks, flags: &[String]) -> Result<Vec<f64>, Failure> {
-    let names = surrogate.input_names();
-    let needs = || format!("{} needs:\n{}", surrogate.mapping().formula(), inputs(surrogate, None));
+/// The row that `--set` flags give, in the order of the inputs; `needs` says what these are.
+pub(super) fn row(
+    names: &[String],
+    flags: &[String],
+    needs: &dyn Fn() -> String,
+) -> Result<Vec<f64>, Failure> {
     let mut row = vec![None; names.len()];
     for flag in flags {
         let (name, text) = flag
@@ -163,8 +195,8 @@ fn row(surrogate: &MappingNetworks, flags: &[String]) -> Result<Vec<f64>, Failur
 }
 
 /// The inputs that lie outside, in words.
-fn outside_text(answer: &RowAnswer) -> Option<String> {
-    let each = answer.outside.iter().map(|outside| {
+pub(super) fn outside_text(outside: &[Outside]) -> Option<String> {
+    let each = outside.iter().map(|outside| {
         let [low, high] = outside.range;
         format!("{} = {} (trained from {} to {})", outside.name, outside.value, short(low), short(high))
     });

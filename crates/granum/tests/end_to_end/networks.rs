@@ -225,3 +225,51 @@ fn what_cannot_be_trained_is_refused() {
     assert!(message.contains("series.parquet"), "{message}");
     assert!(!here.join("study").exists());
 }
+
+/// A surrogate that a program saved is asked by the command line, by its own columns.
+#[test]
+fn a_saved_surrogate_is_asked() {
+    use granum_core::{Column, Table};
+    use granum_learn::{Dataset, FitSpec, RunStates, SurrogateMethods, surrogate};
+
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    let run = |k: u32| {
+        let x: Vec<f64> = (0..30).map(|i| f64::from(i) / 29.0).collect();
+        let y = x.iter().map(|x| 2.0 * x + 0.1 * f64::from(k) + 0.01 * (90.0 * x).sin()).collect();
+        let table = Table::new(vec![Column::new("x", "m", x), Column::new("y", "Pa", y)]).unwrap();
+        RunStates::new(&format!("run-{k}"), table).unwrap()
+    };
+    let dataset = Dataset::new((1..=3).map(run).collect()).unwrap();
+    let methods = SurrogateMethods::standard();
+    let spec = FitSpec::new(["x"], ["y"]).with_coordinate("x");
+    let fitted = methods.by_name("ridge").unwrap().fit(&dataset, &spec).unwrap();
+    surrogate::save(&here.join("s.json"), fitted.as_ref()).unwrap();
+
+    let asked = done_json(here, &["predict", "s.json", "--set", "x=0.5"]);
+    let known = &fitted.predict(&[0.5], 0.9).unwrap()[0].values[0];
+    assert_eq!(asked["outputs"][0]["mean"], known.mean);
+    assert_eq!(asked["outputs"][0]["upper"], known.interval.as_ref().unwrap().upper);
+    assert!(asked["outputs"][0]["standard_deviations"]["runs"].as_f64().unwrap() > 0.05, "{asked}");
+    let text = done(here, &["predict", "s.json", "--set", "x=1.5"]);
+    assert!(text.contains("y = ") && text.contains("90 % interval") && text.contains("runs"), "{text}");
+    assert!(text.contains("OUTSIDE the trained range: x = 1.5 (trained from 0 to 1)"), "{text}");
+
+    std::fs::write(here.join("rows.csv"), "x,other\n0.5,1\n2.5,1\n").unwrap();
+    done(here, &["predict", "s.json", "--input", "rows.csv", "--output", "answers.csv"]);
+    let answers = granum_io::read_table(&here.join("answers.csv")).unwrap();
+    assert_eq!(answers.column("predicted_y").unwrap()[0], known.mean);
+    assert_eq!(answers.column("outside").unwrap(), [0.0, 1.0]);
+
+    let message = refused(here, 1, &["predict", "s.json", "--mapping", "F1", "--set", "x=1"]);
+    assert!(message.contains("is the file of one surrogate"), "{message}");
+    let message = refused(here, 1, &["predict", "s.json"]);
+    assert!(
+        message.contains("missing: x") && message.contains("the surrogate (ridge) needs: x"),
+        "{message}"
+    );
+    let text = std::fs::read_to_string(here.join("s.json")).unwrap();
+    std::fs::write(here.join("s.json"), text.replace("\"x\"", "\"z\"")).unwrap();
+    let message = refused(here, 1, &["predict", "s.json", "--set", "x=1"]);
+    assert!(message.contains("s.json: the SHA-256 does not fit the content"), "{message}");
+}

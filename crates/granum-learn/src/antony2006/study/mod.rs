@@ -146,8 +146,8 @@ impl StudyObserver for Silent {}
 ///         Column::new("probability_density_0.5", "1", strain.iter().map(|e| 0.6 - 0.1 * e).collect()),
 ///         Column::new("probability_density_1.5", "1", strain.iter().map(|e| 0.3 + 0.1 * e).collect()),
 ///     ])?;
-///     let (name_of, variable) = ("probability_density".to_string(), "force".to_string());
-///     let bins = ColumnGroup { name: name_of, variable, bin_width: 1.0, centres: vec![0.5, 1.5] };
+///     let (name_of, binned) = ("probability_density".to_string(), "force".to_string());
+///     let bins = ColumnGroup { name: name_of, binned, bin_width: 1.0, centres: vec![0.5, 1.5] };
 ///     Ok(RunStates::new(name, table)?.with_group(bins)?)
 /// };
 /// let data = StudyData::of(&[run("a", 0.0)?, run("b", 0.004)?], &[run("c", 0.002)?], &StudyDataOptions::default())?;

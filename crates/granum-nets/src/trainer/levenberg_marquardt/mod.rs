@@ -21,11 +21,14 @@
 //! that go through noisy rows; so training starts with a firm ratio `alpha / beta`, waits for the weights to settle, and lets
 //! the ratio fall by no more than a factor of ten at a time.
 
+mod method;
+
 use std::time::Instant;
 
 use granum_simd::{Isa, Row8};
 
-use super::state::{MOST, TrainerState, TrainingHistory, Validation};
+use self::method::Method;
+use super::state::{Course, TrainerState, Validation};
 use super::traingdx::norm;
 use super::{
     Control, Evidence, Observer, Options, Progress, SharedTrainer, TerminationReason, Trainer, TrainerKind,
@@ -188,7 +191,7 @@ impl Trainer for LevenbergMarquardt {
         let mut error = search.squared_error / search.values;
         let mut validation_error = search.validation_error;
         network.weights_mut().copy_from_slice(&search.weights);
-        if let (Some(best), false) = (&search.history.best, termination == TerminationReason::Stopped) {
+        if let (Some(best), false) = (&search.course.best, termination == TerminationReason::Stopped) {
             network.weights_mut().copy_from_slice(&best.weights);
             error = search.workspace.squared_error(&best.weights) / search.values;
             validation_error = Some(best.error);
@@ -204,51 +207,6 @@ impl Trainer for LevenbergMarquardt {
             seconds: clock.elapsed().as_secs_f64(),
             ..TrainingReport::new(search.state(), error, termination)
         })
-    }
-}
-
-/// What a state holds beside weights and history.
-struct Method {
-    damping: f64,
-    evidence: Evidence,
-    start: Option<Vec<f64>>,
-    ceiling: f64,
-    settled: bool,
-    quiet: u64,
-}
-
-impl Method {
-    fn into_state(self, state: TrainerState) -> TrainerState {
-        let Evidence { alpha, beta, gamma } = self.evidence;
-        let state = state
-            .with("damping", &[self.damping])
-            .with("evidence", &[alpha, beta, gamma])
-            .with("ceiling", &[self.ceiling])
-            .with("settled", &[f64::from(u8::from(self.settled))])
-            .with("quiet", &[self.quiet as f64]);
-        match self.start {
-            Some(start) => state.with("start", &start),
-            None => state,
-        }
-    }
-
-    /// Reads it from a state; refuses numbers with which the search for a step would not end.
-    fn of(state: &TrainerState, weights: usize) -> Result<Method, TrainingError> {
-        let start = state.values("start").map(|_| state.vector("start", weights)).transpose()?;
-        let evidence = state.vector("evidence", 3)?;
-        let method = Method {
-            damping: state.number("damping")?,
-            evidence: Evidence { alpha: evidence[0], beta: evidence[1], gamma: evidence[2] },
-            start: start.map(<[f64]>::to_vec),
-            ceiling: state.number("ceiling")?,
-            settled: state.number("settled")? != 0.0,
-            quiet: state.number("quiet")? as u64,
-        };
-        let Evidence { alpha, beta, .. } = method.evidence;
-        if method.damping > 0.0 && alpha >= 0.0 && beta > 0.0 && method.ceiling > 0.0 && method.quiet < MOST {
-            return Ok(method);
-        }
-        Err(TrainingError::State("its damping or evidence is no such number".into()))
     }
 }
 
@@ -281,7 +239,7 @@ struct Search<'a> {
     /// Epochs in a row without change.
     quiet: u64,
     validation_error: Option<f64>,
-    history: TrainingHistory,
+    course: Course,
 }
 
 impl<'a> Search<'a> {
@@ -334,7 +292,7 @@ impl<'a> Search<'a> {
             settled,
             quiet,
             validation_error: None,
-            history: state.history,
+            course: state.course,
         };
         search.squared_error = search.workspace.squared_error(&search.weights);
         search.squared_weights = square(rule.isa, &search.weights);
@@ -344,9 +302,9 @@ impl<'a> Search<'a> {
         search.validation_error = search.validation.as_mut().map(|v| v.error(&search.weights));
         if fresh {
             if let Some(error) = search.validation_error {
-                search.history.validate(error, &search.weights);
+                search.course.validate(error, &search.weights);
             }
-            search.history.note(search.squared_error / search.values, search.validation_error);
+            search.course.note(search.squared_error / search.values, search.validation_error);
         }
         Ok(search)
     }
@@ -360,8 +318,8 @@ impl<'a> Search<'a> {
             settled: self.settled,
             quiet: self.quiet,
         };
-        let (weights, history) = (self.weights.clone(), self.history.clone());
-        method.into_state(TrainerState::with_course(LevenbergMarquardt::NAME, weights, history))
+        let (weights, course) = (self.weights.clone(), self.course.clone());
+        method.into_state(TrainerState::with_course(LevenbergMarquardt::NAME, weights, course))
     }
 
     fn run(&mut self, observer: &mut dyn Observer) -> TerminationReason {
@@ -373,7 +331,7 @@ impl<'a> Search<'a> {
                 return reason;
             }
             let progress = Progress {
-                epoch: self.history.epoch,
+                epoch: self.course.epoch,
                 epochs: self.rule.epochs,
                 error: self.squared_error / self.values,
                 validation_error: self.validation_error,
@@ -388,11 +346,11 @@ impl<'a> Search<'a> {
     fn finished(&self) -> Option<TerminationReason> {
         if self.squared_error / self.values <= self.rule.goal {
             Some(TerminationReason::Goal)
-        } else if self.history.epoch >= self.rule.epochs {
+        } else if self.course.epoch >= self.rule.epochs {
             Some(TerminationReason::EpochLimit)
         } else if self.quiet >= QUIET {
             Some(TerminationReason::Converged)
-        } else if self.validation.is_some() && self.history.failures >= self.rule.maximum_failures {
+        } else if self.validation.is_some() && self.course.failures >= self.rule.maximum_failures {
             Some(TerminationReason::ValidationFailures)
         } else {
             None
@@ -428,13 +386,13 @@ impl<'a> Search<'a> {
         }
         let before = decay.mul_add(self.squared_weights, self.squared_error);
         let after = self.descend(decay, before)?;
-        self.history.epoch += 1;
+        self.course.epoch += 1;
         if let Some(validation) = &mut self.validation {
             let error = validation.error(&self.weights);
             self.validation_error = Some(error);
-            self.history.validate(error, &self.weights);
+            self.course.validate(error, &self.weights);
         }
-        self.history.note(self.squared_error / self.values, self.validation_error);
+        self.course.note(self.squared_error / self.values, self.validation_error);
         let still = |new: f64, old: f64| (new - old).abs() <= self.rule.tolerance * old.abs();
         self.settled = before - after <= SETTLED * before;
         let alike = (self.evidence.gamma - gamma).abs() <= GAMMA_TOLERANCE * gamma;

@@ -1,0 +1,92 @@
+//! `granum predict FILE`: what a surrogate answers that a program saved.
+
+use std::path::Path;
+
+use granum_io::{check_output_file, read_columns, write_table};
+use granum_learn::Surrogate;
+use granum_learn::inference::predict_table;
+use granum_learn::surrogate::{Cause, Estimate};
+use serde_json::{Value, json};
+
+use super::predict::{LEVEL, outside_text, row};
+use crate::context::Context;
+use crate::failure::Failure;
+use crate::output;
+
+/// One row, given by flags.
+pub fn one(context: &Context, surrogate: &dyn Surrogate, flags: &[String]) -> Result<(), Failure> {
+    let columns = surrogate.columns();
+    let names = columns.input_names();
+    let needs = || format!("the surrogate ({}) needs: {}", surrogate.method(), names.join(", "));
+    let prediction = surrogate.predict(&row(&names, flags, &needs)?, LEVEL)?.pop().unwrap_or_default();
+    let named = columns.outputs.iter().zip(&prediction.values);
+    let outside = prediction.outside.iter();
+    let result = json!({
+        "method": surrogate.method(),
+        "level": LEVEL,
+        "outputs": named.clone().map(|(output, estimate)| as_json(&output.name, estimate)).collect::<Vec<_>>(),
+        "outside": outside.map(|o| json!({ "input": o.name, "value": o.value, "range": o.range })).collect::<Vec<_>>(),
+    });
+    output::say(context, &result, || {
+        let mut lines: Vec<String> = named.map(|(output, estimate)| line(&output.name, estimate)).collect();
+        lines.extend(outside_text(&prediction.outside));
+        lines.join("\n")
+    })
+}
+
+fn as_json(output: &str, estimate: &Estimate) -> Value {
+    let interval = estimate.interval.as_ref();
+    let causes = interval.map(|interval| {
+        let each = interval.causes.iter().map(|(cause, deviation)| (cause.to_string(), json!(deviation)));
+        each.collect::<serde_json::Map<String, Value>>()
+    });
+    json!({
+        "output": output,
+        "mean": estimate.mean,
+        "lower": interval.map(|interval| interval.lower),
+        "upper": interval.map(|interval| interval.upper),
+        "standard_deviations": causes,
+    })
+}
+
+/// `stress_ratio = 0.71, 90 % interval 0.65 to 0.77 (standard deviations: noise 0.01, runs 0.03)`.
+fn line(output: &str, estimate: &Estimate) -> String {
+    let Some(interval) = &estimate.interval else { return format!("{output} = {:.6}", estimate.mean) };
+    let each = |(cause, deviation): &(Cause, f64)| format!("{cause} {deviation:.3e}");
+    let causes: Vec<String> = interval.causes.iter().map(each).collect();
+    let causes = match causes.is_empty() {
+        true => String::new(),
+        false => format!(" (standard deviations: {})", causes.join(", ")),
+    };
+    let Estimate { mean, .. } = estimate;
+    format!("{output} = {mean:.6}, 90 % interval {:.6} to {:.6}{causes}", interval.lower, interval.upper)
+}
+
+/// All rows of a table.
+pub fn many(
+    context: &Context,
+    surrogate: &dyn Surrogate,
+    input: &Path,
+    output: Option<&Path>,
+) -> Result<(), Failure> {
+    if let Some(output) = output {
+        check_output_file(output, context.force)?;
+    }
+    let names = surrogate.columns().input_names();
+    let table = read_columns(input, &names.iter().map(String::as_str).collect::<Vec<_>>())?;
+    let answers = predict_table(surrogate, &table, LEVEL)
+        .map_err(|error| Failure::new(format!("{}: {error}", input.display())))?;
+    let outside =
+        answers.values("outside").map_or(0, |flags| flags.iter().filter(|flag| **flag > 0.0).count());
+    if outside > 0 && !context.json {
+        let rows = answers.rows();
+        eprintln!(
+            "warning: {outside} of {rows} rows lie outside what the surrogate was fitted to (column outside is 1): do not \
+             trust their answers"
+        );
+    }
+    let Some(path) = output else { return output::put_table(context, None, &answers) };
+    write_table(path, &answers)?;
+    let result = json!({ "output": path, "rows": answers.rows(), "rows_outside": outside });
+    output::say(context, &result, || format!("wrote {} rows to {}", answers.rows(), path.display()))
+}
