@@ -41,6 +41,16 @@ pub enum RecordError {
 }
 
 /// The record of a test.
+///
+/// ```
+/// use granum_core::{Column, Table};
+/// use granum_sensors::{Histogram, Record};
+///
+/// let series = Table::new(vec![Column::new("state", "", vec![0.0])])?;
+/// let record = Record::with_forces(series, vec![Histogram::new(0.25, -2.0, 6.0)]);
+/// assert_eq!((record.series.rows(), record.forces()[0].bins()), (1, 32));
+/// # Ok::<(), granum_core::TableError>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// One row a state: `state`, `looks`, every column of every sensor, then for each histogram how many values lie outside its

@@ -258,7 +258,7 @@ impl Field {
         for (at, item) in items.into_iter().enumerate() {
             let plain = |c: u8| c.is_ascii_alphanumeric() || c == b'_' || c == b'-';
             if item.is_empty() || !item.bytes().all(plain) {
-                let message = format!("is no name; it must be {}", self.bounds_text());
+                let message = "is no name: it may have letters, digits, underscores and hyphens".to_string();
                 return Err((Some(at), message));
             }
             if names.iter().any(|known| known == item) {
@@ -317,7 +317,7 @@ impl Field {
             }
             Kind::List { bounds: [low, high], .. } => format!("a list of rising values from {low} to {high}"),
             Kind::Names { what, .. } => {
-                format!("a list of names of {what}: letters, digits, underscores and hyphens")
+                format!("a list of names of {what}")
             }
         }
     }

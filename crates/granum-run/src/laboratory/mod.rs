@@ -152,6 +152,14 @@ pub const GRAINS_PER_THREAD: usize = 1500;
 pub const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
 
 /// Makes samples and tests them.
+///
+/// ```
+/// use granum_run::Laboratory;
+///
+/// let laboratory = Laboratory { grains_per_thread: 1, ..Laboratory::here() };
+/// assert_eq!(laboratory.engine, "granum");
+/// assert!(laboratory.sensors.named("overlap_distribution").is_ok());
+/// ```
 #[derive(Clone, Debug)]
 pub struct Laboratory {
     /// What runs the simulations; results do not depend on it.
