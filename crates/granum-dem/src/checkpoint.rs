@@ -17,7 +17,7 @@ use crate::state::State;
 const MAGIC: &[u8; 8] = b"GRANUMCP";
 const HEADER: usize = 24;
 /// Version that this granum writes.
-pub const VERSION: u32 = 5;
+pub const VERSION: u32 = 6;
 
 /// Why bytes are no usable checkpoint.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

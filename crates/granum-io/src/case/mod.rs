@@ -8,11 +8,15 @@ mod difference;
 mod digest;
 mod field;
 mod fields;
+mod history;
+mod incremental_driver;
 mod read;
 mod rules;
 mod schema;
 mod stage;
 mod stage_read;
+mod stage_values;
+mod stage_write;
 mod write;
 
 use granum_dem::config::{Contact, Grains, Numerics, Preparation, Recording, Shear};

@@ -109,7 +109,7 @@ fn scalar(field: &Field, value: &DeValue<'_>) -> std::result::Result<String, Str
 }
 
 pub(super) struct Reader<'a> {
-    file: &'a str,
+    pub(super) file: &'a str,
     text: Arc<str>,
     pub(super) errors: Vec<InputError>,
     /// By path: where the key stands.

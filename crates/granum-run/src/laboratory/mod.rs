@@ -20,6 +20,7 @@ mod preparation_curve;
 mod quality;
 mod run_state;
 mod sample;
+mod saved_state;
 mod status;
 mod store;
 mod test;
@@ -73,6 +74,15 @@ pub enum LaboratoryError {
     /// A stage of the test.
     #[error(transparent)]
     Control(#[from] ControlError),
+    /// A state that stages go back to cannot be kept or used.
+    #[error("the state that later stages go back to: {0}")]
+    Kept(String),
+    /// No stage kept a state.
+    #[error("the stage {stage} goes back to a state, but no stage before it kept one (start = \"kept\")")]
+    NothingKept {
+        /// Name of the stage.
+        stage: String,
+    },
     /// The machine cannot hold it.
     #[error(
         "{grains} grains need up to {needed:.1} GB of memory, and this machine has {available:.1} GB free: grains.count can be \
@@ -473,6 +483,9 @@ fn complete(
     record.quality.extend(quality::judge(&run_state.simulation, &end, &seen, test));
     measures::of_test(&seen, &mut record.measures);
     if test.staged {
+        measures::of_oedometers(&seen, test.list(), &mut record.measures);
+    }
+    if test.staged {
         record_stages(test, record, observer);
     }
     if let Some(remark) = quality::remark_on_samples(&test.shortfall()) {
@@ -483,18 +496,31 @@ fn complete(
     Ok(())
 }
 
-/// Writes down how each stage ended; a stage that did not come to its end is told at once.
+/// Writes down how each stage ended; a stage that did not come to its end is told at once. Of a test of very many stages only
+/// those, and the number of the others.
 fn record_stages(test: &Test, record: &mut RunRecord, observer: &mut dyn RunObserver) {
+    let many = test.ends.len() > test::STAGES_TOLD;
     for (k, end) in test.ends.iter().enumerate() {
         let StageEnd { name, reason, steps, .. } = end;
-        let note = format!("stage {} ({name}) ended after {steps} steps: {reason}", k + 1);
+        let mut note = format!("stage {} ({name}) ended after {steps} steps: {reason}", k + 1);
+        if end.servo_error.rms() > 0.0 {
+            let percent = 100.0 * end.servo_error.rms();
+            note.push_str(&format!("; its stresses were held within {percent:.2} % of p (root mean square)"));
+        }
         if !reason.is_asked_for() {
             let left = test.stages() - test.ends.len();
             let rest =
                 if left > 0 { format!("; the {left} stages after it were not run") } else { String::new() };
             observer.warn(&format!("{note}{rest}"));
+        } else if many || *steps == 0 {
+            // A stage without a step only records where the one before it came to.
+            continue;
         }
         record.notes.push(note);
+    }
+    if many {
+        let good = test.ends.iter().filter(|end| end.reason.is_asked_for()).count();
+        record.notes.push(format!("{good} of {} stages came to an end that was asked for", test.stages()));
     }
 }
 

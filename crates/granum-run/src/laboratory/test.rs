@@ -2,7 +2,7 @@
 
 use granum_core::quantity::format_number;
 use granum_dem::loading::{
-    self, Ending, Stage as Loading, StageEnd, StageProgress, Watcher, begin, density_scaling,
+    self, Ending, Stage as Loading, StageEnd, StageProgress, Start, Watcher, begin, density_scaling,
 };
 use granum_dem::preparation::{Flow, Progress};
 use granum_dem::simulation::{Properties, Simulation};
@@ -11,6 +11,7 @@ use granum_sensors::{Record, Recorder};
 use serde::{Deserialize, Serialize};
 
 use super::run_state::{RunState, Stage};
+use super::saved_state::SavedState;
 use super::store::Store;
 use super::{Interval, Laboratory, LaboratoryError, RunObserver, Segment, Speedometer, Status, quality};
 
@@ -34,7 +35,27 @@ pub(super) struct Test {
     /// Deviator strains at which a snapshot is still to be taken.
     #[serde(default)]
     snapshots: Vec<f64>,
+    /// The state that stages go back to, once a stage has kept one.
+    #[serde(default)]
+    kept: Option<Kept>,
 }
+
+/// A state that was kept, with what is known of the energy there.
+#[derive(Clone, Serialize, Deserialize)]
+struct Kept {
+    state: SavedState,
+    before: quality::Stored,
+    damped: bool,
+}
+
+impl std::fmt::Debug for Kept {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Kept").finish_non_exhaustive()
+    }
+}
+
+/// Most stages for each of which a snapshot and a note are left behind.
+pub(super) const STAGES_TOLD: usize = 24;
 
 /// Name of the snapshot at a strain, e.g. `strain-0_05`.
 fn snapshot_name(strain: f64) -> String {
@@ -59,6 +80,7 @@ impl Test {
             damped: false,
             staged: case.has_stages(),
             snapshots: case.recording.snapshots.clone(),
+            kept: None,
         };
         test.begin_stage(case, simulation)?;
         Ok(test)
@@ -67,6 +89,26 @@ impl Test {
     /// Begins the next stage.
     fn begin_stage(&mut self, case: &Case, simulation: &mut Simulation) -> Result<(), LaboratoryError> {
         let Some(stage) = self.stages.get(self.recorders.len()) else { return Ok(()) };
+        match (stage.start, &self.kept) {
+            (Start::Here, _) => {}
+            (Start::Kept, _) => {
+                let state = SavedState::of(simulation)?;
+                self.kept = Some(Kept { state, before: self.before, damped: self.damped });
+            }
+            (Start::Back, Some(kept)) => {
+                *simulation = kept.state.restore()?;
+                (self.before, self.damped) = (kept.before, kept.damped);
+            }
+            (Start::Back, None) => return Err(LaboratoryError::NothingKept { stage: stage.name.clone() }),
+        }
+        if self.staged {
+            let mut properties = *simulation.properties();
+            let density = case.grains.material.density * stage.density_scaling;
+            if properties.material.density != density {
+                properties.material.density = density;
+                simulation.set_properties(properties)?;
+            }
+        }
         if stage.resets {
             self.before = quality::Stored::of(&simulation.assembly());
             self.damped = false;
@@ -124,6 +166,11 @@ impl Test {
     /// Number of stages.
     pub(super) fn stages(&self) -> usize {
         self.stages.len()
+    }
+
+    /// The stages.
+    pub(super) fn list(&self) -> &[Loading] {
+        &self.stages
     }
 
     /// Name of the stage under way.
@@ -256,7 +303,9 @@ impl Laboratory {
         if !reason.is_asked_for() || test.ends.len() == test.stages.len() {
             return Ok(Segment::Complete);
         }
-        store.snapshot(&stage_snapshot(test.ends.len()), &simulation.assembly())?;
+        if test.stages.len() <= STAGES_TOLD {
+            store.snapshot(&stage_snapshot(test.ends.len()), &simulation.assembly())?;
+        }
         test.begin_stage(case, simulation)?;
         Ok(Segment::GoOn)
     }
