@@ -135,6 +135,8 @@ pub struct Control {
     pub rows: [Option<Row>; 6],
     /// Time of the state at which targets begin to move, s.
     pub since: f64,
+    /// Time over which base rates and the motion of targets grow from nothing, s.
+    pub ease: f64,
     /// Bound on what the servo adds to a component's rate for one row, 1/s.
     pub rate_limit: f64,
     /// Time constant tau of the servo, in time steps.
@@ -143,7 +145,14 @@ pub struct Control {
 
 impl Default for Control {
     fn default() -> Self {
-        Control { rate: [[0.0; 3]; 3], rows: [None; 6], since: 0.0, rate_limit: 0.0, response: RESPONSE }
+        Control {
+            rate: [[0.0; 3]; 3],
+            rows: [None; 6],
+            since: 0.0,
+            ease: 0.0,
+            rate_limit: 0.0,
+            response: RESPONSE,
+        }
     }
 }
 
@@ -179,9 +188,19 @@ impl Control {
         self.rows.iter().flatten()
     }
 
+    /// The time at full rate, s, in which the targets would have moved as far as they have at a time, s, of the state.
+    pub fn progress(&self, time: f64) -> f64 {
+        let elapsed = time - self.since;
+        if self.ease > 0.0 {
+            if elapsed < self.ease { 0.5 * elapsed * elapsed / self.ease } else { elapsed - 0.5 * self.ease }
+        } else {
+            elapsed
+        }
+    }
+
     /// The mean stress that the control aims at a time, s, of the state, if it does.
     pub fn target_mean_stress(&self, time: f64) -> Option<f64> {
-        let elapsed = time - self.since;
+        let elapsed = self.progress(time);
         if let Some(row) = self.rows().find(|row| row.is_mean()) {
             return Some(row.aim(elapsed));
         }
@@ -193,13 +212,13 @@ impl Control {
         }
     }
 
-    /// Turns the base rates and the motion of the targets round at a time, s, of the state.
-    pub fn reverse(&mut self, time: f64) {
-        let elapsed = time - self.since;
+    /// Turns the base rates and the motion of the targets round at a time, s, of the state. A stress that moves goes back from
+    /// where it is, even if its target was ahead of it.
+    pub fn reverse(&mut self, time: f64, stress: &Matrix, strain: &Matrix) {
         self.since = time;
         self.rate = self.rate.map(|row| row.map(|x| -x));
-        for row in self.rows.iter_mut().flatten() {
-            row.target = row.aim(elapsed);
+        for row in self.rows.iter_mut().flatten().filter(|row| row.target_rate != 0.0) {
+            row.target = row.value(stress, strain);
             row.target_rate = -row.target_rate;
         }
     }
@@ -212,6 +231,7 @@ impl Control {
             lists.chain(&numbers).all(|x| x.is_finite()) && row.divisor != 0.0 && row.stiffness != 0.0
         });
         rows && self.since.is_finite()
+            && self.ease.is_finite()
             && self.response.is_finite()
             && self.response > 0.0
             && self.rate.iter().flatten().all(|x| x.is_finite())
@@ -243,7 +263,10 @@ pub(crate) struct Sample {
 impl Servo {
     /// The velocity gradient L for the next step.
     pub(crate) fn gradient(&mut self, control: &Control, sample: &Sample) -> Matrix {
-        let elapsed = sample.time - control.since;
+        let elapsed = control.progress(sample.time);
+        // The share of the full rates at which it goes.
+        let share =
+            if control.ease > 0.0 { ((sample.time - control.since) / control.ease).min(1.0) } else { 1.0 };
         let aimed = control.scale(elapsed);
         // Without contacts there is no stiffness; the rate limit then decides, and this only keeps numbers finite.
         let stiffness = sample.bulk_modulus.max(100.0 * aimed).max(1.0);
@@ -251,11 +274,14 @@ impl Servo {
         // For a target of zero the present stress is the measure of what is near.
         let scale = aimed.max(sample.stress.iter().flatten().fold(0.0, |m, s| m.max(s.abs())));
         let mut rate = control.rate;
+        if share < 1.0 {
+            rate = rate.map(|row| row.map(|x| share * x));
+        }
         for (row, integral) in control.rows.iter().zip(&mut self.integrals) {
             let Some(row) = row else { continue };
             let law = Gain {
                 gain: 1.0 / (row.stiffness * stiffness * tau),
-                forward: row.target_rate / (row.stiffness * stiffness),
+                forward: share * row.target_rate / (row.stiffness * stiffness),
                 tau,
                 dt: sample.dt,
                 limit: control.rate_limit,
@@ -365,11 +391,26 @@ mod tests {
         let mut control = Control { rate_limit: 1.0, ..Control::fixed() };
         control.rate[0][0] = 2.0;
         control.rows[0] = Some(Row { target_rate: 10.0, ..Row::component(1, 100.0) });
-        control.reverse(3.0);
+        let mut stress = [[0.0; 3]; 3];
+        stress[1][1] = 128.0;
+        control.reverse(3.0, &stress, &[[0.0; 3]; 3]);
         let row = control.rows[0].unwrap();
         assert_eq!(
             (control.rate[0][0], control.since, row.aim(0.0), row.aim(2.0)),
-            (-2.0, 3.0, 130.0, 110.0)
+            (-2.0, 3.0, 128.0, 108.0)
         );
+    }
+
+    /// Rates grow from nothing, and targets move as far as the rates say.
+    #[test]
+    fn rates_and_targets_are_eased_in() {
+        let mut control = Control { rate_limit: 1.0, since: 1.0, ease: 0.5, ..Control::fixed() };
+        control.rate[0][0] = 2.0;
+        let rate = |time: f64| {
+            let sample = Sample { time, ..at([[0.0; 3]; 3], 1e8) };
+            -Servo::default().gradient(&control, &sample)[0][0]
+        };
+        assert_eq!((rate(1.0), rate(1.25), rate(1.5), rate(4.0)), (0.0, 1.0, 2.0, 2.0));
+        assert_eq!((control.progress(1.5), control.progress(3.0)), (0.25, 1.75));
     }
 }

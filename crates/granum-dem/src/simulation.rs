@@ -305,7 +305,8 @@ impl Simulation {
     /// Turns base rates and moving targets of the control round.
     pub(crate) fn reverse(&mut self) {
         let state = &mut self.integrator.state;
-        state.control.reverse(state.time);
+        let (stress, strain) = (state.stress(), state.strain());
+        state.control.reverse(state.time, &stress, &strain);
     }
 
     /// Damps velocities globally at a rate that is a fraction of the frequency `sqrt(k_t / m)` of a contact; zero is none.

@@ -221,7 +221,7 @@ impl State {
     fn stress_errors(&self) -> [Option<f64>; 6] {
         let p = self.target_mean_stress().unwrap_or_else(|| self.mean_stress()).abs();
         let stress = self.stress();
-        let elapsed = self.time - self.control.since;
+        let elapsed = self.control.progress(self.time);
         self.control.rows.map(|row| {
             let row = row.filter(|_| p > 0.0)?;
             Some((row.value(&stress, &self.strain) - row.aim(elapsed)) / p)

@@ -1,14 +1,14 @@
 //! Every preset on small samples: how well stresses are held, how stages end, the same bits after a checkpoint.
 
-use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
 use granum_dem::assembly::Matrix;
 use granum_dem::config::{Contact, Grains, Material, NormalKind, Preparation, TangentialKind};
 use granum_dem::invariants;
+use granum_dem::loading::preset::{Given, Value};
 use granum_dem::loading::{
-    Control, Drive, Ending, Measure, Reason, Speed, Stage, StageEnd, StageProgress, Target, Turns, Until,
-    begin, follow, preset,
+    Control, Drive, Ending, History, Measure, Quantity, Ramp, Reason, Speed, Stage, StageEnd, StageProgress,
+    Start, Target, Turns, Until, begin, follow, preset,
 };
 use granum_dem::observer::{Flow, Observer, Progress};
 use granum_dem::preparation::{Recipe, prepare};
@@ -71,8 +71,14 @@ impl Observer for Notes {
 fn run(simulation: &mut Simulation, stages: &[Stage]) -> (Vec<StageEnd>, Notes) {
     let mut ends = Vec::new();
     let mut notes = Notes::default();
+    let mut kept = None;
     for stage in stages {
         notes = Notes::default();
+        match (stage.start, &kept) {
+            (Start::Kept, _) => kept = Some(simulation.clone()),
+            (Start::Back, Some(state)) => *simulation = Simulation::clone(state),
+            _ => {}
+        }
         let mut stage_progress = begin(stage, simulation).unwrap();
         let Ending::Complete(reason) = follow(stage, &mut stage_progress, simulation, &mut notes).unwrap()
         else {
@@ -93,9 +99,15 @@ fn run(simulation: &mut Simulation, stages: &[Stage]) -> (Vec<StageEnd>, Notes) 
 }
 
 fn expand(name: &str, parameters: &[(&str, f64)]) -> Vec<Stage> {
-    let given: BTreeMap<String, f64> =
-        parameters.iter().map(|(key, value)| (key.to_string(), *value)).collect();
+    let given: Given = parameters.iter().map(|(key, value)| (key.to_string(), (*value).into())).collect();
     preset::named(name).unwrap().expand(&given)
+}
+
+/// The same with words beside the numbers.
+fn expand_with(name: &str, words: &[(&str, &str)], parameters: &[(&str, f64)]) -> Vec<Stage> {
+    let numbers = parameters.iter().map(|(key, value)| (key.to_string(), (*value).into()));
+    let words = words.iter().map(|(key, word)| (key.to_string(), (*word).into()));
+    preset::named(name).unwrap().expand(&numbers.chain(words).collect())
 }
 
 /// The stage ended as asked, and every controlled stress was within half a per cent of p, root mean square.
@@ -212,7 +224,7 @@ fn a_stress_rate_is_followed() {
     let (held, fixed) = (Drive::Stress(Target::default()), Drive::Fixed);
     // Half as much again in 60,000 steps.
     let rate = 0.5 * p / (60_000.0 * s.state().time_step());
-    let rising = Drive::Stress(Target { value: None, rate });
+    let rising = Drive::Stress(Target::current().moving(rate));
     let speed = Speed::InertialNumber { number: 1e-3, at: None };
     let control = Control::of(speed, [rising, held, held, fixed, fixed, fixed]);
     let until = Until::Reaches { measure: Measure::Stress(0), value: 1.4 * p };
@@ -225,7 +237,7 @@ fn a_stress_rate_is_followed() {
 fn shear_stresses_are_held_too() {
     let mut s = sample();
     let held = Drive::Stress(Target::default());
-    let zero = Drive::Stress(Target { value: Some(0.0), rate: 0.0 });
+    let zero = Drive::Stress(Target::held(0.0));
     let speed = Speed::InertialNumber { number: 1e-3, at: None };
     let control = Control::of(speed, [Drive::Rate(1.0), held, held, zero, zero, zero]);
     let until = Until::Reaches { measure: Measure::Strain(0), value: 0.01 };
@@ -244,7 +256,8 @@ fn a_cyclic_stage_turns_round_and_counts() {
     let speed = Speed::InertialNumber { number: 1e-4, at: None };
     let control = Control::of(speed, [Drive::Rate(1.0), held, held, fixed, fixed, fixed]);
     let turns = Turns { measure: Measure::Strain(0), high: 1e-3, low: -1e-3 };
-    let stage = Stage { turns: Some(turns), ..Stage::new("cyclic", control, vec![Until::Reversals(4)]) };
+    let mut stage = Stage::new("cyclic", control, vec![Until::Reversals(4)]);
+    stage.turns = Some(turns);
     let (ends, notes) = run(&mut s, &[stage]);
     assert_held(&ends[0]);
     assert_eq!(ends[0].reason.to_string(), "it was turned round 4 times");
@@ -262,7 +275,8 @@ fn no_stage_can_hang() {
     let speed = Speed::InertialNumber { number: 1e-2, at: None };
     let until = Until::Reaches { measure: Measure::Strain(0), value: 0.1 };
     let hold = Control::of(speed, [held, held, held, fixed, fixed, fixed]);
-    let stage = Stage { most_arc_length: Some(1e-3), ..Stage::new("hold", hold, vec![until]) };
+    let mut stage = Stage::new("hold", hold, vec![until]);
+    stage.most_arc_length = Some(1e-3);
     let (ends, _) = run(&mut s, &[stage]);
     assert!(matches!(ends[0].reason, Reason::TooLong { .. }), "{}", ends[0].reason);
     assert!(ends[0].reason.to_string().contains("none of its ends came"));
@@ -285,7 +299,7 @@ fn a_sample_that_carries_nothing_ends_a_stage() {
     let mut s = sample();
     let fixed = Drive::Fixed;
     let pull = Drive::Rate(-1.0);
-    let held = Drive::Stress(Target { value: Some(-50e3), rate: 0.0 });
+    let held = Drive::Stress(Target::held(-50e3));
     let speed = Speed::InertialNumber { number: 1e-2, at: None };
     let until = Until::Reaches { measure: Measure::Strain(0), value: -0.1 };
     let control = Control::of(speed, [pull, held, held, fixed, fixed, fixed]);
@@ -317,4 +331,304 @@ fn a_stage_goes_on_to_the_same_bits_after_a_checkpoint() {
     notes.stop_at = u64::MAX;
     follow(&stage, &mut stage_progress, &mut s, &mut notes).unwrap();
     assert!(format!("{:?}", s.state()) == whole);
+}
+
+fn mean_of(notes: &Notes, of: impl Fn(&Matrix, &Matrix) -> f64) -> f64 {
+    let late = &notes.taken[notes.taken.len() / 2..];
+    late.iter().map(|(stress, strain)| of(stress, strain)).sum::<f64>() / late.len() as f64
+}
+
+#[test]
+fn isotropic_unloading_comes_back_looser_than_it_went() {
+    let mut s = sample();
+    let before = s.state().solid_fraction();
+    let stages = expand("isotropic", &[("mean_stress", 80e3), ("unloading_stress", 20e3)]);
+    let (ends, _) = run(&mut s, &stages);
+    ends.iter().for_each(assert_held);
+    assert!(s.state().solid_fraction() > before, "{} {before}", s.state().solid_fraction());
+    assert!((s.state().mean_stress() / 20e3 - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn the_lateral_stress_ratio_of_an_oedometer_is_sensible() {
+    let mut s = sample();
+    let (ends, notes) = run(&mut s, &expand("oedometer", &[("axial_stress", 200e3)]));
+    assert!(ends[0].reason.is_asked_for());
+    let at_rest = mean_of(&notes, |stress, _| 0.5 * (stress[1][1] + stress[2][2]) / stress[0][0]);
+    println!("K0 = {at_rest:.3}");
+    assert!((0.3..0.9).contains(&at_rest), "K0 = {at_rest}");
+}
+
+#[test]
+fn plane_strain_holds_one_stress_and_one_strain() {
+    let mut s = sample();
+    let (ends, notes) = run(&mut s, &expand("plane-strain", &[("axial_strain", 0.02)]));
+    assert_held(&ends[0]);
+    let (stress, strain) = *notes.taken.last().unwrap();
+    assert!(strain[1][1] == 0.0 && (stress[2][2] / 20e3 - 1.0).abs() < 0.03, "{stress:?}");
+    assert!(stress[0][0] > stress[1][1] && stress[1][1] > stress[2][2], "{stress:?}");
+}
+
+#[test]
+fn proportional_strains_keep_their_ratio() {
+    let mut s = sample();
+    let (ends, _) =
+        run(&mut s, &expand("proportional", &[("ratio_y", 0.25), ("ratio_z", -0.5), ("axial_strain", 0.01)]));
+    assert!(ends[0].reason.is_asked_for());
+    let strain = s.state().strain();
+    assert!(
+        (strain[1][1] / strain[0][0] - 0.25).abs() < 1e-9 && (strain[2][2] / strain[0][0] + 0.5).abs() < 1e-9
+    );
+}
+
+#[test]
+fn proportional_stresses_keep_their_ratio() {
+    let mut s = sample();
+    let parameters = [("ratio_y", 0.6), ("ratio_z", 0.8), ("axial_strain", 0.01), ("axial_stress", 200e3)];
+    let (ends, _) = run(&mut s, &expand_with("proportional", &[("ratios_of", "stress")], &parameters));
+    assert_eq!(ends.len(), 2);
+    ends.iter().for_each(assert_held);
+    let stress = s.state().stress();
+    let [y, z] = [1, 2].map(|a| stress[a][a] / stress[0][0]);
+    assert!((y - 0.6).abs() < 0.01 && (z - 0.8).abs() < 0.01, "{y} {z}");
+}
+
+/// A compressible pore fluid: between drained and undrained, and the cell pressure stays.
+#[test]
+fn a_compressible_fluid_keeps_the_total_lateral_stress() {
+    let mut s = sample();
+    let modulus = 20e6;
+    let stages = expand("undrained-triaxial", &[("axial_strain", 0.01), ("fluid_modulus", modulus)]);
+    let before = s.state().stress()[2][2];
+    let (ends, notes) = run(&mut s, &stages);
+    assert_held(&ends[0]);
+    let total = mean_of(&notes, |stress, strain| stress[2][2] + modulus * invariants::trace(strain));
+    assert!((total / before - 1.0).abs() < 0.02, "{total} {before}");
+    assert!(invariants::trace(&s.state().strain()).abs() > 1e-5);
+}
+
+fn extremes(notes: &Notes, of: impl Fn(&Matrix, &Matrix) -> f64) -> [f64; 2] {
+    let values = notes.taken.iter().map(|(stress, strain)| of(stress, strain));
+    values.fold([f64::MAX, f64::MIN], |[low, high], value| [low.min(value), high.max(value)])
+}
+
+#[test]
+fn drained_cycles_turn_at_their_strains() {
+    let mut s = sample();
+    let numbers = [("strain_amplitude", 1e-3), ("mean_strain", 5e-4), ("cycles", 2.0)];
+    let (ends, notes) = run(&mut s, &expand_with("cyclic", &[("drainage", "drained")], &numbers));
+    assert_held(&ends[0]);
+    assert_eq!(ends[0].reason, Reason::End(Until::Reversals(4)));
+    let [low, high] = extremes(&notes, |_, strain| strain[0][0]);
+    assert!(low > -5.1e-4 && low < -2e-4 && high < 1.51e-3 && high > 1.2e-3, "{low} {high}");
+}
+
+#[test]
+fn undrained_cycles_turn_at_their_stresses_or_end_at_a_double_amplitude() {
+    let mut s = sample();
+    let before = s.state().cell().volume();
+    let numbers = [("stress_amplitude", 4e3), ("cycles", 2.0)];
+    let (ends, notes) = run(&mut s, &expand("cyclic", &numbers));
+    assert_eq!(ends[0].reason, Reason::End(Until::Reversals(4)));
+    assert_held(&ends[0]);
+    assert!((s.state().cell().volume() / before - 1.0).abs() < 1e-6);
+    let [low, high] = extremes(&notes, |stress, _| invariants::axial_deviator(stress));
+    assert!(low > -4.6e3 && high < 4.6e3, "{low} {high}");
+
+    let numbers = [("stress_amplitude", 9e3), ("cycles", 10.0), ("double_amplitude", 1e-4)];
+    let (ends, _) = run(&mut sample(), &expand("cyclic", &numbers));
+    assert!(matches!(ends[0].reason, Reason::End(Until::DoubleAmplitude { .. })), "{}", ends[0].reason);
+}
+
+/// Large cycles at constant volume take the mean stress off.
+#[test]
+fn undrained_cycles_end_at_a_pore_pressure_ratio() {
+    let mut s = sample();
+    let before = s.state().mean_stress();
+    let numbers = [("strain_amplitude", 5e-4), ("cycles", 10.0), ("pore_pressure_ratio", 0.3)];
+    let (ends, _) = run(&mut s, &expand("cyclic", &numbers));
+    assert_eq!(ends[0].reason, Reason::End(Until::PorePressureRatio(0.3)), "{}", ends[0].reason);
+    assert!(s.state().mean_stress() <= 0.7 * before);
+}
+
+#[test]
+fn unloading_loops_take_the_deviator_stress_off_and_put_it_on() {
+    let mut s = sample();
+    // So few grains jump too far where the strain rate turns round at 1e-3; an unloading is over in a few hundred steps.
+    let numbers = [("axial_strain", 0.012), ("inertial_number", 3e-4)];
+    let mut given: Given = numbers.map(|(key, value)| (key.to_string(), value.into())).into();
+    given.insert("at".into(), Value::List(vec![0.005, 0.008, 0.5]));
+    let stages = preset::named("unload-reload").unwrap().expand(&given);
+    assert_eq!(stages.len(), 5);
+    let mut deviators = Vec::new();
+    for stage in &stages {
+        let (ends, _) = run(&mut s, std::slice::from_ref(stage));
+        assert_held(&ends[0]);
+        deviators.push(invariants::axial_deviator(&s.state().stress()));
+    }
+    assert!(deviators[1] <= 0.0 && deviators[3] <= 0.0 && deviators[2] > 0.8 * deviators[0], "{deviators:?}");
+    assert!((s.state().strain()[0][0] / 0.012 - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn a_hold_keeps_stresses_or_strains() {
+    let loaded = || {
+        let mut s = sample();
+        run(&mut s, &expand("drained-triaxial", &[("axial_strain", 0.005)]));
+        s
+    };
+    let mut s = loaded();
+    let (before, strain) = (s.state().stress(), expand("hold", &[]));
+    let (ends, _) = run(&mut s, &strain);
+    assert_held(&ends[0]);
+    assert!((s.state().stress()[0][0] / before[0][0] - 1.0).abs() < 0.01);
+    assert!(s.state().strain()[0][0].abs() > 0.0 && s.state().unbalanced_force() < 1e-3);
+
+    let mut s = loaded();
+    let duration = 5000.0 * s.state().time_step();
+    let (ends, _) = run(&mut s, &expand_with("hold", &[("held", "strain")], &[("duration", duration)]));
+    assert!(ends[0].reason.is_asked_for() && s.state().strain() == [[0.0; 3]; 3]);
+}
+
+#[test]
+fn a_history_is_followed_row_by_row() {
+    let mut s = sample();
+    let columns = vec![Quantity::Strain(0), Quantity::Stress(1), Quantity::Stress(2)];
+    let rows = vec![vec![0.0, -20e3, -20e3], vec![-0.004, -24e3, -24e3], vec![-0.003, -22e3, -26e3]];
+    let mut given = Given::from([("compression".into(), "negative".into())]);
+    given.insert("file".into(), Value::History(History { columns, rows }));
+    let stages = preset::named("history").unwrap().expand(&given);
+    for (k, wanted) in [(1, [0.004, 24e3, 24e3]), (2, [0.003, 22e3, 26e3])] {
+        let part = if k == 1 { &stages[..2] } else { &stages[2..] };
+        let (ends, _) = run(&mut s, part);
+        ends.iter().filter(|end| end.steps > 0).for_each(assert_held);
+        let (stress, strain) = (s.state().stress(), s.state().strain());
+        assert!((strain[0][0] / wanted[0] - 1.0).abs() < 1e-4, "{strain:?}");
+        for a in 1..3 {
+            assert!((stress[a][a] / wanted[a] - 1.0).abs() < 0.02, "{stress:?}");
+        }
+    }
+}
+
+/// Each probe begins from the same state; opposite increments have nearly opposite responses, and their size is what was asked.
+#[test]
+fn probes_begin_from_one_state() {
+    let mut s = sample();
+    let stages = expand("probes", &[("directions", 4.0), ("unbalanced_force", 1e-3)]);
+    assert_eq!(stages.len(), 1 + 2 * 4);
+    let mut kept: Option<Simulation> = None;
+    let mut responses = Vec::new();
+    for stage in &stages {
+        match stage.start {
+            Start::Kept => kept = Some(s.clone()),
+            Start::Back => s = kept.clone().unwrap(),
+            Start::Here => {}
+        }
+        let before = s.state().stress();
+        let (ends, _) = run(&mut s, std::slice::from_ref(stage));
+        assert!(ends[0].reason.is_asked_for());
+        if stage.name.starts_with("probe") {
+            let strain = s.state().strain();
+            let size = (0..3).map(|a| strain[a][a].powi(2)).sum::<f64>().sqrt();
+            assert!((size / 1e-5 - 1.0).abs() < 0.01, "{size}");
+            responses.push((0..3).map(|a| s.state().stress()[a][a] - before[a][a]).collect::<Vec<_>>());
+        }
+    }
+    println!("{responses:?}");
+    assert!(responses[0][0] > 0.0 && responses[2][0] < 0.0);
+    assert!((responses[0][0] / -responses[2][0] - 1.0).abs() < 0.5, "{responses:?}");
+}
+
+/// Stresses and constraints along a ramp arrive together, where they were sent.
+#[test]
+fn ramps_of_stress_arrive_together() {
+    let mut s = sample();
+    let fixed = Drive::Fixed;
+    let to = |value: f64| Drive::Stress(Target::ramp(Ramp::To(value)));
+    let speed = Speed::InertialNumber { number: 1e-3, at: None };
+    let control = Control::of(
+        speed,
+        [to(26e3), to(22e3), Drive::Stress(Target::ramp(Ramp::By(1e3))), fixed, fixed, fixed],
+    );
+    let last = s.state().stress()[2][2] + 1e3;
+    let (ends, _) = run(&mut s, &[Stage::new("ramp", control, vec![Until::RampOver])]);
+    assert_held(&ends[0]);
+    let stress = s.state().stress();
+    for (a, wanted) in [26e3, 22e3, last].into_iter().enumerate() {
+        assert!((stress[a][a] / wanted - 1.0).abs() < 0.02, "{stress:?}");
+    }
+}
+
+/// Parameters with which a path is short.
+fn short(name: &str) -> Given {
+    let numbers: &[(&str, f64)] = match name {
+        "constant-p" => &[("deviator_strain", 2e-3)],
+        "isotropic" => &[("mean_stress", 30e3), ("unloading_stress", 25e3)],
+        "drained-triaxial" => &[("axial_strain", 2e-3), ("lateral_stress", 22e3)],
+        "undrained-triaxial" => &[("axial_strain", 2e-3), ("fluid_modulus", 1e8)],
+        "constant-p-and-b" | "plane-strain" => &[("axial_strain", 2e-3)],
+        "oedometer" => &[("axial_stress", 60e3), ("unloading_stress", 30e3)],
+        "simple-shear" | "simple-shear-constant-volume" => &[("shear_strain", 2e-3)],
+        "proportional" => &[("axial_strain", 1e-3)],
+        "cyclic" => &[("stress_amplitude", 3e3), ("cycles", 1.0)],
+        "unload-reload" => &[("axial_strain", 2e-3)],
+        "hold" => &[("duration", 1e-4)],
+        "probes" => &[("directions", 2.0), ("unbalanced_force", 2e-3)],
+        _ => &[],
+    };
+    let mut given: Given = numbers.iter().map(|(key, value)| (key.to_string(), (*value).into())).collect();
+    match name {
+        "proportional" => drop(given.insert("ratios_of".into(), "stress".into())),
+        "unload-reload" => drop(given.insert("at".into(), Value::List(vec![1e-3]))),
+        "history" => {
+            let columns = vec![Quantity::Strain(0), Quantity::Stress(2)];
+            let rows = vec![vec![1e-3, 22e3], vec![5e-4, 21e3]];
+            given.insert("file".into(), Value::History(History { columns, rows }));
+        }
+        _ => {}
+    }
+    given
+}
+
+/// Follows stages on so many threads; everything is written down and read back whenever so many steps were made.
+fn broken(stages: &[Stage], threads: usize, every: u64) -> String {
+    let mut s = sample();
+    let hardware = Hardware { threads, ..Hardware::default() };
+    s.set_hardware(hardware);
+    let mut kept: Option<Simulation> = None;
+    for stage in stages {
+        match (stage.start, &kept) {
+            (Start::Kept, _) => kept = Some(s.clone()),
+            (Start::Back, Some(state)) => s = state.clone(),
+            _ => {}
+        }
+        let mut stage_progress = begin(stage, &mut s).unwrap();
+        loop {
+            let stop_at = s.state().step().saturating_add(every);
+            let mut notes = Notes { next: f64::INFINITY, stop_at, ..Notes::default() };
+            match follow(stage, &mut stage_progress, &mut s, &mut notes).unwrap() {
+                Ending::Complete(reason) => {
+                    assert!(reason.is_asked_for(), "{}: {reason}", stage.name);
+                    break;
+                }
+                Ending::Stopped => {
+                    let text = serde_json::to_string(&stage_progress).unwrap();
+                    let (restored, text) = Simulation::restore(&s.checkpoint(&text).unwrap()).unwrap();
+                    s = restored;
+                    s.set_hardware(hardware);
+                    stage_progress = serde_json::from_str(&text).unwrap();
+                }
+            }
+        }
+    }
+    format!("{:?}", s.state())
+}
+
+/// Threads and restarts change no bit of any path, and each comes to an end that was asked for.
+#[test]
+fn every_path_gives_the_same_bits_however_it_is_broken_off() {
+    for path in preset::ALL {
+        let stages = path.expand(&short(path.name));
+        assert!(broken(&stages, 1, u64::MAX) == broken(&stages, 2, 700), "{}", path.name);
+    }
 }

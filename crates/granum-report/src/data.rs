@@ -1,5 +1,7 @@
 //! What a report is made from.
 
+use std::borrow::Cow;
+
 use granum_core::Table;
 use granum_core::assembly::Assembly;
 use granum_io::run::{RunRecord, RunStatus};
@@ -123,9 +125,46 @@ impl RunReport {
         self.column(x).iter().zip(self.column(y)).map(|(&x, &y)| [x, y]).collect()
     }
 
-    /// A column against the deviator strain.
+    /// A column against the strain that figures have on their axis ([`RunReport::strain`]).
     pub fn against_strain(&self, y: &str) -> Vec<[f64; 2]> {
-        self.points("deviator_strain", y)
+        self.strain().iter().zip(self.column(y)).map(|(&x, &y)| [x, y]).collect()
+    }
+
+    /// The strain that figures have on their axis, and its label: the deviator strain of the paper's test; of a test that is
+    /// given as stages the deviatoric strain where it only grows, else the length of the whole way.
+    pub fn strain(&self) -> Cow<'_, [f64]> {
+        self.strain_and_label().0
+    }
+
+    /// As [`RunReport::strain`], with the label of its axis.
+    pub fn strain_and_label(&self) -> (Cow<'_, [f64]>, &'static str) {
+        let arcs = self.column("arc_length");
+        if arcs.is_empty() {
+            return (Cow::Borrowed(self.column("deviator_strain")), super::material::STRAIN);
+        }
+        let deviatoric = self.column("deviatoric_strain");
+        if deviatoric.windows(2).all(|pair| pair[1] >= pair[0] - 1e-6) && deviatoric.last() > Some(&1e-4) {
+            return (Cow::Borrowed(deviatoric), "Deviatoric strain *ε*_{q}");
+        }
+        let mut before = 0.0;
+        let mut last = 0.0;
+        let way = arcs.iter().map(|&arc| {
+            // The strain began to count anew.
+            if arc < last {
+                before += last;
+            }
+            last = arc;
+            before + arc
+        });
+        (Cow::Owned(way.collect()), "Length of the strain path")
+    }
+
+    /// Names of the columns of q/p and of its strain: those of the paper's test, or the invariants of stages.
+    pub fn stress_ratio(&self) -> [&'static str; 2] {
+        match self.column("von_mises_ratio") {
+            [] => ["stress_ratio", "deviator_strain"],
+            _ => ["von_mises_ratio", "deviatoric_strain"],
+        }
     }
 
     /// The first value of a column: the sample before shear. Of a sample that was not sheared, what was measured of it.
@@ -142,9 +181,15 @@ impl RunReport {
         (0..values.len()).filter(|&k| values[k].is_finite()).max_by(|&a, &b| values[a].total_cmp(&values[b]))
     }
 
-    /// Mean of a column over the last quarter of the strain.
+    /// Mean of a column over the last quarter of the strain. The sign of q, which jumps where compression and extension are none
+    /// of the test, is left out.
     pub fn late_mean(&self, name: &str) -> Option<f64> {
-        granum_run::laboratory::late_mean(self.column("deviator_strain"), self.column(name))
+        let values = Cow::Borrowed(self.column(name));
+        let values = match name {
+            "von_mises_ratio" => Cow::Owned(values.iter().map(|value| value.abs()).collect::<Vec<f64>>()),
+            _ => values,
+        };
+        granum_run::laboratory::late_mean(&self.strain(), &values)
     }
 }
 

@@ -16,14 +16,13 @@ const SHOWN: [f64; 2] = [1e-6, 2.0];
 
 /// What the boundary work became, each since the first recorded state, J.
 struct Balance {
-    strain: Vec<f64>,
     work: Vec<f64>,
     parts: Vec<(&'static str, Vec<f64>)>,
 }
 
 impl Balance {
     fn of(record: &Record) -> Option<Balance> {
-        let rows = column(record, "deviator_strain").len();
+        let rows = record.series.rows();
         let since_start = |name: &str| -> Option<Vec<f64>> {
             let values = column(record, name);
             let first = *values.first()?;
@@ -48,11 +47,7 @@ impl Balance {
         for (name, column) in rolling.into_iter().chain(attraction) {
             parts.extend(since_start(column).map(|values| (name, values)));
         }
-        Some(Balance {
-            strain: column(record, "deviator_strain").to_vec(),
-            work: since_start("boundary_work")?,
-            parts,
-        })
+        Some(Balance { work: since_start("boundary_work")?, parts })
     }
 
     /// Boundary work that no mechanism accounts for.
@@ -88,9 +83,9 @@ pub fn shares(record: &Record) -> Vec<(&'static str, f64)> {
 pub fn figure(run: &RunReport) -> Option<(Figure, String)> {
     let balance = Balance::of(&run.record)?;
     let axis = || strain_axis(std::slice::from_ref(run));
-    let points = |values: &[f64]| -> Vec<[f64; 2]> {
-        balance.strain.iter().zip(values).map(|(&x, &y)| [x, y]).collect()
-    };
+    let strain = run.strain();
+    let points =
+        |values: &[f64]| -> Vec<[f64; 2]> { strain.iter().zip(values).map(|(&x, &y)| [x, y]).collect() };
     let work = balance.work.last().copied().filter(|work| *work != 0.0).unwrap_or(f64::NAN);
     let shares = |values: &[f64]| points(&values.iter().map(|value| value / work).collect::<Vec<_>>());
     // On a linear scale all but friction lie on the axis.
@@ -111,7 +106,7 @@ pub fn figure(run: &RunReport) -> Option<(Figure, String)> {
     let panels = vec![Panel::plot(energies), Panel::plot(closing)];
     let caption = "(a) Work of the boundary since the first recorded state, and what became of it, as shares of that work; \
                    what is elastic (dashed) can be given back. (b) Boundary work that no mechanism accounts for, over the same.";
-    Some((Figure::new("Energy by mechanism against deviator strain", 2, panels), caption.to_owned()))
+    Some((Figure::new("Energy by mechanism against strain", 2, panels), caption.to_owned()))
 }
 
 #[cfg(test)]

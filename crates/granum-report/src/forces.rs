@@ -38,8 +38,12 @@ pub fn density(histogram: &Histogram) -> Vec<[f64; 2]> {
 }
 
 fn at_strain(run: &RunReport, row: usize, name: &str) -> String {
-    let strain = run.column("deviator_strain").get(row).copied().unwrap_or(f64::NAN);
-    if strain.abs() < 5e-4 { name.to_owned() } else { format!("{name}, *ε*_{{d}} = {}", fixed(strain, 2)) }
+    let strain = run.strain().get(row).copied().unwrap_or(f64::NAN);
+    match run.case.has_stages() {
+        _ if strain.abs() < 5e-4 => name.to_owned(),
+        true => format!("{name}, strain {}", fixed(strain, 2)),
+        false => format!("{name}, *ε*_{{d}} = {}", fixed(strain, 2)),
+    }
 }
 
 /// P(f) on a logarithmic scale at three states, with fits to the tail, and what the tail does with strain.

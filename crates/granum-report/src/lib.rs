@@ -3,6 +3,7 @@
 //! [`run_report`] draws one run, [`study_report`] the whole paper. What a record does not hold is left out; nothing is made up.
 
 pub mod data;
+mod deviatoric_plane;
 mod energy;
 pub mod figure;
 mod forces;
@@ -12,6 +13,7 @@ mod material;
 mod networks;
 mod numbers;
 mod page;
+mod path;
 mod preparation;
 mod run;
 mod sample;

@@ -4,14 +4,18 @@ use super::data::{Role, RunReport};
 use super::figure::palette::{GREY, INK, color};
 use super::figure::{Axis, Figure, Layer, Legend, Panel, Plot, Stroke};
 
-/// Label of the strain axis.
+/// Label of the strain axis of the paper's test.
 pub const STRAIN: &str = "Deviator strain *ε*_{d}";
 
 /// The strain axis of runs: from 0 to the largest strain.
 pub fn strain_axis(runs: &[RunReport]) -> Axis {
-    let last = runs.iter().filter_map(|run| run.column("deviator_strain").last().copied());
+    let axis = Axis::new(runs.first().map_or(STRAIN, |run| run.strain_and_label().1));
+    if runs.iter().any(|run| run.case.has_stages()) {
+        return axis.including(0.0);
+    }
+    let last = runs.iter().filter_map(|run| run.strain().last().copied());
     let largest = last.filter(|strain| strain.is_finite()).fold(0.0, f64::max);
-    if largest > 0.0 { Axis::new(STRAIN).between(0.0, round_up(largest)) } else { Axis::new(STRAIN) }
+    if largest > 0.0 { axis.between(0.0, round_up(largest)) } else { axis }
 }
 
 /// The averages of looks around the last state end just before it; the axis ends at the state.
@@ -55,13 +59,9 @@ pub fn stress_and_volume(runs: &[RunReport]) -> (Figure, String) {
         .with_all(lines(runs, "volumetric_strain"));
     let panels = vec![Panel::plot(stress), Panel::plot(volume)];
     let figure = Figure::new("Stress ratio and volumetric strain against deviator strain", 2, panels);
-    let staged = runs.iter().any(|run| run.case.has_stages());
-    let test = if staged { "" } else { "Axisymmetric compression at constant mean stress. " };
-    let caption = format!(
-        "{test}(a) Ratio of deviator stress to mean stress; (b) volumetric strain, compression positive, so that a falling \
-         curve is dilation."
-    );
-    (figure, caption)
+    let caption = "Axisymmetric compression at constant mean stress. (a) Ratio of deviator stress to mean stress; (b) volumetric \
+                   strain, compression positive, so that a falling curve is dilation.";
+    (figure, caption.to_owned())
 }
 
 /// What carries q: strong and weak contacts, normal and tangential forces.
@@ -119,7 +119,7 @@ pub fn coordination(run: &RunReport) -> (Figure, String) {
                    two contacts (Thornton 2000); of contacts in compression; of what is left when rattlers are taken \
                    out repeatedly. (b) Contacts that slide, overall and among the strong, contacts in tension, and \
                    grains with fewer than two contacts.";
-    (Figure::new("Coordination numbers and fractions against deviator strain", 2, panels), caption.to_owned())
+    (Figure::new("Coordination numbers and fractions against strain", 2, panels), caption.to_owned())
 }
 
 /// Deviator fabric of all, strong and weak contacts.
@@ -143,4 +143,16 @@ pub fn fabric(runs: &[RunReport]) -> (Figure, String) {
         Figure::new("Deviator fabric against deviator strain", 2, panels).legend(Legend::Inside),
         caption.to_owned(),
     )
+}
+
+/// Anisotropy of the contacts without an axis of its own.
+pub fn principal_fabric(run: &RunReport) -> (Figure, String) {
+    let plot = Plot::new(
+        strain_axis(std::slice::from_ref(run)),
+        Axis::new("Fabric *φ*_{1} − *φ*_{3}").including(0.0),
+    )
+    .with(Layer::line(run.against_strain("principal_deviator_fabric"), color(0)));
+    let caption =
+        "Anisotropy of the contact network: largest less smallest eigenvalue of *φ*_{ij} = ⟨*n*_{i}*n*_{j}⟩.";
+    (Figure::new("Anisotropy of the contacts", 1, vec![Panel::plot(plot)]), caption.to_owned())
 }

@@ -8,12 +8,17 @@ use super::forces;
 use super::material;
 use super::numbers::{duration, factor, quantity, significant, whole};
 use super::page::{Document, Page, paragraphs, rich, tiles};
-use super::{preparation, sample, trust};
+use super::{path, preparation, sample, trust};
 
 /// How signs and axes are meant; said once in every report.
 pub const SIGNS: &str = "Compression is positive, for stress, strain and normal force. Axis 1 is the axis of compression, \
                          axes 2 and 3 are averaged: *q* = *σ*_{1} − *σ*_{3}, *p* = (*σ*_{1} + *σ*_{2} + *σ*_{3})/3, \
                          *ε*_{d} = *ε*_{1} − *ε*_{3}, *φ*_{d} = *φ*_{1} − *φ*_{3}. Strains are logarithmic.";
+
+/// The same where the test is given as stages.
+const SIGNS_OF_STAGES: &str = "Compression is positive, for stress, strain and normal force. *p* is the mean stress, *q* = √(3 *J*_{2}) the \
+                               von Mises stress, *ε*_{q} = √(2/3 *e*:*e*) with the deviator *e* of the strain. Axis 1 is *x*. Strains are \
+                               logarithmic and count from the start of the last stage that begins anew.";
 
 /// Writes the report of a run.
 pub fn report(run: &RunReport) -> Document {
@@ -39,7 +44,7 @@ pub fn report(run: &RunReport) -> Document {
     );
     let head = html! {
         (tiles(&headline(run)))
-        p { (rich(SIGNS)) }
+        p { (rich(if run.case.has_stages() { SIGNS_OF_STAGES } else { SIGNS })) }
         @if !run.is_complete() { p class="callout" { "The test was stopped before its end; what was recorded until then is shown." } }
     };
     page.finish(&run.name, &subtitle(run), head)
@@ -57,7 +62,13 @@ fn subtitle(run: &RunReport) -> String {
 /// What was done to the sample: the names of the stages, or the test of the paper.
 fn test_of(case: &Case) -> String {
     if case.has_stages() {
-        return case.test_stages().iter().map(|stage| stage.name.as_str()).collect::<Vec<_>>().join(", ");
+        let stages = case.test_stages();
+        let names: Vec<&str> =
+            stages.iter().filter(|stage| !stage.is_mark()).map(|stage| stage.name.as_str()).collect();
+        return match names.len() {
+            0..=6 => names.join(", "),
+            count => format!("{count} stages: {}, ...", names[..3].join(", ")),
+        };
     }
     let stress = case.shear.mean_stress.unwrap_or(case.preparation.mean_stress);
     format!("axisymmetric compression at *p* = {}", quantity(stress, "Pa"))
@@ -79,12 +90,19 @@ fn headline(run: &RunReport) -> Vec<[String; 3]> {
             out.push([significant(value, digits), name.to_owned(), remark]);
         }
     };
-    let peak = run.peak_row("stress_ratio");
+    let [ratio, strain] = run.stress_ratio();
+    let symbol = if run.case.has_stages() { "*ε*_{q}" } else { "*ε*_{d}" };
+    let peak = run.peak_row(ratio);
     let at = |column: &str| peak.and_then(|k| run.column(column).get(k).copied());
-    let where_peak =
-        at("deviator_strain").map_or(String::new(), |e| format!("at *ε*_{{d}} = {}", significant(e, 2)));
-    tile(at("stress_ratio"), 3, "peak *q*/*p*", where_peak);
-    tile(run.late_mean("stress_ratio"), 3, "late *q*/*p*", "mean over the last quarter of the strain".into());
+    let where_peak = at(strain).map_or(String::new(), |e| format!("at {symbol} = {}", significant(e, 2)));
+    tile(at(ratio), 3, "peak *q*/*p*", where_peak);
+    if !path::Traits::of(&run.case.test_stages()).goes_to_and_fro() {
+        tile(run.late_mean(ratio), 3, "late *q*/*p*", "mean over the last quarter of the strain".into());
+    }
+    for (name, value) in run.run.measures.iter().filter(|(name, _)| name.starts_with("k0_")) {
+        let stage = name.trim_start_matches("k0_").replace('_', " ");
+        tile(Some(*value), 3, "*K*_{0} = *σ*_{3}/*σ*_{1}", format!("at the end of the stage {stage}"));
+    }
     tile(run.first("solid_fraction"), 3, "solid fraction before shear", String::new());
     let z = run
         .first("coordination_number")
@@ -114,6 +132,13 @@ fn headline(run: &RunReport) -> Vec<[String; 3]> {
 /// Stress, volume, contacts and fabric of one or several runs.
 pub fn behaviour(page: &mut Page, runs: &[RunReport]) -> Markup {
     let Some(first) = runs.first() else { return html! {} };
+    if first.case.has_stages() {
+        let path = path::behaviour(page, first);
+        let (coordination, caption) = material::coordination(first);
+        let coordination = page.own_figure("coordination", &caption, &coordination);
+        let (fabric, caption) = material::principal_fabric(first);
+        return html! { (path) (coordination) (page.own_figure("fabric", &caption, &fabric)) };
+    }
     let (stress, stress_caption) = material::stress_and_volume(runs);
     let (shares, shares_caption) = material::stress_shares(first);
     let (coordination, coordination_caption) = material::coordination(first);

@@ -122,8 +122,11 @@ fn rows(runs: &[RunReport]) -> Vec<[String; 3]> {
     case.grains.mixture.components.iter().for_each(|component| row_of_component(component, &mut row));
     row("Contact law", "theoretical contact mechanics (Thornton and Yin 1991)", law(&case.contact));
     row("Contact damping", "–", format!("{} of critical", trimmed(case.contact.damping)));
-    row("Mean stress *p*", "20 kPa", quantity(run.mean_stress(), "Pa"));
-    if run.run.kind != "prepare" {
+    let whose = if case.has_stages() { "Mean stress *p* of the sample" } else { "Mean stress *p*" };
+    row(whose, "20 kPa", quantity(run.mean_stress(), "Pa"));
+    if case.has_stages() && run.run.kind != "prepare" {
+        row("Stages of the test", "–", whole(case.test_stages().len() as f64));
+    } else if run.run.kind != "prepare" {
         row("Rate of strain", "10^{−5} s^{−1}", rate(&case.shear.rate));
         row("Deviator strain at the end", "0.3", trimmed(case.shear.deviator_strain));
     }

@@ -29,13 +29,75 @@ pub enum Speed {
     StrainRate(f64),
 }
 
+/// Where a ramp ends. All ramps of a stage begin with it, are linear in time, and end together ([`Control::ramp_time`]).
+///
+/// ```
+/// use granum_dem::loading::Ramp;
+///
+/// assert_eq!(Ramp::To(3.0).change(1.0), 2.0);
+/// assert_eq!(Ramp::By(3.0).change(1.0), 3.0);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Ramp {
+    /// At this value.
+    To(f64),
+    /// This much above the value at the start of the stage.
+    By(f64),
+}
+
+impl Ramp {
+    /// How much a value changes that is `from` at the start.
+    pub fn change(self, from: f64) -> f64 {
+        match self {
+            Ramp::To(value) => value - from,
+            Ramp::By(change) => change,
+        }
+    }
+}
+
 /// A stress that is held or moved.
+///
+/// ```
+/// use granum_dem::loading::{Ramp, Target};
+///
+/// let held = Target::held(100e3);
+/// let rising = Target::held(100e3).moving(1e3);
+/// let ramp = Target::ramp(Ramp::To(200e3));
+/// assert_eq!((held.value, rising.rate, ramp.value), (Some(100e3), 1e3, None));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Target {
     /// Its value at the start of the stage, Pa; `None`: what it then is.
     pub value: Option<f64>,
     /// How fast it moves, Pa/s.
     pub rate: f64,
+    /// Where it is at the end of the stage, Pa, in place of a rate.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ramp: Option<Ramp>,
+}
+
+impl Target {
+    /// What the stress is when the stage begins.
+    pub fn current() -> Target {
+        Target::default()
+    }
+
+    /// A value, Pa.
+    pub fn held(value: f64) -> Target {
+        Target { value: Some(value), ..Target::default() }
+    }
+
+    /// The same moving at a rate, Pa/s.
+    pub fn moving(self, rate: f64) -> Target {
+        Target { rate, ..self }
+    }
+
+    /// From what the stress is when the stage begins, linearly to the end of a ramp.
+    pub fn ramp(ramp: Ramp) -> Target {
+        Target { ramp: Some(ramp), ..Target::default() }
+    }
 }
 
 /// What is done with one component of the cell.
@@ -47,6 +109,8 @@ pub enum Drive {
     Fixed,
     /// It is strained at this multiple of the stage's speed, compression positive; shear strains are angles.
     Rate(f64),
+    /// It is strained linearly in time to the end of a ramp.
+    Ramp(Ramp),
     /// Its stress is held or moved.
     Stress(Target),
     /// Constraints decide it.
@@ -94,13 +158,26 @@ pub struct Control {
     pub servo_limit: f64,
     /// Time constant of the servo, in time steps.
     pub response: f64,
+    /// True if strain rates and moving targets grow from nothing at the start of the stage and wherever it turns round, over
+    /// a quarter of the time `d sqrt(rho / p)` in which grains move under p. At once the lateral stresses would jump.
+    pub eases: bool,
 }
+
+/// Share of the inertial time of the grains in which rates grow.
+const EASE: f64 = 0.25;
 
 /// Time constant of the servo of a stage, in time steps, where no other is given.
 const RESPONSE: f64 = 6.0;
 
 /// Bound on what the servo adds where the cell is strained anyway, as a multiple of the speed.
 pub const SERVO_LIMIT: f64 = 30.0;
+
+/// Stiffness of a sample over the servo's estimate by which the time of a ramp of stress is chosen: grains move more than
+/// their contacts would let them by affine motion.
+const YIELDING: f64 = 0.25;
+
+/// Shortest ramp, in inertial times of the grains: what changes faster is no quasi-static change, however small it is.
+const SHORTEST_RAMP: f64 = 4.0;
 
 /// Why a control cannot be.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -135,6 +212,7 @@ impl Default for Control {
             kinematics: Kinematics::PureShear,
             servo_limit: SERVO_LIMIT,
             response: RESPONSE,
+            eases: true,
         }
     }
 }
@@ -167,7 +245,70 @@ impl Control {
 
     /// True if some component is strained at a rate of its own.
     pub fn is_strained(&self) -> bool {
-        self.components.iter().any(|drive| matches!(drive, Drive::Rate(rate) if *rate != 0.0))
+        self.components.iter().any(|drive| match drive {
+            Drive::Rate(rate) => *rate != 0.0,
+            Drive::Ramp(_) => true,
+            _ => false,
+        })
+    }
+
+    /// The stresses that are held or moved.
+    fn targets(&self) -> impl Iterator<Item = &Target> {
+        let of_components = self.components.iter().filter_map(|drive| match drive {
+            Drive::Stress(target) => Some(target),
+            _ => None,
+        });
+        let held = |constraint: &&Constraint| constraint.stress != [0.0; 6];
+        of_components
+            .chain(self.constraints.iter().flatten().filter(held).map(|constraint| &constraint.target))
+    }
+
+    /// True if something goes along a ramp.
+    pub fn has_ramp(&self) -> bool {
+        self.components.iter().any(|drive| matches!(drive, Drive::Ramp(_)))
+            || self.targets().any(|target| target.ramp.is_some())
+    }
+
+    /// True if some controlled stress moves.
+    pub fn moves_a_stress(&self) -> bool {
+        self.targets().any(|target| target.rate != 0.0 || target.ramp.is_some())
+    }
+
+    /// The time, s, that the ramps of the control take for a simulation; none without a ramp. The fastest strain goes at the
+    /// stage's speed; for stresses the strain is estimated from the contacts.
+    pub fn ramp_time(&self, simulation: &Simulation) -> Option<f64> {
+        let state = simulation.state();
+        let (stress, strain) = (state.stress(), state.strain());
+        let shortest = SHORTEST_RAMP * inertial_time(simulation);
+        let rate = self.strain_rate(simulation);
+        self.ramp_duration(rate, &stress, &strain, modulus(simulation)).map(|time| time.max(shortest))
+    }
+
+    fn ramp_duration(&self, rate: f64, stress: &Matrix, strain: &Matrix, modulus: f64) -> Option<f64> {
+        if !self.has_ramp() {
+            return None;
+        }
+        let mut longest = 0.0f64;
+        let mut stressed = |row: &Row, target: &Target| {
+            let Some(ramp) = target.ramp else { return };
+            let change = ramp.change(target.value.unwrap_or_else(|| row.value(stress, strain)));
+            let stiffness = resistance(row, modulus).iter().fold(0.0f64, |m, x| m.max(x.abs()));
+            longest = longest.max(change.abs() / (YIELDING * stiffness * modulus * rate));
+        };
+        for (k, drive) in self.components.iter().enumerate() {
+            if let Drive::Stress(target) = drive {
+                stressed(&Row::component(k, 0.0), target);
+            }
+        }
+        for constraint in self.constraints.iter().flatten().filter(|c| c.stress != [0.0; 6]) {
+            stressed(&constraint.row(), &constraint.target);
+        }
+        for (k, drive) in self.components.iter().enumerate() {
+            if let Drive::Ramp(ramp) = drive {
+                longest = longest.max(ramp.change(servo::strain_component(strain, k)).abs() / rate);
+            }
+        }
+        Some(longest)
     }
 
     /// The strain rate of one, 1/s, for a simulation.
@@ -185,7 +326,7 @@ impl Control {
     /// # Errors
     /// [`ControlError`].
     pub fn check(&self) -> Result<(), ControlError> {
-        self.solve(1.0, &[[0.0; 3]; 3], &[[0.0; 3]; 3], 1e8).map(|_| ())
+        self.solve(1.0, &[[0.0; 3]; 3], &[[0.0; 3]; 3], 1e8, Some(1.0)).map(|_| ())
     }
 
     /// What drives the cell of a simulation from now on.
@@ -198,9 +339,10 @@ impl Control {
             return Err(ControlError::Speed(rate));
         }
         let state = simulation.state();
-        let modulus = state.bulk_modulus().max(100.0 * invariants::mean(&state.stress()).abs()).max(1.0);
-        let mut control = self.solve(rate, &state.stress(), &state.strain(), modulus)?;
+        let ramp = self.ramp_time(simulation);
+        let mut control = self.solve(rate, &state.stress(), &state.strain(), modulus(simulation), ramp)?;
         control.since = state.time();
+        control.ease = if self.eases { EASE * inertial_time(simulation) } else { 0.0 };
         Ok(control)
     }
 
@@ -210,10 +352,12 @@ impl Control {
         stress: &Matrix,
         strain: &Matrix,
         modulus: f64,
+        ramp_time: Option<f64>,
     ) -> Result<servo::Control, ControlError> {
+        let per_time = |change: f64| change / ramp_time.unwrap_or(f64::INFINITY);
         let held = |mut row: Row, target: &Target| {
             row.target = target.value.unwrap_or_else(|| row.value(stress, strain));
-            row.target_rate = target.rate;
+            row.target_rate = target.ramp.map_or(target.rate, |ramp| per_time(ramp.change(row.target)));
             row
         };
         let mut equations = Vec::new();
@@ -227,6 +371,10 @@ impl Control {
                 Drive::Fixed => equations.push(Equation { name, weights, rate: 0.0, row: None }),
                 Drive::Rate(factor) => {
                     equations.push(Equation { name, weights, rate: factor * rate, row: None });
+                }
+                Drive::Ramp(ramp) => {
+                    let rate = per_time(ramp.change(servo::strain_component(strain, k)));
+                    equations.push(Equation { name, weights, rate, row: None });
                 }
                 Drive::Stress(target) => {
                     weights[k] = STIFFNESS[k];
@@ -313,7 +461,7 @@ impl Constraint {
 
     /// A combination of strain rates, as a multiple of the stage's speed.
     pub fn strains(strain: [f64; 6], rate: f64) -> Constraint {
-        Constraint { strain, target: Target { value: None, rate }, ..Constraint::default() }
+        Constraint { strain, target: Target::current().moving(rate), ..Constraint::default() }
     }
 
     /// The same with the strain rates that move for it.
@@ -331,6 +479,20 @@ impl Constraint {
             ..Row::mean(0.0, [false; 3])
         }
     }
+}
+
+/// The time `d sqrt(rho / p)`, s, in which grains move under the mean stress: the strain rate of an inertial number of one. It is
+/// not counted as longer than ten thousand time steps, for a sample that carries next to nothing.
+fn inertial_time(simulation: &Simulation) -> f64 {
+    let state = simulation.state();
+    let rate = simulation.strain_rate(1.0, state.mean_stress().max(0.0));
+    (1.0 / rate).min(1e4 * state.time_step())
+}
+
+/// The bulk modulus that equations are weighed with, Pa; without contacts the stress is the only measure.
+fn modulus(simulation: &Simulation) -> f64 {
+    let state = simulation.state();
+    state.bulk_modulus().max(100.0 * invariants::mean(&state.stress()).abs()).max(1.0)
 }
 
 fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
@@ -421,11 +583,11 @@ mod tests {
     const MEAN: [f64; 6] = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
 
     fn solved(control: &Control) -> servo::Control {
-        control.solve(10.0, &STILL, &STILL, 1e8).unwrap()
+        control.solve(10.0, &STILL, &STILL, 1e8, None).unwrap()
     }
 
     fn held(value: f64) -> Target {
-        Target { value: Some(value), rate: 0.0 }
+        Target::held(value)
     }
 
     /// The paper's test, said either way, is the control that it always was.
@@ -478,7 +640,7 @@ mod tests {
     /// A stress that rises at a given rate does not lag behind its target, on a solid far from the servo's estimate.
     #[test]
     fn a_moving_target_is_not_lagged_behind() {
-        let target = Target { value: Some(2e4), rate: 2e7 };
+        let target = Target::held(2e4).moving(2e7);
         let stress = Drive::Stress(target);
         let fixed = Drive::Fixed;
         for softness in [1.0, 0.2] {

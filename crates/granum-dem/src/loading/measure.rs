@@ -71,13 +71,15 @@ pub enum Measure {
     MeanStress,
     /// Signed von Mises stress q, Pa.
     DeviatorStress,
+    /// `sigma_x - (sigma_y + sigma_z) / 2`, Pa: the deviator stress of axisymmetric tests along x, which passes zero smoothly.
+    AxialDeviatorStress,
     /// q/p.
     StressRatio,
 }
 
 impl Measure {
     /// Every measure with its name and unit in a case file.
-    pub const ALL: [(&'static str, &'static str, Measure); 20] = [
+    pub const ALL: [(&'static str, &'static str, Measure); 21] = [
         ("arc_length", "1", Measure::ArcLength),
         ("time", "s", Measure::Time),
         ("xx_strain", "1", Measure::Strain(0)),
@@ -97,6 +99,7 @@ impl Measure {
         ("xy_stress", "Pa", Measure::Stress(5)),
         ("mean_stress", "Pa", Measure::MeanStress),
         ("deviator_stress", "Pa", Measure::DeviatorStress),
+        ("axial_deviator_stress", "Pa", Measure::AxialDeviatorStress),
         ("stress_ratio", "1", Measure::StressRatio),
     ];
 
@@ -119,7 +122,11 @@ impl Measure {
     pub fn needs_stress(self) -> bool {
         matches!(
             self,
-            Measure::Stress(_) | Measure::MeanStress | Measure::DeviatorStress | Measure::StressRatio
+            Measure::Stress(_)
+                | Measure::MeanStress
+                | Measure::DeviatorStress
+                | Measure::AxialDeviatorStress
+                | Measure::StressRatio
         )
     }
 
@@ -140,6 +147,7 @@ impl Measure {
             Measure::Stress(k) => component(&macro_state.stress, usize::from(k.min(5))),
             Measure::MeanStress => invariants::mean(&macro_state.stress),
             Measure::DeviatorStress => invariants::signed_von_mises(&macro_state.stress),
+            Measure::AxialDeviatorStress => invariants::axial_deviator(&macro_state.stress),
             Measure::StressRatio => {
                 let p = invariants::mean(&macro_state.stress);
                 if p == 0.0 { 0.0 } else { invariants::signed_von_mises(&macro_state.stress) / p }

@@ -2,6 +2,7 @@
 //! which measures states are recorded ([`Record`]). Named paths are presets, one file each ([`preset`]).
 
 mod control;
+mod history;
 mod measure;
 pub mod preset;
 mod record;
@@ -9,7 +10,10 @@ mod until;
 
 use serde::{Deserialize, Serialize};
 
-pub use self::control::{Constraint, Control, ControlError, Drive, Kinematics, SERVO_LIMIT, Speed, Target};
+pub use self::control::{
+    Constraint, Control, ControlError, Drive, Kinematics, Ramp, SERVO_LIMIT, Speed, Target,
+};
+pub use self::history::{History, MOST_ROWS, Quantity};
 pub use self::measure::{Event, MacroState, Measure};
 pub use self::record::Record;
 pub use self::until::{Reason, StageProgress, Until};
@@ -27,7 +31,20 @@ const SETTLING: f64 = 0.005;
 const START_UP: f64 = 1.0 / 300.0;
 
 /// One stage of a test.
+///
+/// ```
+/// use granum_dem::loading::{Control, Drive, Measure, Speed, Stage, Target, Until};
+///
+/// // Drained triaxial compression to an axial strain of 0.1.
+/// let (held, fixed) = (Drive::Stress(Target::current()), Drive::Fixed);
+/// let speed = Speed::InertialNumber { number: 1e-3, at: None };
+/// let control = Control::of(speed, [Drive::Rate(1.0), held, held, fixed, fixed, fixed]);
+/// let end = Until::Reaches { measure: Measure::Strain(0), value: 0.1 };
+/// let stage = Stage::new("shear", control, vec![end]);
+/// assert!(stage.control.check().is_ok() && !stage.resets);
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Stage {
     /// Its name for people, e.g. `shear`.
     pub name: String,
@@ -46,6 +63,30 @@ pub struct Stage {
     pub settling: bool,
     /// True if strain, time and energy count from the start of this stage.
     pub resets: bool,
+    /// Factor on the density of the grains in this stage. Without gravity only the inertial number matters, so that a strain
+    /// rate with a factor says the same as a higher rate without.
+    #[serde(default = "one")]
+    pub density_scaling: f64,
+    /// Whether its start is the state that stages go back to.
+    #[serde(default)]
+    pub start: Start,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// What a stage begins from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Start {
+    /// Where the stage before it ended.
+    #[default]
+    Here,
+    /// Where the stage before it ended; this state is kept for later stages.
+    Kept,
+    /// The state that was kept last: everything since then is undone.
+    Back,
 }
 
 /// Values of a measure between which a stage goes to and fro.
@@ -71,7 +112,20 @@ impl Stage {
             record: Record::default(),
             settling: false,
             resets: false,
+            density_scaling: 1.0,
+            start: Start::Here,
         }
+    }
+
+    /// A stage that takes no time and records the state in which it finds the sample.
+    pub fn mark(name: impl Into<String>) -> Stage {
+        let control = Control { speed: Speed::StrainRate(1.0), ..Control::default() };
+        Stage::new(name, control, vec![Until::Reaches { measure: Measure::Time, value: 0.0 }])
+    }
+
+    /// True if it is one of [`Stage::mark`].
+    pub fn is_mark(&self) -> bool {
+        self.until == [Until::Reaches { measure: Measure::Time, value: 0.0 }]
     }
 
     /// The same with states recorded.
@@ -144,8 +198,10 @@ pub fn begin(stage: &Stage, simulation: &mut Simulation) -> Result<StageProgress
     }
     let control = stage.control.begin(simulation)?;
     simulation.damp_globally(if stage.settling { SETTLING } else { 0.0 });
-    let stage_progress = StageProgress::begin(simulation);
-    let start_up = if stage.control.is_strained() { START_UP } else { 0.0 };
+    let mut stage_progress = StageProgress::begin(simulation);
+    // Over the time in which rates grow, half of the way is made.
+    stage_progress.ramp = stage.control.ramp_time(simulation).map(|time| time + 0.5 * control.ease);
+    let start_up = if stage.control.is_strained() && !stage.control.eases { START_UP } else { 0.0 };
     simulation.judge_servo(stage_progress.start.arc_length + start_up);
     simulation.set_control(control);
     Ok(stage_progress)
@@ -165,7 +221,7 @@ pub fn follow(
 ) -> Result<Ending, SimulationError> {
     let measure = stage.record.measure;
     let origin = stage_progress.origin(measure);
-    let most_time = most_time(stage, simulation);
+    let most_time = most_time(stage, stage_progress, simulation);
     let mut events = Vec::new();
     loop {
         let here = measure.of(&simulation.state().macro_state()) - origin;
@@ -205,7 +261,7 @@ fn turn(stage: &Stage, stage_progress: &mut StageProgress, simulation: &mut Simu
     let Some(event) = turning_point(stage, stage_progress) else { return };
     if event.has_come(&simulation.state().macro_state()) {
         simulation.reverse();
-        stage_progress.reversals += 1;
+        stage_progress.turn(simulation.state());
     }
 }
 
@@ -216,11 +272,18 @@ fn turning_point(stage: &Stage, stage_progress: &StageProgress) -> Option<Event>
     Some(Event { measure, origin: stage_progress.origin(measure), value, rising })
 }
 
-/// The time that a stage may take, s.
-fn most_time(stage: &Stage, simulation: &Simulation) -> f64 {
+/// The time that a stage may take, s. One that is to end at a time has twice that time.
+fn most_time(stage: &Stage, stage_progress: &StageProgress, simulation: &Simulation) -> f64 {
     let control = simulation.state().control();
     let limit = control.rate_limit / stage.control.servo_limit.max(f64::MIN_POSITIVE);
-    if limit > 0.0 { 4.0 * stage.most_arc_length.unwrap_or(f64::MAX) / limit } else { f64::INFINITY }
+    let asked = stage.until.iter().filter_map(|until| match until {
+        Until::Reaches { measure: Measure::Time, value } => Some(2.0 * value),
+        Until::RampOver => stage_progress.ramp.map(|time| 2.0 * time),
+        _ => None,
+    });
+    let by_strain =
+        if limit > 0.0 { 4.0 * stage.most_arc_length.unwrap_or(f64::MAX) / limit } else { f64::INFINITY };
+    asked.fold(by_strain, f64::max)
 }
 
 /// Why a stage cannot go on, where it cannot.

@@ -23,6 +23,18 @@ pub enum Until {
     },
     /// The stage has turned round this often; a cycle is two reversals.
     Reversals(u64),
+    /// All ramps of the stage are over.
+    RampOver,
+    /// The mean stress has lost this part of what it was at the start of the stage: at constant volume the ratio
+    /// `r_u = 1 - p/p_0` of the excess pore pressure of a saturated sample under constant total mean stress.
+    PorePressureRatio(f64),
+    /// A measure has gone this far since the stage turned round last: the double amplitude of a cycle.
+    DoubleAmplitude {
+        /// What is measured.
+        measure: Measure,
+        /// How far.
+        value: f64,
+    },
     /// The unbalanced force is below this three times in a row, and every controlled stress within half a per cent of p of
     /// its target.
     AtRest {
@@ -95,6 +107,13 @@ impl fmt::Display for Until {
                 write!(f, "{} came to {value}{unit}", measure.name())
             }
             Until::Reversals(count) => write!(f, "it was turned round {count} times"),
+            Until::RampOver => write!(f, "its ramp is over"),
+            Until::PorePressureRatio(ratio) => {
+                write!(f, "the pore pressure ratio 1 - p/p_0 came to {ratio}: the sample has liquefied")
+            }
+            Until::DoubleAmplitude { measure, value } => {
+                write!(f, "the double amplitude of {} came to {value}", measure.name())
+            }
             Until::AtRest { unbalanced_force } => {
                 write!(f, "the sample is at rest: the unbalanced force is below {unbalanced_force}")
             }
@@ -127,6 +146,12 @@ pub struct StageProgress {
     pub start_step: u64,
     /// How often the stage has turned round.
     pub reversals: u64,
+    /// Stress, strain and clock where it turned round last.
+    #[serde(default)]
+    turned: Option<MacroState>,
+    /// Time that the ramps of the stage take, s.
+    #[serde(default)]
+    pub(super) ramp: Option<f64>,
     /// Looks in a row that found the sample at rest.
     converged_checks: u32,
     /// Step of the last of them.
@@ -144,6 +169,12 @@ impl StageProgress {
         StageProgress { start: state.macro_state(), start_step: state.step(), ..StageProgress::default() }
     }
 
+    /// The stage turns round.
+    pub(super) fn turn(&mut self, state: &State) {
+        self.reversals += 1;
+        self.turned = Some(state.macro_state());
+    }
+
     /// What a measure counts from.
     pub fn origin(&self, measure: Measure) -> f64 {
         if measure.counts_from_stage() { measure.of(&self.start) } else { 0.0 }
@@ -157,6 +188,11 @@ impl StageProgress {
             let came = match *until {
                 Until::Reaches { measure, value } => self.event(measure, value).has_come(&macro_state),
                 Until::Reversals(count) => self.reversals >= count,
+                Until::RampOver => self.ramp_end().is_none_or(|event| event.has_come(&macro_state)),
+                Until::PorePressureRatio(ratio) => self.liquefied(ratio).has_come(&macro_state),
+                Until::DoubleAmplitude { measure, value } => {
+                    self.span(measure, value).iter().flatten().any(|event| event.has_come(&macro_state))
+                }
                 Until::AtRest { unbalanced_force } => self.rests(unbalanced_force, state),
                 Until::CriticalState { window, stress_ratio, volumetric_strain } => {
                     self.mark(window, &macro_state);
@@ -186,9 +222,31 @@ impl StageProgress {
                 Until::CriticalState { window, .. } => {
                     into.push(self.event(Measure::ArcLength, self.next_mark(window)));
                 }
+                Until::RampOver => into.extend(self.ramp_end()),
+                Until::PorePressureRatio(ratio) => into.push(self.liquefied(ratio)),
+                Until::DoubleAmplitude { measure, value } => {
+                    into.extend(self.span(measure, value).into_iter().flatten());
+                }
                 Until::Reversals(_) | Until::AtRest { .. } => {}
             }
         }
+    }
+
+    /// The end of the ramps.
+    fn ramp_end(&self) -> Option<Event> {
+        self.ramp.map(|time| self.event(Measure::Time, time))
+    }
+
+    /// The loss of a part of the mean stress.
+    fn liquefied(&self, ratio: f64) -> Event {
+        let value = (1.0 - ratio) * invariants::mean(&self.start.stress);
+        Event { measure: Measure::MeanStress, origin: 0.0, value, rising: false }
+    }
+
+    /// A measure so far from where the stage turned round last, on either side.
+    fn span(&self, measure: Measure, value: f64) -> Option<[Event; 2]> {
+        let origin = measure.of(self.turned.as_ref()?);
+        Some([(value, true), (-value, false)].map(|(value, rising)| Event { measure, origin, value, rising }))
     }
 
     fn event(&self, measure: Measure, value: f64) -> Event {

@@ -8,6 +8,8 @@ mod difference;
 mod digest;
 mod field;
 mod fields;
+mod history;
+mod incremental_driver;
 mod material;
 mod material_read;
 mod read;
@@ -15,6 +17,8 @@ mod rules;
 mod schema;
 mod stage;
 mod stage_read;
+mod stage_values;
+mod stage_write;
 mod write;
 
 use granum_dem::config::{Contact, Grains, Numerics, Preparation, Recording, Shear};

@@ -119,7 +119,7 @@ pub(super) fn scalar(field: &Field, value: &DeValue<'_>) -> std::result::Result<
 }
 
 pub(super) struct Reader<'a> {
-    file: &'a str,
+    pub(super) file: &'a str,
     text: Arc<str>,
     pub(super) errors: Vec<InputError>,
     /// By path: where the key stands.

@@ -1,14 +1,15 @@
 //! The JSON schema of a case file, from the lists of its keys.
 
 use granum_dem::loading::Measure;
-use granum_dem::loading::preset::{self, Default, Parameter};
+use granum_dem::loading::preset::{self, Default, Kind, Parameter};
 use granum_dem::servo::COMPONENTS;
 use serde_json::{Map, Value, json};
 
 use super::fields::SECTIONS;
 use super::material::{BETWEEN, NAME, SHARE};
 use super::stage::bounds;
-use super::stage_read::STAGE_KEYS;
+use super::stage_read::{DRIVER_KEYS, STAGE_KEYS};
+use super::stage_values::OTHER_ENDS;
 use super::{Case, FIELDS, Field};
 
 impl Case {
@@ -40,8 +41,11 @@ impl Case {
         root["properties"]["stage"] = json!({
             "description": "The test as stages, one after another, in place of the section [shear].",
             "type": "array",
-            "items": { "anyOf": preset::all().into_iter().map(of_path).chain([written_out()]).collect::<Vec<_>>() },
+            "items": { "$ref": "#/$defs/stage" },
         });
+        let kinds =
+            preset::all().into_iter().map(of_path).chain([repetition(), incremental_driver(), written_out()]);
+        root["$defs"] = json!({ "stage": { "anyOf": kinds.collect::<Vec<_>>() } });
         root["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
         root["title"] = json!("granum case");
         root
@@ -112,9 +116,25 @@ fn pair() -> Value {
 }
 
 fn of_parameter(parameter: &Parameter) -> Value {
-    let mut schema = quantity(parameter.help, &bounds(parameter), parameter.unit);
+    let mut schema = match parameter.kind {
+        Kind::Number => quantity(parameter.help, &bounds(parameter), parameter.unit),
+        Kind::Word(words) => {
+            let names: Vec<&str> = words.iter().map(|[word, _]| *word).collect();
+            let meanings: Vec<String> =
+                words.iter().map(|[word, meaning]| format!("{word}: {meaning}")).collect();
+            json!({ "description": format!("{} {}", parameter.help, meanings.join("; ")), "enum": names })
+        }
+        Kind::List => {
+            let items = json!({ "type": ["number", "string"] });
+            json!({ "description": parameter.help, "type": "array", "items": items })
+        }
+        Kind::History => json!({ "description": parameter.help, "type": "string" }),
+    };
     match parameter.default {
         Default::Value(value) => schema["default"] = json!(value),
+        Default::Word(word) => schema["default"] = json!(word),
+        Default::List(values) => schema["default"] = json!(values),
+        Default::Needed => {}
         Default::Absent(meaning) => {
             let text = schema["description"].as_str().unwrap_or_default().to_string();
             schema["description"] = json!(format!("{text} Left out: {meaning}."));
@@ -126,11 +146,40 @@ fn of_parameter(parameter: &Parameter) -> Value {
 fn of_path(preset: &preset::Preset) -> Value {
     let mut keys = Map::new();
     keys.insert("path".into(), json!({ "const": preset.name, "description": preset.help }));
-    keys.extend(
-        preset.parameters.iter().map(|parameter| (parameter.key.to_string(), of_parameter(parameter))),
+    keys.extend(preset.parameters().map(|parameter| (parameter.key.to_string(), of_parameter(parameter))));
+    keys.insert(
+        "resets".into(),
+        json!({ "type": "boolean", "description": "False where strain, time and energy go on counting from an earlier stage.", "default": true }),
     );
+    if preset.parameters().any(|parameter| parameter.kind == Kind::History) {
+        let columns = json!({ "type": "array", "description": "Names of the columns, where the rows stand in the case." });
+        let rows = json!({ "type": "array", "items": { "type": "array" }, "description": "The rows, in place of a file." });
+        keys.extend([("columns".to_string(), columns), ("rows".to_string(), rows)]);
+    }
     let mut schema = object(preset.help, keys);
     schema["required"] = json!(["path"]);
+    schema
+}
+
+/// A stage that repeats others.
+fn repetition() -> Value {
+    let times = json!({ "type": "integer", "minimum": 1, "description": "How often." });
+    let stages =
+        json!({ "type": "array", "items": { "$ref": "#/$defs/stage" }, "description": "What is repeated." });
+    let keys = [("repeat".to_string(), times), ("stage".to_string(), stages)];
+    let mut schema = object("Stages that are repeated, one after another.", Map::from_iter(keys));
+    schema["required"] = json!(["stage"]);
+    schema
+}
+
+/// The steps of a file of the IncrementalDriver.
+fn incremental_driver() -> Value {
+    let key = |[key, help]: &[&str; 2]| {
+        ((*key).to_string(), json!({ "type": ["number", "string"], "description": help }))
+    };
+    let mut schema =
+        object("The steps of a file of the IncrementalDriver.", DRIVER_KEYS.iter().map(key).collect());
+    schema["required"] = json!(["incremental_driver", "stress_unit"]);
     schema
 }
 
@@ -141,11 +190,16 @@ fn written_out() -> Value {
     let mut ends: Map<String, Value> =
         names.iter().map(|name| ((*name).to_string(), number.clone())).collect();
     ends.insert("reversals".into(), json!({ "type": "integer", "minimum": 1 }));
-    ends.insert("unbalanced_force".into(), number.clone());
+    for key in OTHER_ENDS {
+        ends.entry(*key).or_insert_with(|| number.clone());
+    }
+    ends.insert("ramp_over".into(), json!({ "type": "boolean" }));
+    ends.insert("double_amplitude".into(), json!({ "type": "object" }));
     ends.insert("critical_state".into(), json!({ "type": "object" }));
     let kind = |key: &str| match key {
         "name" => json!({ "type": "string" }),
         "settling" | "resets" => json!({ "type": "boolean" }),
+        "start" => json!({ "enum": ["here", "kept", "back"] }),
         "kinematics" => json!({ "enum": ["pure-shear", "simple-shear"] }),
         "constraint" => json!({ "type": "array", "items": { "type": "object" }, "maxItems": 6 }),
         "turns" | "record" => {
@@ -153,7 +207,8 @@ fn written_out() -> Value {
         }
         "until" => object("", ends.clone()),
         key if COMPONENTS.contains(&key) => {
-            let keys = ["rate", "stress", "stress_rate"].map(|key| (key.to_string(), number.clone()));
+            let keys = ["rate", "stress", "stress_rate", "strain_to", "strain_by", "stress_to", "stress_by"];
+            let keys = keys.map(|key| (key.to_string(), number.clone()));
             json!({ "anyOf": [{ "enum": ["fixed", "free"] }, object("", Map::from_iter(keys))] })
         }
         _ => number.clone(),
@@ -163,9 +218,8 @@ fn written_out() -> Value {
         schema["description"] = json!(help);
         ((*key).to_string(), schema)
     });
-    let mut schema = object("A stage written out.", Map::from_iter(keys));
-    schema["required"] = json!(["until"]);
-    schema
+    // No key must be there: a stage with a ramp ends with it where nothing else is said.
+    object("A stage written out.", Map::from_iter(keys))
 }
 
 #[cfg(test)]
@@ -185,11 +239,11 @@ mod tests {
             let found = &schema["properties"]["material"]["items"]["properties"][field.key];
             assert!(found["description"].is_string() && found["default"].is_null(), "{}", field.key);
         }
-        let stages = schema["properties"]["stage"]["items"]["anyOf"].as_array().unwrap();
+        let stages = schema["$defs"]["stage"]["anyOf"].as_array().unwrap();
         for preset in preset::ALL {
             let found =
                 stages.iter().find(|stage| stage["properties"]["path"]["const"] == preset.name).unwrap();
-            for parameter in preset.parameters {
+            for parameter in preset.parameters() {
                 assert!(found["properties"][parameter.key].is_object(), "{}", parameter.key);
             }
         }

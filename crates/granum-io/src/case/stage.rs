@@ -1,19 +1,28 @@
 //! The tables `[[stage]]` of a case: named paths with their parameters, or a control written out.
 
-use std::collections::BTreeMap;
+use std::path::Path;
 
-use granum_dem::config::{Recording, Spacing};
-use granum_dem::loading::preset::{self, Parameter, Preset};
-use granum_dem::loading::{Drive, Kinematics, Record, Speed, Stage, Target, Turns, Until};
-use granum_dem::servo::COMPONENTS;
+use granum_dem::config::Recording;
+use granum_dem::loading::preset::{self, Default as ParameterDefault, Given, Kind, Parameter, Preset, Value};
+use granum_dem::loading::{Stage, Start};
 use serde::{Deserialize, Serialize};
 
-use super::Case;
+use super::{Case, history};
 use crate::error::{Error, Result};
 use granum_core::names::nearest;
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
 
+/// Most stages that a test may come to, with its repetitions.
+pub(super) const MOST_STAGES: u64 = 10_000;
+
 /// One table `[[stage]]`.
+///
+/// ```
+/// let text = "[[stage]]\npath = 'isotropic'\n[[stage]]\nrepeat = 3\n[[stage.stage]]\npath = 'drained-triaxial'\n";
+/// let case = granum_io::Case::parse(text, "case.toml")?;
+/// assert_eq!(case.test_stages().len(), 1 + 3);
+/// # Ok::<(), granum_io::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CaseStage {
@@ -22,31 +31,94 @@ pub enum CaseStage {
         /// Its name.
         name: String,
         /// Its parameters in SI units; those not given have their defaults.
-        parameters: BTreeMap<String, f64>,
+        parameters: Given,
+        /// False where strain, time and energy go on counting from an earlier stage.
+        #[serde(default = "yes")]
+        resets: bool,
     },
     /// A stage written out.
     Control(Box<Stage>),
+    /// Stages that are repeated, one after another.
+    Repeat {
+        /// How often.
+        times: u64,
+        /// What.
+        stages: Vec<CaseStage>,
+    },
+}
+
+fn yes() -> bool {
+    true
 }
 
 impl CaseStage {
     /// What it comes to.
     pub fn stages(&self) -> Vec<Stage> {
         match self {
-            CaseStage::Path { name, parameters } => {
-                preset::named(name).map_or_else(Vec::new, |preset| preset.expand(parameters))
+            CaseStage::Path { name, parameters, resets } => {
+                let mut stages =
+                    preset::named(name).map_or_else(Vec::new, |preset| preset.expand(parameters));
+                for stage in &mut stages {
+                    stage.resets &= resets;
+                }
+                stages
             }
             CaseStage::Control(stage) => vec![(**stage).clone()],
+            CaseStage::Repeat { times, stages } => {
+                let once: Vec<Stage> = stages.iter().flat_map(CaseStage::stages).collect();
+                let most = usize::try_from(MOST_STAGES).unwrap_or(usize::MAX);
+                let times = usize::try_from(*times).unwrap_or(usize::MAX);
+                once.iter().cycle().take(once.len().saturating_mul(times).min(most)).cloned().collect()
+            }
         }
     }
 
-    /// The table as TOML in SI units, with its heading.
-    pub(super) fn toml(&self) -> String {
-        let body = match self {
-            CaseStage::Path { name, parameters } => path_toml(name, parameters),
-            CaseStage::Control(stage) => stage_toml(stage),
-        };
-        format!("[[stage]]\n{body}")
+    /// How many stages it comes to.
+    pub(super) fn count(&self) -> u64 {
+        match self {
+            CaseStage::Path { .. } | CaseStage::Control(_) => self.stages().len() as u64,
+            CaseStage::Repeat { times, stages } => {
+                let once = stages.iter().fold(0u64, |sum, stage| sum.saturating_add(stage.count()));
+                once.saturating_mul(*times)
+            }
+        }
     }
+}
+
+/// The number of a stage, from 1, that goes back to a state though none was kept before it, with the fault in words.
+pub(super) fn fault_of_order(stages: &[CaseStage]) -> Option<(usize, String)> {
+    let mut kept = false;
+    for (k, stage) in stages.iter().enumerate() {
+        for stage in stage.stages() {
+            kept |= stage.start == Start::Kept;
+            if stage.start == Start::Back && !kept {
+                let message = "goes back to a state, but no stage before it has start = \"kept\"";
+                return Some((k + 1, message.into()));
+            }
+        }
+    }
+    None
+}
+
+/// What is wrong with parameters of a path together: the key, and a sentence that begins with it.
+pub(super) fn path_fault(preset: &Preset, given: &Given) -> Option<(&'static str, String)> {
+    let needed = |p: &&Parameter| p.default == ParameterDefault::Needed && !given.contains_key(p.key);
+    if let Some(parameter) = preset.parameters().find(needed) {
+        return Some((parameter.key, format!("{} must be given", parameter.key)));
+    }
+    let said = |key: &str| given.contains_key(key);
+    if said("strain_rate") && said("inertial_number") {
+        return Some((
+            "strain_rate",
+            "strain_rate says how fast, and so does inertial_number; keep one".into(),
+        ));
+    }
+    if said("density_scaling") && !said("strain_rate") {
+        let message =
+            "density_scaling means nothing without strain_rate; add it, or say inertial_number alone";
+        return Some(("density_scaling", message.into()));
+    }
+    None
 }
 
 /// The dimension of a unit of a parameter or measure.
@@ -60,17 +132,53 @@ pub(super) fn dimension(unit: &str) -> Dimension {
     }
 }
 
-/// Reads a value of a parameter of a path.
+/// Reads a value of a parameter of a path from text, as a flag has it.
 ///
 /// # Errors
 /// A sentence that goes on from "key = value".
-pub(super) fn parse_parameter(parameter: &Parameter, text: &str) -> std::result::Result<f64, String> {
+pub(super) fn parse_value(parameter: &Parameter, text: &str) -> std::result::Result<Value, String> {
+    match parameter.kind {
+        Kind::Number => parse_number(parameter, text).map(Value::Number),
+        Kind::Word(words) => match words.iter().find(|[word, _]| *word == text) {
+            Some([word, _]) => Ok(Value::Word((*word).into())),
+            None => Err(format!("is not known; {}", meant(text, words.iter().map(|[word, _]| *word)))),
+        },
+        Kind::List => {
+            let values = text.split(',').map(|part| parse_number(parameter, part.trim()));
+            let values = values.collect::<std::result::Result<Vec<f64>, String>>()?;
+            if values.windows(2).any(|pair| pair[0] >= pair[1]) {
+                return Err("does not rise from value to value".into());
+            }
+            Ok(Value::List(values))
+        }
+        Kind::History => history::read(Path::new(text))
+            .map(Value::History)
+            .map_err(|error| format!("cannot be used: {error}")),
+    }
+}
+
+fn parse_number(parameter: &Parameter, text: &str) -> std::result::Result<f64, String> {
     let value = parse_quantity(text, dimension(parameter.unit))? + 0.0;
+    check_number(parameter, value).map(|()| value)
+}
+
+fn check_number(parameter: &Parameter, value: f64) -> std::result::Result<(), String> {
     let [low, high] = parameter.bounds;
     if (low..=high).contains(&value) {
-        return Ok(value);
+        return Ok(());
     }
     Err(format!("is out of bounds; it must be {}", bounds(parameter)))
+}
+
+/// Checks a value that a program gave.
+fn check_value(parameter: &Parameter, value: &Value) -> std::result::Result<(), String> {
+    match (parameter.kind, value) {
+        (Kind::Number, Value::Number(number)) => check_number(parameter, *number),
+        (Kind::Word(_), Value::Word(word)) => parse_value(parameter, word).map(drop),
+        (Kind::List, Value::List(values)) => values.iter().try_for_each(|x| check_number(parameter, *x)),
+        (Kind::History, Value::History(history)) => history.fault().map_or(Ok(()), Err),
+        _ => Err("is a value of another kind".into()),
+    }
 }
 
 /// "from 0.001 Pa to 1e11 Pa".
@@ -86,137 +194,6 @@ pub(super) fn meant<'a>(wrong: &str, names: impl Iterator<Item = &'a str> + Clon
         Some(name) => format!("did you mean {name}?"),
         None => format!("known here: {}", names.collect::<Vec<_>>().join(", ")),
     }
-}
-
-fn path_toml(name: &str, parameters: &BTreeMap<String, f64>) -> String {
-    let mut text = format!("path = \"{name}\"\n");
-    let declared = preset::named(name).map_or(&[][..], |preset: &Preset| preset.parameters);
-    for parameter in declared {
-        if let Some(value) = parameters.get(parameter.key) {
-            let unit = if parameter.unit == "1" { String::new() } else { format!("  # {}", parameter.unit) };
-            text.push_str(&format!("{} = {}{unit}\n", parameter.key, format_number(*value)));
-        }
-    }
-    text
-}
-
-fn list(values: &[f64]) -> String {
-    format!("[{}]", values.iter().copied().map(format_number).collect::<Vec<_>>().join(", "))
-}
-
-fn target(target: &Target, value: &str, rate: &str) -> Vec<String> {
-    let mut parts: Vec<String> =
-        target.value.map(|v| format!("{value} = {}", format_number(v))).into_iter().collect();
-    if target.rate != 0.0 || parts.is_empty() {
-        parts.push(format!("{rate} = {}", format_number(target.rate)));
-    }
-    parts
-}
-
-fn stage_toml(stage: &Stage) -> String {
-    let mut text = format!("name = {}\n", toml_text(&stage.name));
-    let control = &stage.control;
-    match control.speed {
-        Speed::InertialNumber { number, .. } => {
-            text.push_str(&format!("inertial_number = {}\n", format_number(number)));
-        }
-        Speed::StrainRate(rate) => text.push_str(&format!("strain_rate = {}  # 1/s\n", format_number(rate))),
-    }
-    for (name, drive) in COMPONENTS.iter().zip(&control.components) {
-        let drive = match drive {
-            Drive::Fixed => "\"fixed\"".to_string(),
-            Drive::Free => "\"free\"".to_string(),
-            Drive::Rate(rate) => format!("{{ rate = {} }}", format_number(*rate)),
-            Drive::Stress(held) => format!("{{ {} }}", target(held, "stress", "stress_rate").join(", ")),
-        };
-        text.push_str(&format!("{name} = {drive}\n"));
-    }
-    let constraints: Vec<String> = control
-        .constraints
-        .iter()
-        .flatten()
-        .map(|constraint| {
-            let mut parts = Vec::new();
-            if constraint.strain != [0.0; 6] {
-                parts.push(format!("strain = {}", list(&constraint.strain)));
-            }
-            if constraint.stress != [0.0; 6] {
-                parts.push(format!("stress = {}", list(&constraint.stress)));
-            }
-            parts.extend(target(&constraint.target, "value", "rate"));
-            parts.extend(constraint.moves.map(|moves| format!("moves = {}", list(&moves))));
-            format!("  {{ {} }},\n", parts.join(", "))
-        })
-        .collect();
-    if !constraints.is_empty() {
-        text.push_str(&format!("constraint = [\n{}]\n", constraints.concat()));
-    }
-    if control.kinematics == Kinematics::SimpleShear {
-        text.push_str("kinematics = \"simple-shear\"\n");
-    }
-    text.push_str(&format!("servo_limit = {}\n", format_number(control.servo_limit)));
-    text.push_str(&format!("servo_response = {}\n", format_number(control.response)));
-    if let Some(Turns { measure, high, low }) = stage.turns {
-        let [high, low] = [high, low].map(format_number);
-        text.push_str(&format!(
-            "turns = {{ measure = \"{}\", high = {high}, low = {low} }}\n",
-            measure.name()
-        ));
-    }
-    text.push_str(&format!(
-        "until = {{ {} }}\n",
-        stage.until.iter().map(until_toml).collect::<Vec<_>>().join(", ")
-    ));
-    if let Some(most) = stage.most_arc_length {
-        text.push_str(&format!("most_arc_length = {}\n", format_number(most)));
-    }
-    if let Some(record) = record_toml(&stage.record) {
-        text.push_str(&format!("record = {{ {record} }}\n"));
-    }
-    text.push_str(&format!("settling = {}\nresets = {}\n", stage.settling, stage.resets));
-    text
-}
-
-fn until_toml(until: &Until) -> String {
-    match *until {
-        Until::Reaches { measure, value } => format!("{} = {}", measure.name(), format_number(value)),
-        Until::Reversals(count) => format!("reversals = {count}"),
-        Until::AtRest { unbalanced_force } => {
-            format!("unbalanced_force = {}", format_number(unbalanced_force))
-        }
-        Until::CriticalState { window, stress_ratio, volumetric_strain } => {
-            let [window, ratio, strain] = [window, stress_ratio, volumetric_strain].map(format_number);
-            format!(
-                "critical_state = {{ window = {window}, stress_ratio = {ratio}, volumetric_strain = {strain} }}"
-            )
-        }
-    }
-}
-
-fn record_toml(record: &Record) -> Option<String> {
-    let measure = format!("measure = \"{}\"", record.measure.name());
-    match &record.spacing {
-        Spacing::Every(interval) => Some(format!("{measure}, every = {}", format_number(*interval))),
-        Spacing::Equal => {
-            Some(format!("{measure}, states = {}, end = {}", record.states, format_number(record.end)))
-        }
-        Spacing::Strains(places) if !places.is_empty() => Some(format!("{measure}, at = {}", list(places))),
-        Spacing::Strains(_) | Spacing::Geometric(_) => None,
-    }
-}
-
-/// Text in quotes, with what TOML needs escaped.
-fn toml_text(text: &str) -> String {
-    let mut quoted = String::from("\"");
-    for c in text.chars() {
-        match c {
-            '"' | '\\' => quoted.extend(['\\', c]),
-            c if c.is_control() => quoted.push_str(&format!("\\u{:04X}", c as u32)),
-            c => quoted.push(c),
-        }
-    }
-    quoted.push('"');
-    quoted
 }
 
 /// Keys of `[shear]` and `[recording]` that have no part in a case with stages.
@@ -259,10 +236,11 @@ impl Case {
         let Recording { looks, bin_width, largest_force, .. } = self.recording;
         let sensors = self.recording.sensors.clone();
         case.recording = Recording { looks, bin_width, largest_force, sensors, ..Recording::default() };
-        case.stages = vec![CaseStage::Path { name: name.to_string(), parameters: BTreeMap::new() }];
+        case.stages =
+            vec![CaseStage::Path { name: name.to_string(), parameters: Given::new(), resets: true }];
         for (key, text) in parameters {
             if preset.parameter(key).is_none() {
-                let help = meant(key, preset.parameters.iter().map(|parameter| parameter.key));
+                let help = meant(key, preset.parameters().map(|parameter| parameter.key));
                 return Err(wrong(key, text, format!("is no parameter of the path {name}; {help}")));
             }
             case.set(&format!("stage.1.{key}"), text)?;
@@ -270,61 +248,126 @@ impl Case {
         Ok(case)
     }
 
-    /// Sets a parameter of a stage that is a named path: `stage.1.axial_strain`, the first stage being 1.
+    /// Sets a parameter of a stage that is a named path: `stage.1.axial_strain`, the first stage being 1; `stage.2.1.axial_strain`
+    /// the first of those that the second repeats, and `stage.2.repeat` how often it does.
     pub(super) fn set_stage(&mut self, path: &str, text: &str) -> Result<()> {
         let wrong =
             |message: String| Error::Value { name: path.to_string(), value: text.to_string(), message };
         let rest = path.strip_prefix("stage.").unwrap_or(path);
         let count = self.stages.len();
-        let place = rest.split_once('.').and_then(|(number, key)| Some((number.parse::<usize>().ok()?, key)));
-        let Some((number, key)) = place.filter(|(number, _)| (1..=count).contains(number)) else {
-            let stages = match count {
-                0 => "this case has no [[stage]]".to_string(),
-                _ => format!("this case has the stages 1 to {count}"),
-            };
-            return Err(wrong(format!("is no key of a stage, as stage.1.axial_strain is; {stages}")));
-        };
-        let CaseStage::Path { name, parameters } = &mut self.stages[number - 1] else {
-            return Err(wrong("belongs to a stage that is written out; change the case file".into()));
-        };
-        let preset = preset::named(name);
-        let Some(parameter) = preset.and_then(|preset| preset.parameter(key)) else {
-            let known = preset.map_or(&[][..], |preset| preset.parameters);
-            let help = meant(key, known.iter().map(|parameter| parameter.key));
-            return Err(wrong(format!("is no parameter of the path {name}; {help}")));
-        };
-        parameters.insert(key.to_string(), parse_parameter(parameter, text).map_err(wrong)?);
-        Ok(())
+        let (numbers, key) = place(rest).ok_or_else(|| wrong(no_such_stage(count)))?;
+        let stage = stage_at(&mut self.stages, &numbers).ok_or_else(|| wrong(no_such_stage(count)))?;
+        match stage {
+            CaseStage::Path { name, parameters, .. } => {
+                let preset = preset::named(name);
+                let Some(parameter) = preset.and_then(|preset| preset.parameter(key)) else {
+                    let known = preset.into_iter().flat_map(Preset::parameters).collect::<Vec<_>>();
+                    let help = meant(key, known.iter().map(|parameter| parameter.key));
+                    return Err(wrong(format!("is no parameter of the path {name}; {help}")));
+                };
+                parameters.insert(key.to_string(), parse_value(parameter, text).map_err(wrong)?);
+                Ok(())
+            }
+            CaseStage::Repeat { times, .. } if key == "repeat" => {
+                let count = text.parse().ok().filter(|count| (1..=MOST_STAGES).contains(count));
+                *times =
+                    count.ok_or_else(|| wrong(format!("must be a whole number from 1 to {MOST_STAGES}")))?;
+                Ok(())
+            }
+            CaseStage::Repeat { .. } => Err(wrong(
+                "is no key of a stage that repeats others; it has repeat, and they their numbers".into(),
+            )),
+            CaseStage::Control(_) => {
+                Err(wrong("belongs to a stage that is written out; change the case file".into()))
+            }
+        }
     }
 
     /// The tables `[[stage]]` as TOML in SI units; empty without stages.
     pub fn stages_toml(&self) -> String {
-        self.stages.iter().map(|stage| format!("\n{}", stage.toml())).collect()
+        self.stages.iter().map(|stage| format!("\n{}", stage.toml("stage"))).collect()
     }
 
     /// Checks the stages: bounds of parameters, and that each control determines the strain rates.
     pub(super) fn check_stages(&self) -> Result<()> {
-        for (k, stage) in self.stages.iter().enumerate() {
-            if let CaseStage::Path { name, parameters } = stage {
-                let Some(preset) = preset::named(name) else {
-                    return Err(Error::Rule(format!("stage {}: there is no path {name:?}", k + 1)));
-                };
-                for (key, value) in parameters {
-                    let text = format_number(*value);
-                    let found = preset.parameter(key).map(|parameter| parse_parameter(parameter, &text));
-                    if let Some(Err(message)) = found {
-                        return Err(Error::Value {
-                            name: format!("stage.{}.{key}", k + 1),
-                            value: text,
-                            message,
-                        });
-                    }
-                }
+        check_list(&self.stages, "stage")?;
+        let count = self.stages.iter().fold(0u64, |sum, stage| sum.saturating_add(stage.count()));
+        if count > MOST_STAGES {
+            return Err(Error::Rule(format!(
+                "the stages of the case come to {count} with their repetitions; at most {MOST_STAGES} are followed"
+            )));
+        }
+        match fault_of_order(&self.stages) {
+            Some((number, message)) => Err(Error::Rule(format!("stage.{number} {message}"))),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The numbers and the key of `1.2.axial_strain`.
+fn place(text: &str) -> Option<(Vec<usize>, &str)> {
+    let (numbers, key) = text.rsplit_once('.')?;
+    let numbers = numbers.split('.').map(|number| number.parse().ok()).collect::<Option<_>>()?;
+    Some((numbers, key))
+}
+
+/// The stage of those numbers, from 1: of a repetition the ones that it repeats.
+fn stage_at<'s>(stages: &'s mut [CaseStage], numbers: &[usize]) -> Option<&'s mut CaseStage> {
+    let (first, rest) = numbers.split_first()?;
+    let stage = stages.get_mut(first.checked_sub(1)?)?;
+    match stage {
+        _ if rest.is_empty() => Some(stage),
+        CaseStage::Repeat { stages, .. } => stage_at(stages, rest),
+        _ => None,
+    }
+}
+
+fn no_such_stage(count: usize) -> String {
+    let stages = match count {
+        0 => "this case has no [[stage]]".to_string(),
+        _ => format!("this case has the stages 1 to {count}"),
+    };
+    format!("is no key of a stage, as stage.1.axial_strain is; {stages}")
+}
+
+fn check_list(stages: &[CaseStage], place: &str) -> Result<()> {
+    for (k, stage) in stages.iter().enumerate() {
+        let place = format!("{place}.{}", k + 1);
+        match stage {
+            CaseStage::Path { name, parameters, .. } => check_path(name, parameters, &place)?,
+            CaseStage::Control(_) => {}
+            CaseStage::Repeat { times, stages } if *times == 0 || stages.is_empty() => {
+                return Err(Error::Rule(format!("{place} repeats nothing")));
             }
-            for stage in stage.stages() {
-                stage.control.check().map_err(|error| Error::Rule(format!("stage {}: {error}", k + 1)))?;
+            CaseStage::Repeat { stages, .. } => {
+                check_list(stages, &place)?;
+                continue;
             }
         }
-        Ok(())
+        for stage in stage.stages() {
+            stage.control.check().map_err(|error| Error::Rule(format!("{place}: {error}")))?;
+        }
+    }
+    Ok(())
+}
+
+fn check_path(name: &str, parameters: &Given, place: &str) -> Result<()> {
+    let Some(preset) = preset::named(name) else {
+        return Err(Error::Rule(format!("{place}: there is no path {name:?}")));
+    };
+    for (key, value) in parameters {
+        let found = preset.parameter(key).map(|parameter| check_value(parameter, value));
+        if let Some(Err(message)) = found {
+            let value = match value {
+                Value::Number(number) => format_number(*number),
+                Value::Word(word) => word.clone(),
+                Value::List(_) | Value::History(_) => "...".into(),
+            };
+            return Err(Error::Value { name: format!("{place}.{key}"), value, message });
+        }
+    }
+    match path_fault(preset, parameters) {
+        Some((_, message)) => Err(Error::Rule(format!("{place}.{message}"))),
+        None => Ok(()),
     }
 }

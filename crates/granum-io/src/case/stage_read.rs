@@ -1,23 +1,23 @@
 //! MacroState the tables `[[stage]]` of a case file.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
+use std::path::Path;
 
-use granum_dem::config::Spacing;
-use granum_dem::loading::preset::{self, Preset};
-use granum_dem::loading::{
-    Constraint, Control, Drive, Kinematics, Measure, Record, SERVO_LIMIT, Speed, Stage, Target, Turns, Until,
-};
+use granum_dem::loading::preset::{self, Given, Kind, Preset, Value};
+use granum_dem::loading::{Control, Drive, Kinematics, SERVO_LIMIT, Speed, Stage, Start, Until};
 use granum_dem::servo::COMPONENTS;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::history::{self, HISTORY_KEYS};
+use super::incremental_driver::{self, Options};
 use super::read::Reader;
-use super::stage::{CaseStage, dimension, meant, parse_parameter};
-use granum_core::quantity::{Dimension, format_number, parse_quantity};
-
-/// A value with its place.
-type Node<'a> = Spanned<DeValue<'a>>;
+use super::stage::{CaseStage, MOST_STAGES, fault_of_order, meant, parse_value, path_fault};
+use super::stage_values::{
+    Mistake, Node, Parsed, boolean, constraint, drive, end, numbers, record, scalar, text, turns,
+};
+use super::stage_values::{number, whole};
+use granum_core::quantity::Dimension;
 
 /// Keys of a stage that is written out, with their meaning.
 pub(super) const STAGE_KEYS: &[[&str; 2]] = &[
@@ -29,7 +29,8 @@ pub(super) const STAGE_KEYS: &[[&str; 2]] = &[
     ["strain_rate", "The other way to say how fast: the strain rate of one."],
     [
         "xx",
-        "What is done with this component: \"fixed\", \"free\", { rate = ... }, { stress = ... } or { stress_rate = ... }.",
+        "What is done with this component: \"fixed\", \"free\", { rate = ... }, { stress = ... }, { stress_rate = ... }, or to the end of \
+         a ramp { strain_to = ... }, { strain_by = ... }, { stress_to = ... }, { stress_by = ... }.",
     ],
     ["yy", "As xx."],
     ["zz", "As xx."],
@@ -49,7 +50,8 @@ pub(super) const STAGE_KEYS: &[[&str; 2]] = &[
     ["turns", "Turning points of a cyclic stage: { measure = ..., high = ..., low = ... }."],
     [
         "until",
-        "Its ends, the first of which ends it: measures with values, reversals, unbalanced_force, critical_state.",
+        "Its ends, the first of which ends it: measures with values, reversals, ramp_over, pore_pressure_ratio, double_amplitude, \
+         unbalanced_force, critical_state.",
     ],
     ["most_arc_length", "Arc length of strain after which it ends in any case."],
     [
@@ -58,51 +60,91 @@ pub(super) const STAGE_KEYS: &[[&str; 2]] = &[
     ],
     ["settling", "True if velocities are damped globally, so that the sample comes to rest."],
     ["resets", "True if strain, time and energy count from the start of this stage."],
+    [
+        "density_scaling",
+        "Factor on the density of every grain in this stage; only together with strain_rate.",
+    ],
+    [
+        "start",
+        "\"here\": where the stage before it ended; \"kept\": there too, and later stages can go back to it; \"back\": the state that \
+         was kept last.",
+    ],
 ];
 
-/// Keys that a stage has no default for or may say once more in its `until`.
-const CRITICAL: [(&str, f64); 3] = [("window", 0.05), ("stress_ratio", 0.02), ("volumetric_strain", 0.002)];
+/// Keys of stages that a file of the IncrementalDriver gives, with their meaning.
+pub(super) const DRIVER_KEYS: &[[&str; 2]] = &[
+    [
+        "incremental_driver",
+        "A loading path (test.inp) of Niemunis' IncrementalDriver, whose steps become stages.",
+    ],
+    ["stress_unit", "The unit of stress of that file, e.g. \"1 kPa\"."],
+    ["inertial_number", "How fast its stages go: inertial number of the largest strain rate."],
+    ["interval", "A state is recorded at every such arc length of strain."],
+];
 
-/// A mistake: its place, what is wrong, and what would be right.
-struct Mistake(Range<usize>, String, Option<String>);
-
-type Parsed<T> = Result<T, Mistake>;
+/// Keys of a stage that repeats others.
+pub(super) const REPEAT_KEYS: [&str; 2] = ["repeat", "stage"];
 
 impl Reader<'_> {
     /// Reads `[[stage]]`; mistakes go to the others.
     pub(super) fn stages(&mut self, value: &Node<'_>) -> Vec<CaseStage> {
+        let before = self.errors.len();
+        let (stages, spans): (Vec<_>, Vec<_>) = self.list_of_stages(value, "stage").into_iter().unzip();
+        if self.errors.len() > before {
+            return stages;
+        }
+        let count = stages.iter().fold(0u64, |sum, stage| sum.saturating_add(stage.count()));
+        if count > MOST_STAGES {
+            let message = format!(
+                "the stages of the case come to {count} with their repetitions; at most {MOST_STAGES} are followed"
+            );
+            self.error(value.span(), message);
+        } else if let Some((number, message)) = fault_of_order(&stages) {
+            self.error(spans.get(number - 1).cloned().unwrap_or(0..0), format!("stage.{number} {message}"));
+        }
+        stages
+    }
+
+    fn list_of_stages(&mut self, value: &Node<'_>, name: &str) -> Vec<(CaseStage, Range<usize>)> {
         let DeValue::Array(tables) = value.get_ref() else {
-            let message = format!("stage = {} is no list of tables", self.shown(&value.span()));
+            let message = format!("{name} = {} is no list of tables", self.shown(&value.span()));
             self.error(value.span(), message).help = Some("write [[stage]] with its keys below".into());
             return Vec::new();
         };
         let mut stages = Vec::new();
         for (k, table) in tables.iter().enumerate() {
+            let name = format!("{name}.{}", k + 1);
             let found = match table.get_ref() {
-                DeValue::Table(inner) => self.stage(inner, k + 1, table.span()),
+                DeValue::Table(inner) if inner.contains_key("incremental_driver") => {
+                    let place = TableReader { reader: self, name };
+                    let found = place.incremental_driver(inner, &table.span());
+                    stages.extend(found.into_iter().map(|stage| (stage, table.span())));
+                    continue;
+                }
+                DeValue::Table(inner) => self.stage(inner, name, table.span()),
                 other => {
-                    let message =
-                        format!("stage {} is of type {}; it must be a table", k + 1, other.type_str());
+                    let message = format!("{name} is of type {}; it must be a table", other.type_str());
                     self.error(table.span(), message);
                     None
                 }
             };
-            stages.extend(found);
+            stages.extend(found.map(|stage| (stage, table.span())));
         }
         stages
     }
 
-    fn stage(&mut self, table: &DeTable<'_>, number: usize, span: Range<usize>) -> Option<CaseStage> {
-        let path = table.get("path");
+    fn stage(&mut self, table: &DeTable<'_>, name: String, span: Range<usize>) -> Option<CaseStage> {
         let before = self.errors.len();
-        let place = TableReader { reader: self, name: format!("stage.{number}") };
-        let stage = match path {
-            Some(path) => place.named(table, path),
-            None => place.written_out(table),
+        let place = TableReader { reader: self, name: name.clone() };
+        let stage = match (table.get("path"), REPEAT_KEYS.iter().any(|key| table.contains_key(*key))) {
+            (Some(path), _) => place.named(table, path, &span),
+            (None, true) => return place.repeated(table, &span),
+            (None, false) => place.written_out(table),
         }?;
-        let wrong = stage.stages().iter().find_map(|stage| stage.control.check().err());
-        if let Some(error) = wrong.filter(|_| self.errors.len() == before) {
-            self.error(span, format!("stage.{number}: {error}"));
+        if self.errors.len() == before
+            && let Some(error) = stage.stages().iter().find_map(|stage| stage.control.check().err())
+        {
+            self.error(span, format!("{name}: {error}"));
         }
         Some(stage)
     }
@@ -132,7 +174,7 @@ impl TableReader<'_, '_> {
     }
 
     /// A stage `path = "..."` with its parameters.
-    fn named(mut self, table: &DeTable<'_>, path: &Node<'_>) -> Option<CaseStage> {
+    fn named(mut self, table: &DeTable<'_>, path: &Node<'_>, span: &Range<usize>) -> Option<CaseStage> {
         let found = text(path).and_then(|name| {
             preset::named(&name).ok_or_else(|| {
                 let help = meant(&name, preset::all().iter().map(|preset| preset.name));
@@ -140,20 +182,137 @@ impl TableReader<'_, '_> {
             })
         });
         let preset: &Preset = self.take("path", found)?;
-        let mut parameters = BTreeMap::new();
-        for (key, value) in table.iter().filter(|(key, _)| key.get_ref() != "path") {
-            let Some(parameter) = preset.parameter(key.get_ref()) else {
-                self.unknown(key.get_ref(), key.span(), preset.parameters.iter().map(|known| known.key));
+        let before = self.reader.errors.len();
+        let mut parameters = Given::new();
+        let of_history = preset.parameters().find(|parameter| parameter.kind == Kind::History);
+        if let Some(parameter) = of_history
+            && let Some(history) = self.history(table, span)
+        {
+            parameters.insert(parameter.key.to_string(), Value::History(history));
+        }
+        for (key, value) in
+            table.iter().filter(|(key, _)| !["path", "resets"].contains(&key.get_ref().as_ref()))
+        {
+            let name = key.get_ref();
+            if of_history.is_some() && HISTORY_KEYS.contains(&name.as_ref()) {
+                continue;
+            }
+            let Some(parameter) = preset.parameter(name) else {
+                let known = preset.parameters().map(|known| known.key).chain(["resets"]);
+                self.unknown(name, key.span(), known);
                 continue;
             };
-            let found = scalar(value).and_then(|text| {
-                parse_parameter(parameter, &text).map_err(|why| Mistake(value.span(), why, None))
+            let found = match parameter.kind {
+                Kind::List => numbers(value).map(|texts| texts.join(",")),
+                _ => scalar(value),
+            };
+            let found = found.and_then(|text| {
+                parse_value(parameter, &text).map_err(|why| Mistake(value.span(), why, None))
             });
-            if let Some(number) = self.take(parameter.key, found) {
-                parameters.insert(parameter.key.to_string(), number);
+            if let Some(value) = self.take(parameter.key, found) {
+                parameters.insert(parameter.key.to_string(), value);
             }
         }
-        Some(CaseStage::Path { name: preset.name.to_string(), parameters })
+        let resets = self.key(table, "resets", boolean).unwrap_or(true);
+        if self.reader.errors.len() == before
+            && let Some((key, message)) = path_fault(preset, &parameters)
+        {
+            let at = table.get_key_value(key).map_or(span.clone(), |(key, _)| key.span());
+            self.reader.error(at, format!("{}.{message}", self.name));
+        }
+        Some(CaseStage::Path { name: preset.name.to_string(), parameters, resets })
+    }
+
+    /// The history of a path, in a file beside the case or as it stands in the table; mistakes in the file are told with the
+    /// places there.
+    fn history(&mut self, table: &DeTable<'_>, span: &Range<usize>) -> Option<granum_dem::loading::History> {
+        let file = table.get("file");
+        if let (Some(file), Some(_)) = (file, table.get("columns").or(table.get("rows"))) {
+            let why = "says the history, and so do columns and rows".to_string();
+            return self.take("file", Err(Mistake(file.span(), why, Some("keep one of them".into()))));
+        }
+        if let Some(file) = file {
+            let name = self.key(table, "file", text)?;
+            let folder = Path::new(self.reader.file).parent().unwrap_or(Path::new(""));
+            return match history::read(&folder.join(&name)) {
+                Ok(history) => Some(history),
+                Err(crate::Error::Input(error)) => {
+                    self.reader.errors.push(*error);
+                    None
+                }
+                Err(error) => {
+                    self.take("file", Err(Mistake(file.span(), format!("cannot be used: {error}"), None)))
+                }
+            };
+        }
+        let (Some(columns), Some(rows)) = (table.get("columns"), table.get("rows")) else {
+            let message = format!("{} has no history", self.name);
+            self.reader.error(span.clone(), message).help = Some("add file = \"NAME.csv\"".into());
+            return None;
+        };
+        let columns = self.take("columns", history::columns(columns))?;
+        self.take("rows", history::rows(rows, columns))
+    }
+
+    /// The stages of a file of the IncrementalDriver; mistakes in the file are told with the places there.
+    fn incremental_driver(mut self, table: &DeTable<'_>, span: &Range<usize>) -> Vec<CaseStage> {
+        for (key, _) in table {
+            if !DRIVER_KEYS.iter().any(|[known, _]| *known == key.get_ref()) {
+                self.unknown(key.get_ref(), key.span(), DRIVER_KEYS.iter().map(|[known, _]| *known));
+            }
+        }
+        let file = self.key(table, "incremental_driver", text);
+        let unit = self.key(table, "stress_unit", |value| number(value, Dimension::STRESS, [1e-3, 1e12]));
+        let speed = self.key(table, "inertial_number", |value| number(value, Dimension::NUMBER, [1e-8, 0.1]));
+        let interval = self.key(table, "interval", |value| number(value, Dimension::NUMBER, [1e-7, 1.0]));
+        if !table.contains_key("stress_unit") {
+            let message = format!("{} does not say the unit of stress of the file", self.name);
+            self.reader.error(span.clone(), message).help =
+                Some("add it, e.g. stress_unit = \"1 kPa\"".into());
+        }
+        let (Some(file), Some(stress_unit)) = (file, unit) else { return Vec::new() };
+        let options = Options {
+            stress_unit,
+            inertial_number: speed.unwrap_or(1e-3),
+            interval: interval.unwrap_or(1e-4),
+        };
+        let folder = Path::new(self.reader.file).parent().unwrap_or(Path::new(""));
+        match incremental_driver::read(&folder.join(&file), &options) {
+            Ok(stages) => stages,
+            Err(crate::Error::Input(error)) => {
+                self.reader.errors.push(*error);
+                Vec::new()
+            }
+            Err(error) => {
+                let at = table.get("incremental_driver").map_or(span.clone(), Spanned::span);
+                let mistake = Mistake(at, format!("cannot be used: {error}"), None);
+                self.take::<()>("incremental_driver", Err(mistake));
+                Vec::new()
+            }
+        }
+    }
+
+    /// A stage `repeat = N` with the stages that it repeats.
+    fn repeated(mut self, table: &DeTable<'_>, span: &Range<usize>) -> Option<CaseStage> {
+        for (key, _) in table {
+            if !REPEAT_KEYS.contains(&key.get_ref().as_ref()) {
+                self.unknown(key.get_ref(), key.span(), REPEAT_KEYS.into_iter());
+            }
+        }
+        let times = self.key(table, "repeat", |value| whole(value, [1.0, MOST_STAGES as f64]));
+        let Some(inner) = table.get("stage") else {
+            let message = format!("{} repeats nothing", self.name);
+            self.reader.error(span.clone(), message).help =
+                Some("write what it repeats below it, as [[stage.stage]]".into());
+            return None;
+        };
+        let stages = self.reader.list_of_stages(inner, &self.name);
+        if stages.is_empty() && matches!(inner.get_ref(), DeValue::Array(_)) {
+            self.reader.error(inner.span(), format!("{} repeats nothing", self.name));
+        }
+        let stages = stages.into_iter().map(|(stage, _)| stage).collect();
+        // A list of stages within a stage is walked once where it is not said how often.
+        Some(CaseStage::Repeat { times: times.unwrap_or(1), stages })
     }
 
     /// A stage with its control.
@@ -177,6 +336,7 @@ impl TableReader<'_, '_> {
                 let example = "e.g. until = { xx_strain = 0.1 }".to_string();
                 self.take::<()>("until", Err(Mistake(value.span(), "is no table".into(), Some(example))));
             }
+            None if control.has_ramp() => until.push(Until::RampOver),
             None => {
                 let span = table.values().next().map_or(0..0, Spanned::span);
                 let message = format!("{} has no until, so that nothing would end it", self.name);
@@ -184,30 +344,33 @@ impl TableReader<'_, '_> {
                     Some("add one, e.g. until = { xx_strain = 0.1, arc_length = 0.5 }".into());
             }
         }
-        let moving = control.is_strained() || moves_a_stress(&control);
+        let moving = control.is_strained() || control.moves_a_stress();
         control.servo_limit = self
             .key(table, "servo_limit", |value| number(value, Dimension::NUMBER, [1e-3, 1e6]))
             .unwrap_or(if moving { SERVO_LIMIT } else { 1.0 });
         let response =
             self.key(table, "servo_response", |value| number(value, Dimension::NUMBER, [2.0, 1e4]));
         control.response = response.unwrap_or(control.response);
-        let default = Stage::new("", control, Vec::new());
         let name = self.key(table, "name", text).unwrap_or_else(|| "stage".into());
+        let mut stage = Stage::new(name, control, until);
         let most = self.key(table, "most_arc_length", |value| number(value, Dimension::NUMBER, [1e-9, 1e6]));
-        let turns = self.key(table, "turns", turns);
-        let record = self.key(table, "record", record);
-        let settling = self.key(table, "settling", boolean);
-        let resets = self.key(table, "resets", boolean);
-        Some(CaseStage::Control(Box::new(Stage {
-            name,
-            turns,
-            until,
-            most_arc_length: most.or(default.most_arc_length),
-            record: record.unwrap_or_else(|| default.record.clone()),
-            settling: settling.unwrap_or(false),
-            resets: resets.unwrap_or(false),
-            ..default
-        })))
+        stage.most_arc_length = most.or(stage.most_arc_length);
+        stage.turns = self.key(table, "turns", turns);
+        stage.record = self.key(table, "record", record).unwrap_or(stage.record);
+        stage.settling = self.key(table, "settling", boolean).unwrap_or(false);
+        stage.resets = self.key(table, "resets", boolean).unwrap_or(false);
+        let scaling =
+            self.key(table, "density_scaling", |value| number(value, Dimension::NUMBER, [1e-6, 1e24]));
+        if let (Some(_), Speed::InertialNumber { .. }, Some(value)) =
+            (scaling, stage.control.speed, table.get("density_scaling"))
+        {
+            let why = "means nothing without strain_rate".to_string();
+            let help = Some("add strain_rate, or say inertial_number alone".to_string());
+            self.take::<()>("density_scaling", Err(Mistake(value.span(), why, help)));
+        }
+        stage.density_scaling = scaling.unwrap_or(1.0);
+        stage.start = self.key(table, "start", start).unwrap_or_default();
+        Some(CaseStage::Control(Box::new(stage)))
     }
 
     /// Reads a key if it is there.
@@ -289,228 +452,14 @@ fn in_multiples(control: &mut Control) {
     }
 }
 
-fn moves_a_stress(control: &Control) -> bool {
-    let of_components = control.components.iter().any(|d| matches!(d, Drive::Stress(t) if t.rate != 0.0));
-    let strained = |c: &Constraint| c.target.rate != 0.0;
-    of_components || control.constraints.iter().flatten().any(strained)
-}
-
-/// The text of a number or string.
-fn scalar(value: &Node<'_>) -> Parsed<String> {
-    match value.get_ref() {
-        DeValue::String(text) => Ok(text.to_string()),
-        DeValue::Float(number) => Ok(number.as_str().replace('_', "")),
-        DeValue::Integer(number) if number.radix() == 10 => Ok(number.as_str().replace('_', "")),
-        other => {
-            Err(Mistake(value.span(), format!("is of type {}; it must be a number", other.type_str()), None))
-        }
-    }
-}
-
-fn text(value: &Node<'_>) -> Parsed<String> {
-    match value.get_ref() {
-        DeValue::String(text) => Ok(text.to_string()),
-        other => {
-            Err(Mistake(value.span(), format!("is of type {}; it must be text", other.type_str()), None))
-        }
-    }
-}
-
-fn boolean(value: &Node<'_>) -> Parsed<bool> {
-    match value.get_ref() {
-        DeValue::Boolean(yes) => Ok(*yes),
-        other => {
-            let why = format!("is of type {}; it must be true or false", other.type_str());
-            Err(Mistake(value.span(), why, None))
-        }
-    }
-}
-
-fn number(value: &Node<'_>, dimension: Dimension, [low, high]: [f64; 2]) -> Parsed<f64> {
-    let wrong = |why: String| Mistake(value.span(), why, None);
-    let number = parse_quantity(&scalar(value)?, dimension).map_err(wrong)? + 0.0;
-    if (low..=high).contains(&number) {
-        return Ok(number);
-    }
-    let unit = dimension.si_unit();
-    let unit = if unit.is_empty() { unit } else { format!(" {unit}") };
-    let (low, high) = (format_number(low), format_number(high));
-    Err(wrong(format!("is out of bounds; it must be from {low}{unit} to {high}{unit}")))
-}
-
-const ANY_STRESS: [f64; 2] = [-1e12, 1e12];
-const ANY_RATE: [f64; 2] = [-1e30, 1e30];
-
-/// The keys of an inner table; other keys are mistakes.
-fn inner<'t, 'a>(value: &'t Node<'a>, known: &[&str]) -> Parsed<&'t DeTable<'a>> {
-    let DeValue::Table(table) = value.get_ref() else {
-        let help = format!("write {{ {} = ... }}", known.first().unwrap_or(&"key"));
-        return Err(Mistake(value.span(), "is no table".into(), Some(help)));
-    };
-    match table.keys().find(|key| !known.contains(&key.get_ref().as_ref())) {
-        None => Ok(table),
-        Some(key) => {
-            let help = meant(key.get_ref(), known.iter().copied());
-            Err(Mistake(key.span(), "is no key of it".into(), Some(help)))
-        }
-    }
-}
-
-/// What is done with a component; true beside it if it is a strain rate with its unit.
-fn drive(value: &Node<'_>) -> Parsed<(Drive, bool)> {
-    if let DeValue::String(word) = value.get_ref() {
-        return match word.as_ref() {
-            "fixed" => Ok((Drive::Fixed, false)),
-            "free" => Ok((Drive::Free, false)),
-            _ => {
-                let help =
-                    "it must be \"fixed\", \"free\", or a table as { rate = 1 } or { stress = \"100 kPa\" }";
-                Err(Mistake(value.span(), "is not known".into(), Some(help.into())))
-            }
-        };
-    }
-    let table = inner(value, &["rate", "stress", "stress_rate"])?;
-    match (table.get("rate"), table.get("stress"), table.get("stress_rate")) {
-        (Some(rate), None, None) => {
-            let absolute = matches!(rate.get_ref(), DeValue::String(_));
-            let unit = if absolute { Dimension::RATE } else { Dimension::NUMBER };
-            Ok((Drive::Rate(number(rate, unit, [-1e9, 1e9])?), absolute))
-        }
-        (None, None, None) | (Some(_), ..) => {
-            let help = "give rate, or stress with or without stress_rate";
-            Err(Mistake(value.span(), "does not say what is done".into(), Some(help.into())))
-        }
-        (None, stress, rate) => Ok((Drive::Stress(target(stress, rate, Dimension::STRESS_RATE)?), false)),
-    }
-}
-
-/// A stress, which may be "current", and how fast it moves.
-fn target(stress: Option<&Node<'_>>, rate: Option<&Node<'_>>, rate_unit: Dimension) -> Parsed<Target> {
-    let value = match stress.map(|value| (value, value.get_ref())) {
-        None => None,
-        Some((_, DeValue::String(word))) if word == "current" => None,
-        Some((value, _)) => Some(number(value, Dimension::STRESS, ANY_STRESS)?),
-    };
-    let rate = rate.map_or(Ok(0.0), |rate| number(rate, rate_unit, ANY_RATE))?;
-    Ok(Target { value, rate })
-}
-
-fn six(value: &Node<'_>, dimension: Dimension) -> Parsed<[f64; 6]> {
-    let wrong = || {
-        let why = "is no list of six numbers, one each for xx, yy, zz, yz, zx, xy";
-        Mistake(value.span(), why.into(), None)
-    };
-    let DeValue::Array(items) = value.get_ref() else { return Err(wrong()) };
-    let numbers: Vec<f64> =
-        items.iter().map(|item| number(item, dimension, ANY_STRESS)).collect::<Parsed<_>>()?;
-    numbers.try_into().map_err(|_| wrong())
-}
-
-fn constraint(value: &Node<'_>) -> Parsed<Constraint> {
-    let table = inner(value, &["stress", "strain", "value", "rate", "moves"])?;
-    let list = |key: &str, unit| table.get(key).map_or(Ok([0.0; 6]), |value| six(value, unit));
-    let stress = list("stress", Dimension::NUMBER)?;
-    let held = stress != [0.0; 6];
-    let strain = list("strain", if held { Dimension::STRESS } else { Dimension::NUMBER })?;
-    if !held && strain == [0.0; 6] {
-        let help = "give stress or strain, e.g. stress = [1, 1, 1, 0, 0, 0]";
-        return Err(Mistake(value.span(), "combines nothing".into(), Some(help.into())));
-    }
-    if let (false, Some(value)) = (held, table.get("value").or(table.get("moves"))) {
-        return Err(Mistake(value.span(), "belongs to a combination of stresses".into(), None));
-    }
-    let unit = if held { Dimension::STRESS_RATE } else { Dimension::NUMBER };
-    let target = target(table.get("value"), table.get("rate"), unit)?;
-    let moves = table.get("moves").map(|value| six(value, Dimension::NUMBER)).transpose()?;
-    Ok(Constraint { strain, stress, target, moves })
-}
-
-/// The measure of a name.
-fn measure(name: &str, span: Range<usize>) -> Parsed<Measure> {
-    Measure::named(name).ok_or_else(|| {
-        let names = Measure::ALL.iter().map(|(name, _, _)| *name);
-        let others = ["reversals", "unbalanced_force", "critical_state"];
-        Mistake(span, "is no measure".into(), Some(meant(name, names.chain(others))))
-    })
-}
-
-fn end(key: &str, value: &Node<'_>) -> Parsed<Until> {
-    match key {
-        "reversals" => {
-            let count = number(value, Dimension::NUMBER, [1.0, 1e9])?;
-            if count.fract() != 0.0 {
-                return Err(Mistake(value.span(), "is not a whole number".into(), None));
-            }
-            Ok(Until::Reversals(count as u64))
-        }
-        "unbalanced_force" => {
-            Ok(Until::AtRest { unbalanced_force: number(value, Dimension::NUMBER, [1e-9, 1.0])? })
-        }
-        "critical_state" => {
-            let table = inner(value, &CRITICAL.map(|(name, _)| name))?;
-            let [window, stress_ratio, volumetric_strain] = CRITICAL.map(|(name, default)| {
-                table.get(name).map_or(Ok(default), |value| number(value, Dimension::NUMBER, [1e-9, 100.0]))
-            });
-            Ok(Until::CriticalState {
-                window: window?,
-                stress_ratio: stress_ratio?,
-                volumetric_strain: volumetric_strain?,
-            })
-        }
+fn start(value: &Node<'_>) -> Parsed<Start> {
+    match text(value)?.as_str() {
+        "here" => Ok(Start::Here),
+        "kept" => Ok(Start::Kept),
+        "back" => Ok(Start::Back),
         _ => {
-            let measure = measure(key, value.span())?;
-            Ok(Until::Reaches { measure, value: number(value, dimension(measure.unit()), ANY_STRESS)? })
-        }
-    }
-}
-
-fn measured(table: &DeTable<'_>, span: Range<usize>) -> Parsed<Measure> {
-    match table.get("measure") {
-        None => Ok(Measure::ArcLength),
-        Some(value) => measure(&text(value)?, value.span()),
-    }
-    .map_err(|Mistake(at, why, help)| Mistake(if at.is_empty() { span } else { at }, why, help))
-}
-
-fn turns(value: &Node<'_>) -> Parsed<Turns> {
-    let table = inner(value, &["measure", "high", "low"])?;
-    let measure = measured(table, value.span())?;
-    let unit = dimension(measure.unit());
-    let (Some(high), Some(low)) = (table.get("high"), table.get("low")) else {
-        let help = "e.g. turns = { measure = \"xx_strain\", high = 0.01, low = -0.01 }";
-        return Err(Mistake(value.span(), "needs high and low".into(), Some(help.into())));
-    };
-    let (high, low) = (number(high, unit, ANY_STRESS)?, number(low, unit, ANY_STRESS)?);
-    if low >= high {
-        return Err(Mistake(value.span(), "has a low that is not below its high".into(), None));
-    }
-    Ok(Turns { measure, high, low })
-}
-
-fn record(value: &Node<'_>) -> Parsed<Record> {
-    let table = inner(value, &["measure", "every", "states", "end", "at"])?;
-    let measure = measured(table, value.span())?;
-    let unit = dimension(measure.unit());
-    let positive = |value: &Node<'_>| number(value, unit, [1e-12, 1e12]);
-    match (table.get("every"), table.get("states"), table.get("end"), table.get("at")) {
-        (Some(every), None, None, None) => Ok(Record::every(measure, positive(every)?)),
-        (None, Some(states), Some(end), None) => {
-            let count = number(states, Dimension::NUMBER, [1.0, 1e6])?;
-            Ok(Record::equal(measure, count as usize, positive(end)?))
-        }
-        (None, None, None, Some(places)) => {
-            let DeValue::Array(items) = places.get_ref() else {
-                return Err(Mistake(places.span(), "is no list".into(), None));
-            };
-            let places: Vec<f64> = items.iter().map(positive).collect::<Parsed<_>>()?;
-            if places.is_empty() || places.windows(2).any(|pair| pair[0] >= pair[1]) {
-                return Err(Mistake(value.span(), "does not rise from value to value".into(), None));
-            }
-            Ok(Record { measure, states: 0, spacing: Spacing::Strains(places), end: f64::INFINITY })
-        }
-        _ => {
-            let help = "give every, or states and end, or at = [...]";
-            Err(Mistake(value.span(), "does not say where states stand".into(), Some(help.into())))
+            let why = "is not known; it must be \"here\", \"kept\" or \"back\"";
+            Err(Mistake(value.span(), why.into(), None))
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Tests of the tables `[[stage]]`.
 
-use granum_dem::loading::preset;
-use granum_dem::loading::{Drive, Kinematics, Measure, Speed, Target, Until};
+use granum_dem::loading::preset::{self, Given, Kind, Value};
+use granum_dem::loading::{Drive, History, Kinematics, Measure, Quantity, Ramp, Speed, Start, Target, Until};
 use proptest::prelude::*;
 
 use super::*;
@@ -40,7 +40,7 @@ fn stages_are_read_as_paths_and_written_out() {
     let shear = &stages[1];
     assert_eq!(shear.control.speed, Speed::StrainRate(2e-3));
     assert_eq!(shear.control.components[0], Drive::Rate(1.0));
-    assert_eq!(shear.control.components[1], Drive::Stress(Target { value: Some(1e5), rate: 1e3 }));
+    assert_eq!(shear.control.components[1], Drive::Stress(Target::held(1e5).moving(1e3)));
     assert_eq!(shear.control.components[5], Drive::Stress(Target::default()));
     assert_eq!(shear.control.kinematics, Kinematics::SimpleShear);
     assert!(shear.until.contains(&Until::Reaches { measure: Measure::MeanStress, value: 5e3 }));
@@ -113,6 +113,58 @@ fn mistakes_are_told_with_their_place() {
             &["recording.states has no part"],
         ),
         ("stage = 3\n", "1:9", &["is no list of tables", "[[stage]]"]),
+        (
+            "[[stage]]\nrepeat = 2\n[[stage.stage]]\npath = \"isotropic\"\nmean_stres = 1\n",
+            "5:1",
+            &["unknown key stage.1.1.mean_stres"],
+        ),
+        ("[[stage]]\nrepeat = 2\n", "1:1", &["stage.1 repeats nothing", "[[stage.stage]]"]),
+        (
+            "[[stage]]\nrepeat = 1.5\n[[stage.stage]]\npath = \"isotropic\"\n",
+            "2:10",
+            &["is not a whole number"],
+        ),
+        (
+            "[[stage]]\nrepeat = 9000\n[[stage.stage]]\nrepeat = 9\n[[stage.stage.stage]]\npath = \"isotropic\"\n",
+            "1:1",
+            &["come to 81000", "at most 10000"],
+        ),
+        (
+            "[[stage]]\nrepeat = 2\nxx = \"free\"\n[[stage.stage]]\npath = \"isotropic\"\n",
+            "3:1",
+            &["stage.1.xx"],
+        ),
+        (
+            "[[stage]]\npath = \"cyclic\"\ndrainage = \"dry\"\n",
+            "3:12",
+            &["is not known", "undrained, drained"],
+        ),
+        ("[[stage]]\npath = \"unload-reload\"\nat = [0.02, 0.01]\n", "3:6", &["does not rise"]),
+        ("[[stage]]\npath = \"unload-reload\"\nat = 3\n", "3:6", &["is no list of numbers"]),
+        ("[[stage]]\npath = \"history\"\n", "1:1", &["stage.1 has no history", "file ="]),
+        ("[[stage]]\npath = \"history\"\nfile = \"not-there.csv\"\n", "3:8", &["cannot read not-there.csv"]),
+        (
+            "[[stage]]\npath = \"history\"\ncolumns = [\"xx_strain\"]\nrows = [[1], [1, 2]]\n",
+            "4:8",
+            &["a row 2 without a number for each"],
+        ),
+        (
+            "[[stage]]\npath = \"plane-strain\"\ndensity_scaling = 1e12\n",
+            "3:1",
+            &["density_scaling means nothing without strain_rate"],
+        ),
+        (
+            "[[stage]]\npath = \"plane-strain\"\nstrain_rate = 1\ninertial_number = 1e-3\n",
+            "3:1",
+            &["strain_rate says how fast, and so does inertial_number"],
+        ),
+        (
+            "[[stage]]\nxx = { rate = 1 }\nuntil = { time = 1 }\ndensity_scaling = 4\n",
+            "4:19",
+            &["means nothing without strain_rate"],
+        ),
+        ("[[stage]]\nxx = { strain_to = 1, rate = 1 }\n", "2:6", &["a ramp goes from what there is"]),
+        ("[[stage]]\nxx = { strain_to = 1 }\nstart = \"back\"\n", "1:1", &["stage.1 goes back", "kept"]),
     ] {
         let found = message(text);
         assert!(found.contains(&format!("case.toml:{place}:")), "{text}{found}");
@@ -145,6 +197,95 @@ fn flags_take_a_path_and_set_its_parameters() {
     assert!(set("shear.deviator_strain", "1").contains("has no part in a case with stages"));
 }
 
+const NESTED: &str = r#"
+[[stage]]
+path = "isotropic"
+mean_stress = "50 kPa"
+[[stage]]
+repeat = 3
+[[stage.stage]]
+path = "drained-triaxial"
+axial_strain = 0.01
+resets = false
+[[stage.stage]]
+repeat = 2
+[[stage.stage.stage]]
+name = "small step"
+xx = { strain_by = 1e-3 }
+yy = { stress_to = "60 kPa" }
+zz = "free"
+constraint = [{ stress = [0, 1, -1, 0, 0, 0], value_to = "1 kPa" }]
+"#;
+
+#[test]
+fn stages_nest_and_repeat() {
+    let case = parse(NESTED);
+    let stages = case.test_stages();
+    let names: Vec<&str> = stages.iter().map(|stage| stage.name.as_str()).collect();
+    let round = ["shear", "small step", "small step"];
+    assert_eq!(names, [&["isotropic"], &round[..], &round, &round].concat());
+    assert!(stages[0].resets && !stages[1].resets);
+    let step = &stages[2];
+    assert_eq!(step.until, [Until::RampOver]);
+    assert_eq!(step.control.components[0], Drive::Ramp(Ramp::By(1e-3)));
+    assert_eq!(step.control.components[1], Drive::Stress(Target::ramp(Ramp::To(60e3))));
+    assert_eq!(parse(&case.resolved_toml()), case);
+    let mut other = case.clone();
+    other.set("stage.2.1.axial_strain", "0.02").unwrap();
+    other.set("stage.2.repeat", "5").unwrap();
+    assert_eq!(other.test_stages().len(), 1 + 5 * 3);
+    assert_ne!(other.digest(), case.digest());
+    let say = |key: &str| other.clone().set(key, "1").unwrap_err().to_string();
+    assert!(say("stage.2.3.axial_strain").contains("is no key of a stage"));
+    assert!(say("stage.2.1.axial_strian").contains("did you mean axial_strain?"));
+    assert!(say("stage.2.axial_strain").contains("it has repeat"));
+}
+
+/// A history is read from its file once; the case then holds it, and mistakes in the file have their places there.
+#[test]
+fn a_history_comes_from_a_file_beside_the_case() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("case.toml");
+    std::fs::write(&file, "[[stage]]\npath = \"history\"\nfile = \"element.csv\"\n").unwrap();
+    let write = |text: &str| std::fs::write(folder.path().join("element.csv"), text).unwrap();
+    write("xx_strain (%),yy_stress (kPa)\n0,100\n0.5,110\n");
+    let case = Case::read(&file).unwrap();
+    assert_eq!(case.test_stages().len(), 2 + 1);
+    let text = case.resolved_toml();
+    assert!(text.contains("[0.005, 110000],") || text.contains("[0.005, 1.1e5],"), "{text}");
+    assert_eq!(parse(&text), case);
+    write("xx_strain,yy_stress\n0,x\n");
+    let found = Case::read(&file).unwrap_err().to_string();
+    assert!(found.contains("element.csv:2:3: yy_stress = \"x\" is not a number"), "{found}");
+    // A flag names the file as the shell sees it.
+    write("xx_strain\n0.1\n");
+    let file = folder.path().join("element.csv").display().to_string();
+    let case = Case::default().with_path("history", &[("file", &file)]).unwrap();
+    assert!(case.check().is_ok() && case.test_stages().len() == 2);
+    let bare = Case::default().with_path("history", &[]).unwrap();
+    assert!(bare.check().unwrap_err().to_string().contains("file must be given"));
+}
+
+/// The steps of a file of the IncrementalDriver become stages of the case, which then needs the file no more.
+#[test]
+fn steps_of_the_incremental_driver_become_stages() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("case.toml");
+    let stage = "[[stage]]\nincremental_driver = \"test.inp\"\nstress_unit = \"1 kPa\"\n";
+    std::fs::write(&file, stage).unwrap();
+    let steps =
+        "out\n*Repetition\n1 3\n*TriaxialE1\n1 1 1\n-0.01\n*PerturbationsE\n8 1 1\n*Rendulic\n1e-5\n*End\n";
+    std::fs::write(folder.path().join("test.inp"), steps).unwrap();
+    let case = Case::read(&file).unwrap();
+    assert_eq!(case.test_stages().len(), 3 + 1 + 2 * 8);
+    assert_eq!(parse(&case.resolved_toml()), case);
+    std::fs::write(folder.path().join("test.inp"), "out\n*RandomWalk\n").unwrap();
+    let found = Case::read(&file).unwrap_err().to_string();
+    assert!(found.contains("test.inp:2:1: *RandomWalk cannot be followed"), "{found}");
+    let found = message("[[stage]]\nincremental_driver = \"test.inp\"\n");
+    assert!(found.contains("case.toml:1:1") && found.contains("stress_unit"), "{found}");
+}
+
 /// What the book shows can be run as it stands.
 #[test]
 fn examples_of_the_book_are_cases() {
@@ -152,7 +293,7 @@ fn examples_of_the_book_are_cases() {
         .concat();
     let blocks = book.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next());
     let stages: Vec<&str> = blocks.filter(|block| block.contains("[[stage]]")).collect();
-    assert_eq!(stages.len(), 3);
+    assert_eq!(stages.len(), 4);
     for text in stages {
         assert!(parse(text).check().is_ok(), "{text}");
     }
@@ -160,17 +301,31 @@ fn examples_of_the_book_are_cases() {
 
 /// A random stage that is a path with some of its parameters.
 fn any_path() -> impl Strategy<Value = CaseStage> {
-    let draws = proptest::collection::vec((any::<bool>(), 0.0..1.0f64), 8);
-    (0..preset::ALL.len(), draws).prop_map(|(which, draws)| {
+    let draws = proptest::collection::vec((any::<bool>(), 0.0..1.0f64), 16);
+    (0..preset::ALL.len(), draws, any::<bool>()).prop_map(|(which, draws, resets)| {
         let path = &preset::ALL[which];
-        let parameters = path.parameters.iter().zip(draws).filter(|(_, (given, _))| *given);
-        let value = |[low, high]: [f64; 2], place: f64| (low + place * (high - low)).clamp(low, high);
-        CaseStage::Path {
-            name: path.name.to_string(),
-            parameters: parameters
-                .map(|(p, (_, place))| (p.key.to_string(), value(p.bounds, place)))
-                .collect(),
+        let mut parameters = Given::new();
+        for (parameter, (given, place)) in path.parameters().zip(draws) {
+            let [low, high] = parameter.bounds;
+            let number = (low + place * (high - low)).clamp(low, high);
+            let value = match parameter.kind {
+                Kind::History => {
+                    let columns = vec![Quantity::Strain(0), Quantity::Stress(5)];
+                    Value::History(History { columns, rows: vec![vec![0.1 * place, -1e5 * place]; 2] })
+                }
+                _ if !given || ["strain_rate", "density_scaling"].contains(&parameter.key) => continue,
+                Kind::Number => Value::Number(number.floor().max(low)),
+                Kind::Word(words) => Value::Word(words[(place * words.len() as f64) as usize][0].into()),
+                Kind::List => Value::List(vec![0.1 * place, 0.1 + place]),
+            };
+            parameters.insert(parameter.key.to_string(), value);
         }
+        // The two ways to say how fast exclude each other.
+        if resets && !parameters.contains_key("inertial_number") {
+            parameters.insert("strain_rate".into(), Value::Number(1e-5));
+            parameters.insert("density_scaling".into(), Value::Number(1e12));
+        }
+        CaseStage::Path { name: path.name.to_string(), parameters, resets }
     })
 }
 
@@ -180,6 +335,8 @@ fn any_written_out() -> impl Strategy<Value = CaseStage> {
         let mut stages = path.stages();
         let mut stage = stages.swap_remove(index.index(stages.len()));
         stage.name = name;
+        // Nothing may be kept before a stage that goes back.
+        stage.start = Start::Here;
         // The mean stress of an inertial number is said by the state of the sample in a case file.
         if let Speed::InertialNumber { number, .. } = stage.control.speed {
             stage.control.speed = Speed::InertialNumber { number, at: None };
@@ -188,9 +345,17 @@ fn any_written_out() -> impl Strategy<Value = CaseStage> {
     })
 }
 
+/// A stage of any kind.
+fn any_stage() -> impl Strategy<Value = CaseStage> {
+    prop_oneof![any_path(), any_written_out()].prop_recursive(2, 8, 3, |inner| {
+        let stages = proptest::collection::vec(inner, 1..3);
+        (1..5u64, stages).prop_map(|(times, stages)| CaseStage::Repeat { times, stages })
+    })
+}
+
 proptest! {
     #[test]
-    fn stages_read_back_as_the_same_case(stages in proptest::collection::vec(prop_oneof![any_path(), any_written_out()], 1..4)) {
+    fn stages_read_back_as_the_same_case(stages in proptest::collection::vec(any_stage(), 1..4)) {
         let case = Case { stages, ..Case::default() };
         prop_assert!(case.check().is_ok());
         let text = case.resolved_toml();
@@ -200,7 +365,7 @@ proptest! {
     }
 
     #[test]
-    fn no_stage_makes_the_reader_panic(text in "(path|xx|xy|until|constraint|record|turns|rate|stress|name) = (\"[ -~]{0,9}\"|[0-9e.-]{1,6}|\\[1, 2\\]|\\{ (rate|stress|measure|every|at) = [0-9\"a-z\\[\\]]{1,6} \\})") {
+    fn no_stage_makes_the_reader_panic(text in "(path|xx|xy|until|constraint|record|turns|rate|stress|name|repeat|stage|rows|columns|start|resets) = (\"[ -~]{0,9}\"|[0-9e.-]{1,6}|\\[1, 2\\]|\\{ (rate|stress|measure|every|at) = [0-9\"a-z\\[\\]]{1,6} \\})") {
         let _ = Case::parse(&format!("[[stage]]\n{text}\n"), "case.toml");
     }
 }

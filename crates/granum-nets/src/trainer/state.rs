@@ -52,10 +52,10 @@ pub struct TrainerState {
 impl TrainerState {
     /// The state before the first epoch.
     pub fn new(trainer: &str, weights: Vec<f64>) -> TrainerState {
-        TrainerState::with_course(trainer, weights, TrainingHistory::new())
+        TrainerState::with_history(trainer, weights, TrainingHistory::new())
     }
 
-    pub(super) fn with_course(trainer: &str, weights: Vec<f64>, history: TrainingHistory) -> TrainerState {
+    pub(super) fn with_history(trainer: &str, weights: Vec<f64>, history: TrainingHistory) -> TrainerState {
         TrainerState { trainer: trainer.into(), weights, history, own: BTreeMap::new() }
     }
 

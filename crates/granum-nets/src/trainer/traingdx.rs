@@ -198,7 +198,7 @@ impl<'a> Descent<'a> {
     }
 
     fn state(&self) -> TrainerState {
-        TrainerState::with_course(Traingdx::NAME, self.weights.clone(), self.history.clone())
+        TrainerState::with_history(Traingdx::NAME, self.weights.clone(), self.history.clone())
             .with(STEP, &self.step)
             .with(RATE, &[self.rate])
     }

@@ -162,6 +162,51 @@ fn stages_stopped_again_and_again_end_in_the_same_bytes() {
     assert_eq!((&record.quality, &record.phase), (&whole.quality, &whole.phase));
 }
 
+/// Repetitions, ramps and stages that go back to a kept state, stopped wherever it may be and on other numbers of threads.
+#[test]
+fn repeated_stages_and_probes_stopped_again_and_again_end_in_the_same_bytes() {
+    let text = "[[stage]]\nrepeat = 2\n[[stage.stage]]\npath = \"drained-triaxial\"\naxial_strain = 0.001\nstates = 2\n\
+                inertial_number = 5e-3\n[[stage.stage]]\nname = \"back\"\nxx = { strain_by = -5e-4 }\n\
+                yy = { stress = \"current\" }\nzz = { stress = \"current\" }\n\
+                [[stage]]\nrepeat = 2\n[[stage.stage]]\npath = \"probes\"\ndirections = 3\nunbalanced_force = 0.01\n\
+                [[stage]]\npath = \"constant-p\"\ndeviator_strain = 0.001\nstates = 2\nstrain_rate = 1e-3\n\
+                density_scaling = 1e12\n";
+    let stages = Case::parse(text, "case.toml").unwrap().stages;
+    let case = Case { stages, ..staged() };
+    assert_eq!(case.test_stages().len(), 2 * 2 + 2 * (1 + 2 * 3) + 1);
+    let base = tempfile::tempdir().unwrap();
+    let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
+    let lab = laboratory();
+    let whole = lab.shear(&case, &Source::Case, &straight, &mut NoObserver).unwrap();
+    assert_eq!(whole.status, RunStatus::Finished);
+    let cut = whole.quality.iter().find(|flag| flag.name == "stages_cut_short").unwrap();
+    assert!(cut.passed, "{:?}", whole.notes);
+    let record = crate::record::read_record(&straight.run()).unwrap();
+    let [stage, stress] = ["stage", "stress_11"].map(|name| record.series.values(name).unwrap().to_vec());
+    // Every probe of one set begins from one state.
+    let first =
+        |number: usize| stage.iter().position(|s| *s == number as f64).map(|row| stress[row]).unwrap();
+    assert_eq!((first(6), first(8)), (first(8), first(10)));
+    assert_eq!((first(13), first(15)), (first(15), first(17)));
+    assert!(first(6) != first(13) && first(7) != first(9));
+
+    let broken = RunFolder::create(base.path().join("broken"), false).unwrap();
+    let threads = |threads: usize| Laboratory {
+        hardware: Hardware { threads, ..Hardware::default() },
+        grains_per_thread: 1,
+        ..laboratory()
+    };
+    let mut record = lab.shear(&case, &Source::Case, &broken, &mut Stopper::after(2)).unwrap();
+    let mut rounds = 0;
+    while record.status == RunStatus::Interrupted {
+        rounds += 1;
+        record = threads(1 + rounds % 2).resume(&broken, &mut Stopper::after(9)).unwrap();
+    }
+    assert!(rounds > 5, "{rounds}");
+    assert_same(&straight, &broken);
+    assert_eq!((&record.measures, &record.quality), (&whole.measures, &whole.quality));
+}
+
 /// A stage that does not come to its end ends the test, with the reason in the notes and a quality flag.
 #[test]
 fn a_stage_cut_short_is_told_and_ends_the_test() {

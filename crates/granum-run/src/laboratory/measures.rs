@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use granum_dem::loading::{Drive, Stage};
 use granum_sensors::Record;
 
 /// Part of the strain at the end of a test over which late values are averaged.
@@ -38,13 +39,17 @@ pub(super) fn of_test(record: &Record, measures: &mut BTreeMap<String, f64>) {
         None => ("deviator_strain", "stress_ratio"),
     };
     let strains = column(strain);
-    let ratios = column(ratio);
+    // The sign of the von Mises stress jumps where compression and extension are none of the test.
+    let ratios: Vec<f64> = match strain {
+        "deviatoric_strain" => column(ratio).iter().map(|value| value.abs()).collect(),
+        _ => column(ratio).to_vec(),
+    };
     let peak =
         (0..ratios.len()).filter(|k| ratios[*k].is_finite()).max_by(|a, b| ratios[*a].total_cmp(&ratios[*b]));
     if let Some(peak) = peak {
+        measures.insert("peak_stress_ratio".into(), ratios[peak]);
         for (name, column) in [
-            ("peak_stress_ratio", ratio),
-            (&format!("{strain}_at_peak"), strain),
+            (format!("{strain}_at_peak").as_str(), strain),
             ("deviator_fabric_at_peak", "deviator_fabric"),
             ("solid_fraction_at_peak", "solid_fraction"),
         ] {
@@ -58,15 +63,44 @@ pub(super) fn of_test(record: &Record, measures: &mut BTreeMap<String, f64>) {
     if largest.is_finite() {
         measures.insert("peak_deviator_fabric".into(), largest);
     }
-    for (name, of) in [
-        ("late_stress_ratio", ratio),
-        ("late_deviator_fabric", "deviator_fabric"),
-        ("late_solid_fraction", "solid_fraction"),
+    for (name, values) in [
+        ("late_stress_ratio", ratios.as_slice()),
+        ("late_deviator_fabric", column("deviator_fabric")),
+        ("late_solid_fraction", column("solid_fraction")),
     ] {
-        if let Some(mean) = late_mean(strains, column(of)) {
+        if let Some(mean) = late_mean(strains, values) {
             measures.insert(name.into(), mean);
         }
     }
+}
+
+/// Puts the ratio of lateral to axial stress at the end of every oedometric stage into the measures: `k0_` and its name.
+pub(super) fn of_oedometers(record: &Record, stages: &[Stage], measures: &mut BTreeMap<String, f64>) {
+    let column = |name: &str| record.series.values(name).unwrap_or(&[]);
+    let numbers = column("stage");
+    let stresses = ["stress_11", "stress_22", "stress_33"].map(column);
+    for (k, stage) in stages.iter().enumerate().filter(|(_, stage)| is_oedometric(stage)) {
+        let last = numbers.iter().rposition(|number| *number == (k + 1) as f64);
+        let Some([axial, y, z]) =
+            last.map(|row| stresses.map(|stress| stress.get(row).copied().unwrap_or(0.0)))
+        else {
+            continue;
+        };
+        if axial > 0.0 {
+            let name: String = stage
+                .name
+                .chars()
+                .map(|c| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '_' })
+                .collect();
+            measures.insert(format!("k0_{name}"), 0.5 * (y + z) / axial);
+        }
+    }
+}
+
+/// True if axis x alone is strained.
+fn is_oedometric(stage: &Stage) -> bool {
+    let [x, others @ ..] = &stage.control.components;
+    !matches!(x, Drive::Fixed | Drive::Free) && others.iter().all(|drive| *drive == Drive::Fixed)
 }
 
 #[cfg(test)]

@@ -22,6 +22,7 @@ mod quality;
 pub(crate) mod run;
 mod run_state;
 mod sample;
+mod saved_state;
 mod status;
 mod store;
 mod test;
@@ -84,6 +85,15 @@ pub enum LaboratoryError {
     /// The engine that was asked for.
     #[error(transparent)]
     Engine(#[from] EngineError),
+    /// A state that stages go back to cannot be kept or used.
+    #[error("the state that later stages go back to: {0}")]
+    Kept(String),
+    /// No stage kept a state.
+    #[error("the stage {stage} goes back to a state, but no stage before it kept one (start = \"kept\")")]
+    NothingKept {
+        /// Name of the stage.
+        stage: String,
+    },
     /// The machine cannot hold it.
     #[error(
         "{grains} grains need up to {needed:.1} GB of memory, and this machine has {available:.1} GB free: grains.count can be \

@@ -12,7 +12,7 @@ use granum_io::{Case, Error as FileError};
 use super::run_state::{self, RunState, Stage};
 use super::{
     END, Laboratory, LaboratoryError, SAMPLE, Segment, Source, Speedometer, Store, Test, consolidation,
-    from_packing, measures, memory, quality,
+    from_packing, measures, memory, quality, test,
 };
 use crate::engine::{Engine, Task};
 use crate::record::write_record;
@@ -255,6 +255,7 @@ fn complete(
     record.quality.extend(quality::judge(&run_state.simulation, &end, &seen, test));
     measures::of_test(&seen, &mut record.measures);
     if test.staged {
+        measures::of_oedometers(&seen, test.list(), &mut record.measures);
         record_stages(test, record, observer);
     }
     if let Some(remark) = quality::remark_on_samples(&test.shortfall()) {
@@ -265,17 +266,30 @@ fn complete(
     Ok(())
 }
 
-/// Writes down how each stage ended; a stage that did not come to its end is told at once.
+/// Writes down how each stage ended; a stage that did not come to its end is told at once. Of a test of very many stages only
+/// those, and the number of the others.
 fn record_stages(test: &Test, record: &mut RunRecord, observer: &mut dyn Observer) {
+    let many = test.ends.len() > test::STAGES_TOLD;
     for (k, end) in test.ends.iter().enumerate() {
         let StageEnd { name, reason, steps, .. } = end;
-        let note = format!("stage {} ({name}) ended after {steps} steps: {reason}", k + 1);
+        let mut note = format!("stage {} ({name}) ended after {steps} steps: {reason}", k + 1);
+        if end.servo_error.rms() > 0.0 {
+            let percent = 100.0 * end.servo_error.rms();
+            note.push_str(&format!("; its stresses were held within {percent:.2} % of p (root mean square)"));
+        }
         if !reason.is_asked_for() {
             let left = test.stages() - test.ends.len();
             let rest =
                 if left > 0 { format!("; the {left} stages after it were not run") } else { String::new() };
             observer.warn(&format!("{note}{rest}"));
+        } else if many || *steps == 0 {
+            // A stage without a step only records where the one before it came to.
+            continue;
         }
         record.notes.push(note);
+    }
+    if many {
+        let good = test.ends.iter().filter(|end| end.reason.is_asked_for()).count();
+        record.notes.push(format!("{good} of {} stages came to an end that was asked for", test.stages()));
     }
 }

@@ -1,6 +1,8 @@
 //! The test itself: its stages one after another, with a recorder each.
 
-use granum_dem::loading::{self, Ending, Stage as Loading, StageEnd, StageProgress, begin, density_scaling};
+use granum_dem::loading::{
+    self, Ending, Stage as Loading, StageEnd, StageProgress, Start, begin, density_scaling,
+};
 use granum_dem::observer::{Observer, Observers};
 use granum_dem::simulation::Simulation;
 use granum_io::Case;
@@ -9,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::follow::{self, Follow, Snapshots};
 use super::run_state::{RunState, Stage};
+use super::saved_state::SavedState;
 use super::store::Store;
 use super::{Interval, Laboratory, LaboratoryError, Segment, Speedometer, quality};
 
@@ -32,6 +35,9 @@ pub(super) struct Test<R = Recorder> {
     /// Deviator strains at which a snapshot is still to be taken.
     #[serde(default)]
     snapshots: Vec<f64>,
+    /// The state that stages go back to, once a stage has kept one.
+    #[serde(default)]
+    kept: Option<Kept>,
 }
 
 /// A test as it stands in a checkpoint: its recorders are without their sensors.
@@ -50,9 +56,27 @@ impl SavedTest {
             damped: self.damped,
             staged: self.staged,
             snapshots: self.snapshots,
+            kept: self.kept,
         })
     }
 }
+
+/// A state that was kept, with what is known of the energy there.
+#[derive(Clone, Serialize, Deserialize)]
+struct Kept {
+    state: SavedState,
+    before: quality::Stored,
+    damped: bool,
+}
+
+impl std::fmt::Debug for Kept {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Kept").finish_non_exhaustive()
+    }
+}
+
+/// Most stages for each of which a snapshot and a note are left behind.
+pub(super) const STAGES_TOLD: usize = 24;
 
 /// Name of the snapshot at the end of a stage that others follow.
 fn stage_snapshot(number: usize) -> String {
@@ -72,6 +96,7 @@ impl Test {
             damped: false,
             staged: case.has_stages(),
             snapshots: case.recording.snapshots.clone(),
+            kept: None,
         };
         test.begin_stage(case, sensors, simulation)?;
         Ok(test)
@@ -85,6 +110,24 @@ impl Test {
         simulation: &mut Simulation,
     ) -> Result<(), LaboratoryError> {
         let Some(stage) = self.stages.get(self.recorders.len()) else { return Ok(()) };
+        match (stage.start, &self.kept) {
+            (Start::Here, _) => {}
+            (Start::Kept, _) => {
+                let state = SavedState::of(simulation)?;
+                self.kept = Some(Kept { state, before: self.before, damped: self.damped });
+            }
+            (Start::Back, Some(kept)) => {
+                *simulation = kept.state.restore()?;
+                (self.before, self.damped) = (kept.before, kept.damped);
+            }
+            (Start::Back, None) => return Err(LaboratoryError::NothingKept { stage: stage.name.clone() }),
+        }
+        if self.staged {
+            let properties = case.properties().with_densities(stage.density_scaling);
+            if *simulation.properties() != properties {
+                simulation.set_properties(properties)?;
+            }
+        }
         if stage.resets {
             self.before = quality::Stored::of(&simulation.assembly());
             self.damped = false;
@@ -148,6 +191,11 @@ impl Test {
     /// Number of stages.
     pub(super) fn stages(&self) -> usize {
         self.stages.len()
+    }
+
+    /// The stages.
+    pub(super) fn list(&self) -> &[Loading] {
+        &self.stages
     }
 
     /// Name of the stage under way.
@@ -230,7 +278,9 @@ impl Laboratory {
         if !reason.is_asked_for() || test.ends.len() == test.stages.len() {
             return Ok(Segment::Complete);
         }
-        store.snapshot(&stage_snapshot(test.ends.len()), &simulation.assembly())?;
+        if test.stages.len() <= STAGES_TOLD {
+            store.snapshot(&stage_snapshot(test.ends.len()), &simulation.assembly())?;
+        }
         test.begin_stage(case, &self.sensors, simulation)?;
         Ok(Segment::GoOn)
     }

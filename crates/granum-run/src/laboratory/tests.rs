@@ -106,3 +106,38 @@ fn density_scaling_says_the_same_physics() {
         assert!((a - b).abs() < 5e-2, "{a} {b}");
     }
 }
+
+/// A stage at a strain rate with scaled density is one at the inertial number that both come to.
+#[test]
+fn density_scaling_of_a_stage_says_the_same_physics() {
+    let scaling = 4f64.powi(20);
+    let fast = 3e-3 * (20e3f64 / 2650.0).sqrt() / 1e-4;
+    let ratio = |speed: String| {
+        let text =
+            format!("[[stage]]\npath = \"drained-triaxial\"\naxial_strain = 0.003\nstates = 4\n{speed}\n");
+        let stages = Case::parse(&text, "case.toml").unwrap().stages;
+        let recording = Recording { looks: 3, ..Recording::default() };
+        let case = Case { stages, recording, shear: Default::default(), ..small() };
+        let test = laboratory().test(&case).unwrap();
+        let gap = test.about.quality.iter().find(|flag| flag.name == "energy_gap").unwrap().value;
+        assert!(gap < 1e-3, "{gap}");
+        test.record.series.values("von_mises_ratio").unwrap().to_vec()
+    };
+    let number = ratio("inertial_number = 3e-3".into());
+    let scaled = ratio(format!("strain_rate = {:e}\ndensity_scaling = {scaling:e}", fast / 2f64.powi(20)));
+    assert_eq!(number.len(), scaled.len());
+    for (a, b) in number.iter().zip(scaled) {
+        assert!((a - b).abs() < 5e-2, "{a} {b}");
+    }
+}
+
+#[test]
+fn the_lateral_stress_ratio_of_an_oedometer_stands_in_the_record() {
+    let text = "[[stage]]\npath = \"oedometer\"\naxial_stress = \"100 kPa\"\nunloading_stress = \"40 kPa\"\ninterval = 1e-5\n";
+    let stages = Case::parse(text, "case.toml").unwrap().stages;
+    let recording = Recording { looks: 1, ..Recording::default() };
+    let case = Case { stages, recording, shear: Default::default(), ..small() };
+    let measures = laboratory().test(&case).unwrap().about.measures;
+    let [loading, unloading] = ["k0_loading", "k0_unloading"].map(|name| measures[name]);
+    assert!((0.3..0.9).contains(&loading) && unloading > loading, "{loading} {unloading}");
+}

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use granum_core::quantity::format_number;
-use granum_dem::loading::preset::{self, Default, Parameter, Preset};
+use granum_dem::loading::preset::{self, Default, Kind, Parameter, Preset};
 use serde_json::{Value, json};
 
 use super::test_run::TestRun;
@@ -66,23 +66,48 @@ fn described(path: &Preset) -> Value {
     let parameter = |p: &Parameter| {
         let default = match p.default {
             Default::Value(value) => json!(value),
-            Default::Absent(_) => Value::Null,
+            Default::Word(word) => json!(word),
+            Default::List(values) => json!(values),
+            Default::Absent(_) | Default::Needed => Value::Null,
         };
-        json!({ "key": p.key, "unit": p.unit, "help": p.help, "default": default, "bounds": p.bounds })
+        let mut found = json!({ "key": p.key, "help": p.help, "default": default });
+        match p.kind {
+            Kind::Number | Kind::List => {
+                found["unit"] = json!(p.unit);
+                found["bounds"] = json!(p.bounds);
+            }
+            Kind::Word(words) => {
+                found["words"] =
+                    words.iter().map(|[word, meaning]| json!({ "word": word, "meaning": meaning })).collect()
+            }
+            Kind::History => {}
+        }
+        found
     };
-    let parameters: Vec<Value> = path.parameters.iter().map(parameter).collect();
+    let parameters: Vec<Value> = path.parameters().map(parameter).collect();
     json!({ "name": path.name, "help": path.help, "parameters": parameters })
 }
 
 fn text(path: &Preset) -> String {
     let mut lines = vec![path.name.to_string(), format!("  {}", path.help)];
-    for p in path.parameters {
+    for p in path.parameters() {
         let unit = if p.unit == "1" { String::new() } else { format!(" {}", p.unit) };
         let default = match p.default {
-            Default::Value(value) => format!("{}{unit}", format_number(value)),
-            Default::Absent(meaning) => meaning.to_string(),
+            Default::Value(value) => format!("Default: {}{unit}.", format_number(value)),
+            Default::Word(word) => format!("Default: {word}."),
+            Default::List(values) => {
+                format!(
+                    "Default: {}.",
+                    values.iter().copied().map(format_number).collect::<Vec<_>>().join(",")
+                )
+            }
+            Default::Absent(meaning) => format!("Default: {meaning}."),
+            Default::Needed => "It must be given.".to_string(),
         };
-        lines.push(format!("  {}: {} Default: {default}.", p.key, p.help));
+        lines.push(format!("  {}: {} {default}", p.key, p.help));
+        if let Kind::Word(words) = p.kind {
+            lines.extend(words.iter().map(|[word, meaning]| format!("    {word}: {meaning}.")));
+        }
     }
     lines.join("\n")
 }

@@ -9,7 +9,7 @@ use crate::servo::RESPONSE;
 pub(super) const PRESET: Preset = Preset {
     name: "constant-p",
     help: "Axisymmetric compression or extension at constant mean stress: the test of Antony, Zhou and Wang (2006).",
-    parameters: PARAMETERS,
+    own: PARAMETERS,
     stages: |values| {
         let end = values.number("deviator_strain");
         let test = Stage {
@@ -43,7 +43,7 @@ fn stage(speed: Speed, sense: f64, mean_stress: Option<f64>, until: Until) -> St
     let lateral = Drive::Rate(-0.5 * sense);
     let fixed = Drive::Fixed;
     let control = Control::of(speed, [Drive::Rate(sense), lateral, lateral, fixed, fixed, fixed]).with(
-        Constraint::mean_stress(Target { value: mean_stress, rate: 0.0 })
+        Constraint::mean_stress(mean_stress.map_or_else(Target::current, Target::held))
             .moving([0.0, 1.0, 1.0, 0.0, 0.0, 0.0]),
     );
     Stage::new("shear", control, vec![until])
@@ -66,5 +66,6 @@ pub fn antony2006(shear: &Shear, recording: &Recording, sample_stress: f64) -> S
     };
     let mut stage = stage(speed, 1.0, Some(mean_stress), until);
     stage.control.response = RESPONSE;
+    stage.control.eases = false;
     Stage { resets: true, most_arc_length: None, ..stage }.recording(record)
 }

@@ -6,13 +6,13 @@ use crate::loading::{Constraint, Control, Drive, Measure, Record, Stage, Target,
 pub(super) const PRESET: Preset = Preset {
     name: "constant-p-and-b",
     help: "True triaxial test: axis x is strained at constant mean stress p and constant b = (sigma_y - sigma_z) / (sigma_x - sigma_z).",
-    parameters: PARAMETERS,
+    own: PARAMETERS,
     stages: |values| {
         let end = values.number("axial_strain");
         let b = values.number("b");
         let (free, fixed) = (Drive::Free, Drive::Fixed);
-        let held = Target { value: values.optional("mean_stress"), rate: 0.0 };
-        let proportional = Target { value: Some(0.0), rate: 0.0 };
+        let held = values.target("mean_stress");
+        let proportional = Target::held(0.0);
         // The larger b is, the faster axis z expands: up to twice as fast as x is compressed.
         let axial = Drive::Rate(1.0 / (1.0 + b));
         let control = Control::of(values.speed(), [axial, free, free, fixed, fixed, fixed])

@@ -1,15 +1,15 @@
 //! Drained triaxial test: axis x is strained, the lateral stresses are held.
 
 use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, generous, number, stress};
-use crate::loading::{Control, Drive, Measure, Record, Stage, Target, Until};
+use crate::loading::{Control, Drive, Measure, Record, Stage, Until};
 
 pub(super) const PRESET: Preset = Preset {
     name: "drained-triaxial",
     help: "Drained triaxial compression or extension: axis x is strained, the stresses along y and z are held.",
-    parameters: PARAMETERS,
+    own: PARAMETERS,
     stages: |values| {
         let end = values.number("axial_strain");
-        let held = Drive::Stress(Target { value: values.optional("lateral_stress"), rate: 0.0 });
+        let held = Drive::Stress(values.target("lateral_stress"));
         let fixed = Drive::Fixed;
         let drives = [Drive::Rate(end.signum()), held, held, fixed, fixed, fixed];
         let until = Until::Reaches { measure: Measure::Strain(0), value: end };

@@ -1,18 +1,25 @@
-//! Isotropic compression or unloading to a mean stress.
+//! Isotropic compression or unloading to a mean stress, and back to another one.
 
-use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, consolidation, stress};
-use crate::loading::{Measure, Record, Stage};
+use super::{INERTIAL_NUMBER, INTERVAL, Parameter, Preset, consolidation, stress};
+use crate::loading::{Measure, Record, Speed, Stage};
 
 pub(super) const PRESET: Preset = Preset {
     name: "isotropic",
-    help: "Isotropic compression or unloading: all three axes are brought to one stress, and the sample to rest there.",
-    parameters: PARAMETERS,
+    help: "Isotropic compression or unloading: all three axes are brought to one stress, and the sample to rest there; then to a \
+           second stress where one is given.",
+    own: PARAMETERS,
     stages: |values| {
-        // Without a stress of its own the sample comes to rest at 100 kPa.
-        let stress = values.optional("mean_stress").unwrap_or(100e3);
-        let stage = consolidation(stress, values.number("inertial_number"));
-        let record = Record::every(Measure::ArcLength, values.number("interval"));
-        vec![Stage { name: "isotropic".into(), resets: true, ..stage.recording(record) }]
+        let stage = |name: &str, stress: f64| {
+            let record = Record::every(Measure::ArcLength, values.number("interval"));
+            let mut stage = consolidation(stress, values.number("inertial_number")).recording(record);
+            if let Speed::StrainRate(_) = values.speed() {
+                stage.control.speed = values.speed();
+            }
+            Stage { name: name.into(), ..stage }
+        };
+        let first = Stage { resets: true, ..stage("isotropic", values.number("mean_stress")) };
+        let second = values.optional("unloading_stress").map(|stress| stage("unloading", stress));
+        [first].into_iter().chain(second).collect()
     },
 };
 
@@ -22,11 +29,9 @@ const PARAMETERS: &[Parameter] = &[
         ..stress("mean_stress", "Stress that all three axes are brought to.")
     },
     INERTIAL_NUMBER,
+    INTERVAL,
     Parameter {
-        key: "interval",
-        help: "A state is recorded at every such arc length of strain.",
-        default: super::Default::Value(1e-4),
-        bounds: [1e-7, 1.0],
-        ..STATES
+        default: super::Default::Absent("nothing is unloaded"),
+        ..stress("unloading_stress", "Stress that all three axes are brought to after that.")
     },
 ];

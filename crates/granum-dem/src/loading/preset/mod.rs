@@ -3,53 +3,42 @@
 
 mod constant_p;
 mod constant_p_and_b;
+mod cyclic;
 mod drained_triaxial;
+mod history;
+mod hold;
 mod isotropic;
 mod oedometer;
+mod parameter;
+mod plane_strain;
+mod probes;
+mod proportional;
 mod simple_shear;
 mod simple_shear_constant_volume;
 mod undrained_triaxial;
+mod unload_reload;
 
-use std::collections::BTreeMap;
 use std::sync::{PoisonError, RwLock};
 
 use super::{Control, Drive, Speed, Stage, Target, Until};
 
 pub use self::constant_p::antony2006;
-
-/// A number that a preset takes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parameter {
-    /// Its key in a case file.
-    pub key: &'static str,
-    /// Its SI unit; `1` for a number.
-    pub unit: &'static str,
-    /// What it is, in one or two sentences.
-    pub help: &'static str,
-    /// Its default; `None` where it may be left out, with what then holds.
-    pub default: Default,
-    /// Smallest and largest value.
-    pub bounds: [f64; 2],
-}
-
-/// What holds where a parameter is not given.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Default {
-    /// This value.
-    Value(f64),
-    /// What this sentence says.
-    Absent(&'static str),
-}
+use self::parameter::{COMMON, DENSITY_SCALING};
+pub use self::parameter::{
+    Default, Given, INERTIAL_NUMBER, INTERVAL, Kind, Parameter, STATES, Value, Values, deviator, number,
+    optional, stress, word,
+};
 
 /// A named path.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct Preset {
     /// Its name.
     pub name: &'static str,
     /// What it is, in one or two sentences.
     pub help: &'static str,
-    /// The numbers that it takes.
-    pub parameters: &'static [Parameter],
+    /// What it takes beside what every preset takes ([`Preset::parameters`]).
+    pub own: &'static [Parameter],
     /// Its stages.
     pub stages: fn(&Values) -> Vec<Stage>,
 }
@@ -64,6 +53,13 @@ pub const ALL: &[Preset] = &[
     oedometer::PRESET,
     simple_shear::PRESET,
     simple_shear_constant_volume::PRESET,
+    plane_strain::PRESET,
+    proportional::PRESET,
+    cyclic::PRESET,
+    unload_reload::PRESET,
+    hold::PRESET,
+    history::PRESET,
+    probes::PRESET,
 ];
 
 /// Presets of the caller's own.
@@ -114,20 +110,20 @@ pub enum RegisterError {
 ///
 /// ```
 /// use granum_dem::loading::preset::{INERTIAL_NUMBER, Preset, named, register};
-/// use granum_dem::loading::{Control, Drive, Measure, Stage, Until};
+/// use granum_dem::loading::{Control, Drive, Measure, Stage, Target, Until};
 ///
-/// const PLANE_STRAIN: Preset = Preset {
-///     name: "plane-strain-at-constant-lateral-stress",
-///     help: "Axis x is compressed, the stress along y is held, and z is fixed.",
-///     parameters: &[INERTIAL_NUMBER],
-///     stages: |values| {
-///         let (fixed, held) = (Drive::Fixed, Drive::Stress(Default::default()));
+/// const SHORT_BY_A_TENTH: Preset = Preset::new(
+///     "compression-between-walls",
+///     "Axis x is compressed, the stress along y is held, and z is fixed.",
+///     &[INERTIAL_NUMBER],
+///     |values| {
+///         let (fixed, held) = (Drive::Fixed, Drive::Stress(Target::current()));
 ///         let control = Control::of(values.speed(), [Drive::Rate(1.0), held, fixed, fixed, fixed, fixed]);
 ///         vec![Stage::new("compression", control, vec![Until::Reaches { measure: Measure::Strain(0), value: 0.1 }])]
 ///     },
-/// };
-/// register(&PLANE_STRAIN)?;
-/// assert!(named("plane-strain-at-constant-lateral-stress").is_some());
+/// );
+/// register(&SHORT_BY_A_TENTH)?;
+/// assert!(named("compression-between-walls").is_some());
 /// # Ok::<(), granum_dem::loading::preset::RegisterError>(())
 /// ```
 ///
@@ -144,21 +140,32 @@ pub fn register(preset: &'static Preset) -> Result<(), RegisterError> {
 }
 
 impl Preset {
+    /// A path of that name, with its own parameters and a function that writes out its stages.
+    pub const fn new(
+        name: &'static str,
+        help: &'static str,
+        own: &'static [Parameter],
+        stages: fn(&Values) -> Vec<Stage>,
+    ) -> Preset {
+        Preset { name, help, own, stages }
+    }
+
     fn is_same_as(&self, other: &Preset) -> bool {
-        (self.name, self.help, self.parameters) == (other.name, other.help, other.parameters)
+        (self.name, self.help, self.own) == (other.name, other.help, other.own)
             && std::ptr::fn_addr_eq(self.stages, other.stages)
     }
 
     /// Whether its parameters can be.
     fn check(&self) -> Result<(), RegisterError> {
-        for (k, Parameter { key, default, bounds, .. }) in self.parameters.iter().enumerate() {
-            if *key == "path" || self.parameters[..k].iter().any(|other| other.key == *key) {
+        for (k, Parameter { key, default, bounds, .. }) in self.own.iter().enumerate() {
+            if *key == "path" || self.own[..k].iter().any(|other| other.key == *key) {
                 return Err(RegisterError::KeyTaken { path: self.name, key });
             }
             let [low, high] = *bounds;
             let inside = match default {
                 Default::Value(value) => (low..=high).contains(value),
-                Default::Absent(_) => low <= high,
+                Default::List(values) => values.iter().all(|value| (low..=high).contains(value)),
+                Default::Word(_) | Default::Absent(_) | Default::Needed => low <= high,
             };
             if !inside {
                 return Err(RegisterError::OutOfBounds { path: self.name, key });
@@ -167,79 +174,42 @@ impl Preset {
         Ok(())
     }
 
+    /// Everything that it takes: its own parameters, and those of every preset.
+    pub fn parameters(&self) -> impl Iterator<Item = &'static Parameter> + Clone {
+        let own = self.own;
+        let common = COMMON.iter().filter(move |common| !own.iter().any(|known| known.key == common.key));
+        own.iter().chain(common)
+    }
+
     /// The parameter of that key.
     pub fn parameter(&self, key: &str) -> Option<&'static Parameter> {
-        self.parameters.iter().find(|parameter| parameter.key == key)
+        self.parameters().find(|parameter| parameter.key == key)
     }
 
     /// Its stages with these parameters; those not given have their defaults.
-    pub fn expand(&self, given: &BTreeMap<String, f64>) -> Vec<Stage> {
-        (self.stages)(&Values { preset: self, given })
+    pub fn expand(&self, given: &Given) -> Vec<Stage> {
+        let values = Values { preset: self, given };
+        let mut stages = (self.stages)(&values);
+        let scaling = values.optional(DENSITY_SCALING.key).unwrap_or(1.0);
+        for stage in &mut stages {
+            if matches!(stage.control.speed, Speed::StrainRate(_)) && !stage.is_mark() {
+                stage.density_scaling = scaling;
+            }
+        }
+        stages
     }
-}
-
-/// The parameters of a preset, given or by default.
-pub struct Values<'a> {
-    preset: &'a Preset,
-    given: &'a BTreeMap<String, f64>,
 }
 
 impl Values<'_> {
-    /// A parameter that may be left out.
-    pub fn optional(&self, key: &str) -> Option<f64> {
-        let default = self.preset.parameter(key).map(|parameter| parameter.default);
-        self.given.get(key).copied().or(match default {
-            Some(Default::Value(value)) => Some(value),
-            _ => None,
-        })
-    }
-
-    /// A parameter that has a default.
-    pub fn number(&self, key: &str) -> f64 {
-        self.optional(key).unwrap_or(f64::NAN)
-    }
-
-    /// The speed that the parameter `inertial_number` says.
-    pub fn speed(&self) -> Speed {
-        Speed::InertialNumber { number: self.number("inertial_number"), at: None }
-    }
-
-    /// Number of states to record, as the parameter `states` says.
-    pub fn states(&self) -> usize {
-        self.number("states") as usize
+    /// The stress of a parameter, or what it is when the stage begins.
+    pub fn target(&self, key: &str) -> Target {
+        self.optional(key).map_or_else(Target::current, Target::held)
     }
 
     /// A stage that brings the sample to rest at the stress of a parameter, where it is given.
     pub fn consolidation(&self, key: &str) -> Option<Stage> {
-        self.optional(key).map(|stress| consolidation(stress, self.number("inertial_number")))
+        self.optional(key).map(|stress| consolidation(stress, self.number(INERTIAL_NUMBER.key)))
     }
-}
-
-/// How fast a path goes, for [`Values::speed`].
-pub const INERTIAL_NUMBER: Parameter = Parameter {
-    key: "inertial_number",
-    unit: "1",
-    help: "How fast: inertial number I of the driving strain rate at the mean stress at the start of the stage.",
-    default: Default::Value(1e-3),
-    bounds: [1e-8, 0.1],
-};
-
-/// How many states a path records, for [`Values::states`].
-pub const STATES: Parameter = Parameter {
-    key: "states",
-    unit: "1",
-    help: "Number of equal intervals at whose ends a state is recorded.",
-    default: Default::Value(100.0),
-    bounds: [1.0, 1e6],
-};
-
-/// A stress to which the sample is brought before the test.
-const fn stress(key: &'static str, help: &'static str) -> Parameter {
-    Parameter { key, unit: "Pa", help, default: Default::Absent("that of the sample"), bounds: [1e-3, 1e11] }
-}
-
-const fn number(key: &'static str, help: &'static str, default: f64, bounds: [f64; 2]) -> Parameter {
-    Parameter { key, unit: "1", help, default: Default::Value(default), bounds }
 }
 
 /// Unbalanced force below which a sample is at rest.
@@ -247,7 +217,7 @@ const AT_REST: f64 = 1e-3;
 
 /// All three axes are brought to a stress, and the sample to rest there.
 fn consolidation(stress: f64, inertial_number: f64) -> Stage {
-    let held = Drive::Stress(Target { value: Some(stress), rate: 0.0 });
+    let held = Drive::Stress(Target::held(stress));
     let fixed = Drive::Fixed;
     let speed = Speed::InertialNumber { number: inertial_number, at: None };
     let control = Control { servo_limit: 1.0, ..Control::of(speed, [held, held, held, fixed, fixed, fixed]) };
@@ -263,25 +233,47 @@ fn generous(strain: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::loading::{History, Quantity, Start};
+
+    /// A value for a parameter that has no default.
+    fn example(parameter: &Parameter) -> Value {
+        match parameter.kind {
+            Kind::History => {
+                let columns = vec![Quantity::Strain(0), Quantity::Stress(1)];
+                Value::History(History { columns, rows: vec![vec![0.0, 1e5], vec![0.01, 1e5]] })
+            }
+            _ => Value::Number(parameter.bounds[0].max(1e5).min(parameter.bounds[1])),
+        }
+    }
+
+    fn assert_sound(preset: &Preset, given: &Given) {
+        let stages = preset.expand(given);
+        assert!(!stages.is_empty(), "{}", preset.name);
+        let mut kept = false;
+        for stage in &stages {
+            assert_eq!(stage.control.check(), Ok(()), "{} {}", preset.name, stage.name);
+            assert!(!stage.until.is_empty() && stage.most_arc_length.is_some(), "{}", preset.name);
+            // NaN would be no equal of itself.
+            assert_eq!(stage, &stage.clone(), "{}", preset.name);
+            kept |= stage.start == Start::Kept;
+            assert!(stage.start != Start::Back || kept, "{}: nothing to go back to", preset.name);
+        }
+    }
 
     #[test]
     fn paths_that_would_mislead_are_refused() {
-        const OWN: Preset = Preset {
-            name: "test-of-registration",
-            help: "A path of one's own.",
-            parameters: &[INERTIAL_NUMBER],
-            stages: |_| Vec::new(),
-        };
+        const OWN: Preset =
+            Preset::new("test-of-registration", "A path of one's own.", &[INERTIAL_NUMBER], |_| Vec::new());
         assert_eq!(register(&OWN), Ok(()));
         assert_eq!(register(&OWN), Ok(()), "once more is no harm");
         assert!(all().len() > ALL.len() && named(OWN.name).is_some());
         const TAKEN: Preset = Preset { name: "oedometer", ..OWN };
         assert_eq!(register(&TAKEN), Err(RegisterError::NameTaken { name: "oedometer" }));
-        const TWICE: Preset = Preset { name: "twice", parameters: &[STATES, STATES], ..OWN };
+        const TWICE: Preset = Preset { name: "twice", own: &[STATES, STATES], ..OWN };
         assert!(matches!(register(&TWICE), Err(RegisterError::KeyTaken { key: "states", .. })));
         const OUTSIDE: Preset = Preset {
             name: "outside",
-            parameters: &[Parameter { default: super::Default::Value(0.0), ..STATES }],
+            own: &[Parameter { default: super::Default::Value(0.0), ..STATES }],
             ..OWN
         };
         assert!(matches!(register(&OUTSIDE), Err(RegisterError::OutOfBounds { key: "states", .. })));
@@ -293,28 +285,50 @@ mod tests {
         for preset in ALL {
             assert_eq!(named(preset.name).map(|p| p.name), Some(preset.name));
             assert!(preset.help.ends_with('.'));
-            let mut given = BTreeMap::new();
-            for round in 0..2 {
-                let stages = preset.expand(&given);
-                assert!(!stages.is_empty());
-                for stage in &stages {
-                    assert_eq!(stage.control.check(), Ok(()), "{}", preset.name);
-                    assert!(!stage.until.is_empty() && stage.most_arc_length.is_some(), "{}", preset.name);
-                    // NaN would be no equal of itself.
-                    assert_eq!(stage, &stage.clone(), "{}", preset.name);
-                }
-                for parameter in preset.parameters {
-                    let [low, high] = parameter.bounds;
-                    assert!(low < high && parameter.help.ends_with('.'), "{}", parameter.key);
-                    match parameter.default {
-                        Default::Value(value) => assert!((low..=high).contains(&value)),
-                        Default::Absent(_) if round == 0 => {
-                            given.insert(parameter.key.to_string(), low.max(1e5).min(high));
-                        }
-                        Default::Absent(_) => {}
+            let needed = preset.parameters().filter(|parameter| parameter.default == Default::Needed);
+            let least: Given = needed.map(|p| (p.key.to_string(), example(p))).collect();
+            assert_sound(preset, &least);
+            for parameter in preset.parameters() {
+                let [low, high] = parameter.bounds;
+                assert!(low < high && parameter.help.ends_with('.'), "{}", parameter.key);
+                let mut given = least.clone();
+                match (parameter.kind, parameter.default) {
+                    (Kind::Number, Default::Value(value)) => {
+                        assert!((low..=high).contains(&value), "{}", parameter.key);
                     }
+                    (Kind::Number, _) => {
+                        given.insert(parameter.key.to_string(), example(parameter));
+                        assert_sound(preset, &given);
+                    }
+                    (Kind::Word(words), Default::Word(default)) => {
+                        assert!(words.iter().any(|[word, _]| *word == default));
+                        for [word, meaning] in words {
+                            assert!(!meaning.is_empty());
+                            given.insert(parameter.key.to_string(), (*word).into());
+                            assert_sound(preset, &given);
+                        }
+                    }
+                    (Kind::List, Default::List(list)) => {
+                        assert!(list.windows(2).all(|pair| pair[0] < pair[1]));
+                    }
+                    (Kind::History, Default::Needed) => {}
+                    (kind, default) => panic!("{}: {kind:?} with {default:?}", parameter.key),
                 }
             }
         }
+    }
+
+    /// A strain rate takes the place of the inertial number and brings its factor on the density, but for a consolidation.
+    #[test]
+    fn a_strain_rate_scales_the_density_of_the_test_alone() {
+        let given = Given::from([
+            ("lateral_stress".into(), 1e5.into()),
+            ("strain_rate".into(), 1e-5.into()),
+            ("density_scaling".into(), 1e12.into()),
+        ]);
+        let stages = drained_triaxial::PRESET.expand(&given);
+        assert_eq!(stages[0].density_scaling, 1.0);
+        assert!(matches!(stages[0].control.speed, Speed::InertialNumber { .. }));
+        assert_eq!((stages[1].control.speed, stages[1].density_scaling), (Speed::StrainRate(1e-5), 1e12));
     }
 }

@@ -1,12 +1,12 @@
 //! Oedometer: axis x is compressed without lateral strain, then unloaded.
 
-use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, stress};
+use super::{INERTIAL_NUMBER, INTERVAL, Parameter, Preset, stress};
 use crate::loading::{Control, Drive, Measure, Record, Stage, Until};
 
 pub(super) const PRESET: Preset = Preset {
     name: "oedometer",
     help: "Oedometer: axis x is compressed without lateral strain up to a stress, and unloaded where a second one is given.",
-    parameters: PARAMETERS,
+    own: PARAMETERS,
     stages: |values| {
         let stage = |name: &str, sense: f64, stress: f64| {
             let fixed = Drive::Fixed;
@@ -32,10 +32,7 @@ const PARAMETERS: &[Parameter] = &[
     },
     INERTIAL_NUMBER,
     Parameter {
-        key: "interval",
         help: "A state is recorded at every such arc length of strain, which is sqrt(2/3) of the axial strain.",
-        default: super::Default::Value(1e-4),
-        bounds: [1e-7, 1.0],
-        ..STATES
+        ..INTERVAL
     },
 ];

@@ -1,14 +1,14 @@
 //! Simple shear at constant normal stress: x is moved by y, the stress along y is held, the others do not strain.
 
 use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, generous, number, stress};
-use crate::loading::{Control, Drive, Kinematics, Measure, Record, Speed, Stage, Target, Until};
+use crate::loading::{Control, Drive, Kinematics, Measure, Record, Speed, Stage, Until};
 
 pub(super) const PRESET: Preset = Preset {
     name: "simple-shear",
     help: "Simple shear in the plane xy at constant normal stress along y, without strain along x and z.",
-    parameters: PARAMETERS,
+    own: PARAMETERS,
     stages: |values| {
-        let held = Drive::Stress(Target { value: values.optional("normal_stress"), rate: 0.0 });
+        let held = Drive::Stress(values.target("normal_stress"));
         let test = shear(values.speed(), held, values.number("shear_strain"), values.states());
         values.consolidation("normal_stress").into_iter().chain([test]).collect()
     },

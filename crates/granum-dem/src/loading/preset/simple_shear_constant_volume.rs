@@ -7,7 +7,7 @@ use crate::loading::Drive;
 pub(super) const PRESET: Preset = Preset {
     name: "simple-shear-constant-volume",
     help: "Simple shear in the plane xy at constant volume: an undrained simple shear test.",
-    parameters: PARAMETERS,
+    own: PARAMETERS,
     stages: |values| {
         let test = shear(values.speed(), Drive::Fixed, values.number("shear_strain"), values.states());
         values.consolidation("mean_stress").into_iter().chain([test]).collect()

@@ -1,18 +1,27 @@
 //! Undrained triaxial test: the volume of a saturated sample stays, and so the two lateral strains are half the axial one.
 
-use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, generous, number, stress};
-use crate::loading::{Control, Drive, Measure, Record, Stage, Until};
+use super::{Default, INERTIAL_NUMBER, Parameter, Preset, STATES, generous, number, stress};
+use crate::loading::{Constraint, Control, Drive, Measure, Record, Stage, Target, Until};
 
 pub(super) const PRESET: Preset = Preset {
     name: "undrained-triaxial",
     help: "Undrained triaxial compression or extension: axis x is strained at constant volume. The stresses are effective ones.",
-    parameters: PARAMETERS,
+    own: PARAMETERS,
     stages: |values| {
         let end = values.number("axial_strain");
-        let (axial, fixed) = (Drive::Rate(end.signum()), Drive::Fixed);
+        let (axial, free, fixed) = (Drive::Rate(end.signum()), Drive::Free, Drive::Fixed);
         let lateral = Drive::Rate(-0.5 * end.signum());
         let until = Until::Reaches { measure: Measure::Strain(0), value: end };
-        let control = Control::of(values.speed(), [axial, lateral, lateral, fixed, fixed, fixed]);
+        let control = match values.optional("fluid_modulus") {
+            None => Control::of(values.speed(), [axial, lateral, lateral, fixed, fixed, fixed]),
+            // The pore pressure K_f eps_v / n and the effective stress along z make up the constant cell pressure.
+            Some(modulus) => Control::of(values.speed(), [axial, free, free, fixed, fixed, fixed])
+                .with(Constraint::strains([0.0, 1.0, -1.0, 0.0, 0.0, 0.0], 0.0))
+                .with(Constraint {
+                    strain: [modulus, modulus, modulus, 0.0, 0.0, 0.0],
+                    ..Constraint::stresses([0.0, 0.0, 1.0, 0.0, 0.0, 0.0], Target::current())
+                }),
+        };
         let test = Stage {
             most_arc_length: generous(end),
             resets: true,
@@ -31,4 +40,8 @@ const PARAMETERS: &[Parameter] = &[
     stress("mean_stress", "Mean effective stress to which the sample is brought before."),
     INERTIAL_NUMBER,
     STATES,
+    Parameter {
+        default: Default::Absent("the fluid is incompressible, and the volume of the sample stays"),
+        ..stress("fluid_modulus", "Bulk modulus of the pore fluid over the porosity, K_f / n.")
+    },
 ];

@@ -28,7 +28,7 @@ use std::time::Instant;
 use granum_simd::{Isa, Row8};
 
 use self::method::Method;
-use super::state::{Course, TrainerState, Validation};
+use super::state::{TrainerState, TrainingHistory, Validation};
 use super::traingdx::norm;
 use super::{
     Control, Evidence, Observer, Options, Progress, SharedTrainer, TerminationReason, Trainer, TrainerKind,
@@ -191,7 +191,7 @@ impl Trainer for LevenbergMarquardt {
         let mut error = search.squared_error / search.values;
         let mut validation_error = search.validation_error;
         network.weights_mut().copy_from_slice(&search.weights);
-        if let (Some(best), false) = (&search.course.best, termination == TerminationReason::Stopped) {
+        if let (Some(best), false) = (&search.history.best, termination == TerminationReason::Stopped) {
             network.weights_mut().copy_from_slice(&best.weights);
             error = search.workspace.squared_error(&best.weights) / search.values;
             validation_error = Some(best.error);
@@ -239,7 +239,7 @@ struct Search<'a> {
     /// Epochs in a row without change.
     quiet: u64,
     validation_error: Option<f64>,
-    course: Course,
+    history: TrainingHistory,
 }
 
 impl<'a> Search<'a> {
@@ -292,7 +292,7 @@ impl<'a> Search<'a> {
             settled,
             quiet,
             validation_error: None,
-            course: state.course,
+            history: state.history,
         };
         search.squared_error = search.workspace.squared_error(&search.weights);
         search.squared_weights = square(rule.isa, &search.weights);
@@ -302,9 +302,9 @@ impl<'a> Search<'a> {
         search.validation_error = search.validation.as_mut().map(|v| v.error(&search.weights));
         if fresh {
             if let Some(error) = search.validation_error {
-                search.course.validate(error, &search.weights);
+                search.history.validate(error, &search.weights);
             }
-            search.course.note(search.squared_error / search.values, search.validation_error);
+            search.history.note(search.squared_error / search.values, search.validation_error);
         }
         Ok(search)
     }
@@ -318,8 +318,8 @@ impl<'a> Search<'a> {
             settled: self.settled,
             quiet: self.quiet,
         };
-        let (weights, course) = (self.weights.clone(), self.course.clone());
-        method.into_state(TrainerState::with_course(LevenbergMarquardt::NAME, weights, course))
+        let (weights, history) = (self.weights.clone(), self.history.clone());
+        method.into_state(TrainerState::with_history(LevenbergMarquardt::NAME, weights, history))
     }
 
     fn run(&mut self, observer: &mut dyn Observer) -> TerminationReason {
@@ -331,7 +331,7 @@ impl<'a> Search<'a> {
                 return reason;
             }
             let progress = Progress {
-                epoch: self.course.epoch,
+                epoch: self.history.epoch,
                 epochs: self.rule.epochs,
                 error: self.squared_error / self.values,
                 validation_error: self.validation_error,
@@ -346,11 +346,11 @@ impl<'a> Search<'a> {
     fn finished(&self) -> Option<TerminationReason> {
         if self.squared_error / self.values <= self.rule.goal {
             Some(TerminationReason::Goal)
-        } else if self.course.epoch >= self.rule.epochs {
+        } else if self.history.epoch >= self.rule.epochs {
             Some(TerminationReason::EpochLimit)
         } else if self.quiet >= QUIET {
             Some(TerminationReason::Converged)
-        } else if self.validation.is_some() && self.course.failures >= self.rule.maximum_failures {
+        } else if self.validation.is_some() && self.history.failures >= self.rule.maximum_failures {
             Some(TerminationReason::ValidationFailures)
         } else {
             None
@@ -386,13 +386,13 @@ impl<'a> Search<'a> {
         }
         let before = decay.mul_add(self.squared_weights, self.squared_error);
         let after = self.descend(decay, before)?;
-        self.course.epoch += 1;
+        self.history.epoch += 1;
         if let Some(validation) = &mut self.validation {
             let error = validation.error(&self.weights);
             self.validation_error = Some(error);
-            self.course.validate(error, &self.weights);
+            self.history.validate(error, &self.weights);
         }
-        self.course.note(self.squared_error / self.values, self.validation_error);
+        self.history.note(self.squared_error / self.values, self.validation_error);
         let still = |new: f64, old: f64| (new - old).abs() <= self.rule.tolerance * old.abs();
         self.settled = before - after <= SETTLED * before;
         let alike = (self.evidence.gamma - gamma).abs() <= GAMMA_TOLERANCE * gamma;

@@ -1,0 +1,119 @@
+//! Cyclic triaxial test: axis x is strained to and fro between two strains or two deviator stresses, drained or undrained.
+
+use super::{Default, INERTIAL_NUMBER, Parameter, Preset, Values, deviator, number, optional, stress, word};
+use crate::loading::{Constraint, Control, Drive, Measure, Ramp, Record, Stage, Target, Turns, Until};
+
+pub(super) const PRESET: Preset = Preset {
+    name: "cyclic",
+    help: "Cyclic triaxial test between two axial strains or two deviator stresses, drained or undrained: so many cycles, or until \
+           liquefaction or a double amplitude of strain.",
+    own: PARAMETERS,
+    stages: |values| {
+        let cycles = values.number("cycles");
+        let by_stress = values.optional("stress_amplitude");
+        let amplitude = values.number("strain_amplitude");
+        let (measure, middle, amplitude) = match by_stress {
+            Some(stress) => (Measure::AxialDeviatorStress, values.number("mean_deviator_stress"), stress),
+            None => (Measure::Strain(0), values.number("mean_strain"), amplitude),
+        };
+        let mut until = vec![Until::Reversals(2 * cycles as u64)];
+        if undrained(values) {
+            until.push(Until::PorePressureRatio(values.number("pore_pressure_ratio")));
+        }
+        // The strain of one cycle is bounded by what ends the test.
+        let (one_cycle, default_interval) = match by_stress {
+            Some(_) => {
+                let value = values.number("double_amplitude");
+                until.push(Until::DoubleAmplitude { measure: Measure::Strain(0), value });
+                (2.0 * value, INTERVAL_BY_STRESS)
+            }
+            None => (4.0 * amplitude, 4.0 * amplitude / STATES_OF_A_CYCLE),
+        };
+        let interval = values.optional("interval").unwrap_or(default_interval);
+        let most = 2.0 * cycles * one_cycle + 4.0 * values.number("mean_strain").abs() + 0.2;
+        let test = Stage {
+            turns: Some(Turns { measure, high: middle + amplitude, low: middle - amplitude }),
+            most_arc_length: Some(most),
+            resets: true,
+            ..Stage::new("cyclic", control(values), until)
+                .recording(Record::every(Measure::ArcLength, interval))
+        };
+        values.consolidation("mean_stress").into_iter().chain([test]).collect()
+    },
+};
+
+/// States recorded in a cycle of strain, and the distance of states in arc length where a stress turns it.
+const STATES_OF_A_CYCLE: f64 = 40.0;
+const INTERVAL_BY_STRESS: f64 = 1e-4;
+
+fn undrained(values: &Values) -> bool {
+    values.is("drainage", "undrained")
+}
+
+/// A strain amplitude drives axis x by its strain rate. A stress amplitude drives the deviator stress by a rate of its own, and
+/// the strain rate stays below that of the stage's speed, as where the sample flows.
+fn control(values: &Values) -> Control {
+    let (free, fixed) = (Drive::Free, Drive::Fixed);
+    let held = Drive::Stress(Target::current());
+    let Some(amplitude) = values.optional("stress_amplitude") else {
+        let lateral = if undrained(values) { Drive::Rate(-0.5) } else { held };
+        return Control::of(values.speed(), [Drive::Rate(1.0), lateral, lateral, fixed, fixed, fixed]);
+    };
+    let first = Target::ramp(Ramp::To(values.number("mean_deviator_stress") + amplitude));
+    let deviator = Constraint::stresses([1.0, -0.5, -0.5, 0.0, 0.0, 0.0], first);
+    let control = if undrained(values) {
+        Control::of(values.speed(), [free, free, free, fixed, fixed, fixed])
+            .with(Constraint::strains([1.0, 1.0, 1.0, 0.0, 0.0, 0.0], 0.0))
+            .with(Constraint::strains([0.0, 1.0, -1.0, 0.0, 0.0, 0.0], 0.0))
+    } else {
+        Control::of(values.speed(), [free, held, held, fixed, fixed, fixed])
+    };
+    Control { servo_limit: 1.0, ..control.with(deviator) }
+}
+
+const PARAMETERS: &[Parameter] = &[
+    word(
+        "drainage",
+        "What the lateral axes do.",
+        &[
+            ["undrained", "the volume stays, and stresses are effective ones"],
+            ["drained", "the lateral stresses are held"],
+        ],
+    ),
+    number(
+        "strain_amplitude",
+        "Axial strain between the middle of a cycle and its turning points.",
+        1e-3,
+        [1e-7, 0.5],
+    ),
+    Parameter {
+        default: Default::Absent("strain_amplitude says where the test turns round"),
+        ..stress(
+            "stress_amplitude",
+            "Deviator stress sigma_x - sigma_y between the middle of a cycle and its turning points, in place of strain_amplitude.",
+        )
+    },
+    number("mean_strain", "Axial strain in the middle of the cycles.", 0.0, [-1.0, 1.0]),
+    deviator("mean_deviator_stress", "Deviator stress in the middle of the cycles of stress_amplitude."),
+    number("cycles", "Number of cycles.", 10.0, [1.0, 1e6]),
+    number(
+        "pore_pressure_ratio",
+        "Ratio r_u = 1 - p/p_0 of the excess pore pressure at which an undrained test ends: liquefaction.",
+        0.95,
+        [0.01, 1.0],
+    ),
+    number(
+        "double_amplitude",
+        "Axial strain since the last turning point at which a test with stress_amplitude ends.",
+        0.05,
+        [1e-5, 1.0],
+    ),
+    stress("mean_stress", "Mean effective stress to which the sample is brought before."),
+    INERTIAL_NUMBER,
+    optional(
+        "interval",
+        "A state is recorded at every such arc length of strain.",
+        "a fortieth of a cycle of strain_amplitude, 1e-4 with stress_amplitude",
+        [1e-7, 1.0],
+    ),
+];

@@ -1,0 +1,69 @@
+//! A history of strains or stresses from a file: the sample is led from row to row.
+
+use super::{Default, INERTIAL_NUMBER, Kind, Parameter, Preset, STATES, optional, word};
+use crate::loading::{Control, Drive, History, Measure, Quantity, Ramp, Record, Speed, Stage, Target, Until};
+
+pub(super) const PRESET: Preset = Preset {
+    name: "history",
+    help: "Strains or stresses of a file (CSV), row by row: the cell goes from each row to the next along straight lines.",
+    own: PARAMETERS,
+    stages: |values| {
+        let Some(history) = values.history("file") else { return Vec::new() };
+        let sign = if values.is("compression", "negative") { -1.0 } else { 1.0 };
+        let record = values.optional("interval").map(|interval| Record::every(Measure::ArcLength, interval));
+        let mut stages: Vec<Stage> = (history.rows.iter().enumerate())
+            .map(|(k, row)| {
+                let control = control(history, row, sign, values.speed());
+                let stage = Stage::new(format!("row {}", k + 1), control, vec![Until::RampOver]);
+                let record = record.clone().unwrap_or_default();
+                Stage { resets: k == 0, most_arc_length: Some(0.5), record, ..stage }
+            })
+            .collect();
+        stages.push(Stage::mark("end"));
+        stages
+    },
+};
+
+/// From wherever the sample is to a row.
+fn control(history: &History, row: &[f64], sign: f64, speed: Speed) -> Control {
+    let mut components = [Drive::Fixed; 6];
+    for (column, value) in history.columns.iter().zip(row) {
+        let end = Ramp::To(sign * value + 0.0);
+        components[column.component()] = match column {
+            Quantity::Strain(_) => Drive::Ramp(end),
+            Quantity::Stress(_) => Drive::Stress(Target::ramp(end)),
+        };
+    }
+    Control::of(speed, components)
+}
+
+const PARAMETERS: &[Parameter] = &[
+    Parameter {
+        key: "file",
+        kind: Kind::History,
+        help: "CSV file with columns among xx_strain, yy_strain, zz_strain, yz_strain, zx_strain, xy_strain and the same with \
+               _stress, with units as in `xx_stress (kPa)`; strains are logarithmic and count from the start of the path. A column \
+               time is read and has no part: the response of grains does not depend on it.",
+        default: Default::Needed,
+        ..STATES
+    },
+    word(
+        "compression",
+        "Sign of compression in the file.",
+        &[
+            ["positive", "as in granum and soil mechanics"],
+            ["negative", "as in most finite-element programs"],
+        ],
+    ),
+    Parameter {
+        help: "How fast: inertial number I of the largest strain rate at the mean stress at the start of each row. For stresses \
+               the strain is estimated from the contacts.",
+        ..INERTIAL_NUMBER
+    },
+    optional(
+        "interval",
+        "A state is recorded at every such arc length of strain between the rows.",
+        "at the rows alone",
+        [1e-7, 1.0],
+    ),
+];

@@ -1,0 +1,237 @@
+//! What a named path takes: parameters with their kinds, defaults and bounds, and the values given to them.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::Preset;
+use crate::loading::{History, Speed};
+
+/// A parameter of a preset.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Parameter {
+    /// Its key in a case file.
+    pub key: &'static str,
+    /// What its values are.
+    pub kind: Kind,
+    /// The SI unit of a number; `1` for a pure number.
+    pub unit: &'static str,
+    /// What it is, in one or two sentences.
+    pub help: &'static str,
+    /// Its default; `None` where it may be left out, with what then holds.
+    pub default: Default,
+    /// Smallest and largest value of a number.
+    pub bounds: [f64; 2],
+}
+
+/// What the values of a parameter are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// A number.
+    Number,
+    /// One of these words, each with its meaning.
+    Word(&'static [[&'static str; 2]]),
+    /// Numbers that rise.
+    List,
+    /// A history of strains and stresses, as a file or a table has it.
+    History,
+}
+
+/// What holds where a parameter is not given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Default {
+    /// This number.
+    Value(f64),
+    /// This word.
+    Word(&'static str),
+    /// These numbers.
+    List(&'static [f64]),
+    /// What this sentence says.
+    Absent(&'static str),
+    /// Nothing: it must be given.
+    Needed,
+}
+
+/// A value given to a parameter.
+///
+/// ```
+/// use granum_dem::loading::preset::{self, Given};
+///
+/// let given = Given::from([("axial_strain".to_string(), 0.1.into())]);
+/// let stages = preset::named("drained-triaxial").map(|path| path.expand(&given)).unwrap_or_default();
+/// assert_eq!(stages.len(), 1);
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Value {
+    /// A number in SI units.
+    Number(f64),
+    /// A word.
+    Word(String),
+    /// Numbers that rise.
+    List(Vec<f64>),
+    /// A history of strains and stresses.
+    History(History),
+}
+
+impl From<f64> for Value {
+    fn from(number: f64) -> Value {
+        Value::Number(number)
+    }
+}
+
+impl From<&str> for Value {
+    fn from(word: &str) -> Value {
+        Value::Word(word.to_string())
+    }
+}
+
+/// Values by the keys of their parameters; those not given have their defaults.
+pub type Given = BTreeMap<String, Value>;
+
+/// The parameters of a preset, given or by default.
+pub struct Values<'a> {
+    pub(super) preset: &'a Preset,
+    pub(super) given: &'a Given,
+}
+
+impl<'a> Values<'a> {
+    fn default(&self, key: &str) -> Option<Default> {
+        self.preset.parameter(key).map(|parameter| parameter.default)
+    }
+
+    /// A number that may be left out.
+    pub fn optional(&self, key: &str) -> Option<f64> {
+        match (self.given.get(key), self.default(key)) {
+            (Some(Value::Number(number)), _) => Some(*number),
+            (_, Some(Default::Value(number))) => Some(number),
+            _ => None,
+        }
+    }
+
+    /// A number that has a default.
+    pub fn number(&self, key: &str) -> f64 {
+        self.optional(key).unwrap_or(f64::NAN)
+    }
+
+    /// True if a word was chosen.
+    pub fn is(&self, key: &str, word: &str) -> bool {
+        match (self.given.get(key), self.default(key)) {
+            (Some(Value::Word(given)), _) => given == word,
+            (_, Some(Default::Word(default))) => default == word,
+            _ => false,
+        }
+    }
+
+    /// The numbers of a list.
+    pub fn list(&self, key: &str) -> &[f64] {
+        match (self.given.get(key), self.default(key)) {
+            (Some(Value::List(list)), _) => list,
+            (_, Some(Default::List(list))) => list,
+            _ => &[],
+        }
+    }
+
+    /// A history, where one is given.
+    pub fn history(&self, key: &str) -> Option<&'a History> {
+        match self.given.get(key) {
+            Some(Value::History(history)) => Some(history),
+            _ => None,
+        }
+    }
+
+    /// The speed that the parameters `strain_rate` or `inertial_number` say.
+    pub fn speed(&self) -> Speed {
+        match self.optional(STRAIN_RATE.key) {
+            Some(rate) => Speed::StrainRate(rate),
+            None => Speed::InertialNumber { number: self.number(INERTIAL_NUMBER.key), at: None },
+        }
+    }
+
+    /// Number of states to record.
+    pub fn states(&self) -> usize {
+        self.number("states") as usize
+    }
+}
+
+/// How fast every path goes, for [`Values::speed`].
+pub const INERTIAL_NUMBER: Parameter = Parameter {
+    key: "inertial_number",
+    help: "How fast: inertial number I of the driving strain rate at the mean stress at the start of the stage.",
+    default: Default::Value(1e-3),
+    bounds: [1e-8, 0.1],
+    ..STATES
+};
+
+/// The other way to say the speed, of every preset.
+pub(super) const STRAIN_RATE: Parameter = Parameter {
+    key: "strain_rate",
+    unit: "1/s",
+    help: "The other way to say how fast, in place of inertial_number: the driving strain rate.",
+    default: Default::Absent("inertial_number says it"),
+    bounds: [1e-12, 1e9],
+    ..STATES
+};
+
+/// Density with a strain rate, of every preset.
+pub(super) const DENSITY_SCALING: Parameter = Parameter {
+    key: "density_scaling",
+    help: "Factor on the density of every grain in the stages that go at strain_rate, and only with it.",
+    default: Default::Absent("1"),
+    bounds: [1e-6, 1e24],
+    ..STATES
+};
+
+/// What every preset takes that does not declare it itself.
+pub(super) const COMMON: &[Parameter] = &[INERTIAL_NUMBER, STRAIN_RATE, DENSITY_SCALING];
+
+/// How many states a path records, for [`Values::states`].
+pub const STATES: Parameter = Parameter {
+    key: "states",
+    kind: Kind::Number,
+    unit: "1",
+    help: "Number of equal intervals at whose ends a state is recorded.",
+    default: Default::Value(100.0),
+    bounds: [1.0, 1e6],
+};
+
+/// States at equal distances of arc length.
+pub const INTERVAL: Parameter = Parameter {
+    key: "interval",
+    help: "A state is recorded at every such arc length of strain.",
+    default: Default::Value(1e-4),
+    bounds: [1e-7, 1.0],
+    ..STATES
+};
+
+/// A stress that may be left out: then it is that of the sample.
+pub const fn stress(key: &'static str, help: &'static str) -> Parameter {
+    let default = Default::Absent("that of the sample");
+    Parameter { key, unit: "Pa", help, default, bounds: [1e-3, 1e11], ..STATES }
+}
+
+/// A deviator stress with a default of zero.
+pub const fn deviator(key: &'static str, help: &'static str) -> Parameter {
+    Parameter { key, unit: "Pa", help, default: Default::Value(0.0), bounds: [-1e11, 1e11], ..STATES }
+}
+
+/// A pure number with a default and bounds.
+pub const fn number(key: &'static str, help: &'static str, default: f64, bounds: [f64; 2]) -> Parameter {
+    Parameter { key, help, default: Default::Value(default), bounds, ..STATES }
+}
+
+/// A number that may be left out, with what then holds.
+pub const fn optional(
+    key: &'static str,
+    help: &'static str,
+    absent: &'static str,
+    bounds: [f64; 2],
+) -> Parameter {
+    Parameter { key, help, default: Default::Absent(absent), bounds, ..STATES }
+}
+
+/// A choice between words, of which the first is the default.
+pub const fn word(key: &'static str, help: &'static str, words: &'static [[&'static str; 2]]) -> Parameter {
+    Parameter { key, kind: Kind::Word(words), help, default: Default::Word(words[0][0]), ..STATES }
+}
