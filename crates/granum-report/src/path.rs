@@ -139,18 +139,19 @@ pub fn behaviour(page: &mut Page, run: &RunReport) -> Markup {
     if traits.probes {
         figures.extend(probes(run).map(|figure| ("probes", figure)));
     }
+    let compression_alone = traits.compression && is_compression_alone(run);
     if traits.cyclic {
         figures.push(("loops", loops(run, &traits)));
     }
     if traits.simple_shear {
         figures.push(("shear", simple_shear(run, &traits)));
-    } else if !traits.probes && !traits.cyclic && !(traits.compression && is_compression_alone(run)) {
+    } else if !(traits.probes || traits.cyclic || compression_alone) {
         figures.push(("stress", stress_and_volume(run, &traits)));
     }
     if traits.compression {
         figures.push(("compression", compression(run, &traits)));
     }
-    if !traits.probes && !(traits.compression && !traits.oedometer && is_compression_alone(run)) {
+    if !(traits.probes || compression_alone && !traits.oedometer) {
         figures.push(("stress-path", stress_path(run, &traits)));
     }
     if traits.undrained {

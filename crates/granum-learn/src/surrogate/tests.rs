@@ -156,8 +156,7 @@ fn fitted(scores: &SurrogateScores) -> &dyn Surrogate {
 fn every_surrogate_comes_back_from_its_file_with_the_same_bits() {
     let dataset = dataset_of(&records(Law::Plain, 3));
     let parts = parts(&dataset);
-    let mut small = FeedForward::default();
-    small.hidden = vec![3];
+    let small = FeedForward { hidden: vec![3], ..FeedForward::default() };
     let mapping = MappingMethod::new(paper_mapping("F2").unwrap().with_neurons(3));
     let methods = SurrogateMethods::standard().with(mapping).with(small).with(Nearest);
     let folder = tempfile::tempdir().unwrap();
@@ -307,8 +306,7 @@ fn offset_runs(count: u32, first: u32, offset: f64, noise: f64) -> Dataset {
 fn intervals_hold_new_runs_and_name_their_causes() {
     let spec = FitSpec::new(["x"], ["y"]).with_coordinate("x");
     for name in ["ridge", "feed-forward"] {
-        let mut method = FeedForward::default();
-        method.hidden = vec![4];
+        let method = FeedForward { hidden: vec![4], ..FeedForward::default() };
         let methods = SurrogateMethods::standard().with(method);
         let method = methods.by_name(name).unwrap();
         let (mut held, mut all, mut runs) = (0, 0, 0.0);
@@ -355,8 +353,7 @@ fn wrong_questions_are_refused() {
     assert!(
         message(FitSpec::new(["x"], ["y"]).with_coordinate("state")).contains("must be one of the inputs: x")
     );
-    let mut wrong = RidgeRegression::default();
-    wrong.penalty = 0.0;
+    let wrong = RidgeRegression { penalty: 0.0, ..RidgeRegression::default() };
     let text = wrong.fit(&dataset, &FitSpec::new(["x"], ["y"])).err().unwrap().to_string();
     assert!(text.contains("must be a positive number, not 0"));
     // A score over metres and pure numbers would mean nothing.
@@ -390,8 +387,7 @@ fn wrong_questions_are_refused() {
 #[test]
 fn threads_change_no_bit() {
     let dataset = dataset_of(&records(Law::Plain, 2));
-    let mut method = FeedForward::default();
-    method.hidden = vec![3];
+    let method = FeedForward { hidden: vec![3], ..FeedForward::default() };
     let text = |threads: usize| {
         let spec =
             FitSpec::new(["deviator_strain"], ["stress_ratio", "deviator_fabric"]).with_threads(threads);

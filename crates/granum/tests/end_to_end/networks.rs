@@ -257,7 +257,7 @@ fn a_saved_surrogate_is_asked() {
 
     std::fs::write(here.join("rows.csv"), "x,other\n0.5,1\n2.5,1\n").unwrap();
     done(here, &["predict", "s.json", "--input", "rows.csv", "--output", "answers.csv"]);
-    let answers = granum_io::read_table(&here.join("answers.csv")).unwrap();
+    let answers = granum_io::read_table(here.join("answers.csv")).unwrap();
     assert_eq!(answers.column("predicted_y").unwrap()[0], known.mean);
     assert_eq!(answers.column("outside").unwrap(), [0.0, 1.0]);
 
