@@ -1,6 +1,6 @@
-//! Surrogates fitted to columns of one's own choice and compared: networks, ridge regression, and a method of one's own.
+//! Comparison of surrogates that are fitted to chosen columns: networks, ridge regression, and a user-defined method.
 //!
-//! Four samples with different friction are sheared; three train, and the fourth is seen by no surrogate.
+//! Four samples with different friction are sheared; three are used for training, and the fourth is an unseen run.
 
 use granum::learn::surrogate::{Cause, Columns, Content, outside_of, save};
 use granum::prelude::*;
@@ -13,12 +13,13 @@ fn run(seed: u64, friction: f64) -> Result<RunStates, Box<dyn std::error::Error>
     );
     let record = Laboratory::here().test(&Case::parse(&text, "case")?)?.record;
     let name = format!("friction {friction}");
-    // What the sensors saw, with the friction as a further column. (A run in a folder brings all numbers of its case.)
+    // The measurements, with the friction as an additional column. (For a run in a folder, all numbers of its case are
+    // added.)
     Ok(RunStates::from_record(&NamedRecord { name: &name, seed, record: &record })?
         .with_parameter("friction", "", friction)?)
 }
 
-/// A method of one's own: the mean of the nearest training rows.
+/// A user-defined method: the mean of the nearest training rows.
 struct Neighbours {
     count: usize,
 }
@@ -103,7 +104,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         assert!(scored.unseen.states == 40 && scored.unseen.relative_rmse < 0.5);
     }
 
-    // Any of them is saved and read again in the same way, and says what its interval comes from.
+    // All surrogates are saved and read in the same way, and report the causes of their intervals.
     let file = std::env::temp_dir().join(format!("granum-example-{}.json", std::process::id()));
     save(&file, scores[1].surrogate.as_ref())?;
     let ridge = methods.load(&file)?;

@@ -1,4 +1,4 @@
-//! Every sensor on grains that another program packed.
+//! Measures a packing of another program with all sensors.
 
 use granum::prelude::*;
 use granum::run::laboratory::simulation;

@@ -1,5 +1,5 @@
-//! A contact law of one's own with a parameter of its own: spheres on an elastic foundation (Winkler), whose layer presses
-//! back at each point in proportion to its own displacement.
+//! A user-defined contact law with a parameter: spheres on an elastic foundation (Winkler), whose pressure at each point is
+//! proportional to the local displacement.
 //!
 //! With the foundation modulus `kappa E*/R*`: contact radius `a = sqrt(2 R* alpha)`, force `N = pi kappa E* alpha^2`,
 //! stiffness `dN/dalpha = 2 pi kappa E* alpha` (Johnson 1985, section 4.3).
@@ -69,7 +69,7 @@ impl NormalLaw for Foundation {
 
 /// The whole program.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // From here on case files know the law by its name.
+    // From here on, case files can refer to the law by its name.
     register_normal(NormalKind::new(&Foundation))?;
     let case = Case::parse(
         "grains.count = 150\ngrains.material.interface_energy = 0\ncontact.normal = \"elastic-foundation\"\n\

@@ -1,4 +1,4 @@
-//! A format of packings of one's own: `x y z radius` in each line, the edges of a cuboid cell in the first.
+//! A user-defined packing format: the first line gives the edges of a cuboid cell, and every other line `x y z radius`.
 
 use std::path::Path;
 

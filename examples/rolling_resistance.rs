@@ -1,4 +1,4 @@
-//! What resistance to rolling does to the strength of a sample.
+//! The effect of rolling resistance on the strength of a sample.
 
 use granum::prelude::*;
 

@@ -1,8 +1,8 @@
-//! From nothing to a sheared sample with a table of its series.
+//! Prepares and shears a sample, and prints a table of its series.
 
 use granum::prelude::*;
 
-/// The keys that a case does not give have their defaults, those of Antony, Zhou and Wang (2006).
+/// Keys that are not given have their default values, those of Antony, Zhou and Wang (2006).
 const CASE: &str = "
 grains.count = 200
 preparation.solid_fraction = \"none\"

@@ -1,4 +1,4 @@
-//! Stepping a simulation by hand, with all positions, velocities and contacts at hand.
+//! Advances a simulation step by step, with access to all positions, velocities and contacts.
 
 use granum::dem::random_insertion::random_insertion;
 use granum::prelude::*;
@@ -6,7 +6,7 @@ use granum::prelude::*;
 /// The whole program.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let grains = Grains { count: 200, ..Grains::default() };
-    // Grains that do not touch, at a solid fraction of 0.35, from the seed 1.
+    // Grains without contacts at a solid fraction of 0.35, placed with the seed 1.
     let (cell, spheres) = random_insertion(&grains, 0.35, 1)?;
     let properties = Properties::new(grains.material, Contact::default());
     let mut simulation = Simulation::new(cell, &spheres, properties)?;

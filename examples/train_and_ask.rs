@@ -1,4 +1,4 @@
-//! Networks that learn q/p from strain and fabric of two samples, and are asked about a third.
+//! Networks that learn q/p from strain and fabric of two samples and predict it for a third.
 
 use granum::prelude::*;
 
@@ -27,7 +27,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         );
     }
     let surrogate = &study.mapping("F3")?.surrogate;
-    // What the networks say of each fifth state of the sample that they never saw, beside what DEM found.
+    // Every fifth state of the unseen sample: the predictions of the networks next to the values of DEM.
     let states: Vec<_> = dataset.unseen().into_iter().step_by(5).collect();
     let intervals = surrogate.intervals(states.iter().copied(), 0.9)?;
     println!("eps_d   DEM    network  90 % interval");

@@ -1,4 +1,4 @@
-//! One material along two paths: drained triaxial compression and compression at constant volume.
+//! One material on two stress paths: drained triaxial compression, and compression at constant volume.
 
 use granum::prelude::*;
 

@@ -1,4 +1,4 @@
-//! Every example runs to its end.
+//! Runs all examples.
 
 #[path = "../compare_surrogates.rs"]
 mod compare_surrogates;

@@ -1,7 +1,7 @@
-//! A read-only picture of a simulation at one moment: what every sensor, report and file format measures.
+//! A read-only snapshot of a simulation at one instant, on which all sensors, reports and file formats are based.
 //!
-//! It is built from `&Simulation`, so looking cannot disturb a run; it can as well be filled from another
-//! code's files.
+//! It is built from `&Simulation`, so that observation cannot disturb a run; it can equally be filled from the files of
+//! another code.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,11 +11,11 @@ pub use crate::geometry::{Matrix, Vector};
 /// One grain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Grain {
-    /// Its number, from 1 as in packing files.
+    /// Its id, from 1 as in packing files.
     pub id: u64,
     /// Position of the centre, inside the cell, m.
     pub position: Vector,
-    /// Fluctuating velocity v' (the affine part `L x` is not in it), m/s.
+    /// Fluctuating velocity v' (without the affine part `L x`), m/s.
     pub velocity: Vector,
     /// Spin, rad/s.
     pub spin: Vector,
@@ -23,9 +23,9 @@ pub struct Grain {
     pub radius: f64,
     /// Mass m, kg.
     pub mass: f64,
-    /// Sum of the contact forces on it (dashpots included), N.
+    /// Sum of the contact forces on the grain (dashpots included), N.
     pub force: Vector,
-    /// Sum of the contact torques on it about its centre, N m.
+    /// Sum of the contact torques on the grain about its centre, N m.
     pub torque: Vector,
     /// What it is made of: its place in [`Assembly::materials`]; 0 where there is one material.
     #[serde(default, skip_serializing_if = "is_first")]
@@ -44,7 +44,7 @@ pub struct Contact {
     pub i: usize,
     /// Index (not id) of grain j.
     pub j: usize,
-    /// Branch `l` from the centre of i to the nearest image of the centre of j, m.
+    /// Branch vector `l` from the centre of i to the nearest image of the centre of j, m.
     pub branch: Vector,
     /// Unit normal n from i to j.
     pub normal: Vector,
@@ -56,13 +56,13 @@ pub struct Contact {
     pub tangential_force: Vector,
     /// Radius a of the contact area, m.
     pub radius: f64,
-    /// True if the tangential force stood at the friction limit in the last step.
+    /// True if the tangential force was at the friction limit in the last step.
     pub sliding: bool,
     /// Elastic energy of the normal approach, J (zero at alpha = 0).
     pub normal_energy: f64,
     /// Elastic energy of the tangential displacement, J: `T^2 / (16 G* a)` without slip.
     pub tangential_energy: f64,
-    /// Elastic energy of rolling and twisting, J; zero without a law of moments.
+    /// Elastic energy of rolling and twisting, J; zero without a moment law.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub rolling_energy: f64,
     /// Energy of a law of adhesion on top of the contact, J.
@@ -80,21 +80,21 @@ impl Contact {
 /// Energy by mechanism since the start of the phase, J. `boundary_work = sum of the rest + change of stored energy`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnergyBalance {
-    /// Work that the cell's deformation did on the grains.
+    /// Work done on the grains by the deformation of the cell.
     pub boundary_work: f64,
-    /// Work that the elastic tangential forces took up: stored, slipped and slid.
+    /// Work of the elastic tangential forces, positive where energy is absorbed: stored, lost in micro-slip and in sliding.
     pub tangential_work: f64,
     /// Lost to sliding at the friction limit (part of `tangential_work`).
     pub friction: f64,
-    /// Lost without sliding, in the zones of slip of the contact areas (part of `tangential_work`).
+    /// Lost without sliding, in the slip zones of the contact areas (part of `tangential_work`).
     pub micro_slip: f64,
     /// Lost in the contact dashpots.
     pub damping: f64,
-    /// Lost when adhesive contacts were made: no force gives back what the surfaces release.
+    /// Lost when adhesive contacts formed: no force returns the energy that the surfaces release.
     pub adhesion_made: f64,
     /// Lost when adhesive contacts broke.
     pub adhesion_broken: f64,
-    /// Work that the elastic couples of rolling and twisting took up.
+    /// Work of the elastic couples of rolling and twisting, positive where energy is absorbed.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub rolling_work: f64,
     /// Lost by rolling and twisting, without dashpots (part of `rolling_work`).
@@ -110,7 +110,7 @@ fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }
 
-/// A read-only picture of a simulation at one moment.
+/// A read-only snapshot of a simulation at one instant.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Assembly {
     /// Time since the start of the phase, s.
@@ -125,10 +125,10 @@ pub struct Assembly {
     pub velocity_gradient: Matrix,
     /// Logarithmic strain of the cell since the start of the phase, compression positive.
     pub strain: Matrix,
-    /// Arc length of the strain path since then.
+    /// Arc length of the strain path over the same time.
     #[serde(default)]
     pub arc_length: f64,
-    /// Mean stress that the servo aims at, Pa, where it aims at one.
+    /// Target of the mean stress, Pa, where the servo has one.
     pub target_mean_stress: Option<f64>,
     /// The grains, in order of their ids.
     pub grains: Vec<Grain>,

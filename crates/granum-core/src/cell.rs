@@ -27,7 +27,7 @@ impl Cell {
         determinant(&self.edges).abs()
     }
 
-    /// Distance between the two faces that edge `k` joins, for every k, m.
+    /// Distances between the two faces of the cell that edge `k` connects, for every k, m.
     pub fn heights(&self) -> Vector {
         let inverse = invert(&self.edges);
         std::array::from_fn(|k| {

@@ -1,4 +1,4 @@
-//! Vectors and 3 x 3 matrices, in a fixed order of fused operations, so that results have the same bits everywhere.
+//! Vectors and 3 x 3 matrices, computed in a fixed order of fused operations, so that results have the same bits everywhere.
 
 /// A vector or a row of a matrix.
 pub type Vector = [f64; 3];
@@ -8,7 +8,7 @@ pub type Matrix = [[f64; 3]; 3];
 /// Matrix times vector.
 #[inline(always)]
 pub fn apply(m: &Matrix, v: Vector) -> Vector {
-    // No closure: it would fall back to the baseline instruction set in a kernel.
+    // Written without a closure, which would be compiled for the baseline instruction set inside a kernel.
     [times(&m[0], v), times(&m[1], v), times(&m[2], v)]
 }
 

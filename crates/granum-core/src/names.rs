@@ -1,6 +1,6 @@
-//! What a user may have meant by a name that is not known.
+//! Suggestions for a name that is not known.
 
-/// The name nearest to `wrong` among `names`, if one is near enough to be meant.
+/// The name nearest to `wrong` among `names`, if one is near enough to be a likely correction.
 pub fn nearest<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let plain = |name: &str| name.to_lowercase().replace('-', "_");
     names
@@ -11,7 +11,7 @@ pub fn nearest<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> Opt
         .map(|(_, name)| name)
 }
 
-/// "did you mean x?", or the list of what there is.
+/// "did you mean x?", or the list of all names.
 pub fn suggestion<'a>(name: &str, names: impl Iterator<Item = &'a str> + Clone) -> String {
     match nearest(name, names.clone()) {
         Some(near) => format!("did you mean {near}?"),

@@ -1,4 +1,4 @@
-//! Independent pieces of work over threads, results in the order of the pieces.
+//! Independent pieces of work on several threads, with results in the order of the pieces.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -9,9 +9,9 @@ pub fn available_threads() -> usize {
     std::thread::available_parallelism().map_or(1, |threads| threads.get())
 }
 
-/// Does `work(k)` for every `k < count` on up to `threads` threads (0: as many as the machine has), begun in the order of
-/// k. What each piece gives cannot depend on the threads. After the first error no new piece is begun, and the error of
-/// the lowest piece that failed is returned.
+/// Calls `work(k)` for every `k < count` on up to `threads` threads (0: as many as the machine has), started in the order of
+/// k. The result of a piece does not depend on the threads. After the first error no further piece is started, and the error
+/// of the failed piece with the lowest index is returned.
 ///
 /// ```
 /// let squares: Result<Vec<usize>, ()> = granum_core::parallel::map(4, 2, |k| Ok(k * k));
@@ -19,7 +19,7 @@ pub fn available_threads() -> usize {
 /// ```
 ///
 /// # Errors
-/// That of the lowest piece that failed.
+/// The error of the failed piece with the lowest index.
 pub fn map<R: Send, E: Send>(
     count: usize,
     threads: usize,
@@ -35,7 +35,7 @@ pub fn map<R: Send, E: Send>(
         failed.fetch_add(usize::from(result.is_err()), Ordering::Relaxed);
         Some((k, result))
     };
-    // Without a pool of threads (the system refused them) the caller's own does the work.
+    // Without a thread pool (if the system refused the threads) the calling thread does the work.
     let pool =
         (threads > 1).then(|| rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok()).flatten();
     let mut results: Vec<(usize, Result<R, E>)> = match pool {

@@ -65,7 +65,7 @@ impl Part {
         Part::EnergyBalance,
     ];
 
-    /// Its name for people.
+    /// Its name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Part::Cell => "cell",

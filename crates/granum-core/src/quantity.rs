@@ -48,7 +48,7 @@ impl Dimension {
     /// Energy per area (interface energy), J/m2.
     pub const SURFACE_ENERGY: Dimension = dimension(1, 0, -2, 0);
 
-    /// The dimension with these powers of mass, length and time.
+    /// The dimension with given powers of mass, length and time.
     pub const fn of_powers([mass, length, time]: [i8; 3]) -> Dimension {
         dimension(mass, length, time, 0)
     }
@@ -70,7 +70,7 @@ impl Dimension {
         (Self::SURFACE_ENERGY, "an energy per area", "J/m2 or mJ/m2"),
     ];
 
-    /// What it is, with its article: "a stress".
+    /// Its description with an article: "a stress".
     pub fn name(self) -> String {
         match Self::KNOWN.iter().find(|known| known.0 == self) {
             Some(known) => known.1.to_string(),
@@ -78,7 +78,7 @@ impl Dimension {
         }
     }
 
-    /// Units that would do, e.g. "Pa, kPa, MPa or GPa"; empty for a pure number.
+    /// Suitable units, e.g. "Pa, kPa, MPa or GPa"; empty for a pure number.
     pub fn units(self) -> String {
         match Self::KNOWN.iter().find(|known| known.0 == self) {
             Some(known) => known.2.to_string(),
@@ -121,7 +121,7 @@ impl fmt::Display for Dimension {
     }
 }
 
-/// A unit: dimension, decimal exponent and a factor that is no power of ten.
+/// A unit: dimension, decimal exponent and a factor that is not a power of ten.
 #[derive(Clone, Copy)]
 struct Unit {
     dimension: Dimension,
@@ -129,7 +129,7 @@ struct Unit {
     factor: f64,
 }
 
-/// Symbol, dimension, decimal exponent, factor, and whether it takes prefixes.
+/// Symbol, dimension, decimal exponent, factor, and whether prefixes are permitted.
 const SYMBOLS: [(&str, Dimension, i32, f64, bool); 16] = [
     ("1", Dimension::NUMBER, 0, 1.0, false),
     ("%", Dimension::NUMBER, -2, 1.0, false),
@@ -213,7 +213,7 @@ fn unit(text: &str) -> Result<Unit, String> {
     Ok(total)
 }
 
-/// `m3` and `m^3` into `m` and 3.
+/// Splits `m3` and `m^3` into `m` and 3.
 fn split_power(factor: &str) -> (&str, Option<i8>) {
     if factor == "1" {
         return (factor, Some(1));
@@ -238,7 +238,7 @@ fn split_number(text: &str) -> (&str, &str) {
     text.split_at(if text[..end].parse::<f64>().is_ok() { end } else { 0 })
 }
 
-/// Moves the decimal exponent before rounding, so that "0.1 mm" gives exactly `1e-4`.
+/// Shifts the decimal exponent before rounding, so that "0.1 mm" gives exactly `1e-4`.
 fn shift_decimal(number: &str, shift: i32) -> Option<f64> {
     let (mantissa, exponent) = match number.split_once(['e', 'E']) {
         Some((mantissa, exponent)) => (mantissa, exponent.parse::<i32>().ok()?),
@@ -247,10 +247,10 @@ fn shift_decimal(number: &str, shift: i32) -> Option<f64> {
     format!("{mantissa}e{}", exponent.checked_add(shift)?).parse().ok()
 }
 
-/// Reads a quantity of the wanted dimension in SI units. A number without unit is taken as SI.
+/// Reads a quantity of a given dimension in SI units. A number without a unit is in SI units.
 ///
 /// # Errors
-/// A sentence that says what the text is and which units would do.
+/// A sentence that states what the text is and which units are possible.
 pub fn parse_quantity(text: &str, wanted: Dimension) -> Result<f64, String> {
     let text = text.trim();
     let (number, rest) = split_number(text);
@@ -279,7 +279,8 @@ fn expected(wanted: Dimension) -> String {
     format!("it must be {} ({}) or a number in {}", wanted.name(), wanted.units(), wanted.si_unit())
 }
 
-/// Shortest text that reads back as the same double; plain where that is short, scientific elsewhere.
+/// Shortest text that is read back as the same double; in plain notation where that is short, otherwise in scientific
+/// notation.
 pub fn format_number(value: f64) -> String {
     let size = value.abs();
     if value.is_nan() {

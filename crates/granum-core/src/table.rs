@@ -1,17 +1,17 @@
-//! Tables of numbers by column, the common shape of every series, data set and snapshot.
+//! Tables of numbers by column, the common form of all time series, data sets and snapshots.
 
 use serde::{Deserialize, Serialize};
 
 use crate::names::suggestion;
 
-/// What is wrong with a table.
+/// Errors of a table.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TableError {
     /// A column has no name.
     #[error("a column has no name")]
     NoName,
-    /// Two columns have one name.
+    /// Two columns have the same name.
     #[error("two columns have the name {0}")]
     SameName(String),
     /// Columns have different lengths.
@@ -19,26 +19,26 @@ pub enum TableError {
     Lengths {
         /// The column.
         name: String,
-        /// Its rows.
+        /// Its number of rows.
         rows: usize,
         /// Another column.
         other: String,
-        /// Its rows.
+        /// Its number of rows.
         other_rows: usize,
     },
-    /// A column is not there.
+    /// A column is missing.
     #[error("there is no column {name}; {suggestion}")]
     Missing {
         /// Name of the column.
         name: String,
-        /// The nearest name, or all names that there are.
+        /// The nearest name, or all existing names.
         suggestion: String,
     },
 }
 
 type Result<T> = std::result::Result<T, TableError>;
 
-/// What the numbers of a column are: how Parquet stores them. In memory all are doubles, in CSV text.
+/// The kind of the numbers of a column, which decides how Parquet stores them. In memory all are doubles, in CSV text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ColumnKind {
     /// Real numbers (`DOUBLE`).
@@ -55,11 +55,11 @@ pub enum ColumnKind {
 pub struct Column {
     /// Name, unique in its table.
     pub name: String,
-    /// SI unit, e.g. "Pa"; empty for a pure number or where the file does not tell (CSV).
+    /// SI unit, e.g. "Pa"; empty for a pure number or where the file does not contain it (CSV).
     pub unit: String,
-    /// One value a row.
+    /// One value per row.
     pub values: Vec<f64>,
-    /// What the values are.
+    /// The kind of the values.
     pub kind: ColumnKind,
 }
 
@@ -69,14 +69,14 @@ impl Column {
         Column { name: name.into(), unit: unit.into(), values, kind: ColumnKind::Real }
     }
 
-    /// The same column of another kind. A value that is not of that kind (a fraction, NaN) is an error when the column is
-    /// written to Parquet.
+    /// The same column with another kind. A value that does not fit the kind (a fraction, NaN) is an error when the column
+    /// is written to Parquet.
     pub fn of_kind(self, kind: ColumnKind) -> Self {
         Column { kind, ..self }
     }
 }
 
-/// Columns of equal length with different names.
+/// Columns of equal length with distinct names.
 ///
 /// ```
 /// use granum_core::{Column, Table};
@@ -97,7 +97,7 @@ impl Table {
     /// A table from columns.
     ///
     /// # Errors
-    /// [`TableError`] if two columns have one name, a name is empty, or their lengths differ.
+    /// [`TableError`] if two columns have the same name, a name is empty, or their lengths differ.
     pub fn new(columns: Vec<Column>) -> Result<Table> {
         let mut names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
         names.sort_unstable();
@@ -129,7 +129,7 @@ impl Table {
         self.columns.iter().map(|column| column.name.as_str())
     }
 
-    /// True if there is a column of that name.
+    /// True if there is a column with the given name.
     pub fn has(&self, name: &str) -> bool {
         self.names().any(|known| known == name)
     }
@@ -148,15 +148,15 @@ impl Table {
         }
     }
 
-    /// The values of a column, if there is one of that name.
+    /// The values of a column, if there is one with the given name.
     pub fn values(&self, name: &str) -> Option<&[f64]> {
         self.columns.iter().find(|column| column.name == name).map(|column| column.values.as_slice())
     }
 
-    /// The values of several columns, in the order asked for.
+    /// The values of several columns, in the requested order.
     ///
     /// # Errors
-    /// As [`Table::column`].
+    /// As for [`Table::column`].
     pub fn select<const N: usize>(&self, names: [&str; N]) -> Result<[&[f64]; N]> {
         let mut found = [&[] as &[f64]; N];
         for (slot, name) in found.iter_mut().zip(names) {
@@ -165,7 +165,7 @@ impl Table {
         Ok(found)
     }
 
-    /// Takes out the column of a name, if there is one.
+    /// Removes and returns the column of a given name, if there is one.
     pub fn remove(&mut self, name: &str) -> Option<Column> {
         let at = self.columns.iter().position(|column| column.name == name)?;
         Some(self.columns.remove(at))
@@ -174,7 +174,7 @@ impl Table {
     /// Adds a column, or replaces the one of the same name.
     ///
     /// # Errors
-    /// [`TableError`] if its length is not that of the table.
+    /// [`TableError`] if its length differs from that of the table.
     pub fn set(&mut self, column: Column) -> Result<()> {
         let others = self.columns.iter().filter(|known| known.name != column.name);
         if let Some(other) = others.clone().next()

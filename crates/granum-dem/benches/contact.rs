@@ -1,7 +1,7 @@
-//! Time of one contact batch (eight contacts) through `interact`, for each pair of laws and each instruction set.
+//! Time of one contact batch (eight contacts) in `interact`, for each pair of laws and each instruction set.
 //!
-//! `cargo bench -p granum-dem --bench contact`. The batches stay in the first-level cache, so that this is the
-//! arithmetic alone: loads of memory and kinematics, the laws, stores of memory, sums over what the engine sums.
+//! `cargo bench -p granum-dem --bench contact`. The batches stay in the first-level cache, so that only the arithmetic is
+//! measured: loads of histories and kinematics, the laws, stores of histories, and the sums that the engine makes.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -14,19 +14,19 @@ use granum_dem::contact::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
 use granum_dem::contact::{NormalLaw, PairConstants, PairProperties, TangentialLaw};
 use granum_simd::{Isa, Kernel, LANES, Lanes, Real, Row8, Twice, dispatch};
 
-/// Batches in flight: about 28 kB with their memory.
+/// Number of batches in use: about 28 kB with their histories.
 const BATCHES: usize = 16;
 /// Columns of kinematics: branch, velocity, rolling, mean spin.
 const KINEMATICS: usize = 12;
-/// Most columns of memory.
+/// Largest number of history columns.
 const MEMORY: usize = 13;
-/// Steps of one measurement.
+/// Number of steps of one measurement.
 const STEPS: usize = 388;
-/// Measurements, of which the shortest counts.
+/// Number of measurements, of which the shortest counts.
 const REPEATS: usize = 100;
 const DIAMETER: f64 = 1e-4;
 
-/// A small generator, so that the bench needs nothing: the fractional parts of a golden sequence.
+/// A small generator without dependencies: the fractional parts of multiples of the golden ratio.
 struct Sequence(f64);
 impl Sequence {
     fn next(&mut self) -> f64 {
@@ -35,7 +35,7 @@ impl Sequence {
     }
 }
 
-/// Contacts at rest on average: overlaps of a 20 kPa sample, slow velocities that change sign now and then.
+/// Contacts that are at rest on average: overlaps as in a sample at 20 kPa, low velocities with changing signs.
 fn kinematics() -> Vec<Row8> {
     let mut sequence = Sequence(0.1);
     let mut rows = vec![Row8::default(); BATCHES * KINEMATICS];
@@ -65,7 +65,7 @@ struct Run<'a, N, T> {
 struct One<L>(std::marker::PhantomData<L>);
 struct Two<L>(std::marker::PhantomData<L>);
 
-/// How a kernel reads and writes `WIDTH` batches at once.
+/// How a kernel reads and writes `WIDTH` batches together.
 trait Access<L: Lanes> {
     type Value: Real;
     const WIDTH: usize;

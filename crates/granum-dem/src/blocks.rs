@@ -1,8 +1,9 @@
-//! Making the pair list: blocks of grains, batches of pairs, rows for forces, memory carried over.
+//! Rebuilding of the neighbour list: blocks of grains, batches of pairs, rows for forces, contact histories carried over.
 //!
-//! Order: blocks of grains as they lie in memory; within a block the pairs inside the cell first, pairs across a face after
-//! them (only these look up an image vector); within those the pairs that touch first, so that batches are full of
-//! contacts or hold none; within those by the grains' places.
+//! Order of the pairs: by blocks of grains, in their storage order; within a block, pairs inside the cell come first and
+//! pairs across a face of the cell follow (only these look up an image vector); within both groups, touching pairs come
+//! first, so that a batch is either full of contacts or has none; within those, pairs are ordered by the indices of their
+//! grains.
 
 use std::ops::Range;
 
@@ -14,24 +15,25 @@ use crate::kernel::resultant;
 use crate::pairs::{Block, Marks, NO_IMAGE, Pairs, REACH, image_code, image_vector};
 use crate::search::{Near, is_near};
 
-/// Blocks that a small sample should have, so that several threads find work.
+/// A small sample should have at least this many blocks, so that several threads have work.
 const WANTED_BLOCKS: usize = 24;
-/// Grains of a block: enough that few pairs leave it, few enough that its forces stay in the fast memory of a core.
+/// Number of grains of a block: enough that few pairs connect it with other blocks, few enough that its forces stay in the
+/// fast cache of a core.
 const BLOCK_GRAINS: Range<usize> = 128..1024;
 
-/// What happened to the grains since the old list.
+/// What happened to the grains since the old list was built.
 pub(crate) struct Change<'a> {
-    /// Image vector that was subtracted from each grain's position, by old place.
+    /// Image vector that was subtracted from the position of each grain, by old index.
     pub(crate) moved: &'a [[i32; 3]],
-    /// New place of each grain, if they were put in another order.
+    /// New index of each grain, if the grains were sorted again.
     pub(crate) new_place: Option<&'a [u32]>,
-    /// Rewrites a memory when i and j change sides.
+    /// Rewrites a contact history when i and j change roles.
     pub(crate) swap: &'a dyn Fn(&mut Memory<f64>),
 }
 
-/// Makes the list anew from `near` (sorted). `particles` holds the grains in their new order, inside the cell; the two phantoms
-/// follow them in memory. Of the old list only what its contacts remember is held while the new one is made: a large
-/// sample would not fit into memory twice.
+/// Builds the new list from `near` (sorted). `particles` holds the grains in their new order, inside the cell, followed by
+/// the two phantoms. Only the contact histories of the old list are held while the new one is built, because two lists of a
+/// large sample would not fit into memory.
 pub(crate) fn rebuild(
     old: Pairs,
     near: &[Near],
@@ -81,17 +83,17 @@ pub(crate) fn rebuild(
     pairs
 }
 
-/// Runs of grains of nearly equal length.
+/// Divides the grains into ranges of nearly equal length.
 fn partition(grains: usize) -> impl Iterator<Item = Range<usize>> {
     let size = grains.div_ceil(WANTED_BLOCKS).clamp(BLOCK_GRAINS.start, BLOCK_GRAINS.end);
     let count = grains.div_ceil(size);
     (0..count).map(move |k| k * grains / count..(k + 1) * grains / count)
 }
 
-/// A list in the making.
+/// A list that is being built.
 struct List<'a> {
     pairs: Pairs,
-    /// Slot of each near pair.
+    /// Slot of each pair of `near`.
     slots: Vec<u32>,
     /// Grain of each force row after those of the grains.
     halo: Vec<u32>,
@@ -129,7 +131,7 @@ impl List<'_> {
         });
     }
 
-    /// Appends batches of the pairs across a face, or of the others; those that touch come first.
+    /// Appends the batches of the pairs across a face of the cell, or of the others; touching pairs come first.
     fn group(
         &mut self,
         range: &Range<usize>,
@@ -146,7 +148,7 @@ impl List<'_> {
         order.extend(chosen(false));
         let pairs = &mut self.pairs;
         for batch in order.chunks(LANES) {
-            // Lanes that stay empty pair a grain of the block with the far phantom.
+            // Empty lanes pair a grain of the block with the distant phantom.
             let mut first = [range.start as u32; LANES];
             let mut second = [self.grains as u32 + 1; LANES];
             let mut target = first;
@@ -172,7 +174,7 @@ impl List<'_> {
     }
 }
 
-/// For each grain, which rows of other blocks are its own.
+/// Lists for each grain the rows in which other blocks store forces on it.
 fn list_outer(pairs: &mut Pairs, halo: &[u32], grains: usize) {
     let mut offsets = vec![0u32; grains + 1];
     for &g in halo {
@@ -191,13 +193,13 @@ fn list_outer(pairs: &mut Pairs, halo: &[u32], grains: usize) {
     pairs.outer_offsets = offsets;
 }
 
-/// What goes from the old list into the new one.
+/// What is carried over from the old list to the new one.
 struct Kept {
-    /// For each near pair: 0 if it did not touch, else one more than where its memory is.
+    /// For each pair of `near`: 0 if it did not touch, otherwise the index of its history plus one.
     from: Vec<u32>,
     /// Memories, for the pairs as they stand in the new list, and the marks of each in the lowest bits.
     memories: Vec<(Memory<f64>, Marks)>,
-    /// Resultants of the last step in the new places.
+    /// Resultant forces of the last step, by new index.
     forces: Vec<Row8>,
 }
 
@@ -237,7 +239,7 @@ impl Kept {
     }
 }
 
-/// Where the pairs of each grain begin in the sorted list, and its end.
+/// Index of the first pair of each grain in the sorted list, and the end of the list.
 fn starts(near: &[Near], grains: usize) -> Vec<u32> {
     let mut starts = vec![0; grains + 1];
     for pair in near {
@@ -249,12 +251,12 @@ fn starts(near: &[Near], grains: usize) -> Vec<u32> {
     starts
 }
 
-/// Where an old pair's memory goes: its key in the new order, and whether i and j changed sides.
+/// The key of an old pair in the new order, and whether i and j change roles.
 fn carried_key(pairs: &Pairs, slot: usize, change: &Change) -> (Near, bool) {
     let (b, l) = (slot / LANES, slot % LANES);
     let (mut i, mut j) = (pairs.first[b][l], pairs.second[b][l]);
     let old = image_vector(pairs.image[b][l]);
-    // x_j + H s - x_i stays as it was when both positions jump by whole cells.
+    // x_j + H s - x_i does not change when both positions jump by whole cells.
     let mut s: [i32; 3] = std::array::from_fn(|a| {
         let moved = |g: u32| change.moved.get(g as usize).map_or(0, |m| m[a]);
         old[a].saturating_add(moved(j)).saturating_sub(moved(i))
@@ -311,7 +313,7 @@ mod tests {
         let change = Change { moved: &none, new_place: None, swap: &negate };
         let mut pairs = rebuild(Pairs::default(), &near, &cell, &particles, &change, [7, 0, 0]);
         assert!(pairs.blocks.len() > 3 && pairs.forces.len() > COUNT);
-        // Remember the direction and the branch itself, and let every pair pull with its branch.
+        // Store the direction and the branch vector itself as history, and let every pair pull with its branch vector.
         let slots: Vec<usize> = real(&pairs).collect();
         for slot in slots {
             let (r, d) = branch(&pairs, &cell, &particles, slot);
@@ -395,7 +397,7 @@ mod tests {
                 }
             }
         }
-        // Every row beyond the grains belongs to the grain that sums it.
+        // Every row beyond those of the grains belongs to the one grain that sums it.
         for g in 0..COUNT {
             for &row in &pairs.outer[pairs.outer_offsets[g] as usize..pairs.outer_offsets[g + 1] as usize] {
                 let used = real(&pairs).any(|s| {

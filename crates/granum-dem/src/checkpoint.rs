@@ -1,5 +1,5 @@
-//! Everything of a simulation in bytes, so that a run can go on from where it was to the same bits as if it had
-//! never stopped: grains, pair list in its order, contact memory, forces of the last step, servo, time step.
+//! The complete state of a simulation in bytes, so that a run can be resumed and gives the same bits as one that was never
+//! interrupted: grains, neighbour list in its order, contact histories, forces of the last step, servo, time step.
 //!
 //! Layout: `GRANUMCP`, version (u32), length of the body (u64), CRC-32 of the body (u32), body; little endian.
 
@@ -19,10 +19,10 @@ const HEADER: usize = 24;
 /// Version that this granum writes.
 pub const VERSION: u32 = 6;
 
-/// Why bytes are no usable checkpoint.
+/// Reasons why bytes are not a usable checkpoint.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CheckpointError {
-    /// Something else.
+    /// Not a checkpoint at all.
     #[error("this is not a granum checkpoint (it does not start with GRANUMCP)")]
     NotACheckpoint,
     /// Written by a newer granum.
@@ -36,23 +36,23 @@ pub enum CheckpointError {
     /// Cut short.
     #[error("the checkpoint is truncated: {found} bytes of {expected}")]
     Truncated {
-        /// Bytes there.
+        /// Number of bytes found.
         found: usize,
-        /// Bytes announced.
+        /// Number of bytes that the header announces.
         expected: u64,
     },
-    /// Altered.
+    /// The content does not match its checksum.
     #[error("the checkpoint is damaged: its checksum does not fit its content")]
     Damaged,
-    /// Right checksum, impossible content.
+    /// The checksum is correct, but the content is impossible.
     #[error("the checkpoint contradicts itself: {0}")]
     Inconsistent(String),
-    /// The laws in it do not go together.
+    /// The contact laws in it cannot be combined.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
 }
 
-/// What a checkpoint holds.
+/// The content of a checkpoint.
 #[derive(Deserialize)]
 struct Body {
     properties: Properties,
@@ -63,7 +63,7 @@ struct Body {
     attachment: String,
 }
 
-/// The same for writing: a large state is not copied.
+/// The same content by reference, for writing: a large state is not copied.
 #[derive(Serialize)]
 struct BodyOf<'a> {
     properties: &'a Properties,
@@ -74,7 +74,7 @@ struct BodyOf<'a> {
     attachment: &'a str,
 }
 
-/// Passes bytes on, counts them and takes their checksum.
+/// Passes bytes on, counts them and computes their checksum.
 struct Stream<W> {
     out: W,
     length: u64,
@@ -114,8 +114,8 @@ impl BodyOf<'_> {
 }
 
 impl Simulation {
-    /// Writes the simulation, with a text of the caller's own (what its recorder remembers, say). Nothing is copied: it takes
-    /// no memory to speak of, but the state is gone through twice.
+    /// Writes the simulation together with a text of the caller (for example the state of its recorder). Nothing is copied:
+    /// the memory needed is negligible, but the state is serialized twice.
     pub fn write_checkpoint(&self, attachment: &str, out: &mut dyn Write) -> std::io::Result<()> {
         let body = BodyOf {
             properties: &self.integrator.properties,
@@ -133,7 +133,7 @@ impl Simulation {
         body.write(out).map(|_| ())
     }
 
-    /// As [`Simulation::write_checkpoint`], in memory.
+    /// The same as [`Simulation::write_checkpoint`], into memory.
     pub fn checkpoint(&self, attachment: &str) -> Result<Vec<u8>, CheckpointError> {
         let mut bytes = Vec::new();
         self.write_checkpoint(attachment, &mut bytes)
@@ -141,7 +141,8 @@ impl Simulation {
         Ok(bytes)
     }
 
-    /// A simulation from its bytes, and the caller's text. Threads and instruction set are this machine's default.
+    /// Restores a simulation from its bytes, and the caller's text. The number of threads and the instruction set are the
+    /// defaults of this computer.
     pub fn restore(bytes: &[u8]) -> Result<(Simulation, String), CheckpointError> {
         let body: Body = postcard::from_bytes(checked_body(bytes)?)
             .map_err(|e| CheckpointError::Inconsistent(e.to_string()))?;
@@ -165,7 +166,7 @@ fn inconsistent(what: &str) -> CheckpointError {
     CheckpointError::Inconsistent(what.to_string())
 }
 
-/// The body, once magic, version, length and checksum are right.
+/// The body, after magic bytes, version, length and checksum were found correct.
 fn checked_body(bytes: &[u8]) -> Result<&[u8], CheckpointError> {
     if bytes.len() < HEADER {
         let start = bytes.len().min(MAGIC.len());
@@ -198,10 +199,10 @@ fn checked_body(bytes: &[u8]) -> Result<&[u8], CheckpointError> {
     Ok(body)
 }
 
-/// Steps that no run can have made.
+/// More steps than any run can have made.
 const MOST_STEPS: u64 = 1 << 60;
 
-/// What the servo and the time step are made of: with a NaN among it a run would neither go on nor end.
+/// Checks the numbers of the servo and of the time step: with a NaN among them a run would neither advance nor end.
 fn check_numbers(body: &Body) -> Result<(), CheckpointError> {
     let require = |good: bool, what: &str| if good { Ok(()) } else { Err(inconsistent(what)) };
     let (state, control) = (&body.state, &body.state.control);
@@ -225,7 +226,7 @@ fn check_numbers(body: &Body) -> Result<(), CheckpointError> {
     require(counts.iter().chain(&state.servo_error.steps).all(|n| *n < MOST_STEPS), "number of steps")
 }
 
-/// A checksum can be forged; indices out of range must not reach the kernels.
+/// Checks the indices of a state, which must not reach the kernels when out of range: a checksum can be forged.
 fn check_state(state: &State) -> Result<(), CheckpointError> {
     let n = state.ids.len();
     let p = &state.pairs;
@@ -253,13 +254,13 @@ fn check_state(state: &State) -> Result<(), CheckpointError> {
     let largest = state.particles[..n].iter().fold(0.0f64, |m, row| m.max(row.0[3]));
     let (far, wide) = (1e6 * largest, 1e5 * largest);
     require(state.particles[n + 1].0 == [far, far, far, largest, 0.0, 0.0, 0.0, 1.0], "the phantom grain")?;
-    // So far away, nothing comes near the phantom.
+    // At such a distance nothing comes near the phantom.
     let near = |x: &f64| x.abs() < wide;
     let inside = state.particles[..n].iter().all(|row| row.0[..3].iter().all(near));
     require(inside && state.cell.edges.iter().flatten().all(near), "size of the cell")
 }
 
-/// The second of a pair is a grain, or the far phantom, which touches nothing.
+/// The second grain of a pair is a grain of the sample or the distant phantom, which touches nothing.
 fn check_seconds(p: &Pairs, grains: usize) -> Result<(), CheckpointError> {
     let good = |(second, marks): (&[u32; LANES], &Marks)| {
         (0..LANES).all(|l| {
@@ -270,7 +271,8 @@ fn check_seconds(p: &Pairs, grains: usize) -> Result<(), CheckpointError> {
     if p.second.iter().zip(&p.marks).all(good) { Ok(()) } else { Err(inconsistent("places of grains")) }
 }
 
-/// Blocks follow each other without gap, and no two of them write one row: threads work on them at once.
+/// Blocks must follow each other without a gap, and no two of them may write the same row: threads process them
+/// concurrently.
 fn check_blocks(p: &Pairs, grains: usize) -> Result<(), CheckpointError> {
     let require = |good: bool| if good { Ok(()) } else { Err(inconsistent("blocks of pairs")) };
     let (mut grain, mut batch, mut row) = (0, 0, grains as u32);
@@ -326,7 +328,7 @@ pub(crate) mod tests {
     use crate::random_insertion::random_insertion;
     use crate::servo::Control;
 
-    /// A sample under compression: contacts are made and broken all the time.
+    /// A sample under compression, in which contacts form and break all the time.
     pub(crate) fn running(count: usize, spread: f64) -> Simulation {
         let grains = Grains { count, spread, ..Grains::default() };
         let (cell, spheres) = random_insertion(&grains, 0.3, 11).unwrap();
@@ -379,7 +381,7 @@ pub(crate) mod tests {
         assert_eq!(Simulation::restore(&newer).err(), Some(CheckpointError::Newer(99)));
     }
 
-    /// What the bytes of a checkpoint come to with a change that the checksum does not give away.
+    /// The result of restoring a checkpoint that was changed and given a matching checksum.
     fn forged(change: impl FnOnce(&mut State)) -> Result<(Simulation, String), CheckpointError> {
         let mut simulation = running(150, 0.0);
         change(&mut simulation.integrator.state);
@@ -405,14 +407,14 @@ pub(crate) mod tests {
             |s| s.pairs.blocks[0].touching = u32::MAX,
         ];
         for (k, change) in changes.into_iter().enumerate() {
-            // The first pairs touch.
+            // The first pairs of the list touch.
             let found = forged(change).err();
             assert!(matches!(found, Some(CheckpointError::Inconsistent(_))), "{k}: {found:?}");
         }
         assert!(forged(|_| {}).is_ok());
     }
 
-    /// What fuzzing found: adhesion that reaches the phantom.
+    /// Found by fuzzing: adhesion that reaches the phantom.
     #[test]
     fn materials_that_cannot_be_are_refused() {
         let refused = |change: fn(&mut Material)| {
@@ -443,7 +445,7 @@ pub(crate) mod tests {
             forged[at] = forged[at].wrapping_add(77);
             let sum = crc32fast::hash(&forged[24..]);
             forged[20..24].copy_from_slice(&sum.to_le_bytes());
-            // What is accepted can be looked at and run; wild numbers end in an error, never in a panic.
+            // An accepted checkpoint can be inspected and run; absurd numbers end in an error, never in a panic.
             if let Ok((mut s, _)) = Simulation::restore(&forged) {
                 assert_eq!(s.assembly().grains.len(), 150);
                 let _ = s.advance(2);

@@ -1,11 +1,11 @@
-//! What decides a simulation, in SI units. [`Default`] everywhere is the sample of Antony, Zhou and Wang (2006).
+//! Everything that defines a simulation, in SI units. Every [`Default`] is the sample of Antony, Zhou and Wang (2006).
 
 use serde::{Deserialize, Serialize};
 
 pub use crate::contact::{AdhesionKind, NormalKind, ParameterValues, RollingKind, TangentialKind};
 pub use crate::mixture::{Component, Mixture, PairRule};
 
-/// The grains: how many, how large, of what.
+/// The grains: number, sizes and material.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Grains {
     /// Number of grains.
@@ -14,7 +14,7 @@ pub struct Grains {
     pub diameter: f64,
     /// Half-width of the uniform distribution of radii relative to the mean (0: equal grains; 0.1: R (1 ± 0.1)).
     pub spread: f64,
-    /// What they are made of.
+    /// Their material.
     pub material: Material,
     /// Several materials in place of that one; empty where there is one. In a case [`Preparation::seed`] is its seed.
     #[serde(default, skip_serializing_if = "Mixture::is_empty")]
@@ -55,7 +55,7 @@ pub struct Material {
     pub poissons_ratio: f64,
     /// Coefficient of friction mu between grains (in shear; the preparation may use another).
     pub friction: f64,
-    /// Interface energy Gamma: work of adhesion per area, J/m2. Zero is a value: no adhesion.
+    /// Interface energy Gamma: work of adhesion per area, J/m2. Zero means no adhesion.
     pub interface_energy: f64,
 }
 
@@ -93,7 +93,7 @@ impl Default for Material {
     }
 }
 
-/// The contact law: normal, tangential and of moments, with the parameters of these laws, and damping.
+/// The contact laws: normal, tangential and moment law, with the parameters of these laws, and the damping.
 ///
 /// ```
 /// use granum_dem::config::{Contact, NormalKind, RollingKind, TangentialKind};
@@ -120,7 +120,7 @@ pub struct Contact {
     pub parameters: ParameterValues,
 }
 
-/// The form in files: what is not in use is left out where the format has names.
+/// The form in files: in formats with named fields, what is not in use is omitted.
 #[derive(Serialize, Deserialize)]
 struct ContactForm {
     normal: NormalKind,
@@ -172,7 +172,7 @@ impl<'d> Deserialize<'d> for Contact {
     }
 }
 
-/// Stiff contacts of a grain for which the time step is to be stable.
+/// Number of stiff contacts of a grain up to which the time step is stable.
 pub const MOST_CONTACTS: f64 = 12.0;
 
 impl Contact {
@@ -183,11 +183,11 @@ impl Contact {
         Contact { normal, tangential, rolling, adhesion, damping, parameters: ParameterValues::NONE }
     }
 
-    /// Largest stable `dt sqrt(k_t / m)` of a grain that spins in phase with its neighbours at Z contacts of the tangential
+    /// Largest stable `dt sqrt(k_t / m)` of a grain that spins in phase with its neighbours, at Z contacts of the tangential
     /// stiffness k_t: `sqrt(6/5Z) (sqrt(1 + x^2) - x)`, `x = zeta sqrt(5Z/3)`.
     ///
-    /// That mode has `w^2 = 10/3 Z k_t / m` and the damping ratio x; dashpots that take velocities half a step old are
-    /// stable up to `w dt = 2 (sqrt(1 + x^2) - x)`.
+    /// This mode has `w^2 = 10/3 Z k_t / m` and the damping ratio x; dashpots that use velocities half a step old are stable
+    /// up to `w dt = 2 (sqrt(1 + x^2) - x)`.
     pub fn stable_fraction(&self, contacts: f64) -> f64 {
         let x = self.damping * (5.0 * contacts / 3.0).sqrt();
         (1.2 / contacts).sqrt() * (x.hypot(1.0) - x)
@@ -200,7 +200,7 @@ impl Default for Contact {
     }
 }
 
-/// How a sample is made: random insertion from a seed, compressed isotropically, then relaxed with the final properties.
+/// How a sample is prepared: random insertion from a seed, isotropic compression, then relaxation with the final properties.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Preparation {
     /// Seed of the loose initial state.
@@ -209,18 +209,18 @@ pub struct Preparation {
     pub mean_stress: f64,
     /// Solid fraction of the loose initial state.
     pub initial_solid_fraction: f64,
-    /// Coefficient of friction while compacting; `None`: found so that `solid_fraction` is met, or, without a
-    /// target, the friction of the material.
+    /// Coefficient of friction during compaction; `None`: found such that `solid_fraction` is met or, without a target, the
+    /// friction of the material.
     pub friction: Option<f64>,
-    /// Interface energy while compacting, J/m2.
+    /// Interface energy during compaction, J/m2.
     pub interface_energy: f64,
     /// Target solid fraction; granum then finds the preparation friction that meets it.
     pub solid_fraction: Option<f64>,
-    /// How near to the target solid fraction is near enough.
+    /// Accepted difference from the target solid fraction.
     pub solid_fraction_tolerance: f64,
-    /// Highest inertial number while compressing, once grains carry load.
+    /// Highest inertial number during compression, once grains carry load.
     pub inertial_number: f64,
-    /// The sample is at rest when the unbalanced force is below this.
+    /// The sample is in equilibrium when the unbalanced force is below this value.
     pub unbalanced_force: f64,
 }
 
@@ -240,7 +240,7 @@ impl Default for Preparation {
     }
 }
 
-/// How fast a test goes. Both say the same physics: without gravity only the inertial number
+/// Rate of a test. Both forms describe the same physics: without gravity only the inertial number
 /// `I = strain_rate * d * sqrt(density / p)` matters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -261,7 +261,7 @@ pub enum Rate {
 pub struct Shear {
     /// Deviator strain `eps_1 - eps_3` at the end.
     pub deviator_strain: f64,
-    /// How fast.
+    /// Rate of loading.
     pub rate: Rate,
     /// Mean stress p held constant, Pa; `None`: that of the sample.
     pub mean_stress: Option<f64>,
@@ -273,38 +273,39 @@ impl Default for Shear {
     }
 }
 
-/// At which deviator strains of a test states are recorded. State 0, the sample before it is strained, always is.
+/// The deviator strains of a test at which states are recorded. State 0, the sample before it is strained, is always
+/// recorded.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Spacing {
     /// At the ends of `states` equal intervals.
     #[default]
     Equal,
-    /// At `states` strains from this one to the end, each larger than the one before by the same factor.
+    /// At `states` strains from this one to the end, with a constant factor between successive strains.
     Geometric(f64),
-    /// At these strains, rising.
+    /// At these strains, in ascending order.
     Strains(Vec<f64>),
-    /// At every multiple of this, however far the test goes.
+    /// At every multiple of this strain, up to the end of the test.
     Every(f64),
 }
 
-/// When the sensors look, and the bins of the force distribution.
+/// The times of observation by the sensors, and the bins of the force distribution.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Recording {
-    /// Number of intervals of deviator strain; a state is recorded at each end of an interval. Of no use with
+    /// Number of intervals of deviator strain; a state is recorded at each end of an interval. Not used with
     /// [`Spacing::Strains`].
     pub states: usize,
-    /// At which strains the states stand.
+    /// Strains of the states.
     #[serde(default, skip_serializing_if = "is_equal")]
     pub spacing: Spacing,
-    /// Deviator strains at which a snapshot of all grains and contacts is taken, rising.
+    /// Deviator strains at which a snapshot of all grains and contacts is taken, in ascending order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub snapshots: Vec<f64>,
-    /// Looks averaged for one state, spread evenly over one interval around it.
+    /// Number of observations averaged for one state, spread evenly over one interval around it.
     pub looks: usize,
     /// Width of a bin of `f = N/<N>`.
     pub bin_width: f64,
-    /// Largest f with a bin of its own; what lies above is counted apart.
+    /// Largest f with its own bin; larger forces are counted separately.
     pub largest_force: f64,
     /// Names of sensors that are recorded beside those that always are.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

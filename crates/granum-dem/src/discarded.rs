@@ -65,7 +65,7 @@ impl Discarded {
         }
     }
 
-    /// True with a complete group: the formula must run before two more batches.
+    /// True if a group is complete: the formula must then be evaluated before two more batches are added.
     #[inline(always)]
     pub(crate) fn is_full(&self) -> bool {
         self.count >= LANES
@@ -101,7 +101,7 @@ mod tests {
     use crate::contact::tangential::MindlinDeresiewicz as Law;
     use crate::contact::{NormalTraits, TangentialLaw};
 
-    /// Histories on all three kinds of curve, of one load.
+    /// Histories on all three kinds of curve, at one load.
     fn history(k: usize) -> [f64; MAX_HISTORY] {
         let x = (k as f64 * 0.7).sin();
         let mut history = [0.0; MAX_HISTORY];
@@ -125,7 +125,7 @@ mod tests {
         ((batch * 2_654_435_761) >> 7) as u16 & if batch % 5 < 2 { 0xff } else { 0x21 }
     }
 
-    /// Sum of all, by lanes, taken after every `together` batches.
+    /// Sum of all losses, by lane, evaluated after every `together` batches.
     fn summed(together: usize) -> [f64; LANES] {
         let (mut discarded, mut sum) = (Discarded::new(), Portable::zero());
         for batch in 0..BATCHES {
@@ -147,7 +147,7 @@ mod tests {
     #[test]
     fn eight_by_eight_is_what_each_would_have_lost() {
         let each = |k: usize| Law::discarded(&constants(), STIFFNESS, &history(k));
-        // A loading curve stores nothing beyond itself.
+        // A loading curve stores no energy beyond itself.
         assert!(each(3).abs() < 1e-12 * each(4).abs());
         let put = (0..BATCHES * LANES).filter(|k| bits(k / LANES) >> (k % LANES) & 1 == 1);
         let exact: f64 = put.map(each).sum();
@@ -155,7 +155,7 @@ mod tests {
         assert!(exact != 0.0 && (sum / exact - 1.0).abs() < 1e-12, "{sum:e} {exact:e}");
     }
 
-    /// Instruction sets differ in how many batches they compute at once.
+    /// Instruction sets differ in the number of batches that they evaluate at once.
     #[test]
     fn the_sum_does_not_depend_on_when_it_is_taken() {
         assert_eq!(summed(1), summed(2));

@@ -204,7 +204,8 @@ impl Integrator {
         self.state.pairs.constants = rows;
     }
 
-    /// Stiffness over mass of a contact that carries the expected force, 1/s2: a floor for the time step's choice.
+    /// Stiffness over mass of a contact that carries the expected force, 1/s2: a lower bound for the choice of the time
+    /// step.
     fn expected_fastest(&self) -> f64 {
         let of_pair = |common: &Common| {
             let pair = common.pair([self.mean_radius; 2]);
@@ -223,7 +224,7 @@ impl Integrator {
         self.time_step_factor * self.damped_share() / fastest.max(self.expected_fastest()).sqrt()
     }
 
-    /// What dashpots stronger than the usual ones leave of the time step.
+    /// Fraction of the time step that remains with dashpots stronger than the default ones.
     fn damped_share(&self) -> f64 {
         let (contact, usual) = (self.properties.contact, Contact::default());
         if contact.damping <= usual.damping {
@@ -237,7 +238,7 @@ impl Integrator {
         self.state.dt = self.fixed_time_step.unwrap_or_else(|| self.time_step_for(self.state.sums.fastest));
     }
 
-    /// Shortens the time step at once when a contact demands it; lengthens it slowly.
+    /// Shortens the time step at once when a contact requires it; lengthens it slowly.
     fn adapt_time_step(&mut self) {
         if self.fixed_time_step.is_some() {
             return;
@@ -269,7 +270,7 @@ impl Integrator {
         let before = state.gradient;
         state.gradient = state.servo.gradient(&control, &sample);
         state.judge_servo();
-        // The step works half with the forces at its start, under its own gradient.
+        // The first half of the step uses the forces at its start with the new velocity gradient.
         let mut power = state.sums.boundary_power;
         for r in 0..3 {
             for c in 0..3 {
@@ -321,7 +322,7 @@ impl Integrator {
         Ok(())
     }
 
-    /// True if one of the events has come.
+    /// True if one of the events has occurred.
     pub(crate) fn event_has_come(&self) -> bool {
         if self.events.is_empty() {
             return false;
@@ -374,13 +375,13 @@ impl Integrator {
         }
     }
 
-    /// True if the list may miss a contact after grains moved by up to `step_travel` more.
+    /// True if the list may miss a contact after the grains have moved by up to `step_travel` more.
     pub(crate) fn list_is_stale(&self, views: &Views, fastest: f64) -> bool {
         let state = &self.state;
         let travel = state.travel + fastest.sqrt() * views.dt;
         let distortion = state.distortion + norm(&views.gradient) * views.dt;
         let diameter = 2.0 * self.largest_radius + state.skin + self.range;
-        // A NaN makes no list valid; the step that made it is reported at its end.
+        // With a NaN no list is valid; the step that produced it is reported at its end.
         let bound = 2.0 * travel + 1.01 * distortion * diameter + self.reach;
         bound > state.skin && bound.is_finite()
     }
@@ -436,12 +437,12 @@ impl KnownConstants {
     }
 }
 
-/// Frobenius norm: no vector is strained faster.
+/// Frobenius norm: an upper bound on the rate at which any vector is strained.
 fn norm(m: &Matrix) -> f64 {
     m.iter().flatten().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// The image vectors of a cell, made with the machine's own instructions.
+/// The image vectors of a cell, computed with the instructions of the processor in use.
 struct Images<'a>(&'a Cell);
 
 impl Kernel for Images<'_> {

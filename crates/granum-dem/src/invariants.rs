@@ -1,9 +1,9 @@
-//! Invariants of stress and strain tensors, compression positive. No axis has a part of its own.
+//! Invariants of stress and strain tensors, compression positive. No axis is treated differently from the others.
 //!
-//! `p = tr(sigma) / 3`; `q = sqrt(3 J_2)` with the sign of `J_3`, so that it is positive in triaxial compression and negative
-//! in triaxial extension; `b = (sigma_2 - sigma_3) / (sigma_1 - sigma_3)` of the principal stresses, 0 in compression and 1 in
-//! extension; volumetric strain `tr(eps)`; deviatoric strain `eps_q = sqrt(2/3 e:e)`. Only square roots are used, so that the
-//! bits are the same on every machine.
+//! `p = tr(sigma) / 3`; `q = sqrt(3 J_2)` with the sign of `J_3`, so that it is positive in triaxial compression and
+//! negative in triaxial extension; `b = (sigma_2 - sigma_3) / (sigma_1 - sigma_3)` of the principal stresses, 0 in
+//! compression and 1 in extension; volumetric strain `tr(eps)`; deviatoric strain `eps_q = sqrt(2/3 e:e)`. Only square roots
+//! are used, so that the bits are the same on every machine.
 
 use granum_core::geometry::{Matrix, determinant};
 
@@ -30,7 +30,7 @@ fn square(t: &Matrix) -> f64 {
     t.iter().flatten().map(|x| x * x).sum()
 }
 
-/// Von Mises stress `sqrt(3/2 s:s)` of the deviator s, negative where the determinant of s is.
+/// Von Mises stress `sqrt(3/2 s:s)` of the deviator s, negative where the determinant of s is negative.
 pub fn signed_von_mises(stress: &Matrix) -> f64 {
     let s = deviator(stress);
     let q = (1.5 * square(&s)).sqrt();
@@ -49,7 +49,8 @@ pub fn length(strain: &Matrix) -> f64 {
     (2.0 / 3.0 * square(&symmetric)).sqrt()
 }
 
-/// The paper's deviator `t_1 - (t_2 + t_3) / 2` with axis x as 1: of a preset and its columns, not an invariant.
+/// The paper's deviator `t_1 - (t_2 + t_3) / 2` with axis x as 1. It belongs to one preset and its columns and is not an
+/// invariant.
 pub fn axial_deviator(t: &Matrix) -> f64 {
     t[0][0] - 0.5 * (t[1][1] + t[2][2])
 }
@@ -116,7 +117,7 @@ fn rotate(a: &mut Matrix, p: usize, q: usize) {
 mod tests {
     use super::*;
 
-    /// Golden values of a general and of a diagonal stress, computed by other means.
+    /// Reference values of a general and of a diagonal stress, computed independently.
     #[test]
     fn invariants_of_known_stresses() {
         let near = |value: f64, golden: f64| assert!((value / golden - 1.0).abs() < 1e-9, "{value} {golden}");

@@ -106,11 +106,11 @@ pub enum MixtureError {
     Property {
         /// The material or the pair.
         of: String,
-        /// Property.
+        /// The property.
         name: &'static str,
         /// Its value, in SI units.
         value: f64,
-        /// What would be right.
+        /// The permitted values.
         right: &'static str,
     },
     /// A parameter of a contact law that cannot be.
@@ -142,7 +142,7 @@ impl Mixture {
         self
     }
 
-    /// The same with another seed.
+    /// Sets the seed.
     pub fn with_seed(mut self, seed: u64) -> Mixture {
         self.seed = seed;
         self
@@ -227,7 +227,7 @@ impl Mixture {
     /// Refuses names, shares and rules that do not go together, and values that cannot be.
     ///
     /// # Errors
-    /// The first thing that is wrong.
+    /// The first violation that is found.
     pub fn check(&self, contact: &Contact) -> Result<(), MixtureError> {
         if self.is_empty() && self.pairs.is_empty() {
             return Ok(());

@@ -6,9 +6,9 @@ use crate::simulation::Simulation;
 /// What an observer asks for: to go on, or to stop in good order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Flow {
-    /// Go on.
+    /// Continue.
     Continue,
-    /// Stop here.
+    /// Stop at this point.
     Stop,
 }
 
@@ -16,7 +16,7 @@ pub enum Flow {
 #[derive(Clone, Copy)]
 #[non_exhaustive]
 pub struct Progress<'a> {
-    /// Which phase.
+    /// The phase.
     pub phase: Phase,
     /// Which trial of the preparation friction, from 1.
     pub trial: usize,

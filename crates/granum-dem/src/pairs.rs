@@ -1,7 +1,8 @@
-//! The list of near pairs, in batches of eight, with the memory of their contacts.
+//! The neighbour list, in batches of eight pairs, with the histories of their contacts.
 //!
 //! Pairs within `R_i + R_j + skin` are listed. The list is valid while no pair outside it can have come to touch
-//! ([`crate::simulation`] watches that), and is then made anew by [`crate::blocks`]; memory travels with its pair.
+//! ([`crate::simulation`] checks this), and is then rebuilt by [`crate::blocks`]; each history is carried over with its
+//! pair.
 
 use granum_simd::{LANES, Row4, Row8};
 use serde::{Deserialize, Serialize};
@@ -32,7 +33,8 @@ pub(crate) fn image_vector(code: u32) -> [i32; 3] {
     [c / 25 - REACH, (c / 5) % 5 - REACH, c % 5 - REACH]
 }
 
-/// The image vectors of all codes, m. Made in every step: within a kernel, where fused operations are instructions.
+/// The image vectors of all codes, m. They are computed in every step, within a kernel, where fused operations are single
+/// instructions.
 #[inline(always)]
 pub(crate) fn image_table(cell: &Cell) -> [Row4; IMAGES] {
     let mut table = [Row4::default(); IMAGES];
@@ -43,46 +45,46 @@ pub(crate) fn image_table(cell: &Cell) -> [Row4; IMAGES] {
     table
 }
 
-/// A run of grains and the pairs whose first grain is among them: what one thread works on at a time.
+/// A range of grains and the pairs whose first grain is in it: the unit of work of a thread.
 ///
-/// A pair adds its force straight to the rows of its two grains. A block has rows of its own for grains of other blocks,
-/// and those grains sum what the blocks hold for them, in the order of the blocks: no two threads write one row, and no
-/// sum depends on who made it.
+/// A pair adds its force directly to the rows of its two grains. For grains of other blocks a block has rows of its own, and
+/// those grains sum the rows of the blocks in the order of the blocks: no two threads write the same row, and no sum depends
+/// on the thread that computed it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Block {
     /// First grain, and one past the last.
     pub(crate) grains: [u32; 2],
     /// First batch, one past the last within the cell, one past the last (the later ones have images).
     pub(crate) batches: [u32; 3],
-    /// One past the last batch that is looked at, within the cell and of those with images.
+    /// One past the last batch of the inner list, within the cell and among those with images.
     pub(crate) inner_ends: [u32; 2],
-    /// How many batches, from the first, had a contact in every lane when the pairs were sorted.
+    /// Number of batches, from the first, that had a contact in every lane when the pairs were sorted.
     pub(crate) touching: u32,
     /// First row of forces on grains of other blocks, and one past the last.
     pub(crate) outer: [u32; 2],
 }
 
-/// Bits by lane of what a batch did in its last step.
+/// State of the pairs of a batch in its last step, one bit for each lane.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Marks {
-    /// Which pairs touched.
+    /// Pairs that touched.
     pub(crate) touched: u8,
-    /// Which of them slid.
+    /// Pairs that slid.
     pub(crate) sliding: u8,
     /// On which pairs a law of adhesion acted, touching or not.
     pub(crate) attracting: u8,
 }
 
-/// Pairs in batches, their memory and what they last did to their grains.
+/// Pairs in batches, their histories and their forces on the grains in the last step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pairs {
-    /// Number of pairs. The rest of the last batch of a group pairs a grain of the block with the far phantom.
+    /// Number of pairs. The remaining lanes of the last batch of a group pair a grain of the block with the distant phantom.
     pub(crate) count: usize,
     /// Blocks, in the order of the grains.
     pub(crate) blocks: Vec<Block>,
-    /// Place of grain i, by batch and lane; its force row is the same.
+    /// Index of grain i, by batch and lane; its force row has the same index.
     pub(crate) first: Vec<[u32; LANES]>,
-    /// Place of grain j.
+    /// Index of grain j.
     pub(crate) second: Vec<[u32; LANES]>,
     /// Force row of grain j.
     pub(crate) target: Vec<[u32; LANES]>,
@@ -94,18 +96,18 @@ pub struct Pairs {
     pub(crate) memory: Vec<Row8>,
     /// Number of columns of memory: of the normal and the tangential law, of the law of moments, of the law of adhesion.
     pub(crate) columns: [usize; 3],
-    /// What the lanes of a batch did in the last step.
+    /// State of the lanes of a batch in the last step.
     pub(crate) marks: Vec<Marks>,
-    /// Constants by batch, where grains differ; empty where all pairs are alike.
+    /// Constants by batch, where grains differ; empty where all pairs are equal.
     #[serde(with = "rows::eight")]
     pub(crate) constants: Vec<Row8>,
-    /// Force (entries 0..3) and torque over radius (4..7) of the last step: a row for every grain with what its own block
-    /// did to it, then the rows of the blocks for grains of others.
+    /// Force (entries 0..3) and torque over radius (4..7) of the last step: one row for every grain with the contribution of
+    /// its own block, then the rows of the blocks for grains of other blocks.
     #[serde(with = "rows::eight")]
     pub(crate) forces: Vec<Row8>,
-    /// For grain g: other blocks' rows for it are `outer[outer_offsets[g]..outer_offsets[g + 1]]`.
+    /// The rows of other blocks for grain g are `outer[outer_offsets[g]..outer_offsets[g + 1]]`.
     pub(crate) outer_offsets: Vec<u32>,
-    /// Rows of forces.
+    /// Indices of rows of forces.
     pub(crate) outer: Vec<u32>,
 }
 
@@ -115,17 +117,17 @@ impl Pairs {
         self.first.len()
     }
 
-    /// Columns of memory of a batch.
+    /// Number of history columns of a batch.
     pub(crate) fn columns_in_all(&self) -> usize {
         self.columns.iter().sum()
     }
 
-    /// Memory column `c` of batch `b`.
+    /// History column `c` of batch `b`.
     pub(crate) fn column(&self, b: usize, c: usize) -> &[f64; LANES] {
         &self.memory[b * self.columns_in_all() + c].0
     }
 
-    /// The memory of a slot.
+    /// The contact history in a slot.
     pub(crate) fn memory(&self, slot: usize) -> Memory<f64> {
         let (b, l) = (slot / LANES, slot % LANES);
         let mut history = [0.0; MAX_HISTORY];
@@ -210,7 +212,7 @@ pub(crate) fn wrap(cell: &Cell, particles: &mut [Row8]) -> Vec<[i32; 3]> {
         .collect()
 }
 
-/// Order of grains along a space-filling (Morton) curve: `order[new place] = old place`.
+/// Order of grains along a space-filling (Morton) curve: `order[new index] = old index`.
 pub(crate) fn spatial_order(cell: &Cell, particles: &[Row8], spacing: f64) -> Vec<u32> {
     let inverse = invert(&cell.edges);
     let counts = cell.heights().map(|h| (h / spacing).floor().clamp(1.0, 1_000_000.0));
@@ -227,7 +229,7 @@ pub(crate) fn spatial_order(cell: &Cell, particles: &[Row8], spacing: f64) -> Ve
     keys.into_iter().map(|(_, g)| g).collect()
 }
 
-/// Puts two zero bits between the lowest 21 bits.
+/// Inserts two zero bits after each of the lowest 21 bits.
 fn spread_bits(x: u64) -> u64 {
     let mut x = x & 0x1f_ffff;
     x = (x | x << 32) & 0x001f_0000_0000_ffff;

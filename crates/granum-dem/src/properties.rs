@@ -8,7 +8,7 @@ use crate::contact::registry::check;
 use crate::mixture::{MixtureError, PairTable};
 use crate::simulation::SimulationError;
 
-/// What grains are made of and how they touch.
+/// Material of the grains and their contact laws.
 ///
 /// ```
 /// use granum_dem::config::{Contact, Material};
@@ -29,7 +29,8 @@ pub struct Properties {
     pub mixture: Mixture,
 }
 
-/// Largest distance at which adhesion may still hold two spheres, over their radius: the theory is one of small contacts.
+/// Largest distance at which adhesion may still hold two spheres, over their radius: the theory is limited to small
+/// contacts.
 pub const LARGEST_REACH: f64 = 0.5;
 
 impl Properties {
@@ -103,7 +104,7 @@ impl Properties {
     /// Largest distance at which two equal spheres that touched come apart, m: zero without adhesion.
     ///
     /// # Errors
-    /// If the laws do not go together.
+    /// If the laws cannot be combined.
     pub fn adhesion_reach(&self, radius: f64) -> Result<f64, SimulationError> {
         check(&self.contact)?;
         let mut largest = 0.0;
@@ -143,7 +144,7 @@ pub(crate) fn check_assignment(
     }
 }
 
-/// Refuses laws that do not go together, a material that cannot be and adhesion beyond the theory.
+/// Rejects laws that cannot be combined, an impossible material, and adhesion beyond the range of the theory.
 pub(crate) fn check_properties(properties: &Properties, radius: f64) -> Result<(), SimulationError> {
     properties.material.check().map_err(|(name, value, right)| SimulationError::Material {
         name,

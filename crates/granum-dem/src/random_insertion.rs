@@ -1,4 +1,4 @@
-//! Random insertion of grains that do not overlap, from a seed: where a preparation starts.
+//! Random insertion of grains without overlap, from a seed: the initial state of a preparation.
 
 use granum_simd::Row8;
 use rand_chacha::ChaCha8Rng;
@@ -9,11 +9,11 @@ use crate::cell::Cell;
 use crate::config::Grains;
 use crate::simulation::InitialSphere;
 
-/// Tries for one grain before the initial state is called too dense.
+/// Number of attempts for one grain after which the initial state is reported as too dense.
 const TRIES: usize = 200_000;
-/// Tries after which places are looked for only where there may be room.
+/// Number of attempts after which positions are drawn only from regions that may have room.
 const PATIENCE: usize = 30;
-/// Side of a room over the smallest diameter, and most rooms along an edge.
+/// Side of a room (a small cube of the cell) over the smallest diameter, and largest number of rooms along an edge.
 const ROOM: f64 = 1.0 / 3.0;
 const MOST_ROOMS: usize = 1024;
 
@@ -45,7 +45,7 @@ pub fn random_insertion(
     let mut radii: Vec<f64> = (0..grains.count)
         .map(|_| 0.5 * grains.diameter * (1.0 + grains.spread * (2.0 * unit(&mut rng) - 1.0)))
         .collect();
-    // Large ones first: small ones fit between them.
+    // Large grains first: small ones fit between them.
     radii.sort_unstable_by(|a, b| b.total_cmp(a));
     let solid: f64 = radii.iter().map(|r| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3)).sum();
     let length = (solid / solid_fraction).cbrt();
@@ -81,8 +81,9 @@ pub fn random_insertion(
     Ok((Cell::cuboid([length; 3]), spheres))
 }
 
-/// Small cubes that fill the cell. One that lies wholly too near to a placed grain is closed for ever; a random point of
-/// the open ones has the distribution of a random point of the cell that is thrown again until it falls there.
+/// Small cubes ("rooms") that fill the cell. A room all of whose points are too close to a placed grain is closed for good;
+/// a random point of the open rooms has the distribution of a random point of the cell that is drawn again until it falls
+/// into one of them.
 struct Rooms {
     side: f64,
     count: usize,
@@ -109,13 +110,13 @@ impl Rooms {
         rooms
     }
 
-    /// Closes the rooms whose farthest corner is too near to a grain for the smallest.
+    /// Closes the rooms whose farthest corner is too close to a grain for the smallest grain to fit.
     fn close_around(&mut self, x: &Vector, radius: f64) {
         let reach = radius + self.smallest;
         let (n, half) = (self.count as i64, 0.5 * self.side);
         let wide = ((reach / self.side).ceil() as i64).min(n / 2);
         let middle = x.map(|v| (v / self.side) as i64);
-        // Squared distance to the far face of a room, along each axis.
+        // Squared distance to the far face of a room, for each axis.
         let far = |axis: usize, offset: i64| {
             let centre = (middle[axis] + offset) as f64 * self.side + half;
             ((centre - x[axis]).abs() + half).powi(2)
@@ -137,7 +138,7 @@ impl Rooms {
         }
     }
 
-    /// A random point of the open rooms; none if all are closed.
+    /// A random point of the open rooms; `None` if all are closed.
     fn guess(&mut self, rng: &mut ChaCha8Rng) -> Option<Vector> {
         while !self.open.is_empty() {
             let at = (unit(rng) * self.open.len() as f64) as usize;
@@ -154,7 +155,7 @@ impl Rooms {
     }
 }
 
-/// Placed grains by box.
+/// Placed grains, by box.
 struct Boxes {
     length: f64,
     count: usize,
@@ -260,7 +261,7 @@ mod tests {
                     free += i32::from(boxes.free(&x, smallest));
                 }
             }
-            // Most of the cell is closed, and what is open is worth trying.
+            // Most of the cell is closed, and the open part is worth trying.
             assert!(closed > 120_000, "{closed}");
             println!("spread {spread}: {closed} of 200000 points in closed rooms, {free} free in open ones");
         }

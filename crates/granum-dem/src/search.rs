@@ -1,7 +1,8 @@
-//! The search for near pairs: all pairs of grains nearer than `R_i + R_j + skin`.
+//! Neighbour search: all pairs of grains closer than `R_i + R_j + skin`.
 //!
-//! The grains lie in boxes at least as wide as a pair reaches. Three boxes in a row along the third edge lie beside one
-//! another in memory, so that a grain looks through nine runs of others, eight grains at a time.
+//! The grains are sorted into boxes that are at least as wide as the interaction range of a pair. Three successive boxes
+//! along the third edge are contiguous in memory, so that a grain is compared with nine ranges of other grains, eight grains
+//! at a time.
 
 use granum_simd::{Isa, Kernel, LANES, Lanes, Mask, Row8, dispatch};
 
@@ -10,7 +11,7 @@ use crate::cell::Cell;
 use crate::pairs::{REACH, image_code, image_table};
 use granum_core::geometry::{apply, invert};
 
-/// A near pair as the search finds it: places of i < j (i <= j for an image of itself) and image code.
+/// A pair found by the search: indices i < j (i <= j for an image of the same grain) and image code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Near {
     pub(crate) i: u32,
@@ -18,7 +19,7 @@ pub(crate) struct Near {
     pub(crate) image: u32,
 }
 
-/// All near pairs, sorted. `particles` holds the grains only, inside the cell.
+/// All pairs within the skin, sorted. `particles` holds the grains only, inside the cell.
 pub(crate) fn find(isa: Isa, cell: &Cell, particles: &[Row8], skin: f64) -> Vec<Near> {
     let largest = particles.iter().fold(0.0f64, |m, row| m.max(row.0[3]));
     let cutoff = 2.0 * largest + skin;
@@ -32,14 +33,14 @@ pub(crate) fn find(isa: Isa, cell: &Cell, particles: &[Row8], skin: f64) -> Vec<
     found
 }
 
-/// True if two grains, the second in an image of the cell, are nearer than the sum of their radii and the skin.
+/// True if two grains, the second in an image of the cell, are closer than the sum of their radii and the skin.
 pub(crate) fn is_near(a: &Row8, b: &Row8, image: &[f64; 3], skin: f64) -> bool {
     let reach = a.0[3] + b.0[3] + skin;
     let d: [f64; 3] = std::array::from_fn(|k| b.0[k] + image[k] - a.0[k]);
     d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < reach * reach
 }
 
-/// The box of a position, by the inverse of the cell's edges.
+/// The box of a position, from the inverse of the cell's edges.
 #[inline(always)]
 fn box_of(inverse: &Matrix, counts: &[usize; 3], position: Vector) -> [usize; 3] {
     let mut b = [0; 3];
@@ -56,7 +57,7 @@ struct Grid {
     /// First member of each box, and one past the last member of the last.
     start: Vec<u32>,
     member: Vec<u32>,
-    /// x, y, z and radius of each member; entries beyond the last are out of reach of everything.
+    /// x, y, z and radius of each member; entries beyond the last are out of range of all grains.
     columns: [Vec<f64>; 4],
     /// Box of each grain.
     of: Vec<[u32; 3]>,
@@ -93,7 +94,7 @@ impl Grid {
         Grid { counts, start, member, columns, of }
     }
 
-    /// Neighbour of a place on an axis, and by how many cells it is displaced.
+    /// The neighbouring box index on an axis, and its displacement in cells.
     #[inline(always)]
     fn beside(&self, axis: usize, here: u32, step: i32) -> (usize, i32) {
         let n = self.counts[axis] as i32;
@@ -107,8 +108,8 @@ impl Grid {
         }
     }
 
-    /// From which box to below which a grain looks along the third edge, and by how many cells they are displaced; the second
-    /// stretch is empty but at the ends.
+    /// Ranges of boxes along the third edge that are searched for a grain, as first box, one past the last box, and
+    /// displacement in cells; the second range is empty except at the ends of the cell.
     #[inline(always)]
     fn stretches(&self, here: u32) -> [(usize, usize, i32); 2] {
         let (z, n) = (here as usize, self.counts[2]);
@@ -162,7 +163,7 @@ impl Kernel for GridSearch<'_> {
     }
 }
 
-/// A grain that looks for others with a higher number.
+/// A grain whose neighbours with a higher index are searched.
 struct Seeker<L> {
     i: u32,
     position: [L; 3],
@@ -182,7 +183,7 @@ impl<L: Lanes> Seeker<L> {
         }
     }
 
-    /// Appends the near ones among the members in a range.
+    /// Appends the members of a range that are close enough.
     #[inline(always)]
     fn look(&self, grid: &Grid, range: [usize; 2], code: u32, image: &[f64; 4], found: &mut Vec<Near>) {
         let [start, end] = range;
@@ -208,7 +209,7 @@ impl<L: Lanes> Seeker<L> {
     }
 }
 
-/// Eight numbers of a column.
+/// Loads eight numbers of a column.
 #[inline(always)]
 fn load<L: Lanes>(column: &[f64], from: usize) -> L {
     let mut eight = [0.0; LANES];
@@ -216,7 +217,7 @@ fn load<L: Lanes>(column: &[f64], from: usize) -> L {
     L::load(&eight)
 }
 
-/// For cells only a few grains wide: every pair with every image within reach, images of itself included.
+/// The search for cells only a few grains wide: every pair with every image within range, images of the same grain included.
 fn find_all_images(cell: &Cell, particles: &[Row8], skin: f64, cutoff: f64) -> Vec<Near> {
     let heights = cell.heights();
     let reach: [i32; 3] = heights.map(|h| ((cutoff / h).ceil() as i32).clamp(1, REACH));

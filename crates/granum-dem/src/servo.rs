@@ -1,17 +1,17 @@
-//! Servo control of the cell: it is strained at base rates, and any number of combinations of stresses are held at
-//! targets, which may move with time, by strain rates that are added.
+//! Servo control of the cell: it is strained at base rates, and strain rates are added that hold any number of combinations
+//! of stresses at targets, which may change with time.
 //!
-//! A proportional-integral rule drives each controlled combination ([`Row`]) at
-//! `rate = (target_rate + (e + integral(e dt) / (6 tau)) / tau) / (a K)` with the error `e = target - stress`. Its gain
-//! comes from the sample: K is the affine bulk modulus `sum(k_n D^2) / (9 V)` of the present contacts, an upper bound
-//! of the true one, `a K` is the stiffness of the combination against the strain rate that moves for it
-//! ([`STIFFNESS`]), and tau is a number of time steps, thirty unless another is given. So short a time is sound because
-//! the cell strains all contacts at once: nothing has to travel from a wall. (With 300 steps p wanders by 3 % rms in a
-//! test of 1000 grains at I = 1e-3, with 100 by 1.1 %, with 50 by 0.5 %, with 20 by 0.2 %. Single stresses wander more than their mean: with 30 steps the lateral
-//! stresses of a drained triaxial test of 300 grains by 0.8 %; stages therefore take six.)
+//! A proportional-integral controller drives each controlled combination ([`Row`]) at
+//! `rate = (target_rate + (e + integral(e dt) / (6 tau)) / tau) / (a K)` with the error `e = target - stress`. Its gain is
+//! derived from the sample: K is the affine bulk modulus `sum(k_n D^2) / (9 V)` of the present contacts, an upper bound of
+//! the true one, `a K` is the stiffness of the combination with respect to the strain rate that controls it ([`STIFFNESS`]),
+//! and tau is a number of time steps, by default thirty. So short a time is sound because the cell strains all contacts at
+//! once: nothing has to travel from a wall. (With 300 steps p fluctuates by 3 % rms in a test of 1000 grains at I = 1e-3,
+//! with 100 by 1.1 %, with 50 by 0.5 %, with 20 by 0.2 %. Single stresses fluctuate more than their mean: with 30 steps the
+//! lateral stresses of a drained triaxial test of 300 grains by 0.8 %; stages therefore use six.)
 //!
-//! What a target needs that moves steadily is fed forward, and the integral learns the rest of it, so that the stress does
-//! not lag behind.
+//! The rate needed for a target that changes steadily is fed forward, and the integral adapts to the rest of it, so that the
+//! stress does not lag behind.
 
 use serde::{Deserialize, Serialize};
 
@@ -23,14 +23,14 @@ pub const COMPONENTS: [&str; 6] = ["xx", "yy", "zz", "yz", "zx", "xy"];
 /// Row and column of each component.
 pub const PLACES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [1, 2], [2, 0], [0, 1]];
 
-/// Estimated stiffness of each stress component against its own strain, shear strains as angles, in affine bulk moduli:
-/// an isotropic solid without Poisson's ratio, which is as stiff under all three axes together as the bulk modulus says.
+/// Estimated stiffness of each stress component with respect to its own strain, shear strains as angles, in affine bulk
+/// moduli: that of an isotropic solid with a Poisson's ratio of zero, whose bulk modulus is the given one.
 pub const STIFFNESS: [f64; 6] = [3.0, 3.0, 3.0, 1.5, 1.5, 1.5];
 
-/// Time constant of the servo, in time steps, where no other is given.
+/// Default time constant of the servo, in time steps.
 pub const RESPONSE: f64 = 30.0;
 
-/// A combination of stresses that is held at a target, and the strain rate that moves for it.
+/// A combination of stresses that is held at a target, and the strain rate that controls it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// Weights of the stress components, see [`COMPONENTS`].
@@ -39,18 +39,18 @@ pub struct Row {
     pub divisor: f64,
     /// Weights of the strain components, Pa, added to the stresses; zero for a combination of stresses alone.
     pub strain: [f64; 6],
-    /// Target at [`Control::since`], Pa. Zero is a value.
+    /// Target at [`Control::since`], Pa. Zero is a valid target.
     pub target: f64,
-    /// How fast the target moves, Pa/s.
+    /// Rate of change of the target, Pa/s.
     pub target_rate: f64,
-    /// Strain rate, per unit of what the servo asks for.
+    /// Strain rate per unit of the servo output.
     pub moves: Matrix,
-    /// Stiffness of the combination against `moves`, in affine bulk moduli.
+    /// Stiffness of the combination with respect to `moves`, in affine bulk moduli.
     pub stiffness: f64,
 }
 
 impl Row {
-    /// One stress component, held by its own strain rate.
+    /// One stress component, controlled by its own strain rate.
     pub fn component(k: usize, target: f64) -> Row {
         let [r, c] = PLACES[k];
         let mut row =
@@ -62,7 +62,7 @@ impl Row {
         row
     }
 
-    /// The mean stress, held by some axes together.
+    /// The mean stress, controlled by some axes together.
     pub fn mean(target: f64, axes: [bool; 3]) -> Row {
         let mut moves = [[0.0; 3]; 3];
         for a in 0..3 {
@@ -79,7 +79,7 @@ impl Row {
         }
     }
 
-    /// What the combination is at a stress, Pa, and a strain.
+    /// The value of the combination at a stress, Pa, and a strain.
     pub fn value(&self, stress: &Matrix, strain: &Matrix) -> f64 {
         let mut sum = 0.0;
         for (k, &weight) in self.stress.iter().enumerate().filter(|(_, w)| **w != 0.0) {
@@ -92,7 +92,7 @@ impl Row {
         value
     }
 
-    /// The target after a time, s.
+    /// The target after a given time, s.
     pub fn aim(&self, elapsed: f64) -> f64 {
         if self.target_rate == 0.0 { self.target } else { self.target + self.target_rate * elapsed }
     }
@@ -102,7 +102,7 @@ impl Row {
         self.stress == MEAN && self.divisor == 3.0 && self.strain == [0.0; 6]
     }
 
-    /// The stress component that it is, if it is one.
+    /// The stress component that it stands for, if it is a single one.
     fn single(&self) -> Option<usize> {
         let mut weights = (0..6).filter(|&k| self.stress[k] != 0.0);
         let first = weights.next()?;
@@ -126,18 +126,18 @@ pub fn strain_component(strain: &Matrix, k: usize) -> f64 {
     if k < 3 { strain[r][c] } else { strain[r][c] + strain[c][r] }
 }
 
-/// What drives the cell.
+/// The control of the cell.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Control {
     /// Base strain rate of every component, 1/s, compression positive; the velocity gradient is minus this.
     pub rate: Matrix,
-    /// Combinations of stresses that are held.
+    /// Combinations of stresses that are controlled.
     pub rows: [Option<Row>; 6],
-    /// Time of the state at which targets begin to move, s.
+    /// Time at which targets begin to change, s.
     pub since: f64,
     /// Time over which base rates and the motion of targets grow from nothing, s.
     pub ease: f64,
-    /// Bound on what the servo adds to a component's rate for one row, 1/s.
+    /// Bound on the rate that the servo adds to a component for one row, 1/s.
     pub rate_limit: f64,
     /// Time constant tau of the servo, in time steps.
     pub response: f64,
@@ -157,12 +157,12 @@ impl Default for Control {
 }
 
 impl Control {
-    /// Every component at rest.
+    /// No component is strained.
     pub fn fixed() -> Control {
         Control::default()
     }
 
-    /// All three axes servoed to the same stress.
+    /// All three axes servo-controlled to the same stress.
     pub fn isotropic(stress: f64, rate_limit: f64) -> Control {
         let mut control = Control { rate_limit, ..Control::default() };
         for a in 0..3 {
@@ -171,7 +171,8 @@ impl Control {
         control
     }
 
-    /// Axis `axis` strained at `rate`, the other two following half as fast the other way and holding the mean stress.
+    /// Axis `axis` strained at `rate`, the other two at half that rate in the opposite direction while they control the mean
+    /// stress.
     pub fn constant_mean_stress(axis: usize, rate: f64, target: f64, rate_limit: f64) -> Control {
         let mut control = Control { rate_limit, ..Control::default() };
         let mut axes = [true; 3];
@@ -183,7 +184,7 @@ impl Control {
         control
     }
 
-    /// The combinations that are held.
+    /// The controlled combinations.
     pub fn rows(&self) -> impl Iterator<Item = &Row> {
         self.rows.iter().flatten()
     }
@@ -198,7 +199,7 @@ impl Control {
         }
     }
 
-    /// The mean stress that the control aims at a time, s, of the state, if it does.
+    /// The target of the mean stress at a given time, s, if the control has one.
     pub fn target_mean_stress(&self, time: f64) -> Option<f64> {
         let elapsed = self.progress(time);
         if let Some(row) = self.rows().find(|row| row.is_mean()) {
@@ -212,7 +213,7 @@ impl Control {
         }
     }
 
-    /// Turns the base rates and the motion of the targets round at a time, s, of the state. A stress that moves goes back from
+    /// Reverses the base rates and the motion of the targets at a given time, s. A stress that moves goes back from
     /// where it is, even if its target was ahead of it.
     pub fn reverse(&mut self, time: f64, stress: &Matrix, strain: &Matrix) {
         self.since = time;
@@ -223,7 +224,7 @@ impl Control {
         }
     }
 
-    /// True if everything in it is a number.
+    /// True if all its numbers are finite.
     pub(crate) fn is_finite(&self) -> bool {
         let rows = self.rows().all(|row| {
             let lists = row.stress.iter().chain(&row.strain).chain(row.moves.iter().flatten());
@@ -237,7 +238,7 @@ impl Control {
             && self.rate.iter().flatten().all(|x| x.is_finite())
     }
 
-    /// Largest stress that is aimed at, Pa.
+    /// Largest target stress, Pa.
     fn scale(&self, elapsed: f64) -> f64 {
         self.rows().fold(0.0, |m, row| m.max(row.aim(elapsed).abs()))
     }
@@ -249,7 +250,7 @@ pub struct Servo {
     integrals: [f64; 6],
 }
 
-/// What the servo knows of the sample.
+/// The properties of the sample that the servo uses.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample {
     pub(crate) stress: Matrix,
@@ -268,10 +269,11 @@ impl Servo {
         let share =
             if control.ease > 0.0 { ((sample.time - control.since) / control.ease).min(1.0) } else { 1.0 };
         let aimed = control.scale(elapsed);
-        // Without contacts there is no stiffness; the rate limit then decides, and this only keeps numbers finite.
+        // Without contacts there is no stiffness; the rate limit then decides, and this lower bound only keeps numbers
+        // finite.
         let stiffness = sample.bulk_modulus.max(100.0 * aimed).max(1.0);
         let tau = control.response * sample.dt;
-        // For a target of zero the present stress is the measure of what is near.
+        // For a target of zero the present stress is the scale of the error.
         let scale = aimed.max(sample.stress.iter().flatten().fold(0.0, |m, s| m.max(s.abs())));
         let mut rate = control.rate;
         if share < 1.0 {
@@ -298,10 +300,10 @@ impl Servo {
     }
 }
 
-/// Relative error of the stress within which the integral works.
+/// Relative error of the stress below which the integral is active.
 const NEAR: f64 = 0.2;
 
-/// Gain, what is fed forward, time constant, time step and rate limit of a servo.
+/// Gain, feed-forward rate, time constant, time step and rate limit of a servo.
 struct Gain {
     gain: f64,
     forward: f64,
@@ -311,8 +313,8 @@ struct Gain {
 }
 
 impl Gain {
-    /// Rate from error and its integral. The integral stands still while the rate is at its limit or the stress still far
-    /// from its target, so it cannot wind up on the way there.
+    /// Rate from the error and its integral. The integral is frozen while the rate is at its limit or the stress is still
+    /// far from its target, which prevents windup during the approach.
     fn proportional_integral(&self, error: f64, scale: f64, integral: &mut f64) -> f64 {
         let next = *integral + error * self.dt / (6.0 * self.tau);
         let wanted = self.gain * (error + next) + self.forward;
@@ -332,7 +334,7 @@ mod tests {
         Sample { stress, strain: [[0.0; 3]; 3], bulk_modulus, time: 0.0, dt: 1e-8 }
     }
 
-    /// An elastic solid of modulus K under the servo comes to its target and stays, whatever K is.
+    /// Under the servo, an elastic solid of modulus K reaches its target and stays there, whatever K is.
     #[test]
     fn settles_on_an_elastic_solid() {
         for modulus in [1e6, 1e8, 1e10] {
@@ -376,7 +378,7 @@ mod tests {
         assert_eq!(Control::fixed().target_mean_stress(0.0), None);
     }
 
-    /// A shear stress is held by a symmetric shear rate, which turns nothing.
+    /// A shear stress is controlled by a symmetric shear rate, which causes no rotation.
     #[test]
     fn a_shear_stress_moves_a_symmetric_shear_rate() {
         let mut control = Control { rate_limit: 100.0, ..Control::fixed() };

@@ -1,4 +1,4 @@
-//! A simulation: grains in a cell under control, advanced step by step.
+//! A simulation: grains in a controlled cell, advanced step by step.
 
 use std::collections::HashSet;
 
@@ -21,10 +21,10 @@ use crate::stepping;
 
 pub use crate::properties::{LARGEST_REACH, Properties};
 
-/// Where a grain starts.
+/// Initial position of a grain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InitialSphere {
-    /// Its number.
+    /// Its id.
     pub id: u64,
     /// Centre, m.
     pub position: Vector,
@@ -32,10 +32,10 @@ pub struct InitialSphere {
     pub radius: f64,
 }
 
-/// What runs the simulation; none of it changes a result.
+/// Hardware settings of the simulation; none of them changes a result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hardware {
-    /// Threads that share the work of a step.
+    /// Number of threads that share the work of a step.
     pub threads: usize,
     /// Instruction set.
     pub isa: Isa,
@@ -47,7 +47,7 @@ impl Default for Hardware {
     }
 }
 
-/// Why a simulation cannot start or go on.
+/// Reasons why a simulation cannot start or continue.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SimulationError {
     /// There are no grains.
@@ -56,7 +56,7 @@ pub enum SimulationError {
     /// A grain is not usable.
     #[error("grain {id}: {what}")]
     Grain {
-        /// Its number.
+        /// Its id.
         id: u64,
         /// What is wrong and what would be right.
         what: String,
@@ -64,17 +64,17 @@ pub enum SimulationError {
     /// The cell has no volume.
     #[error("the cell's volume is {0} m3; it must be positive")]
     Cell(f64),
-    /// The laws do not go together.
+    /// The laws cannot be combined.
     #[error(transparent)]
     Law(#[from] LawError),
-    /// The material cannot be.
+    /// The material is not possible.
     #[error("the material's {name} is {value}; it must be {right}")]
     Material {
-        /// Property.
+        /// The property.
         name: &'static str,
         /// Its value, in SI units.
         value: f64,
-        /// What would be right.
+        /// The permitted values.
         right: &'static str,
     },
     /// The materials cannot be together.
@@ -103,7 +103,7 @@ pub enum SimulationError {
          probably too long; lower numerics.time_step_factor"
     )]
     Diverged {
-        /// Step at which it was noticed.
+        /// Step at which this was detected.
         step: u64,
         /// Time step, s.
         time_step: f64,
@@ -125,8 +125,7 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// Grains at rest in a cell, under a control that holds the cell still. Forces are those of the geometry, with
-    /// no history. Where there are several materials, which grain is of which is drawn from the seed of the mixture
+    /// Grains at rest in a cell that is not strained. The forces follow from the geometry, without any history. Where there are several materials, which grain is of which is drawn from the seed of the mixture
     /// ([`crate::config::Mixture::assign`]).
     ///
     /// # Errors
@@ -205,30 +204,30 @@ impl Simulation {
         Ok(simulation)
     }
 
-    /// A simulation from its parts, as a checkpoint holds them.
+    /// A simulation from its parts, as stored in a checkpoint.
     pub(crate) fn from_parts(state: State, properties: Properties) -> Result<Simulation, SimulationError> {
         check_properties(&properties, smallest(&state))?;
         check_assignment(&state.materials, state.grains(), &properties.mixture)?;
         Ok(Simulation { integrator: Integrator::new(state, properties) })
     }
 
-    /// Sets threads and instruction set. Results do not depend on it.
+    /// Sets the number of threads and the instruction set. Results do not depend on them.
     pub fn set_hardware(&mut self, hardware: Hardware) {
         self.integrator.hardware = hardware;
     }
 
-    /// Sets what drives the cell; the servo starts anew.
+    /// Sets the control of the cell and resets the servo.
     pub fn set_control(&mut self, control: Control) {
         self.integrator.state.control = control;
         self.integrator.state.servo = Servo::default();
     }
 
-    /// Changes the bound on what the servo adds, leaving its memory.
+    /// Changes the bound on the rates that the servo adds, and keeps its integrals.
     pub fn set_rate_limit(&mut self, limit: f64) {
         self.integrator.state.control.rate_limit = limit;
     }
 
-    /// Sets the rate at which velocities fade, 1/s (global damping, for preparation only; zero is none).
+    /// Sets the rate of global damping of the velocities, 1/s (for preparation only; zero is none).
     pub fn set_global_damping(&mut self, rate: f64) {
         self.integrator.state.global_damping = rate;
     }
@@ -245,15 +244,16 @@ impl Simulation {
         self.integrator.reset_time_step();
     }
 
-    /// Sets the mean normal force, N, for which the time step is right from the start (`p d^2` for a sample at p).
+    /// Sets the expected mean normal force, N, so that the time step is suitable from the start (`p d^2` for a sample at p).
     pub fn expect_force(&mut self, force: f64) {
         self.integrator.expected_force = force;
         self.integrator.reset_time_step();
     }
 
-    /// Changes material or law. Contacts keep the history of a tangential law or a law of moments that stays; another
-    /// law's forces start from zero, and so do all where contacts gain or lose an area. Masses follow the density,
-    /// velocities and spins its inverse root: without gravity that only rescales time, and the kinetic energy stays. Which grain
+    /// Changes the material or the contact laws. Contacts keep the history of a tangential or moment law that stays; the
+    /// forces of a new law start from zero, as do all where contacts gain or lose an area. Masses are scaled with the
+    /// density, velocities and spins with its inverse root: without gravity this only rescales time, and the kinetic energy
+    /// is unchanged. Which grain
     /// is of which material stays; of several materials the densities can only change by one factor.
     ///
     /// # Errors
@@ -275,7 +275,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Material and law.
+    /// Material and contact laws.
     pub fn properties(&self) -> &Properties {
         &self.integrator.properties
     }
@@ -285,15 +285,15 @@ impl Simulation {
         stepping::advance(&mut self.integrator, steps)
     }
 
-    /// The state, for looking.
+    /// The state, read-only.
     pub fn state(&self) -> &State {
         &self.integrator.state
     }
 
-    /// Advances until the first step at which one of the events has come, by at most so many steps.
+    /// Advances until the first step at which one of the events has occurred, but by at most `most_steps` steps.
     ///
     /// # Errors
-    /// As [`Simulation::advance`].
+    /// As for [`Simulation::advance`].
     pub fn advance_to(&mut self, events: &[Event], most_steps: u64) -> Result<(), SimulationError> {
         self.integrator.events.clear();
         self.integrator.events.extend_from_slice(events);
@@ -302,7 +302,7 @@ impl Simulation {
         result
     }
 
-    /// Turns base rates and moving targets of the control round.
+    /// Reverses base rates and moving targets of the control.
     pub(crate) fn reverse(&mut self) {
         let state = &mut self.integrator.state;
         let (stress, strain) = (state.stress(), state.strain());
@@ -315,19 +315,19 @@ impl Simulation {
         self.integrator.state.global_damping = rate;
     }
 
-    /// Judges the servo anew, from an arc length of strain on.
+    /// Restarts the statistics of the servo, from an arc length of strain on.
     pub(crate) fn judge_servo(&mut self, from: f64) {
         self.integrator.state.judge_from = from;
         self.integrator.state.servo_error = ServoError::default();
     }
 
-    /// Starts a phase: strain, time, steps, energy balance and servo statistics count from here, the last once the arc length of
-    /// strain comes to `judge_from`.
+    /// Starts a phase: strain, time, steps, energy balance and servo statistics count from here, the last from the arc
+    /// length of strain `judge_from` on.
     pub fn reset_phase(&mut self, judge_from: f64) {
         self.integrator.state.reset_phase(judge_from);
     }
 
-    /// A picture for sensors. It copies what it shows and changes nothing.
+    /// A snapshot for sensors. It copies the data that it contains and changes nothing.
     pub fn assembly(&self) -> Assembly {
         let integrator = &self.integrator;
         let names = integrator.properties.mixture.components.iter().map(|component| component.name.clone());
@@ -343,23 +343,22 @@ impl Simulation {
         self.integrator.mean_diameter()
     }
 
-    /// The strain rate, 1/s, that has this inertial number at a mean stress, Pa:
-    /// `I sqrt(p / rho) / d`.
+    /// The strain rate, 1/s, that has this inertial number at a mean stress, Pa: `I sqrt(p / rho) / d`.
     pub fn strain_rate(&self, inertial_number: f64, mean_stress: f64) -> f64 {
         inertial_number * (mean_stress / self.integrator.mean_density()).sqrt() / self.mean_diameter()
     }
 
-    /// Grains in a pair list slot order are an internal matter; this is how many near pairs are listed.
+    /// Number of pairs in the neighbour list.
     pub fn near_pairs(&self) -> usize {
         self.integrator.state.pairs.count
     }
 
-    /// How often the pair list was made.
+    /// Number of times the neighbour list was built.
     pub fn rebuilds(&self) -> u64 {
         self.integrator.state.rebuilds
     }
 
-    /// Gives grains fluctuating velocities and spins, by rank of their ids.
+    /// Gives fluctuating velocities and spins to the grains, in the order of their ids.
     pub fn set_velocities(&mut self, velocities: &[Vector], spins: &[Vector]) {
         let state = &mut self.integrator.state;
         let mut order: Vec<usize> = (0..state.grains()).collect();
@@ -456,17 +455,17 @@ impl Integrator {
             }
         }
         state.sums.fastest /= ratio;
-        // The first step works half with the power of the last one, which ran on the old clock.
+        // Half of the work in the first step uses the power of the last one, which was computed on the old time scale.
         state.sums.boundary_power *= slower;
         state.gradient = state.gradient.map(|row| row.map(|rate| rate * slower));
         state.fastest_peak /= ratio;
         state.dt /= slower;
     }
 
-    /// Takes the memory of all contacts over to the present laws: their normals, and the history of laws that stayed.
+    /// Carries the histories of all contacts over to the present laws: their normals, and the histories of laws that stayed.
     fn change_history(&mut self, before: &Contact) {
         let now = &self.properties.contact;
-        // A tangential history may hold what the normal law measures contacts by: an area, or a stiffness.
+        // A tangential history may contain the tangential measure of the normal law: an area, or a stiffness.
         let measured_alike =
             now.normal.law().traits().contact_area == before.normal.law().traits().contact_area;
         let same = [
@@ -480,7 +479,7 @@ impl Integrator {
         let [tangential, moments, adhesion] = now.history();
         let columns = NORMAL_COLUMNS + tangential + moments + adhesion;
         let old = &self.state.pairs;
-        // Columns of the new memory, and where in the old one they stood.
+        // Columns of the new history, with their positions in the old one.
         let mut kept: Vec<[usize; 2]> = (0..NORMAL_COLUMNS).map(|c| [c, c]).collect();
         if same[0] {
             kept.extend((NORMAL_COLUMNS..NORMAL_COLUMNS + tangential).map(|c| [c, c]));

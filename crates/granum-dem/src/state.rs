@@ -1,4 +1,4 @@
-//! Everything that a simulation is at one moment: what a checkpoint holds and what sensors look at.
+//! The complete state of a simulation at one instant: the content of a checkpoint, and what sensors observe.
 
 use granum_simd::{LANES, Row4, Row8};
 use serde::{Deserialize, Serialize};
@@ -23,7 +23,7 @@ pub struct State {
     /// Spins: x, y, z, unused.
     #[serde(with = "rows::four")]
     pub(crate) spin: Vec<Row4>,
-    /// Number of each grain.
+    /// Id of each grain.
     pub(crate) ids: Vec<u64>,
     /// Material of each grain, as its place in the mixture; empty where there is one material.
     pub(crate) materials: Vec<u8>,
@@ -32,17 +32,17 @@ pub struct State {
     pub(crate) strain: Matrix,
     /// Arc length of the strain path up to the anchor.
     pub(crate) walked: f64,
-    /// The strain from which the arc length is measured on.
+    /// The strain from which the arc length is measured further.
     pub(crate) anchor: Matrix,
     pub(crate) time: f64,
     pub(crate) step: u64,
     pub(crate) dt: f64,
     pub(crate) pairs: Pairs,
-    /// Margin of the pair list, m.
+    /// Skin of the neighbour list, m.
     pub(crate) skin: f64,
-    /// Bound on how far any grain moved from affine motion since the list was made, m.
+    /// Bound on the displacement of any grain from affine motion since the list was built, m.
     pub(crate) travel: f64,
-    /// Bound on the strain since the list was made.
+    /// Bound on the strain since the list was built.
     pub(crate) distortion: f64,
     pub(crate) steps_since_rebuild: u64,
     pub(crate) rebuilds: u64,
@@ -55,14 +55,14 @@ pub struct State {
     pub(crate) energy_balance: EnergyBalance,
     pub(crate) servo: Servo,
     pub(crate) control: Control,
-    /// Rate at which velocities fade, 1/s: global damping, used only while a sample is prepared.
+    /// Rate of global damping of the velocities, 1/s, used only during the preparation of a sample.
     pub(crate) global_damping: f64,
-    /// Relative errors of the controlled stresses since the arc length came to `judge_from`.
+    /// Relative errors of the controlled stresses from the arc length `judge_from` on.
     pub(crate) servo_error: ServoError,
     pub(crate) judge_from: f64,
 }
 
-/// The energy balance as a row of numbers: a checkpoint has no names, and so nothing can be left out of it.
+/// The energy balance as a row of numbers: a checkpoint has no field names, so that no field can be omitted.
 mod energy_row {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -104,21 +104,23 @@ mod energy_row {
     }
 }
 
-/// Steps of strain that count for the arc length: shorter ones to and fro, as the servo makes them, are no way.
+/// Length of the strain chords that are added up to the arc length: shorter movements to and fro, caused by the servo, do
+/// not count.
 const ARC_STEP: f64 = 1e-5;
 
-/// How well the controlled stresses were held. Each counts from when it first came within half a per cent of its target.
+/// Accuracy with which the controlled stresses were held. Each is counted from the time at which it first came within half a
+/// per cent of its target.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ServoError {
-    /// Of each controlled stress: sum of squares of its error over the mean stress.
+    /// For each controlled stress: sum of squares of its error over the mean stress.
     pub squares: [f64; 6],
-    /// Of each: steps counted.
+    /// For each: number of steps counted.
     pub steps: [u64; 6],
-    /// Of each: largest error over the mean stress.
+    /// For each: largest error over the mean stress.
     pub largest: [f64; 6],
 }
 
-/// Error of a controlled stress over the mean stress at which it counts as held.
+/// Error of a controlled stress over the mean stress below which it counts as held.
 const HELD: f64 = 0.005;
 
 impl ServoError {
@@ -135,7 +137,7 @@ impl ServoError {
         self.largest.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Counts the error of a controlled stress in one step.
+    /// Adds the error of a controlled stress in one step to the statistics.
     fn count(&mut self, row: usize, error: f64) {
         if self.steps[row] == 0 && error.abs() > HELD {
             return;
@@ -163,7 +165,7 @@ impl State {
         (self.sums.virial[0] + self.sums.virial[4] + self.sums.virial[8]) / (3.0 * self.cell.volume())
     }
 
-    /// Mean stress of the fluctuating motion, Pa: `sum m v^2 / (3 V)`. It is no part of p.
+    /// Mean stress of the fluctuating motion, Pa: `sum m v^2 / (3 V)`. It is not a part of p.
     pub fn kinetic_mean_stress(&self) -> f64 {
         let twice: f64 = (self.particles[..self.grains()].iter())
             .map(|row| row.0[7] * (row.0[4] * row.0[4] + row.0[5] * row.0[5] + row.0[6] * row.0[6]))
@@ -198,7 +200,7 @@ impl State {
         }))
     }
 
-    /// Goes on with the arc length after a step.
+    /// Updates the arc length after a step.
     pub(crate) fn walk(&mut self) {
         let chord = self.chord();
         if chord >= ARC_STEP {
@@ -207,7 +209,7 @@ impl State {
         }
     }
 
-    /// Stress, strain and clock now.
+    /// Present stress, strain and time.
     pub fn macro_state(&self) -> MacroState {
         MacroState {
             stress: self.stress(),
@@ -217,7 +219,7 @@ impl State {
         }
     }
 
-    /// Errors of the controlled stresses over the mean stress: over the one aimed at, where the control aims at one.
+    /// Errors of the controlled stresses over the mean stress: over its target, where the control has one.
     fn stress_errors(&self) -> [Option<f64>; 6] {
         let p = self.target_mean_stress().unwrap_or_else(|| self.mean_stress()).abs();
         let stress = self.stress();
@@ -233,7 +235,7 @@ impl State {
         self.stress_errors().iter().flatten().fold(0.0, |m, error| m.max(error.abs()))
     }
 
-    /// Counts how well stresses are held, once that is judged.
+    /// Updates the statistics of the controlled stresses, from the arc length `judge_from` on.
     pub(crate) fn judge_servo(&mut self) {
         if self.arc_length() < self.judge_from {
             return;
@@ -275,23 +277,23 @@ impl State {
         self.energy_balance
     }
 
-    /// How well the controlled stresses were held, once the start-up of the phase or stage was over.
+    /// How accurately the controlled stresses were held after the start-up of the phase or stage.
     pub fn servo_error(&self) -> ServoError {
         self.servo_error
     }
 
-    /// Largest `dt sqrt(k_t / m)` of a contact now; above 0.316 a grain with twelve such contacts is not stable.
+    /// Present largest `dt sqrt(k_t / m)` of a contact; above 0.316 a grain with twelve such contacts is unstable.
     pub fn time_step_fraction(&self) -> f64 {
         self.dt * self.sums.fastest.sqrt()
     }
 
-    /// What drives the cell.
+    /// The control of the cell.
     pub fn control(&self) -> &Control {
         &self.control
     }
 
-    /// Starts a phase: strain, time, steps, energy balance and servo statistics count from here, the last once the arc length comes
-    /// to `judge_from`.
+    /// Starts a phase: strain, time, steps, energy balance and servo statistics count from here, the last from the arc
+    /// length `judge_from` on.
     pub(crate) fn reset_phase(&mut self, judge_from: f64) {
         self.judge_from = judge_from;
         self.strain = [[0.0; 3]; 3];
@@ -310,7 +312,7 @@ impl State {
         crate::kernel::resultant::<granum_simd::Portable>(&p.forces, &p.outer_offsets, &p.outer, g)
     }
 
-    /// Mean resultant force on the grains that touch another, over the mean normal force of the contacts.
+    /// Mean resultant force on the grains that touch at least one other, over the mean normal force of the contacts.
     pub fn unbalanced_force(&self) -> f64 {
         let (mut resultants, mut loaded) = (0.0, 0u64);
         for g in 0..self.grains() {
@@ -393,7 +395,7 @@ impl State {
         }
     }
 
-    /// The mean stress that the control aims at, if it does.
+    /// The target of the mean stress, if the control has one.
     pub fn target_mean_stress(&self) -> Option<f64> {
         self.control.target_mean_stress(self.time)
     }
@@ -421,7 +423,7 @@ impl State {
         let contact_of = |overlap: f64| laws.normal_contact(&pair, overlap);
         let normal = if touching { contact_of(approach) } else { contact_of(-pair.radius_sum) };
         let t = law::tangential_force(&memory);
-        // By rank, so that i < j holds for ids whatever the order in memory.
+        // By rank, so that i < j holds for ids whatever the storage order.
         let sign = if rank[i] <= rank[j] { 1.0 } else { -1.0 };
         let (first, second) = if sign > 0.0 { (i, j) } else { (j, i) };
         Contact {

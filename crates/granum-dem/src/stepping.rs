@@ -10,19 +10,19 @@ use crate::pairs::Block;
 use crate::simulation::SimulationError;
 use crate::team::{Guard, Work};
 
-/// How the grains moved.
+/// How the grains have moved.
 #[derive(Clone, Copy)]
 struct Moved {
-    /// Square of the fastest one's velocity, m2/s2.
+    /// Square of the largest velocity of a grain, m2/s2.
     fastest: f64,
-    /// True if they got a new list.
+    /// True if a new neighbour list was built.
     renewed: bool,
 }
 
 /// The stage that the threads work on.
 #[derive(Clone, Copy)]
 enum Stage {
-    /// Grains sum their forces and move.
+    /// The grains sum their forces and move.
     Grains,
     /// The neighbour lists are pruned again, after the grains moved.
     Prune(Moved),
@@ -36,7 +36,7 @@ struct Team<'a> {
     integrator: UnsafeCell<&'a mut Integrator>,
     views: UnsafeCell<Views>,
     stage: UnsafeCell<Stage>,
-    /// Steps not yet finished.
+    /// Number of steps still to be made.
     steps: UnsafeCell<u64>,
     failure: UnsafeCell<Option<SimulationError>>,
     threads: usize,
@@ -54,7 +54,7 @@ impl Team<'_> {
         let mut turns = 0;
         loop {
             while let Some(blocks) = self.work.claim(thread) {
-                // SAFETY: the stage stays as it is until the claimed blocks are reported.
+                // SAFETY: the stage does not change until the claimed blocks have been reported.
                 let (views, stage) = unsafe { (&*self.views.get(), *self.stage.get()) };
                 let (count, all) = (blocks.len(), views.blocks.len());
                 match stage {
@@ -76,14 +76,14 @@ impl Team<'_> {
     /// Opens the first stage.
     fn begin(&mut self) {
         self.integrator.get_mut().begin_step(self.views.get_mut());
-        // SAFETY: no other thread is there yet.
+        // SAFETY: no other thread has started yet.
         unsafe { self.open(Stage::Grains) };
     }
 
     /// The serial work between two stages.
     ///
     /// # Safety
-    /// Only when all blocks of the stage are reported.
+    /// Only when all blocks of the stage have been reported.
     unsafe fn turn(&self, stage: Stage) {
         unsafe {
             let integrator = &mut *self.integrator.get();
@@ -120,7 +120,7 @@ impl Team<'_> {
     /// # Safety
     /// As for [`Team::turn`].
     unsafe fn open(&self, stage: Stage) {
-        // SAFETY: nobody reads the stage or the views yet.
+        // SAFETY: no thread reads the stage or the views yet.
         let blocks = unsafe {
             *self.stage.get() = stage;
             (*self.views.get()).blocks.read()
@@ -128,7 +128,7 @@ impl Team<'_> {
         self.work.open(|thread| share_batches(blocks, thread, self.threads));
     }
 
-    /// Makes the list and the views anew.
+    /// Rebuilds the neighbour list and the views.
     ///
     /// # Safety
     /// As for [`Team::turn`].
@@ -147,23 +147,23 @@ impl Team<'_> {
     }
 }
 
-/// The share of a thread in the blocks, by their batches: the first grains have more pairs than the last.
+/// The share of a thread in the blocks, by number of batches: the first grains have more pairs than the last.
 fn share_batches(blocks: &[Block], thread: usize, threads: usize) -> std::ops::Range<usize> {
     let all = blocks.last().map_or(0, |b| b.batches[2] as usize);
-    // A block belongs to the thread in whose share its middle lies.
+    // A block belongs to the thread whose share contains its middle.
     let before =
         |t: usize| blocks.partition_point(|b| (b.batches[0] + b.batches[2]) as usize * threads < 2 * all * t);
     let end = if thread + 1 == threads { blocks.len() } else { before(thread + 1) };
     before(thread)..end
 }
 
-/// The contact stage of a machine.
+/// The contact stage of an integrator.
 fn contact_stage(integrator: &Integrator) -> kernel::Stage {
     let stages = integrator.stages;
     if integrator.state.pairs.constants.is_empty() { stages.alike } else { stages.by_batch }
 }
 
-/// Advances by `steps` steps with the threads of the machine's hardware.
+/// Advances by `steps` steps with the hardware settings of the integrator.
 pub(crate) fn advance(integrator: &mut Integrator, steps: u64) -> Result<(), SimulationError> {
     if steps == 0 {
         return Ok(());
@@ -192,7 +192,7 @@ pub(crate) fn advance(integrator: &mut Integrator, steps: u64) -> Result<(), Sim
     team.failure.into_inner().map_or(Ok(()), Err)
 }
 
-/// Computes the forces of the present geometry without moving anything or letting time pass.
+/// Computes the forces of the present geometry without moving anything and without advancing time.
 pub(crate) fn forces(integrator: &mut Integrator) {
     let mut views = integrator.views();
     views.dt = 0.0;
@@ -209,7 +209,7 @@ mod tests {
     use crate::simulation::{Hardware, Properties, Simulation};
     use granum_simd::Isa;
 
-    /// Small enough for an interpreter that sees every race of memory accesses (`cargo miri test`).
+    /// Small enough for an interpreter that detects every data race (`cargo miri test`).
     #[test]
     fn threads_give_one_answer_through_several_lists() {
         let (count, steps) = if cfg!(miri) { (140, 12) } else { (600, 400) };
@@ -220,7 +220,7 @@ mod tests {
             let mut s = Simulation::new(cell, &spheres, properties.clone()).unwrap();
             s.set_hardware(Hardware { threads, isa: Isa::detect() });
             s.set_control(Control::isotropic(20e3, 3e4));
-            // So fast that grains meet and the list is renewed within the few steps.
+            // So fast that grains collide and the list is rebuilt within the few steps.
             let fast: Vec<[f64; 3]> =
                 (0..count).map(|k| [0, 1, 2].map(|a| 40.0 * ((7 * k + 13 * a) as f64).sin())).collect();
             s.set_velocities(&fast, &[]);

@@ -1,21 +1,23 @@
-//! A handful of threads that walk through the stages of many steps together.
+//! A team of threads that execute the stages of many steps together.
 //!
-//! A step of a few thousand grains takes some tens of microseconds, too short for a task scheduler, so the threads stay and
-//! claim blocks of the stage in hand; who finishes the last one does what is serial and opens the next stage. Blocks are
-//! fixed and their results are summed in their order: the number of threads cannot change a bit.
+//! A step of a few thousand grains takes some tens of microseconds, which is too short for a task scheduler. The threads
+//! therefore stay alive and claim blocks of the current stage; the thread that finishes the last block does the serial work
+//! and opens the next stage. The blocks are fixed and their results are summed in their order, so that the number of threads
+//! cannot change a single bit.
 //!
-//! All `unsafe` of the engine's threading is here: [`RawSlice`] hands disjoint pieces of one array to several threads.
+//! All `unsafe` code of the engine's threading is here: [`RawSlice`] gives several threads access to disjoint parts of one
+//! array.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 
-/// Bits for a place in the list of blocks; the rest of a word counts the stages.
+/// Number of bits of an index into the list of blocks; the other bits of a word count the stages.
 const PLACE: u32 = 20;
 const PLACES: u64 = (1 << PLACE) - 1;
-/// Turns of an idle thread before it offers its processor to others.
+/// Number of spins of an idle thread before it yields its processor.
 const PATIENCE: u32 = 2_000;
 
-/// Blocks of a stage that are left to do, from `low` to below `high`, and which stage it is.
+/// The remaining blocks of a stage, from `low` to below `high`, with the number of the stage.
 #[derive(Clone, Copy)]
 struct Left {
     stage: u64,
@@ -32,13 +34,13 @@ impl Left {
     }
 }
 
-/// On a cache line of its own.
+/// An atomic number on its own cache line.
 #[repr(align(128))]
 struct Alone(AtomicU64);
 
-/// The blocks of the stage in hand, a share for every thread. A thread takes its own share piece by piece and then helps
-/// the others: one that lost its processor to another program holds up no more than the piece it has. Who did a block
-/// leaves no trace in it.
+/// The blocks of the current stage, with a share for every thread. A thread takes its own share piece by piece and then
+/// helps the others: a thread that lost its processor to another program delays only the piece that it holds. The result of
+/// a block does not depend on the thread that computed it.
 pub(crate) struct Work {
     shares: Vec<Alone>,
     done: AtomicUsize,
@@ -55,7 +57,7 @@ impl Work {
         }
     }
 
-    /// Opens a stage: from here on its blocks can be claimed. All that the stage reads must have been written before.
+    /// Opens a stage: from now on its blocks can be claimed. All data that the stage reads must have been written before.
     pub(crate) fn open(&self, share: impl Fn(usize) -> Range<usize>) {
         self.done.store(0, Ordering::Relaxed);
         for (thread, word) in self.shares.iter().enumerate() {
@@ -67,13 +69,13 @@ impl Work {
         }
     }
 
-    /// Claims a piece of the stage that is open, if one is left; the stage stays open until it is reported as done.
+    /// Claims a piece of the open stage, if one is left; the stage stays open until all of it is reported as done.
     pub(crate) fn claim(&self, thread: usize) -> Option<Range<usize>> {
         let threads = self.shares.len();
         (0..threads).find_map(|k| self.take((thread + k) % threads, k == 0))
     }
 
-    /// A quarter of what is left of a share, from its start for its owner and from its end for others.
+    /// Takes a quarter of the rest of a share, from its start for its owner and from its end for other threads.
     fn take(&self, share: usize, own: bool) -> Option<Range<usize>> {
         let word = &self.shares[share].0;
         let mut seen = word.load(Ordering::Acquire);
@@ -96,18 +98,18 @@ impl Work {
         }
     }
 
-    /// Reports blocks as done; true for the one who did the last of `all`. Nobody works on the stage then, and nobody can
-    /// until the next is opened.
+    /// Reports blocks as done; returns true for the thread that did the last of `all`. No thread works on the stage then,
+    /// and none can until the next is opened.
     pub(crate) fn report(&self, blocks: usize, all: usize) -> bool {
         self.done.fetch_add(blocks, Ordering::AcqRel) + blocks == all
     }
 
-    /// Lets all threads go.
+    /// Releases all threads.
     pub(crate) fn end(&self) {
         self.over.store(true, Ordering::Release);
     }
 
-    /// Waits for the next stage; false if there is none.
+    /// Waits for the next stage; returns false if there is none.
     pub(crate) fn wait(&self, thread: usize, turns: &mut u32) -> bool {
         let mine = || Left::unpack(self.shares[thread].0.load(Ordering::Acquire));
         let stage = mine().stage;
@@ -117,7 +119,7 @@ impl Work {
                 return false;
             }
             *turns += 1;
-            // On a machine with fewer free cores than threads spinning on would starve the thread waited for.
+            // On a machine with fewer free cores than threads, further spinning would starve the thread that is waited for.
             if *turns > PATIENCE { std::thread::yield_now() } else { std::hint::spin_loop() }
         }
         *turns = 0;
@@ -125,7 +127,7 @@ impl Work {
     }
 }
 
-/// Lets the others go if its thread panics: they would wait for ever.
+/// Releases the other threads if its thread panics, because they would wait forever.
 pub(crate) struct Guard<'a>(pub(crate) &'a Work);
 
 impl Drop for Guard<'_> {
@@ -136,7 +138,7 @@ impl Drop for Guard<'_> {
     }
 }
 
-/// An array seen by all threads of a team.
+/// An array that all threads of a team can access.
 pub(crate) struct RawSlice<T> {
     start: *mut T,
     len: usize,
@@ -148,7 +150,7 @@ impl<T> Clone for RawSlice<T> {
     }
 }
 impl<T> Copy for RawSlice<T> {}
-// SAFETY: the two accessors below are unsafe and state what their callers owe.
+// SAFETY: the two accessors below are unsafe and state the obligations of their callers.
 unsafe impl<T: Send> Send for RawSlice<T> {}
 unsafe impl<T: Send> Sync for RawSlice<T> {}
 
@@ -164,16 +166,16 @@ impl<T> RawSlice<T> {
     /// The whole array for reading.
     ///
     /// # Safety
-    /// The array that it was made from is alive and has not been moved, and no thread writes it before the next barrier.
+    /// The array that it was made from is alive and has not been moved, and no thread writes to it before the next barrier.
     #[inline(always)]
     pub(crate) unsafe fn read<'a>(&self) -> &'a [T] {
         unsafe { std::slice::from_raw_parts(self.start, self.len) }
     }
 
-    /// A piece for writing.
+    /// A range for writing.
     ///
     /// # Safety
-    /// As for [`RawSlice::read`], and no other thread reads or writes this piece before the next barrier.
+    /// As for [`RawSlice::read`], and no other thread reads or writes this range before the next barrier.
     #[inline(always)]
     pub(crate) unsafe fn write<'a>(&self, range: Range<usize>) -> &'a mut [T] {
         assert!(range.start <= range.end && range.end <= self.len);
@@ -182,7 +184,7 @@ impl<T> RawSlice<T> {
 }
 
 impl<T> RawSlice<T> {
-    /// Asks for the cache line of an element; a hint that reads nothing.
+    /// Prefetches the cache line of an element; a hint that reads nothing.
     #[inline(always)]
     pub(crate) fn prefetch(&self, index: usize) {
         granum_simd::prefetch(self.start.wrapping_add(index));
@@ -202,7 +204,7 @@ impl<T> RawSlice<T> {
 mod tests {
     use super::*;
 
-    /// Threads of very different speed go through stages; every block is done once in each.
+    /// Threads of very different speeds work through stages; every block is done exactly once in each.
     #[test]
     fn every_block_is_done_once_a_stage() {
         const BLOCKS: usize = 37;

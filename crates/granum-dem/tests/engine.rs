@@ -1,4 +1,4 @@
-//! The engine as a whole: forces of lattices, conservation, and the same bits whatever runs it.
+//! The complete engine: forces in lattices, conservation laws, and the same bits on any hardware.
 
 use granum_dem::Isa;
 use granum_dem::cell::Cell;
@@ -159,7 +159,7 @@ fn forces_are_in_balance_with_torques() {
             force[c.j][k] -= f[k];
         }
     }
-    // The engine's resultants add dashpots, which are tiny at rest.
+    // The resultants of the engine include the dashpot forces, which are tiny at rest.
     let mean = a.contacts.iter().map(|c| c.normal_force).sum::<f64>() / a.contacts.len() as f64;
     for (g, f) in a.grains.iter().zip(&force) {
         for k in 0..3 {
@@ -180,7 +180,8 @@ fn a_rigidly_rotating_cell_feels_nothing() {
     let rate = 50.0;
     control.rate[0][1] = rate;
     control.rate[1][0] = -rate;
-    // The gradient turns the cell; grains must turn along, or tangential forces would say they roll.
+    // The gradient rotates the cell; the grains must rotate with it, since they would otherwise roll and cause tangential
+    // forces.
     let spins = vec![[0.0, 0.0, rate]; 200];
     s.set_velocities(&[], &spins);
     s.set_control(control);

@@ -1,4 +1,4 @@
-//! Laws with parameters of their own in the engine: granum's and a caller's.
+//! Laws with additional parameters in the engine: granum's and a caller's.
 
 use granum_dem::Isa;
 use granum_dem::assembly::Assembly;
@@ -19,7 +19,7 @@ fn plain() -> Material {
     Material { interface_energy: 0.0, ..Material::default() }
 }
 
-/// A linear spring that resists rolling.
+/// A linear spring with rolling resistance.
 fn soft(damping: f64, rolling_friction: f64, rolling_damping: f64) -> Contact {
     let mut contact = Contact::new(NormalKind::HOOKE, TangentialKind::NO_SLIP, damping);
     contact.rolling = RollingKind::ELASTIC_PLASTIC;
@@ -45,7 +45,7 @@ fn stored(assembly: &Assembly) -> [f64; 4] {
     [kinetic, sum(|c| c.normal_energy), sum(|c| c.tangential_energy), sum(|c| c.rolling_energy)]
 }
 
-/// Two grains in a row that repeats itself, pressed together and spinning against each other.
+/// Two grains in a periodic row, pressed together and spinning in opposite directions.
 fn rocking(contact: Contact, spin: f64) -> Simulation {
     let gap = DIAMETER * 0.999;
     let cell = Cell::cuboid([2.0 * gap, 3.0 * DIAMETER, 3.0 * DIAMETER]);
@@ -56,7 +56,7 @@ fn rocking(contact: Contact, spin: f64) -> Simulation {
     s
 }
 
-/// Each grain has two contacts of stiffness k that turn by twice its own angle: `w^2 = 4 k / I` with `I = 2/5 m R^2`.
+/// Each grain has two contacts of stiffness k that rotate by twice its own angle: `w^2 = 4 k / I` with `I = 2/5 m R^2`.
 #[test]
 fn grains_rock_on_each_other_at_the_frequency_of_the_spring() {
     let contact = soft(0.0, 0.5, 0.0);
@@ -72,7 +72,7 @@ fn grains_rock_on_each_other_at_the_frequency_of_the_spring() {
     for quarter in 1..=8u32 {
         s.advance(u64::from(steps) / 4).unwrap();
         let a = s.assembly();
-        // The spin stands at the middle of the last step.
+        // The spin is known at the middle of the last step.
         let phase = std::f64::consts::TAU * (f64::from(quarter) / 4.0 - 0.5 / f64::from(steps));
         for (k, sign) in [(0, 1.0), (1, -1.0)] {
             let off = a.grains[k].spin[2] - sign * spin * phase.cos();
@@ -92,7 +92,7 @@ fn grains_rock_on_each_other_at_the_frequency_of_the_spring() {
     }
 }
 
-/// What spins too fast for the spring rolls, and ends with its energy lost by rolling and in the dashpot.
+/// A grain that spins too fast for the spring rolls, and its energy is finally lost by rolling and in the dashpot.
 #[test]
 fn rolling_ends_in_losses_that_are_counted() {
     let mut s = rocking(soft(0.0, 0.05, 0.02), 20_000.0);
@@ -144,7 +144,7 @@ fn new_laws_have_the_same_bits_everywhere() {
     }
 }
 
-/// While a sample is strained slowly.
+/// Checked while a sample is strained slowly.
 fn energy_is_in_balance(mut s: Simulation) {
     s.set_time_step_factor(0.05);
     let mut control = Control::fixed();
@@ -160,7 +160,7 @@ fn energy_is_in_balance(mut s: Simulation) {
     assert!((accounted / e.boundary_work - 1.0).abs() < 0.01, "{accounted:e} {e:?}");
 }
 
-/// A law that is switched on later starts without a couple, and the history of those that stay is kept.
+/// A law that is switched on later starts without a couple, and the histories of the laws that stay are kept.
 #[test]
 fn laws_can_be_changed_in_the_middle() {
     let mut contact = soft(0.1, 0.2, 0.3);
@@ -182,7 +182,7 @@ fn laws_can_be_changed_in_the_middle() {
     s.advance(100).unwrap();
 }
 
-/// Parameters without a law, and out of bounds.
+/// Parameters that no law has, and values out of bounds.
 #[test]
 fn parameters_are_checked() {
     let refused = |contact: Contact| {
@@ -205,7 +205,7 @@ fn parameters_are_checked() {
     ));
 }
 
-/// Hertz's law with a modulus of its own: a caller's law with a parameter.
+/// Hertz's law with an additional parameter for the modulus: an example of a caller's law.
 #[derive(Clone, Copy)]
 struct OtherModulus;
 
@@ -251,7 +251,7 @@ fn a_law_of_the_callers_own_runs_and_is_remembered() {
     let mut stiffer = of(own);
     stiffer.contact.parameters.set("modulus_factor", 2.0).unwrap();
     assert!(sample(stiffer, 0.3, Hardware::default()).state() != hertz.state());
-    // Its name means nothing in files until it is registered.
+    // Its name is unknown in files until it is registered.
     let bytes = same.checkpoint("").unwrap();
     let error = Simulation::restore(&bytes).err().unwrap().to_string();
     assert!(normal_named("other-modulus").is_none(), "{error}");

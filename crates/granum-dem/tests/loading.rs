@@ -1,4 +1,5 @@
-//! Every preset on small samples: how well stresses are held, how stages end, the same bits after a checkpoint.
+//! Every preset on small samples: accuracy of the controlled stresses, end conditions of stages, the same bits after a
+//! checkpoint.
 
 use std::sync::OnceLock;
 
@@ -14,7 +15,7 @@ use granum_dem::observer::{Flow, Observer, Progress};
 use granum_dem::preparation::{Recipe, prepare};
 use granum_dem::simulation::{Hardware, Simulation};
 
-/// 300 equal grains at rest at 20 kPa: Hertz, no-slip, friction 0.3.
+/// A sample of 300 equal grains at rest at 20 kPa: Hertz without micro-slip, friction 0.3.
 fn sample() -> Simulation {
     static SAMPLE: OnceLock<Simulation> = OnceLock::new();
     let make = || {
@@ -41,7 +42,7 @@ fn sample() -> Simulation {
     SAMPLE.get_or_init(make).clone()
 }
 
-/// Notes the stress and strain at every 2e-4 of the record's measure; stops at a step where it is told to.
+/// Records stress and strain at intervals of 2e-4 of the record's measure; stops at a given step.
 struct Notes {
     next: f64,
     taken: Vec<(Matrix, Matrix)>,
@@ -67,7 +68,7 @@ impl Observer for Notes {
     }
 }
 
-/// Runs stages one after another; what each came to, and what was noted in the last.
+/// Runs stages one after another; returns their ends, and what was recorded in the last.
 fn run(simulation: &mut Simulation, stages: &[Stage]) -> (Vec<StageEnd>, Notes) {
     let mut ends = Vec::new();
     let mut notes = Notes::default();
@@ -110,7 +111,7 @@ fn expand_with(name: &str, words: &[(&str, &str)], parameters: &[(&str, f64)]) -
     preset::named(name).unwrap().expand(&numbers.chain(words).collect())
 }
 
-/// The stage ended as asked, and every controlled stress was within half a per cent of p, root mean square.
+/// The stage ended as requested, and every controlled stress was within half a per cent of p, root mean square.
 fn assert_held(end: &StageEnd) {
     let rms = end.servo_error.rms();
     assert!(end.reason.is_asked_for(), "{}: {}", end.name, end.reason);
@@ -211,18 +212,18 @@ fn oedometer_loads_and_unloads() {
     let (ends, _) = run(&mut s, &stages);
     assert!(ends.iter().all(|end| end.reason.is_asked_for()) && ends.len() == 2);
     let (stress, strain) = (s.state().stress(), s.state().strain());
-    // Unloaded, more lateral stress is left than the same axial stress began with.
+    // After unloading, the lateral stress is higher than it was at the same axial stress during loading.
     assert!((stress[0][0] / 100e3 - 1.0).abs() < 0.01 && stress[1][1] > 0.5 * stress[0][0], "{stress:?}");
     assert!(strain[1][1] == 0.0 && strain[0][0] > 0.0, "{strain:?}");
 }
 
-/// A stress that rises at a rate does not lag behind.
+/// A stress that increases at a given rate does not lag behind its target.
 #[test]
 fn a_stress_rate_is_followed() {
     let mut s = sample();
     let p = s.state().mean_stress();
     let (held, fixed) = (Drive::Stress(Target::default()), Drive::Fixed);
-    // Half as much again in 60,000 steps.
+    // An increase by half in 60,000 steps.
     let rate = 0.5 * p / (60_000.0 * s.state().time_step());
     let rising = Drive::Stress(Target::current().moving(rate));
     let speed = Speed::InertialNumber { number: 1e-3, at: None };
@@ -247,12 +248,12 @@ fn shear_stresses_are_held_too() {
     assert!([[1, 2], [2, 0], [0, 1]].iter().all(|[r, c]| stress[*r][*c].abs() < 0.02 * 20e3), "{stress:?}");
 }
 
-/// Two cycles between strains, drained; the stage counts its reversals.
+/// Two drained cycles between given strains; the stage counts its reversals.
 #[test]
 fn a_cyclic_stage_turns_round_and_counts() {
     let mut s = sample();
     let (held, fixed) = (Drive::Stress(Target::default()), Drive::Fixed);
-    // Where the strain rate turns round at once, the lateral stresses jump; the slower, the less.
+    // When the strain rate reverses abruptly, the lateral stresses jump, but the less, the lower the rate.
     let speed = Speed::InertialNumber { number: 1e-4, at: None };
     let control = Control::of(speed, [Drive::Rate(1.0), held, held, fixed, fixed, fixed]);
     let turns = Turns { measure: Measure::Strain(0), high: 1e-3, low: -1e-3 };
@@ -266,7 +267,7 @@ fn a_cyclic_stage_turns_round_and_counts() {
     assert!(low < -0.8e-3 && low > -1.01e-3 && high > 0.8e-3 && high < 1.01e-3, "{low} {high}");
 }
 
-/// None of its ends can come: the stage ends all the same, and says why.
+/// None of its end conditions can be met: the stage ends all the same and reports why.
 #[test]
 fn no_stage_can_hang() {
     let mut s = sample();
@@ -282,7 +283,7 @@ fn no_stage_can_hang() {
     assert!(ends[0].reason.to_string().contains("none of its ends came"));
 }
 
-/// A loose window makes any steady stretch a critical state; a stage then ends before its strain is reached.
+/// With wide bands any steady segment counts as a critical state; the stage then ends before its strain is reached.
 #[test]
 fn a_stage_ends_at_a_critical_state() {
     let mut s = sample();
@@ -293,7 +294,7 @@ fn a_stage_ends_at_a_critical_state() {
     assert!(ends[0].reason.to_string().starts_with("critical state"), "{}", ends[0].reason);
 }
 
-/// A sample that is pulled apart no longer carries stress; the stage says so and ends.
+/// A sample that is stretched until it no longer carries stress ends the stage, which reports this.
 #[test]
 fn a_sample_that_carries_nothing_ends_a_stage() {
     let mut s = sample();
@@ -307,7 +308,7 @@ fn a_sample_that_carries_nothing_ends_a_stage() {
     assert!(ends[0].reason.to_string().contains("no longer carries stress"), "{}", ends[0].reason);
 }
 
-/// A stage that is written down in the middle, with what it has to remember, goes on to the same bits.
+/// A stage that is saved halfway, together with its run state, continues to the same bits.
 #[test]
 fn a_stage_goes_on_to_the_same_bits_after_a_checkpoint() {
     let stage = {

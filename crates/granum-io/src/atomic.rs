@@ -1,4 +1,5 @@
-//! Files that are there whole or not at all: written beside, flushed to the disk, then renamed.
+//! Files that exist completely or not at all: written under a temporary name in the same folder, flushed to the disk, then
+//! renamed.
 
 use std::ffi::OsString;
 use std::fs::{self, File};
@@ -8,14 +9,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::error::{Error, Result};
 
-/// End of the name of a file that is being written.
+/// Suffix of the name of a file that is being written.
 pub(crate) const UNFINISHED: &str = ".granum-unfinished";
 
-/// Tells apart the files that one process writes beside one name.
+/// Distinguishes temporary files that one process writes for the same name.
 static COUNTER: AtomicU64 = AtomicU64::new(0);
 
-/// Writes a file through `fill`. When this returns `Ok` the file is whole and on the disk; otherwise what was there
-/// before is untouched and nothing is left beside it.
+/// Writes a file through `fill`. If this returns `Ok`, the file is complete and on the disk; otherwise the previous file is
+/// unchanged and no temporary file is left.
 ///
 /// # Errors
 /// [`Error::File`] if the folder cannot be written, the disk is full, or `fill` fails.
@@ -26,11 +27,11 @@ pub fn write_atomically(
     write_beside(path, fill, |beside| fs::rename(beside, path))
 }
 
-/// As [`write_atomically`], and what was there before stays under another name in the same folder. Killed at any instant it
-/// leaves the old or the new file whole under one of the two names.
+/// The same as [`write_atomically`], but the previous file is kept under another name in the same folder. If the process is
+/// killed at any instant, the old or the new file is complete under one of the two names.
 ///
 /// # Errors
-/// As [`write_atomically`].
+/// As for [`write_atomically`].
 pub fn write_keeping_previous(
     path: &Path,
     previous: &Path,
@@ -45,7 +46,7 @@ pub fn write_keeping_previous(
     })
 }
 
-/// Fills a file beside, brings it to the disk and then to its place.
+/// Fills a temporary file, flushes it to the disk and renames it.
 fn write_beside(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
@@ -59,7 +60,7 @@ fn write_beside(
     };
     let result = write();
     if result.is_err() {
-        // The first error is the one to tell; a file that was never made cannot be removed either.
+        // The first error is the one to report; a file that was never created cannot be removed either.
         let _ = fs::remove_file(&beside);
     }
     result.map_err(Error::file("write", path))
@@ -77,7 +78,7 @@ fn fill_and_sync(
     file.sync_all()
 }
 
-/// Makes a file that was not there: one of that name is removed, not written through, as it may be a link.
+/// Creates a new file: an existing one of that name is removed and not overwritten, since it may be a link.
 fn create_new(path: &Path) -> io::Result<File> {
     match File::create_new(path) {
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
@@ -88,7 +89,7 @@ fn create_new(path: &Path) -> io::Result<File> {
     }
 }
 
-/// A name in the same folder, so that the rename stays on one file system.
+/// A name in the same folder, so that the renaming stays on one file system.
 fn name_beside(path: &Path) -> Result<PathBuf> {
     let name = path.file_name().ok_or_else(|| Error::content(path, "is not the name of a file"))?;
     let mut hidden = OsString::from(".");
@@ -97,7 +98,7 @@ fn name_beside(path: &Path) -> Result<PathBuf> {
     Ok(path.with_file_name(hidden))
 }
 
-/// Makes the rename itself last through a power cut.
+/// Makes the renaming itself survive a power failure.
 #[cfg(unix)]
 fn sync_folder(path: &Path) -> io::Result<()> {
     let folder = match path.parent() {
@@ -112,7 +113,7 @@ fn sync_folder(_: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Removes files that a killed process left unfinished in a folder. Only for whoever holds the folder's lock.
+/// Removes temporary files that a killed process left in a folder. Only for the holder of the folder's lock.
 pub(crate) fn remove_unfinished(folder: &Path) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;

@@ -1,4 +1,4 @@
-//! Holding panics of a foreign decoder, which asserts where a damaged file should be an error.
+//! Containment of panics of an external decoder, which panics where a damaged file should give an error.
 
 use std::cell::Cell;
 use std::panic::{self, AssertUnwindSafe};
@@ -7,14 +7,14 @@ thread_local! {
     static CONTAINED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// True while this thread reads a file with a foreign decoder whose panics become errors. A library sets no panic hook; a
-/// program that does not want such panics to be printed asks this in a hook of its own.
+/// True while this thread reads a file with an external decoder whose panics are converted to errors. A library sets no
+/// panic hook; a program that does not want such panics to be printed can query this in its own hook.
 pub fn is_contained() -> bool {
     CONTAINED.try_with(Cell::get).unwrap_or(false)
 }
 
-/// Runs `work`; `None` if it panicked, of which the caller makes an error. Only for work that leaves nothing half-changed
-/// behind.
+/// Runs `work`; returns `None` if it panicked, from which the caller makes an error. Only for work that leaves no
+/// inconsistent state behind.
 pub(crate) fn contain<T>(work: impl FnOnce() -> T) -> Option<T> {
     let outer = CONTAINED.replace(true);
     let result = panic::catch_unwind(AssertUnwindSafe(work));

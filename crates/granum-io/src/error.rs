@@ -1,11 +1,11 @@
-//! What can go wrong with a file, said so that a user knows where it is and what would be right.
+//! Errors with files, described so that a user finds the position and learns what would be right.
 
 use std::fmt;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Something wrong inside a text file: where it stands, what it says and what would be right.
+/// A mistake inside a text file: its position, the faulty text and what would be right.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InputError {
     /// Name of the file as the user gave it.
@@ -16,11 +16,11 @@ pub struct InputError {
     pub column: usize,
     /// What is wrong: key and value.
     pub message: String,
-    /// What would be right, if there is something to say.
+    /// What would be right, if there is a suggestion.
     pub help: Option<String>,
-    /// The text of the file, or the one line that is wrong where the file is large.
+    /// The text of the file, or only the faulty line if the file is large.
     pub source_text: Arc<str>,
-    /// Bytes of `source_text` that are meant.
+    /// Byte range of `source_text` that the error refers to.
     pub span: Range<usize>,
     /// Line number of the first line of `source_text` (1 if it is the whole file).
     pub first_line: usize,
@@ -60,7 +60,7 @@ impl InputError {
     }
 }
 
-/// Largest character boundary of `text` that is not beyond `at`.
+/// Largest character boundary of `text` that is not after `at`.
 fn floor_to_character(text: &str, at: usize) -> usize {
     let mut at = at.min(text.len());
     while !text.is_char_boundary(at) {
@@ -85,20 +85,20 @@ impl std::error::Error for InputError {}
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The operating system refused something.
+    /// An operation of the operating system failed.
     #[error("cannot {action} {}: {source}", path.display())]
     File {
-        /// What was tried, as a verb: "read", "write".
+        /// The attempted action, as a verb: "read", "write".
         action: &'static str,
-        /// On what.
+        /// The file or folder.
         path: PathBuf,
-        /// Why not.
+        /// The cause.
         source: std::io::Error,
     },
-    /// One thing is wrong in a text file.
+    /// One mistake in a text file.
     #[error("{0}")]
     Input(Box<InputError>),
-    /// Several things are wrong in one text file.
+    /// Several mistakes in one text file.
     #[error("{}", join(.0))]
     Inputs(Vec<InputError>),
     /// A value given outside a file (a flag) is wrong.
@@ -106,15 +106,15 @@ pub enum Error {
     Value {
         /// Name of the flag or key.
         name: String,
-        /// What was given.
+        /// The given text.
         value: String,
         /// What is wrong and what would be right.
         message: String,
     },
-    /// Values that are right on their own and wrong together.
+    /// Values that are valid by themselves but not in combination.
     #[error("{0}")]
     Rule(String),
-    /// A file that is not what its name says, damaged, or from another version.
+    /// A file that is damaged, from another version, or not of the kind that its name indicates.
     #[error("{}: {message}", path.display())]
     Content {
         /// The file.
@@ -122,18 +122,18 @@ pub enum Error {
         /// What is wrong and what to do.
         message: String,
     },
-    /// A table has no such column, or columns that do not fit together.
+    /// A table lacks a column, or has columns that do not fit together.
     #[error(transparent)]
     Table(#[from] granum_core::TableError),
-    /// Something is there already, and nobody said that it may be replaced.
+    /// The output exists already, and its replacement was not requested.
     #[error("{} exists already; give --force to replace it, or another name", .0.display())]
     Exists(PathBuf),
-    /// Another process works in the folder.
+    /// Another process is using the folder.
     #[error("{} is in use by another granum process{holder}; wait for it or choose another folder", path.display())]
     Locked {
         /// The folder.
         path: PathBuf,
-        /// What the lock says of its holder, e.g. " (process 4711)".
+        /// The holder of the lock according to the lock file, e.g. " (process 4711)".
         holder: String,
     },
 }
@@ -150,7 +150,7 @@ impl Error {
         Error::Content { path: path.to_path_buf(), message: message.into() }
     }
 
-    /// The places in text files that this error is about (empty for the other kinds).
+    /// The positions in text files that this error refers to (empty for the other kinds).
     pub fn inputs(&self) -> &[InputError] {
         match self {
             Error::Input(error) => std::slice::from_ref(error),

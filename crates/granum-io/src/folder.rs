@@ -1,4 +1,4 @@
-//! Output folders: nothing is replaced unasked, and one process at a time works in a folder.
+//! Output folders: nothing is replaced unless requested, and only one process at a time works in a folder.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{Read, Seek, Write};
@@ -7,17 +7,17 @@ use std::path::{Path, PathBuf};
 use crate::atomic::{UNFINISHED, remove_unfinished};
 use crate::error::{Error, Result};
 
-/// Longest name that a file may give.
+/// Largest length of a name that may come from a file.
 const LONGEST_NAME: usize = 100;
 const LINK: &str = "is a link; output stays in its folder, so put a real folder in its place or remove it";
-/// Longest content of a lock file: the number of a process.
+/// Longest content of a lock file: a process id.
 const LONGEST_LOCK: u64 = 32;
 
-/// Marks a folder as granum's and carries the advisory lock. It stays when the lock goes: removing it would let two
-/// processes hold locks on two files of that name.
+/// Marks a folder as granum's and carries the advisory lock. The file remains when the lock is released: if it were removed,
+/// two processes could hold locks on two different files of that name.
 const LOCK: &str = ".granum-lock";
 
-/// A folder that this process alone works in, until the value is dropped.
+/// A folder that is used by this process alone, until the value is dropped.
 #[derive(Debug)]
 pub struct OutputFolder {
     path: PathBuf,
@@ -26,16 +26,16 @@ pub struct OutputFolder {
 }
 
 impl OutputFolder {
-    /// Makes a folder, or takes one that is empty. With `force` also one that granum wrote before; what is in it stays
-    /// until [`OutputFolder::clear`] or a file of the same name takes its place.
+    /// Creates a folder, or takes over an empty one. With `force`, a folder that granum wrote before is also accepted; its
+    /// content remains until [`OutputFolder::clear`] is called or a file of the same name is written.
     ///
     /// # Errors
-    /// [`Error::Content`] if there is something in it that is not granum's; [`Error::Exists`] if it is granum's and there is
-    /// no `force`; [`Error::Locked`] if another process works there; [`Error::File`] if it cannot be made.
+    /// [`Error::Content`] if it contains files that are not granum's; [`Error::Exists`] if it is granum's and `force` is not
+    /// set; [`Error::Locked`] if another process is using it; [`Error::File`] if it cannot be created.
     pub fn create(path: impl AsRef<Path>, force: bool) -> Result<OutputFolder> {
         let path = path.as_ref();
         fs::create_dir_all(path).map_err(Error::file("make the folder", path))?;
-        // Looked at before there is a lock file, so that a foreign folder stays as it is.
+        // Checked before there is a lock file, so that a foreign folder is left unchanged.
         let granum = is_lock(&path.join(LOCK));
         if !granum && !is_empty(path)? {
             return Err(Error::content(path, "holds files that granum did not write; choose another folder"));
@@ -47,10 +47,10 @@ impl OutputFolder {
         Ok(folder)
     }
 
-    /// Takes a folder that granum wrote before, to go on in it.
+    /// Opens a folder that granum wrote before, to continue in it.
     ///
     /// # Errors
-    /// [`Error::Content`] if it is none of granum's; [`Error::Locked`] if another process works there.
+    /// [`Error::Content`] if it is not granum's; [`Error::Locked`] if another process is using it.
     pub fn open(path: impl AsRef<Path>) -> Result<OutputFolder> {
         let path = path.as_ref();
         if !path.is_dir() {
@@ -62,28 +62,29 @@ impl OutputFolder {
         OutputFolder::lock(path)
     }
 
-    /// True if nothing is there: no folder, or nothing in it but what a killed process left of its beginning.
+    /// True if the folder is free: it does not exist, or contains nothing except what a process left that was killed at its
+    /// start.
     pub fn is_free(path: impl AsRef<Path>) -> bool {
         let path = path.as_ref();
         !path.is_dir() || is_empty(path).unwrap_or(false)
     }
 
-    /// True if granum wrote a folder.
+    /// True if the folder was written by granum.
     pub fn is_granums(path: impl AsRef<Path>) -> bool {
         is_lock(&path.as_ref().join(LOCK))
     }
 
-    /// True if a process works in a folder; nothing is made or changed.
+    /// True if a process is using the folder; nothing is created or changed.
     pub fn is_in_use(path: impl AsRef<Path>) -> bool {
         let name = path.as_ref().join(LOCK);
         let held = |file: File| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock));
         is_lock(&name) && File::open(name).is_ok_and(held)
     }
 
-    /// Opens a folder of granum's to go on in it, or makes it.
+    /// Opens a folder of granum's to continue in it, or creates it.
     ///
     /// # Errors
-    /// As [`OutputFolder::open`] and [`OutputFolder::create`].
+    /// As for [`OutputFolder::open`] and [`OutputFolder::create`].
     pub fn open_or_create(path: impl AsRef<Path>) -> Result<OutputFolder> {
         let path = path.as_ref();
         if is_lock(&path.join(LOCK)) { OutputFolder::open(path) } else { OutputFolder::create(path, false) }
@@ -108,7 +109,7 @@ impl OutputFolder {
             }
             Err(TryLockError::Error(source)) => return Err(Error::file("lock", &name)(source)),
         }
-        // Who holds it is only told to people; the lock itself is the operating system's.
+        // The process id of the holder is only for messages; the lock itself is that of the operating system.
         let mut note = || -> std::io::Result<()> {
             file.set_len(0)?;
             file.rewind()?;
@@ -129,18 +130,18 @@ impl OutputFolder {
         self.path.join(name)
     }
 
-    /// Makes a folder inside.
+    /// Creates a folder inside.
     ///
     /// # Errors
-    /// As [`inner_folder`].
+    /// As for [`inner_folder`].
     pub fn subfolder(&self, name: &str) -> Result<PathBuf> {
         inner_folder(&self.path, name)
     }
 
-    /// Refuses a folder that has links where folders inside belong: what is written there would go elsewhere.
+    /// Rejects a folder that contains links in place of its inner folders: files written there would end up elsewhere.
     ///
     /// # Errors
-    /// [`Error::Content`] that names the link.
+    /// [`Error::Content`] with the name of the link.
     pub fn refuse_links(&self, names: &[&str]) -> Result<()> {
         let link = |path: &PathBuf| fs::symlink_metadata(path).is_ok_and(|kind| kind.is_symlink());
         match names.iter().map(|name| self.path.join(name)).find(link) {
@@ -149,7 +150,7 @@ impl OutputFolder {
         }
     }
 
-    /// Removes files and folders of these names, where they are there. Links are removed, not followed.
+    /// Removes files and folders of these names, if they exist. Links are removed, not followed.
     ///
     /// # Errors
     /// [`Error::File`] if one cannot be removed.
@@ -163,7 +164,7 @@ impl OutputFolder {
         Ok(())
     }
 
-    /// Removes files that a killed process left unfinished in a folder inside.
+    /// Removes temporary files that a killed process left in an inner folder.
     ///
     /// # Errors
     /// [`Error::File`] if one cannot be removed.
@@ -175,7 +176,8 @@ impl OutputFolder {
         remove_unfinished(&path).map_err(Error::file("tidy", &path))
     }
 
-    /// Removes the files of a folder inside whose names end so, and the folder if nothing is left in it. A link in its place stays.
+    /// Removes the files of an inner folder whose names have one of the given endings, and the folder if it is then empty. A
+    /// link in its place is left alone.
     ///
     /// # Errors
     /// [`Error::File`] if one cannot be removed.
@@ -200,8 +202,8 @@ impl OutputFolder {
     }
 }
 
-/// Refuses a name that was read from a file and is to become part of a path, unless it is a plain word of ASCII letters,
-/// digits, `-` and `_`: what is written, renamed or removed by it must lie where it is meant to.
+/// Rejects a name that was read from a file and is to become part of a path, unless it is a plain word of ASCII letters,
+/// digits, `-` and `_`: what is written, renamed or removed under this name must be in the intended folder.
 ///
 /// # Errors
 /// [`Error::Value`].
@@ -215,11 +217,11 @@ pub fn check_name(what: &str, name: &str) -> Result<()> {
     Err(Error::Value { name: what.into(), value: name.into(), message })
 }
 
-/// A folder inside an output folder, made if it is not there. A link in its place may lead anywhere and is refused.
+/// A folder inside an output folder, created if it does not exist. A link in its place could lead anywhere and is rejected.
 ///
 /// # Errors
-/// [`Error::Value`] if the name is no plain word, [`Error::Content`] if it is taken by a link or a file, [`Error::File`]
-/// if it cannot be made.
+/// [`Error::Value`] if the name is not a plain word, [`Error::Content`] if there is a link or a file of that name,
+/// [`Error::File`] if it cannot be created.
 pub fn inner_folder(folder: &Path, name: &str) -> Result<PathBuf> {
     check_name("folder", name)?;
     let path = folder.join(name);
@@ -232,14 +234,15 @@ pub fn inner_folder(folder: &Path, name: &str) -> Result<PathBuf> {
     Ok(path)
 }
 
-/// True for a lock file as granum writes it; a link or what holds anything else is none, and would be lost.
+/// True for a lock file as written by granum; a link, or a file with any other content, does not count as one and would
+/// otherwise be lost.
 fn is_lock(name: &Path) -> bool {
     let whole = |kind: fs::Metadata| kind.is_file() && kind.len() <= LONGEST_LOCK;
     fs::symlink_metadata(name).is_ok_and(whole)
         && fs::read(name).is_ok_and(|text| text.iter().all(|b| b.is_ascii_digit() || *b == b'\n'))
 }
 
-/// Refuses to replace an output file unless `force` is given.
+/// Refuses to replace an output file unless `force` is set.
 ///
 /// # Errors
 /// [`Error::Exists`], or [`Error::Content`] if it is a folder.
@@ -254,7 +257,7 @@ pub fn check_output_file(path: impl AsRef<Path>, force: bool) -> Result<()> {
     Ok(())
 }
 
-/// True if nothing but the lock and leftovers of a killed process are there.
+/// True if the folder contains nothing except the lock and leftovers of a killed process.
 fn is_empty(path: &Path) -> Result<bool> {
     for entry in fs::read_dir(path).map_err(Error::file("read", path))? {
         let name = entry.map_err(Error::file("read", path))?.file_name();
@@ -266,7 +269,7 @@ fn is_empty(path: &Path) -> Result<bool> {
     Ok(true)
 }
 
-/// " (process 4711)", if the lock file says so.
+/// " (process 4711)", if the lock file contains a process id.
 fn holder(file: &mut File) -> String {
     let mut text = String::new();
     let read = file.take(32).read_to_string(&mut text);

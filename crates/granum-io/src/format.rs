@@ -1,4 +1,4 @@
-//! The number of the format in a JSON file, and what is said of a file that cannot be read.
+//! The format number of a JSON file, and the messages for files that cannot be read.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use crate::error::{Error, Result};
 
-/// Refuses JSON whose `format` is newer than `newest`.
+/// Rejects JSON whose `format` is newer than `newest`.
 pub(crate) fn check_format(path: &Path, text: &str, newest: u32) -> Result<()> {
     #[derive(Deserialize)]
     struct Head {
@@ -23,7 +23,7 @@ pub(crate) fn check_format(path: &Path, text: &str, newest: u32) -> Result<()> {
     Ok(())
 }
 
-/// JSON that cannot be read: cut short, or wrong somewhere.
+/// The error for JSON that cannot be read: truncated or damaged.
 pub(crate) fn damaged(path: &Path, error: &serde_json::Error) -> Error {
     let why = if error.is_eof() { "is cut short" } else { "is damaged" };
     Error::content(path, format!("{why} ({error})"))

@@ -1,7 +1,8 @@
-//! Files that granum reads and writes, one file a format.
+//! Files that granum reads and writes, one source file for each format.
 //!
-//! Whatever a file says, reading it ends with a value or with an [`Error`] that names the file, the place and what
-//! would be right. Writing goes to a file beside and is then renamed, so that no reader sees half a file.
+//! Whatever a file contains, reading it ends with a value or with an [`Error`] that gives the file, the position and what
+//! would be right. A file is written under a temporary name in the same folder and then renamed, so that no reader sees an
+//! incomplete file.
 
 pub mod atomic;
 pub mod case;

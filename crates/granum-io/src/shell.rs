@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-/// A word as a shell takes it: as it is if a shell reads nothing special in it, else in quotes.
+/// A word in the form that a shell requires: unchanged if it contains nothing special to a shell, otherwise in quotes.
 pub fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_./=:,+@%\\".contains(c);
-    // A backslash is plain on Windows only; elsewhere it is read by the shell.
+    // A backslash is plain on Windows only; elsewhere the shell interprets it.
     let plain = |c: char| plain(c) && (cfg!(windows) || c != '\\');
     if !word.is_empty() && word.chars().all(plain) {
         return word.to_string();
@@ -13,7 +13,7 @@ pub fn quoted(word: &str) -> String {
     if cfg!(windows) { format!("\"{word}\"") } else { format!("'{}'", word.replace('\'', r"'\''")) }
 }
 
-/// A path as an argument: quoted, and never taken for an option.
+/// A path as an argument: quoted, and never mistaken for an option.
 pub fn quoted_path(path: &Path) -> String {
     let path = path.to_string_lossy();
     if path.starts_with('-') { quoted(&format!("./{path}")) } else { quoted(&path) }

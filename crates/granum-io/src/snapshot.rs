@@ -1,5 +1,5 @@
 //! Snapshots of an assembly: `NAME.grains.parquet`, `NAME.contacts.parquet`, and `NAME.json` with cell, strain, time and
-//! energy. The JSON file is written last, so that a snapshot is whole where it exists.
+//! energy. The JSON file is written last, so that a snapshot is complete where this file exists.
 
 use std::fs;
 use std::ops::Range;
@@ -16,16 +16,16 @@ use granum_core::{Column, ColumnKind, Table};
 /// Newest layout that this version reads and writes.
 const FORMAT: u32 = 1;
 
-/// Where a number or three stand in a `T`.
+/// Access to a number or a vector in a `T`.
 pub(crate) enum Place<T> {
     Scalar(fn(&mut T) -> &mut f64),
     Vector(fn(&mut T) -> &mut Vector),
 }
 
-/// Name, unit and place of one column, or of three that end in `_x`, `_y` and `_z`.
+/// Name, unit and access of one column, or of three that end in `_x`, `_y` and `_z`.
 pub(crate) type Entry<T> = (&'static str, &'static str, Place<T>);
 
-/// Columns of the table of grains beside `id`.
+/// Columns of the table of grains in addition to `id`.
 pub(crate) const GRAIN: [Entry<Grain>; 7] = [
     ("position", "m", Place::Vector(|grain| &mut grain.position)),
     ("velocity", "m/s", Place::Vector(|grain| &mut grain.velocity)),
@@ -36,7 +36,7 @@ pub(crate) const GRAIN: [Entry<Grain>; 7] = [
     ("torque", "N m", Place::Vector(|grain| &mut grain.torque)),
 ];
 
-/// Columns of the table of contacts beside the ids of their grains and `sliding`.
+/// Columns of the table of contacts in addition to the ids of their grains and `sliding`.
 pub(crate) const CONTACT: [Entry<Contact>; 8] = [
     ("branch", "m", Place::Vector(|contact| &mut contact.branch)),
     ("normal", "", Place::Vector(|contact| &mut contact.normal)),
@@ -48,7 +48,7 @@ pub(crate) const CONTACT: [Entry<Contact>; 8] = [
     ("tangential_energy", "J", Place::Scalar(|contact| &mut contact.tangential_energy)),
 ];
 
-/// A further column of contacts, written only where one is not zero: contacts that resist rolling.
+/// An additional column of contacts, written only if some value is not zero: for contacts that resist rolling.
 const ROLLING: [Entry<Contact>; 1] =
     [("rolling_energy", "J", Place::Scalar(|contact| &mut contact.rolling_energy))];
 
@@ -89,7 +89,7 @@ fn columns<T: Copy>(rows: &[T], entries: &[Entry<T>]) -> Vec<Column> {
     columns
 }
 
-/// Puts the columns of a table into rows.
+/// Transfers the columns of a table to rows.
 pub(crate) fn fill<T>(rows: &mut [T], entries: &[Entry<T>], table: &Table) -> Result<()> {
     for (name, _, place) in entries {
         match place {
@@ -114,7 +114,7 @@ pub(crate) fn fill<T>(rows: &mut [T], entries: &[Entry<T>], table: &Table) -> Re
 /// place in [`Assembly::materials`].
 ///
 /// # Errors
-/// None in practice: the columns fit by construction.
+/// None in practice: the columns fit together by construction.
 pub fn grains_table(assembly: &Assembly) -> Result<Table> {
     grain_rows(assembly, 0..assembly.grains.len())
 }
@@ -135,7 +135,7 @@ fn grain_rows(assembly: &Assembly, rows: Range<usize>) -> Result<Table> {
 /// `touching` = 0.
 ///
 /// # Errors
-/// [`Error::Rule`] if a contact names a grain that is not there.
+/// [`Error::Rule`] if a contact refers to a grain that does not exist.
 pub fn contacts_table(assembly: &Assembly) -> Result<Table> {
     contact_rows(assembly, 0..assembly.contacts.len() + assembly.apart.len(), Parts::of(assembly))
 }
@@ -193,7 +193,7 @@ fn whole_numbers(name: &str, values: Vec<f64>) -> Column {
     Column::new(name, "", values).of_kind(ColumnKind::Integer)
 }
 
-/// What is neither grain nor contact: an assembly with empty lists, and their lengths.
+/// The part that is neither grain nor contact: an assembly with empty lists, and the lengths of the lists.
 #[derive(Serialize, Deserialize)]
 struct State {
     format: u32,
@@ -213,14 +213,14 @@ fn part(folder: &Path, name: &str, end: &str) -> PathBuf {
     folder.join(format!("{name}.{end}"))
 }
 
-/// Writes a snapshot into a folder, which is made if need be.
+/// Writes a snapshot into a folder, which is created if necessary.
 ///
 /// # Errors
-/// [`Error::File`] if a file cannot be written; [`Error::Rule`] for an assembly without grains or with a contact of a
-/// grain that is not there.
+/// [`Error::File`] if a file cannot be written; [`Error::Rule`] for an assembly without grains or with a contact of a grain
+/// that does not exist.
 pub fn write_snapshot(folder: &Path, name: &str, assembly: &Assembly) -> Result<()> {
     fs::create_dir_all(folder).map_err(Error::file("make the folder", folder))?;
-    // In parts: the tables of a large sample would take as much memory as its simulation.
+    // In parts, since the tables of a large sample would need as much memory as its simulation.
     let path = part(folder, name, "grains.parquet");
     crate::formats::parquet::write_parts(&path, assembly.grains.len(), |rows| grain_rows(assembly, rows))?;
     let path = part(folder, name, "contacts.parquet");
@@ -252,7 +252,7 @@ pub fn write_snapshot(folder: &Path, name: &str, assembly: &Assembly) -> Result<
     write_atomically(&path, |file| serde_json::to_writer_pretty(file, &state).map_err(std::io::Error::from))
 }
 
-/// Reads a snapshot; it is the assembly that was written, bit for bit.
+/// Reads a snapshot; the assembly equals the one that was written, bit for bit.
 ///
 /// # Errors
 /// If a file is missing, damaged, newer than this version, or the three do not belong together.
@@ -328,7 +328,7 @@ fn read_contacts(path: &Path, rows: usize, grains: &[Grain]) -> Result<Vec<Conta
     Ok(contacts)
 }
 
-/// Names of the whole snapshots in a folder, sorted; none if the folder is not there.
+/// Names of the complete snapshots in a folder, sorted; empty if the folder does not exist.
 ///
 /// # Errors
 /// [`Error::File`] if the folder cannot be read.
@@ -353,7 +353,7 @@ pub(crate) mod tests {
     use super::*;
     use granum_core::assembly::EnergyBalance;
 
-    /// Three grains and two contacts with numbers that do not repeat.
+    /// Three grains and two contacts in which no number occurs twice.
     pub(crate) fn assembly() -> Assembly {
         let mut count = 0.0;
         let mut next = || {

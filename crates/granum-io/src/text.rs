@@ -1,4 +1,4 @@
-//! MacroState small text files whole, with a bound on their size.
+//! Reading small text files completely, with a limit on their size.
 
 use std::fs::File;
 use std::io::Read;

@@ -1,5 +1,5 @@
-//! Every file in `tests/bad` is a case that must be refused with exactly the messages that its comments announce:
-//! one line `# expect: LINE:COLUMN: message` for each.
+//! Every file in `tests/bad` is a case that must be rejected with exactly the messages that its comments announce: one line
+//! `# expect: LINE:COLUMN: message` for each.
 
 use granum_io::{Case, Error};
 

@@ -1,5 +1,5 @@
-//! Quoting, read back by a shell. It is apart from the other tests: a process that is just being made holds the locks of
-//! folders that they have open.
+//! Quoting, checked by a shell. It is separate from the other tests: a process that is being started would inherit the locks
+//! of folders that they have open.
 #![cfg(unix)]
 
 use granum_io::shell::quoted;

@@ -1,11 +1,11 @@
-//! How many states of unseen runs lie within the 90 % intervals of the networks.
+//! Coverage of the 90 % intervals of the networks on states of unseen runs.
 //!
 //! ```text
 //! cargo run --release -p granum-learn --example coverage -- --runs run-1 run-2 run-3 run-4 --judge run-5 run-6 [--form histogram]
 //! ```
 //!
-//! prints a line a mapping: the share of states (of bins of states where P(f) is the answer) within the intervals, for each
-//! sub-model and for all, and the mean width of the intervals over the range of the output.
+//! prints one line per mapping: the share of states (or of bins of states if P(f) is the output) within the intervals, for
+//! each sub-model and for all, and the mean width of the intervals over the range of the output.
 
 use std::error::Error;
 
@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Values within the interval, values, and the sum of the widths, for each sub-model.
+/// For one sub-model: the number of values within the interval, the number of values, and the sum of the widths.
 type Count = (usize, usize, f64);
 
 fn coverage(surrogate: &MappingNetworks, states: &[&State]) -> Result<Vec<Count>, Box<dyn Error>> {

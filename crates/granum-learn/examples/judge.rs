@@ -1,16 +1,17 @@
-//! How the error on unseen runs falls with the number of training runs, for networks and for what stands beside them.
+//! Error on unseen runs as a function of the number of training runs, for networks and baselines.
 //!
 //! ```text
 //! cargo run --release -p granum-learn --example judge -- --runs run-1 run-2 ... [--training 1 2 4 8 16] [--sets 4]
 //!     [--form point histogram] [--mappings F1 F3]
 //! ```
 //!
-//! Of the runs given, `sets` different groups of so many are trained on, each judged by all runs outside it, with all the
-//! baselines that `granum evaluate` has. A table a form and number of training runs follows, in per cent: the mean over groups
-//! and judging runs of the relative RMSE of the networks, of networks that see strain only, of ridge regression on the same
-//! sensors, of ridge regression on strain alone and of the mean curve; then the differences of the networks from strain only
-//! and from ridge with their standard errors (below 0: the networks are better). The standard error has two parts, added as
-//! squares: the scatter of the mean over groups, and that over judging runs.
+//! From the given runs, `sets` different groups of each size are used for training, and each is evaluated on all runs
+//! outside the group, with all baselines of `granum evaluate`. For each form and number of training runs a table is
+//! printed, in per cent: the relative RMSE, averaged over groups and evaluation runs, of the networks, of strain-only
+//! networks, of ridge regression on the same sensors, of ridge regression on strain alone and of the mean curve; then the
+//! differences between the networks and the strain-only networks, and between the networks and ridge regression, with
+//! their standard errors (negative if the networks are better). The standard error combines, as a root of the sum of
+//! squares, the scatter of the mean over groups and that over evaluation runs.
 
 use std::error::Error;
 
@@ -18,7 +19,7 @@ use granum_learn::antony2006::study::{Silent, StudyOptions};
 use granum_learn::{Form, Mapping, NamedRecord, Study, StudyData, StudyDataOptions, paper_mappings};
 use granum_sensors::Record;
 
-/// What is compared, in the order of the table.
+/// Number of predictors that are compared, in the order of the table.
 const KINDS: usize = 5;
 type Errors = [f64; KINDS];
 type Failure = Box<dyn Error>;
@@ -45,7 +46,7 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-/// Trains on groups of so many runs, and prints their table.
+/// Trains on groups of so many runs and prints the table of results.
 fn judge(runs: &[(String, Record)], wishes: &Wishes, form: Form, count: usize) -> Result<(), Failure> {
     let mappings = &wishes.mappings;
     // errors[mapping][group][run]
@@ -84,7 +85,7 @@ fn judge(runs: &[(String, Record)], wishes: &Wishes, form: Form, count: usize) -
     Ok(())
 }
 
-/// Mean over groups and runs, and its standard error.
+/// Mean over groups and runs, with its standard error.
 fn estimate(errors: &[Vec<Option<Errors>>], value: &dyn Fn(&Errors) -> f64) -> (f64, f64) {
     let runs = errors.first().map_or(0, Vec::len);
     let average = |some: Vec<&Errors>| -> Option<f64> {
@@ -101,7 +102,7 @@ fn estimate(errors: &[Vec<Option<Errors>>], value: &dyn Fn(&Errors) -> f64) -> (
     (mean, over_groups.hypot(over_runs))
 }
 
-/// Mean and its standard error; an error of zero of a single value.
+/// Mean with its standard error, which is zero for a single value.
 fn mean_and_error(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;

@@ -1,4 +1,4 @@
-//! Surrogates of any kind, scored in the same way.
+//! Comparison of surrogates of any kind by the same scores.
 
 use std::time::Instant;
 
@@ -12,29 +12,29 @@ use crate::surrogate::{Columns, FitSpec, Prediction, Surrogate, SurrogateMethod}
 pub struct SurrogateScores {
     /// Name of its method.
     pub method: String,
-    /// The surrogate itself.
+    /// The surrogate.
     pub surrogate: Box<dyn Surrogate>,
-    /// On the rows that it was fitted to.
+    /// Score on the training rows.
     pub training: Score,
-    /// On the held-out rows of the same runs.
+    /// Score on the held-out rows of the same runs.
     pub held_out: Score,
-    /// On the runs that it never saw.
+    /// Score on unseen runs.
     pub unseen: Score,
     /// The share of the values of unseen runs that lie within their intervals; `None` without intervals or unseen runs.
     pub coverage: Option<f64>,
-    /// Rows of unseen runs with an input outside what it was fitted to.
+    /// Number of rows of unseen runs with an input outside the trained range.
     pub unseen_outside: usize,
     /// Wall time of the fit, s.
     pub seconds: f64,
 }
 
-/// Fits every method to the training part and scores what it fitted on all parts, with intervals of this level. The scores
-/// do not depend on the order of the methods.
+/// Fits every method to the training part and scores the result on all parts, with intervals of the given level. The
+/// scores do not depend on the order of the methods.
 ///
-/// The head of [this crate](crate) has an example.
+/// The documentation of [this crate](crate) contains an example.
 ///
 /// # Errors
-/// If the outputs have different units (one score cannot hold them), and as [`SurrogateMethod::fit`] and
+/// If the outputs have different units, so that there is no common score, and as [`SurrogateMethod::fit`] and
 /// [`Surrogate::predict`].
 pub fn compare(
     parts: &SplitParts,
@@ -69,7 +69,7 @@ fn compare_one(
     })
 }
 
-/// Scores any surrogate on all rows of a data set, one that was loaded or made by hand too; all 0 of no rows.
+/// Scores any surrogate, however it was obtained, on all rows of a data set; all scores are 0 if there are no rows.
 ///
 /// # Errors
 /// If a column of the surrogate is missing, and as [`Surrogate::predict`].

@@ -1,4 +1,4 @@
-//! What is in a folder, and the command line that goes on from it: the one place that every command asks.
+//! The contents of a folder, and the command line that continues from it. All commands use this module.
 
 use std::path::{Path, PathBuf};
 
@@ -11,10 +11,10 @@ use crate::antony2006::reproduction::{RUNS, Reproduction, SUMMARY_FILE};
 use crate::error::{LearnError, Result};
 use granum_run::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
 
-/// Page of a report.
+/// The page of a report.
 const REPORT_FILE: &str = "report.html";
 
-/// What a folder is made to hold.
+/// The purpose of a folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A sample or a test.
@@ -26,7 +26,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// With its article.
+    /// Description with an article.
     pub fn name(self) -> &'static str {
         match self {
             Kind::Run => "a sample or test",
@@ -36,7 +36,7 @@ impl Kind {
     }
 }
 
-/// What is in a folder.
+/// The contents of a folder.
 ///
 /// ```
 /// use granum_learn::contents::Contents;
@@ -47,32 +47,32 @@ impl Kind {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Contents {
-    /// No folder, or nothing in it.
+    /// The folder does not exist or is empty.
     Nothing,
-    /// Files that are none of the following.
+    /// The folder contains files of another kind.
     Other,
-    /// A sample or a test; without its record if that cannot be read.
+    /// A sample or a test, with its record if it can be read.
     Run(Option<Box<RunRecord>>),
     /// Networks.
     Training {
-        /// All are there.
+        /// True if all networks have been trained.
         finished: bool,
     },
     /// A reproduction.
     Reproduction {
-        /// What it is of; `None` if an earlier version did not say.
+        /// Its description; `None` if it was created by an earlier version, which did not write one.
         of: Option<Reproduction>,
-        /// All runs have reached their end and the numbers are there.
+        /// True if all runs are finished and the summary has been written.
         finished: bool,
     },
 }
 
-/// What to do with a folder.
+/// The next action for a folder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Next {
-    /// For people, with the command line.
+    /// A sentence for the user, including the command line.
     pub text: String,
-    /// The command line that goes on from the folder, where there is one.
+    /// The command line that continues from the folder, if there is one.
     pub command: Option<String>,
 }
 
@@ -87,10 +87,10 @@ impl Next {
 }
 
 impl Contents {
-    /// Reads what is in a folder; nothing is locked or changed.
+    /// Determines the contents of a folder without locking or changing anything.
     ///
     /// # Errors
-    /// If the file that says what a reproduction is of cannot be read.
+    /// If the description of a reproduction cannot be read.
     pub fn of(folder: &Path) -> Result<Contents> {
         let has = |name: &str| folder.join(name).is_file();
         let of = Reproduction::read(folder)?;
@@ -109,7 +109,7 @@ impl Contents {
         Ok(if OutputFolder::is_free(folder) { Contents::Nothing } else { Contents::Other })
     }
 
-    /// Its kind, if granum made it.
+    /// The purpose of the folder, if it was written by granum.
     pub fn kind(&self) -> Option<Kind> {
         match self {
             Contents::Nothing | Contents::Other => None,
@@ -119,7 +119,7 @@ impl Contents {
         }
     }
 
-    /// In words, as "an interrupted test".
+    /// A description such as "an interrupted test".
     pub fn name(&self) -> String {
         let ended = |finished: bool| if finished { "a finished" } else { "an unfinished" };
         match self {
@@ -143,7 +143,7 @@ impl Contents {
         }
     }
 
-    /// The folders of its runs, if it is a reproduction; some may not be there yet. Links are left out.
+    /// The folders of the runs of a reproduction, some of which may not exist yet. Links are omitted.
     pub fn runs(&self, folder: &Path) -> Vec<PathBuf> {
         let Contents::Reproduction { of, .. } = self else { return Vec::new() };
         let is_link = |path: &Path| std::fs::symlink_metadata(path).is_ok_and(|kind| kind.is_symlink());
@@ -152,7 +152,7 @@ impl Contents {
         folders
     }
 
-    /// What to do with the folder that holds it.
+    /// The next action for the folder with these contents.
     pub fn next(&self, folder: &Path) -> Next {
         let name = quoted_path(folder);
         if OutputFolder::is_in_use(folder) {
@@ -217,11 +217,11 @@ fn next_of_run(record: &RunRecord, folder: &Path) -> Next {
     }
 }
 
-/// Refuses a folder in which a command would replace what is there: anything of its own kind without `force`, and anything
-/// of another kind always. A folder in which a process is at work is left to its lock.
+/// Refuses a folder in which a command would replace existing results: those of its own kind unless `force` is set, and
+/// those of another kind in any case. A folder that is in use by a process is protected by its lock instead.
 ///
 /// # Errors
-/// [`LearnError::Taken`] with the command line that goes on from what is there.
+/// [`LearnError::Taken`] with the command line that continues from the existing results.
 pub fn check_free(folder: &Path, wanted: Kind, force: bool) -> Result<()> {
     let contents = Contents::of(folder)?;
     let Some(kind) = contents.kind() else { return Ok(()) };
@@ -232,7 +232,7 @@ pub fn check_free(folder: &Path, wanted: Kind, force: bool) -> Result<()> {
     Err(taken(folder, &contents, wanted.name(), same))
 }
 
-/// The refusal of a folder for what it holds; `replaceable` if `--force` would replace that.
+/// The error for a folder that is refused because of its contents; `replaceable` is true if `--force` would replace them.
 pub fn taken(folder: &Path, contents: &Contents, wanted: &str, replaceable: bool) -> LearnError {
     let go_on = match contents.next(folder) {
         Next { command: Some(command), .. } => format!("to continue from that: `{command}`; else choose"),
@@ -250,7 +250,7 @@ pub fn taken(folder: &Path, contents: &Contents, wanted: &str, replaceable: bool
     }
 }
 
-/// The folders of runs that are in that of a reproduction, sorted. A link may lead anywhere and is none.
+/// The existing run folders of a reproduction, sorted. Links are not followed, since they may point anywhere.
 fn run_folders(folder: &Path) -> Vec<PathBuf> {
     let runs = folder.join(RUNS);
     let Some(read) = is_real_folder(&runs).then(|| std::fs::read_dir(&runs).ok()).flatten() else {
@@ -262,7 +262,7 @@ fn run_folders(folder: &Path) -> Vec<PathBuf> {
     folders
 }
 
-/// The folders of the runs of a reproduction, whether they are there yet or not.
+/// The folders of all runs of a reproduction, including those that do not exist yet.
 fn runs_of(folder: &Path, of: Option<&Reproduction>) -> Vec<PathBuf> {
     match of {
         Some(of) => of.runs.iter().map(|name| folder.join(RUNS).join(name)).collect(),

@@ -1,4 +1,4 @@
-//! What can go wrong in a study.
+//! The errors of this crate.
 
 use thiserror::Error;
 
@@ -34,41 +34,41 @@ pub enum LearnError {
         low: f64,
         /// End of its range.
         high: f64,
-        /// States there are.
+        /// Number of training states.
         found: usize,
-        /// States there should be.
+        /// Required number of training states.
         needed: usize,
     },
-    /// A row of a table cannot be answered.
+    /// A row of a table cannot be predicted.
     #[error("{0}")]
     Rows(String),
-    /// No mapping or network of that name.
+    /// There is no mapping or network of the given name.
     #[error("there is no {kind} `{name}`; there are: {known}")]
     Unknown {
-        /// What was looked for.
+        /// The kind of object.
         kind: &'static str,
-        /// Its name.
+        /// The given name.
         name: String,
-        /// What there is.
+        /// The existing names.
         known: String,
     },
-    /// The study was asked to stop before it was complete.
+    /// The study was stopped by its observer before it was complete.
     #[error("stopped on request after {done} of {total} networks")]
     Stopped {
-        /// Networks trained.
+        /// Number of trained networks.
         done: usize,
-        /// Networks wanted.
+        /// Number of networks of the study.
         total: usize,
     },
-    /// A network cannot be made or trained.
+    /// A network cannot be created or trained.
     #[error("{network}: {reason}")]
     Network {
-        /// Which one.
+        /// Name of the network.
         network: String,
         /// What is wrong.
         reason: String,
     },
-    /// A surrogate cannot be fitted, or cannot answer.
+    /// A surrogate cannot be fitted, or cannot predict.
     #[error("{method}: {reason}")]
     Surrogate {
         /// Name of its method.
@@ -84,17 +84,17 @@ pub enum LearnError {
         /// What is wrong, and what would be right.
         reason: String,
     },
-    /// What a surrogate keeps of itself is not what its method expects.
+    /// The stored content of a surrogate is not what its method expects.
     #[error("the content is not that of such a surrogate: {0}")]
     Content(String),
-    /// A folder holds something that would be replaced.
+    /// The contents of a folder would be replaced.
     #[error("{} already holds {holds}; {advice}", folder.display())]
     Taken {
         /// The folder.
         folder: std::path::PathBuf,
-        /// What is in it.
+        /// Description of the contents.
         holds: String,
-        /// The command line that goes on from it, and what else can be done.
+        /// The command line that continues from the contents, and alternatives.
         advice: String,
     },
     /// A file cannot be read or written.

@@ -1,13 +1,13 @@
-//! Many predictions at once, from table to table.
+//! Predictions for whole tables.
 
 use granum_core::{Column, Table};
 
 use crate::error::Result;
 use crate::surrogate::{Estimate, Prediction, Surrogate};
 
-/// Predicts every row of a table. The result has the inputs of the surrogate, then for each output `predicted_NAME`, and
-/// where the surrogate knows them `standard_deviation_NAME`, `lower_NAME` and `upper_NAME` (NaN where one row has none), and
-/// last `outside`: 1 where an input lies outside what was fitted.
+/// Predicts every row of a table. The result has the inputs of the surrogate, then for each output `predicted_NAME`,
+/// followed by `standard_deviation_NAME`, `lower_NAME` and `upper_NAME` if the surrogate provides them (NaN for rows
+/// without them), and last `outside`, which is 1 if an input is outside the trained range.
 ///
 /// ```
 /// use granum_core::{Column, Table};
@@ -54,10 +54,10 @@ pub fn predict_table(surrogate: &dyn Surrogate, table: &Table, level: f64) -> Re
     Ok(Table::new(all)?)
 }
 
-/// The columns of these names, in their order.
+/// The columns with the given names, in this order.
 ///
 /// # Errors
-/// If one is missing.
+/// If a column is missing.
 pub fn chosen(table: &Table, names: &[String]) -> Result<Table> {
     let mut columns = Vec::with_capacity(names.len());
     for name in names {
@@ -67,7 +67,7 @@ pub fn chosen(table: &Table, names: &[String]) -> Result<Table> {
     Ok(Table::new(columns)?)
 }
 
-/// The values of a table row by row.
+/// The values of a table in row-major order.
 pub fn rows_of(table: &Table) -> Vec<f64> {
     let columns: Vec<&[f64]> = table.columns().iter().map(|column| column.values.as_slice()).collect();
     (0..table.rows()).flat_map(|row| columns.iter().map(move |column| column[row])).collect()

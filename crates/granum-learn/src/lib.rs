@@ -1,19 +1,19 @@
-//! Data sets from runs, and surrogates that are fitted to them and judged on runs that none of them saw.
+//! Data sets from runs, and surrogates that are fitted to them and evaluated on unseen runs.
 //!
 //! ```text
 //! runs --> Dataset --> SurrogateMethod::fit --> Surrogate --> predictions with intervals
 //!            (split)                              (scored, saved)
 //! ```
 //!
-//! A [`Dataset`] is named columns over the states of runs, whatever the path of their tests. A [`SurrogateMethod`] fits a
-//! [`Surrogate`] to it; networks, ridge regression and any method of a program's own are scored in the same way by
-//! [`compare`], are saved in one format and found by name in [`SurrogateMethods`].
+//! A [`Dataset`] consists of named columns over the states of runs, for tests along arbitrary paths. A [`SurrogateMethod`]
+//! fits a [`Surrogate`] to it. Networks, ridge regression and user-defined methods are scored in the same way by
+//! [`compare`], are saved in a common format, and are found by name in [`SurrogateMethods`].
 //!
 //! ```
 //! use granum_core::{Column, Table};
 //! use granum_learn::{Dataset, FitSpec, RunStates, Split, SurrogateMethods, compare};
 //!
-//! // Three runs of columns of one's own: y = x^2 with a little of what runs differ by.
+//! // Three runs with the columns x and y = x^2, with a small difference between the runs.
 //! let run = |k: u32| {
 //!     let x: Vec<f64> = (0..40).map(|i| f64::from(i) / 39.0).collect();
 //!     let y = x.iter().map(|x| x * x + 0.01 * f64::from(k) * x).collect();
@@ -30,7 +30,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`antony2006`] is the paper's study with its six mappings.
+//! [`antony2006`] contains the study of the paper with its six mappings.
 
 pub mod antony2006;
 mod comparison;

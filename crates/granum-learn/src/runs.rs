@@ -1,4 +1,4 @@
-//! What a study remembers of the runs that it was trained and judged on, so that scores are called what they are.
+//! The description that a study stores of its runs for training and evaluation, so that later scores are labelled correctly.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -10,20 +10,20 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::Result;
 
-/// Key of [`StudyRun::values`] that says from which packing file a sample was made; it stands in no case file.
+/// Key of [`StudyRun::values`] for the packing file from which a sample was made; it does not occur in case files.
 pub const PACKING: &str = "packing";
 const NO_PACKING: &str = "none";
 
-/// Files of a run that hold what networks learn from.
+/// Files of a run with the data from which networks learn.
 const LEARNED: [&str; 2] = ["series.parquet", "forces.parquet"];
 
-/// What a run was for.
+/// The role of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RunRole {
-    /// Its states trained networks or were held out.
+    /// Its states were used for training or held out.
     Training,
-    /// No network saw it.
+    /// It was used neither for training nor for selection.
     Unseen,
 }
 
@@ -31,18 +31,19 @@ pub enum RunRole {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StudyRun {
-    /// Last part of the name of its folder. (Not the whole: one study has one file wherever its runs lie.)
+    /// Last component of the path of its folder. (The full path is omitted, so that the file does not depend on the
+    /// location of the runs.)
     pub name: String,
-    /// What it was for.
+    /// The role of the run.
     pub role: RunRole,
     /// The values of its case, and [`PACKING`].
     pub values: CaseValues,
-    /// SHA-256 of the files that hold what networks learn from.
+    /// SHA-256 of the files with the data from which networks learn.
     pub content: BTreeMap<String, String>,
 }
 
 impl StudyRun {
-    /// What a study remembers of a run.
+    /// Reads the description of a run.
     ///
     /// # Errors
     /// If a file of the run cannot be read.
@@ -63,26 +64,28 @@ impl StudyRun {
         })
     }
 
-    /// True if the two hold the same test: the same states, or the same case with the same seed (one of them may have been
-    /// ended before the other).
+    /// True if both are the same test: they have the same states, or the same case with the same seed (one of them may
+    /// have been ended earlier than the other).
     pub fn is_same_test(&self, other: &StudyRun) -> bool {
         self.content == other.content || self.values == other.values
     }
 }
 
-/// In what named runs differ besides the seed of their samples.
+/// The differences between named runs other than the seed of their samples.
 pub fn differences_but_seed(runs: &[(&str, &StudyRun)]) -> Vec<Difference> {
     let cases: Vec<(&str, &CaseValues)> = runs.iter().map(|(name, run)| (*name, &run.values)).collect();
     differences(&cases).into_iter().filter(|found| found.key != SEED).collect()
 }
 
-/// The packing file that a sample was made of by where a run began, also where a test took the sample from another folder;
-/// nothing where that folder is gone. (Records name their packing themselves; those of earlier versions did not.)
+/// The packing file from which a sample was made, derived from the source of the run, even if a test took the sample from
+/// another folder; `None` if that folder no longer exists. (Records now name their packing themselves, but those of earlier
+/// versions did not.)
 fn packing(source: &RunSource) -> Option<String> {
     match source {
         RunSource::Sample(folder) => {
             let sample = Run::at(folder).and_then(|run| run.record()).ok()?;
-            // A sample is never made of another sample: folders that lead to each other would have no end.
+            // A sample is never made from another sample, and folders that refer to each other would give an endless
+            // recursion.
             (!matches!(sample.source, RunSource::Sample(_))).then(|| packing(&sample.source))?
         }
         RunSource::Case => Some(NO_PACKING.to_string()),
@@ -90,7 +93,7 @@ fn packing(source: &RunSource) -> Option<String> {
     }
 }
 
-/// A packing as a value of a case.
+/// A packing in the form of a value of a case.
 fn shown(sha256: &str) -> String {
     format!("SHA-256 {sha256}")
 }
@@ -105,7 +108,7 @@ mod tests {
     use super::*;
     use granum_io::{Case, Machine, RunFolder, RunRecord};
 
-    /// A folder of a run that began from somewhere.
+    /// Creates the folder of a run with the given source.
     fn make(path: &Path, source: RunSource) -> Run {
         let folder = RunFolder::create(path, false).unwrap();
         let mut record = RunRecord::new("shear", "0.1.0", &Case::default(), Machine::here("avx2", 1));

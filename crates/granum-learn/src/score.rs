@@ -1,13 +1,13 @@
-//! How good an answer is.
+//! Scores of predictions.
 //!
-//! The headline is the **relative RMSE**: the root mean square error over the root mean square of the DEM values,
-//! `sqrt(sum (answer - dem)^2 / sum dem^2)` over every value of every scored state. It does not blow up where a curve
-//! is flat, as `R2 = 1 - sum (answer - dem)^2 / sum (dem - mean dem)^2` does; R2 is given beside. A state with a
-//! distribution counts with each of its bins.
+//! The main score is the **relative RMSE**: the root mean square error over the root mean square of the DEM values,
+//! `sqrt(sum (answer - dem)^2 / sum dem^2)` over all values of all scored states. In contrast to
+//! `R2 = 1 - sum (answer - dem)^2 / sum (dem - mean dem)^2` it does not diverge if a curve is flat; R2 is reported in
+//! addition. A state with a distribution counts with each of its bins.
 
 use serde::{Deserialize, Serialize};
 
-/// How good an answer is against DEM.
+/// The score of predictions in comparison with DEM.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Score {
     /// Root mean square error over the root mean square of the DEM values.
@@ -20,7 +20,7 @@ pub struct Score {
     pub states: usize,
 }
 
-/// Adds up errors.
+/// Accumulates errors.
 ///
 /// ```
 /// use granum_learn::score::Scorer;
@@ -41,7 +41,7 @@ pub struct Scorer {
 }
 
 impl Scorer {
-    /// Adds one state: its DEM values and the answer.
+    /// Adds one state with its DEM values and its prediction.
     pub fn add(&mut self, dem: &[f64], answer: &[f64]) {
         self.states += 1;
         for (&exact, &value) in dem.iter().zip(answer) {
@@ -52,7 +52,7 @@ impl Scorer {
         }
     }
 
-    /// The score; all 0 of nothing. R2 is 0 where the DEM values do not differ.
+    /// The score; all values are 0 if nothing was added. R2 is 0 if all DEM values are equal.
     pub fn score(&self) -> Score {
         if self.values == 0 {
             return Score::default();

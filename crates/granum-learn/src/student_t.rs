@@ -1,10 +1,10 @@
-//! Student's paired t test: is the mean of some differences above zero?
+//! Student's paired t test, which decides whether the mean of differences is above zero.
 
 use serde::{Deserialize, Serialize};
 
-/// Chance of calling differences that scatter about zero a difference.
+/// Significance level: the probability that differences with a mean of zero are considered positive.
 pub const LEVEL: f64 = 0.05;
-/// Fewest differences that are tested.
+/// Smallest number of differences that are tested.
 pub const FEWEST: usize = 3;
 
 /// The 95 % quantiles of Student's t for 1 to 30 degrees of freedom.
@@ -13,11 +13,12 @@ const QUANTILES: [f64; 30] = [
     1.795885, 1.782288, 1.770933, 1.761310, 1.753050, 1.745884, 1.739607, 1.734064, 1.729133, 1.724718,
     1.720743, 1.717144, 1.713872, 1.710882, 1.708141, 1.705618, 1.703288, 1.701131, 1.699127, 1.697261,
 ];
-/// The same for infinitely many: the 95 % quantile of the normal distribution.
+/// The limit for infinitely many degrees of freedom: the 95 % quantile of the normal distribution.
 const NORMAL_QUANTILE: f64 = 1.6448536269514722;
 
-/// The 95 % quantile of Student's t: from a table up to 30 degrees of freedom, above by the expansion of Cornish and
-/// Fisher in the inverse of their number (Abramowitz and Stegun 26.7.5), good to 1e-6 there. Infinite of 0.
+/// The 95 % quantile of Student's t distribution: from a table for up to 30 degrees of freedom, and above by the expansion
+/// of Cornish and Fisher in the inverse of their number (Abramowitz and Stegun 26.7.5), which is accurate to 1e-6 there.
+/// It is infinite for 0 degrees of freedom.
 pub fn quantile(degrees_of_freedom: usize) -> f64 {
     if degrees_of_freedom == 0 {
         return f64::INFINITY;
@@ -33,12 +34,12 @@ pub fn quantile(degrees_of_freedom: usize) -> f64 {
     x + first / n + second / (n * n) + third / (n * n * n)
 }
 
-/// Differences of errors, one an unseen run, and whether their mean is above zero.
+/// A test of differences of errors, one per unseen run, for a mean above zero.
 ///
 /// ```
 /// use granum_learn::student_t::PairedTest;
 ///
-/// // Mean 2, standard error 1 / sqrt 3: t = 3.46, more than the 2.92 that chance exceeds in 5 of 100 cases.
+/// // The mean is 2 and the standard error 1 / sqrt 3, so that t = 3.46 exceeds the 95 % quantile of 2.92.
 /// let test = PairedTest::new(&[1.0, 2.0, 3.0]).unwrap();
 /// assert_eq!((test.mean, test.above_zero), (2.0, Some(true)));
 /// ```
@@ -46,19 +47,20 @@ pub fn quantile(degrees_of_freedom: usize) -> f64 {
 pub struct PairedTest {
     /// Mean difference.
     pub mean: f64,
-    /// Standard error of the mean: the standard deviation over the square root of their number; null of one.
+    /// Standard error of the mean, i.e. the standard deviation over the square root of the number; null for a single
+    /// difference.
     pub standard_error: Option<f64>,
     /// Number of differences.
     pub runs: usize,
-    /// The mean over its standard error; null of one, or where all differences are the same.
+    /// The mean over its standard error; null for a single difference, or if all differences are equal.
     pub t: Option<f64>,
-    /// Whether the mean is above zero by the one-sided test with `runs - 1` degrees of freedom at 5 %; null of fewer than
-    /// three differences, which are too few to test.
+    /// Whether the mean is above zero in the one-sided test with `runs - 1` degrees of freedom at 5 %; null for fewer than
+    /// three differences, which are too few for a test.
     pub above_zero: Option<bool>,
 }
 
 impl PairedTest {
-    /// Tests differences; `None` of none.
+    /// Tests differences; `None` if there are none.
     pub fn new(differences: &[f64]) -> Option<PairedTest> {
         let runs = differences.len();
         if runs == 0 {
@@ -69,7 +71,7 @@ impl PairedTest {
         let squares: f64 = differences.iter().map(|d| (d - mean) * (d - mean)).sum();
         let standard_error = (runs > 1).then(|| (squares / (n - 1.0) / n).sqrt());
         let t = standard_error.filter(|error| *error > 0.0).map(|error| mean / error);
-        // Differences that are all the same are no scatter: only their sign tells.
+        // If all differences are equal there is no scatter, and only their sign matters.
         let above = t.map_or(mean > 0.0, |t| t > quantile(runs - 1));
         Some(PairedTest { mean, standard_error, runs, t, above_zero: (runs >= FEWEST).then_some(above) })
     }
@@ -79,7 +81,7 @@ impl PairedTest {
 mod tests {
     use super::*;
 
-    /// Values of printed tables of the t distribution, one-sided 5 %.
+    /// The quantiles agree with printed tables of the t distribution, one-sided 5 %.
     #[test]
     fn quantiles_are_those_of_the_tables() {
         for (n, tabled) in [
@@ -100,12 +102,12 @@ mod tests {
 
     #[test]
     fn tests_as_done_by_hand() {
-        // Mean 2, deviation 1, standard error 1 / sqrt 3, t = 2 sqrt 3 = 3.46 > 2.92.
+        // The mean is 2, the standard deviation 1, the standard error 1 / sqrt 3, and t = 2 sqrt 3 = 3.46 > 2.92.
         let test = PairedTest::new(&[1.0, 2.0, 3.0]).unwrap();
         assert_eq!((test.mean, test.runs, test.above_zero), (2.0, 3, Some(true)));
         assert!((test.standard_error.unwrap() - 1.0 / 3f64.sqrt()).abs() < 1e-12);
         assert!((test.t.unwrap() - 2.0 * 3f64.sqrt()).abs() < 1e-12);
-        // t = 1.73: not above.
+        // With t = 1.73 the mean is not significantly above zero.
         assert_eq!(PairedTest::new(&[0.0, 1.0, 2.0]).unwrap().above_zero, Some(false));
         assert_eq!(PairedTest::new(&[-1.0, -2.0, -3.0]).unwrap().above_zero, Some(false));
         let two = PairedTest::new(&[1.0, 1.1]).unwrap();

@@ -3,7 +3,7 @@
 use granum_simd::{Real, sigmoid, tanh};
 use serde::{Deserialize, Serialize};
 
-/// How a neuron turns the weighted sum of its inputs into its output.
+/// The function that gives the output of a neuron from the weighted sum of its inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Activation {
@@ -11,7 +11,7 @@ pub enum Activation {
     Tanh,
     /// Logistic function, `1 / (1 + exp(-x))`, Antony, Zhou and Wang (2006) equation 2.
     Sigmoid,
-    /// The sum itself.
+    /// The identity, `x`.
     Linear,
 }
 
@@ -26,7 +26,7 @@ impl Activation {
         }
     }
 
-    /// Derivative with respect to the weighted sum, written in the output `y`: `1 - y^2`, `y (1 - y)` or 1.
+    /// Derivative with respect to the weighted sum, as a function of the output `y`: `1 - y^2`, `y (1 - y)` or 1.
     #[inline(always)]
     pub fn slope<R: Real>(self, y: R) -> R {
         let one = R::splat(1.0);
@@ -37,8 +37,8 @@ impl Activation {
         }
     }
 
-    /// Range of weighted sums in which the function is far from saturation, used to start the weights (Nguyen and
-    /// Widrow 1990; the values are those of the toolbox that the paper used). None where there is no saturation.
+    /// Range of weighted sums in which the function is far from saturation, used to initialise the weights (Nguyen and
+    /// Widrow 1990; the values are those of the toolbox that the paper used). `None` if the function does not saturate.
     pub(crate) fn active_range(self) -> Option<(f64, f64)> {
         match self {
             Activation::Tanh => Some((-2.0, 2.0)),
@@ -47,7 +47,7 @@ impl Activation {
         }
     }
 
-    /// Range of outputs, used to start the weights of the next layer.
+    /// Range of outputs, used to initialise the weights of the next layer.
     pub(crate) fn output_range(self) -> (f64, f64) {
         match self {
             Activation::Tanh | Activation::Linear => (-1.0, 1.0),

@@ -1,6 +1,6 @@
 //! Errors, gradients and sensitivities of a network over all rows of a table.
 //!
-//! Rows lie across the lanes. Everything that an epoch needs is allocated once.
+//! Each lane of a vector holds one row. All memory that an epoch needs is allocated once.
 
 use granum_simd::{Isa, Kernel, LANES, Lanes, Row8, dispatch};
 
@@ -10,32 +10,32 @@ use crate::forward::{Layer, layer_panel};
 use crate::kernels::{Scalars, blocks, lane_dots, odd, panel, panels, scalar_times_lanes};
 use crate::network::Network;
 
-/// A table laid out for training, with room for what a pass over it produces.
+/// A table in the layout for training, with memory for the results of a pass over it.
 #[derive(Clone)]
 pub(crate) struct Workspace {
     pub isa: Isa,
     pub layers: Vec<Layer>,
-    /// Rows of the table.
+    /// Number of rows of the table.
     pub rows: usize,
-    /// Rows that make one observation.
+    /// Number of rows of each observation.
     pub points: usize,
-    /// Lane blocks that hold them.
+    /// Number of lane blocks that hold the rows.
     pub blocks: usize,
     /// Distance between the rows of every lane matrix, in blocks.
     pub stride: usize,
-    /// Inputs, then outputs of each layer; each has a last row of ones, which the bias multiplies.
+    /// The inputs, followed by the outputs of each layer; each matrix has a last row of ones, which the bias multiplies.
     pub outputs: Vec<Vec<Row8>>,
-    /// For each layer but the inputs: what was last propagated back to the weighted sums.
+    /// For each layer except the inputs, the derivatives with respect to the weighted sums from the last backward pass.
     pub deltas: Vec<Vec<Row8>>,
-    /// Targets and weights of the squared errors, a row for each output neuron; weight zero in unused lanes.
+    /// Targets and weights of the squared errors, one row for each output neuron; the weight is zero in unused lanes.
     pub targets: Vec<Row8>,
     pub weights: Vec<Row8>,
-    /// With several points an observation: the residual of its observation in the lane of every row, after
+    /// If an observation has several points: for every row the residual of its observation, after
     /// [`Workspace::squared_error`].
     shared: Vec<Row8>,
 }
 
-/// What starts the pass back at the output neurons.
+/// The values at the output neurons with which the backward pass starts.
 #[derive(Clone, Copy)]
 enum Seed {
     /// `scale * weight * (output - target)`: the gradient of `scale / 2` times the weighted sum of squares.
@@ -45,7 +45,7 @@ enum Seed {
 }
 
 impl Workspace {
-    /// Lays out `data` for a network of this shape.
+    /// A workspace with `data` for a network of this shape.
     pub(crate) fn new(isa: Isa, network: &Network, data: &Data) -> Workspace {
         let layers = Layer::all(network);
         let (count, stride) = (blocks(data.rows), odd(blocks(data.rows)));
@@ -64,7 +64,7 @@ impl Workspace {
             }
             for c in 0..data.target_columns {
                 targets[c * stride + block].0[lane] = data.targets[r * data.target_columns + c];
-                // The sum over the points of sqrt(weight / points) times their errors is the residual of an observation.
+                // The residual of an observation is the sum over its points of sqrt(weight / points) times their errors.
                 let weight = data.weights.as_ref().map_or(1.0, |w| w[r]);
                 weights[c * stride + block].0[lane] = weight / data.points as f64;
             }
@@ -91,8 +91,8 @@ impl Workspace {
         self.rows / self.points
     }
 
-    /// A workspace with some of the rows of this one, with what the last passes over them produced; each an observation
-    /// of its own.
+    /// A workspace with some of the rows of this one and the results of the last passes over them; each row is treated as a
+    /// separate observation.
     pub(crate) fn some_rows(&self, chosen: &[usize]) -> Workspace {
         let (count, stride) = (blocks(chosen.len()), odd(blocks(chosen.len())));
         let gather = |matrix: &Vec<Row8>| {
@@ -121,7 +121,7 @@ impl Workspace {
         }
     }
 
-    /// Sums over the points of each observation: from one lane a row to one lane an observation.
+    /// Sums over the points of each observation, from one lane per row to one lane per observation.
     pub(crate) fn sum_points(&self, rows: &[Row8], observations: &mut [Row8]) {
         if self.points == 1 {
             observations[..self.blocks].copy_from_slice(&rows[..self.blocks]);
@@ -133,7 +133,7 @@ impl Workspace {
         }
     }
 
-    /// Gives every row what its observation has.
+    /// Copies the value of each observation to all of its rows.
     fn share(&self, observations: &[Row8], rows: &mut [Row8]) {
         let numbers = Row8::numbers(observations);
         for r in 0..self.rows {
@@ -141,7 +141,7 @@ impl Workspace {
         }
     }
 
-    /// One row for every residual: for several targets each row is repeated, counting one target at a time.
+    /// A workspace with one row for every residual: with several targets, each row is repeated for each target.
     pub(crate) fn of_residuals(isa: Isa, network: &Network, data: &Data) -> Workspace {
         if data.target_columns == 1 {
             return Workspace::new(isa, network, data);
@@ -165,13 +165,13 @@ impl Workspace {
         workspace
     }
 
-    /// Bytes that a workspace for so many rows takes.
+    /// Size of a workspace for so many rows, bytes.
     pub(crate) fn bytes(network: &Network, rows: usize) -> usize {
         let neurons: usize = network.layers().iter().map(|n| 2 * n + 1).sum();
         neurons * odd(blocks(rows)) * size_of::<Row8>()
     }
 
-    /// Passes all rows forward; the weighted sum over the observations of their squared errors.
+    /// Evaluates the network for all rows and returns the weighted sum of squared errors over the observations.
     pub(crate) fn squared_error(&mut self, weights: &[f64]) -> f64 {
         let sum = dispatch(self.isa, SquaredError { workspace: self, weights });
         if self.points == 1 {
@@ -192,12 +192,13 @@ impl Workspace {
         dispatch(self.isa, Gradient { workspace: self, factors: None, gradient });
     }
 
-    /// Leaves in `deltas` the derivative of each row's weighted output with respect to the weighted sums.
+    /// Stores in `deltas` the derivatives of the weighted output of each row with respect to the weighted sums of all
+    /// neurons.
     pub(crate) fn sensitivities(&mut self, weights: &[f64]) {
         dispatch(self.isa, Back { workspace: self, weights, seed: Seed::Residual });
     }
 
-    /// Weighted residuals `sqrt(weight) (output - target)`, one lane an observation, after [`Workspace::squared_error`].
+    /// Weighted residuals `sqrt(weight) (output - target)`, one lane per observation, after [`Workspace::squared_error`].
     pub(crate) fn residuals(&self, residuals: &mut [Row8]) {
         if self.points == 1 {
             return dispatch(self.isa, Residuals { workspace: self, residuals });
@@ -207,7 +208,7 @@ impl Workspace {
         self.sum_points(&rows, residuals);
     }
 
-    /// `J v`, one lane an observation, with the Jacobian `J` of the weighted residuals, after [`Workspace::sensitivities`].
+    /// `J v`, one lane per observation, with the Jacobian `J` of the weighted residuals, after [`Workspace::sensitivities`].
     pub(crate) fn jacobian_times(&self, vector: &[f64], product: &mut [Row8]) {
         if self.points == 1 {
             return dispatch(self.isa, JacobianTimes { workspace: self, vector, product });
@@ -217,7 +218,7 @@ impl Workspace {
         self.sum_points(&rows, product);
     }
 
-    /// `J^T s` for one number an observation, after [`Workspace::sensitivities`].
+    /// `J^T s` with one number `s` per observation, after [`Workspace::sensitivities`].
     pub(crate) fn transposed_jacobian_times(&mut self, factors: &[Row8], product: &mut [f64]) {
         if self.points == 1 {
             return dispatch(
@@ -292,7 +293,7 @@ impl Kernel for Back<'_> {
                 (start * w.layers[depth - 1].activation.slope(y)).store(&mut last[at].0);
             }
         }
-        // One block narrower than on the way forward: the compiler then keeps all sums in registers.
+        // Panels are one block narrower than in the forward pass, so that the compiler keeps all sums in registers.
         panels(
             0,
             w.blocks,
@@ -346,7 +347,7 @@ impl Kernel for Back<'_> {
     }
 }
 
-/// Multiplies what came back to the outputs of neurons by the slope of their activation.
+/// Multiplies the derivatives with respect to the outputs of neurons by the slope of their activation.
 #[inline(always)]
 fn times_slope<L: Lanes>(
     deltas: &mut [Row8],
@@ -367,7 +368,7 @@ fn times_slope<L: Lanes>(
 
 struct Gradient<'a> {
     workspace: &'a mut Workspace,
-    /// Multiplies each row's contribution.
+    /// Factors of the contributions of the rows.
     factors: Option<&'a [Row8]>,
     gradient: &'a mut [f64],
 }
@@ -422,7 +423,7 @@ impl Kernel for Residuals<'_> {
         let w = self.workspace;
         let last = &w.outputs[w.layers.len()];
         for b in 0..w.blocks {
-            // Of several outputs at most one has a weight that is not zero.
+            // At most one of several outputs has a non-zero weight.
             let mut sum = L::zero();
             for c in 0..w.targets.len() / w.stride {
                 let at = c * w.stride + b;

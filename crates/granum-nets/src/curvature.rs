@@ -1,28 +1,28 @@
-//! The Gauss-Newton matrix of a network, seen from some of the rows.
+//! The Gauss-Newton matrix of a network, approximated by means of some of the rows.
 //!
 //! With `J` the Jacobian of the weighted residuals `e` (observations x weights), a regularised Gauss-Newton step needs
-//! `(J^T J + c I)^-1`, which is had from the kernel `K = J J^T`:
+//! `(J^T J + c I)^-1`, which can be computed from the kernel `K = J J^T`:
 //!
 //! ```text
 //! (J^T J + c I)^-1 J^T = J^T (K + c I)^-1
 //! ```
 //!
-//! `J` need never be formed: the derivative of row `r` with respect to the weights of one layer is the outer product of
-//! what was propagated back to the layer's sums, `d_l(r)`, and of what entered the layer, `a_l(r)` with its one for the
-//! bias, so `K(r, s)` is the sum over layers of `(d_l(r) . d_l(s)) (a_l(r) . a_l(s) + 1)`: Hadamard products of small Gram
-//! matrices.
+//! `J` is never formed: the derivative of row `r` with respect to the weights of one layer is the outer product of the
+//! derivatives with respect to the weighted sums of the layer, `d_l(r)`, and the inputs of the layer, `a_l(r)` with an
+//! additional one for the bias. `K(r, s)` is therefore the sum over layers of `(d_l(r) . d_l(s)) (a_l(r) . a_l(s) + 1)`,
+//! that is a sum of Hadamard products of small Gram matrices.
 //!
-//! A small regularised network has a few dozen effective parameters, so `K` has that rank to working precision, however many
-//! rows there are. So the steps are sought in the span of the gradients of at most [`MOST_CHOSEN`] *chosen* rows, spread
-//! evenly over the table (Nystroem; Smola and Bartlett 2001, Williams and Seeger 2001). With `C` the kernel among the
-//! chosen rows and `B` that between them and all observations,
+//! A small regularised network has a few dozen effective parameters, and `K` has that rank to working precision for any
+//! number of rows. Steps are therefore sought in the span of the gradients of at most [`MOST_CHOSEN`] *chosen* rows,
+//! spread evenly over the table (the Nystroem method; Smola and Bartlett 2001, Williams and Seeger 2001). With `C` the
+//! kernel among the chosen rows and `B` that between them and all observations,
 //!
 //! ```text
 //! C = U^T U,   L = U^-T B,   K ~ L^T L,   J^T (K + c I)^-1 ~ J_C^T U^-1 (L L^T + c I)^-1 L
 //! ```
 //!
-//! A step costs one pass over the rows times the number of chosen rows, not a cube of either. Where all rows are chosen
-//! nothing is approximated.
+//! The cost of a step is proportional to the number of rows times the number of chosen rows instead of the cube of the
+//! number of rows or weights. If all rows are chosen, there is no approximation.
 
 use granum_simd::{Isa, Kernel, LANES, Lanes, Row8, dispatch};
 
@@ -31,41 +31,43 @@ use crate::kernels::Scalars;
 use crate::kernels::{blocks, lane_dots, odd, panels};
 use crate::symmetric::{Cholesky, Symmetric, Upper, eight_rows, factorise_panel};
 
-/// Most rows in the span of whose gradients steps are sought.
+/// Largest number of chosen rows, in the span of whose gradients steps are sought.
 pub(crate) const MOST_CHOSEN: usize = 128;
-/// Added to the diagonal of the kernel among the chosen rows, as a share of its mean: gradients of neighbouring rows are alike.
+/// Jitter that is added to the diagonal of the kernel among the chosen rows, as a fraction of its mean. It is needed because
+/// the gradients of neighbouring rows are nearly equal.
 const JITTER: f64 = 1e-11;
-/// Factor on it where that is not enough, and how often it is tried.
+/// Factor by which the jitter is increased if it is not sufficient, and the number of attempts.
 const MORE_JITTER: (f64, usize) = (100.0, 5);
 
-/// The Gauss-Newton matrix with the factor of its shifted self.
+/// The Gauss-Newton matrix, with the Cholesky factor of the shifted matrix.
 #[derive(Clone)]
 pub(crate) struct Curvature {
     isa: Isa,
-    /// The chosen rows, and what the last passes produced for them.
+    /// The chosen rows, and the results of the last passes over them.
     chosen: Vec<usize>,
     pivots: Option<Workspace>,
-    /// `[U | L]`: rows for the chosen rows, columns first for these and then for the observations, in lane blocks.
+    /// `[U | L]`: one row for each chosen row; the columns are the chosen rows and then the observations, in lane blocks.
     panel: Vec<Row8>,
     stride: usize,
-    /// Lane blocks of the chosen rows and of the observations.
+    /// Numbers of lane blocks of the chosen rows and of the observations.
     square: usize,
     observations: usize,
     reciprocal: Vec<f64>,
-    /// `L L^T` and the factor of it plus a shift.
+    /// `L L^T`, and the Cholesky factor of `L L^T` plus a shift.
     matrix: Symmetric,
     factor: Cholesky,
     /// Eight rows of the kernel.
     rows: Vec<Row8>,
 }
 
-/// Most rows that are chosen for a network with so many weights: no more gradients than twice as many can differ much.
+/// Largest number of chosen rows for a network with so many weights. The gradients span at most as many dimensions as
+/// there are weights, so that twice that number suffices.
 fn most_chosen(weights: usize) -> usize {
     MOST_CHOSEN.min(2 * weights + LANES)
 }
 
-/// Evenly spread rows, at most so many: one from each of as many equal stretches, at a place in it that moves by the golden
-/// ratio, so that rows that come in a rhythm are all met.
+/// Evenly spread rows, at most `most`: one from each of as many equal intervals, at a position in it that advances by the
+/// golden ratio, so that a periodic order of the rows is sampled at all phases.
 fn choose(rows: usize, most: usize) -> Vec<usize> {
     let count = rows.min(most);
     (0..count)
@@ -77,7 +79,7 @@ fn choose(rows: usize, most: usize) -> Vec<usize> {
 }
 
 impl Curvature {
-    /// Room for the matrix of a network with so many weights over a table laid out like `workspace`.
+    /// Memory for the matrix of a network with so many weights and a table in the layout of `workspace`.
     pub(crate) fn new(workspace: &Workspace, weights: usize) -> Curvature {
         let chosen = choose(workspace.rows, most_chosen(weights));
         let (square, observations) = (blocks(chosen.len()), blocks(workspace.observations()));
@@ -98,14 +100,14 @@ impl Curvature {
         }
     }
 
-    /// Bytes that it takes for so many rows, observations and weights.
+    /// Size for so many rows, observations and weights, bytes.
     pub(crate) fn bytes(rows: usize, observations: usize, weights: usize) -> usize {
         let chosen = rows.min(most_chosen(weights));
         let panel = (chosen + LANES) * odd(blocks(chosen) + blocks(observations)) * size_of::<Row8>();
         panel + LANES * odd(blocks(rows)) * size_of::<Row8>() + 3 * Symmetric::bytes(chosen)
     }
 
-    /// Forms the matrix from the sensitivities in the workspace; false if they are no numbers.
+    /// Forms the matrix from the sensitivities in the workspace; returns false if they are not finite.
     pub(crate) fn form(&mut self, workspace: &Workspace) -> bool {
         let pivots = workspace.some_rows(&self.chosen);
         let mut share = JITTER;
@@ -124,15 +126,15 @@ impl Curvature {
         false
     }
 
-    /// Fills the panel with the kernel between the chosen rows, and between them and the observations; the trace of the
-    /// first.
+    /// Fills the panel with the kernel among the chosen rows, and with that between them and the observations; returns the
+    /// trace of the former.
     fn fill(&mut self, pivots: &Workspace, workspace: &Workspace) -> f64 {
         let (stride, square) = (self.stride, self.square);
         let mut trace = 0.0;
         for q in 0..square {
             let rows = &mut self.panel[q * LANES * stride..][..LANES * stride];
             rows.fill(Row8::default());
-            // What lies left of the diagonal block is not read.
+            // The part left of the diagonal block is never read.
             cross_kernel(pivots, q, pivots, (q, square), rows, stride);
             trace += (0..LANES).map(|i| rows[i * stride + q].0[i]).sum::<f64>();
             self.rows.resize(LANES * workspace.blocks, Row8::default());
@@ -149,7 +151,7 @@ impl Curvature {
         Upper { values: &self.panel, stride: self.stride, blocks: self.square, reciprocal: &self.reciprocal }
     }
 
-    /// Factorises the matrix plus `shift I`; false if it is not positive definite to working precision.
+    /// Factorises the matrix plus `shift I`; returns false if it is not positive definite to working precision.
     pub(crate) fn factorise(&mut self, shift: f64) -> bool {
         self.factor.factorise(&self.matrix, shift)
     }
@@ -170,7 +172,7 @@ impl Curvature {
         shift: f64,
         step: &mut [f64],
     ) {
-        // J^T (K + c I)^-1 (e - (a / c) J w) + (a / c) w: no difference of large numbers for small c.
+        // The form J^T (K + c I)^-1 (e - (a / c) J w) + (a / c) w avoids a difference of large numbers for small c.
         let ratio = decay / shift;
         let mut right = vec![Row8::default(); self.observations];
         workspace.jacobian_times(weights, &mut right);
@@ -191,9 +193,9 @@ impl Curvature {
         }
     }
 
-    /// What the training rows leave unknown of the answers to other observations: for each `g . (J^T J + shift I)^-1 g` times
-    /// the shift, `g` being the gradient of the answer with respect to the weights, for the shift of the last factorisation.
-    /// `asked` needs its sensitivities.
+    /// The remaining uncertainty of the predictions for other observations: for each observation the shift times
+    /// `g . (J^T J + shift I)^-1 g`, where `g` is the gradient of the prediction with respect to the weights and the shift
+    /// is that of the last factorisation. The sensitivities of `asked` must have been computed.
     pub(crate) fn uncertainties(&self, asked: &Workspace, shift: f64) -> Vec<f64> {
         let Some(pivots) = &self.pivots else { return Vec::new() };
         let count = asked.observations();
@@ -214,7 +216,7 @@ impl Curvature {
                 vector[p / LANES].0[p % LANES] = cross[p * lanes + k / LANES].0[k % LANES];
             }
             self.upper().solve_transposed(self.isa, &mut vector);
-            // l . l, and l . (L L^T + c I)^-1 l.
+            // The two terms l . l and l . (L L^T + c I)^-1 l.
             let whole = square_of(&vector);
             self.factor.solve_transposed(&mut vector);
             (whole, square_of(&vector))
@@ -227,9 +229,9 @@ impl Curvature {
             .collect()
     }
 
-    /// Residuals that the observations of each block would have if the block had not been trained on: to first order,
-    /// `(I - H_bb)^-1 e_b` with `H = L^T (L L^T + shift I)^-1 L`, so that no network is trained again. `block_of` names the
-    /// block of each observation.
+    /// Residuals that the observations of each block would have if the network had not been trained on that block. To
+    /// first order they are `(I - H_bb)^-1 e_b` with `H = L^T (L L^T + shift I)^-1 L`, so that no network has to be
+    /// trained again. `block_of` gives the number of the block of each observation.
     pub(crate) fn left_out_residuals(
         &self,
         block_of: &[usize],
@@ -244,7 +246,7 @@ impl Curvature {
         let entry = |p: usize, k: usize| self.panel[p * stride + square + k / LANES].0[k % LANES];
         for name in names {
             let members: Vec<usize> = (0..block_of.len()).filter(|&k| block_of[k] == name).collect();
-            // (I - L_b^T A^-1 L_b)^-1 = I + L_b^T (A - L_b L_b^T)^-1 L_b, with A = L L^T + shift I.
+            // The identity used is (I - L_b^T A^-1 L_b)^-1 = I + L_b^T (A - L_b L_b^T)^-1 L_b, with A = L L^T + shift I.
             let lanes = blocks(members.len());
             let mut own = vec![Row8::default(); square * LANES * odd(lanes)];
             for p in 0..square * LANES {
@@ -281,7 +283,7 @@ fn square_of(vector: &[Row8]) -> f64 {
     Row8::numbers(vector).iter().fold(0.0, |sum, v| v.mul_add(*v, sum))
 }
 
-/// `L L^T`.
+/// Computes `L L^T`.
 struct Gram<'a> {
     curvature: &'a mut Curvature,
 }
@@ -321,7 +323,7 @@ fn gram<L: Lanes>(
     }
 }
 
-/// `L v`.
+/// Computes `L v`.
 struct Project<'a> {
     curvature: &'a Curvature,
     vector: &'a [Row8],
@@ -351,7 +353,7 @@ fn project<L: Lanes>(rows: &[Row8], stride: usize, square: usize, vector: &[Row8
     );
 }
 
-/// Takes the products of rows from a matrix, and multiplies the rows with a vector.
+/// Subtracts the products of rows from a matrix, and multiplies the rows by a vector.
 struct TakeAway<'a> {
     rows: &'a [Row8],
     lanes: usize,
@@ -373,7 +375,7 @@ impl Kernel for TakeAway<'_> {
     }
 }
 
-/// `g . g` of the answer to every observation.
+/// `g . g` for the prediction of every observation.
 fn own_kernel(asked: &Workspace) -> Vec<f64> {
     let points = asked.points;
     let observations = asked.observations();

@@ -1,15 +1,15 @@
-//! Rows for training.
+//! Tables of rows for training.
 
 use granum_core::digest::Digest;
 use serde::{Deserialize, Serialize};
 
-/// Most numbers that a table may hold (inputs and targets together).
+/// Largest number of values in a table (inputs and targets together).
 const LARGEST: usize = 1 << 28;
 
-/// What is wrong with a table of rows.
+/// An error in a table of rows.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DataError {
-    /// The number of values is no multiple of the number of columns, or a count is zero or too large.
+    /// The number of values is not a multiple of the number of columns, or a count is zero or too large.
     #[error("{0}")]
     Shape(String),
     /// A value is not finite.
@@ -32,7 +32,7 @@ pub enum DataError {
         /// The value.
         value: f64,
     },
-    /// The number of independent observations makes no sense.
+    /// The number of independent observations is not positive.
     #[error("{0} independent observations: a positive number is possible")]
     Observations(f64),
 }
@@ -41,7 +41,7 @@ fn one() -> usize {
     1
 }
 
-/// Rows of inputs with their targets, each table flat and row by row.
+/// Rows of inputs with their targets, both stored as flat arrays in row-major order.
 ///
 /// ```
 /// // Two rows of two inputs and one target, worth one independent observation together.
@@ -71,12 +71,12 @@ impl Data {
     /// A table of `inputs.len() / input_columns` rows with one target each.
     ///
     /// # Errors
-    /// If the lengths do not fit, a value is not finite, or the table is empty.
+    /// If the lengths do not match, a value is not finite, or the table is empty.
     pub fn new(inputs: Vec<f64>, input_columns: usize, targets: Vec<f64>) -> Result<Data, DataError> {
         Data::with_target_columns(inputs, input_columns, targets, 1)
     }
 
-    /// A table with several targets a row.
+    /// A table with several targets per row.
     ///
     /// # Errors
     /// As [`Data::new`].
@@ -127,15 +127,16 @@ impl Data {
         })
     }
 
-    /// The same rows, of which so many that follow each other are the points of one observation: what counts is how far the
-    /// mean of the network's answers to them is from the mean of their targets. So a network that sees a distribution point
-    /// by point learns a sum over the whole distribution (Zaheer et al. 2017), instead of guessing from every single point.
+    /// Groups so many consecutive rows into the points of one observation: the error of an observation is the difference
+    /// between the mean of the network outputs for its rows and the mean of their targets. A network that receives a
+    /// distribution point by point can thus learn a sum over the whole distribution (Zaheer et al. 2017) instead of
+    /// predicting the target from every single point.
     ///
-    /// Each observation counts as one; give [`Data::with_observations`] afterwards.
+    /// Each observation counts as one; [`Data::with_observations`] must be called after this.
     ///
     /// # Errors
-    /// If the rows are no whole number of observations, have more than one target or weights of their own, or if there are
-    /// validation rows already.
+    /// If the rows do not form a whole number of observations, if they have more than one target or individual weights, or
+    /// if validation rows have already been added.
     pub fn with_points(mut self, points: usize) -> Result<Data, DataError> {
         if points == 0 || !self.rows.is_multiple_of(points) {
             let rows = self.rows;
@@ -157,11 +158,10 @@ impl Data {
         Ok(self)
     }
 
-    /// The same rows with a weight each: the squared error of a row counts that many times. They are scaled to a mean
-    /// of one.
+    /// Sets a weight for each row, by which its squared error is multiplied. The weights are scaled to a mean of one.
     ///
     /// # Errors
-    /// If their number is not that of the rows, one is negative or not finite, or all are zero.
+    /// If the number of weights is not that of the rows, a weight is negative or not finite, or all are zero.
     pub fn with_weights(mut self, weights: Vec<f64>) -> Result<Data, DataError> {
         if weights.len() != self.rows {
             return Err(DataError::Shape(format!(
@@ -186,17 +186,17 @@ impl Data {
         Ok(self)
     }
 
-    /// Number of rows that make one observation: one, unless it was given.
+    /// Number of rows of each observation; one unless it was set.
     pub fn points(&self) -> usize {
         self.points
     }
 
-    /// The same rows, said to be worth no more than so many independent observations: rows that share their noise, as
-    /// those of one state of a test do, would else pass for as many witnesses, and Bayesian regularisation would take the
-    /// noise for structure. Weights are scaled so that they sum to it; the mean squared error does not change.
+    /// Sets the effective number of independent observations. Rows with common noise, such as those of one state of a test,
+    /// would otherwise count as independent evidence, and Bayesian regularisation would fit the noise. The weights are
+    /// scaled so that their sum is this number; the mean squared error does not change.
     ///
     /// # Errors
-    /// If it is not a positive number.
+    /// If the number is not positive and finite.
     pub fn with_observations(mut self, observations: f64) -> Result<Data, DataError> {
         if !(observations > 0.0 && observations.is_finite()) {
             return Err(DataError::Observations(observations));
@@ -208,12 +208,12 @@ impl Data {
         Ok(self)
     }
 
-    /// The same rows, with the number of the block (the run, the sample) that each observation belongs to, one an observation
-    /// (see [`Data::with_points`]). Blocks share what makes them differ from each other, so how far a prediction for a new
-    /// block may be off is learned by leaving each of them out, see [`crate::Intervals`]. What is trained does not change.
+    /// Sets the number of the block (the run or sample) to which each observation belongs (see [`Data::with_points`] for
+    /// observations). The errors within a block are correlated, so that the error for a new block is estimated by leaving
+    /// out each block in turn, see [`crate::Intervals`]. The training itself does not change.
     ///
     /// # Errors
-    /// If there is not one number an observation.
+    /// If there is not exactly one number for each observation.
     pub fn with_blocks(mut self, blocks: Vec<usize>) -> Result<Data, DataError> {
         let observations = self.rows / self.points;
         if blocks.len() != observations {
@@ -226,10 +226,10 @@ impl Data {
         Ok(self)
     }
 
-    /// The same rows, whose scatter between blocks is told apart by the values of this input column, from 0.
+    /// Sets the input column, from 0, as a function of which the scatter between blocks is estimated.
     ///
     /// # Errors
-    /// If there is no such column.
+    /// If the column does not exist.
     pub fn with_spread_column(mut self, column: usize) -> Result<Data, DataError> {
         if column >= self.input_columns {
             let columns = self.input_columns;
@@ -239,8 +239,9 @@ impl Data {
         Ok(self)
     }
 
-    /// Adds rows that are not trained on: training stops early when the error on them has risen
-    /// [`crate::trainer::Options::maximum_failures`] times in a row, and keeps the weights that were best on them.
+    /// Adds validation rows, which are not used for training: training stops early when the error on them has not fallen for
+    /// [`crate::trainer::Options::maximum_failures`] accepted steps in a row, and the weights with the smallest validation
+    /// error are returned.
     ///
     /// # Errors
     /// If their columns differ from those of the training rows.
@@ -286,27 +287,27 @@ impl Data {
         &self.targets
     }
 
-    /// How many independent observations the rows are worth: their number, unless it was given.
+    /// Effective number of independent observations; the number of observations unless it was set.
     pub fn observations(&self) -> f64 {
         self.observations
     }
 
-    /// Weight of each row, if they were given: they sum to [`Data::observations`].
+    /// Weight of each row, if weights were set; their sum is [`Data::observations`].
     pub fn weights(&self) -> Option<&[f64]> {
         self.weights.as_deref()
     }
 
-    /// Number of the block of each observation; empty if they were not given.
+    /// Number of the block of each observation; empty if blocks were not set.
     pub fn blocks(&self) -> &[usize] {
         &self.blocks
     }
 
-    /// How many blocks there are; 0 if they were not given.
+    /// Number of blocks; 0 if blocks were not set.
     pub fn block_count(&self) -> usize {
         self.blocks.iter().collect::<std::collections::BTreeSet<_>>().len()
     }
 
-    /// What each observation counts: the sum over the weights of its rows.
+    /// Weight of each observation, the sum of the weights of its rows.
     pub(crate) fn observation_weights(&self) -> Vec<f64> {
         match &self.weights {
             Some(weights) => weights.chunks(self.points).map(|points| points.iter().sum()).collect(),
@@ -314,12 +315,13 @@ impl Data {
         }
     }
 
-    /// The rows for early stopping, if they were given.
+    /// The validation rows for early stopping, if there are any.
     pub fn validation(&self) -> Option<&Data> {
         self.validation.as_deref()
     }
 
-    /// SHA-256 of every bit of the table (inputs, targets, weights and validation rows), to name the data in a record.
+    /// SHA-256 of all bits of the table (inputs, targets, weights and validation rows), which identifies the data in a
+    /// record.
     pub fn hash(&self) -> String {
         let mut digest = Digest::new();
         self.feed(&mut digest);

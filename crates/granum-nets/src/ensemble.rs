@@ -1,4 +1,4 @@
-//! Several networks from different seeds: their mean, and their scatter as a second opinion on the uncertainty.
+//! Ensembles of networks from different seeds: their mean, and their scatter as a further estimate of the uncertainty.
 
 use granum_core::parallel;
 
@@ -9,7 +9,7 @@ use crate::prediction::{BatchPrediction, Prediction};
 use crate::recipe::Recipe;
 use crate::trainer::{Silent, Trainer, TrainingReport};
 
-/// Models of one recipe that differ in their seed.
+/// Models of one recipe with different seeds.
 ///
 /// ```
 /// use granum_nets::trainer::LevenbergMarquardt;
@@ -29,11 +29,11 @@ pub struct Ensemble {
 }
 
 impl Ensemble {
-    /// Trains one model for each seed on up to `threads` threads. Members are in the order of the seeds, and the bits do not
-    /// depend on the number of threads.
+    /// Trains one model for each seed on up to `threads` threads. The members are in the order of the seeds, and the
+    /// result does not depend on the number of threads.
     ///
     /// # Errors
-    /// As [`Model::fit`], for the first seed that fails; and if there is no seed.
+    /// As [`Model::fit`], for the first seed that fails, and if there is no seed.
     pub fn fit(
         recipe: &Recipe,
         data: &Data,
@@ -51,7 +51,7 @@ impl Ensemble {
     /// An ensemble of given models.
     ///
     /// # Errors
-    /// If there is none, or their columns differ.
+    /// If there are no models, or if their columns differ.
     pub fn from_models(members: Vec<Model>) -> Result<Ensemble, ModelError> {
         let Some(first) = members.first() else {
             return Err(ModelError::Columns("an ensemble needs at least one model (one seed)".into()));
@@ -63,13 +63,13 @@ impl Ensemble {
         Ok(Ensemble { members })
     }
 
-    /// Its models.
+    /// The models of the ensemble.
     pub fn members(&self) -> &[Model] {
         &self.members
     }
 
-    /// Mean over the members. The variance is that between the members plus the mean of what they say themselves (the variance
-    /// of a mixture); a single member without uncertainty gives none.
+    /// Mean prediction of the members. The variance is that of a mixture: the variance between the members plus the mean
+    /// of their own variances. For a single member without an estimate of its uncertainty there is none.
     ///
     /// # Errors
     /// As [`Model::predict`].
@@ -87,7 +87,7 @@ impl Ensemble {
         Ok(Prediction { value, standard_deviation: variance.map(f64::sqrt), outside })
     }
 
-    /// Mean over the members for many rows (flat, row by row).
+    /// Mean prediction of the members for many rows (a flat array in row-major order).
     ///
     /// # Errors
     /// As [`Model::predict_batch`].

@@ -1,4 +1,5 @@
-//! Evaluating a network: panels of lane blocks for batches and training, one row with neurons across the lanes.
+//! Evaluation of a network: for batches and training in panels of lane blocks with rows across the lanes, and for a single
+//! row with neurons across the lanes.
 
 use granum_simd::{Isa, Kernel, LANES, Lanes, Row8, dispatch, sigmoid, tanh};
 
@@ -7,16 +8,16 @@ use crate::kernels::{Scalars, blocks, odd, scalar_times_lanes};
 use crate::network::{Network, NetworkError};
 use crate::scaler::Scaler;
 
-/// Lane blocks of a chunk of a batch: its activations stay in the first cache.
+/// Number of lane blocks in a chunk of a batch, such that its activations stay in the first-level cache.
 const CHUNK: usize = 5;
 
-/// One layer's matrix (neurons x (inputs + 1), the bias last) seen from the flat weights.
+/// The matrix of one layer (neurons x (inputs + 1), the bias last) as a part of the flat array of weights.
 #[derive(Clone, Copy)]
 pub(crate) struct Layer {
     pub inputs: usize,
     pub neurons: usize,
     pub activation: Activation,
-    /// Where its matrix starts in the flat weights.
+    /// Index of the first element in the flat array of weights.
     pub at: usize,
 }
 
@@ -115,15 +116,15 @@ pub(crate) struct Scalers<'a> {
 }
 
 impl Network {
-    /// Outputs for many rows (`rows x inputs`, row by row), `rows x outputs`.
+    /// The outputs, `rows x outputs`, for many rows of inputs, `rows x inputs`, both in row-major order.
     ///
     /// # Errors
-    /// If `inputs` is no whole number of rows.
+    /// If `inputs` does not contain a whole number of rows.
     pub fn forward(&self, inputs: &[f64]) -> Result<Vec<f64>, NetworkError> {
         self.forward_on(Isa::detect(), inputs)
     }
 
-    /// As [`Network::forward`] on a given instruction set; the bits are the same on each.
+    /// As [`Network::forward`] with a given instruction set; the result does not depend on it.
     ///
     /// # Errors
     /// As [`Network::forward`].
@@ -139,7 +140,7 @@ impl Network {
     }
 }
 
-/// Outputs for a flat table of rows, scaled on the way in and out where scalers are given.
+/// Outputs for a flat table of rows; inputs and outputs are scaled if scalers are given.
 pub(crate) fn batch(
     isa: Isa,
     network: &Network,
@@ -190,7 +191,7 @@ impl Kernel for Batch<'_> {
     }
 }
 
-/// Turns rows into lanes. Lanes beyond the last row keep what they held.
+/// Transposes rows into lanes. Lanes beyond the last row remain unchanged.
 #[inline(always)]
 fn load_columns(
     source: &[f64],
@@ -236,7 +237,7 @@ fn store_columns<L: Lanes>(
     }
 }
 
-/// A network prepared for single rows: neurons across the lanes, the matrices transposed and padded.
+/// A network prepared for the evaluation of single rows, with neurons across the lanes and transposed, padded matrices.
 #[derive(Clone, Debug)]
 pub(crate) struct RowNetwork {
     layers: Vec<RowLayer>,
@@ -248,7 +249,7 @@ struct RowLayer {
     activation: Activation,
     neurons: usize,
     inputs: usize,
-    /// Row `i` of `blocks(neurons)` lane blocks: the weights of input `i`; row `inputs` holds the biases.
+    /// Rows of `blocks(neurons)` lane blocks: row `i` holds the weights of input `i`, and row `inputs` the biases.
     matrix: Vec<Row8>,
 }
 
@@ -277,7 +278,7 @@ impl RowNetwork {
 
     /// Outputs for one row of network inputs, given by `input(i)`.
     pub(crate) fn evaluate(&self, isa: Isa, input: impl Fn(usize) -> f64, outputs: &mut [f64]) {
-        // Networks of up to 128 neurons a layer need no heap.
+        // Networks with up to 128 neurons per layer are evaluated without heap memory.
         const SMALL: usize = 16;
         if self.widest <= SMALL {
             let (mut now, mut next) = ([Row8::default(); SMALL], [Row8::default(); SMALL]);
@@ -314,7 +315,7 @@ impl Kernel for OneRow<'_> {
             let width = blocks(layer.neurons);
             let mut b = 0;
             while b < width {
-                // Eight chains of fused multiply-adds hide their latency where registers allow.
+                // Eight independent chains of fused multiply-adds hide their latency if there are enough registers.
                 let step = if L::REGISTERS >= 32 && width - b >= 8 {
                     row_tile::<L, 8>(layer, width, b, now, next)
                 } else if width - b >= 4 {

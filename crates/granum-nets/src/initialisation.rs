@@ -1,16 +1,18 @@
-//! Seeded initial weights after Nguyen and Widrow (1990).
+//! Random initial weights after Nguyen and Widrow (1990), reproducible from a seed.
 //!
-//! As in the toolbox that the paper used: every neuron gets a random direction of magnitude `0.7 S^(1/R)` for `S`
-//! neurons with `R` inputs, its bias places the active part of its activation evenly over the range of the inputs, and
-//! both are stretched to the activation's active range. Neurons without saturation start uniformly in [-1, 1].
-//! Only correctly rounded operations are used, so that a seed gives the same bits on every machine.
+//! As in the toolbox that the paper used, the weights of every neuron have a random direction and the magnitude
+//! `0.7 S^(1/R)` for `S` neurons with `R` inputs, the biases distribute the active parts of the activations evenly over the
+//! range of the inputs, and both are scaled to the active range of the activation. Weights of neurons without saturation are
+//! distributed uniformly in [-1, 1]. Only correctly rounded operations are used, so that a seed gives identical bits on
+//! every computer.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use crate::activation::Activation;
 
-/// Weights of all layers, laid out as in [`crate::Network::weights`]. The network's inputs are taken to lie in [-1, 1].
+/// Weights of all layers in the order of [`crate::Network::weights`]. The inputs of the network are assumed to be in [-1,
+/// 1].
 pub(crate) fn nguyen_widrow(layers: &[usize], activations: &[Activation], seed: u64) -> Vec<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut weights = Vec::new();
@@ -36,7 +38,7 @@ fn layer(
     };
     let magnitude = 0.7 * root(neurons as f64, inputs);
     let (stretch, shift) = (0.5 * (high - low), 0.5 * (high + low));
-    // Inputs x in the given range become (x - centre) / half in [-1, 1].
+    // Inputs x in the given range are mapped to (x - centre) / half in [-1, 1].
     let centre = 0.5 * (input_range.0 + input_range.1);
     let half = 0.5 * (input_range.1 - input_range.0);
     for j in 0..neurons {
@@ -54,13 +56,13 @@ fn layer(
     }
 }
 
-/// Uniform in (-1, 1), 53 bits, never zero.
+/// A random number with uniform distribution in (-1, 1), with 53 bits and never zero.
 fn uniform(random: &mut ChaCha8Rng) -> f64 {
     let bits = (random.next_u64() >> 11) as f64 + 0.5;
     2.0 * bits / 9_007_199_254_740_992.0 - 1.0
 }
 
-/// `x^(1/n)` for `x >= 1` by bisection, from multiplications only.
+/// `x^(1/n)` for `x >= 1` by bisection, which only needs multiplications.
 fn root(x: f64, n: usize) -> f64 {
     let (mut low, mut high) = (1.0, x);
     for _ in 0..200 {

@@ -1,41 +1,43 @@
-//! How far new blocks of observations (runs of other samples) are off, learned by leaving each training block out.
+//! The errors for new blocks of observations (runs of other samples), estimated by leaving out each training block in turn.
 //!
-//! The Laplace approximation takes the training rows for all there is. Rows of one run share what makes that run differ from
-//! the next, so its standard deviations hold for more rows of the same runs, not for a new run. The errors that each run
-//! would have had if it had not been trained on, `e_k`, tell the difference: over the training observations of a segment
+//! The Laplace approximation treats the training rows as independent. Rows of one run share the deviation of that run from
+//! other runs, so that the standard deviations hold for further rows of the same runs, but not for a new run. The difference
+//! is estimated from the errors `e_k` that each run would have if it had not been used for training: over the training
+//! observations of a segment
 //!
 //! ```text
 //! c^2 = sum of e_k^2 / sum of s_k^2
 //! ```
 //!
-//! with the standard deviations `s_k` of the Laplace approximation, and `c s(x)` is the standard deviation of a new run.
+//! where `s_k` are the standard deviations of the Laplace approximation, and `c s(x)` is the standard deviation for a new
+//! run.
 
 use serde::{Deserialize, Serialize};
 
 use crate::data::Data;
 
-/// Stretches of equal numbers of observations.
+/// Number of segments, which have nearly equal numbers of observations.
 const SEGMENTS: usize = 3;
 
-/// What the standard deviations of the Laplace approximation are multiplied with, as a function of one input.
+/// Factors on the standard deviations of the Laplace approximation, as a function of one input.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Intervals {
     /// Number of blocks that were left out one by one.
     pub blocks: usize,
-    /// Degrees of freedom of the factors: how many independent errors stand behind each.
+    /// Degrees of freedom of the factors: the number of independent errors from which each is estimated.
     pub degrees_of_freedom: f64,
-    /// The input that tells them apart; none for a single factor.
+    /// The input on which the factors depend; `None` for a single factor.
     pub input: Option<String>,
-    /// Its values, rising.
+    /// Values of that input, in increasing order.
     pub at: Vec<f64>,
-    /// The factor at each of them; linear between, constant beyond.
+    /// The factor at each of these values; linear between them and constant beyond.
     pub factors: Vec<f64>,
 }
 
 impl Intervals {
-    /// From the errors of left-out blocks and the standard deviations of the Laplace approximation, one an observation;
-    /// none if they make no factor.
+    /// Estimates the factors from the errors of left-out blocks and the standard deviations of the Laplace approximation,
+    /// one per observation; `None` if they do not give valid factors.
     pub(crate) fn new(data: &Data, names: &[&str], errors: &[f64], deviations: &[f64]) -> Option<Intervals> {
         let width = data.input_columns() * data.points();
         let place = |k: usize| data.spread_column.map_or(0.0, |column| data.inputs()[k * width + column]);
@@ -53,7 +55,7 @@ impl Intervals {
             at.push(group.iter().map(|&k| place(k)).sum::<f64>() / count);
             factors.push(factor);
         }
-        // What all blocks have in common is known from themselves: one block's worth of errors is not free.
+        // The mean of all blocks is estimated from the same data, which removes the degrees of freedom of one block.
         let blocks = data.block_count();
         let independent = data.observations() * (1.0 - 1.0 / blocks.max(2) as f64);
         let intervals = Intervals {
@@ -76,7 +78,7 @@ impl Intervals {
         self.factors[after - 1] + share * (self.factors[after] - self.factors[after - 1])
     }
 
-    /// Refuses a table that is none, for a model with these inputs.
+    /// Refuses invalid factors for a model with these inputs.
     pub(crate) fn check(&self, names: &[&str]) -> Result<(), String> {
         let rising = self.at.windows(2).all(|pair| pair[0] < pair[1]);
         let finite = self.at.iter().all(|at| at.is_finite());
@@ -93,18 +95,19 @@ impl Intervals {
     }
 }
 
-/// Observations in order of their places, in groups: one for each value, or segments where there are too many values.
+/// Groups of observations in the order of the input: one group for each value, or segments if there are too many values.
 fn groups(order: &[usize], place: impl Fn(usize) -> f64) -> Vec<Vec<usize>> {
     let values: Vec<Vec<usize>> =
         order.chunk_by(|&a, &b| place(a) == place(b)).map(<[usize]>::to_vec).collect();
-    // Bins of a distribution, which all states have; not strains, which only different runs have in common.
+    // Few values with many observations each are the bins of a distribution, which all states have in common, in contrast to
+    // strains, at which there is only one observation in each run.
     if values.len() * values.len() <= order.len() {
         return values;
     }
     let mut segments = vec![Vec::new(); SEGMENTS];
     let mut before = 0;
     for value in values {
-        // Observations at one place stay together, so that places rise.
+        // Observations with equal values stay in one segment, so that the values of the segments increase strictly.
         let segment = before * SEGMENTS / order.len();
         before += value.len();
         segments[segment].extend(value);
@@ -124,7 +127,7 @@ mod tests {
     use crate::{Column, Model, Recipe};
 
     fn table(points: usize) -> Data {
-        // Two bins, each with the errors of four observations.
+        // There are two bins, each with the errors of four observations.
         let inputs = (0..8 * points).flat_map(|k| [0.1 * (k / points) as f64, ((k / points) % 2) as f64]);
         let data =
             Data::new(inputs.collect(), 2, vec![0.0; 8 * points]).unwrap().with_points(points).unwrap();
@@ -182,7 +185,7 @@ mod tests {
         }
     }
 
-    /// Runs that follow one curve, each with an offset of its own that changes from third to third of the range.
+    /// Runs along a common curve, each with its own offset in each third of the range.
     fn runs(seed: u64, count: usize) -> Data {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut normal =

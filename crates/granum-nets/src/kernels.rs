@@ -1,9 +1,9 @@
-//! Small dense products with eight lanes.
+//! Products of small dense matrices with eight lanes.
 //!
-//! A matrix with rows of a table across its lanes is stored as `Row8`s: element (k, lane block b) at
-//! `k * stride + b`, the stride odd so that rows do not compete for the same cache sets. Every element of a product is
-//! summed in one fixed order whatever the size of the tile, so the bits do not depend on the instruction set, which
-//! decides only how large a tile its registers hold.
+//! A matrix with the rows of a table across its lanes is stored as an array of `Row8`: element (k, lane block b) is at
+//! `k * stride + b`, and the stride is odd, so that rows do not compete for the same cache sets. Every element of a product
+//! is summed in a fixed order for any size of the tiles. The instruction set, which only determines the size of the tiles
+//! that fit into the registers, therefore does not change any bit of the result.
 
 use granum_simd::{LANES, Lanes, Row8};
 
@@ -17,7 +17,7 @@ pub(crate) fn blocks(rows: usize) -> usize {
     rows.div_ceil(LANES)
 }
 
-/// Widest panel of [`scalar_times_lanes`] with tiles five high, in lane blocks.
+/// Largest width of a panel of [`scalar_times_lanes`] with tiles of height five, in lane blocks.
 #[inline(always)]
 pub(crate) fn panel<L: Lanes>() -> usize {
     if L::REGISTERS >= 32 { 5 } else { 1 }
@@ -37,7 +37,7 @@ pub(crate) fn panels(from: usize, to: usize, widest: usize, mut visit: impl FnMu
     }
 }
 
-/// Where the scalars of a product lie: element (k, j) at `k * by_k + j * by_j`.
+/// The layout of the scalars of a product: element (k, j) is at `k * by_k + j * by_j`.
 #[derive(Clone, Copy)]
 pub(crate) struct Scalars<'a> {
     pub values: &'a [f64],
@@ -48,8 +48,8 @@ pub(crate) struct Scalars<'a> {
 /// Calls `finish(j, b, start(j) + sum over k of scalar(k, j) * lanes(k, b))` for every `j < outputs` and the blocks `b` of
 /// `first..first + width`.
 ///
-/// `lanes` is the lane matrix with the given stride, of which rows `0..depth` are used. Tiles are `J` outputs high and
-/// `width <= W` blocks wide, where `J * W` values should fit the registers.
+/// `lanes` is the lane matrix with the given stride, of which rows `0..depth` are used. Tiles have a height of `J` outputs
+/// and a width of `width <= W` blocks, where `J * W` values should fit into the registers.
 #[inline(always)]
 pub(crate) fn scalar_times_lanes<L: Lanes, const J: usize, const W: usize>(
     scalars: Scalars,
@@ -76,7 +76,7 @@ pub(crate) fn scalar_times_lanes<L: Lanes, const J: usize, const W: usize>(
     }
 }
 
-/// All outputs for `R` lane blocks: tiles of `J` outputs, the rest one by one.
+/// All outputs for `R` lane blocks, in tiles of `J` outputs and the remaining outputs one by one.
 #[inline(always)]
 fn columns<L: Lanes, const J: usize, const R: usize>(
     scalars: Scalars,
@@ -139,8 +139,8 @@ fn tile<L: Lanes, const J: usize, const R: usize>(
     }
 }
 
-/// Calls `finish(j, i, sum over all lanes of a(j) * b(i))` for `j < rows_a` and `i < rows_b`: lane sums over the blocks in
-/// order, then the lanes as [`granum_simd::Real::reduce_add`] adds them.
+/// Calls `finish(j, i, sum over all lanes of a(j) * b(i))` for `j < rows_a` and `i < rows_b`. The blocks are summed in order
+/// in each lane, and then the lanes are added as in [`granum_simd::Real::reduce_add`].
 #[inline(always)]
 pub(crate) fn lane_dots<L: Lanes>(
     a: &[Row8],
@@ -151,7 +151,8 @@ pub(crate) fn lane_dots<L: Lanes>(
     count: usize,
     mut finish: impl FnMut(usize, usize, f64),
 ) {
-    // Tiles of nearly equal width, at most six wide and four high (three and two where registers are few).
+    // Tiles have nearly equal widths, at most six with a height of four, or three with a height of two if there are few
+    // registers.
     let (high, wide) = if L::REGISTERS >= 32 { (4, 6) } else { (2, 3) };
     let tiles = rows_b.div_ceil(wide);
     let mut j = 0;
@@ -230,7 +231,7 @@ fn dots<L: Lanes, const J: usize, const I: usize>(
             }
         }
     }
-    // Eight sums at a time are added across their lanes.
+    // The sums over lanes are computed for eight sums at a time.
     let mut at = 0;
     while at < J * I {
         let mut group = [L::zero(); LANES];

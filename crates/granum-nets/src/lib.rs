@@ -22,8 +22,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A network of the paper (280 rows, 3-60-60-1) fits the second cache, so frameworks are all overhead here: the kernels are
-//! written on the lanes of `granum-simd`, sum in a fixed order, and give the same bits on every instruction set.
+//! A network of the paper (280 rows, 3-60-60-1) fits into the second-level cache, so that the overhead of a general
+//! framework would dominate. The kernels here use the lanes of `granum-simd`, sum in a fixed order, and give identical
+//! bits with every instruction set.
 
 mod activation;
 mod backprop;

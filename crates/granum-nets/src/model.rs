@@ -1,4 +1,4 @@
-//! A trained network with everything that its use needs: columns, scalers, ranges, provenance, uncertainty.
+//! A trained network with everything that is needed to use it: columns, scalers, ranges, provenance and uncertainty.
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -15,7 +15,7 @@ use crate::scaler::Scaler;
 use crate::trainer::{Observer, Trainer, TrainerState, TrainingReport};
 use crate::uncertainty::{Laplace, TrainingRows};
 
-/// Share of the range of the targets below which answers that differ are called constant.
+/// Predictions whose range is below this fraction of the range of the targets are considered constant.
 const CONSTANT: f64 = 1e-3;
 
 /// A trained network in the units of its columns.
@@ -29,7 +29,7 @@ const CONSTANT: f64 = 1e-3;
 /// let recipe = Recipe::new(vec![Column::new("x", "m")], Column::new("y", "m2"), vec![4]);
 /// let trainer = LevenbergMarquardt::default();
 /// let (model, _) = Model::fit(&recipe, &Data::new(x, 1, y)?, &trainer, &mut Silent)?;
-/// // What was saved reads back with the same bits.
+/// // A saved model is read back with identical bits.
 /// let back = Model::from_json(&model.to_json(), "model.json")?;
 /// assert_eq!(back.value(&[0.5])?, model.value(&[0.5])?);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -49,12 +49,12 @@ pub struct Model {
 }
 
 impl Model {
-    /// Scales the rows, trains a fresh network on them and returns it with its scalers and the report.
+    /// Scales the rows, trains a new network on them, and returns it with its scalers and the report.
     ///
     /// Inputs are scaled to [-1, 1] by their range over the training rows, targets to [0.1, 0.9].
     ///
     /// # Errors
-    /// If the columns do not fit, the network is too large or the trainer refuses.
+    /// If the columns do not match the data, the network is too large, or the trainer returns an error.
     pub fn fit(
         recipe: &Recipe,
         data: &Data,
@@ -64,8 +64,8 @@ impl Model {
         Model::resume(recipe, data, trainer, None, observer)
     }
 
-    /// As [`Model::fit`], going on from the state of an interrupted training. The result has the bits of a training
-    /// that was never interrupted.
+    /// As [`Model::fit`], but continues from the state of an interrupted training. The result is identical bit by bit to
+    /// that of an uninterrupted training.
     ///
     /// # Errors
     /// As [`Model::fit`], and if the state belongs to another training.
@@ -117,7 +117,7 @@ impl Model {
             termination: report.termination,
         };
         let columns = (recipe.inputs.clone(), recipe.output.clone());
-        // What the uncertainty of a prediction is computed from.
+        // The uncertainty of predictions is computed from these rows.
         let rows = report.evidence.map(|_| TrainingRows {
             inputs: scaled.inputs,
             weights: scaled.weights,
@@ -130,7 +130,7 @@ impl Model {
         Ok((model, report))
     }
 
-    /// Least and largest answer to the observations.
+    /// Smallest and largest prediction for the observations.
     fn answer_range(&self, data: &Data) -> Result<Option<[f64; 2]>, ModelError> {
         let values = self.predict_batch(data.inputs())?.values;
         let means =
@@ -140,7 +140,7 @@ impl Model {
         Ok(range.iter().all(|end| end.is_finite()).then_some(range))
     }
 
-    /// What the errors of left-out blocks say of the standard deviations of the training observations.
+    /// Compares the errors of left-out blocks with the standard deviations of the training observations.
     fn intervals_of(&self, data: &Data, left_out: Option<&[f64]>) -> Result<Option<Intervals>, ModelError> {
         let Some(left_out) = left_out else { return Ok(None) };
         let Some(deviations) = self.standard_deviations_of(data.inputs(), data.points())? else {
@@ -187,7 +187,7 @@ impl Model {
         &self.output
     }
 
-    /// Scalers of the inputs; their `minimum` and `maximum` are the range that the model was trained in.
+    /// Scalers of the inputs; their `minimum` and `maximum` are the trained range of the model.
     pub fn input_scalers(&self) -> &[Scaler] {
         &self.input_scalers
     }
@@ -202,37 +202,38 @@ impl Model {
         &self.network
     }
 
-    /// Where the model comes from.
+    /// The origin of the model.
     pub fn provenance(&self) -> &Provenance {
         &self.provenance
     }
 
-    /// How well it fits the rows it was trained on.
+    /// The quality of the fit to the training rows.
     pub fn training_fit(&self) -> &Fit {
         &self.fit
     }
 
-    /// How many blocks (runs) of the training rows the standard deviations were judged by; none if there was but one, and
-    /// they do not contain what blocks differ by.
+    /// Number of blocks (runs) of training rows from which the standard deviations were calibrated. `None` if there was
+    /// only one block, in which case they do not include the differences between blocks.
     pub fn blocks(&self) -> Option<usize> {
         self.fit.intervals.as_ref().map(|intervals| intervals.blocks)
     }
 
-    /// True if the network learned a constant: its answers to the training rows differ by no more than a thousandth of the
-    /// range of the targets.
+    /// True if the network learned a constant: the range of its predictions for the training rows is at most a thousandth
+    /// of the range of the targets.
     pub fn is_constant(&self) -> bool {
         let range = self.output_scaler.maximum - self.output_scaler.minimum;
         self.fit.answer_range.is_some_and(|[low, high]| high - low <= CONSTANT * range)
     }
 
-    /// Of how many standard deviations an interval reaches to either side so that it holds that share of the observations:
-    /// Student's quantile where the deviations were judged by blocks, else the normal one.
+    /// Half width, in standard deviations, of an interval that contains the given share of the observations: the quantile of
+    /// Student's t distribution if the standard deviations were calibrated with blocks, otherwise that of the normal
+    /// distribution.
     pub fn quantile(&self, level: f64) -> f64 {
         let degrees = self.fit.intervals.as_ref().map_or(f64::INFINITY, |i| i.degrees_of_freedom);
         crate::student_t::two_sided_quantile(level, degrees)
     }
 
-    /// Writes the model beside `path` and renames it there.
+    /// Writes the model to a temporary file next to `path`, which is then renamed.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -243,7 +244,7 @@ impl Model {
     /// Reads a model.
     ///
     /// # Errors
-    /// If the file cannot be read, is truncated or altered, was written by a newer version, or is no model.
+    /// If the file cannot be read, is truncated or altered, was written by a newer version, or is not a model.
     pub fn load(path: &Path) -> Result<Model, ModelError> {
         model_file::load(path)
     }
@@ -253,7 +254,7 @@ impl Model {
         model_file::to_json(self)
     }
 
-    /// A model from the text of its file; `name` is what messages call it.
+    /// Reads a model from the text of its file; `name` is used in error messages.
     ///
     /// # Errors
     /// As [`Model::load`].
@@ -261,24 +262,24 @@ impl Model {
         model_file::from_json(text, name)
     }
 
-    /// What [`Model::to_json`] writes, without the checksum, as a part of a larger file.
+    /// The content of [`Model::to_json`] without the checksum, as a part of a larger file.
     ///
     /// # Errors
-    /// If a number has no place in JSON.
+    /// If a number cannot be represented in JSON.
     pub fn to_value(&self) -> Result<serde_json::Value, ModelError> {
         model_file::to_value(self)
     }
 
-    /// A model from what [`Model::to_value`] gave; `name` is what messages call it.
+    /// Recreates a model from the result of [`Model::to_value`]; `name` is used in error messages.
     ///
     /// # Errors
-    /// If it is no model, or of a newer version.
+    /// If the value is not a model, or is of a newer version.
     pub fn from_value(value: &serde_json::Value, name: &str) -> Result<Model, ModelError> {
         model_file::from_value(value, name)
     }
 }
 
-/// The rows in the network's units.
+/// The rows in the scaled units of the network.
 fn scale(data: &Data, inputs: &[Scaler], output: &Scaler) -> Data {
     Data {
         inputs: data.inputs.iter().enumerate().map(|(i, v)| inputs[i % inputs.len()].scale(*v)).collect(),

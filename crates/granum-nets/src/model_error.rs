@@ -1,4 +1,4 @@
-//! Why a model cannot be made, used, saved or loaded.
+//! The errors of models.
 
 use crate::data::DataError;
 use crate::network::NetworkError;
@@ -8,29 +8,29 @@ use crate::trainer::TrainingError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ModelError {
-    /// The shape of the network.
+    /// The shape of the network is invalid.
     #[error(transparent)]
     Network(#[from] NetworkError),
-    /// The rows.
+    /// The rows are invalid.
     #[error(transparent)]
     Data(#[from] DataError),
-    /// The training.
+    /// The training failed.
     #[error(transparent)]
     Training(#[from] TrainingError),
-    /// Columns of a recipe do not fit the data.
+    /// The columns of a recipe do not match the data.
     #[error("{0}")]
     Columns(String),
     /// A row to predict has the wrong length.
     #[error("a row for this model has {expected} inputs ({names}), not {given}")]
     RowLength {
-        /// Inputs of the model.
+        /// Number of inputs of the model.
         expected: usize,
-        /// Their names.
+        /// Names of the inputs.
         names: String,
         /// Length of the row.
         given: usize,
     },
-    /// A value to predict from is not finite.
+    /// An input value of a prediction is not finite.
     #[error("row {row}, input {name}: {value} is not a finite number")]
     NotFinite {
         /// Row, from 0.
@@ -40,20 +40,20 @@ pub enum ModelError {
         /// The value.
         value: f64,
     },
-    /// MacroState or writing failed.
+    /// Reading or writing failed.
     #[error("{path}: {source}")]
     Io {
         /// The file.
         path: String,
-        /// What the system said.
+        /// The error of the system.
         source: std::io::Error,
     },
-    /// The file is no model, or damaged, or newer than this program.
+    /// The file is not a model, is damaged, or is newer than this program.
     #[error("{path}: {problem}")]
     File {
         /// The file.
         path: String,
-        /// What is wrong and what would be right.
+        /// What is wrong, and what would be valid.
         problem: String,
     },
 }

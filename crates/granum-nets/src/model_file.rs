@@ -1,4 +1,4 @@
-//! The model file: one JSON document that a person can read, with a checksum as its last entry.
+//! The model file: a readable JSON document with a checksum as its last entry.
 
 use std::fs;
 use std::io::{Read, Write};
@@ -18,13 +18,14 @@ use crate::trainer::Evidence;
 use crate::uncertainty::TrainingRows;
 
 const FORMAT: &str = "granum model";
-/// Version 1 had neither intervals nor the range of the answers; up to version 2 the checksum was no SHA-256.
+/// Version of the format. Version 1 contained neither intervals nor the range of the predictions; up to version 2 the
+/// checksum was not a SHA-256 digest.
 const VERSION: u64 = 3;
 /// The last version with the checksum of [`fowler_noll_vo`].
 const LAST_WITH_SHORT_CHECKSUM: u64 = 2;
 /// Largest file that is read.
 const LARGEST_FILE: u64 = 1 << 27;
-/// What comes before the checksum, which covers every byte before it.
+/// The text before the checksum, which covers all bytes before this text.
 const CHECKSUM: &str = ",\n  \"checksum\": \"";
 
 #[derive(Serialize, Deserialize)]
@@ -37,7 +38,7 @@ struct File {
     provenance: Provenance,
     fit: Fit,
     layers: Vec<FileLayer>,
-    /// For the uncertainty of predictions.
+    /// The training rows, which are needed for the uncertainty of predictions.
     training_rows: Option<TrainingRows>,
     #[serde(default, skip_serializing, rename = "checksum")]
     _checksum: String,
@@ -57,11 +58,11 @@ struct FileLayer {
     inputs: usize,
     neurons: usize,
     activation: Activation,
-    /// Neuron after neuron: the weights of its inputs, then its bias.
+    /// For one neuron after another, the weights of its inputs and then its bias.
     weights: Vec<f64>,
 }
 
-/// What is read first, whatever else the file holds.
+/// The part that is read first, independently of the version of the file.
 #[derive(Deserialize)]
 struct Header {
     format: Option<String>,
@@ -94,7 +95,7 @@ fn content(model: &Model) -> File {
 }
 
 pub(crate) fn to_json(model: &Model) -> String {
-    // Writing plain structures to memory cannot fail; an empty text would fail its checksum when read.
+    // Writing plain structures to memory cannot fail; an empty text would not pass the checksum when it is read.
     let mut text = json::readable(&content(model)).unwrap_or_default();
     text.truncate(text.trim_end_matches('}').trim_end().len());
     let checksum = checksum(&text, VERSION);
@@ -115,14 +116,14 @@ fn fowler_noll_vo(text: &str) -> String {
     format!("{:016x}", text.bytes().fold(0xcbf2_9ce4_8422_2325, fold))
 }
 
-/// The content of the file as a value, to be a part of another file.
+/// The content of the file as a JSON value, which can be a part of another file.
 pub(crate) fn to_value(model: &Model) -> Result<serde_json::Value, ModelError> {
     let failed =
         |error: serde_json::Error| ModelError::File { path: "model".into(), problem: error.to_string() };
     serde_json::to_value(content(model)).map_err(failed)
 }
 
-/// A model from such a value; `name` is what messages call it.
+/// Recreates a model from such a value; `name` is used in error messages.
 pub(crate) fn from_value(value: &serde_json::Value, name: &str) -> Result<Model, ModelError> {
     let file = File::deserialize(value).map_err(|error| format!("not a usable model: {error}"));
     let version = |file: File| match (file.format.as_str(), file.version) {
@@ -239,7 +240,7 @@ pub(crate) fn save(model: &Model, path: &Path) -> Result<(), ModelError> {
     let mut beside = path.as_os_str().to_owned();
     beside.push(".part");
     let write = || -> std::io::Result<()> {
-        // Not written through: what is there by that name may be a link.
+        // An existing file of that name is removed first: it might be a link, whose target must not be overwritten.
         match fs::remove_file(&beside) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error),
             _ => {}
@@ -250,7 +251,7 @@ pub(crate) fn save(model: &Model, path: &Path) -> Result<(), ModelError> {
         fs::rename(&beside, path)
     };
     write().map_err(|error| {
-        // Nothing half-written stays behind; the first error is the one to tell.
+        // The incomplete file is removed, and only the first error is reported.
         let _ = fs::remove_file(&beside);
         failed(error)
     })

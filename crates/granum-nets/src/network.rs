@@ -3,18 +3,18 @@
 use crate::activation::Activation;
 use crate::initialisation::nguyen_widrow;
 
-/// Most neurons in a layer, and most inputs.
+/// Largest number of neurons in a layer, and of inputs.
 pub const LARGEST_LAYER: usize = 4096;
-/// Most layers, the inputs counted.
+/// Largest number of layers, including the inputs.
 pub const MOST_LAYERS: usize = 16;
-/// Most weights of a network.
+/// Largest number of weights of a network.
 pub const MOST_WEIGHTS: usize = 1 << 22;
 
-/// What is wrong with the shape of a network.
+/// An error in the shape of a network.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NetworkError {
-    /// Too few or too many layers.
+    /// There are too few or too many layers.
     #[error("a network has between 2 and {MOST_LAYERS} layers (inputs and outputs counted), not {0}")]
     Layers(usize),
     /// A layer is empty or too large.
@@ -22,13 +22,13 @@ pub enum NetworkError {
     Neurons {
         /// Layer, 0 being the inputs.
         layer: usize,
-        /// Its neurons.
+        /// Number of neurons of the layer.
         neurons: usize,
     },
-    /// Too many weights in all.
+    /// There are too many weights in total.
     #[error("the network would have {0} weights; at most {MOST_WEIGHTS} are possible")]
     Weights(usize),
-    /// The number of activations does not fit the layers.
+    /// The number of activations does not match the number of layers.
     #[error("{layers} layers need {needed} activations (one for each but the inputs), not {activations}", needed = layers - 1)]
     Activations {
         /// Number of layers.
@@ -36,7 +36,7 @@ pub enum NetworkError {
         /// Number of activations.
         activations: usize,
     },
-    /// The given weights do not fit the layers, or one is not finite.
+    /// The number of given weights does not match the layers, or a weight is not finite.
     #[error("{0}")]
     GivenWeights(String),
     /// A row, or a table of rows, has the wrong length.
@@ -46,9 +46,9 @@ pub enum NetworkError {
 
 /// A fully connected feed-forward network with a bias at each neuron.
 ///
-/// With `a_0` the inputs, layer `l` computes `a_l = f_l(W_l [a_(l-1); 1])`. Sums start from the bias and add the inputs in
-/// their order, each by a fused multiply-add, wherever a network is evaluated: one row, a batch or training give the
-/// same bits, on every instruction set.
+/// With `a_0` the inputs, layer `l` computes `a_l = f_l(W_l [a_(l-1); 1])`. Every evaluation of a network starts the sums
+/// with the bias and adds the inputs in order with fused multiply-adds. A single row, a batch and the training therefore
+/// give identical bits, with every instruction set.
 ///
 /// ```
 /// let network = granum_nets::Network::new(&[3, 60, 60, 1], 7)?;
@@ -78,10 +78,10 @@ impl Network {
         Network::with_activations(layers, &activations, seed)
     }
 
-    /// As [`Network::new`] with one activation for each layer but the inputs.
+    /// As [`Network::new`], with one activation for each layer except the inputs.
     ///
     /// # Errors
-    /// As [`Network::new`], and if the number of activations does not fit.
+    /// As [`Network::new`], and if the number of activations does not match the number of layers.
     pub fn with_activations(
         layers: &[usize],
         activations: &[Activation],
@@ -92,10 +92,10 @@ impl Network {
         Ok(Network { layers: layers.to_vec(), activations: activations.to_vec(), weights })
     }
 
-    /// A network with given weights, laid out as in [`Network::weights`].
+    /// A network with given weights in the order of [`Network::weights`].
     ///
     /// # Errors
-    /// As [`Network::with_activations`], and if the weights are not as many as needed or not finite.
+    /// As [`Network::with_activations`], and if the number of weights is wrong or a weight is not finite.
     pub fn from_weights(
         layers: &[usize],
         activations: &[Activation],
@@ -113,12 +113,12 @@ impl Network {
         Ok(Network { layers: layers.to_vec(), activations: activations.to_vec(), weights })
     }
 
-    /// Neurons of every layer, the inputs first.
+    /// Numbers of neurons of all layers, starting with the inputs.
     pub fn layers(&self) -> &[usize] {
         &self.layers
     }
 
-    /// Activation of every layer but the inputs.
+    /// Activations of all layers except the inputs.
     pub fn activations(&self) -> &[Activation] {
         &self.activations
     }
@@ -133,19 +133,18 @@ impl Network {
         self.layers[self.layers.len() - 1]
     }
 
-    /// All weights: layer after layer, in a layer neuron after neuron, for a neuron the weights of its inputs and then its
-    /// bias.
+    /// All weights, ordered by layer and then by neuron; for each neuron the weights of its inputs are followed by its bias.
     pub fn weights(&self) -> &[f64] {
         &self.weights
     }
 
-    /// The weights, to be changed in place.
+    /// The weights, which can be changed in place.
     pub fn weights_mut(&mut self) -> &mut [f64] {
         &mut self.weights
     }
 }
 
-/// Number of weights of a network of this shape.
+/// Checks the shape of a network and returns its number of weights.
 fn check_shape(layers: &[usize], activations: &[Activation]) -> Result<usize, NetworkError> {
     if layers.len() < 2 || layers.len() > MOST_LAYERS {
         return Err(NetworkError::Layers(layers.len()));

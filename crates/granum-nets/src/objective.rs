@@ -1,4 +1,4 @@
-//! The error of a network over the rows of a table, and its gradient: what a trainer of one's own works with.
+//! The error of a network over the rows of a table, and its gradient, for user-defined trainers.
 
 use granum_simd::Isa;
 
@@ -13,7 +13,7 @@ use crate::trainer::{TrainingError, check_columns};
 /// E = sum of w (answer - target)^2 / (observations * targets)
 /// ```
 ///
-/// with the weights `w` of the rows. Sums have a fixed order: the bits are the same on every instruction set.
+/// with the weights `w` of the rows. Sums have a fixed order, so that the bits are identical with every instruction set.
 ///
 /// ```
 /// use granum_nets::{Data, Network, Objective};
@@ -35,10 +35,10 @@ pub struct Objective {
 }
 
 impl Objective {
-    /// The error of networks of this shape over these rows.
+    /// The error over the given rows, for networks with the shape of `network`.
     ///
     /// # Errors
-    /// If the columns of the data are not those of the network.
+    /// If the numbers of columns of the data do not match the network.
     pub fn new(network: &Network, data: &Data) -> Result<Objective, TrainingError> {
         check_columns(network, data)?;
         Ok(Objective {
@@ -48,10 +48,10 @@ impl Objective {
         })
     }
 
-    /// The mean squared error at these weights.
+    /// The mean squared error at the given weights.
     ///
     /// # Errors
-    /// If there are not as many weights as the network has.
+    /// If the number of weights is not that of the network.
     pub fn error(&mut self, weights: &[f64]) -> Result<f64, TrainingError> {
         if weights.len() != self.weights {
             return Err(TrainingError::Weights { expected: self.weights, found: weights.len() });
@@ -59,7 +59,7 @@ impl Objective {
         Ok(self.workspace.squared_error(weights) / self.values)
     }
 
-    /// The mean squared error at these weights, and its derivative with respect to each of them.
+    /// The mean squared error at the given weights, and its derivatives with respect to the weights.
     ///
     /// # Errors
     /// As [`Objective::error`].

@@ -1,4 +1,4 @@
-//! What a trained model says of rows: values, standard deviations and their causes, inputs outside the trained range.
+//! Predictions of a trained model: values, standard deviations by cause, and inputs outside the trained range.
 
 use granum_simd::Isa;
 
@@ -7,14 +7,15 @@ use crate::model::Model;
 use crate::model_error::ModelError;
 use crate::uncertainty::Laplace;
 
-/// One predicted value.
+/// A prediction for one row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prediction {
     /// The value, in the unit of the output.
     pub value: f64,
-    /// Standard deviation of an observation around it (noise and uncertainty of the weights), if the model knows it.
+    /// Standard deviation of an observation around the value (noise and uncertainty of the weights), if the model provides
+    /// it.
     pub standard_deviation: Option<f64>,
-    /// Names of the inputs that lie outside the range the model was trained in.
+    /// Names of the inputs that lie outside the trained range of the model.
     pub outside: Vec<String>,
 }
 
@@ -23,20 +24,20 @@ pub struct Prediction {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Deviation {
-    /// The whole of it.
+    /// The total standard deviation.
     pub total: f64,
     /// Noise of the targets.
     pub noise: f64,
-    /// Weights that the training rows leave undetermined.
+    /// Uncertainty of the weights, which the training rows do not determine exactly.
     pub weights: f64,
-    /// What a new block (a new run) differs by from those that trained; 0 where a single block trained, and where left-out
-    /// blocks were off by no more than the other two say.
+    /// Difference of a new block (a new run) from the training blocks; 0 for a single training block, or if the errors of
+    /// left-out blocks are explained by the other two causes.
     pub blocks: f64,
 }
 
 impl Deviation {
-    /// From the variance of the Laplace approximation and the part of it that is noise, both in scaled units, and the factor
-    /// by which left-out blocks are off by more.
+    /// Splits the variance of the Laplace approximation, given its noise part, both in scaled units, and the factor on the
+    /// standard deviation from left-out blocks.
     fn new(variance: f64, noise: f64, factor: f64, unit: f64) -> Deviation {
         let noise = noise.min(variance);
         let within = factor.min(1.0) * unit;
@@ -50,17 +51,17 @@ impl Deviation {
     }
 }
 
-/// Predicted values of many rows.
+/// Predictions for many rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BatchPrediction {
-    /// One value a row, in the unit of the output.
+    /// One value per row, in the unit of the output.
     pub values: Vec<f64>,
-    /// True for a row with an input outside the range the model was trained in.
+    /// True for each row with an input outside the trained range of the model.
     pub outside: Vec<bool>,
 }
 
 impl Model {
-    /// Predicts one row, with what there is to say about its trustworthiness.
+    /// Prediction for one row, with its standard deviation and the inputs outside the trained range.
     ///
     /// # Errors
     /// If the row has the wrong length or a value is not finite.
@@ -70,7 +71,7 @@ impl Model {
         Ok(Prediction { value, standard_deviation, outside: self.outside(row) })
     }
 
-    /// The value of one row alone: what a control loop calls.
+    /// The predicted value for one row without further information, e.g. for a control loop.
     ///
     /// # Errors
     /// As [`Model::predict`].
@@ -84,16 +85,16 @@ impl Model {
         Ok(self.output_scaler.unscale(scaled[0]))
     }
 
-    /// Names of the inputs of a row that lie outside the range the model was trained in.
+    /// Names of the inputs of a row that lie outside the trained range of the model.
     pub fn outside(&self, row: &[f64]) -> Vec<String> {
         let columns = self.inputs.iter().zip(&self.input_scalers).zip(row);
         columns.filter(|((_, s), v)| s.is_outside(**v)).map(|((c, _), _)| c.name.clone()).collect()
     }
 
-    /// Predicts many rows (flat, row by row).
+    /// Predictions for many rows (a flat array in row-major order).
     ///
     /// # Errors
-    /// If `rows` is no whole number of rows or a value is not finite.
+    /// If `rows` does not contain a whole number of rows, or a value is not finite.
     pub fn predict_batch(&self, rows: &[f64]) -> Result<BatchPrediction, ModelError> {
         let columns = self.inputs.len();
         self.check_rows(rows)?;
@@ -105,11 +106,12 @@ impl Model {
         Ok(BatchPrediction { values, outside: rows.chunks_exact(columns).map(is_outside).collect() })
     }
 
-    /// Standard deviations of observations around the predictions of many rows (flat, row by row), in the unit of the
-    /// output; none if the model was trained without Bayesian regularisation. Where it was trained on several blocks (runs),
-    /// [`Intervals`] widens or narrows them to what blocks that are left out are off by.
+    /// Standard deviations of observations around the predictions for many rows (a flat array in row-major order), in the
+    /// unit of the output; `None` if the model was trained without Bayesian regularisation. If it was trained on several
+    /// blocks (runs), they are multiplied by the factors of [`Intervals`], which are estimated from the errors of left-out
+    /// blocks.
     ///
-    /// The first call factorises the curvature over the training rows, later ones use it.
+    /// The first call factorises the curvature over the training rows, and later calls reuse it.
     ///
     /// # Errors
     /// As [`Model::predict_batch`].
@@ -117,11 +119,11 @@ impl Model {
         self.standard_deviations_of(rows, 1)
     }
 
-    /// As [`Model::standard_deviations`] for the means over so many rows that follow each other, the points of one
-    /// observation, see [`Data::with_points`]: one number an observation.
+    /// As [`Model::standard_deviations`], for observations that consist of so many consecutive rows, see
+    /// [`Data::with_points`]; returns one number per observation.
     ///
     /// # Errors
-    /// As [`Model::predict_batch`], and if `rows` is no whole number of observations.
+    /// As [`Model::predict_batch`], and if `rows` does not contain a whole number of observations.
     pub fn standard_deviations_of(
         &self,
         rows: &[f64],

@@ -1,47 +1,46 @@
-//! Where a model comes from, and how well it fits its training rows.
+//! The origin of a model, and the quality of its fit to the training rows.
 
 use serde::{Deserialize, Serialize};
 
 use crate::intervals::Intervals;
 use crate::trainer::{Evidence, TerminationReason};
 
-/// Where a model comes from.
+/// The origin of a model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Provenance {
     /// Version of granum that trained it.
     pub granum_version: String,
-    /// Hash of the rows it was trained on, see [`Data::hash`].
+    /// Hash of the training rows, see [`Data::hash`].
     pub dataset_hash: String,
-    /// Number of those rows.
+    /// Number of training rows.
     pub rows: usize,
     /// Seed of the initial weights.
     pub seed: u64,
     /// Name of the trainer.
     pub trainer: String,
-    /// Epochs that it took.
+    /// Number of epochs of the training.
     pub epochs: u64,
-    /// Why it ended.
+    /// Reason why the training ended.
     pub termination: TerminationReason,
 }
 
-/// How well a model fits the rows it was trained on.
+/// The quality of the fit of a model to its training rows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fit {
-    /// Root of the mean squared error over the training rows, in the unit of the output.
+    /// Root mean square error over the training rows, in the unit of the output.
     pub rms_error: f64,
-    /// The same over the validation rows, if there were any.
+    /// Root mean square error over the validation rows, if there were any.
     pub validation_rms_error: Option<f64>,
-    /// Standard deviation of the noise in the targets as Bayesian regularisation estimates it, in the unit of the
-    /// output.
+    /// Standard deviation of the noise in the targets, estimated by Bayesian regularisation, in the unit of the output.
     pub noise: Option<f64>,
-    /// What Bayesian regularisation found, in scaled units.
+    /// The result of Bayesian regularisation, in scaled units.
     pub evidence: Option<Evidence>,
-    /// Least and largest answer to the training observations, in the unit of the output.
+    /// Smallest and largest prediction for the training observations, in the unit of the output.
     #[serde(default)]
     pub answer_range: Option<[f64; 2]>,
-    /// How much farther than the Laplace approximation says new blocks (runs) are off, where there were several.
+    /// Factors on the standard deviations of the Laplace approximation for new blocks (runs), if there were several blocks.
     #[serde(default)]
     pub intervals: Option<Intervals>,
 }

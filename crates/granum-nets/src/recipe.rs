@@ -1,4 +1,4 @@
-//! What to fit: columns, size of the network, seed.
+//! The definition of a model: columns, size of the network, seed.
 
 use serde::{Deserialize, Serialize};
 
@@ -21,7 +21,7 @@ impl Column {
     }
 }
 
-/// What to fit: the columns, the size of the network and the seed of its weights.
+/// The definition of a model: its columns, the size of the network and the seed of its weights.
 ///
 /// ```
 /// use granum_nets::{Column, Recipe};
@@ -36,32 +36,33 @@ pub struct Recipe {
     pub inputs: Vec<Column>,
     /// Output column.
     pub output: Column,
-    /// Which columns are parts of one quantity, such as the bins of a distribution: columns with the same number are scaled
-    /// together, so that they keep their proportions and all of them weigh as much as one input. Empty: each column is a
-    /// quantity of its own.
+    /// For each column the number of the quantity to which it belongs. Columns of one quantity, such as the bins of a
+    /// distribution, are scaled together, so that they keep their proportions and together have the weight of one input.
+    /// If empty, each column is a separate quantity.
     pub quantities: Vec<usize>,
-    /// How much of the range of an input each column is given: 1 for [-1, 1], 0.3 for [-0.3, 0.3]. All weights are held back
-    /// alike, so an input that is given less is believed less until the rows speak for it. Empty: all of it.
+    /// For each column the share of the range of an input to which it is scaled: 1 for [-1, 1], 0.3 for [-0.3, 0.3]. Since
+    /// all weights are regularised equally, an input with a small share has less influence unless the data support it. If
+    /// empty, all shares are 1.
     pub shares: Vec<f64>,
-    /// Neurons of each hidden layer; the paper's networks have two.
+    /// Numbers of neurons of the hidden layers; the networks of the paper have two.
     pub hidden: Vec<usize>,
     /// Seed of the initial weights.
     pub seed: u64,
 }
 
 impl Recipe {
-    /// A network from these inputs to this output with these hidden layers: every column a quantity of its own with the
-    /// whole range of an input, and seed 0.
+    /// A recipe with the given inputs, output and hidden layers, in which every column is a separate quantity with a share
+    /// of 1, and the seed is 0.
     pub fn new(inputs: Vec<Column>, output: Column, hidden: Vec<usize>) -> Recipe {
         Recipe { inputs, output, quantities: Vec::new(), shares: Vec::new(), hidden, seed: 0 }
     }
 
-    /// The same with another seed.
+    /// Sets the seed.
     pub fn with_seed(self, seed: u64) -> Recipe {
         Recipe { seed, ..self }
     }
 
-    /// Neurons of all layers, inputs and output included.
+    /// Numbers of neurons of all layers, including inputs and output.
     pub fn layers(&self) -> Vec<usize> {
         let mut layers = vec![self.inputs.len()];
         layers.extend(&self.hidden);

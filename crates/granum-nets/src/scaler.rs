@@ -1,21 +1,21 @@
-//! Linear scaling of columns between their units and the range that a network works in.
+//! Linear scaling of columns between their units and the scaled range of a network.
 
 use serde::{Deserialize, Serialize};
 
 /// Maps [`Scaler::minimum`, `maximum`] of one column onto [`low`, `high`].
 ///
-/// `scaled = low + (value - minimum) (high - low) / (maximum - minimum)`. A constant column scales to the middle of
-/// the range, and back to its constant.
+/// `scaled = low + (value - minimum) (high - low) / (maximum - minimum)`. A constant column is scaled to the middle of the
+/// range, and back to its constant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scaler {
-    /// Smallest value that was trained on, in the column's unit.
+    /// Smallest value in the training rows, in the unit of the column.
     pub minimum: f64,
-    /// Largest value that was trained on, in the column's unit.
+    /// Largest value in the training rows, in the unit of the column.
     pub maximum: f64,
-    /// What the smallest value becomes.
+    /// Scaled value of the minimum.
     pub low: f64,
-    /// What the largest value becomes.
+    /// Scaled value of the maximum.
     pub high: f64,
 }
 
@@ -25,8 +25,8 @@ impl Scaler {
     /// Targets of a sigmoid neuron are scaled to [0.1, 0.9], where it can reach them with finite weights.
     pub const SIGMOID_RANGE: (f64, f64) = (0.1, 0.9);
 
-    /// The scaler that maps the smallest and largest of `values` onto `range`. For no values, or none that is a
-    /// number, a constant column of zero.
+    /// The scaler that maps the smallest and the largest of `values` onto `range`. If there are no values, or only NaN, it
+    /// is that of a constant column of zeros.
     pub fn fit(values: impl Iterator<Item = f64>, range: (f64, f64)) -> Scaler {
         let (minimum, maximum) =
             values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (f64::min(a, v), f64::max(b, v)));
@@ -34,15 +34,15 @@ impl Scaler {
         Scaler { minimum, maximum, low: range.0, high: range.1 }
     }
 
-    /// Fits one scaler for every column of a flat table, row by row.
+    /// Fits one scaler for every column of a flat table in row-major order.
     pub fn fit_columns(table: &[f64], columns: usize, range: (f64, f64)) -> Vec<Scaler> {
         (0..columns).map(|c| Scaler::fit(table.iter().skip(c).step_by(columns).copied(), range)).collect()
     }
 
-    /// Lets the columns of one quantity share a scale: columns with the same number in `quantities` keep their proportions,
-    /// and all of them together are as large as one column alone, so that a distribution of many bins weighs no more than a
-    /// number does, and bins that hold little but noise are not blown up. Nothing changes for a quantity of one column, or
-    /// if there are not as many numbers as scalers.
+    /// Gives all columns of one quantity a common scale: columns with the same number in `quantities` keep their
+    /// proportions, and together have the magnitude of a single column. A distribution with many bins thus has no more
+    /// weight than a scalar, and bins that contain little but noise are not amplified. Nothing changes for a quantity of
+    /// one column, or if the number of entries differs from that of the scalers.
     pub fn share(scalers: &mut [Scaler], quantities: &[usize]) {
         if quantities.len() != scalers.len() {
             return;
@@ -64,7 +64,8 @@ impl Scaler {
         }
     }
 
-    /// True if all values are equal, or so close that their span has no reciprocal (or so far apart that they have no span).
+    /// True if all values are equal, or if their span is so small or so large that it has no finite reciprocal or is not
+    /// finite.
     #[inline]
     pub fn is_constant(&self) -> bool {
         let span = self.maximum - self.minimum;
@@ -77,13 +78,13 @@ impl Scaler {
         if self.is_constant() { 0.0 } else { (self.high - self.low) / (self.maximum - self.minimum) }
     }
 
-    /// What the smallest value becomes, or the middle of the range for a constant column.
+    /// Scaled value of the minimum, or the middle of the range for a constant column.
     #[inline]
     pub(crate) fn offset(&self) -> f64 {
         if self.is_constant() { 0.5 * (self.low + self.high) } else { self.low }
     }
 
-    /// Into the network's range.
+    /// Converts a value from the unit of the column to the scaled range.
     #[inline]
     pub fn scale(&self, value: f64) -> f64 {
         (value - self.minimum).mul_add(self.factor(), self.offset())
@@ -95,13 +96,13 @@ impl Scaler {
         if self.is_constant() { 0.0 } else { (self.maximum - self.minimum) / (self.high - self.low) }
     }
 
-    /// Back into the column's unit.
+    /// Converts a scaled value back to the unit of the column.
     #[inline]
     pub fn unscale(&self, scaled: f64) -> f64 {
         (scaled - self.offset()).mul_add(self.inverse_factor(), self.minimum)
     }
 
-    /// True if the value lies outside what was trained on (or is NaN).
+    /// True if the value is outside the trained range, or NaN.
     #[inline]
     pub fn is_outside(&self, value: f64) -> bool {
         !(value >= self.minimum && value <= self.maximum)

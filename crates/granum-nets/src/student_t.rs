@@ -1,14 +1,14 @@
 //! Student's t distribution.
 
-/// Steps of the integral.
+/// Number of steps of the numerical integration.
 const STEPS: usize = 4000;
-/// With more degrees of freedom the distribution is taken for that with so many, which is normal to three digits.
+/// Upper limit of the degrees of freedom, with which the distribution agrees with the normal one to three digits.
 const MOST: f64 = 2000.0;
 
-/// The `t` with `P(|T| < t) = level` for Student's distribution with so many degrees of freedom, to about 1e-3 of itself;
-/// infinite for a level of one.
+/// The value `t` with `P(|T| < t) = level` for Student's t distribution with so many degrees of freedom, with a relative
+/// accuracy of about 1e-3; infinite for a level of one.
 ///
-/// With `T = sqrt(n) tan(a)` the density of the angle `a` is proportional to `cos(a)^(n - 1)`, which is summed by the
+/// With `T = sqrt(n) tan(a)` the density of the angle `a` is proportional to `cos(a)^(n - 1)`, which is integrated by the
 /// midpoint rule.
 pub fn two_sided_quantile(level: f64, degrees_of_freedom: f64) -> f64 {
     let n = degrees_of_freedom.clamp(1.0, MOST);
@@ -20,8 +20,8 @@ pub fn two_sided_quantile(level: f64, degrees_of_freedom: f64) -> f64 {
         let next = share(k);
         if sum + next > wanted {
             let quantile = n.sqrt() * (step * (k as f64 + (wanted - sum) / next)).tan();
-            // Cosines and powers of the system differ in their last digits from one processor to another; six decimals are
-            // alike on all.
+            // Cosines and powers of the system library differ in their last digits between processors, whereas six decimals
+            // agree on all of them.
             return (quantile * 1e6).round() / 1e6;
         }
         sum += next;

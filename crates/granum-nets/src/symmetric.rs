@@ -1,13 +1,13 @@
-//! Symmetric positive definite matrices: Cholesky factor, solution, trace of the inverse.
+//! Symmetric positive definite matrices: Cholesky factorisation, solution of linear systems, trace of the inverse.
 //!
-//! Only the upper triangle is kept, row by row with columns across the lanes. The factorisation works on eight rows at a
-//! time; every element is summed in one fixed order, so the bits are the same on each instruction set.
+//! Only the upper triangle is stored, row by row with columns across the lanes. The factorisation processes eight rows at a
+//! time. Every element is summed in a fixed order, so that the bits are identical with every instruction set.
 
 use granum_simd::{Isa, Kernel, LANES, Lanes, Row8, dispatch};
 
 use crate::kernels::{Scalars, blocks, odd, panels, scalar_times_lanes};
 
-/// The upper triangle of a symmetric matrix, filled up with zeros to whole lane blocks.
+/// The upper triangle of a symmetric matrix, padded with zeros to whole lane blocks.
 #[derive(Clone, Debug)]
 pub(crate) struct Symmetric {
     pub size: usize,
@@ -24,7 +24,7 @@ impl Symmetric {
         Symmetric { size, blocks: count, stride, values: vec![Row8::default(); count * LANES * stride] }
     }
 
-    /// Bytes of a matrix of this size.
+    /// Memory of a matrix of this size, bytes.
     pub(crate) fn bytes(size: usize) -> usize {
         blocks(size) * LANES * odd(blocks(size)) * size_of::<Row8>()
     }
@@ -35,9 +35,9 @@ impl Symmetric {
 pub(crate) struct Cholesky {
     isa: Isa,
     upper: Symmetric,
-    /// One over the diagonal.
+    /// Reciprocals of the diagonal elements.
     reciprocal: Vec<f64>,
-    /// Room for the inverse of the factor.
+    /// Memory for the inverse of the factor.
     inverse: Vec<Row8>,
 }
 
@@ -48,7 +48,7 @@ impl Cholesky {
         Cholesky { isa, upper, reciprocal, inverse: Vec::new() }
     }
 
-    /// Factorises `matrix + shift I`; false if it is not positive definite to working precision.
+    /// Factorises `matrix + shift I`; returns false if it is not positive definite to working precision.
     pub(crate) fn factorise(&mut self, matrix: &Symmetric, shift: f64) -> bool {
         let Symmetric { blocks, stride, ref mut values, .. } = self.upper;
         values.copy_from_slice(&matrix.values);
@@ -76,13 +76,13 @@ impl Cholesky {
     }
 }
 
-/// Height and width of the tiles here.
+/// Width of the tiles in lane blocks.
 #[inline(always)]
 fn widest<L: Lanes>() -> usize {
     if L::REGISTERS >= 32 { 3 } else { 1 }
 }
 
-/// As [`scalar_times_lanes`] for eight outputs and a start of zero.
+/// As [`scalar_times_lanes`], for eight outputs and sums that start from zero.
 #[inline(always)]
 pub(crate) fn eight_rows<L: Lanes>(
     scalars: Scalars,
@@ -120,30 +120,30 @@ pub(crate) fn eight_rows<L: Lanes>(
     }
 }
 
-/// Starts every sum from zero.
+/// The start value zero for all sums.
 #[inline(always)]
 fn zero<L: Lanes>() -> impl Fn(usize) -> L {
     #[inline(always)]
     |_| L::zero()
 }
 
-/// Factorises the leading square of a matrix of lane rows in place, and with it all columns right of that square: what was
-/// `[A | B]` becomes `[U | U^-T B]` with `A + shift I = U^T U`. Of `A` only the upper triangle is read.
+/// Factorises the leading square of a lane matrix in place and transforms all columns to its right: `[A | B]` becomes
+/// `[U | U^-T B]` with `A + shift I = U^T U`. Only the upper triangle of `A` is read.
 struct Factorise<'a> {
     /// Rows of `stride` lane blocks, of which `columns` are used.
     values: &'a mut [Row8],
     stride: usize,
-    /// Lane blocks of the square.
+    /// Number of lane blocks of the square.
     blocks: usize,
-    /// Lane blocks of a row.
+    /// Number of lane blocks of a row.
     columns: usize,
     shift: f64,
-    /// Takes one over the diagonal of the factor.
+    /// Receives the reciprocals of the diagonal elements of the factor.
     reciprocal: &'a mut [f64],
 }
 
 /// Factorises the leading square of `blocks` lane blocks of a matrix with rows of `columns` lane blocks, see [`Factorise`];
-/// false if it is not positive definite to working precision.
+/// returns false if it is not positive definite to working precision.
 pub(crate) fn factorise_panel(
     isa: Isa,
     values: &mut [Row8],
@@ -163,7 +163,7 @@ impl Kernel for Factorise<'_> {
         for q in 0..blocks {
             let (above, rest) = values.split_at_mut(q * LANES * stride);
             let rows = &mut rest[..LANES * stride];
-            // What the rows above leave.
+            // Subtract the contributions of the rows above.
             let scalars =
                 Scalars { values: &Row8::numbers(above)[q * LANES..], by_k: stride * LANES, by_j: 1 };
             panels(
@@ -190,7 +190,7 @@ impl Kernel for Factorise<'_> {
             let Some(diagonal) = diagonal_block(rows, stride, q, shift) else { return false };
             let reciprocal = diagonal.map(|row| 1.0 / row.1);
             reciprocals[q * LANES..(q + 1) * LANES].copy_from_slice(&reciprocal);
-            // The eight rows themselves, column block after column block.
+            // Then process the eight rows themselves, one column block after another.
             for b in q + 1..columns {
                 let mut values = [L::zero(); LANES];
                 for i in 0..LANES {
@@ -214,7 +214,7 @@ impl Kernel for Factorise<'_> {
     }
 }
 
-/// Factorises the block on the diagonal: its rows (zeros left of the diagonal) with their diagonal elements.
+/// Factorises the block on the diagonal; returns its rows, with zeros left of the diagonal, and their diagonal elements.
 #[inline(always)]
 fn diagonal_block(
     rows: &[Row8],
@@ -248,12 +248,13 @@ fn diagonal_block(
     Some(block)
 }
 
-/// An upper triangular factor `U`, its rows `stride` lane blocks apart, with one over its diagonal.
+/// An upper triangular factor `U` with rows at a distance of `stride` lane blocks, and the reciprocals of its diagonal
+/// elements.
 #[derive(Clone, Copy)]
 pub(crate) struct Upper<'a> {
     pub values: &'a [Row8],
     pub stride: usize,
-    /// Lane blocks of its columns.
+    /// Number of lane blocks of its columns.
     pub blocks: usize,
     pub reciprocal: &'a [f64],
 }
@@ -285,7 +286,7 @@ impl Kernel for SolveTransposed<'_> {
             let y = self.vector[b].0[lane] * reciprocal[p];
             self.vector[b].0[lane] = y;
             let row = &values[p * stride..][..blocks];
-            // The rest of this block lane by lane, the later blocks whole.
+            // The rest of this block is updated lane by lane, and the later blocks as a whole.
             for s in lane + 1..LANES {
                 self.vector[b].0[s] = (-y).mul_add(row[b].0[s], self.vector[b].0[s]);
             }
@@ -333,7 +334,7 @@ impl Kernel for TraceOfInverse<'_> {
     fn run<L: Lanes>(self) -> f64 {
         let Cholesky { upper, reciprocal, inverse, .. } = self.factor;
         let Symmetric { size, blocks, stride, ref values } = *upper;
-        // Rows of the transposed inverse, a lower triangle: U^T Y = I.
+        // The rows of the transposed inverse, which is a lower triangular matrix, follow from U^T Y = I.
         inverse.resize(values.len(), Row8::default());
         let mut sum = L::zero();
         for q in 0..blocks {
@@ -345,7 +346,7 @@ impl Kernel for TraceOfInverse<'_> {
                 widest::<L>(),
                 #[inline(always)]
                 |first, width| {
-                    // Column block `first` begins with row `8 first`: above it are zeros.
+                    // Column block `first` is zero above row `8 first`.
                     let from = first * LANES;
                     let scalars = Scalars {
                         values: &Row8::numbers(values)[from * stride * LANES + q * LANES..],
@@ -383,7 +384,7 @@ impl Kernel for TraceOfInverse<'_> {
                     }
                 }
             }
-            // Right of the diagonal the rows below read zeros.
+            // The rows below read zeros right of the diagonal.
             for i in 0..LANES {
                 rows[i * stride + q + 1..(i + 1) * stride].fill(Row8::default());
             }
@@ -397,7 +398,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// `B B^T` of a fixed pseudo-random square matrix: its upper triangle, and all of it row by row.
+    /// `B B^T` of a fixed pseudo-random square matrix: its upper triangle, and the full matrix in row-major order.
     fn example(size: usize) -> (Symmetric, Vec<f64>) {
         let entry = |i: usize, j: usize| ((i * 37 + j * 101 + i * j) as f64 * 0.7).sin();
         let mut full = vec![0.0; size * size];

@@ -1,4 +1,4 @@
-//! How sure a trained network is: the Laplace approximation that Bayesian regularisation gives (MacKay 1992).
+//! The uncertainty of a trained network by the Laplace approximation that belongs to Bayesian regularisation (MacKay 1992).
 //!
 //! With the precisions `alpha` of the weights and `beta` of the noise, the weights are normally distributed around the
 //! trained ones with covariance `(beta J^T J + alpha I)^-1`, and an observation at an input where the network's gradient with
@@ -8,7 +8,7 @@
 //! 1 / beta + g^T (beta J^T J + alpha I)^-1 g  =  1 / beta + (g . g - k^T (K + a I)^-1 k) / alpha
 //! ```
 //!
-//! with `a = alpha / beta`, `K = J J^T` and `k = J g`, all from small Gram matrices (see `curvature.rs`).
+//! with `a = alpha / beta`, `K = J J^T` and `k = J g`, which are computed from small Gram matrices (see `curvature.rs`).
 
 use granum_simd::Isa;
 use serde::{Deserialize, Serialize};
@@ -19,20 +19,20 @@ use crate::data::Data;
 use crate::network::Network;
 use crate::trainer::Evidence;
 
-/// Most memory for the curvature, in bytes.
+/// Limit on the memory for the curvature, bytes.
 const MEMORY: usize = 2 << 30;
-/// Rows whose variance is computed at a time.
+/// Number of observations whose variances are computed together.
 const CHUNK: usize = 256;
 
-/// The rows that a network was trained on, in its own units, without their targets.
+/// The training rows of a network in scaled units, without their targets.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TrainingRows {
-    /// Row by row.
+    /// The inputs in row-major order.
     pub inputs: Vec<f64>,
     /// Weight of each row.
     pub weights: Option<Vec<f64>>,
-    /// Rows that make one observation.
+    /// Number of rows of each observation.
     #[serde(default = "one")]
     pub points: usize,
 }
@@ -42,7 +42,7 @@ fn one() -> usize {
 }
 
 impl TrainingRows {
-    /// Refuses rows that do not fit the network, or that would need too much memory.
+    /// Refuses rows that do not match the network or would need too much memory.
     pub(crate) fn check(&self, network: &Network) -> Result<(), String> {
         let data = self.data(network).map_err(|e| format!("training rows: {e}"))?;
         let bytes = needed(network, &data);
@@ -79,7 +79,7 @@ fn needed(network: &Network, data: &Data) -> usize {
 pub(crate) struct Laplace {
     isa: Isa,
     curvature: Curvature,
-    /// The shift that the curvature was factorised with, `alpha / beta`.
+    /// The shift with which the curvature was factorised, `alpha / beta`.
     shift: f64,
     alpha: f64,
     beta: f64,
@@ -95,8 +95,8 @@ impl std::fmt::Debug for Laplace {
 }
 
 impl Laplace {
-    /// Factorises the curvature at the network's weights; none if the rows do not fit, are too many, or if the curvature is
-    /// too ill-conditioned.
+    /// Factorises the curvature at the weights of the network; `None` if the rows do not match the network, if there are
+    /// too many of them, or if the curvature is too ill-conditioned.
     pub(crate) fn new(
         isa: Isa,
         network: &Network,
@@ -114,8 +114,8 @@ impl Laplace {
         if !curvature.form(&training) {
             return None;
         }
-        // Data without noise leave next to no regularisation: a little more then makes the factor exist, and only adds
-        // to the certainty of what is certain already.
+        // For data without noise the regularisation nearly vanishes. Increasing it slightly makes the factorisation
+        // possible and only changes uncertainties that are already very small.
         let mut shift = evidence.alpha / evidence.beta;
         for _ in 0..16 {
             if curvature.factorise(shift) {
@@ -127,13 +127,13 @@ impl Laplace {
         None
     }
 
-    /// The part of the variance of an observation that is noise.
+    /// The noise part of the variance of an observation.
     pub(crate) fn noise(&self) -> f64 {
         1.0 / self.beta
     }
 
-    /// Variances of observations at rows in the network's units, so many points each; infinite where a row lies beyond all
-    /// numbers there.
+    /// Variances of observations, given by rows in scaled units with so many points each; infinite if a scaled input is
+    /// not finite.
     pub(crate) fn variances(&self, network: &Network, mut inputs: Vec<f64>, points: usize) -> Vec<f64> {
         let width = network.inputs() * points;
         let beyond: Vec<bool> =
@@ -176,7 +176,7 @@ mod tests {
         (network, TrainingRows { inputs, weights, points: 1 })
     }
 
-    /// `1 / beta + g^T (beta J^T J + alpha I)^-1 g` with everything formed, by Gaussian elimination.
+    /// `1 / beta + g^T (beta J^T J + alpha I)^-1 g` with explicit matrices, by Gaussian elimination.
     fn explicit(network: &Network, rows: &TrainingRows, evidence: Evidence, asked: [f64; 2]) -> f64 {
         let count = network.weights().len();
         let gradient = |input: &[f64]| -> Vec<f64> {

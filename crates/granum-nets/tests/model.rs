@@ -1,4 +1,4 @@
-//! Models from rows to file and back.
+//! Models: training, prediction, saving and loading.
 
 use std::path::PathBuf;
 
@@ -51,7 +51,7 @@ fn model() -> Model {
     Model::fit(&recipe(), &data(120), &LevenbergMarquardt::default(), &mut Silent).unwrap().0
 }
 
-/// A folder of this test's own, removed with it.
+/// A temporary folder, which is removed when it is dropped.
 struct Folder(PathBuf);
 impl Folder {
     fn new(name: &str) -> Folder {
@@ -174,7 +174,7 @@ fn a_saved_model_comes_back_whole() {
     assert_eq!(names, ["model.json"], "nothing else is left behind");
 }
 
-/// As part of another file a model answers with the same bits.
+/// A model that was stored in another file gives bit-identical predictions.
 #[test]
 fn a_model_comes_back_from_a_value() {
     let model = model();
@@ -190,7 +190,7 @@ fn a_model_comes_back_from_a_value() {
     assert!(forged("/layers/0/neurons", 7.into()).contains("takes 8 inputs, but 7 come to it"));
 }
 
-/// The squares of the causes add up to that of the whole, and the whole is what is said without causes.
+/// The squares of the standard deviations by cause add up to that of the total, which is the value without causes.
 #[test]
 fn standard_deviations_are_split_by_cause() {
     let rows: Vec<f64> = (0..20).flat_map(|k| [0.02 * k as f64, 2e4, 1e-4]).collect();
@@ -208,7 +208,7 @@ fn standard_deviations_are_split_by_cause() {
             assert!(split.noise > 0.0 && split.weights > 0.0);
             assert!(model.blocks().is_some() || split.blocks == 0.0);
         }
-        // Outside the rows the weights are known less, the noise is the same.
+        // Outside the training rows the weights are less certain, whereas the noise is the same.
         assert!(split[19].weights > 2.0 * split[5].weights);
     }
 }
@@ -234,7 +234,7 @@ fn damaged_files_are_told_apart() {
     assert!(Model::load(&folder.0.join("bytes")).unwrap_err().to_string().contains("not UTF-8"));
 }
 
-/// Gives a changed text the checksum that fits, as someone would who edits a file on purpose.
+/// Updates the checksum of a modified text, as somebody would do who edits a file deliberately.
 fn sealed(text: &str) -> String {
     let at = text.rfind(",\n  \"checksum\": \"").unwrap();
     let sum = if text.contains("\"version\": 3") {
@@ -251,11 +251,11 @@ fn sealed(text: &str) -> String {
 fn forged_files_are_refused_without_harm() {
     let text = model().to_json();
     assert!(Model::from_json(&sealed(&text), "f").is_ok());
-    // Files of version 2 have a shorter checksum.
+    // Files of version 2, which have a shorter checksum, can be read.
     let second = sealed(&text.replacen("\"version\": 3", "\"version\": 2", 1));
     assert_eq!(Model::from_json(&second, "f").unwrap().to_json(), text);
     assert!(Model::from_json(&second.replacen("\"seed\": 11", "\"seed\": 12", 1), "f").is_err());
-    // Files of version 1 know no intervals; they answer all the same.
+    // Files of version 1 contain no intervals, but can still be used for predictions.
     let old = text.replacen("\"version\": 3", "\"version\": 1", 1);
     let from = old.find(",\n    \"answer_range\"").unwrap();
     let to = old[from..].find("\n  },\n  \"layers\"").unwrap() + from;
@@ -283,7 +283,7 @@ proptest! {
         let mut bytes = TEXT.get_or_init(|| model().to_json()).clone().into_bytes();
         let at = at.index(bytes.len());
         bytes[at] ^= flip;
-        // The line end after the closing brace carries nothing.
+        // The newline after the closing brace is the only byte that may change.
         if let Ok(text) = String::from_utf8(bytes) && at + 1 < text.len() {
             prop_assert!(Model::from_json(&text, "f").is_err(), "byte {at}");
         }

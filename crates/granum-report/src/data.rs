@@ -1,4 +1,4 @@
-//! What a report is made from.
+//! The data from which a report is made.
 
 use std::borrow::Cow;
 
@@ -13,17 +13,17 @@ use serde::{Deserialize, Serialize};
 /// One DEM run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunReport {
-    /// Its name, as of its folder.
+    /// Name of the run, that of its folder.
     pub name: String,
-    /// What it was for.
+    /// Role of the run.
     pub role: Role,
-    /// Everything that decided it.
+    /// The case.
     pub case: Case,
-    /// What its `run.json` says.
+    /// The contents of `run.json`.
     pub run: RunRecord,
-    /// What the sensors saw.
+    /// The measurements.
     pub record: Record,
-    /// The history of the preparation; empty where it was not recorded.
+    /// The history of the preparation; empty if it was not recorded.
     #[serde(default)]
     pub preparation: Table,
     /// The sample before shear, for pictures.
@@ -32,21 +32,21 @@ pub struct RunReport {
     pub end: Option<Assembly>,
 }
 
-/// What a run was for.
+/// The role of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Role {
-    /// A run for itself.
+    /// It does not belong to a study.
     #[default]
     Single,
     /// Networks were trained on it.
     Training,
-    /// No network saw it.
+    /// It was used neither for training nor for selection.
     Unseen,
 }
 
 impl Role {
-    /// As a word.
+    /// The role as one word.
     pub fn word(self) -> &'static str {
         match self {
             Role::Single => "run",
@@ -56,13 +56,13 @@ impl Role {
     }
 }
 
-/// A column of a record; empty where there is none.
+/// A column of a record; empty if there is none.
 pub fn column<'a>(record: &'a Record, name: &str) -> &'a [f64] {
     record.series.values(name).unwrap_or(&[])
 }
 
 impl RunReport {
-    /// Reads the folder of a run, its pictures from the snapshots of the sample and of the end, where they are there.
+    /// Reads the folder of a run, including the snapshots of the sample and of the end for pictures if they exist.
     ///
     /// # Errors
     /// If the case, the record or a snapshot is missing or damaged; the message names the file.
@@ -75,7 +75,7 @@ impl RunReport {
             name: run.path().file_name().map_or("run".to_owned(), |name| name.to_string_lossy().into_owned()),
             role,
             case: run.case()?,
-            // A sample has none.
+            // A sample has no record of a test.
             record: if about.kind == "prepare" {
                 Record::default()
             } else {
@@ -88,17 +88,17 @@ impl RunReport {
         })
     }
 
-    /// Whether the test reached its end.
+    /// True if the test reached its end.
     pub fn is_complete(&self) -> bool {
         self.run.status == RunStatus::Finished
     }
 
-    /// Number of grains: those of the packing where the sample is made of one.
+    /// Number of grains; that of the packing if the sample was made from one.
     pub fn grains(&self) -> usize {
         self.run.packing.as_ref().map_or(self.case.grains.count, |packing| packing.grains)
     }
 
-    /// Mean diameter of the grains, m, and half the range of the diameters over it.
+    /// Mean diameter of the grains, m, and half the range of the diameters over the mean.
     pub fn diameter(&self) -> (f64, f64) {
         let of_case = (self.case.grains.diameter, self.case.grains.spread);
         self.run.packing.as_ref().map_or(of_case, |packing| (packing.mean_diameter, packing.spread))
@@ -115,7 +115,7 @@ impl RunReport {
         self.run.wall_seconds.values().sum()
     }
 
-    /// A column of the record; empty where there is none.
+    /// A column of the record; empty if there is none.
     pub fn column(&self, name: &str) -> &[f64] {
         column(&self.record, name)
     }
@@ -167,7 +167,7 @@ impl RunReport {
         }
     }
 
-    /// The first value of a column: the sample before shear. Of a sample that was not sheared, what was measured of it.
+    /// The first value of a column, that of the sample before shear; for a sample that was not sheared, the measured value.
     pub fn first(&self, name: &str) -> Option<f64> {
         match self.run.kind.as_str() {
             "prepare" => self.run.measures.get(name).copied(),
@@ -209,7 +209,7 @@ mod tests {
         let run = RunReport { record: Record { series, histograms: Vec::new() }, ..Default::default() };
         assert_eq!(run.against_strain("stress_ratio").len(), 4);
         assert_eq!(run.peak_row("stress_ratio"), Some(1));
-        // From 0.225 to 0.3, between the state at 0.1, 0.9, and the one at 0.3, 0.7.
+        // The mean is taken from 0.225 to 0.3, between the states with 0.9 at 0.1 and 0.7 at 0.3.
         assert!((run.late_mean("stress_ratio").unwrap() - 0.7375).abs() < 1e-12);
         assert_eq!(run.first("stress_ratio"), Some(0.0));
         assert!(run.column("nothing").is_empty() && run.peak_row("nothing").is_none());

@@ -1,4 +1,4 @@
-//! Where the work went: the energy balance by mechanism.
+//! The energy balance by mechanism.
 
 use granum_sensors::Record;
 
@@ -7,14 +7,14 @@ use super::figure::palette::{GREY, INK, color};
 use super::figure::{Axis, Figure, Layer, Panel, Plot, Stroke};
 use super::material::strain_axis;
 
-/// Mechanisms that can give back what they hold; dashed.
+/// Mechanisms whose energy is recoverable; their lines are dashed.
 const ELASTIC: [&str; 4] = ["normal elastic", "tangential elastic", "rolling elastic", "attraction"];
-/// Last of the mechanisms, in grey: it is small wherever a test is quasi-static.
+/// The last of the mechanisms, drawn in grey, since it is small in a quasi-static test.
 const KINETIC: &str = "kinetic";
-/// Shares of the final work that are drawn.
+/// Range of the shares of the final work that is shown.
 const SHOWN: [f64; 2] = [1e-6, 2.0];
 
-/// What the boundary work became, each since the first recorded state, J.
+/// The boundary work by mechanism, each since the first recorded state, J.
 struct Balance {
     work: Vec<f64>,
     parts: Vec<(&'static str, Vec<f64>)>,
@@ -40,9 +40,9 @@ impl Balance {
             (ELASTIC[1], elastic_tangential),
             (KINETIC, since_start("kinetic_energy")?),
         ];
-        // Recorded only where contacts resist rolling.
+        // These columns exist only if contacts resist rolling.
         let rolling = [("rolling", "rolling_loss"), (ELASTIC[2], "elastic_rolling_energy")];
-        // Recorded only where grains attract each other beyond touch.
+        // These columns exist only if grains attract each other at a distance.
         let attraction = [("attraction ended", "attraction_loss"), (ELASTIC[3], "attraction_energy")];
         for (name, column) in rolling.into_iter().chain(attraction) {
             parts.extend(since_start(column).map(|values| (name, values)));
@@ -50,7 +50,7 @@ impl Balance {
         Some(Balance { work: since_start("boundary_work")?, parts })
     }
 
-    /// Boundary work that no mechanism accounts for.
+    /// Boundary work minus the sum of all mechanisms.
     fn residual(&self) -> Vec<f64> {
         (0..self.work.len())
             .map(|k| self.work[k] - self.parts.iter().map(|(_, values)| values[k]).sum::<f64>())
@@ -58,7 +58,7 @@ impl Balance {
     }
 }
 
-/// Largest error of the energy balance over the whole boundary work; `None` where it was not recorded.
+/// Largest error of the energy balance over the total boundary work; `None` if the balance was not recorded.
 pub fn closure(record: &Record) -> Option<f64> {
     let balance = Balance::of(record)?;
     let work = balance.work.last().copied().filter(|work| work.abs() > 0.0)?;
@@ -67,7 +67,7 @@ pub fn closure(record: &Record) -> Option<f64> {
     all_finite.then(|| residual.iter().fold(0.0f64, |largest, r| largest.max(r.abs())) / work.abs())
 }
 
-/// Shares of the boundary work at the end by mechanism, largest first.
+/// Shares of the boundary work at the end by mechanism, in decreasing order.
 pub fn shares(record: &Record) -> Vec<(&'static str, f64)> {
     let Some(balance) = Balance::of(record) else { return Vec::new() };
     let Some(work) = balance.work.last().copied().filter(|work| *work > 0.0) else { return Vec::new() };
@@ -79,7 +79,7 @@ pub fn shares(record: &Record) -> Vec<(&'static str, f64)> {
     shares
 }
 
-/// Energy by mechanism, and how well the energy balance closes.
+/// Figure of the energy by mechanism and of the error of the energy balance.
 pub fn figure(run: &RunReport) -> Option<(Figure, String)> {
     let balance = Balance::of(&run.record)?;
     let axis = || strain_axis(std::slice::from_ref(run));
@@ -88,7 +88,7 @@ pub fn figure(run: &RunReport) -> Option<(Figure, String)> {
         |values: &[f64]| -> Vec<[f64; 2]> { strain.iter().zip(values).map(|(&x, &y)| [x, y]).collect() };
     let work = balance.work.last().copied().filter(|work| *work != 0.0).unwrap_or(f64::NAN);
     let shares = |values: &[f64]| points(&values.iter().map(|value| value / work).collect::<Vec<_>>());
-    // On a linear scale all but friction lie on the axis.
+    // On a linear scale only friction would be distinguishable from the axis.
     let scale = Axis::new("Energy over final work").logarithmic().between(SHOWN[0], SHOWN[1]);
     let mut energies = Plot::new(axis(), scale)
         .with(Layer::stroked(shares(&balance.work), Stroke::new(INK, 1.6)).named("boundary work"));
@@ -130,7 +130,8 @@ mod tests {
         ];
         let columns = columns.map(|(name, values)| Column::new(name, "J", values.to_vec())).to_vec();
         let record = Record { series: Table::new(columns).unwrap(), histograms: Vec::new() };
-        // 10 of work: 4 friction, 1 micro-slip, 1 tangential, 1 damping, 0.5 adhesion, 0.1 kinetic, 2 normal; 0.4 is missing.
+        // The work of 10 is split into 4 friction, 1 micro-slip, 1 tangential, 1 damping, 0.5 adhesion, 0.1 kinetic and 2
+        // normal, so that 0.4 is missing.
         assert!((closure(&record).unwrap() - 0.04).abs() < 1e-12);
         let shares = shares(&record);
         assert_eq!(shares[0].0, "sliding friction");

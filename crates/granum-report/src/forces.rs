@@ -1,4 +1,4 @@
-//! How the forces are spread: P(f) and its tail, the rose of normals, and a picture of the chains.
+//! The distribution of the forces: P(f) and its tail, the roses of the normals, and pictures of the force chains.
 
 use std::f64::consts::PI;
 
@@ -13,7 +13,7 @@ use super::figure::ticks::fixed;
 use super::figure::{Axis, Figure, ForceChains, Layer, Legend, Panel, Plot, Rose, SHAPES, Stroke};
 use super::material::strain_axis;
 
-/// Rows that stand for a run: the start, the peak of the stress ratio and the end.
+/// Characteristic rows of a run: the start, the peak of the stress ratio and the end.
 pub fn characteristic_rows(run: &RunReport) -> Vec<(usize, &'static str)> {
     let rows = run.record.series.rows();
     if rows == 0 {
@@ -29,7 +29,7 @@ pub fn characteristic_rows(run: &RunReport) -> Vec<(usize, &'static str)> {
     telling
 }
 
-/// Bins as points: centre and density, empty bins left out.
+/// The bins as points (centre, density), without empty bins.
 pub fn density(histogram: &Histogram) -> Vec<[f64; 2]> {
     (0..histogram.bins())
         .filter(|&bin| histogram.counts[bin] > 0)
@@ -46,7 +46,8 @@ fn at_strain(run: &RunReport, row: usize, name: &str) -> String {
     }
 }
 
-/// P(f) on a logarithmic scale at three states, with fits to the tail, and what the tail does with strain.
+/// Figure of P(f) on a logarithmic scale at three states with fits to the tail, and of the evolution of the tail with
+/// strain.
 pub fn distribution(run: &RunReport) -> (Figure, String) {
     let force = "Normal force *f* = *N*/⟨*N*⟩";
     let mut plot = Plot::new(Axis::new(force), Axis::new("Probability density *P*(*f*)").logarithmic());
@@ -78,14 +79,14 @@ pub fn distribution(run: &RunReport) -> (Figure, String) {
 
 type Fit = (Vec<[f64; 2]>, &'static str, &'static [f64]);
 
-/// The two fitted tails of a state, scaled to the share of strong contacts.
+/// The two fits to the tail of a state, scaled to the share of strong contacts.
 fn tail_fits(run: &RunReport, row: usize) -> Vec<Fit> {
     let value =
         |name: &str| run.column(name).get(row).copied().filter(|value| value.is_finite() && *value > 0.0);
     let Some(strong) = value("strong_fraction") else { return Vec::new() };
     let largest = run.record.forces().get(row).map_or(1.0, |h| h.centre(h.bins().saturating_sub(1)));
     let fine: Vec<f64> = (0..=100).map(|k| 1.0 + (largest - 1.0) * k as f64 / 100.0).collect();
-    // A line need not go on far below the last point.
+    // The lines end shortly below the last point.
     let points = run.record.forces().get(row).map(density).unwrap_or_default();
     let least = 0.3 * points.iter().filter(|p| p[0] > 1.0).map(|p| p[1]).fold(f64::INFINITY, f64::min);
     let drawn = |tail: &dyn Fn(f64) -> f64| -> Vec<[f64; 2]> {
@@ -114,7 +115,7 @@ fn half_gaussian_norm(s: f64) -> f64 {
     s * (0.5 * PI).sqrt() - below
 }
 
-/// Roses of contact normals, by number and by force.
+/// Figure of the roses of contact normals, by number and by force.
 pub fn roses(run: &RunReport) -> (Figure, String) {
     let bins = granum_sensors::rose::BINS;
     let columns = |prefix: &str, row: usize| -> Vec<f64> {
@@ -150,7 +151,7 @@ pub fn roses(run: &RunReport) -> (Figure, String) {
     (figure.sized(720.0, 246.0).legend(Legend::Above), caption.to_owned())
 }
 
-/// Slices through the sample before and after, contacts drawn by their force, at one scale.
+/// Figure of slices through the sample before and after shear at one scale, with contacts drawn by their force.
 pub fn slices(start: Option<&Assembly>, end: Option<&Assembly>) -> Option<(Figure, String)> {
     let titled = [(start, "before shear"), (end, "at the end")];
     let pictures: Vec<(ForceChains, &str)> = (titled.into_iter())
@@ -177,7 +178,7 @@ pub fn slices(start: Option<&Assembly>, end: Option<&Assembly>) -> Option<(Figur
     Some((figure.sized(width, height), caption.to_owned()))
 }
 
-/// The strong contacts of a whole cell.
+/// Figure of the strong contacts of a whole cell.
 pub fn strong_network(assembly: &Assembly) -> (Figure, String) {
     let picture = ForceChains::new(assembly, View::strong());
     let height = ForceChains::height_for(picture.extent(), 632.0) + 8.0;

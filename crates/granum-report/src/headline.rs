@@ -1,4 +1,4 @@
-//! The first page of a study: its numbers and findings, by explicit rules.
+//! The first page of a study: its main numbers and findings, which follow from explicit rules.
 
 use granum_learn::Verdict;
 use granum_learn::antony2006::summary::MappingSummary;
@@ -8,29 +8,30 @@ use super::sample;
 use super::study::StudyReport;
 use super::symbols;
 
-/// An error up to this many times the best possible without soft sensors counts as being as good as the scatter allows.
+/// An error of up to this multiple of the best possible one without soft sensors counts as being as good as the scatter
+/// permits.
 const AS_GOOD: f64 = 1.1;
-/// One below this many times that counts as less.
+/// An error below this multiple of the best possible one without soft sensors counts as smaller.
 const ALIKE: f64 = 0.95;
 
-/// The error that counts: on unseen runs, or, without any, on held-out states.
+/// The relevant error: on unseen runs, or on held-out states if there are none.
 fn error(mapping: &MappingSummary) -> f64 {
     mapping.relative_rmse.unseen.unwrap_or(mapping.relative_rmse.held_out)
 }
 
-/// Names of the mappings that fulfil a condition.
+/// Names of the mappings that satisfy a condition.
 fn those(study: &StudyReport, condition: impl Fn(&MappingSummary) -> bool) -> Vec<String> {
     let mappings = study.summary.mappings.iter();
     mappings.filter(|(_, mapping)| condition(mapping)).map(|(name, _)| symbols::mapping(name)).collect()
 }
 
-/// Error over the best that an answer without soft sensors of the unseen run can do.
+/// Error over the best possible error of a prediction without the soft sensors of the unseen run.
 fn over_best(mapping: &MappingSummary) -> Option<f64> {
     let best = mapping.best_without_sensors.filter(|best| *best > 0.0)?;
     Some(mapping.relative_rmse.unseen? / best)
 }
 
-/// The numbers at the top.
+/// The main numbers at the top of the page.
 pub fn tiles(study: &StudyReport) -> Vec<[String; 3]> {
     let mappings = &study.summary.mappings;
     let mut out = Vec::new();
@@ -85,7 +86,7 @@ pub fn tiles(study: &StudyReport) -> Vec<[String; 3]> {
     out
 }
 
-/// How many mappings gain by their sensors.
+/// Tile with the number of mappings that gain by their sensors.
 fn sensors_tile(study: &StudyReport) -> [String; 3] {
     let mappings = &study.summary.mappings;
     let what = "mappings use their soft sensors and gain by it".to_owned();
@@ -102,7 +103,7 @@ fn sensors_tile(study: &StudyReport) -> [String; 3] {
     [format!("{gain} of {}", mappings.len()), what, remark]
 }
 
-/// How many mappings gain by their sensors once they learn from several runs.
+/// Tile with the number of mappings that gain by their sensors if they are trained on several runs.
 fn many_runs_tile(study: &StudyReport) -> Option<[String; 3]> {
     let curve = study.summary.learning_curve.as_ref()?;
     let names: Vec<&String> = study.summary.mappings.keys().collect();

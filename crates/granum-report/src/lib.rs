@@ -1,6 +1,7 @@
-//! Reports of runs and studies: one HTML file that needs nothing beside it, and its figures as SVG files.
+//! Reports of runs and studies: one self-contained HTML file, and its figures as SVG files.
 //!
-//! [`run_report`] draws one run, [`study_report`] the whole paper. What a record does not hold is left out; nothing is made up.
+//! [`run_report`] writes the report of one run, [`study_report`] that of the whole paper. Quantities that a record does not
+//! contain are omitted.
 
 pub mod data;
 mod deviatoric_plane;

@@ -1,4 +1,4 @@
-//! What more runs than the paper's one teach: error against number of training runs.
+//! Results with more training runs than in the paper: error as a function of the number of training runs.
 
 use granum_learn::antony2006::learning_curve::{CurvePoint, Estimate, LearningCurve};
 use maud::{Markup, html};

@@ -1,4 +1,4 @@
-//! How the material behaved: stress, volume, contacts and fabric against strain.
+//! The behaviour of the material: stress, volume, contacts and fabric as functions of strain.
 
 use super::data::{Role, RunReport};
 use super::figure::palette::{GREY, INK, color};
@@ -18,7 +18,8 @@ pub fn strain_axis(runs: &[RunReport]) -> Axis {
     if largest > 0.0 { axis.between(0.0, round_up(largest)) } else { axis }
 }
 
-/// The averages of looks around the last state end just before it; the axis ends at the state.
+/// Rounds up the end of the strain axis to the nominal strain of the last state, since the average over samples around
+/// that state lies just before it.
 fn round_up(strain: f64) -> f64 {
     (strain / 0.01 - 0.05).ceil() * 0.01
 }
@@ -36,7 +37,7 @@ fn style(runs: &[RunReport], k: usize) -> (Stroke, String) {
     }
 }
 
-/// One line for each run; the training run on top.
+/// One line for each run, with the training run on top.
 fn lines(runs: &[RunReport], column: &str) -> Vec<Layer> {
     let mut order: Vec<usize> = (0..runs.len()).collect();
     order.sort_by_key(|&k| runs[k].role != Role::Unseen);
@@ -50,7 +51,7 @@ fn lines(runs: &[RunReport], column: &str) -> Vec<Layer> {
         .collect()
 }
 
-/// q/p and volumetric strain.
+/// Figure of q/p and volumetric strain.
 pub fn stress_and_volume(runs: &[RunReport]) -> (Figure, String) {
     let stress = Plot::new(strain_axis(runs), Axis::new("Stress ratio *q*/*p*").including(0.0))
         .with_all(lines(runs, "stress_ratio"));
@@ -64,7 +65,7 @@ pub fn stress_and_volume(runs: &[RunReport]) -> (Figure, String) {
     (figure, caption.to_owned())
 }
 
-/// What carries q: strong and weak contacts, normal and tangential forces.
+/// Figure of the contributions to q: strong and weak contacts, normal and tangential forces.
 pub fn stress_shares(run: &RunReport) -> (Figure, String) {
     let axis = || strain_axis(std::slice::from_ref(run));
     let panel = |parts: [(&str, &str, usize); 2]| {
@@ -87,7 +88,7 @@ pub fn stress_shares(run: &RunReport) -> (Figure, String) {
     (Figure::new("Parts of the stress ratio against deviator strain", 2, panels), caption.to_owned())
 }
 
-/// Coordination numbers, sliding contacts and rattlers.
+/// Figure of coordination numbers, sliding contacts and rattlers.
 pub fn coordination(run: &RunReport) -> (Figure, String) {
     let axis = || strain_axis(std::slice::from_ref(run));
     let mut numbers = Plot::new(axis(), Axis::new("Coordination number"));
@@ -122,7 +123,7 @@ pub fn coordination(run: &RunReport) -> (Figure, String) {
     (Figure::new("Coordination numbers and fractions against strain", 2, panels), caption.to_owned())
 }
 
-/// Deviator fabric of all, strong and weak contacts.
+/// Figure of the deviator fabric of all, strong and weak contacts.
 pub fn fabric(runs: &[RunReport]) -> (Figure, String) {
     let all = Plot::new(strain_axis(runs), Axis::new("Deviator fabric *φ*_{d}").including(0.0))
         .with_all(lines(runs, "deviator_fabric"));

@@ -12,13 +12,13 @@ use super::numbers::{percent, points};
 use super::page::Table;
 use super::symbols;
 
-/// Number of the paper's figure for a mapping: F1 is Figure 3, F6 is Figure 8.
+/// Number of the figure of a mapping in the paper: F1 is Figure 3, F6 is Figure 8.
 pub fn figure_number(mapping: &str) -> Option<usize> {
     let number: usize = mapping.strip_prefix('F')?.parse().ok()?;
     (1..=6).contains(&number).then_some(number + 2)
 }
 
-/// Most points drawn of one run; of longer ones every second, third... is left out.
+/// Largest number of points that are drawn for one run; longer runs are thinned.
 const MOST_POINTS: usize = 45;
 
 /// One of Figures 3-8 with its caption.
@@ -55,7 +55,7 @@ fn thinned(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     points.into_iter().step_by(stride).collect()
 }
 
-/// A number against strain, and beside it what the networks miss it by: Figures 3, 5 and 8.
+/// A scalar as a function of strain, and next to it the errors of the networks: Figures 3, 5 and 8.
 fn scalar(data: &Data, formula: &str) -> (Figure, String) {
     let (label, symbol) = match data.output {
         Quantity::DeviatorFabric => ("Deviator fabric *φ*_{d}", "*φ*_{d}"),
@@ -96,7 +96,7 @@ fn values(panel: &DataPanel, label: &str) -> Plot {
             plot = plot.with(Layer::line(pairs(curve), color(k)).named(&format!("networks, run {}", k + 1)));
         }
     }
-    // What strain alone tells is the same for every run.
+    // Strain-only networks give the same curve for every run.
     let first = panel.strain_only.first().map(|curve| curve.run.as_str());
     for curve in panel.strain_only.iter().filter(|curve| Some(curve.run.as_str()) == first) {
         let stroke = Stroke::new(INK, 1.1).dashed(&[4.0, 2.5]);
@@ -140,7 +140,7 @@ fn borders(panel: &DataPanel) -> Vec<Layer> {
     boundaries(panel).into_iter().map(|strain| Layer::vertical(strain, "#a8a8a8")).collect()
 }
 
-/// The value of a line at x; `None` outside of it.
+/// The value of a line at x; `None` outside its range.
 fn interpolated(curve: &Curve, x: f64) -> Option<f64> {
     let k = curve.x.windows(2).position(|pair| pair[0] <= x && x <= pair[1])?;
     let (x0, x1) = (curve.x[k], curve.x[k + 1]);
@@ -148,14 +148,15 @@ fn interpolated(curve: &Curve, x: f64) -> Option<f64> {
     Some(if x1 > x0 { y0 + (y1 - y0) * (x - x0) / (x1 - x0) } else { y0 })
 }
 
-/// Strains where one sub-model hands over to the next.
+/// Strains at the boundaries between sub-models.
 fn boundaries(panel: &DataPanel) -> Vec<f64> {
     let Some(first) = panel.lines.first() else { return Vec::new() };
     let starts = panel.lines.iter().filter(|curve| curve.run == first.run && curve.sub_model > 1);
     starts.filter_map(|curve| curve.x.first().copied()).collect()
 }
 
-/// P(f) against f, a panel a sub-model: Figures 4, 6 and 7. Curves of later strains are shifted down by decades.
+/// P(f) as a function of f with one panel per sub-model: Figures 4, 6 and 7. Curves of larger strains are shifted down by
+/// decades.
 fn distributions(data: &Data, formula: &str) -> (Figure, String) {
     let legend = [
         Layer::band(Vec::new(), BAND).named("scatter of DEM with the seed"),
@@ -187,8 +188,8 @@ fn distributions(data: &Data, formula: &str) -> (Figure, String) {
     (figure.sized(720.0, 400.0).legend(Legend::Above), caption)
 }
 
-/// The vertical range of all panels: that of DEM, two decades of shift included. A network that strays far from it
-/// leaves the frame.
+/// The vertical range of all panels: that of the DEM values, including a shift of two decades. Curves of networks that
+/// deviate strongly leave the frame.
 fn density_range(panels: &[DataPanel]) -> Option<[f64; 2]> {
     let values = panels.iter().flat_map(|panel| &panel.points).flat_map(|curve| &curve.y).copied();
     let shown = values.filter(|y| y.is_finite() && *y > 0.0);
@@ -203,7 +204,7 @@ fn short(value: f64) -> String {
     super::numbers::trimmed(value)
 }
 
-/// The strains of a panel: those of its bands, or of its points where there is no scatter.
+/// The strains of a panel: those of its bands, or those of its points if there is no scatter.
 fn strains(panel: &DataPanel) -> Vec<f64> {
     let of_points = || {
         let first = panel.points.first().map(|curve| curve.run.clone());
@@ -252,7 +253,7 @@ fn distribution_panel(panel: &DataPanel, labelled: bool, range: Option<[f64; 2]>
         let at = panel.points.iter().find(|curve| nearest(curve.strain) == Some(k));
         let Some(place) = at.and_then(first_point) else { continue };
         let text = format!("*ε*_{{d}} = {}", fixed(*strain, 3));
-        // Below the curve, where it is high and leaves room.
+        // The note is placed below the curve where the curve is high and leaves room.
         let note = Note::new(&text, [place[0], place[1] * shift(k)]).color(color(k));
         plot = plot.note(note.shifted([-2.0, 42.0]));
     }
@@ -264,7 +265,7 @@ fn first_point(curve: &Curve) -> Option<[f64; 2]> {
     pairs(curve).into_iter().find(|point| point[0] > 0.0 && point[1] > 0.0 && point[1].is_finite())
 }
 
-/// The scores as a table: the networks, what stands beside them, and the networks with sensors that are not the run's own.
+/// The scores as a table: the networks, the baselines, and the networks with sensor values from other runs or states.
 pub fn score_table(label: &str, summary: &Summary) -> Table {
     let caption = "Relative RMSE of the mappings on unseen DEM runs (without any, on held-out states): root mean square \
                    error over the root mean square of the DEM values. Strain only: networks of the same size that see \
@@ -300,7 +301,7 @@ pub fn score_table(label: &str, summary: &Summary) -> Table {
     table
 }
 
-/// Whether the mappings use their sensors, and what for; `None` without unseen runs.
+/// Table on the use of the sensors by the mappings; `None` without unseen runs.
 pub fn sensor_table(label: &str, summary: &Summary) -> Option<Table> {
     let runs = summary.mappings.values().filter_map(|mapping| mapping.help).map(|test| test.runs).max()?;
     let caption = format!(
@@ -331,7 +332,7 @@ pub fn sensor_table(label: &str, summary: &Summary) -> Option<Table> {
     Some(table)
 }
 
-/// The scores as a picture.
+/// The scores as a figure.
 pub fn score_figure(summary: &Summary) -> (Figure, String) {
     let count = summary.mappings.len();
     let row = |k: usize| (count - 1 - k) as f64;
@@ -365,7 +366,7 @@ pub fn score_figure(summary: &Summary) -> (Figure, String) {
             .named("unseen runs, another run\u{2019}s sensors"),
         Layer::dots(points(&|m| m.relative_rmse.unseen), Shape::Circle, 4.4, color(1)).named("unseen runs"),
     ];
-    // The lines of the rows must not stretch the axis: its range is that of the marks.
+    // The range of the axis is that of the marks and does not depend on the lines of the rows.
     let values: Vec<f64> = drawn
         .iter()
         .flat_map(|layer| {
@@ -386,7 +387,8 @@ pub fn score_figure(summary: &Summary) -> (Figure, String) {
     (figure.sized(640.0, 60.0 + 36.0 * count.max(2) as f64).legend(Legend::Above), caption.to_owned())
 }
 
-/// The paper's claim that the fabric lets the network be smaller: error against size.
+/// Figure of the error as a function of the size of the networks, for the claim of the paper that the fabric permits smaller
+/// networks.
 pub fn size_figure(summary: &Summary) -> Option<(Figure, String)> {
     let study = summary.size_study.as_ref()?;
     let mut panels = Vec::new();

@@ -1,14 +1,14 @@
-//! Numbers as people read them.
+//! Readable formatting of numbers.
 
 use granum_learn::student_t::PairedTest;
 
 use super::figure::ticks::fixed;
 
-/// Narrow space that does not break, between groups of digits and before units.
+/// Narrow no-break space between groups of digits and before units.
 const THIN: char = '\u{202f}';
 
-/// A number with `digits` significant digits, marked up for [`super::figure::Rich`]; with a power of ten where it is
-/// below a thousandth or has more than five places.
+/// A number with `digits` significant digits, marked up for [`super::figure::Rich`]; with a power of ten if it is below a
+/// thousandth or has more than six digits before the decimal point.
 pub fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "–".to_owned();
@@ -17,7 +17,7 @@ pub fn significant(value: f64, digits: usize) -> String {
         return "0".to_owned();
     }
     let digits = digits.max(1) as i32;
-    // The exponent after rounding: 0.0999 to two digits is 0.10.
+    // The exponent is determined after rounding: 0.0999 with two digits is 0.10.
     let scientific = format!("{:.*e}", digits as usize - 1, value);
     let exponent: i32 = scientific.split('e').nth(1).and_then(|text| text.parse().ok()).unwrap_or(0);
     if (-3..6).contains(&exponent) {
@@ -28,7 +28,7 @@ pub fn significant(value: f64, digits: usize) -> String {
     format!("{mantissa} × 10^{{{}}}", fixed(exponent as f64, 0))
 }
 
-/// A share as a percentage with two significant digits, at most two decimals.
+/// A fraction as a percentage with two significant digits and at most two decimals.
 pub fn percent(share: f64) -> String {
     if !share.is_finite() {
         return "–".to_owned();
@@ -45,7 +45,7 @@ pub fn percent(share: f64) -> String {
     format!("{}{THIN}%", fixed(value, decimals))
 }
 
-/// A mean difference of shares in percentage points with its standard error, marked where it is above zero by its test.
+/// A mean difference in percentage points with its standard error, marked if the test finds it above zero.
 pub fn points(test: Option<PairedTest>) -> String {
     let Some(test) = test.filter(|test| test.mean.is_finite()) else { return "–".to_owned() };
     let error = test.standard_error.map_or(String::new(), |error| format!(" ± {}", fixed(100.0 * error, 2)));
@@ -53,7 +53,7 @@ pub fn points(test: Option<PairedTest>) -> String {
     format!("{}{error}{mark}", fixed(100.0 * test.mean, 2))
 }
 
-/// A whole number with groups of three digits.
+/// An integer with groups of three digits.
 pub fn whole(value: f64) -> String {
     if value.is_finite() { grouped(&fixed(value, 0)) } else { "–".to_owned() }
 }
@@ -70,7 +70,7 @@ pub fn factor(value: f64) -> String {
     whole((value / power).round() * power)
 }
 
-/// A time in the unit that suits it.
+/// A time in a suitable unit.
 pub fn duration(seconds: f64) -> String {
     if !seconds.is_finite() {
         return "–".to_owned();
@@ -100,7 +100,7 @@ pub fn quantity(value: f64, unit: &str) -> String {
     format!("{}{THIN}{prefix}{unit}", trimmed(value / factor))
 }
 
-/// At most four significant digits and no zeros at the end.
+/// A number with at most four significant digits and without trailing zeros.
 pub fn trimmed(value: f64) -> String {
     let text = significant(value, 4);
     if !text.contains('.') || text.contains('×') {
@@ -130,7 +130,7 @@ fn grouped(text: &str) -> String {
     out
 }
 
-/// Words in a row: `a`, `a and b`, `a, b and c`.
+/// A list of words: `a`, `a and b`, `a, b and c`.
 pub fn listed(words: &[String]) -> String {
     match words {
         [] => String::new(),

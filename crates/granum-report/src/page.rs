@@ -1,4 +1,4 @@
-//! The page: sections, numbered figures and tables, and what makes it one file that opens anywhere.
+//! The page: sections, numbered figures and tables in one self-contained file.
 
 use std::io::Write;
 use std::path::Path;
@@ -7,20 +7,20 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::figure::{Figure, Rich};
 
-/// A finished report: one HTML file, and each of its figures as a file of its own.
+/// A finished report: one HTML file, and each of its figures as a separate file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Document {
-    /// The page; it needs nothing beside it.
+    /// The self-contained page.
     pub html: String,
     /// Names and contents of the figures.
     pub figures: Vec<(String, String)>,
 }
 
 impl Document {
-    /// Writes `report.html` and the folder `figures`, each file beside and then renamed.
+    /// Writes `report.html` and the folder `figures`; each file is written under a temporary name and then renamed.
     ///
     /// # Errors
-    /// If a file cannot be written, with its name.
+    /// If a file cannot be written; the message names the file.
     pub fn write(&self, folder: &Path) -> granum_io::Result<()> {
         let write = |path: &Path, text: &str| {
             granum_io::atomic::write_atomically(path, |file| file.write_all(text.as_bytes()))
@@ -33,7 +33,7 @@ impl Document {
     }
 }
 
-/// A page being written.
+/// A page that is being written.
 #[derive(Debug, Default)]
 pub struct Page {
     sections: Vec<Section>,
@@ -65,7 +65,7 @@ impl Page {
         self.sections.push(Section { id: id.to_owned(), title: title.to_owned(), body });
     }
 
-    /// A figure with the label of the paper's, as `Figure 3`.
+    /// Adds a figure with the same label as in the paper, e.g. `Figure 3`.
     pub fn figure(&mut self, label: &str, file: &str, caption: &str, figure: &Figure) -> Markup {
         self.files.push((file.to_owned(), figure.to_svg()));
         html! {
@@ -76,14 +76,14 @@ impl Page {
         }
     }
 
-    /// A figure that the paper does not have: `Figure S1`, `Figure S2`...
+    /// Adds a figure that the paper does not contain: `Figure S1`, `Figure S2`...
     pub fn own_figure(&mut self, file: &str, caption: &str, figure: &Figure) -> Markup {
         self.figures += 1;
         let label = format!("Figure S{}", self.figures);
         self.figure(&label, &format!("figure-s{}-{file}.svg", self.figures), caption, figure)
     }
 
-    /// The label of the next table that the paper does not have: `Table S1`...
+    /// The label of the next table that the paper does not contain: `Table S1`...
     pub fn own_table_label(&mut self) -> String {
         self.tables += 1;
         format!("Table S{}", self.tables)
@@ -131,24 +131,24 @@ impl Page {
 /// A table: a caption, columns and rows of marked-up text.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
-    /// Label, as `Table 1`.
+    /// Label, e.g. `Table 1`.
     pub label: String,
     /// Caption.
     pub caption: String,
-    /// Heads of groups of columns and how many columns each spans; empty: none.
+    /// Headings of groups of columns with the number of columns of each; empty if there are no groups.
     pub groups: Vec<(String, usize)>,
-    /// Heads of columns.
+    /// Headings of columns.
     pub columns: Vec<String>,
     /// Cells, row by row.
     pub rows: Vec<Vec<String>>,
-    /// Number of columns at the left that hold words.
+    /// Number of columns at the left that contain text.
     pub words: usize,
-    /// Note below.
+    /// Note below the table.
     pub note: String,
 }
 
 impl Table {
-    /// A table with a caption and columns, the first of which holds words.
+    /// A table with a caption and columns, the first of which contains text.
     pub fn new(label: &str, caption: &str, columns: &[&str]) -> Self {
         Table {
             label: label.to_owned(),
@@ -164,7 +164,7 @@ impl Table {
         self.rows.push(cells);
     }
 
-    /// As HTML.
+    /// The table as HTML.
     pub fn html(&self) -> Markup {
         html! {
             div class="table" {
@@ -192,7 +192,7 @@ impl Table {
     }
 }
 
-/// Headline numbers side by side: value, what it is, and one line about it.
+/// The main numbers side by side, each with its value, its name and a remark of one line.
 pub fn tiles(tiles: &[[String; 3]]) -> Markup {
     html! {
         div class="tiles" { @for [value, name, remark] in tiles {

@@ -1,4 +1,4 @@
-//! How a sample was made: the compression curve and the way to rest, and the report of a sample by itself.
+//! The preparation of a sample: the compression curve and the approach to rest, and the report of a sample.
 
 use maud::html;
 
@@ -10,10 +10,10 @@ use super::page::{Document, Page, tiles};
 use super::run::{case_details, whose_grains};
 use super::{sample, trust};
 
-/// Phases by their numbers in the table.
+/// Names of the phases by their numbers in the table.
 const PHASES: [&str; 3] = ["compaction", "relaxation", "consolidation"];
 
-/// The rows of a phase of the last trial: they made the sample.
+/// The rows of a phase of the last trial, which gave the sample.
 fn points(run: &RunReport, phase: usize, x: &str, y: &str) -> Vec<[f64; 2]> {
     let column = |name: &str| run.preparation.values(name).unwrap_or(&[]);
     let last = column("trial").iter().copied().fold(1.0, f64::max);
@@ -23,7 +23,7 @@ fn points(run: &RunReport, phase: usize, x: &str, y: &str) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Compression curve and unbalanced force; none where the history of the preparation was not recorded.
+/// Figure of the compression curve and the unbalanced force; `None` if the history of the preparation was not recorded.
 pub fn figure(run: &RunReport) -> Option<(Figure, String)> {
     if run.preparation.rows() == 0 {
         return None;

@@ -10,7 +10,7 @@ use super::numbers::{duration, factor, quantity, significant, whole};
 use super::page::{Document, Page, paragraphs, rich, tiles};
 use super::{path, preparation, sample, trust};
 
-/// How signs and axes are meant; said once in every report.
+/// The conventions for signs and axes, which every report states once.
 pub const SIGNS: &str = "Compression is positive, for stress, strain and normal force. Axis 1 is the axis of compression, \
                          axes 2 and 3 are averaged: *q* = *σ*_{1} − *σ*_{3}, *p* = (*σ*_{1} + *σ*_{2} + *σ*_{3})/3, \
                          *ε*_{d} = *ε*_{1} − *ε*_{3}, *φ*_{d} = *φ*_{1} − *φ*_{3}. Strains are logarithmic.";
@@ -59,7 +59,7 @@ fn subtitle(run: &RunReport) -> String {
     parts.join(" · ")
 }
 
-/// What was done to the sample: the names of the stages, or the test of the paper.
+/// Description of the test: the names of the stages, or the test of the paper.
 fn test_of(case: &Case) -> String {
     if case.has_stages() {
         let stages = case.test_stages();
@@ -74,7 +74,7 @@ fn test_of(case: &Case) -> String {
     format!("axisymmetric compression at *p* = {}", quantity(stress, "Pa"))
 }
 
-/// How many grains there are, and of which packing where they are of one.
+/// The number of grains, and the packing if they are from one.
 pub fn whose_grains(run: &RunReport) -> String {
     let grains = format!("{} grains", whole(run.grains() as f64));
     match &run.run.packing {
@@ -129,7 +129,7 @@ fn headline(run: &RunReport) -> Vec<[String; 3]> {
     out
 }
 
-/// Stress, volume, contacts and fabric of one or several runs.
+/// The section on stress, volume, contacts and fabric of one or several runs.
 pub fn behaviour(page: &mut Page, runs: &[RunReport]) -> Markup {
     let Some(first) = runs.first() else { return html! {} };
     if first.case.has_stages() {
@@ -151,7 +151,7 @@ pub fn behaviour(page: &mut Page, runs: &[RunReport]) -> Markup {
     }
 }
 
-/// P(f), roses and force chains of a run.
+/// The section on P(f), roses and force chains of a run.
 pub fn force_section(page: &mut Page, run: &RunReport) -> Markup {
     let (distribution, caption) = forces::distribution(run);
     let distribution = page.own_figure("forces", &caption, &distribution);
@@ -166,7 +166,7 @@ pub fn force_section(page: &mut Page, run: &RunReport) -> Markup {
     html! { (distribution) (roses) @if let Some(slices) = slices { (slices) } @if let Some(network) = network { (network) } }
 }
 
-/// The whole case, its digest and the machine.
+/// The complete case, its digest, and the computer.
 pub fn case_details(run: &RunReport) -> Markup {
     let digest = run.case.digest_with(run.run.packing_digest());
     let mut facts = vec![match &run.run.packing {

@@ -1,4 +1,4 @@
-//! The sample against the paper's.
+//! Comparison of the sample with that of the paper.
 
 use super::data::RunReport;
 use super::numbers::{quantity, significant, whole};
@@ -6,15 +6,15 @@ use super::page::Table;
 use granum_dem::config::{Component, Contact, Material, Rate};
 use granum_dem::contact::registry::parameters_of;
 
-/// Solid fraction of the paper's sample.
+/// Solid fraction of the sample of the paper.
 pub const SOLID_FRACTION: f64 = 0.61;
-/// Coordination number of the paper's sample, "average number of load bearing contacts".
+/// Coordination number of the sample of the paper, "average number of load bearing contacts".
 pub const COORDINATION: f64 = 4.8;
-/// How near counts as met: the paper's own digits.
+/// Tolerances within which the values agree, according to the digits given in the paper.
 const SOLID_FRACTION_NEAR: f64 = 0.005;
 const COORDINATION_NEAR: f64 = 0.1;
 
-/// Definitions of the coordination number: column and name.
+/// Definitions of the coordination number, with column and name.
 const DEFINITIONS: [(&str, &str); 4] = [
     ("mechanical_coordination_number", "mechanical coordination number (grains with two contacts or more)"),
     ("coordination_number", "coordination number of all grains"),
@@ -29,7 +29,7 @@ pub fn mean_start(runs: &[RunReport], column: &str) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-/// The definition whose value is nearest to the paper's: name and value.
+/// Name and value of the definition whose value is closest to that of the paper.
 pub fn nearest_definition(runs: &[RunReport]) -> Option<(&'static str, f64)> {
     DEFINITIONS
         .into_iter()
@@ -37,7 +37,7 @@ pub fn nearest_definition(runs: &[RunReport]) -> Option<(&'static str, f64)> {
         .min_by(|a, b| (a.1 - COORDINATION).abs().total_cmp(&(b.1 - COORDINATION).abs()))
 }
 
-/// Which definition comes nearest, and what cannot be met together, in sentences.
+/// Sentences on the closest definition, and on the values that cannot be reached at the same time.
 pub fn interpretation(runs: &[RunReport]) -> Vec<String> {
     let (Some(solid), Some((name, nearest))) = (mean_start(runs, "solid_fraction"), nearest_definition(runs))
     else {
@@ -80,7 +80,7 @@ pub fn interpretation(runs: &[RunReport]) -> Vec<String> {
     sentences
 }
 
-/// The rows of the only material.
+/// The rows for a single material.
 fn of_one_material(material: &Material, row: &mut impl FnMut(&str, &str, String)) {
     row("Young\u{2019}s modulus *E*", "70 GPa", quantity(material.youngs_modulus, "Pa"));
     row("Poisson\u{2019}s ratio *ν*", "0.3", trimmed(material.poissons_ratio));
@@ -89,7 +89,7 @@ fn of_one_material(material: &Material, row: &mut impl FnMut(&str, &str, String)
     row("Density", "–", format!("{} kg/m^{{3}}", whole(material.density)));
 }
 
-/// The row of one of several materials.
+/// The row for one of several materials.
 fn row_of_component(component: &Component, row: &mut impl FnMut(&str, &str, String)) {
     let own = &component.material;
     let name = format!("Material \u{201c}{}\u{201d}", component.name);
@@ -105,7 +105,7 @@ fn row_of_component(component: &Component, row: &mut impl FnMut(&str, &str, Stri
     row(&name, "–", values);
 }
 
-/// What is said of a sample and its test: name, the paper's value and the one here.
+/// Properties of a sample and its test: name, value in the paper and value here.
 fn rows(runs: &[RunReport]) -> Vec<[String; 3]> {
     let Some(run) = runs.first() else { return Vec::new() };
     let (case, material) = (&run.case, &run.case.grains.material);
@@ -142,7 +142,7 @@ fn rows(runs: &[RunReport]) -> Vec<[String; 3]> {
     rows
 }
 
-/// Mean diameter, and how far the diameters go around it where they differ.
+/// Mean diameter, with the range of the diameters if they differ.
 fn diameter(run: &RunReport) -> String {
     let (mean, spread) = run.diameter();
     let mean = significant(1e3 * mean, 3);
@@ -154,7 +154,7 @@ fn diameter(run: &RunReport) -> String {
     }
 }
 
-/// The sample beside the paper's; without runs nothing.
+/// Table that compares the sample with that of the paper; `None` without runs.
 pub fn table(label: &str, runs: &[RunReport]) -> Option<Table> {
     runs.first()?;
     let caption = "The sample and the test beside the paper\u{2019}s. A dash: the paper does not say.";
@@ -169,7 +169,7 @@ pub fn table(label: &str, runs: &[RunReport]) -> Option<Table> {
     Some(table)
 }
 
-/// The sample and the test of one run by themselves.
+/// Table of the sample and the test of one run, without comparison.
 pub fn own_table(label: &str, run: &RunReport) -> Table {
     let caption = match run.run.kind.as_str() {
         "prepare" => "The sample.",

@@ -1,4 +1,4 @@
-//! The report of a study: the whole paper, and what to make of it.
+//! The report of a study: the reproduction of the whole paper, with its interpretation.
 
 use granum_learn::Summary;
 use granum_learn::antony2006::figures::Figure as FigureData;
@@ -12,20 +12,20 @@ use super::page::{Document, Page, Table, paragraphs, rich, tiles};
 use super::run::{SIGNS, behaviour, case_details, force_section};
 use super::{many_runs, networks, sample, symbols, tables, trust};
 
-/// Everything that the report of a study is made from.
+/// The data of the report of a study.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StudyReport {
-    /// The study in numbers.
+    /// The numerical results of the study.
     pub summary: Summary,
     /// The curves of Figures 3-8.
     pub figures: Vec<FigureData>,
-    /// The DEM runs, training runs first. Pictures are drawn of the first.
+    /// The DEM runs, with the training runs first. The pictures show the first run.
     pub runs: Vec<RunReport>,
-    /// The command that made it, to be repeated.
+    /// The command with which the study can be repeated.
     pub command: String,
-    /// Hash of the data set that the networks were trained on.
+    /// Hash of the data set of the networks.
     pub dataset_hash: String,
-    /// Seed of the networks' weights.
+    /// Seed of the study, from which the seeds of the networks are derived.
     pub network_seed: u64,
 }
 
@@ -79,7 +79,7 @@ fn subtitle(study: &StudyReport) -> String {
     text
 }
 
-/// What the paper could not say: which sensors help, by how much, and from how many runs on.
+/// The section with results beyond the paper: which sensors reduce the error, by how much, and from how many runs on.
 fn many_runs_section(page: &mut Page, study: &StudyReport) {
     if let Some(curve) = &study.summary.learning_curve {
         let body = many_runs::section(page, curve);
@@ -160,7 +160,7 @@ fn claims_section(page: &mut Page, study: &StudyReport) {
 }
 
 fn interpretation_section(page: &mut Page, study: &StudyReport) {
-    // Size and speed have a section of their own.
+    // Size and speed have a separate section.
     let elsewhere: Vec<String> = (study.summary.size_study.iter())
         .flat_map(granum_learn::antony2006::interpretation::read_size_study)
         .chain([granum_learn::antony2006::interpretation::read_speed(&study.summary.speed)])

@@ -1,6 +1,6 @@
-//! Symbols as the paper sets them.
+//! Symbols in the notation of the paper.
 
-/// Marks up the symbols in a plain text of granum-learn: `φ_d` becomes φ with a subscript, `F1` a numbered F.
+/// Marks up the symbols in a plain text from granum-learn: `φ_d` becomes φ with a subscript, `F1` an F with a subscript.
 pub fn markup(text: &str) -> String {
     let mut out = text.to_owned();
     for (plain, marked) in
@@ -14,7 +14,7 @@ pub fn markup(text: &str) -> String {
     out
 }
 
-/// The name of a mapping, marked up.
+/// The marked-up name of a mapping.
 pub fn mapping(name: &str) -> String {
     match name.strip_prefix('F') {
         Some(number) if !number.is_empty() => format!("*F*_{{{number}}}"),

@@ -1,4 +1,4 @@
-//! Tables 1-6: the paper's columns and ours.
+//! Tables 1-6, with the columns of the paper and those of this study.
 
 use granum_learn::antony2006::mapping::{Mapping, SubModel, paper_mappings};
 use granum_learn::antony2006::summary::{MappingSummary, SubModelSummary};
@@ -7,13 +7,14 @@ use super::numbers::{percent, trimmed, whole};
 use super::page::Table;
 use super::symbols;
 
-/// Number of the paper's table for a mapping.
+/// Number of the table of a mapping in the paper.
 pub fn table_number(mapping: &str) -> Option<usize> {
     let number: usize = mapping.strip_prefix('F')?.parse().ok()?;
     (1..=6).contains(&number).then_some(number)
 }
 
-/// The paper's table of a mapping with ours beside it; `None` for a mapping that the paper does not have.
+/// The table of a mapping in the paper, together with the results of this study; `None` for a mapping that is not in the
+/// paper.
 pub fn table(name: &str, ours: &MappingSummary) -> Option<Table> {
     let paper: Mapping = paper_mappings().into_iter().find(|mapping| mapping.name == name)?;
     let label = format!("Table {}", table_number(name)?);
@@ -50,7 +51,7 @@ fn dashes(count: usize) -> Vec<String> {
 }
 
 fn range([low, high]: [f64; 2]) -> String {
-    // Word joiners keep the dash from breaking a line.
+    // Word joiners prevent a line break at the dash.
     format!("{}\u{2060}–\u{2060}{}", trimmed(low), trimmed(high))
 }
 
@@ -79,7 +80,7 @@ fn our_cells(model: &SubModelSummary) -> Vec<String> {
     ]
 }
 
-/// Why training ended, once each.
+/// The reasons why training ended, without repetitions.
 fn endings(models: &[SubModelSummary]) -> String {
     let mut reasons: Vec<String> =
         models.iter().map(|model| model.termination.replace(['_', '-'], " ")).collect();

@@ -1,4 +1,4 @@
-//! The section that says whether the runs can be trusted.
+//! The section on the quality of the runs.
 
 use granum_io::run::QualityFlag;
 use maud::{Markup, html};
@@ -11,7 +11,7 @@ use super::material::strain_axis;
 use super::numbers::{listed, percent, significant};
 use super::page::{Page, Table, rich};
 
-/// Servo, rate and balance.
+/// Figure of the servo error, the inertial number and the unbalanced force.
 fn figure(run: &RunReport) -> (Figure, String) {
     let axis = || strain_axis(std::slice::from_ref(run));
     let percentage = |column: &str| -> Vec<[f64; 2]> {
@@ -25,7 +25,7 @@ fn figure(run: &RunReport) -> (Figure, String) {
         .with_all(limits)
         .with(Layer::line(percentage("servo_error_largest"), color(1)).named("worst"))
         .with(Layer::line(percentage("servo_error_rms"), color(0)).named("rms"));
-    // The sample at rest, where both vanish, is no part of the test.
+    // The sample at rest is excluded, since both quantities vanish there.
     let sheared = |column: &str| -> Vec<[f64; 2]> {
         run.against_strain(column).into_iter().filter(|[strain, _]| *strain > 1e-9).collect()
     };
@@ -48,7 +48,7 @@ fn figure(run: &RunReport) -> (Figure, String) {
     (Figure::new("Servo error, inertial number and unbalanced force", 2, panels), caption.to_owned())
 }
 
-/// Names of judgements for people, and whether they are shares.
+/// Readable names of quality flags, and whether their values are fractions.
 const NAMES: [(&str, &str, bool); 18] = [
     ("sample_unbalanced_force", "Unbalanced force of the sample at rest", false),
     ("sample_mean_stress_missed_by", "Mean stress of the sample less its target", true),
@@ -84,7 +84,7 @@ fn number(flag: &QualityFlag, value: f64) -> String {
     if is_share { percent(value) } else { significant(value, 2) }
 }
 
-/// A list of flags.
+/// A list of quality flags.
 fn list(flags: &[QualityFlag]) -> Markup {
     html! {
         ul class="flags" { @for flag in flags {
@@ -97,7 +97,7 @@ fn list(flags: &[QualityFlag]) -> Markup {
     }
 }
 
-/// Flags of several runs as a table.
+/// The quality flags of several runs as a table.
 fn table(label: &str, runs: &[RunReport]) -> Table {
     let mut heads = vec!["Check".to_owned(), "Limit".to_owned()];
     heads.extend(runs.iter().map(|run| run.name.clone()));
@@ -118,14 +118,14 @@ fn table(label: &str, runs: &[RunReport]) -> Table {
     table
 }
 
-/// Where the work of the boundary went, in a sentence.
+/// A sentence on the energy balance.
 fn energy_sentence(run: &RunReport) -> Option<String> {
     let shares = energy::shares(&run.record);
     let named: Vec<String> = (shares.iter())
         .filter(|(_, share)| *share >= 0.005)
         .map(|(name, share)| format!("{name} {}", percent(*share)))
         .collect();
-    // One definition in one report: where the run was judged, the figure is that of the check.
+    // A report should use a single definition: if the run has quality flags, the value is that of the flag.
     let judged = run.run.quality.iter().find(|flag| flag.name == "energy_gap").map(|flag| flag.value);
     let closes = match judged {
         Some(gap) => {
@@ -139,12 +139,12 @@ fn energy_sentence(run: &RunReport) -> Option<String> {
     Some(format!("Of the work that the boundary did: {}. {closes}.", listed(&named)))
 }
 
-/// The section of a sample that was not sheared.
+/// The section for a sample that was not sheared.
 pub fn sample_section(run: &RunReport) -> Markup {
     html! { p { (verdict(std::slice::from_ref(run))) } (list(&run.run.quality)) }
 }
 
-/// Whether runs keep their limits.
+/// A sentence that states whether runs are within their limits.
 fn verdict(runs: &[RunReport]) -> String {
     let broken: Vec<&str> = runs.iter().filter(|r| !r.run.is_good()).map(|r| r.name.as_str()).collect();
     let unjudged = runs.iter().any(|r| r.run.quality.is_empty());

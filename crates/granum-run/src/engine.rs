@@ -1,5 +1,5 @@
-//! What runs a case: an [`Engine`]. granum's own is [`Native`](native::Native); the next one is its file and its line in
-//! [`Engines::standard`], and a program of one's own adds its engine with [`Engines::with`].
+//! An [`Engine`] executes the run of a case. The engine of granum is [`Native`](native::Native); a new one needs a file in
+//! this folder and a line in [`Engines::standard`], and a program can add its own engine with [`Engines::with`].
 
 pub mod native;
 
@@ -12,17 +12,17 @@ use granum_io::run::{Machine, RunFolder, RunRecord};
 
 use crate::laboratory::{Laboratory, LaboratoryError, Source};
 
-/// What an engine is to run.
+/// The task of an engine.
 #[derive(Clone, Copy)]
 #[non_exhaustive]
 pub struct Task<'a> {
-    /// `prepare` for a sample alone, `shear` for a test.
+    /// `prepare` for a sample only, `shear` for a test.
     pub kind: &'a str,
-    /// The case, which decides the result.
+    /// The case, which determines the result.
     pub case: &'a Case,
-    /// Where the sample comes from.
+    /// The source of the sample.
     pub source: &'a Source,
-    /// The laboratory: hardware, sensors, time between checkpoints. Nothing of it decides a result.
+    /// The laboratory: hardware, sensors, interval of checkpoints. It does not influence the result.
     pub laboratory: &'a Laboratory,
 }
 
@@ -32,10 +32,10 @@ impl<'a> Task<'a> {
         Task { kind, case, source, laboratory }
     }
 
-    /// The record of a run of this task by an engine, as it begins.
+    /// The initial record of a run of this task by an engine.
     ///
     /// # Errors
-    /// If the sample is a file that cannot be read.
+    /// If the file of the sample cannot be read.
     pub fn record(&self, engine: &dyn Engine) -> Result<RunRecord, LaboratoryError> {
         let Laboratory { hardware, version, .. } = self.laboratory;
         let machine = Machine::here(hardware.isa.name(), hardware.threads);
@@ -46,21 +46,21 @@ impl<'a> Task<'a> {
     }
 }
 
-/// What a [`PlannedRun`] does with the folder of its run.
+/// The work of a [`PlannedRun`] in the folder of its run.
 type Work<'a> = dyn FnOnce(&RunFolder, &mut dyn Observer) -> Result<RunRecord, LaboratoryError> + 'a;
 
-/// A run that is about to begin: what it begins with was found good, and nothing is written yet.
+/// A run whose inputs have been checked and which has not written anything yet.
 pub struct PlannedRun<'a>(Box<Work<'a>>);
 
 impl<'a> PlannedRun<'a> {
-    /// A run that does this with its folder.
+    /// A run that calls `work` with its folder.
     pub fn new(
         work: impl FnOnce(&RunFolder, &mut dyn Observer) -> Result<RunRecord, LaboratoryError> + 'a,
     ) -> PlannedRun<'a> {
         PlannedRun(Box::new(work))
     }
 
-    /// Runs to the end, or until the observer stops it.
+    /// Executes the run until its end, or until the observer stops it.
     ///
     /// # Errors
     /// [`LaboratoryError`]; the record in the folder then has the status `failed`.
@@ -69,14 +69,14 @@ impl<'a> PlannedRun<'a> {
     }
 }
 
-/// Turns a case into a run folder: `case.toml`, `series.parquet`, `forces.parquet`, `run.json`.
+/// An engine executes a case and writes a run folder: `case.toml`, `series.parquet`, `forces.parquet`, `run.json`.
 ///
 /// ```
 /// use granum_dem::observer::{NoObserver, Observer};
 /// use granum_io::{Case, RunFolder, RunStatus};
 /// use granum_run::{PlannedRun, Engine, Laboratory, LaboratoryError, Source, Task};
 ///
-/// /// Gives the record of a run that was made before.
+/// /// Reproduces the record of an earlier run.
 /// struct Replay(std::path::PathBuf);
 ///
 /// impl Engine for Replay {
@@ -87,7 +87,7 @@ impl<'a> PlannedRun<'a> {
 ///         "the record of a run that was made before"
 ///     }
 ///     fn begin<'a>(&'a self, task: Task<'a>, _: &mut dyn Observer) -> Result<PlannedRun<'a>, LaboratoryError> {
-///         // What cannot be run is refused here, before there is a folder.
+///         // Invalid tasks are refused here, before a folder is created.
 ///         let recorded = granum_io::Run::at(&self.0)?;
 ///         let mut record = task.record(self)?;
 ///         Ok(PlannedRun::new(move |folder, _| {
@@ -116,24 +116,24 @@ impl<'a> PlannedRun<'a> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Engine: Send + Sync {
-    /// Its name, which the record of a run has.
+    /// Name of the engine, which is stored in the record of a run.
     fn name(&self) -> &'static str;
 
-    /// What it is, in a few words.
+    /// A short description of the engine.
     fn help(&self) -> &'static str;
 
-    /// Reads what a run begins with and refuses what this engine cannot run. Nothing is written, so that a mistake leaves no
-    /// folder behind.
+    /// Reads and checks the inputs of a run, and refuses what this engine cannot execute. Nothing is written, so that a
+    /// mistake leaves no folder behind.
     ///
     /// # Errors
-    /// What is wrong with the case, the sample or the machine.
+    /// If the case or the sample is invalid, or the computer is not sufficient.
     fn begin<'a>(
         &'a self,
         task: Task<'a>,
         observer: &mut dyn Observer,
     ) -> Result<PlannedRun<'a>, LaboratoryError>;
 
-    /// Runs a task in a folder to its end, or until the observer stops it.
+    /// Executes a task in a folder until its end, or until the observer stops it.
     ///
     /// # Errors
     /// As [`Engine::begin`] and [`PlannedRun::run`].
@@ -146,10 +146,10 @@ pub trait Engine: Send + Sync {
         self.begin(task, observer)?.run(folder, observer)
     }
 
-    /// Goes on with a run that was interrupted, killed or failed.
+    /// Resumes a run that was interrupted, was killed or failed.
     ///
     /// # Errors
-    /// [`EngineError::CannotResume`] unless the engine can.
+    /// [`EngineError::CannotResume`] unless the engine supports it.
     fn resume(
         &self,
         laboratory: &Laboratory,
@@ -161,7 +161,7 @@ pub trait Engine: Send + Sync {
     }
 }
 
-/// An engine that cannot be taken.
+/// The reason why an engine cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EngineError {
@@ -170,16 +170,16 @@ pub enum EngineError {
     Unknown {
         /// The name.
         name: String,
-        /// The nearest name, or all names that there are.
+        /// The nearest name, or all existing names.
         suggestion: String,
     },
-    /// Its name is that of another one.
+    /// There is already an engine of the same name.
     #[error("there is already an engine {name:?}: give the new one another name")]
     NameTaken {
         /// The name.
         name: &'static str,
     },
-    /// It cannot go on with runs.
+    /// The engine cannot resume runs.
     #[error(
         "the engine {engine} cannot go on with a run that was interrupted: run it again in another folder"
     )]
@@ -187,7 +187,7 @@ pub enum EngineError {
         /// Its name.
         engine: &'static str,
     },
-    /// It failed in a way of its own.
+    /// The engine failed.
     #[error("the engine {engine}: {what}")]
     Failed {
         /// Its name.
@@ -197,7 +197,7 @@ pub enum EngineError {
     },
 }
 
-/// The engines that a program knows.
+/// The registry of the engines of a program.
 ///
 /// ```
 /// let engines = granum_run::Engines::standard();
@@ -209,15 +209,15 @@ pub enum EngineError {
 pub struct Engines(Vec<Arc<dyn Engine>>);
 
 impl Engines {
-    /// Those that come with granum.
+    /// The formats that come with granum.
     pub fn standard() -> Engines {
         Engines(vec![Arc::new(native::Native)])
     }
 
-    /// The same engines and one more.
+    /// Adds an engine.
     ///
     /// # Errors
-    /// [`EngineError::NameTaken`].
+    /// [`EngineError::NameTaken`] if there is already an engine of the same name.
     pub fn with(mut self, engine: impl Engine + 'static) -> Result<Engines, EngineError> {
         let name = engine.name();
         if self.names().any(|known| known == name) {
@@ -232,10 +232,10 @@ impl Engines {
         self.0.iter().map(|engine| engine.name())
     }
 
-    /// The engine of that name.
+    /// The engine of the given name.
     ///
     /// # Errors
-    /// [`EngineError::Unknown`] with the nearest name.
+    /// [`EngineError::Unknown`] with the most similar name.
     pub fn named(&self, name: &str) -> Result<&dyn Engine, EngineError> {
         let found = self.0.iter().find(|engine| engine.name() == name);
         found.map(|engine| &**engine).ok_or_else(|| EngineError::Unknown {

@@ -1,5 +1,5 @@
-//! Runs: the [`laboratory`] makes samples and tests them and leaves run folders that survive a kill; an [`engine`] does the
-//! work.
+//! Runs of simulations: the [`laboratory`] prepares samples, tests them, and writes run folders from which an interrupted or
+//! killed run can be resumed. The runs are executed by an [`engine`].
 //!
 //! ```text
 //! Case --> Laboratory --> run folder: case, snapshots, checkpoint, record

@@ -1,4 +1,4 @@
-//! The record of a test in the folder of its run: the series, and a table for each histogram.
+//! The record of a test in the folder of its run: the series, and one table for each histogram.
 
 use granum_io::{Error, Result, Run, RunFolder};
 use granum_sensors::Record;
@@ -22,7 +22,7 @@ pub fn write_record(folder: &RunFolder, record: &Record) -> Result<()> {
 /// Reads the record of a run.
 ///
 /// # Errors
-/// If a file is missing or damaged, or the two are no record; the message names the file or folder.
+/// If a file is missing or damaged, or if the two files are not the record of a test; the message names the file or folder.
 pub fn read_record(run: &Run) -> Result<Record> {
     let mut tables = vec![(FORCES.to_string(), run.forces()?)];
     for name in run.histograms()? {

@@ -1,4 +1,4 @@
-//! Times one look at an assembly of the size of the paper's: 5000 grains, 13000 contacts.
+//! Measures the time of one observation of an assembly as large as that of the paper: 5000 grains, 13000 contacts.
 //!
 //! `cargo run --release -p granum-sensors --example look_time`
 

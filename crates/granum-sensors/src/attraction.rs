@@ -36,7 +36,7 @@ impl Sensor for Attraction {
         let assembly = look.assembly;
         let pairs = assembly.contacts.iter().chain(&assembly.apart);
         let energy: f64 = pairs.map(|pair| pair.attraction_energy).sum();
-        // A sum of nothing is minus zero.
+        // The sum over no contacts is minus zero.
         values.extend([energy + 0.0, assembly.energy.attraction_loss, assembly.apart.len() as f64]);
     }
 }

@@ -1,12 +1,12 @@
-//! Coordination numbers: contacts a grain, by several definitions.
+//! Coordination numbers: contacts per grain, by several definitions.
 //!
-//! With N_k contacts, N grains, and N_0 and N_1 grains with no and with one contact:
+//! With N_k contacts, N grains, and N_0 and N_1 grains with no contact and with one contact:
 //! - coordination number `Z = 2 N_k / N`;
-//! - mechanical coordination number `Z_m = (2 N_k - N_1) / (N - N_0 - N_1)` (Thornton 2000): the mean number of
-//!   contacts of the grains that have at least two;
-//! - compressive coordination number: Z with the contacts in compression alone, those that bear load;
-//! - backbone coordination number: Z after grains with fewer than two contacts were taken out together with their
-//!   contacts, again and again until none is left.
+//! - mechanical coordination number `Z_m = (2 N_k - N_1) / (N - N_0 - N_1)` (Thornton 2000): the mean number of contacts of
+//!   the grains that have at least two;
+//! - compressive coordination number: Z of the contacts in compression only, which carry load;
+//! - backbone coordination number: Z after the grains with fewer than two contacts have been removed together with their
+//!   contacts, repeatedly until none is left.
 //!
 //! Rattlers are the grains with fewer than two contacts: N_0 + N_1.
 
@@ -72,17 +72,17 @@ pub struct Coordination {
     pub mechanical: f64,
     /// Z of the contacts in compression.
     pub compressive: f64,
-    /// Z of what is left when rattlers are taken out repeatedly.
+    /// Z of the grains that are left after repeated removal of the rattlers.
     pub backbone: f64,
     /// (N_0 + N_1) / N.
     pub rattler_fraction: f64,
 }
 
 impl Coordination {
-    /// Measures them; 0 where there is no grain to divide by.
+    /// Computes the coordination numbers; 0 where there is no grain to divide by.
     pub fn of(look: &Look) -> Self {
         let grains = look.assembly.grains.len();
-        // A contact of a grain that is not there (another code's file) is not counted.
+        // A contact with a grain that does not exist (in a file of another code) is not counted.
         let contacts: Vec<&Contact> =
             look.assembly.contacts.iter().filter(|contact| contact.i.max(contact.j) < grains).collect();
         let mut degree = vec![0u32; grains];
@@ -103,7 +103,8 @@ impl Coordination {
     }
 }
 
-/// Coordination number of what is left when grains with fewer than two contacts are taken out until none is left.
+/// Coordination number of the contacts that are left after grains with fewer than two contacts have been removed until none
+/// is left.
 fn backbone(contacts: &[&Contact], mut degree: Vec<u32>) -> f64 {
     let mut left: Vec<(usize, usize)> = contacts.iter().map(|c| (c.i, c.j)).collect();
     loop {
@@ -143,7 +144,7 @@ mod tests {
         }
     }
 
-    /// A ring of three grains with a tail of two, and one grain alone.
+    /// A ring of three grains with a tail of two, and one isolated grain.
     #[test]
     fn rattlers_are_counted_by_each_definition() {
         let grains = vec![Grain { radius: 1.0, ..Default::default() }; 6];

@@ -1,10 +1,10 @@
-//! Fabric: how contacts are oriented.
+//! Fabric: the orientation of the contacts.
 //!
-//! Satake (1982): `phi_ij = <n_i n_j>`, the mean over the contacts, n the unit normal; its trace is 1. Deviator
-//! `phi_d = phi_1 - phi_3` with axis 1 the axis of compression and axes 2 and 3 averaged; also over strong
-//! (`N > <N>`) and weak contacts alone, each divided by its own number of contacts (Radjai et al. 1998). The
-//! difference of the largest and smallest eigenvalue is given beside: it knows no axis, but is biased upward by
-//! noise (a finite isotropic sample has a small positive one).
+//! Satake (1982): `phi_ij = <n_i n_j>`, the mean over the contacts, with n the unit normal; its trace is 1. Deviator
+//! `phi_d = phi_1 - phi_3`, where axis 1 is the axis of compression and axes 2 and 3 are averaged; also over strong
+//! (`N > <N>`) and weak contacts separately, each divided by its own number of contacts (Radjai et al. 1998). The difference
+//! of the largest and smallest eigenvalue is reported as well: it is independent of the axes, but biased upwards by noise
+//! (it is positive even for a finite isotropic sample).
 
 use granum_core::Part;
 use granum_core::assembly::{Contact, Matrix};
@@ -52,7 +52,7 @@ impl Sensor for Fabric {
     }
 }
 
-/// Fabric tensor of the contacts that are chosen, and their number; zero of none.
+/// Fabric tensor of the selected contacts, and their number; zero without any.
 pub fn fabric(look: &Look, chosen: impl Fn(&Contact) -> bool) -> (Matrix, usize) {
     let mut sum = [[0.0; 3]; 3];
     let mut count = 0;
@@ -115,8 +115,8 @@ mod tests {
         assert!((row[10] - 1.0 / 3.0).abs() < 1e-12);
     }
 
-    /// Second way: the fabric along the axis from the histogram of orientations, whose bins are uniform in the
-    /// cosine up to their width.
+    /// Independent check: the fabric along the axis from the histogram of orientations, with the cosine uniform within each
+    /// bin.
     #[test]
     fn the_rose_gives_the_same_fabric() {
         let assembly = lattice::random_contacts(400, 7);

@@ -1,11 +1,11 @@
 //! Distribution of the contact normal forces: moments, tail and histogram.
 //!
-//! `f = N/<N>`, the mean over all contacts, tension negative. `<f^2>` is 1 for equal forces. The range f > 1 is
-//! fitted by maximum likelihood to an exponential, `beta exp(-beta (f - 1))`, and to a half-Gaussian,
-//! `exp(-f^2 / 2 s^2) / integral_1^inf` (Antony 2001 found the half-Gaussian under shear); the difference of their
-//! log-likelihoods per strong contact says which is nearer.
+//! `f = N/<N>`, with the mean over all contacts, tension negative. `<f^2>` is 1 for equal forces. In the range f > 1 an
+//! exponential, `beta exp(-beta (f - 1))`, and a half-Gaussian, `exp(-f^2 / 2 s^2) / integral_1^inf`, are fitted by maximum
+//! likelihood (Antony 2001 found the half-Gaussian under shear); the difference of their log-likelihoods per strong contact
+//! shows which of them fits better.
 //!
-//! Without contacts, or where `<N>` is not positive, f has no meaning and every moment is 0.
+//! Without contacts, or where `<N>` is not positive, f is undefined and every moment is 0.
 
 use crate::look::mean;
 use crate::numerics::{ln, mills_ratio};
@@ -92,8 +92,8 @@ fn count(look: &Look, histogram: &mut Histogram) {
 /// Name of the histogram of f.
 pub const FORCES: &str = "forces";
 
-/// Smallest f with a bin of its own; adhesive contacts pull with at most the pull-off force, a fraction of `<N>` in
-/// a confined sample.
+/// Smallest f with its own bin; the tension of adhesive contacts is at most the pull-off force, a fraction of `<N>` in a
+/// confined sample.
 pub const SMALLEST_FORCE: f64 = -2.0;
 
 /// Fits to the tail f > 1 of a distribution of forces.
@@ -120,7 +120,7 @@ impl TailFit {
         let decay = 1.0 / excess;
         let x = inverse_width(mean_square);
         let width = 1.0 / x;
-        // ln of the normalised density: -(f^2 - 1)/2s^2 - ln(s R(1/s)), R Mills' ratio.
+        // Logarithm of the normalised density: -(f^2 - 1)/2s^2 - ln(s R(1/s)), with R Mills' ratio.
         let half_gaussian = -0.5 * (mean_square - 1.0) * x * x - ln(width * mills_ratio(x));
         TailFit {
             exponential_decay: decay,
@@ -131,8 +131,8 @@ impl TailFit {
     }
 }
 
-/// x = 1/s that solves `<f^2> = s^2 (1 + x/R(x))`, R Mills' ratio with `R' = x R - 1`: Newton's method, kept in a
-/// bracket, since the right side falls from infinity to 1.
+/// The solution x = 1/s of `<f^2> = s^2 (1 + x/R(x))`, R Mills' ratio with `R' = x R - 1`, by Newton's method with a
+/// bracket: the right-hand side decreases from infinity to 1.
 fn inverse_width(mean_square: f64) -> f64 {
     let (mut low, mut high) = (0.0, 20.0);
     let mut x = 1.0;
@@ -162,7 +162,7 @@ mod tests {
     use crate::sensor::measured;
     use proptest::prelude::*;
 
-    /// Contacts whose forces are the quantiles of a distribution, so that means are integrals.
+    /// Contacts whose forces are the quantiles of a distribution, so that means become integrals.
     fn assembly_of(forces: impl Iterator<Item = f64>) -> granum_core::assembly::Assembly {
         let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4);
         let contact = assembly.contacts[0];
@@ -192,7 +192,7 @@ mod tests {
 
     #[test]
     fn half_gaussian_forces_win_the_tail_with_their_width() {
-        // Density ~ exp(-f^2 / 2 s^2) on f > 0: <N> = s sqrt(2/pi), so in units of <N> s = sqrt(pi/2).
+        // Density ~ exp(-f^2 / 2 s^2) for f > 0: <N> = s sqrt(2/pi), hence s = sqrt(pi/2) in units of <N>.
         let n = 100_000;
         let forces = inverse_half_gaussian(n);
         let assembly = assembly_of(forces.into_iter());
@@ -203,7 +203,7 @@ mod tests {
         assert!(row[5] < -0.01, "advantage {}", row[5]);
     }
 
-    /// Quantiles of the half-normal distribution by stepping through its cumulative function.
+    /// Quantiles of the half-normal distribution, by stepwise integration of its density.
     fn inverse_half_gaussian(n: usize) -> Vec<f64> {
         let h = 1e-5;
         let density = |x: f64| (2.0 / std::f64::consts::PI).sqrt() * (-0.5 * x * x).exp();

@@ -79,7 +79,7 @@ impl Histogram {
     /// 0.25.
     pub fn new(bin_width: f64, smallest: f64, largest: f64) -> Self {
         let bin_width = if bin_width.is_finite() && bin_width > 0.0 { bin_width } else { 0.25 };
-        // The rounding guard keeps 6.0 / 0.1 at 60 bins.
+        // The tolerance for rounding keeps 6.0 / 0.1 at 60 bins.
         let first = (smallest / bin_width + 1e-9).floor() as i64;
         let last = ((largest / bin_width - 1e-9).ceil() as i64).max(first.saturating_add(1));
         let bins = last.saturating_sub(first).clamp(1, MOST_BINS) as usize;
@@ -93,7 +93,7 @@ impl Histogram {
 
     /// Counts a value that is given in widths of a bin.
     pub fn add_in_widths(&mut self, value: f64) {
-        // From the first bin on positions are positive and the cast rounds down.
+        // From the first bin on positions are positive, so that the cast rounds down.
         let position = value - self.first_bin as f64;
         if position < 0.0 {
             self.below += 1;

@@ -1,9 +1,8 @@
 //! Inertial number `I = strain_rate * d * sqrt(rho / p)` (GDR MiDi 2004).
 //!
-//! The strain rate is the largest component of the velocity gradient in absolute value: the axial rate in
-//! axisymmetric compression, the shear rate in simple shear. d is the mean diameter, rho the density of the solid
-//! (with any density scaling, since it comes from the masses), p the measured mean stress. 0 where p is not
-//! positive.
+//! The strain rate is the component of the velocity gradient with the largest absolute value: the axial rate in axisymmetric
+//! compression, the shear rate in simple shear. d is the mean diameter, rho the density of the solid (including any density
+//! scaling, since it is computed from the masses), p the measured mean stress. 0 where p is not positive.
 
 use crate::solid_fraction::grain_volume;
 use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
@@ -51,7 +50,7 @@ mod tests {
     use super::*;
     use crate::lattice;
 
-    /// The paper's case: 20 kPa, d = 0.1 mm, 2650 kg/m3 scaled by 1e12, 1e-5 /s is I = 3.640e-4.
+    /// The case of the paper: with 20 kPa, d = 0.1 mm, 2650 kg/m3 scaled by 1e12, and 1e-5 /s, I = 3.640e-4.
     #[test]
     fn the_papers_rate_with_its_density_scaling() {
         let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 2e-4);

@@ -1,5 +1,5 @@
-//! Invariants of stress and strain that know no axis of compression, and the shear strains: the further columns of tests that
-//! are given as stages. The formulas stand in [`granum_dem::invariants`].
+//! Invariants of stress and strain that do not refer to an axis of compression, and the shear strains: the additional
+//! columns of tests that are given as stages. The formulas are in [`granum_dem::invariants`].
 
 use granum_core::Part;
 use granum_dem::invariants::{
@@ -86,7 +86,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// No axis has a part of its own: a turned assembly has the same invariants of the stress.
+        /// No axis is treated differently from the others: a rotated assembly has the same invariants of the stress.
         #[test]
         fn invariants_stay_where_the_assembly_is_turned(seed in 0u64..1000, axis in prop::array::uniform3(-1.0..1.0f64)) {
             prop_assume!(axis.iter().map(|x| x * x).sum::<f64>() > 0.01);

@@ -1,10 +1,10 @@
-//! Assemblies built by hand, for the tests of the sensors.
+//! Simple assemblies for the tests of the sensors.
 
 use granum_core::assembly::{Assembly, Contact, Grain, Matrix, Vector};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// Simple cubic lattice of n^3 spheres of diameter d, strained so that neighbours stand at d (1 - strain).
+/// Simple cubic lattice of n^3 spheres of diameter d, strained so that neighbours are at a distance of d (1 - strain).
 pub(crate) fn simple_cubic(n: usize, d: f64, strain: f64, force: f64) -> Assembly {
     let spacing = d * (1.0 - strain);
     build(n, spacing, &[[0.0; 3]], d, spacing, force)
@@ -119,7 +119,7 @@ pub(crate) fn rotation(axis: Vector, angle: f64) -> Matrix {
     ]
 }
 
-/// The whole assembly turned.
+/// The whole assembly, rotated.
 pub(crate) fn rotated(assembly: &Assembly, q: &Matrix) -> Assembly {
     let turn = |v: Vector| std::array::from_fn(|i| (0..3).map(|j| q[i][j] * v[j]).sum());
     let mut out = assembly.clone();

@@ -1,12 +1,12 @@
-//! One look at an assembly: the assembly and what several sensors need of it.
+//! One observation of an assembly: the assembly and the quantities that several sensors need.
 
 use granum_core::assembly::{Assembly, Contact};
 
 use crate::stress::Stress;
 
-/// An assembly with its volume, its mean normal force, which divides strong from weak contacts, and its stress.
+/// An assembly with its volume, its mean normal force, which separates strong from weak contacts, and its stress.
 pub struct Look<'a> {
-    /// What is looked at.
+    /// The observed assembly.
     pub assembly: &'a Assembly,
     /// Mean `<N>` of the elastic normal forces of all contacts, tension negative, N; 0 without contacts.
     pub mean_normal_force: f64,
@@ -17,7 +17,7 @@ pub struct Look<'a> {
 }
 
 impl<'a> Look<'a> {
-    /// Looks at an assembly.
+    /// Observes an assembly.
     pub fn new(assembly: &'a Assembly) -> Self {
         let sum: f64 = assembly.contacts.iter().map(|contact| contact.normal_force).sum();
         let mut look = Look {
@@ -36,12 +36,12 @@ impl<'a> Look<'a> {
     }
 }
 
-/// `sum / count`, and 0 of nothing.
+/// `sum / count`, and 0 if the count is 0.
 pub(crate) fn mean(sum: f64, count: usize) -> f64 {
     if count == 0 { 0.0 } else { sum / count as f64 }
 }
 
-/// `part / whole`, and 0 where there is no whole.
+/// `part / whole`, and 0 if the whole is 0.
 pub(crate) fn ratio(part: f64, whole: f64) -> f64 {
     if whole == 0.0 { 0.0 } else { part / whole }
 }

@@ -1,4 +1,4 @@
-//! Elementary functions from operations that give the same bits on every machine.
+//! Elementary functions composed of operations that give the same bits on every machine.
 
 use granum_simd::exp;
 
@@ -6,7 +6,7 @@ use granum_simd::exp;
 pub(crate) fn ln(x: f64) -> f64 {
     let exponent = ((x.to_bits() >> 52) as i64 - 1023) as f64;
     let mut y = (exponent + 0.5) * std::f64::consts::LN_2;
-    // Halley's method on e^y = x: the error is cubed each time, from at most 0.35 at the start.
+    // Halley's method for e^y = x: each iteration cubes the error, which is at most 0.35 at the start.
     for _ in 0..4 {
         let e: f64 = exp(y);
         y += 2.0 * (x - e) / (x + e);
@@ -18,7 +18,7 @@ pub(crate) fn ln(x: f64) -> f64 {
 /// rule; relative error below 1e-9 for x < 20.
 pub(crate) fn mills_ratio(x: f64) -> f64 {
     const INTERVALS: usize = 256;
-    // Beyond this the integrand is below e^-40 of its value at 0.
+    // Beyond this point the integrand is below e^-40 of its value at 0.
     let end = (x * x + 80.0).sqrt() - x;
     let h = end / INTERVALS as f64;
     let mut sum = 0.0;
@@ -44,7 +44,7 @@ mod tests {
 
     #[test]
     fn mills_ratio_at_known_points() {
-        // R(0) = sqrt(pi/2); R(1) = 0.6556795424187985 and R(3) = 0.3045902987101033 (Mills 1926, more digits).
+        // R(0) = sqrt(pi/2); R(1) = 0.6556795424187985 and R(3) = 0.3045902987101033 (Mills 1926, with more digits).
         for (x, exact) in [
             (0.0, (0.5 * std::f64::consts::PI).sqrt()),
             (1.0, 0.655_679_542_418_798_5),

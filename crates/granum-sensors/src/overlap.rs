@@ -1,4 +1,4 @@
-//! Largest overlap `alpha / (R_i + R_j)`: elastic spheres are a fair model while it is small (below about 1e-2).
+//! Largest overlap `alpha / (R_i + R_j)`: elastic spheres are a reasonable model while it is small (below about 1e-2).
 
 use crate::look::ratio;
 use crate::{Averaging, Description, Look, Memory, Sensor, SensorColumn, Values};
@@ -24,7 +24,7 @@ impl Sensor for Overlap {
     }
 }
 
-/// Largest `alpha / (R_i + R_j)`; 0 without contacts, and for contacts in tension that are stretched apart.
+/// Largest `alpha / (R_i + R_j)`; 0 without contacts, and for contacts in tension whose grains no longer overlap.
 pub fn largest_overlap(look: &Look) -> f64 {
     let grains = &look.assembly.grains;
     look.assembly

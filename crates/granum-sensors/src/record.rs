@@ -10,13 +10,13 @@ use crate::force_distribution::FORCES;
 use crate::recorder::StateSums;
 use crate::{Bins, Histogram, SensorColumn};
 
-/// What is wrong with a table that should be a record.
+/// Errors of a table that should be a record.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RecordError {
-    /// A column is not there, or the columns do not fit together.
+    /// A column is missing, or the columns do not fit together.
     #[error(transparent)]
     Table(#[from] TableError),
-    /// A value cannot be.
+    /// A value is not possible.
     #[error("column `{name}`, row {row}: {value} is not {wanted}")]
     BadValue {
         /// Name of the column.
@@ -25,10 +25,10 @@ pub enum RecordError {
         row: usize,
         /// The value.
         value: f64,
-        /// What would be right.
+        /// The permitted values.
         wanted: &'static str,
     },
-    /// The bins of a state do not follow one another.
+    /// The bins of a state are not consecutive.
     #[error("row {row}: the bins of state {state} do not follow one another at steps of {bin_width}")]
     BrokenBins {
         /// Row, from 0.
@@ -197,7 +197,7 @@ impl Record {
     /// Puts a record together again from its tables: the series, and those of the histograms with their names.
     ///
     /// # Errors
-    /// A missing or ragged column, a count that is not a whole number, bins that do not follow one another.
+    /// A missing column, columns of unequal length, a count that is not a whole number, or bins that are not consecutive.
     pub fn from_tables<'a>(
         series: Table,
         tables: impl IntoIterator<Item = (&'a str, &'a Table)>,
@@ -260,11 +260,11 @@ fn column(name: &str, unit: &str, values: Vec<f64>) -> Column {
     Column::new(name, if unit == "1" { "" } else { unit }, values)
 }
 
-/// A table of columns of one length.
+/// A table of columns of equal length.
 fn table_of(columns: impl IntoIterator<Item = Column>) -> Table {
     let mut table = Table::default();
     for column in columns {
-        // Nothing is refused: every column has one value a row of the record.
+        // This cannot fail: every column has one value for each row of the record.
         let _ = table.set(column);
     }
     table
@@ -353,7 +353,7 @@ mod tests {
         assert_eq!(Record::from_tables(record.series.clone(), tables), Ok(record.clone()));
     }
 
-    /// The table with one of its columns changed.
+    /// The table with one of its columns modified.
     fn with(table: &Table, name: &str, change: impl Fn(&mut Vec<f64>)) -> Table {
         let mut columns = table.columns().to_vec();
         let column = columns.iter_mut().find(|column| column.name == name).unwrap();
@@ -361,7 +361,7 @@ mod tests {
         Table::new(columns).unwrap()
     }
 
-    /// The table with all of its columns changed.
+    /// The table with all of its columns modified.
     fn with_all(table: &Table, change: impl Fn(&mut Vec<f64>)) -> Table {
         let mut columns = table.columns().to_vec();
         columns.iter_mut().for_each(|column| change(&mut column.values));

@@ -35,7 +35,7 @@ pub enum SensorError {
     Unknown {
         /// The name.
         name: String,
-        /// The nearest name, or all names that there are.
+        /// The nearest name, or all existing names.
         suggestion: String,
     },
     /// The name of a sensor, a column or a histogram is taken.
@@ -114,7 +114,7 @@ static STANDARD: LazyLock<Sensors> = LazyLock::new(|| {
 });
 
 impl Sensors {
-    /// Those that come with granum.
+    /// The formats that come with granum.
     pub fn standard() -> Sensors {
         STANDARD.clone()
     }
@@ -333,7 +333,7 @@ pub fn columns() -> impl Iterator<Item = &'static SensorColumn> {
     always().flat_map(|known| &known.description.columns)
 }
 
-/// Where a column of that name stands in [`measure_row`].
+/// Index of the column with a given name in [`measure_row`].
 pub fn column_index(name: &str) -> Option<usize> {
     columns().position(|column| column.name == name)
 }

@@ -1,7 +1,8 @@
-//! Energy of rolling and twisting, J, where contacts resist them: what is stored now, and the work and loss since the start of
-//! the phase. In a series of grains that roll freely these columns are left out.
+//! Energy of rolling and twisting, J, where contacts resist them: the energy stored at present, and the work and loss since
+//! the start of the phase. In a series of grains that roll freely these columns are omitted.
 //!
-//! `rolling_work = change of elastic rolling energy + rolling_loss`; what dashpots against rolling take is in `damping_loss`.
+//! `rolling_work = change of elastic rolling energy + rolling_loss`; the loss in dashpots against rolling is part of
+//! `damping_loss`.
 
 use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
 use granum_core::Part;
@@ -37,7 +38,7 @@ impl Sensor for Rolling {
 
     fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
         let stored: f64 = look.assembly.contacts.iter().map(|contact| contact.rolling_energy).sum();
-        // A sum of nothing is minus zero.
+        // The sum over no contacts is minus zero.
         values.extend([stored + 0.0, look.assembly.energy.rolling_work, look.assembly.energy.rolling]);
     }
 }
@@ -70,7 +71,7 @@ mod tests {
         };
         assert!(series(0.0).values("rolling_loss").is_none());
         assert_eq!(series(1e-12).values("elastic_rolling_energy"), Some(&[1e-12][..]));
-        // One of them in use brings all, so that the energies of a series are complete.
+        // If one of them is in use, all are written, so that the energies of a series are complete.
         assert!(series(1e-12).values("rolling_loss").is_some());
     }
 }

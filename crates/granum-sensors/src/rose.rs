@@ -1,8 +1,8 @@
-//! Rose of contact normals: how many contacts, and how strong, lie at which angle to the axis of compression.
+//! Rose diagram of contact normals: the number of contacts, and their forces, by the angle to the axis of compression.
 //!
-//! Nine bins of 10 degrees of the angle between the normal (as a line) and axis 1. The density is relative to an
-//! isotropic assembly, `(n_b / N_k) / (cos low - cos high)`, so it is 1 everywhere without anisotropy; the mean
-//! force is `<N>_b / <N>` (Rothenburg and Bathurst 1989).
+//! Nine bins of 10 degrees of the angle between the normal (as a line) and axis 1. The density is relative to an isotropic
+//! assembly, `(n_b / N_k) / (cos low - cos high)`, so that it is 1 everywhere without anisotropy; the mean force is
+//! `<N>_b / <N>` (Rothenburg and Bathurst 1989).
 
 use crate::look::{mean, ratio};
 use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};

@@ -1,4 +1,4 @@
-//! What a sensor is.
+//! Definition of a sensor.
 
 use granum_core::Part;
 use granum_dem::config::Recording;
@@ -6,14 +6,14 @@ use granum_dem::config::Recording;
 use crate::Look;
 use crate::histogram::{Bins, Histogram};
 
-/// How the looks around a recorded state become its one value.
+/// How the observations around a recorded state are reduced to one value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Averaging {
-    /// The mean over the looks.
+    /// The mean over the observations.
     Mean,
-    /// The root of the mean square over the looks: for errors that change sign.
+    /// The root mean square over the observations: for errors that change sign.
     RootMeanSquare,
-    /// The largest over the looks: for limits that must not be exceeded even once.
+    /// The largest value of the observations: for limits that must not be exceeded even once.
     Largest,
 }
 
@@ -23,31 +23,31 @@ pub enum Averaging {
 pub struct SensorColumn {
     /// Its name, unique among all sensors.
     pub name: &'static str,
-    /// Its unit; `1` for a number.
+    /// Its unit; `1` for a dimensionless number.
     pub unit: &'static str,
-    /// What it is, in one line.
+    /// Its meaning, in one line.
     pub description: &'static str,
-    /// How looks are averaged.
+    /// How observations are averaged.
     pub averaging: Averaging,
-    /// True for a column that a series leaves out, with the other such columns of its sensor, where all of them are zero
-    /// throughout.
+    /// True for a column that is omitted from a series, with the other optional columns of its sensor, if all of them are
+    /// zero throughout.
     pub optional: bool,
     /// Parts of an assembly that it needs beside those that its sensor needs.
     pub needs: &'static [Part],
 }
 
 impl SensorColumn {
-    /// A column whose looks are averaged by their mean.
+    /// A column whose value is the mean over the observations.
     pub const fn new(name: &'static str, unit: &'static str, description: &'static str) -> Self {
         SensorColumn { name, unit, description, averaging: Averaging::Mean, optional: false, needs: &[] }
     }
 
-    /// The same column, left out of a series where it is zero throughout.
+    /// The same column, omitted from a series where it is zero throughout.
     pub const fn optional(self) -> Self {
         SensorColumn { optional: true, ..self }
     }
 
-    /// The same column with another way to average its looks.
+    /// The same column with another kind of averaging.
     pub const fn averaged(self, averaging: Averaging) -> Self {
         SensorColumn { averaging, ..self }
     }

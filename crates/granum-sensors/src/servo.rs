@@ -1,6 +1,6 @@
-//! How well the servo holds the mean stress.
+//! Accuracy of the mean stress held by the servo.
 //!
-//! Relative error `p/p_target - 1`; 0 where the servo aims at no mean stress.
+//! Relative error `p/p_target - 1`; 0 where the servo has no target for the mean stress.
 
 use crate::{Averaging, Description, Look, Memory, Sensor, SensorColumn, Values};
 use granum_core::Part;

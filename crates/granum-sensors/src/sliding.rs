@@ -1,4 +1,4 @@
-//! Sliding fraction: contacts at the friction limit in the last step over contacts, also among strong ones.
+//! Sliding fraction: the fraction of the contacts, and of the strong ones, that were at the friction limit in the last step.
 
 use crate::look::mean;
 use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};

@@ -1,4 +1,4 @@
-//! Solid fraction: `sum (4/3) pi R^3 / V`, overlaps counted twice as is usual (they are some 1e-4 of the volume).
+//! Solid fraction: `sum (4/3) pi R^3 / V`, with overlaps counted twice as is usual (they are some 1e-4 of the volume).
 
 use crate::look::ratio;
 use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
@@ -30,7 +30,7 @@ pub fn grain_volume(look: &Look) -> f64 {
     4.0 / 3.0 * std::f64::consts::PI * cubes
 }
 
-/// Solid fraction; 0 for a cell without volume.
+/// Solid fraction; 0 for a cell without a volume.
 pub fn solid_fraction(look: &Look) -> f64 {
     ratio(grain_volume(look), look.volume)
 }

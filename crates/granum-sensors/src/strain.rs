@@ -1,8 +1,8 @@
-//! Strain of the cell, and the clock.
+//! Strain of the cell, and time.
 //!
 //! Logarithmic strain since the start of the phase, compression positive. The deviator strain is the paper's
-//! `eps_d = eps_1 - eps_3` with axes 2 and 3 averaged; the volumetric strain `eps_v = eps_1 + eps_2 + eps_3` is
-//! positive in compaction, so a dilating sample has a negative one.
+//! `eps_d = eps_1 - eps_3` with axes 2 and 3 averaged; the volumetric strain `eps_v = eps_1 + eps_2 + eps_3` is positive in
+//! compaction, so that it is negative in a dilating sample.
 
 use granum_core::Part;
 use granum_core::assembly::Assembly;

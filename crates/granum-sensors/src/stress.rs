@@ -1,12 +1,12 @@
 //! Stress from the contacts.
 //!
-//! `sigma_ij = -(1/V) sum_c f_i l_j`, f the elastic force on grain i of the contact and l the branch from i to j
-//! (Drescher and de Josselin de Jong 1972; dashpots are left out). With `f = -N n + T` it splits into a normal
-//! part `(1/V) sum N n_i l_j` and a tangential part `-(1/V) sum T_i l_j`, and each sum into strong (`N > <N>`) and
-//! weak contacts (Radjai et al. 1998). The kinetic part `(1/V) sum m v'_i v'_j` is given beside and not added: in
-//! quasi-static shear it is below 1e-5 of p.
+//! `sigma_ij = -(1/V) sum_c f_i l_j`, with f the elastic force on grain i of the contact and l the branch vector from i to j
+//! (Drescher and de Josselin de Jong 1972; dashpots are excluded). With `f = -N n + T` it splits into a normal part
+//! `(1/V) sum N n_i l_j` and a tangential part `-(1/V) sum T_i l_j`, and each sum into strong (`N > <N>`) and weak contacts
+//! (Radjai et al. 1998). The kinetic part `(1/V) sum m v'_i v'_j` is reported separately and not added: in quasi-static
+//! shear it is below 1e-5 of p.
 //!
-//! `p = tr(sigma)/3`, `q = sigma_1 - sigma_3`, axes 2 and 3 averaged. The shares of q are divided by p, so that
+//! `p = tr(sigma)/3`, `q = sigma_1 - sigma_3`, with axes 2 and 3 averaged. The contributions to q are divided by p, so that
 //! normal + tangential = strong + weak = q/p.
 
 use granum_core::Part;
@@ -74,20 +74,20 @@ impl Sensor for StressSensor {
 /// Stress of an assembly, Pa, compression positive.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stress {
-    /// From the normal forces of strong contacts.
+    /// Part of the normal forces of strong contacts.
     pub strong_normal: Matrix,
-    /// From the tangential forces of strong contacts.
+    /// Part of the tangential forces of strong contacts.
     pub strong_tangential: Matrix,
-    /// From the normal forces of weak contacts.
+    /// Part of the normal forces of weak contacts.
     pub weak_normal: Matrix,
-    /// From the tangential forces of weak contacts.
+    /// Part of the tangential forces of weak contacts.
     pub weak_tangential: Matrix,
-    /// From the fluctuating motion of the grains; not part of [`Stress::tensor`].
+    /// Part of the fluctuating motion of the grains; not included in [`Stress::tensor`].
     pub kinetic: Matrix,
 }
 
 impl Stress {
-    /// Measures the stress; all zero for a cell without volume. A look holds it: [`Look::stress`].
+    /// Computes the stress; all zero for a cell without a volume. Users find it in [`Look::stress`].
     pub(crate) fn of(look: &Look) -> Self {
         let mut stress = Stress::default();
         if look.volume == 0.0 {
@@ -152,8 +152,8 @@ mod tests {
         Look::new(assembly).stress
     }
 
-    /// Lattices of equal spheres: SC `p = N/L^2`, FCC `p = 2 sqrt(2) N/L^2`, `L = d (1 - eps)`, with the Hertz and
-    /// JKR forces of d = 0.1 mm, E = 70 GPa, nu = 0.3, Gamma = 0.6 J/m2 (theory chapter, a pair of the paper's spheres).
+    /// Lattices of equal spheres: SC `p = N/L^2`, FCC `p = 2 sqrt(2) N/L^2`, `L = d (1 - eps)`, with the Hertz and JKR
+    /// forces for d = 0.1 mm, E = 70 GPa, nu = 0.3, Gamma = 0.6 J/m2 (theory chapter, a pair of the paper's spheres).
     #[test]
     fn lattices_have_their_analytic_pressure() {
         let d = 1e-4;
@@ -177,8 +177,8 @@ mod tests {
         }
     }
 
-    /// Stress by grains: `sigma = (1/V) sum_grains sum_contacts (x_c - x_g) (-f)`, with the contact points from the
-    /// radii; and by sections: the mean traction on planes normal to an axis.
+    /// Stress from the grains: `sigma = (1/V) sum_grains sum_contacts (x_c - x_g) (-f)`, with contact points computed from
+    /// the radii; and from sections: the mean traction on planes normal to an axis.
     #[test]
     fn contacts_grains_and_sections_agree() {
         let assembly = lattice::random_contacts(300, 0x5eed);
@@ -194,7 +194,7 @@ mod tests {
                     add_dyad(&mut by_grain, -1.0, &force, &arm);
                 }
                 if contact.j == g {
-                    // The other grain feels the opposite force at the opposite arm.
+                    // The other grain feels the opposite force with the opposite lever arm.
                     add_dyad(&mut by_grain, -1.0, &force, &arm);
                 }
             }
@@ -217,7 +217,7 @@ mod tests {
             for contact in &assembly.contacts {
                 let start = assembly.grains[contact.i].position[axis] / edge * planes as f64;
                 let end = start + contact.branch[axis] / edge * planes as f64;
-                // Planes at integer coordinates, the cell being periodic.
+                // Planes at integer coordinates, since the cell is periodic.
                 let crossed = end.floor() - start.floor();
                 let force = contact.force();
                 for i in 0..3 {

@@ -1,9 +1,9 @@
 //! Unbalanced force: mean resultant contact force on a grain over the mean contact force,
 //! `(1/N) sum |F_g| / ((1/N_k) sum |f_c|)`.
 //!
-//! F_g is the sum of the contact forces on a grain, dashpots included, over all grains (those without contacts have
-//! none); f_c the elastic force of a contact. Near 0 in equilibrium. Codes differ: some take maxima, some divide by
-//! the largest contact force, which looks smaller.
+//! F_g is the sum of the contact forces on a grain, dashpots included, for all grains (it is zero for those without
+//! contacts); f_c is the elastic force of a contact. It is close to 0 in equilibrium. Definitions differ between codes: some
+//! use maxima, some divide by the largest contact force, which gives a smaller value.
 
 use crate::look::{mean, ratio};
 use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};

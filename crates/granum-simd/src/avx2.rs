@@ -1,7 +1,7 @@
 //! Eight lanes in two 256-bit registers.
 //!
-//! SAFETY of every block here: a value of [`Avx2`] is made only inside [`crate::dispatch()`], after the
-//! processor was asked for AVX2 and FMA.
+//! SAFETY of every block here: a value of [`Avx2`] is created only inside [`crate::dispatch()`], after AVX2 and FMA were
+//! detected on the processor.
 
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
@@ -14,7 +14,7 @@ use crate::rows::{Row4, Row8};
 #[derive(Clone, Copy)]
 pub struct Avx2(__m256d, __m256d);
 
-/// All ones or all zeros a lane.
+/// All ones or all zeros in each lane.
 #[derive(Clone, Copy)]
 pub struct Avx2Mask(__m256d, __m256d);
 
@@ -216,7 +216,7 @@ impl Lanes for Avx2 {
         // SAFETY: eight indices are 32 bytes.
         let beyond = unsafe {
             let index = _mm256_loadu_si256(index.as_ptr().cast());
-            // Those that are not below the bound are the larger of the two.
+            // An index that is not below the bound is the larger of the two.
             let larger = _mm256_max_epu32(index, _mm256_set1_epi32(bound32 as i32));
             _mm256_movemask_epi8(_mm256_cmpeq_epi32(larger, index))
         };
@@ -228,7 +228,7 @@ impl Lanes for Avx2 {
     fn gather8(rows: &[Row8], index: &[u32; 8]) -> [Self; 8] {
         Self::check(index, rows.len());
         let block = |first: usize, offset: usize| {
-            // SAFETY: just checked.
+            // SAFETY: the indices have just been checked.
             transpose4(std::array::from_fn(|l| unsafe {
                 _mm256_load_pd(rows.get_unchecked(index[first + l] as usize).0.as_ptr().add(offset))
             }))
@@ -240,7 +240,7 @@ impl Lanes for Avx2 {
     fn gather4(rows: &[Row4], index: &[u32; 8]) -> [Self; 4] {
         Self::check(index, rows.len());
         let block = |first: usize| {
-            // SAFETY: just checked.
+            // SAFETY: the indices have just been checked.
             transpose4(std::array::from_fn(|l| unsafe {
                 _mm256_load_pd(rows.get_unchecked(index[first + l] as usize).0.as_ptr())
             }))
@@ -253,7 +253,7 @@ impl Lanes for Avx2 {
         Self::check(from, rows.len());
         Self::check(to, rows.len());
         let block = |first: usize, offset: usize| {
-            // SAFETY: just checked.
+            // SAFETY: the indices have just been checked.
             transpose4(std::array::from_fn(|l| unsafe {
                 let a = rows.get_unchecked(from[first + l] as usize).0.as_ptr().add(offset);
                 let b = rows.get_unchecked(to[first + l] as usize).0.as_ptr().add(offset);
@@ -268,7 +268,7 @@ impl Lanes for Avx2 {
         Self::check(a, rows.len());
         Self::check(b, rows.len());
         let block = |first: usize| {
-            // SAFETY: just checked.
+            // SAFETY: the indices have just been checked.
             transpose4(std::array::from_fn(|l| unsafe {
                 let a = rows.get_unchecked(a[first + l] as usize).0.as_ptr();
                 let b = rows.get_unchecked(b[first + l] as usize).0.as_ptr();

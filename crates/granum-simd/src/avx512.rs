@@ -1,7 +1,7 @@
 //! Eight lanes in one 512-bit register.
 //!
-//! SAFETY of every block here: a value of [`Avx512`] is made only inside [`crate::dispatch()`], after the
-//! processor was asked for AVX-512 F, DQ, BW and VL.
+//! SAFETY of every block here: a value of [`Avx512`] is created only inside [`crate::dispatch()`], after AVX-512 F, DQ, BW
+//! and VL were detected on the processor.
 
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
@@ -14,7 +14,7 @@ use crate::rows::{Row4, Row8};
 #[derive(Clone, Copy)]
 pub struct Avx512(__m512d);
 
-/// One bit a lane.
+/// One bit for each lane.
 #[derive(Clone, Copy)]
 pub struct Avx512Mask(__mmask8);
 
@@ -160,8 +160,8 @@ impl Avx512 {
     }
 }
 
-/// One index, loaded by itself: the compiler would take it out of the vector that the check has loaded, at the cost of
-/// two instructions on the ports of the arithmetic.
+/// One index, loaded separately: otherwise the compiler would extract it from the vector that was loaded by the check, at
+/// the cost of two instructions on the ports that the arithmetic needs.
 #[inline(always)]
 fn scalar(index: &[u32; 8], l: usize) -> usize {
     // SAFETY: a reference may be read.
@@ -202,10 +202,10 @@ fn transpose8(r: [__m512d; 8]) -> [__m512d; 8] {
     }
 }
 
-/// Rows of entries l and l + 4 of the index, side by side.
+/// Rows of the entries l and l + 4 of the index, side by side.
 ///
 /// # Safety
-/// The index must be checked.
+/// The index must have been checked.
 #[inline(always)]
 unsafe fn two_rows(rows: &[Row4], index: &[u32; 8], l: usize) -> __m512d {
     unsafe {
@@ -215,7 +215,7 @@ unsafe fn two_rows(rows: &[Row4], index: &[u32; 8], l: usize) -> __m512d {
     }
 }
 
-/// Transposes rows of four, of which each register holds l and l + 4.
+/// Transposes rows of four, where each register holds the rows l and l + 4.
 #[inline(always)]
 fn transpose4(r: [__m512d; 4]) -> [__m512d; 4] {
     unsafe {
@@ -260,7 +260,7 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn gather8(rows: &[Row8], index: &[u32; 8]) -> [Self; 8] {
         Self::check(index, rows.len());
-        // SAFETY: just checked.
+        // SAFETY: the indices have just been checked.
         let r: [__m512d; 8] = std::array::from_fn(|l| unsafe {
             _mm512_load_pd(rows.get_unchecked(scalar(index, l)).0.as_ptr())
         });
@@ -269,7 +269,7 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn gather4(rows: &[Row4], index: &[u32; 8]) -> [Self; 4] {
         Self::check(index, rows.len());
-        // SAFETY: just checked.
+        // SAFETY: the indices have just been checked.
         let row = |l: usize| unsafe { two_rows(rows, index, l) };
         transpose4([row(0), row(1), row(2), row(3)]).map(Avx512)
     }
@@ -277,7 +277,7 @@ impl Lanes for Avx512 {
     fn differences8(rows: &[Row8], from: &[u32; 8], to: &[u32; 8]) -> [Self; 8] {
         Self::check(from, rows.len());
         Self::check(to, rows.len());
-        // SAFETY: just checked.
+        // SAFETY: the indices have just been checked.
         transpose8(std::array::from_fn(
             #[inline(always)]
             |l| unsafe {
@@ -293,7 +293,7 @@ impl Lanes for Avx512 {
     fn sums4(rows: &[Row4], a: &[u32; 8], b: &[u32; 8]) -> [Self; 4] {
         Self::check(a, rows.len());
         Self::check(b, rows.len());
-        // SAFETY: just checked.
+        // SAFETY: the indices have just been checked.
         let sum = |l: usize| unsafe { _mm512_add_pd(two_rows(rows, a, l), two_rows(rows, b, l)) };
         transpose4([sum(0), sum(1), sum(2), sum(3)]).map(Avx512)
     }

@@ -1,4 +1,4 @@
-//! Choosing the instruction set at run time.
+//! Choice of the instruction set at run time.
 
 use crate::lanes::Lanes;
 use crate::portable::Portable;
@@ -6,7 +6,7 @@ use crate::portable::Portable;
 /// An instruction set that the kernels are compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Isa {
-    /// Whatever the compiler's baseline offers.
+    /// The compiler's baseline.
     Portable,
     /// NEON of aarch64.
     Neon,
@@ -17,15 +17,15 @@ pub enum Isa {
 }
 
 impl Isa {
-    /// Every instruction set, the widest last.
+    /// All instruction sets, the widest last.
     pub const ALL: [Isa; 4] = [Isa::Portable, Isa::Neon, Isa::Avx2, Isa::Avx512];
 
-    /// The widest instruction set that this machine has.
+    /// The widest instruction set of this machine.
     pub fn detect() -> Isa {
         Isa::ALL.into_iter().rev().find(|isa| isa.available()).unwrap_or(Isa::Portable)
     }
 
-    /// True if this machine has it.
+    /// True if this machine supports it.
     pub fn available(self) -> bool {
         match self {
             Isa::Portable => true,
@@ -56,14 +56,14 @@ impl Isa {
         }
     }
 
-    /// The instruction set of that name.
+    /// The instruction set with a given name.
     pub fn from_name(name: &str) -> Option<Isa> {
         Isa::ALL.into_iter().find(|isa| isa.name() == name)
     }
 }
 
-/// A computation that runs on any lanes. `run` must be `#[inline(always)]`, and so must everything it calls
-/// in its hot loops, or the calls fall back to the baseline instruction set.
+/// A computation that runs on any lanes. `run` must be `#[inline(always)]`, and so must everything that it calls in its hot
+/// loops, since the calls would otherwise be compiled for the baseline instruction set.
 pub trait Kernel {
     /// What it returns.
     type Output;
@@ -71,7 +71,7 @@ pub trait Kernel {
     fn run<L: Lanes>(self) -> Self::Output;
 }
 
-/// Runs the kernel compiled for `isa`, or for the portable path where the machine lacks `isa`.
+/// Runs the kernel compiled for `isa`, or the portable version if the machine does not support `isa`.
 #[inline]
 pub fn dispatch<K: Kernel>(isa: Isa, kernel: K) -> K::Output {
     dispatch_or(isa, kernel, |kernel| kernel.run::<Portable>())
@@ -84,7 +84,7 @@ pub fn dispatch<K: Kernel>(isa: Isa, kernel: K) -> K::Output {
 pub fn dispatch_or<K: Kernel>(isa: Isa, kernel: K, portable: impl FnOnce(K) -> K::Output) -> K::Output {
     match isa {
         #[cfg(target_arch = "x86_64")]
-        // SAFETY: `available` has just asked the processor for every feature that the function enables.
+        // SAFETY: `available` has just verified that the processor has every feature that the function enables.
         Isa::Avx512 if isa.available() => unsafe { run_avx512(kernel) },
         #[cfg(target_arch = "x86_64")]
         // SAFETY: as above.

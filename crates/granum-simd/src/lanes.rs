@@ -12,7 +12,7 @@ pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output
     fn any(self) -> bool;
     /// True if every lane is true.
     fn all(self) -> bool;
-    /// One bit a lane, lane 0 in bit 0; the second half of [`crate::Twice`] from bit 8 on.
+    /// One bit for each lane, lane 0 in bit 0; the second half of [`crate::Twice`] starts at bit 8.
     fn bits(self) -> u16;
 }
 
@@ -23,7 +23,7 @@ pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output
 pub trait Real:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
-    /// The truth values that comparisons give.
+    /// The truth values that result from comparisons.
     type Mask: Mask;
     /// The same number in every lane.
     fn splat(value: f64) -> Self;
@@ -57,8 +57,8 @@ pub trait Real:
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     /// Two to the power of an integral number between -1022 and 1023.
     fn exp2_integer(self) -> Self;
-    /// A guess at the reciprocal cube root of a positive number, within 4 %: the exponent divided by minus three in integer
-    /// arithmetic on the upper 32 bits, identical on every instruction set.
+    /// An estimate of the reciprocal cube root of a positive number, accurate to 4 %: the exponent is divided by minus three
+    /// in integer arithmetic on the upper 32 bits, identically on every instruction set.
     fn reciprocal_cbrt_guess(self) -> Self;
     /// Zero.
     #[inline(always)]
@@ -78,27 +78,28 @@ pub trait Real:
 
 /// Eight [`Real`] lanes, with the memory operations of a batch.
 pub trait Lanes: Real {
-    /// How many values of this type the processor's vector registers hold: what a register-blocked loop may keep.
+    /// Number of values of this type that fit into the vector registers of the processor: the limit for a register-blocked
+    /// loop.
     const REGISTERS: usize;
     /// True if a long formula is faster for two batches side by side ([`crate::Twice`]) than for one after the other.
     const PAIRED: bool;
-    /// Reads eight numbers.
+    /// Loads eight numbers.
     fn load(source: &[f64; 8]) -> Self;
-    /// Writes eight numbers.
+    /// Stores eight numbers.
     fn store(self, target: &mut [f64; 8]);
     /// Panics unless every index is below `bound`.
     fn check(index: &[u32; 8], bound: usize);
-    /// Lane `l` of the result's entry `c` is `rows[index[l]].0[c]`. Panics if an index is out of range.
+    /// Lane `l` of entry `c` of the result is `rows[index[l]].0[c]`. Panics if an index is out of range.
     fn gather8(rows: &[Row8], index: &[u32; 8]) -> [Self; 8];
-    /// As [`Lanes::gather8`] for rows of four.
+    /// The same as [`Lanes::gather8`] for rows of four.
     fn gather4(rows: &[Row4], index: &[u32; 8]) -> [Self; 4];
-    /// `gather8(rows, to) - gather8(rows, from)`, taken row by row: half the shuffles.
+    /// `gather8(rows, to) - gather8(rows, from)`, subtracted row by row, which halves the number of shuffles.
     fn differences8(rows: &[Row8], from: &[u32; 8], to: &[u32; 8]) -> [Self; 8];
     /// `gather4(rows, a) + gather4(rows, b)`.
     fn sums4(rows: &[Row4], a: &[u32; 8], b: &[u32; 8]) -> [Self; 4];
-    /// Lane `c` of the result's `l` is lane `l` of `columns[c]`.
+    /// Lane `c` of entry `l` of the result is lane `l` of `columns[c]`.
     fn transpose(columns: [Self; 8]) -> [Self; 8];
-    /// Row `l` entry `c` becomes lane `l` of `columns[c]`.
+    /// Entry `c` of row `l` becomes lane `l` of `columns[c]`.
     #[inline(always)]
     fn scatter8(columns: [Self; 8], rows: &mut [Row8; 8]) {
         let turned = Self::transpose(columns);
@@ -106,11 +107,11 @@ pub trait Lanes: Real {
             turned[l].store(&mut rows[l].0);
         }
     }
-    /// Lane `l` of the result is `columns[l].reduce_add()`, with its bits.
+    /// Lane `l` of the result is `columns[l].reduce_add()`, with the same bits.
     fn reduce_add8(columns: [Self; 8]) -> Self;
 }
 
-/// Says which row is out of bounds; away from the loops that check.
+/// Panics with the row that is out of bounds; a separate function, so that the checking loops stay small.
 #[cold]
 #[inline(never)]
 pub(crate) fn no_such_row(index: &[u32; 8], bound: usize) -> ! {

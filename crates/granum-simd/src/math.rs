@@ -1,4 +1,4 @@
-//! Elementary functions from correctly rounded operations only, so that every machine gives the same bits.
+//! Elementary functions composed of correctly rounded operations only, so that every machine gives the same bits.
 
 use crate::lanes::Real;
 
@@ -48,14 +48,15 @@ pub fn exp<R: Real>(x: R) -> R {
 
 /// Hyperbolic tangent as in equation (1) of Antony, Zhou and Wang (2006), absolute error below 5e-16.
 ///
-/// `1 - 2 / (exp(2x) + 1)` with its own exponential: `2x = k ln 2 + 2t`, and a minimax polynomial of degree ten for
-/// `exp(2t)`, relative error 3e-16 (Remez exchange, constant term fixed at one), of which the quotient halves the weight.
+/// `1 - 2 / (exp(2x) + 1)` with a separate exponential: `2x = k ln 2 + 2t`, and a minimax polynomial of degree ten for
+/// `exp(2t)` with a relative error of 3e-16 (Remez exchange, constant term fixed at one), whose effect on the result is
+/// halved by the quotient.
 #[inline(always)]
 pub fn tanh<R: Real>(x: R) -> R {
     let magic = R::splat(6_755_399_441_055_744.0);
     let x = x.max(R::splat(-20.0)).min(R::splat(20.0));
     let k = x.mul_add(R::splat(2.0 * std::f64::consts::LOG2_E), magic) - magic;
-    // Half of ln 2 in two parts; the first has 21 zero bits at its end, so its product with k is exact.
+    // Half of ln 2 in two parts; the first ends with 21 zero bits, so that its product with k is exact.
     let t = k.mul_add(R::splat(-0.346_573_590_184_561_9), x);
     let t = k.mul_add(R::splat(-9.541_074_646_352_939e-11), t);
     const COEFFICIENTS: [f64; 10] = [

@@ -13,7 +13,7 @@ use crate::rows::{Row4, Row8};
 #[derive(Clone, Copy)]
 pub struct Neon([float64x2_t; 4]);
 
-/// All ones or all zeros a lane.
+/// All ones or all zeros in each lane.
 #[derive(Clone, Copy)]
 pub struct NeonMask([uint64x2_t; 4]);
 

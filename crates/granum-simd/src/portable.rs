@@ -1,4 +1,4 @@
-//! A plain `f64` and eight of them in an array: the reference that the vector types must match bit for bit.
+//! A single `f64`, and eight of them in an array: the reference that the vector types must match bit for bit.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -24,11 +24,11 @@ impl Mask for bool {
     }
 }
 
-/// 2^52 + 1023: adding it to an integral number puts number + 1023 into the low bits.
+/// 2^52 + 1023: adding it to an integral number stores number + 1023 in the low bits.
 pub(crate) const EXPONENT_MAGIC: f64 = 4_503_599_627_370_496.0 + 1023.0;
-/// Upper half of the constant that starts the reciprocal cube root.
+/// Upper half of the constant for the initial estimate of the reciprocal cube root.
 pub(crate) const RECIPROCAL_CBRT_MAGIC: u32 = 0x553e_f0ff;
-/// Multiplying by it and dropping 33 bits divides a 32-bit number by three.
+/// Multiplication by this number and a shift by 33 bits divides a 32-bit number by three.
 pub(crate) const THIRD: u32 = 0xAAAA_AAAB;
 
 impl Real for f64 {

@@ -1,6 +1,6 @@
-//! A hint to the memory system; it changes no result.
+//! A hint to the memory system, which changes no result.
 
-/// Asks for the cache line at an address, which may be any: nothing is read, and a bad address is passed over.
+/// Prefetches the cache line at an address. Any address is permitted: nothing is read, and an invalid one is ignored.
 #[inline(always)]
 pub fn prefetch<T>(address: *const T) {
     // SAFETY: every x86-64 processor has this instruction, and it cannot fault.

@@ -1,4 +1,4 @@
-//! Aligned rows of doubles: what a lane-wise gather reads and a scatter writes.
+//! Aligned rows of doubles, which lane-wise gathers read and scatters write.
 
 /// Eight doubles on one cache line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -14,8 +14,8 @@ impl Row8 {
     /// The numbers of consecutive rows, one after another.
     #[inline(always)]
     pub fn numbers(rows: &[Row8]) -> &[f64] {
-        // SAFETY: a row is eight doubles and nothing else (64 bytes, no padding), so consecutive rows are consecutive
-        // doubles, and the alignment of a row is more than that of a double.
+        // SAFETY: a row is eight doubles and nothing else (64 bytes, no padding), so that consecutive rows are consecutive
+        // doubles, and the alignment of a row exceeds that of a double.
         unsafe { std::slice::from_raw_parts(rows.as_ptr().cast(), rows.len() * 8) }
     }
 }

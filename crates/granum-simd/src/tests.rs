@@ -1,4 +1,4 @@
-//! Every instruction set gives the bits of the scalar reference.
+//! Every instruction set gives the same bits as the scalar reference.
 
 use crate::*;
 
@@ -128,7 +128,7 @@ impl Kernel for Checks {
     }
 }
 
-/// Any lane may be the one that is out of bounds; the largest bound is none.
+/// An index out of bounds is detected in any lane; with the largest bound nothing is out of bounds.
 #[test]
 fn rows_that_are_not_there_are_refused() {
     for isa in Isa::ALL.into_iter().filter(|i| i.available()) {

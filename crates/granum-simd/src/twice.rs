@@ -1,7 +1,7 @@
-//! Two numbers, or two vectors of lanes, computed side by side.
+//! Two numbers, or two vectors of lanes, evaluated side by side.
 //!
-//! A long formula spends most of its time waiting for its own intermediate results. Two independent evaluations
-//! interleaved operation by operation fill each other's gaps; every lane has the bits it would have alone.
+//! In a long formula most operations wait for the result of an earlier one. When two independent evaluations are interleaved
+//! operation by operation, each uses the idle times of the other; every lane has the same bits as in a separate evaluation.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 

@@ -1,4 +1,4 @@
-//! What every subcommand needs to know of how it was called.
+//! The global options, which every subcommand receives.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,14 +8,14 @@ use granum_run::Flow;
 use crate::failure::{Failure, Interrupted};
 use crate::progress::Progress;
 
-/// The options that hold everywhere, and the wish of the user to stop.
+/// The global options, and the flag for an interruption by the user.
 #[derive(Clone)]
 pub struct Context {
     /// Results and errors as JSON.
     pub json: bool,
-    /// Replace what is there.
+    /// Replace existing files and folders.
     pub force: bool,
-    /// Say more.
+    /// Print more information.
     pub verbose: bool,
     stop: Arc<AtomicBool>,
 }
@@ -25,22 +25,22 @@ impl Context {
         Context { json, force, verbose, stop }
     }
 
-    /// The same without leave to replace anything.
+    /// The same options without permission to replace anything.
     pub fn without_force(&self) -> Context {
         Context { force: false, ..self.clone() }
     }
 
-    /// True once Ctrl-C or SIGTERM came: finish in good order and soon.
+    /// True after Ctrl-C or SIGTERM: the command should end soon and in good order.
     pub fn stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// What an observer of a run asks for.
+    /// The decision of an observer whether a run continues.
     pub fn flow(&self) -> Flow {
         if self.stopped() { Flow::Stop } else { Flow::Continue }
     }
 
-    /// An error if the user wants to stop; `left` says what stands where.
+    /// Returns an error if the user interrupted the program; `left` describes what has been written so far.
     pub fn check_stopped(&self, left: impl FnOnce() -> String) -> Result<(), Failure> {
         if self.stopped() { Err(Interrupted { left: left() }.into()) } else { Ok(()) }
     }
@@ -50,14 +50,14 @@ impl Context {
         Progress::new(self.json)
     }
 
-    /// A line for people on what is done, with `--verbose`.
+    /// Prints a line on the current action if `--verbose` is given.
     pub fn say(&self, text: impl FnOnce() -> String) {
         if self.verbose && !self.json {
             eprintln!("{}", text());
         }
     }
 
-    /// A warning that does not end the command.
+    /// Prints a warning that does not end the command.
     pub fn warn(&self, text: &str) {
         if self.json {
             eprintln!("{}", serde_json::json!({ "warning": text }));

@@ -1,4 +1,4 @@
-//! Why a command failed, and how that is told: with the place in the file for people, as JSON for machines.
+//! The failure of a command and its output: readable text with the position in the file, or JSON.
 
 use std::error::Error;
 use std::fmt;
@@ -14,7 +14,7 @@ use miette::{
 use crate::context::Context;
 use crate::interrupt::INTERRUPTED;
 
-/// Any error that ends a command. `?` makes it of every error type.
+/// Any error that ends a command. The operator `?` converts every error type into it.
 pub struct Failure(Box<dyn Error + Send + Sync>);
 
 impl<E: Error + Send + Sync + 'static> From<E> for Failure {
@@ -27,22 +27,22 @@ impl<E: Error + Send + Sync + 'static> From<E> for Failure {
 #[derive(Debug, thiserror::Error)]
 #[error("interrupted; {left}")]
 pub struct Interrupted {
-    /// What stands where, and how to go on.
+    /// What has been written, and how to continue.
     pub left: String,
 }
 
-/// A failure that is only a sentence.
+/// A failure that consists of a sentence only.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 struct Sentence(String);
 
 impl Failure {
-    /// A failure that is only a sentence.
+    /// A failure that consists of a sentence only.
     pub fn new(message: impl Into<String>) -> Failure {
         Sentence(message.into()).into()
     }
 
-    /// Tells the failure on the standard error and gives the status to exit with.
+    /// Prints the failure to standard error and returns the exit status.
     pub fn print(&self, context: &Context) -> ExitCode {
         if context.json {
             eprintln!("{}", self.json());
@@ -53,7 +53,7 @@ impl Failure {
         ExitCode::from(status)
     }
 
-    /// Places in files that the error, or one that caused it, is about.
+    /// The positions in files to which the error, or one of its causes, refers.
     fn places(&self) -> &[InputError] {
         let mut error: Option<&(dyn Error + 'static)> = Some(self.0.as_ref());
         while let Some(current) = error {
@@ -65,7 +65,7 @@ impl Failure {
         &[]
     }
 
-    /// The message with those of its causes that it does not repeat.
+    /// The message, followed by the messages of those causes that it does not already contain.
     fn message(&self) -> String {
         let mut text = self.0.to_string();
         let mut cause = self.0.source();
@@ -79,8 +79,8 @@ impl Failure {
         text
     }
 
-    /// For people: `drawn` with the line of the file where a place is wrong, or a line for each place, as editors and search
-    /// tools take it.
+    /// The failure as readable text. If `drawn`, the lines of the file with the errors are shown; otherwise there is one
+    /// line for each position, in a form that editors and search tools understand.
     fn text(&self, drawn: bool) -> String {
         let places = self.places();
         if places.is_empty() {
@@ -97,10 +97,10 @@ impl Failure {
         text
     }
 
-    /// Tells of a command line that cannot be understood, as JSON.
+    /// Prints the error of an invalid command line as JSON.
     pub fn print_usage_as_json(error: &clap::Error) {
         let told = error.render().to_string();
-        // The usage and the hint at the end stand apart by an empty line.
+        // An empty line separates the usage and the final hint from the message.
         let lines = told.lines().map(str::trim).filter(|line| !line.is_empty());
         let (usage, message): (Vec<&str>, Vec<&str>) = lines
             .filter(|line| !line.starts_with("For more information"))
@@ -129,7 +129,7 @@ impl Failure {
     }
 }
 
-/// A place in a file as miette draws it.
+/// A position in a file in the form that miette draws.
 #[derive(Debug)]
 struct Drawn<'a>(&'a InputError);
 
@@ -169,7 +169,7 @@ impl SourceCode for Drawn<'_> {
     ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
         let text: &str = &self.0.source_text;
         let contents = text.read_span(span, before, after)?;
-        // The text may be one line from the middle of a large file.
+        // The text may be a single line from the middle of a large file.
         Ok(Box::new(MietteSpanContents::new_named(
             self.0.file.clone(),
             contents.data(),

@@ -6,14 +6,16 @@ use std::sync::atomic::AtomicBool;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
-/// Status of a program that was interrupted, as shells know it.
+/// Exit status of a program that was interrupted, by the convention of shells.
 pub const INTERRUPTED: u8 = 130;
 
-/// The flag that the first signal sets. Where signals cannot be caught, they end the program as ever.
+/// Installs the signal handlers and returns the flag that the first signal sets. If signals cannot be caught, they end the
+/// program as usual.
 pub fn install() -> Arc<AtomicBool> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
-        // Order matters: a signal that finds the flag set ends the program, only then is the flag set.
+        // The order matters: the handler that ends the program if the flag is set must run before the one that sets the
+        // flag.
         let second = flag::register_conditional_shutdown(signal, INTERRUPTED.into(), stop.clone());
         let first = flag::register(signal, stop.clone());
         if let Err(error) = second.and(first) {

@@ -1,4 +1,4 @@
-//! Granum as a library: a [`prelude`] for most programs, and one name for each of its parts.
+//! Granum as a library: a [`prelude`] with the names that most programs need, and one module for each of its parts.
 
 pub mod prelude;
 

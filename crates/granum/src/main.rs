@@ -15,27 +15,27 @@ use command::Command;
 use context::Context;
 use failure::Failure;
 
-/// Status of a program whose command line cannot be understood.
+/// Exit status for an invalid command line.
 const USAGE: u8 = 2;
 
-/// A discrete element laboratory for granular materials, with neural surrogates that say how sure they are.
+/// A discrete element laboratory for granular materials, with neural surrogates that report their own uncertainty.
 #[derive(Parser)]
 #[command(name = "granum", version, arg_required_else_help = true, max_term_width = 110)]
 struct Arguments {
-    /// Print results and errors as JSON, for machines; no progress is shown.
+    /// Print results and errors as JSON, and show no progress.
     #[arg(long, global = true, help_heading = "Everywhere")]
     json: bool,
-    /// Replace files and folders that are there already.
+    /// Replace existing files and folders.
     #[arg(long, global = true, help_heading = "Everywhere")]
     force: bool,
-    /// Say more about what is done.
+    /// Print more information on what is done.
     #[arg(short, long, global = true, help_heading = "Everywhere")]
     verbose: bool,
     #[command(subcommand)]
     command: Command,
 }
 
-/// Keeps panics of foreign decoders quiet, which become errors that name the file.
+/// Suppresses the messages of panics in third-party decoders, which are converted into errors that name the file.
 fn quiet_contained_panics() {
     let before = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |info| {
@@ -58,7 +58,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Shows help, or tells why the command line cannot be understood.
+/// Prints the help, or the error of an invalid command line.
 fn refuse(error: &clap::Error) -> ExitCode {
     let json = std::env::args_os().skip(1).take_while(|word| word != "--").any(|word| word == "--json");
     if !(json && error.use_stderr()) {

@@ -1,4 +1,4 @@
-//! What a command prints or writes in the end.
+//! The output of a command.
 
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
@@ -10,12 +10,12 @@ use serde_json::{Map, Value, json};
 use crate::context::Context;
 use crate::failure::Failure;
 
-/// Writes a table to a file, or to the standard output (CSV, or columns as JSON).
+/// Writes a table to a file or to standard output (as CSV, or as columns in JSON).
 pub fn put_table(context: &Context, output: Option<&Path>, table: &Table) -> Result<(), Failure> {
     put_table_with(context, output, table, &[], "")
 }
 
-/// As [`put_table`], with numbers that go with the table as JSON, and a note on it for people, where it is not empty.
+/// As [`put_table`], with additional numbers for the JSON output, and with a note for the user unless it is empty.
 pub fn put_table_with(
     context: &Context,
     output: Option<&Path>,
@@ -52,7 +52,7 @@ pub fn columns(table: &Table) -> Map<String, Value> {
     table.columns().iter().map(|column| (column.name.clone(), json!(column.values))).collect()
 }
 
-/// Prints the result of a command: as JSON, or as a sentence for people.
+/// Prints the result of a command as JSON or as readable text.
 pub fn say(context: &Context, result: &Value, text: impl FnOnce() -> String) -> Result<(), Failure> {
     print(&if context.json { format!("{result}\n") } else { format!("{}\n", text()) })
 }
@@ -62,7 +62,7 @@ fn print(text: &str) -> Result<(), Failure> {
     unless_closed(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
 }
 
-/// A reader that has seen enough (`| head`) is no failure.
+/// Ignores the error of a closed pipe, since a reader that ends early (`| head`) is not a failure.
 fn unless_closed(result: io::Result<()>) -> Result<(), Failure> {
     match result {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {

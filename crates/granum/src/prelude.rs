@@ -1,6 +1,6 @@
-//! What most programs need: `use granum::prelude::*;`.
+//! The names that most programs need: `use granum::prelude::*;`.
 //!
-//! From nothing to a sheared sample with a table of its series:
+//! A complete example that prepares and shears a sample and prints its series:
 //!
 //! ```
 //! use granum::prelude::*;

@@ -1,4 +1,4 @@
-//! Progress on the standard error: a bar on a terminal, a plain line every few seconds elsewhere, nothing with
+//! Display of progress on standard error: a bar on a terminal, otherwise a plain line every few seconds, and nothing with
 //! `--json`.
 
 use std::io::IsTerminal;
@@ -9,19 +9,19 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Time between plain lines.
 const LINE_EVERY: Duration = Duration::from_secs(5);
-/// Between two fields.
+/// The separator of fields.
 const GAP: &str = "  ";
-/// Columns of a line beside the phase and the fields: "  42 %  " and the space before the bar.
+/// Number of columns that a line needs in addition to the phase and the fields: "  42 %  " and the space before the bar.
 const AROUND: usize = 9;
-/// Columns where the terminal does not tell.
+/// Number of columns if the terminal does not report it.
 const USUAL_COLUMNS: usize = 80;
-/// Steps of the bar.
+/// Resolution of the bar.
 const LENGTH: u64 = 1000;
 
-/// How much room there is for what is shown.
+/// The room that is available for the fields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Room {
-    /// A line of its own, as long as it needs to be.
+    /// A separate line of any length.
     Line,
     /// One line of a terminal.
     Screen,
@@ -41,7 +41,7 @@ enum Display {
 }
 
 impl Progress {
-    /// For the standard error as it is; silent if `silent`.
+    /// A display that suits the kind of standard error, or none if `silent`.
     pub fn new(silent: bool) -> Progress {
         let display = if silent {
             Display::Silent
@@ -68,8 +68,9 @@ impl Progress {
         }
     }
 
-    /// Where the phase stands: the fraction done (if it can be told) and what to show, e.g. "strain 0.120", "q/p 0.61". On
-    /// a terminal the fields of the highest ranks go where the line is too long. Cheap to call often.
+    /// Updates the progress of the phase: the completed fraction, if it is known, and the fields to show, e.g. "strain
+    /// 0.120", "q/p 0.61". On a terminal, the fields of the highest rank are dropped if the line is too long. Frequent
+    /// calls are cheap.
     pub fn update(&mut self, fraction: Option<f64>, fields: impl FnOnce(Room) -> Vec<Field>) {
         let elapsed = self.started.elapsed();
         let left = fraction.and_then(|fraction| time_left(fraction, elapsed));
@@ -96,7 +97,7 @@ impl Progress {
         }
     }
 
-    /// Ends a phase with a line that stays.
+    /// Ends a phase with a permanent line.
     pub fn end(&mut self, text: impl FnOnce() -> String) {
         let line = |phase: &str, text: String, elapsed| format!("{phase}: {text} ({})", readable(elapsed));
         match &self.display {
@@ -117,19 +118,19 @@ impl Drop for Progress {
 
 fn bar() -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(LENGTH), ProgressDrawTarget::stderr_with_hz(5));
-    // The template is constant; a bad one would only cost the looks.
+    // The template is constant; without it only the appearance of the bar would suffer.
     if let Ok(style) = ProgressStyle::with_template("{prefix} {percent:>3} %  {msg} {wide_bar}") {
         bar.set_style(style.progress_chars("=>-"));
     }
     bar
 }
 
-/// Columns of the terminal.
+/// Number of columns of the terminal.
 fn columns() -> usize {
     console::Term::stderr().size_checked().map_or(USUAL_COLUMNS, |(_, columns)| columns.into())
 }
 
-/// Fields in one line of at most so many columns; those of the highest rank go first where it is too long.
+/// The fields in one line of at most so many columns; if it is too long, the fields of the highest rank are dropped first.
 fn fitting(mut fields: Vec<Field>, columns: usize) -> String {
     loop {
         let line = fields.iter().map(|field| field.text.as_str()).collect::<Vec<_>>().join(GAP);
@@ -141,7 +142,7 @@ fn fitting(mut fields: Vec<Field>, columns: usize) -> String {
     }
 }
 
-/// Time left at the mean rate so far; nothing before there is a rate.
+/// Estimate of the remaining time from the mean rate so far; `None` until there is a rate.
 fn time_left(fraction: f64, elapsed: Duration) -> Option<String> {
     if !(fraction > 0.005 && fraction <= 1.0) || elapsed < Duration::from_millis(500) {
         return None;
@@ -149,7 +150,7 @@ fn time_left(fraction: f64, elapsed: Duration) -> Option<String> {
     Some(readable(elapsed.mul_f64((1.0 - fraction) / fraction)))
 }
 
-/// "48 s", "3 min 20 s", "2 h 05 min".
+/// A readable time such as "48 s", "3 min 20 s" or "2 h 05 min".
 pub fn readable(time: Duration) -> String {
     let seconds = time.as_secs_f64();
     let whole = seconds.round() as u64;

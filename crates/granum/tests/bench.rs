@@ -89,11 +89,11 @@ fn one_stretch_of_given_steps_is_its_own_mean() {
     assert_eq!((&figure["steps"], &figure["grains"]), (&30.into(), &5000.into()));
     assert_eq!(figure["grain_steps_per_second"], figure["mean_grain_steps_per_second"]);
     assert!(figure["arithmetic_speed_up"].is_null(), "{figure}");
-    // Of several stretches the best is no slower than all of them together.
+    // The speed in the best of several segments is at least the mean speed.
     let done = run(folder.path(), &[&flags[..], &["--threads", "1", "--seconds", "0.05"]].concat());
     let figure = &json(&stdout(&done))["dem"][0];
     let value = |name: &str| figure[name].as_f64().unwrap();
-    // One segment alone is its own mean but for rounding.
+    // For a single segment the two are equal except for rounding.
     let best = value("grain_steps_per_second") * (1.0 + 1e-12);
     assert!(value("mean_grain_steps_per_second") <= best, "{figure}");
 }

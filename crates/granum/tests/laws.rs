@@ -1,4 +1,4 @@
-//! `pair` and `impact` end to end, against numbers of the theory.
+//! End-to-end tests of `pair` and `impact` against theoretical values.
 
 mod common;
 
@@ -7,7 +7,7 @@ use std::fs;
 use common::{json, run, stderr, stdout};
 use granum_io::read_table;
 
-/// E* of two equal grains.
+/// The effective modulus E* of two equal grains.
 fn effective_modulus(youngs_modulus: f64, poissons_ratio: f64) -> f64 {
     youngs_modulus / (2.0 * (1.0 - poissons_ratio * poissons_ratio))
 }
@@ -62,12 +62,12 @@ fn pair_gives_the_force_of_hertz_and_slides_at_the_limit() {
         close(normal[49], force / 2f64.powf(1.5), 1e-9);
         close(table.column("contact_radius").unwrap()[499], (5e-5_f64 * 1e-8).sqrt(), 1e-9);
         close(table.column("tangential_force").unwrap()[499], 0.25 * force, 1e-9);
-        // Nothing tangential while the path is normal, but for rounding.
+        // While the path is purely normal, the tangential force vanishes except for rounding.
         assert!(table.column("tangential_force").unwrap()[99].abs() < 1e-12 * force);
     }
 }
 
-/// The example that `granum pair --help` prints: three rows, of which the last is back at no displacement.
+/// The example that `granum pair --help` prints has three rows, the last of which returns to zero displacement.
 #[test]
 fn the_example_of_the_help_of_pair_shows_the_loop_of_mindlin_and_deresiewicz() {
     let folder = tempfile::tempdir().unwrap();
@@ -95,7 +95,7 @@ fn the_example_of_the_help_of_pair_shows_the_loop_of_mindlin_and_deresiewicz() {
     close(tangential[2], top - 2.0 * loading(0.5 * displacement), 1e-2);
     assert!(tangential[2] < 0.0);
 
-    // Without a file the number of steps does not disturb the table.
+    // With output to standard output, the number of steps must not disturb the table.
     let done = run(folder.path(), &[&["--json"], &words[..words.len() - 2]].concat());
     let told = json(&stdout(&done));
     assert!(told["steps_per_row"].as_u64().unwrap() > 8, "{told}");
@@ -239,7 +239,7 @@ fn an_impact_near_sticking_is_answered_with_a_warning() {
 fn a_signal_ends_a_command_in_good_order() {
     use std::process::{Command, Stdio};
     let folder = tempfile::tempdir().unwrap();
-    // Many thousand collisions: far longer than it takes to send a signal.
+    // Many thousand collisions take much longer than sending a signal.
     let angles: Vec<String> = (0..14_000).map(|n| format!("{}", 1e-3 * f64::from(n))).collect();
     let child = Command::new(env!("CARGO_BIN_EXE_granum"))
         .args([

@@ -1,4 +1,4 @@
-//! The program as a user sees it.
+//! The command line of the program as seen by a user.
 
 mod common;
 

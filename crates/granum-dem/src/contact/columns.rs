@@ -1,4 +1,4 @@
-//! How the numbers of contacts go to a law that is called through a function pointer, and back.
+//! Transfer of the numbers of contacts to a law that is called through a function pointer, and back.
 
 use granum_simd::{Lanes, Real, Row8, Twice};
 
@@ -8,10 +8,10 @@ use super::{LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY
 /// One number of a contact, for up to two batches of eight contacts.
 pub type Column = [Row8; 2];
 
-/// How many contacts a call computes.
+/// Number of contacts that a call evaluates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Count {
-    /// One contact, in the first place of every column.
+    /// One contact, in the first element of every column.
     One,
     /// One batch of eight.
     Batch,
@@ -19,15 +19,15 @@ pub enum Count {
     TwoBatches,
 }
 
-/// Numbers that a call computes at once, and where they stand in a column.
+/// Numbers that a call evaluates together, and their position in a column.
 pub trait Width {
     /// The numbers.
     type Value: Real;
-    /// How many.
+    /// Their number.
     const COUNT: Count;
-    /// Reads them.
+    /// Reads them from a column.
     fn read(column: &Column) -> Self::Value;
-    /// Writes them.
+    /// Writes them to a column.
     fn write(value: Self::Value, column: &mut Column);
     /// Writes a mask as ones and zeros.
     #[inline(always)]
@@ -106,7 +106,8 @@ pub(super) fn write<W: Width, const N: usize>(values: [W::Value; N], columns: &m
     }
 }
 
-/// Columns of a contact's normal part, as it goes from slot to slot: the numbers of [`Normal`] and where it touches.
+/// Columns of the normal part of a contact, as it is passed between slots: the numbers of [`Normal`] and the mask of
+/// touching pairs.
 pub(super) const NORMAL_COLUMNS: usize = 8;
 
 #[inline(always)]
@@ -147,7 +148,7 @@ pub(super) fn read_normal<W: Width>(columns: &[Column], from: usize) -> Normal<W
     }
 }
 
-/// Columns of a call to a normal law: constants, overlap, whether it touched; then the contact and the losses.
+/// Columns of a call to a normal law: constants, overlap, whether the pair touched; then the contact and the losses.
 pub(super) mod normal_call {
     use super::{LAW_CONSTANTS, NORMAL_COLUMNS};
     pub const OVERLAP: usize = LAW_CONSTANTS;

@@ -11,13 +11,13 @@ pub struct PairConstants<R> {
     pub radius_sum: R,
     /// Its reciprocal, 1/m.
     pub inverse_radius_sum: R,
-    /// 2 zeta sqrt(m*): times the root of a stiffness it is a dashpot coefficient.
+    /// 2 zeta sqrt(m*): multiplied by the square root of a stiffness it gives a dashpot coefficient.
     pub damping: R,
-    /// Those of the normal law.
+    /// Constants of the normal law.
     pub normal: [R; LAW_CONSTANTS],
-    /// Those of the tangential law.
+    /// Constants of the tangential law.
     pub tangential: [R; LAW_CONSTANTS],
-    /// Those of the law of moments.
+    /// Constants of the moment law.
     pub rolling: [R; LAW_CONSTANTS],
     /// Those of the law of adhesion.
     pub adhesion: [R; LAW_CONSTANTS],
@@ -41,7 +41,7 @@ impl PairConstants<f64> {
         }
     }
 
-    /// The values in a row.
+    /// The values as an array.
     pub fn to_array(&self) -> [f64; Self::COUNT] {
         let mut out = [0.0; Self::COUNT];
         [out[0], out[1], out[2]] = [self.radius_sum, self.inverse_radius_sum, self.damping];
@@ -80,7 +80,7 @@ impl<R: Copy> PairConstants<R> {
             adhesion: std::array::from_fn(|c| column(if adhesion < kept { adhesion + c } else { 0 })),
         }
     }
-    /// Those of two pairs side by side.
+    /// The constants of two pairs side by side.
     #[inline(always)]
     pub fn beside(&self, other: &Self) -> PairConstants<Twice<R>> {
         PairConstants {

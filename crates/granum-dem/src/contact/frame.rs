@@ -1,16 +1,15 @@
-//! The frame in which a contact remembers tangential vectors, and how it turns.
+//! The frame in which a contact stores tangential vectors, and its rotation.
 //!
-//! Each unit normal n has its own frame (e_1, e_2, n): the shortest rotation that takes the nearer pole (0, 0, s),
-//! `s = sign n_z`, to n takes the axes (x, s y) to (e_1, e_2) (Duff et al. 2017, J. Computer Graphics Techniques 6, 1).
-//! A tangential vector is then two numbers, lies in the contact plane by construction, and a law of friction
-//! is two-dimensional.
+//! Each unit normal n has its own frame (e_1, e_2, n): the shortest rotation from the nearer pole (0, 0, s), `s = sign n_z`,
+//! to n carries the axes (x, s y) to (e_1, e_2) (Duff et al. 2017, J. Computer Graphics Techniques 6, 1). A tangential
+//! vector then has two components, lies in the contact plane by construction, and a friction law is two-dimensional.
 //!
-//! When the normal goes from m to n, a vector follows the shortest rotation from m to n. Seen from the frames it turns
-//! by the area of the spherical triangle (pole, m, n), whose half has the tangent
-//! `s (m_x n_y - m_y n_x) / (1 + m.n + s (m_z + n_z))` (van Oosterom and Strackee 1983), and by the spin about the
-//! normal. Where n has left the hemisphere of m the two frames at n differ by a further half angle with the direction
-//! `n_y + i s n_x`. All three half angles are multiplied as complex numbers and squared: the turn is
-//! exact and preserves the norm, for any step.
+//! When the normal moves from m to n, a stored vector follows the shortest rotation from m to n. Relative to the frames it
+//! rotates by the area of the spherical triangle (pole, m, n), half of which has the tangent
+//! `s (m_x n_y - m_y n_x) / (1 + m.n + s (m_z + n_z))` (van Oosterom and Strackee 1983), and by the spin about the normal.
+//! Where n has left the hemisphere of m, the two frames at n differ by a further half angle with the direction
+//! `n_y + i s n_x`. All three half angles are multiplied as complex numbers and squared: the rotation is exact and preserves
+//! the norm for a step of any size.
 
 use granum_simd::{Mask, Real};
 
@@ -60,11 +59,11 @@ impl<R: Real> Frame<R> {
     }
 }
 
-/// Components, in the frame of `-normal`, of minus a vector given by its components in the frame of `normal`: what
-/// becomes of a remembered force when the grains of a pair change sides.
+/// Components, in the frame of `-normal`, of minus a vector that is given by its components in the frame of `normal`: the
+/// form that a stored force takes when the grains of a pair change roles.
 ///
-/// The frame of `-n` is `(e_1, -e_2)`, so that nothing is rounded; but for a normal on the equator, both of whose
-/// directions count to the same hemisphere.
+/// The frame of `-n` is `(e_1, -e_2)`, so that nothing is rounded, except for a normal on the equator, where both directions
+/// belong to the same hemisphere.
 pub fn swap_sides(normal: [f64; 3], vector: [f64; 2]) -> [f64; 2] {
     if normal[2] != 0.0 {
         return [-vector[0], vector[1]];
@@ -73,7 +72,7 @@ pub fn swap_sides(normal: [f64; 3], vector: [f64; 2]) -> [f64; 2] {
     opposite.components(Frame::of(normal).vector(vector)).map(|x| -x)
 }
 
-/// A rotation in the contact plane: what a remembered vector undergoes in one step, seen from the frames.
+/// A rotation in the contact plane: the rotation of a stored vector in one step, relative to the frames.
 #[derive(Clone, Copy)]
 pub struct Turn<R> {
     cosine: R,
@@ -81,9 +80,10 @@ pub struct Turn<R> {
 }
 
 impl<R: Real> Turn<R> {
-    /// From the unit normal `old` to `new`, `cosine` their dot product, with a spin (angle, rad) about it.
+    /// Rotation from the unit normal `old` to `new`, with `cosine` their dot product, and a spin (angle, rad) about it.
     ///
-    /// The spin's half tangent is its series to the fifth order: the angle is exact to 1e-10 up to 0.1 rad a step.
+    /// The tangent of half the spin is evaluated by its series to the fifth order: the angle is exact to 1e-10 up to 0.1 rad
+    /// per step.
     #[inline(always)]
     pub fn new(old: [R; 3], new: [R; 3], cosine: R, spin: R) -> Self {
         let one = R::splat(1.0);
@@ -107,7 +107,7 @@ impl<R: Real> Turn<R> {
         Turn { cosine: (ww - zz) * inverse, sine: (w + w) * (z * inverse) }
     }
 
-    /// Turns the components of a vector from the old frame into those in the new one.
+    /// Converts the components of a vector in the old frame into those of the rotated vector in the new frame.
     #[inline(always)]
     pub fn apply(&self, v: [R; 2]) -> [R; 2] {
         [self.cosine.mul_add(v[0], -(self.sine * v[1])), self.sine.mul_add(v[0], self.cosine * v[1])]
@@ -125,7 +125,7 @@ mod tests {
         [r * azimuth.cos(), r * azimuth.sin(), z]
     }
 
-    /// Tilt and spin of a vector in space.
+    /// Rotation of a vector in space by tilt and spin.
     fn reference(old: [f64; 3], new: [f64; 3], spin: f64, q: [f64; 3]) -> [f64; 3] {
         let sum: [f64; 3] = std::array::from_fn(|a| old[a] + new[a]);
         let tilted = add_scaled(q, -dot(new, q) / (1.0 + dot(old, new)), sum);

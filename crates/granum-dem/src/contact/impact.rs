@@ -1,9 +1,9 @@
-//! Two equal grains collide: restitution, rebound of the contact point, spin.
+//! Collision of two equal grains: restitution, rebound of the contact point, spin.
 //!
-//! Grain j meets grain i at rest. The equations of motion of both are integrated as the engine does it, each step a
-//! kick, a drift, and the interaction with the positions at its end and the velocities at its middle; the kicks are
-//! split in two halves so that velocities are known at the ends too. The collision begins at the instant of first
-//! touch, with the force that the law has there, and ends exactly at the instant of separation.
+//! Grain j collides with grain i, which is at rest. The equations of motion of both are integrated as in the engine: each
+//! step is a kick, a drift, and the interaction with the positions at its end and the velocities at its middle; the kicks
+//! are split into two halves so that velocities are also known at the ends. The collision begins at the instant of first
+//! contact, with the force that the law gives there, and ends exactly at the instant of separation.
 
 use granum_simd::{Isa, Kernel, Lanes, dispatch};
 use serde::{Deserialize, Serialize};
@@ -15,77 +15,79 @@ use super::set::{Open, Slots};
 use super::{PairConstants, PairProperties};
 use crate::config::{Contact, Material};
 
-/// Outcome of a collision. Tangential velocities are those of the contact point of j against that of i, spin included.
+/// Outcome of a collision. Tangential velocities are those of the contact point of j relative to that of i, spin included.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Impact {
-    /// Speed of j against i before, m/s.
+    /// Speed of j relative to i before the collision, m/s.
     pub speed: f64,
-    /// Angle between that velocity and the line of centres, degrees; 0 is head-on.
+    /// Angle between this velocity and the line of centres, degrees; 0 is head-on.
     pub angle_deg: f64,
-    /// Velocity of approach along the line of centres before, m/s.
+    /// Approach velocity along the line of centres before the collision, m/s.
     pub normal_velocity_in: f64,
-    /// Tangential velocity before, m/s.
+    /// Tangential velocity before the collision, m/s.
     pub tangential_velocity_in: f64,
-    /// Velocity of separation along the line of centres after, m/s; zero where they stick.
+    /// Separation velocity along the line of centres after the collision, m/s; zero where the grains stick.
     pub normal_velocity_out: f64,
-    /// Tangential velocity after, m/s, positive as before the collision; zero where they stick.
+    /// Tangential velocity after the collision, m/s, with the sign convention of the incoming one; zero where the grains
+    /// stick.
     pub tangential_velocity_out: f64,
-    /// Spin of each grain after, rad/s, positive as the friction of the approach turns them; zero where they stick.
+    /// Spin of each grain after the collision, rad/s, positive in the sense of the friction during the approach; zero where
+    /// the grains stick.
     pub spin_out: f64,
-    /// `normal_velocity_out / normal_velocity_in`; zero where they stick.
+    /// `normal_velocity_out / normal_velocity_in`; zero where the grains stick.
     pub restitution: f64,
-    /// `2 (1 - nu) / (mu (2 - nu))` times `tangential_velocity_in / normal_velocity_in` (Maw, Barber and Fawcett 1976);
-    /// zero without friction.
+    /// `2 (1 - nu) / (mu (2 - nu))` times `tangential_velocity_in / normal_velocity_in` (Maw, Barber and Fawcett 1976); zero
+    /// without friction.
     pub psi1: f64,
     /// The same with `tangential_velocity_out`.
     pub psi2: f64,
-    /// Time from touch to separation, s; infinite where they stick.
+    /// Time from first contact to separation, s; infinite where the grains stick.
     pub contact_time: f64,
-    /// Time step of the result given, s.
+    /// Time step of the reported result, s.
     pub time_step: f64,
     /// True where the grains stay together.
     pub sticks: bool,
-    /// How much the velocities still change with the time step, over the velocity of approach. It is above 1e-5 only
-    /// where grains barely come apart (they swing in their bond many times, and every swing magnifies what was
-    /// before), and infinite where even the outcome, apart or together, changes.
+    /// Remaining change of the velocities with the time step, relative to the approach velocity. It exceeds 1e-5 only where
+    /// the grains barely separate (the bond oscillates many times, and every oscillation amplifies the earlier errors), and
+    /// is infinite where even the outcome, separation or sticking, changes.
     pub uncertainty: f64,
 }
 
-/// Why a collision cannot be computed.
+/// Reasons why a collision cannot be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ImpactError {
-    /// The laws do not go together.
+    /// The laws cannot be combined.
     #[error(transparent)]
     Law(#[from] LawError),
-    /// No collision at such a speed.
+    /// The speed is out of range.
     #[error("speed is {0} m/s; it must be positive and small against the speed of sound, e.g. 0.1")]
     Speed(f64),
-    /// No collision at such an angle.
+    /// The angle is out of range.
     #[error("angle is {0} degrees; it must lie from 0 (head-on) to less than 90 (grazing)")]
     Angle(f64),
 }
 
-/// Steps in the characteristic time of the contact, at first.
+/// Initial number of steps per characteristic time of the contact.
 const FIRST_STEPS: usize = 1000;
-/// Doubled at most to this.
+/// Largest number of steps per characteristic time, after repeated doubling.
 const MOST_STEPS: usize = FIRST_STEPS << 8;
-/// Velocities that are less certain than this, over the velocity of approach, deserve a warning.
+/// Above this uncertainty of the velocities, relative to the approach velocity, a warning is due.
 pub const AGREEMENT: f64 = 1e-5;
-/// Halving the step ends when two extrapolations differ by less than this, over the velocity of approach.
+/// The time step is no longer halved when two extrapolations differ by less than this, relative to the approach velocity.
 const CONVERGED: f64 = 1e-9;
-/// Fraction of the way left to the separation that a step covers at most, times `FIRST_STEPS` over the steps of the
-/// characteristic time: an adhesive force has an infinite slope there.
+/// Largest fraction of the remaining distance to separation that a step covers, times `FIRST_STEPS` over the number of steps
+/// per characteristic time: an adhesive force has an infinite slope there.
 const LAST_WAY: f64 = 0.02;
-/// Characteristic times after which grains that have not come apart count as stuck.
+/// Number of characteristic times after which grains that have not separated count as sticking.
 const PATIENCE: f64 = 200.0;
 
-/// A collision of two equal grains of a diameter, m, at a speed of j against i, m/s, and an angle, degrees.
+/// Computes the collision of two equal grains of a given diameter, m, at a speed of j relative to i, m/s, and an angle,
+/// degrees.
 ///
-/// The time step is a fraction of the shorter of Hertz's contact time and of the period of the adhesive bond,
-/// `1/1000` at first. It is halved, and the results extrapolated to none (friction has an error of first order in the
-/// step, the motion one of second order), until two extrapolations of the velocities agree within 1e-9 of the velocity of
-/// approach, or the step is 1/256000; the steadiest answer
-/// is given, and how near two of them came is [`Impact::uncertainty`].
+/// The time step is a fraction of the shorter of Hertz's contact time and of the period of the adhesive bond, initially
+/// `1/1000`. It is halved, and the results are extrapolated to zero step (friction has an error of first order in the step,
+/// the motion one of second order), until two extrapolations of the velocities agree within 1e-9 of the approach velocity or
+/// the fraction has reached 1/256000. The result that changed least is returned, and its change is [`Impact::uncertainty`].
 pub fn collide(
     contact: &Contact,
     material: &Material,
@@ -116,7 +118,7 @@ pub fn collide(
         let best = first_order.map(|before| extrapolate(&before, &once, 1.0 / 3.0));
         let change = last.zip(best).map_or(f64::INFINITY, |(a, b)| difference(&a, &b) / velocity);
         let now = Impact { uncertainty: change, ..best.unwrap_or(once) };
-        // Very small steps pile up rounding: the answer is the one that changed least.
+        // With very small steps rounding errors accumulate: the best result is the one that changed least.
         let kept = steadiest.filter(|kept| kept.uncertainty < change).unwrap_or(now);
         if kept.uncertainty < CONVERGED || steps >= MOST_STEPS {
             return Ok(describe(kept, &pair, material, speed, angle_deg));
@@ -126,8 +128,8 @@ pub fn collide(
     }
 }
 
-/// Romberg's extrapolation to no time step, from two steps, one half of the other: `fine + factor (fine - coarse)` takes
-/// an error of first order away with a factor of 1, one of second order with 1/3.
+/// Romberg's extrapolation to zero time step from two results, the second with half the step of the first:
+/// `fine + factor (fine - coarse)` removes an error of first order with a factor of 1, and one of second order with 1/3.
 fn extrapolate(coarse: &Impact, fine: &Impact, factor: f64) -> Impact {
     if coarse.sticks || fine.sticks {
         return *fine;
@@ -142,7 +144,7 @@ fn extrapolate(coarse: &Impact, fine: &Impact, factor: f64) -> Impact {
     }
 }
 
-/// Largest difference of the velocities after, m/s; without bound if one sticks and the other does not.
+/// Largest difference of the velocities after the collision, m/s; infinite if the grains stick in only one of the two.
 fn difference(a: &Impact, b: &Impact) -> f64 {
     if a.sticks != b.sticks {
         return f64::INFINITY;
@@ -166,8 +168,8 @@ fn describe(raw: Impact, pair: &PairProperties, material: &Material, speed: f64,
     }
 }
 
-/// Shorter of the contact time and of the time `(m* d_0 / N_c)^(1/2)` of an adhesive bond, s. Without a contact area the
-/// contact time is the half period of the normal spring, else Hertz's.
+/// The shorter of the contact time and of the time `(m* d_0 / N_c)^(1/2)` of an adhesive bond, s. Without a contact area the
+/// contact time is half the period of the normal spring, otherwise that of Hertz.
 fn characteristic_time(contact: &Contact, pair: &PairProperties, velocity: f64) -> f64 {
     let (mass, radius, modulus) = (pair.effective_mass, pair.effective_radius, pair.effective_modulus);
     let normal = contact.normal.law().traits();
@@ -184,7 +186,7 @@ fn characteristic_time(contact: &Contact, pair: &PairProperties, velocity: f64) 
     hertz.min((mass * length / force).sqrt())
 }
 
-/// One collision with a step of the characteristic time over `steps`.
+/// One collision with a time step of the characteristic time over `steps`.
 pub(super) fn run(
     contact: &Contact,
     pair: &PairProperties,
@@ -214,7 +216,7 @@ struct Collide<'a> {
     patience: f64,
 }
 
-/// The motion on plain numbers, compiled for the machine's fused operations.
+/// The motion in scalar arithmetic, compiled for the fused operations of the processor.
 struct Motion<'a> {
     given: Collide<'a>,
     constants: PairConstants<f64>,
@@ -223,7 +225,8 @@ struct Motion<'a> {
     laws: Open<'a, One>,
 }
 
-/// What moves: the branch from i to j, the velocity of j against i, the spin that both grains have.
+/// The variables of motion: the branch vector from i to j, the velocity of j relative to i, and the common spin of both
+/// grains.
 #[derive(Clone, Copy)]
 struct Relative {
     branch: [f64; 3],
@@ -241,7 +244,7 @@ impl Kernel for Motion<'_> {
         let normal = [1.0, 2.0, 3.0].map(|x| x / 14f64.sqrt());
         let along = [4.0, 1.0, -2.0].map(|x| x / 21f64.sqrt());
         let radius = 0.5 * pair.radius_sum;
-        // Both grains have twice the effective mass; friction on i gives both the same spin.
+        // The mass of each grain is twice the effective mass; by symmetry friction gives both the same spin.
         let per_inertia = radius / (0.4 * 2.0 * pair.effective_mass * radius * radius);
         let mut state = Relative {
             branch: scale(pair.radius_sum, normal),
@@ -256,13 +259,14 @@ impl Kernel for Motion<'_> {
             sticks: true,
             ..Impact::default()
         };
-        // The force at the instant of touch: adhesion has it at once.
+        // The force at the instant of first contact, where adhesion acts at once.
         let first = self.contact.normal_contact(&self.constants, pair.radius_sum * 1e-15);
         let opening = self.constants.damping * first.root_stiffness * -velocity;
         let [bridge, _] = self.contact.adhesion.law().at_touch(&self.constants.adhesion);
         let mut pull = scale(opening - first.force + bridge, normal);
         let mut moment = [0.0; 3];
-        // Just inside the separation, so that its force is still there: adhesion, or a dashpot whose spring does not soften.
+        // Slightly before the separation, so that the force there still acts: adhesion, or a dashpot whose spring does not
+        // soften.
         let inside = if first.radius > 0.0 { 0.0 } else { pair.radius_sum * 1e-14 };
         let edge = pair.radius_sum - self.separation * (1.0 - 1e-9) - inside;
         let mut memory = Memory::<f64>::new();
@@ -277,7 +281,8 @@ impl Kernel for Motion<'_> {
             let mut dt = time_step.min(last_way * self.time_to_separation(&state, edge));
             let mut middle = half(&state, pull, moment, dt);
             let mut last = false;
-            // A step that would pass the separation is cut to end on it; the kick depends on it, hence twice.
+            // A step that would pass the separation is shortened to end on it; since the kick depends on its length, this is
+            // done twice.
             for _ in 0..2 {
                 let cut = time_to_distance(&middle, edge);
                 if cut <= dt {
@@ -302,7 +307,7 @@ impl Kernel for Motion<'_> {
             if last || !(out.touching || out.attracting) {
                 let distance = dot(state.branch, state.branch).sqrt();
                 let normal = scale(1.0 / distance, state.branch);
-                // Directions at separation: the pair has turned a little.
+                // Directions at separation: the pair has rotated a little.
                 let side = cross(normal, along);
                 let along = cross(side, normal);
                 let along = scale(1.0 / dot(along, along).sqrt(), along);
@@ -314,7 +319,7 @@ impl Kernel for Motion<'_> {
                 result.sticks = false;
                 break;
             }
-            // What has come back once without parting has not the energy to part.
+            // A pair that closes again after it began to open no longer has the energy to separate.
             if closing > 0.0 && opened {
                 break;
             }
@@ -325,7 +330,7 @@ impl Kernel for Motion<'_> {
 }
 
 impl Motion<'_> {
-    /// Time until grains whose bond is being torn come apart, s; without bound while they approach, or without adhesion.
+    /// Time until grains whose bond is being stretched separate, s; infinite while they approach, or without adhesion.
     #[inline(always)]
     fn time_to_separation(&self, state: &Relative, edge: f64) -> f64 {
         let distance = dot(state.branch, state.branch).sqrt();
@@ -333,12 +338,12 @@ impl Motion<'_> {
         if self.separation == 0.0 || opening <= 0.0 {
             return f64::INFINITY;
         }
-        // The floor lets the motion arrive.
+        // The lower bound makes sure that the separation is reached.
         (edge - distance).max(-1e-6 * self.separation) / opening
     }
 }
 
-/// Time until the centres, moving as they do, are at a distance from each other; infinite if never.
+/// Time until the centres, at their present velocity, are at a given distance from each other; infinite if never.
 #[inline(always)]
 fn time_to_distance(state: &Relative, distance: f64) -> f64 {
     let speed = dot(state.velocity, state.velocity);

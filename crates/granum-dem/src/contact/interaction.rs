@@ -1,6 +1,6 @@
-//! One step of one contact, or of eight: kinematics, turning of the history, laws, dashpots, energy balance.
+//! One step of one contact, or of eight: kinematics, rotation of the history, laws, dashpots, energy balance.
 //!
-//! The kernel of the engine, `granum pair` and `granum impact` all run this one function.
+//! The kernel of the engine, `granum pair` and `granum impact` all use this one function.
 
 use granum_simd::{Mask, Real};
 
@@ -9,36 +9,36 @@ use super::law::RelativeSpin;
 use super::set::Laws;
 use super::{MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, PairConstants};
 
-/// How the grains of a pair stand and move.
+/// Relative position and motion of the grains of a pair.
 #[derive(Clone, Copy)]
 pub struct Kinematics<R> {
     /// Branch from the centre of i to the nearest image of the centre of j, m.
     pub branch: [R; 3],
-    /// Velocity of j relative to i, the cell's gradient times the branch included, m/s.
+    /// Velocity of j relative to i, including the velocity gradient of the cell times the branch vector, m/s.
     pub velocity: [R; 3],
     /// b_i w_i + b_j w_j over D, rad/s: the spins weighted with the lever arms b = R D / (R_i + R_j).
     pub rolling: [R; 3],
     /// (w_i + w_j) / 2, rad/s.
     pub mean_spin: [R; 3],
-    /// w_i - w_j, rad/s; of no account without a law of moments.
+    /// w_i - w_j, rad/s; not used without a moment law.
     pub relative_spin: [R; 3],
 }
 
-/// What a contact remembers between steps.
+/// The history that a contact keeps between steps.
 #[derive(Clone, Copy)]
 pub struct Memory<R> {
     /// Unit normal at the last step; zero where the pair did not touch.
     pub normal: [R; 3],
-    /// The tangential law's own columns; vectors by their components in the [`Frame`] of the normal.
+    /// The columns of the tangential law; vectors by their components in the [`Frame`] of the normal.
     pub history: [R; MAX_HISTORY],
-    /// The same of the law of moments.
+    /// The columns of the moment law.
     pub moments: [R; MAX_MOMENT_HISTORY],
     /// The columns of the law of adhesion, which may last beyond touch.
     pub adhesion: [R; MAX_ADHESION_HISTORY],
 }
 
 impl<R: Real> Memory<R> {
-    /// A pair that has not touched.
+    /// The history of a pair that has not touched.
     #[inline(always)]
     pub fn new() -> Self {
         Memory {
@@ -62,9 +62,9 @@ impl<R: Real> Default for Memory<R> {
 pub struct Interaction<R: Real> {
     /// Force on i, dashpots included, N.
     pub force: [R; 3],
-    /// Torque of the tangential force on i is `R_i moment`, on j `R_j moment`; N.
+    /// The torque of the tangential force is `R_i moment` on i and `R_j moment` on j; N.
     pub moment: [R; 3],
-    /// Couple on i beside that, dashpots included, N m; its opposite acts on j.
+    /// Additional couple on i, dashpots included, N m; the opposite couple acts on j.
     pub couple: [R; 3],
     /// Elastic force on i, N.
     pub elastic: [R; 3],
@@ -84,25 +84,26 @@ pub struct Interaction<R: Real> {
     pub attracting: R::Mask,
     /// Lost in this step where that attraction begins or ends, J.
     pub attraction_loss: R,
-    /// Where the tangential force stands at the friction limit.
+    /// Where the tangential force is at the friction limit.
     pub sliding: R::Mask,
-    /// Work that the elastic tangential force took up in this step, J.
+    /// Work of the elastic tangential force in this step, positive where energy is absorbed, J.
     pub tangential_work: R,
-    /// Lost to sliding in this step, J.
+    /// Energy lost to sliding in this step, J.
     pub friction_loss: R,
-    /// Lost in this step without sliding, J; where `discards` is set, [`super::TangentialLaw::discarded`] comes to it.
+    /// Energy lost in this step without sliding, J; where `discards` is set, [`super::TangentialLaw::discarded`] has to be
+    /// added.
     pub micro_slip_loss: R,
     /// Where the tangential law discarded a part of its history.
     pub discards: R::Mask,
-    /// Lost in the dashpots in this step, J.
+    /// Energy lost in the dashpots in this step, J.
     pub damping_loss: R,
-    /// Lost by touching anew in this step, J.
+    /// Energy lost by the formation of a contact in this step, J.
     pub adhesion_made: R,
-    /// Lost by breaking in this step, J.
+    /// Energy lost by the breaking of a contact in this step, J.
     pub adhesion_broken: R,
-    /// Work that the elastic couple took up in this step, J.
+    /// Work of the elastic couple in this step, positive where energy is absorbed, J.
     pub moment_work: R,
-    /// The part of it that was lost, J.
+    /// The part of it that was dissipated, J.
     pub moment_loss: R,
 }
 
@@ -146,7 +147,7 @@ pub fn keep<R: Real>(mask: R::Mask, a: [R; 3]) -> [R; 3] {
     [a[0].keep(mask), a[1].keep(mask), a[2].keep(mask)]
 }
 
-/// Below this `1 - m.n` the middle normal comes from a series, exact to the last bits.
+/// Below this value of `1 - m.n` the middle normal is computed from a series, which is exact to the last bits.
 const SMALL_TILT: f64 = 1e-3;
 
 /// `1 / |m + n|` of two unit vectors, from `1 - m.n`.
@@ -165,10 +166,10 @@ fn inverse_of_sum<R: Real>(tilt: R) -> R {
     R::select(large, R::splat(1.0) / sum.sqrt(), series)
 }
 
-/// Advances a contact by one step of length `dt`, positions at its end, velocities at its middle.
+/// Advances a contact by one step of length `dt`, with positions at its end and velocities at its middle.
 ///
-/// The slip uses the mid-step normal and lever arms that sum to the distance of the centres; anything else is not
-/// objective: a rigid rotation of a loaded pair would make forces.
+/// The slip uses the mid-step normal and lever arms whose sum is the distance of the centres; any other choice is not
+/// objective: a rigid rotation of a loaded pair would create forces.
 #[inline(always)]
 pub fn interact<R: Real, S: Laws<R>>(
     laws: &S,
@@ -179,7 +180,7 @@ pub fn interact<R: Real, S: Laws<R>>(
 ) -> Interaction<R> {
     let (zero, one, half) = (R::zero(), R::splat(1.0), R::splat(0.5));
     let branch = kinematics.branch;
-    // The root and the reciprocal do not wait for each other.
+    // The square root and the reciprocal do not depend on each other.
     let square = dot(branch, branch);
     let distance = square.sqrt();
     let normal = scale(distance * (one / square), branch);
@@ -190,7 +191,7 @@ pub fn interact<R: Real, S: Laws<R>>(
     let (contact, losses) = laws.normal(&constants.normal, overlap, touched);
     let touching = contact.touching;
 
-    // A new contact starts in its own plane.
+    // A new contact starts in its own contact plane.
     let cosine = R::select(touched, cosine, one);
     let old = select::<R>(touched, memory.normal, normal);
     let inverse = inverse_of_sum(one - cosine);
@@ -218,13 +219,13 @@ pub fn interact<R: Real, S: Laws<R>>(
     let normal_dashpot = constants.damping * contact.root_stiffness;
     let tangential_dashpot = (constants.damping * tangential.root_stiffness).keep(!tangential.sliding);
     let opening = dot(kinematics.velocity, normal);
-    // On i: elastic -N n + T, and the dashpots pull i along with j.
+    // Forces on i: elastic -N n + T, and the dashpots drag i along with j.
     let push = opening.mul_add(normal_dashpot, -contact.force);
     let pull = [
         tangential_dashpot.mul_add(slip_velocity[0], tangential.force[0]),
         tangential_dashpot.mul_add(slip_velocity[1], tangential.force[1]),
     ];
-    // The normal turns the frame's first axis into its second, and the second into minus the first.
+    // The cross product with the normal maps the first axis of the frame to the second, and the second to minus the first.
     let arm = distance * constants.inverse_radius_sum;
     let moment = frame.vector([-(arm * pull[1]), arm * pull[0]]);
     let slip_square = slip_velocity[0].mul_add(slip_velocity[0], slip_velocity[1] * slip_velocity[1]);
@@ -267,7 +268,7 @@ pub fn interact<R: Real, S: Laws<R>>(
         damping_loss: (dt * damping_power).keep(touching),
         adhesion_made: losses.made.keep(touching & !touched),
         adhesion_broken: losses.broken.keep(touched & !touching),
-        // What a contact that breaks still held is lost.
+        // The energy still stored in a contact that breaks is lost.
         moment_work: moments.work.keep(touching | touched),
         moment_loss: moments.loss.keep(touching | touched),
     };
@@ -316,16 +317,16 @@ struct Plane<'a, R> {
     turn: &'a Turn<R>,
 }
 
-/// What a law of moments does in a step.
+/// Effect of a moment law in a step.
 struct Moments<R> {
-    /// On i, dashpot included, N m.
+    /// Couple on i, dashpot included, N m.
     couple: [R; 3],
     work: R,
     loss: R,
     step_stiffness: R,
 }
 
-/// A step of the law of moments, and the power that its dashpot takes.
+/// A step of the moment law, and the power dissipated by its dashpot.
 #[inline(always)]
 fn resist<R: Real, S: Laws<R>>(
     laws: &S,

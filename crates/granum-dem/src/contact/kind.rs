@@ -1,4 +1,4 @@
-//! Which law: a value to copy and compare, made of one of granum's laws or of a caller's own.
+//! The choice of a law as a value that can be copied and compared, made from one of granum's laws or from a caller's own.
 
 use std::fmt;
 use std::hash::{Hash, Hasher};
@@ -10,7 +10,7 @@ use super::rolling::{ElasticPlasticRolling, ElasticPlasticTwisting, NoMoments};
 use super::slot::{AdhesionSlot, MomentSlot, NormalSlot, TangentialSlot};
 use super::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
 
-/// A law that was chosen: a value to copy and compare; its name is its identity in files.
+/// The choice of a law as a value that can be copied and compared; the name identifies it in files.
 macro_rules! kind {
     ($kind:ident, $slot:ident, $law:ident, $what:literal, $($name:ident = $type:ident,)*) => {
         #[doc = concat!("Which ", $what, ". Its name is its identity in files.")]
@@ -28,7 +28,7 @@ macro_rules! kind {
                 $kind(law)
             }
 
-            /// The law.
+            /// The chosen law.
             pub fn law(&self) -> &'static dyn $slot {
                 self.0
             }

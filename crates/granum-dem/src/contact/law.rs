@@ -1,7 +1,7 @@
-//! What a contact law is: a normal law, a tangential law, and a law of the moments of a contact.
+//! Definition of a contact law: a normal law, a tangential law, and a moment law.
 //!
-//! A law is written once over [`Real`] and runs on one pair (`f64`), on eight side by side or on two times eight. It owns its
-//! name, its parameters, what it prepares for a pair, its history and its stiffness.
+//! A law is written once over [`Real`] and runs on one pair (`f64`), on eight side by side or on two times eight. It defines
+//! its name, its parameters, its constants for a pair, its history and its stiffness.
 
 use granum_simd::Real;
 
@@ -9,7 +9,7 @@ use super::elementary::{arc_cosine, cosine};
 use super::interaction::Memory;
 use super::{LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, PairProperties, frame};
 
-/// Powers of kilogram, metre and second of the SI unit of a parameter.
+/// SI unit of a parameter, with its powers of kilogram, metre and second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unit {
     /// Symbol of the SI unit; empty for a pure number.
@@ -92,11 +92,11 @@ pub struct Parameter {
     pub key: &'static str,
     /// SI unit.
     pub unit: Unit,
-    /// Value where none is given, in SI units.
+    /// Default value, in SI units.
     pub default: f64,
     /// Smallest and largest value, in SI units.
     pub bounds: [f64; 2],
-    /// What it is, in one or two sentences.
+    /// Its meaning, in one or two sentences.
     pub meaning: &'static str,
     /// True for a parameter that matters only with a normal law that has no contact area.
     pub without_area: bool,
@@ -104,7 +104,7 @@ pub struct Parameter {
     pub mixing: Mixing,
 }
 
-/// What a law says of itself.
+/// Description of a law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Description {
     /// Name in case files and messages, e.g. `jkr`.
@@ -117,45 +117,45 @@ pub struct Description {
     pub parameters: &'static [Parameter],
 }
 
-/// What the other laws of a set may ask of the normal law.
+/// Properties of the normal law that the other laws of a set depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalTraits {
     /// Its name.
     pub name: &'static str,
-    /// True if contacts have an area, whose radius [`Normal::radius`] is.
+    /// True if contacts have an area, whose radius is [`Normal::radius`].
     pub contact_area: bool,
     /// True if contacts carry tension.
     pub adhesive: bool,
 }
 
-/// What a normal law says of a contact.
+/// State of a contact according to a normal law.
 #[derive(Clone, Copy)]
 pub struct Normal<R: Real> {
     /// Elastic normal force N, compression positive, N.
     pub force: R,
     /// Radius a of the contact area, m; zero for a law without one.
     pub radius: R,
-    /// Stiffness for the dashpot, N/m: the derivative of N by the overlap, kept positive by the law.
+    /// Stiffness for the dashpot, N/m: the derivative of N with respect to the overlap, kept positive by the law.
     pub stiffness: R,
-    /// Root of the stiffness.
+    /// Square root of the stiffness.
     pub root_stiffness: R,
-    /// What the tangential stiffness is proportional to: the radius of the contact area, m, or for a law without one the
-    /// stiffness, N/m.
+    /// The quantity that the tangential stiffness is proportional to: the radius of the contact area, m, or for a law
+    /// without one the stiffness, N/m.
     pub tangential_measure: R,
-    /// Root of that.
+    /// Its square root.
     pub root_tangential_measure: R,
-    /// Load F such that the tangential force is limited to mu F, N: N itself without adhesion.
+    /// Load F such that the tangential force is limited to mu F, N: equal to N without adhesion.
     pub friction_load: R,
     /// Where the pair touches.
     pub touching: R::Mask,
 }
 
-/// Energy that no force gives back where a contact is made or broken, J.
+/// Energy that no force returns when a contact forms or breaks, J.
 #[derive(Clone, Copy)]
 pub struct AdhesionLosses<R> {
-    /// Lost when a contact is made.
+    /// Energy lost when a contact forms.
     pub made: R,
-    /// Lost when it breaks: the energy at the overlap of rupture.
+    /// Energy lost when it breaks: the energy at the overlap of rupture.
     pub broken: R,
 }
 
@@ -179,17 +179,17 @@ pub trait NormalLaw: Copy + Send + Sync + 'static {
     const CONTACT_AREA: bool = true;
     /// True if contacts carry tension.
     const ADHESIVE: bool = false;
-    /// The constants of a pair that [`NormalLaw::evaluate`] wants; `parameters` in the order of the description.
+    /// The constants of a pair that [`NormalLaw::evaluate`] needs; `parameters` in the order of the description.
     fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS];
-    /// Force, contact radius, stiffness and friction load at an overlap, m, given whether the pair touched a step before.
-    /// Where the pair does not touch, force, radius and load are zero.
+    /// Force, contact radius, stiffness and friction load at an overlap, m; `touched` tells whether the pair touched one
+    /// step before. Where the pair does not touch, force, radius and load are zero.
     fn evaluate<R: Real>(constants: &[R; LAW_CONSTANTS], overlap: R, touched: R::Mask) -> Normal<R>;
-    /// A contact under a load, N, as an estimate before any contact is known: it starts the choice of the time step.
+    /// A contact under a load, N, as an estimate before any contact exists: the initial time step is derived from it.
     fn loaded(pair: &PairProperties, parameters: &[f64], load: f64) -> Normal<f64>;
-    /// Energy of a touching pair over that of one apart, J: the integral of N from zero overlap, less what
-    /// [`NormalLaw::losses`] says of a contact made.
+    /// Energy of a touching pair relative to a separated one, J: the integral of N from zero overlap, minus the loss by
+    /// formation of the contact that [`NormalLaw::losses`] returns.
     fn energy(constants: &[f64; LAW_CONSTANTS], overlap: f64) -> f64;
-    /// Energy lost by making and by breaking a contact, J: none without adhesion.
+    /// Energy lost when a contact forms and when it breaks, J: zero without adhesion.
     #[inline(always)]
     fn losses<R: Real>(_constants: &[R; LAW_CONSTANTS]) -> AdhesionLosses<R> {
         AdhesionLosses { made: R::zero(), broken: R::zero() }
@@ -200,23 +200,23 @@ pub trait NormalLaw: Copy + Send + Sync + 'static {
     }
 }
 
-/// What a tangential law says of a contact.
+/// State of a contact according to a tangential law.
 #[derive(Clone, Copy)]
 pub struct Tangential<R: Real> {
     /// Elastic tangential force T on grain i, N, by its components in the frame of the contact.
     pub force: [R; 2],
     /// Stiffness for the dashpot, N/m.
     pub stiffness: R,
-    /// Root of the stiffness.
+    /// Square root of the stiffness.
     pub root_stiffness: R,
-    /// Where the force stands at the friction limit.
+    /// Where the force is at the friction limit.
     pub sliding: R::Mask,
     /// Energy lost to sliding in this step, J.
     pub friction_loss: R,
-    /// Energy lost in this step below the friction limit, J: in the zone of slip of the contact area, or where the
-    /// law drops what a changed stiffness no longer holds. Without what `discards` marks.
+    /// Energy lost in this step below the friction limit, J: in the slip zone of the contact area, or where the law releases
+    /// what a changed stiffness no longer stores. It does not include the energy of the histories marked by `discards`.
     pub micro_slip_loss: R,
-    /// Where the law discarded a part of its history and, with it, the energy that [`TangentialLaw::discarded`] says.
+    /// Where the law discarded a part of its history and, with it, the energy that [`TangentialLaw::discarded`] returns.
     pub discards: R::Mask,
 }
 
@@ -224,35 +224,35 @@ pub struct Tangential<R: Real> {
 pub trait TangentialLaw: Copy + Send + Sync + 'static {
     /// Name, label, help and parameters.
     const DESCRIPTION: Description;
-    /// Columns of history used. The first two are always the tangential force T on grain i, by its components in the
+    /// Number of history columns used. The first two are always the tangential force T on grain i, by its components in the
     /// [`frame::Frame`] of the normal.
     const HISTORY: usize;
-    /// How many plane vectors lead the history (columns 0..2 the first, ...); they turn with the contact plane, and
-    /// change as [`swap_sides`] says when the grains of a pair change sides.
+    /// Number of plane vectors at the beginning of the history (the first in columns 0..2, ...); they rotate with the
+    /// contact plane, and change as described at [`swap_sides`] when the grains of a pair change roles.
     const PLANE_VECTORS: usize;
-    /// True for a law that discards parts of its history which store energy.
+    /// True for a law that discards parts of its history that store energy.
     const DISCARDS: bool = false;
-    /// Refuses a normal law that it does not go with: what is wrong and what would be right, going on from
-    /// `contact.tangential = "..."`.
+    /// Rejects a normal law that this law cannot be combined with. The message states what is wrong and what would be right,
+    /// as a continuation of `contact.tangential = "..."`.
     ///
     /// # Errors
     /// The reason.
     fn goes_with(_normal: &NormalTraits) -> Result<(), &'static str> {
         Ok(())
     }
-    /// The constants of a pair that [`TangentialLaw::update`] wants; `parameters` in the order of the description.
+    /// The constants of a pair that [`TangentialLaw::update`] needs; `parameters` in the order of the description.
     fn prepare(pair: &PairProperties, normal: &NormalTraits, parameters: &[f64]) -> [f64; LAW_CONSTANTS];
     /// Stiffness of a contact that has neither slipped nor peeled, N/m, for the stored energy and the time step.
     fn stiffness<R: Real>(constants: &[R; LAW_CONSTANTS], normal: &Normal<R>) -> R;
-    /// Stiffness for the time step, N/m: not below a third of the normal stiffness, beneath which the grains no longer swing
-    /// fastest by spinning.
+    /// Stiffness for the time step, N/m: at least a third of the normal stiffness, since below that value the spinning of
+    /// the grains is no longer their fastest mode of oscillation.
     #[inline(always)]
     fn step_stiffness<R: Real>(constants: &[R; LAW_CONSTANTS], normal: &Normal<R>) -> R {
         Self::stiffness(constants, normal)
     }
-    /// Advances the history (already turned into the present contact plane, all zeros for a new contact) by an
-    /// increment of tangential displacement of grain j's surface relative to grain i's, m. Where the friction load is
-    /// zero the force is zero.
+    /// Advances the history (already rotated into the present contact plane, all zeros for a new contact) by an increment of
+    /// tangential displacement of the surface of grain j relative to that of grain i, m. Where the friction load is zero the
+    /// force is zero.
     fn update<R: Real>(
         constants: &[R; LAW_CONSTANTS],
         normal: &Normal<R>,
@@ -260,22 +260,22 @@ pub trait TangentialLaw: Copy + Send + Sync + 'static {
         history: &mut [R; MAX_HISTORY],
     ) -> Tangential<R>;
     /// Energy lost where a step discarded a part of the history, J, from the history before that step and the stiffness that
-    /// [`Tangential::stiffness`] had. Rare, and so not a part of [`TangentialLaw::update`].
+    /// [`Tangential::stiffness`] had. It is rarely needed and therefore not a part of [`TangentialLaw::update`].
     #[inline(always)]
     fn discarded<R: Real>(_constants: &[R; LAW_CONSTANTS], _stiffness: R, _history: &[R; MAX_HISTORY]) -> R {
         R::zero()
     }
-    /// Energy that the tangential displacement stores, J, given [`TangentialLaw::stiffness`]: `T^2 / 2 k` without slip.
+    /// Energy stored by the tangential displacement, J, given [`TangentialLaw::stiffness`]: `T^2 / 2 k` without slip.
     fn energy(_constants: &[f64; LAW_CONSTANTS], stiffness: f64, history: &[f64; MAX_HISTORY]) -> f64 {
         let square = history[0] * history[0] + history[1] * history[1];
         if stiffness > 0.0 { 0.5 * square / stiffness } else { 0.0 }
     }
 }
 
-/// How one grain of a contact turns against the other, in the frame of the contact: `w_i - w_j`, rad/s.
+/// Rotation of one grain of a contact relative to the other, in the frame of the contact: `w_i - w_j`, rad/s.
 ///
-/// The relative spin is the same for every observer, turning ones included, and it is what opposite couples on the two grains
-/// do work on, for any radii.
+/// The relative spin is the same for every observer, including rotating ones, and opposite couples on the two grains do work
+/// on it, whatever the radii.
 #[derive(Clone, Copy)]
 pub struct RelativeSpin<R> {
     /// Rolling: the components in the contact plane.
@@ -284,22 +284,23 @@ pub struct RelativeSpin<R> {
     pub twisting: R,
 }
 
-/// What a law of moments says of a contact.
+/// State of a contact according to a moment law.
 #[derive(Clone, Copy)]
 pub struct Moment<R: Real> {
-    /// Elastic couple on grain j, N m, its opposite acts on i: components in the contact plane, then along the normal.
+    /// Elastic couple on grain j, N m; the opposite couple acts on i. Components in the contact plane, then along the
+    /// normal.
     pub couple: [R; 3],
-    /// Coefficient of the dashpot against rolling, N m s; zero where none acts.
+    /// Coefficient of the rolling dashpot, N m s; zero where none acts.
     pub dashpot: R,
     /// The same against twisting.
     pub twisting_dashpot: R,
-    /// Where the couple stands at its limit.
+    /// Where the couple is at its limit.
     pub at_limit: R::Mask,
-    /// Work that the elastic couple took up in this step, J.
+    /// Work of the elastic couple in this step, positive where energy is absorbed, J.
     pub work: R,
-    /// The part of it that was lost, J: rolling at the limit, and what a changed stiffness no longer holds.
+    /// The part of it that was dissipated, J: rolling at the limit, and energy that a changed stiffness no longer stores.
     pub loss: R,
-    /// What the couple adds to the stiffness that limits the time step, as a tangential stiffness, N/m.
+    /// Contribution of the couple to the stiffness that limits the time step, as a tangential stiffness, N/m.
     pub step_stiffness: R,
 }
 
@@ -320,20 +321,20 @@ impl<R: Real> Moment<R> {
     }
 }
 
-/// A law of the moments of a contact: resistance to rolling, to twisting, or to both.
+/// A moment law: resistance to rolling, to twisting, or to both.
 pub trait MomentLaw: Copy + Send + Sync + 'static {
     /// Name, label, help and parameters.
     const DESCRIPTION: Description;
-    /// False only for the law that has no moments.
+    /// False only for the law without moments.
     const ACTS: bool = true;
-    /// Columns of history used.
+    /// Number of history columns used.
     const HISTORY: usize;
-    /// How many plane vectors lead the history; they turn with the contact plane.
+    /// Number of plane vectors at the beginning of the history; they rotate with the contact plane.
     const PLANE_VECTORS: usize;
-    /// The constants of a pair that [`MomentLaw::update`] wants; `parameters` in the order of the description.
+    /// The constants of a pair that [`MomentLaw::update`] needs; `parameters` in the order of the description.
     fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS];
-    /// Advances the history (already turned into the present contact plane, all zeros for a new contact) by a step of length
-    /// `dt`, s. Where the friction load is zero the couple is zero.
+    /// Advances the history (already rotated into the present contact plane, all zeros for a new contact) by a step of
+    /// length `dt`, s. Where the friction load is zero the couple is zero.
     fn update<R: Real>(
         constants: &[R; LAW_CONSTANTS],
         normal: &Normal<R>,
@@ -341,7 +342,7 @@ pub trait MomentLaw: Copy + Send + Sync + 'static {
         dt: R,
         history: &mut [R; MAX_MOMENT_HISTORY],
     ) -> Moment<R>;
-    /// Energy that the couple stores, J.
+    /// Energy stored by the couple, J.
     fn energy(constants: &[f64; LAW_CONSTANTS], history: &[f64; MAX_MOMENT_HISTORY]) -> f64;
 }
 
@@ -415,8 +416,8 @@ pub trait AdhesionLaw: Copy + Send + Sync + 'static {
     fn range(constants: &[f64; LAW_CONSTANTS]) -> f64;
 }
 
-/// Rewrites plane vectors that lead a history for the pair (j, i) instead of (i, j): every remembered vector is reversed in
-/// space, and so is the normal.
+/// Rewrites the plane vectors at the beginning of a history for the pair (j, i) instead of (i, j): every stored vector is
+/// reversed in space, and so is the normal.
 pub fn swap_sides(normal: [f64; 3], vectors: usize, history: &mut [f64]) {
     for v in 0..vectors {
         let vector = [history[2 * v], history[2 * v + 1]];
@@ -424,7 +425,7 @@ pub fn swap_sides(normal: [f64; 3], vectors: usize, history: &mut [f64]) {
     }
 }
 
-/// The tangential force T on grain i that a memory holds, N.
+/// The tangential force T on grain i stored in a contact history, N.
 pub fn tangential_force(memory: &Memory<f64>) -> [f64; 3] {
     frame::Frame::of(memory.normal).vector([memory.history[0], memory.history[1]])
 }

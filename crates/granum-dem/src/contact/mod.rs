@@ -41,9 +41,9 @@ pub use law::{
 };
 pub use parameters::ParameterValues;
 
-/// Most columns of history that a tangential law may keep.
+/// Largest number of history columns of a tangential law.
 pub const MAX_HISTORY: usize = 10;
-/// Most columns of history that a law of moments may keep.
+/// Largest number of history columns of a moment law.
 pub const MAX_MOMENT_HISTORY: usize = 6;
 /// Most columns of history that a law of adhesion may keep.
 pub const MAX_ADHESION_HISTORY: usize = 4;
@@ -71,7 +71,7 @@ pub struct PairProperties {
     pub damping: f64,
     /// The smaller of the two radii, m.
     pub smaller_radius: f64,
-    /// Inertia against rolling, kg m2: `1/I_r = 1/(I_i + m_i R_i^2) + 1/(I_j + m_j R_j^2)` with `I = 2/5 m R^2`.
+    /// Rotational inertia against rolling, kg m2: `1/I_r = 1/(I_i + m_i R_i^2) + 1/(I_j + m_j R_j^2)` with `I = 2/5 m R^2`.
     pub rolling_inertia: f64,
 }
 

@@ -1,10 +1,9 @@
-//! Two grains through a prescribed path: the contact law by itself, through the same function as the engine.
+//! Two grains on a prescribed path: the contact law by itself, evaluated by the same function as in the engine.
 //!
-//! The centres keep a fixed direction n, at the distance `R_i + R_j - normal_approach`. Grain j is translated along a
-//! fixed direction t across n, without rolling and without spin; the tangential displacement of its surface against
-//! that of grain i is counted from zero before the first row. Between rows the pair moves in a straight line, in one step
-//! or in several.
-//! Internally n is oblique to all axes, so that no error hides behind them.
+//! The centres keep a fixed direction n, at the distance `R_i + R_j - normal_approach`. Grain j is translated along a fixed
+//! direction t perpendicular to n, without rolling and without spin; the tangential displacement of its surface relative to
+//! that of grain i is zero before the first row. Between rows the pair moves in a straight line, in one step or in several.
+//! Internally n is oblique to all axes, so that no error remains hidden by an alignment with them.
 
 use granum_simd::{Isa, Kernel, Lanes, dispatch};
 use serde::{Deserialize, Serialize};
@@ -16,17 +15,18 @@ use super::set::{Open, Slots};
 use super::{PairConstants, PairProperties};
 use crate::config::Contact;
 
-/// One row of a path: where the pair stands at the end of a step.
+/// One row of a path: the relative position of the pair at the end of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PathRow {
-    /// Approach alpha of the grains, m; negative apart.
+    /// Approach alpha of the grains, m; negative if they are separated.
     pub normal_approach: f64,
-    /// Tangential displacement of grain j against grain i, m.
+    /// Tangential displacement of grain j relative to grain i, m.
     pub tangential_displacement: f64,
 }
 
 impl PathRow {
-    /// The place after some of all steps on the straight line to `end`, with the last of them at `end` itself.
+    /// The position after `step` of `steps` equal steps on the straight line to `end`; after the last one it is exactly
+    /// `end`.
     fn towards(&self, end: &PathRow, step: usize, steps: usize) -> PathRow {
         if step == steps {
             return *end;
@@ -40,31 +40,31 @@ impl PathRow {
     }
 }
 
-/// What the contact answers at the end of a step.
+/// The response of the contact at the end of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PairRow {
     /// Elastic normal force N, compression positive, N.
     pub normal_force: f64,
     /// Elastic tangential force against the direction of the path, N: positive when it resists a growing displacement.
     pub tangential_force: f64,
-    /// Radius a of the contact area, m; zero apart.
+    /// Radius a of the contact area, m; zero for separated grains.
     pub contact_radius: f64,
 }
 
-/// Why a path cannot be run.
+/// Reasons why a path cannot be run.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PairError {
-    /// The laws do not go together.
+    /// The laws cannot be combined.
     #[error(transparent)]
     Law(#[from] LawError),
     /// A number of the path is not finite.
     #[error("row {row}: {column} is {value}; it must be a finite number of metres")]
     NotFinite {
-        /// Row, from 1.
+        /// Row number, from 1.
         row: usize,
-        /// Column.
+        /// Name of the column.
         column: &'static str,
-        /// What stands there.
+        /// The value found.
         value: f64,
     },
     /// The grains would pass through each other.
@@ -72,9 +72,9 @@ pub enum PairError {
         "row {row}: normal_approach is {value} m; it must stay below half the sum of the radii, {limit} m"
     )]
     TooDeep {
-        /// Row, from 1.
+        /// Row number, from 1.
         row: usize,
-        /// What stands there.
+        /// The value found.
         value: f64,
         /// Half of R_i + R_j, m.
         limit: f64,
@@ -85,22 +85,23 @@ pub enum PairError {
          {tolerance:.1e} is allowed; give more rows in between"
     )]
     NotConverged {
-        /// Row whose force changes most, from 1.
+        /// Number of the row whose force changes most, from 1.
         row: usize,
-        /// Steps a row that were tried.
+        /// Largest number of steps per row that was tried.
         steps: usize,
-        /// Change against half as many steps, as a share of the largest force of its kind.
+        /// Change compared with half as many steps, as a fraction of the largest force of its kind.
         change: f64,
-        /// The change that is allowed.
+        /// Tolerance for the change.
         tolerance: f64,
     },
 }
 
-/// Runs a path with the laws of `contact` (its damping does not matter: the answers are the elastic forces), each row in one
-/// step. How long a step may be is the caller's business; [`super::refined::drive_pair_refined`] takes any rows.
+/// Runs a path with the laws of `contact`, each row in one step (the damping does not matter, since the returned forces are
+/// elastic). The caller is responsible for steps of suitable length; [`super::refined::drive_pair_refined`] accepts any
+/// rows.
 ///
 /// # Errors
-/// If the laws do not go together, a number is not finite, or the grains would pass through each other.
+/// If the laws cannot be combined, a number is not finite, or the grains would pass through each other.
 pub fn drive_pair(
     contact: &Contact,
     pair: &PairProperties,
@@ -109,7 +110,7 @@ pub fn drive_pair(
     drive_pair_in_steps(contact, pair, path, 1)
 }
 
-/// As [`drive_pair`], with the straight line to each row cut into so many equal steps.
+/// The same as [`drive_pair`], with the straight line to each row divided into a given number of equal steps.
 pub(super) fn drive_pair_in_steps(
     contact: &Contact,
     pair: &PairProperties,
@@ -139,7 +140,7 @@ pub(super) fn drive_pair_in_steps(
     ))
 }
 
-/// The steps of a path on plain numbers, compiled for the machine's fused operations.
+/// The steps of a path in scalar arithmetic, compiled for the fused operations of the processor.
 struct Steps<'a> {
     constants: PairConstants<f64>,
     path: &'a [PathRow],
@@ -147,7 +148,7 @@ struct Steps<'a> {
     laws: Open<'a, One>,
 }
 
-/// Unit normal `(1, 2, 3) / sqrt 14` and the direction of the path, across it.
+/// Unit normal `(1, 2, 3) / sqrt 14`, and the direction of the path perpendicular to it.
 fn directions() -> ([f64; 3], [f64; 3]) {
     let normal = [1.0, 2.0, 3.0].map(|x| x / 14f64.sqrt());
     let along = [4.0, 1.0, -2.0].map(|x| x / 21f64.sqrt());
@@ -182,7 +183,7 @@ impl Kernel for Steps<'_> {
                     mean_spin: [0.0; 3],
                     relative_spin: [0.0; 3],
                 };
-                // One step takes one second: the path has no rate.
+                // Each step takes one second: the path has no rate.
                 let out = interact(&self.laws, &self.constants, &kinematics, 1.0, &mut memory);
                 answer = PairRow {
                     normal_force: out.normal_force,

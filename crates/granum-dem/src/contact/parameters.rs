@@ -1,4 +1,4 @@
-//! Values of the laws' own parameters.
+//! Values of the parameters of the laws.
 
 use std::collections::BTreeMap;
 
@@ -8,30 +8,30 @@ use serde::ser::{Serialize, Serializer};
 use super::law::Parameter;
 use super::registry;
 
-/// Most parameters that the laws of a set may have given values for; more are an error.
+/// Largest number of parameters of a set of laws that may have given values; more are an error.
 pub const MOST_PARAMETERS: usize = 16;
 
-/// Values that were given to parameters of contact laws, in SI units, by key; the others have their defaults.
+/// Values given to parameters of contact laws, in SI units, by key; the others have their defaults.
 ///
-/// A small table without memory of its own, so that what holds it can be copied.
+/// A table of fixed size without heap allocation, so that the structures that contain it can be copied.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ParameterValues {
-    /// By key; the empty places last.
+    /// Sorted by key; empty entries last.
     values: [Option<(&'static str, f64)>; MOST_PARAMETERS],
 }
 
-/// More values than there is room for.
+/// More values than the table can hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "the laws of a contact can have at most {MOST_PARAMETERS} parameters with given values; {key} is one too many"
 )]
 pub struct TooManyParameters {
-    /// The key that found no room.
+    /// The key for which there was no room.
     pub key: &'static str,
 }
 
 impl ParameterValues {
-    /// No values given.
+    /// No given values.
     pub const NONE: ParameterValues = ParameterValues { values: [None; MOST_PARAMETERS] };
 
     /// The value given to a key.
@@ -39,7 +39,7 @@ impl ParameterValues {
         self.iter().find(|(known, _)| *known == key).map(|(_, value)| value)
     }
 
-    /// The value of a parameter: the given one, else its default.
+    /// The value of a parameter: the given one, or else its default.
     pub fn value(&self, parameter: &Parameter) -> f64 {
         self.given(parameter.key).unwrap_or(parameter.default)
     }
@@ -66,7 +66,7 @@ impl ParameterValues {
         Ok(())
     }
 
-    /// Takes a value back: the default stands again.
+    /// Removes a given value, so that the default applies again.
     pub fn unset(&mut self, key: &str) {
         for value in &mut self.values {
             value.take_if(|(known, _)| *known == key);
@@ -74,12 +74,12 @@ impl ParameterValues {
         self.values.sort_by_key(|v| v.map_or((true, ""), |(key, _)| (false, key)));
     }
 
-    /// Keys and values that were given, by key.
+    /// Keys and values that were given, sorted by key.
     pub fn iter(&self) -> impl Iterator<Item = (&'static str, f64)> + '_ {
         self.values.iter().flatten().copied()
     }
 
-    /// True if none was given.
+    /// True if no value was given.
     pub fn is_empty(&self) -> bool {
         self.iter().next().is_none()
     }

@@ -1,34 +1,35 @@
-//! A pair through a prescribed path whose answer does not depend on how far apart the rows of the path are.
+//! A pair on a prescribed path, with results that do not depend on the spacing of the rows of the path.
 //!
-//! The tangential laws are incremental: a long step goes on with the stiffness at its start, misses how slip spreads, and
-//! so gives too large a force and too little hysteresis. The straight line between two rows is therefore cut into equal
-//! steps, twice as many each time, until the forces at the rows no longer change.
+//! The tangential laws are incremental: a long step uses the stiffness at its start throughout, misses the spreading of the
+//! slip zone, and so gives too large a force and too little hysteresis. The straight line between two rows is therefore
+//! divided into equal steps, doubled in number each time, until the forces at the rows no longer change.
 
 use super::PairProperties;
 use super::pair::{PairError, PairRow, PathRow, drive_pair_in_steps};
 use crate::config::Contact;
 
-/// Most steps that a row is cut into.
+/// Largest number of steps between two rows.
 const MOST_STEPS: usize = 1 << 20;
-/// Most steps of a whole path: seconds of work.
+/// Largest number of steps of a whole path: this takes seconds.
 const MOST_STEPS_OF_PATH: usize = 1 << 27;
 
-/// The answer of [`drive_pair_refined`].
+/// The result of [`drive_pair_refined`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct RefinedPath {
     /// The forces at the rows of the path.
     pub rows: Vec<PairRow>,
-    /// Equal steps between one row and the next.
+    /// Number of equal steps from one row to the next.
     pub steps: usize,
-    /// Largest change of a force against half as many steps, as a share of the largest force of its kind on the path.
+    /// Largest change of a force compared with half as many steps, as a fraction of the largest force of its kind on the
+    /// path.
     pub change: f64,
 }
 
-/// Runs a path with the laws of `contact`, cutting the way between rows into 2, 4, 8 ... steps until no force at a row
+/// Runs a path with the laws of `contact`, dividing the distance between rows into 2, 4, 8 ... steps until no force at a row
 /// changes by more than `tolerance` times the largest force of its kind (normal, tangential) on the path.
 ///
 /// # Errors
-/// As [`super::pair::drive_pair`]; [`PairError::NotConverged`] if that takes too many steps.
+/// As for [`super::pair::drive_pair`]; [`PairError::NotConverged`] if too many steps would be needed.
 pub fn drive_pair_refined(
     contact: &Contact,
     pair: &PairProperties,
@@ -52,7 +53,7 @@ pub fn drive_pair_refined(
     }
 }
 
-/// The row where a force changes most, and by what share of the largest force of its kind.
+/// The row where a force changes most, and the change as a fraction of the largest force of its kind.
 fn largest_change(coarse: &[PairRow], fine: &[PairRow]) -> (usize, f64) {
     let kinds: [fn(&PairRow) -> f64; 2] = [|row| row.normal_force, |row| row.tangential_force];
     let mut worst = (0, 0.0);
@@ -60,7 +61,7 @@ fn largest_change(coarse: &[PairRow], fine: &[PairRow]) -> (usize, f64) {
         let largest = fine.iter().fold(0.0f64, |most, row| most.max(force(row).abs()));
         for (k, (a, b)) in coarse.iter().zip(fine).enumerate() {
             let change = (force(a) - force(b)).abs();
-            // A path without any such force has no change either.
+            // On a path without any such force the change is zero too.
             if change > worst.1 * largest {
                 worst = (k, change / largest.max(f64::MIN_POSITIVE));
             }
@@ -85,8 +86,8 @@ mod tests {
         PathRow { normal_approach, tangential_displacement }
     }
 
-    /// Mindlin and Deresiewicz 1953, at constant load: the curve of first loading over the limit mu N, the displacement
-    /// in units of that at which the contact slides.
+    /// Mindlin and Deresiewicz 1953, at constant load: the curve of first loading relative to the limit mu N, with the
+    /// displacement in units of that at which the contact slides.
     fn loading(displacement: f64) -> f64 {
         1.0 - (1.0 - displacement).max(0.0).powf(1.5)
     }
@@ -104,7 +105,7 @@ mod tests {
             let at = |share: f64| row(approach, share * amplitude * slides);
             let path = [row(approach, 0.0), at(1.0), at(0.0), at(-1.0), at(0.0), at(1.0)];
             let answer = drive_pair_refined(&contact, &p, &path, TOLERANCE).unwrap();
-            // Unloading and reloading are the loading curve at twice the size, from the turning points.
+            // The curves of unloading and reloading, from the turning points, are the loading curve at twice the size.
             let top = loading(amplitude);
             let half = top - 2.0 * loading(0.5 * amplitude);
             let wanted = [0.0, top, half, -top, -half, top];

@@ -1,4 +1,4 @@
-//! The laws that names in files stand for. To add one to granum: its file, its line here.
+//! The laws that names in files refer to. To add one to granum, add its file and its line here.
 
 use std::sync::{PoisonError, RwLock};
 
@@ -14,7 +14,7 @@ const NORMAL: &[NormalKind] = &[NormalKind::HERTZ, NormalKind::JKR, NormalKind::
 /// granum's tangential laws.
 const TANGENTIAL: &[TangentialKind] =
     &[TangentialKind::MINDLIN_DERESIEWICZ, TangentialKind::NO_SLIP, TangentialKind::PEELING];
-/// granum's laws of moments.
+/// granum's moment laws.
 const ROLLING: &[RollingKind] =
     &[RollingKind::NONE, RollingKind::ELASTIC_PLASTIC, RollingKind::ELASTIC_PLASTIC_TWISTING];
 /// granum's laws of adhesion on top of the contact.
@@ -23,10 +23,10 @@ const ADHESION: &[AdhesionKind] = &[AdhesionKind::NONE, AdhesionKind::CAPILLARY_
 /// A law that cannot be registered.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RegisterError {
-    /// Its name stands for another law.
+    /// Its name already belongs to another law.
     #[error("there is already a {what} {name:?}: give the new one another name")]
     NameTaken {
-        /// The slot.
+        /// The kind of law.
         what: &'static str,
         /// The name.
         name: &'static str,
@@ -37,12 +37,12 @@ pub enum RegisterError {
         /// The key.
         key: &'static str,
     },
-    /// No room for its parameters.
+    /// There is no room for its parameters.
     #[error("all laws together can have at most {MOST_PARAMETERS} parameters")]
     TooMany,
 }
 
-/// Refuses parameters whose keys are taken, and more than there is room for.
+/// Rejects parameters whose keys are taken, and more parameters than there is room for.
 fn check_parameters(new: &Description) -> Result<(), RegisterError> {
     let known = parameters();
     let taken = |p: &&Parameter| known.iter().any(|k| k.key == p.key && **k != **p);
@@ -53,7 +53,7 @@ fn check_parameters(new: &Description) -> Result<(), RegisterError> {
     if known.len() + fresh > MOST_PARAMETERS { Err(RegisterError::TooMany) } else { Ok(()) }
 }
 
-/// Laws that do not go together, or parameters that they do not have.
+/// Laws that cannot be combined, or parameters that they do not have.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LawError {
     /// A law does not go with the normal law.
@@ -66,20 +66,20 @@ pub enum LawError {
         /// What is wrong and what would be right.
         reason: &'static str,
     },
-    /// A parameter that no chosen law has.
+    /// A parameter that none of the chosen laws has.
     #[error("contact.{key} means nothing with {laws}: leave it out, or choose a law that has it")]
     Unused {
-        /// Its key.
+        /// The key of the parameter.
         key: &'static str,
-        /// The laws.
+        /// The chosen laws.
         laws: String,
     },
     /// A parameter out of bounds.
     #[error("contact.{key} is {value}; it must be from {low} to {high}{}{unit}", if unit.is_empty() { "" } else { " " })]
     OutOfBounds {
-        /// Its key.
+        /// The key of the parameter.
         key: &'static str,
-        /// Its value, in SI units.
+        /// The given value, in SI units.
         value: f64,
         /// Smallest value.
         low: f64,
@@ -175,7 +175,7 @@ pub fn sets() -> Vec<Contact> {
     sets
 }
 
-/// What every law that a name can stand for says of itself.
+/// The descriptions of all laws that a name can refer to.
 fn descriptions() -> Vec<&'static Description> {
     let normal = normal_laws().into_iter().map(|law| law.law().description());
     let tangential = tangential_laws().into_iter().map(|law| law.law().description());
@@ -184,7 +184,7 @@ fn descriptions() -> Vec<&'static Description> {
     normal.chain(tangential).chain(rolling).chain(adhesion).collect()
 }
 
-/// The parameters of all laws that names can stand for, each key once.
+/// The parameters of all laws that names can refer to, each key once.
 pub fn parameters() -> Vec<&'static Parameter> {
     let mut all: Vec<&'static Parameter> = Vec::new();
     for parameter in descriptions().into_iter().flat_map(|d| d.parameters) {
@@ -195,7 +195,7 @@ pub fn parameters() -> Vec<&'static Parameter> {
     all
 }
 
-/// Which laws have a parameter, and when: "with rolling = \"elastic-plastic\"".
+/// The laws that have a parameter, as a condition: "with rolling = \"elastic-plastic\"".
 pub fn laws_with(parameter: &Parameter) -> String {
     let has = |d: &Description| d.parameters.iter().any(|known| known.key == parameter.key);
     let mut names = Vec::new();
@@ -224,10 +224,10 @@ pub fn parameters_of(contact: &Contact) -> Vec<&'static Parameter> {
     used.collect()
 }
 
-/// Refuses laws that do not go together, and parameters that they do not have or that are out of bounds.
+/// Rejects laws that cannot be combined, and parameters that they do not have or that are out of bounds.
 ///
 /// # Errors
-/// The first thing that is wrong.
+/// The first violation that is found.
 pub fn check(contact: &Contact) -> Result<(), LawError> {
     let traits = contact.normal.law().traits();
     contact.tangential.law().goes_with(&traits).map_err(|reason| LawError::Apart {

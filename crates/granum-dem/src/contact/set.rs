@@ -1,4 +1,4 @@
-//! The laws of a set together: compiled into one loop, or called slot by slot.
+//! The laws of a set together: compiled into one loop, or called one by one through their slots.
 
 use std::cell::RefCell;
 use std::marker::PhantomData;
@@ -21,21 +21,21 @@ use super::{
 };
 use crate::config::Contact;
 
-/// What [`super::interaction::interact`] asks of the laws of a set.
+/// What [`super::interaction::interact`] needs from the laws of a set.
 pub trait Laws<R: Real> {
     /// True if the set may have moments.
     const MAY_HAVE_MOMENTS: bool;
     /// True if the set may have a law of adhesion.
     const MAY_HAVE_ADHESION: bool;
-    /// Columns of the tangential law's history, and how many plane vectors lead them.
+    /// Number of history columns of the tangential law, and of plane vectors at their beginning.
     fn tangential_history(&self) -> [usize; 2];
-    /// Columns of history of the law of moments, and how many plane vectors lead them.
+    /// Number of history columns of the moment law, and of plane vectors at their beginning.
     fn moment_history(&self) -> [usize; 2];
     /// True if the set has moments.
     fn has_moments(&self) -> bool;
     /// True if the set has a law of adhesion.
     fn has_adhesion(&self) -> bool;
-    /// The normal law at an overlap.
+    /// The normal law at a given overlap.
     fn normal(
         &self,
         constants: &[R; LAW_CONSTANTS],
@@ -50,7 +50,7 @@ pub trait Laws<R: Real> {
         increment: [R; 2],
         history: &mut [R; MAX_HISTORY],
     ) -> (Tangential<R>, R);
-    /// A step of the law of moments.
+    /// A step of the moment law.
     fn moment(
         &self,
         constants: &[R; LAW_CONSTANTS],
@@ -76,7 +76,7 @@ pub trait Laws<R: Real> {
 pub struct Compiled<N, T, M = NoMoments, A = NoAdhesion>(PhantomData<(N, T, M, A)>);
 
 impl<N, T, M, A> Compiled<N, T, M, A> {
-    /// The set.
+    /// The set of these laws.
     pub const fn new() -> Self {
         Compiled(PhantomData)
     }
@@ -176,7 +176,7 @@ impl<R: Real, N: NormalLaw, T: TangentialLaw, M: MomentLaw, A: AdhesionLaw> Laws
     }
 }
 
-/// The slots of a set, with the memory through which they are called.
+/// The slots of a set, with the working memory through which they are called.
 pub struct Slots {
     laws: Contact,
     isa: Isa,
@@ -186,7 +186,7 @@ pub struct Slots {
     adhesion_history: usize,
     has_adhesion: bool,
     discards: bool,
-    /// Every call writes all that it reads.
+    /// Every call first writes everything that it reads.
     columns: RefCell<[Column; MOST_COLUMNS]>,
 }
 
@@ -196,7 +196,7 @@ const _: () = assert!(adhesion_call::ALL <= MOST_COLUMNS);
 const _: () = assert!(moment_call::ALL <= MOST_COLUMNS && LAW_CONSTANTS + 1 + MAX_HISTORY <= MOST_COLUMNS);
 
 impl Slots {
-    /// The laws of a set on an instruction set.
+    /// The laws of a set for an instruction set.
     pub fn new(laws: &Contact, isa: Isa) -> Self {
         Slots {
             laws: *laws,
@@ -211,13 +211,13 @@ impl Slots {
         }
     }
 
-    /// Columns of the tangential law's history.
+    /// Number of history columns of the tangential law.
     #[inline(always)]
     pub(crate) fn tangential_columns(&self) -> usize {
         self.tangential_history[0]
     }
 
-    /// Columns of history of the law of moments.
+    /// Number of history columns of the moment law.
     #[inline(always)]
     pub(crate) fn moment_columns(&self) -> usize {
         self.moment_history[0]
@@ -241,7 +241,7 @@ impl Slots {
         self.has_adhesion
     }
 
-    /// True if the tangential law discards parts of its history which store energy.
+    /// True if the tangential law discards parts of its history that store energy.
     #[inline(always)]
     pub(crate) fn discards(&self) -> bool {
         self.discards
@@ -397,7 +397,7 @@ impl<W: Width> Laws<W::Value> for Open<'_, W> {
     }
 }
 
-/// What the engine asks of a set, contact by contact.
+/// What the engine needs from a set for a single contact.
 impl Contact {
     /// True for a set of a normal and a tangential law with nothing beside them.
     pub(crate) fn has_contact_only(&self) -> bool {
@@ -410,7 +410,7 @@ impl Contact {
         [tangential, moments, self.adhesion.law().history()]
     }
 
-    /// Values of [`PairConstants::to_array`] that the engine keeps for a pair.
+    /// Number of values of [`PairConstants::to_array`] that the engine stores for a pair.
     pub(crate) fn constants_kept(&self) -> usize {
         PairConstants::kept(self.rolling.law().acts(), self.adhesion.law().acts())
     }
@@ -431,7 +431,7 @@ impl Contact {
         }
     }
 
-    /// A touching pair at an overlap, m.
+    /// The contact of a touching pair at a given overlap, m.
     pub fn normal_contact(&self, constants: &PairConstants<f64>, overlap: f64) -> Normal<f64> {
         self.normal.law().of_touching(&constants.normal, overlap)
     }
@@ -489,8 +489,8 @@ impl Contact {
         self.normal.law().breaking_overlap(&constants.normal)
     }
 
-    /// Normal stiffness and the stiffness that limits the time step, N/m, of a contact under a load, N: an estimate before any
-    /// contact is known.
+    /// Normal stiffness and the stiffness that limits the time step, N/m, of a contact under a load, N: an estimate before
+    /// any contact exists.
     pub fn stiffness_under(&self, pair: &PairProperties, load: f64) -> [f64; 2] {
         let law = self.normal.law();
         let normal = law.loaded(pair, &self.parameters.resolved(law.description().parameters), load);
@@ -500,7 +500,7 @@ impl Contact {
         [normal.stiffness, step + attraction / 3.0]
     }
 
-    /// Rewrites a memory for the pair (j, i) instead of (i, j).
+    /// Rewrites a contact history for the pair (j, i) instead of (i, j).
     pub(crate) fn swap_sides(&self, memory: &mut Memory<f64>) {
         swap_sides(memory.normal, self.tangential.law().history()[1], &mut memory.history);
         swap_sides(memory.normal, self.rolling.law().history()[1], &mut memory.moments);

@@ -1,8 +1,9 @@
 //! A law behind function pointers.
 //!
-//! A law is written over any lanes ([`NormalLaw`] and so on). A slot is that law behind one function pointer that is called once
-//! for two batches of eight contacts; the numbers go through memory as [`Column`]s. So each law is compiled once for an
-//! instruction set, whatever laws it is used with, and a program outside this workspace can bring its own.
+//! A law is written over any lanes ([`NormalLaw`] and so on). A slot is such a law behind one function pointer that is
+//! called once for two batches of eight contacts; the numbers are passed through memory as [`Column`]s. Each law is thus
+//! compiled once for an instruction set, whatever laws it is combined with, and a program outside this workspace can add its
+//! own.
 
 use std::any::TypeId;
 
@@ -32,7 +33,7 @@ impl<C: Call> Kernel for Run<'_, C> {
         match self.0 {
             Count::One => C::call::<One>(self.1),
             Count::Batch => C::call::<Batch<L>>(self.1),
-            // The same bits, and no formula compiled that these lanes have no registers for.
+            // The same bits without compiling a formula for which these lanes have too few registers.
             Count::TwoBatches if L::PAIRED => C::call::<TwoBatches<L>>(self.1),
             Count::TwoBatches => {
                 C::call::<Batch<L>>(self.1);
@@ -92,7 +93,7 @@ impl<T: TangentialLaw> Call for TangentialCall<T> {
     }
 }
 
-/// Columns: constants, stiffness, history; the loss comes into the first.
+/// Columns: constants, stiffness, history; the loss is returned in the first.
 struct DiscardedCall<T>(std::marker::PhantomData<T>);
 impl<T: TangentialLaw> Call for DiscardedCall<T> {
     #[inline(always)]
@@ -139,11 +140,11 @@ impl<A: AdhesionLaw> Call for AdhesionCall<A> {
     }
 }
 
-/// A normal law behind function pointers. Every [`NormalLaw`] is one.
+/// A normal law behind function pointers. Every [`NormalLaw`] implements it.
 pub trait NormalSlot: Send + Sync {
     /// Name, label, help and parameters.
     fn description(&self) -> &'static Description;
-    /// What other laws may ask.
+    /// Properties that other laws depend on.
     fn traits(&self) -> NormalTraits;
     /// The type of the law.
     fn id(&self) -> TypeId;
@@ -157,7 +158,7 @@ pub trait NormalSlot: Send + Sync {
     fn energy(&self, constants: &[f64; LAW_CONSTANTS], overlap: f64) -> f64;
     /// [`NormalLaw::breaking_overlap`].
     fn breaking_overlap(&self, constants: &[f64; LAW_CONSTANTS]) -> f64;
-    /// [`NormalLaw::evaluate`] of one contact that touched.
+    /// [`NormalLaw::evaluate`] for one contact that touched.
     fn of_touching(&self, constants: &[f64; LAW_CONSTANTS], overlap: f64) -> Normal<f64>;
 }
 
@@ -192,7 +193,7 @@ impl<N: NormalLaw> NormalSlot for N {
     }
 }
 
-/// A tangential law behind function pointers. Every [`TangentialLaw`] is one.
+/// A tangential law behind function pointers. Every [`TangentialLaw`] implements it.
 pub trait TangentialSlot: Send + Sync {
     /// Name, label, help and parameters.
     fn description(&self) -> &'static Description;
@@ -201,9 +202,9 @@ pub trait TangentialSlot: Send + Sync {
     /// [`TangentialLaw::goes_with`].
     ///
     /// # Errors
-    /// The reason why it does not.
+    /// The reason why they cannot be combined.
     fn goes_with(&self, normal: &NormalTraits) -> Result<(), &'static str>;
-    /// Columns of history, and how many plane vectors lead them.
+    /// Number of history columns, and of plane vectors at their beginning.
     fn history(&self) -> [usize; 2];
     /// [`TangentialLaw::DISCARDS`].
     fn discards(&self) -> bool;
@@ -218,7 +219,7 @@ pub trait TangentialSlot: Send + Sync {
     fn update(&self, isa: Isa, count: Count, columns: &mut [Column]);
     /// [`TangentialLaw::discarded`] over columns.
     fn discarded(&self, isa: Isa, count: Count, columns: &mut [Column]);
-    /// [`TangentialLaw::stiffness`] and [`TangentialLaw::step_stiffness`] of one contact.
+    /// [`TangentialLaw::stiffness`] and [`TangentialLaw::step_stiffness`] for one contact.
     fn stiffness(&self, constants: &[f64; LAW_CONSTANTS], normal: &Normal<f64>) -> [f64; 2];
     /// [`TangentialLaw::energy`].
     fn energy(&self, constants: &[f64; LAW_CONSTANTS], stiffness: f64, history: &[f64; MAX_HISTORY]) -> f64;
@@ -264,7 +265,7 @@ impl<T: TangentialLaw> TangentialSlot for T {
     }
 }
 
-/// A law of moments behind function pointers. Every [`MomentLaw`] is one.
+/// A moment law behind function pointers. Every [`MomentLaw`] implements it.
 pub trait MomentSlot: Send + Sync {
     /// Name, label, help and parameters.
     fn description(&self) -> &'static Description;
@@ -272,7 +273,7 @@ pub trait MomentSlot: Send + Sync {
     fn id(&self) -> TypeId;
     /// [`MomentLaw::ACTS`].
     fn acts(&self) -> bool;
-    /// Columns of history, and how many plane vectors lead them.
+    /// Number of history columns, and of plane vectors at their beginning.
     fn history(&self) -> [usize; 2];
     /// [`MomentLaw::prepare`].
     fn prepare(&self, pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS];
@@ -319,7 +320,7 @@ pub trait AdhesionSlot: Send + Sync {
     /// [`AdhesionLaw::goes_with`].
     ///
     /// # Errors
-    /// The reason why it does not.
+    /// The reason why they cannot be combined.
     fn goes_with(&self, normal: &NormalTraits) -> Result<(), &'static str>;
     /// Columns of history.
     fn history(&self) -> usize;

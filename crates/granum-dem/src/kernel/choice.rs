@@ -1,7 +1,7 @@
-//! Which contact stage a set of laws runs through.
+//! The choice of the contact stage for a set of laws.
 //!
-//! Common sets are compiled into one loop, for equal grains and for unequal ones; all others run through one loop that calls
-//! each law through its slot.
+//! Common sets are compiled into one loop, for equal grains and for unequal ones; all others use one loop that calls each
+//! law through its slot.
 
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -18,7 +18,7 @@ use crate::contact::{NormalKind, TangentialKind};
 /// The contact stage over a range of blocks.
 pub(crate) type Stage = fn(&Views, Range<usize>);
 
-/// The contact stages of a set: for equal grains, for unequal ones.
+/// The contact stages of a set: for equal grains and for unequal ones.
 #[derive(Clone, Copy)]
 pub(crate) struct Stages {
     pub(crate) alike: Stage,
@@ -42,7 +42,7 @@ fn compiled<S: StageLaws>() -> Stages {
 }
 
 impl Stages {
-    /// Those of a set.
+    /// The stages of a given set.
     pub(crate) fn of(laws: &Contact) -> Stages {
         const HERTZ: NormalKind = NormalKind::HERTZ;
         const JKR: NormalKind = NormalKind::JKR;
@@ -63,7 +63,7 @@ impl Stages {
         }
     }
 
-    /// Those of any set.
+    /// The stages that work with any set.
     pub(crate) fn any() -> Stages {
         Stages { alike: slots, by_batch: slots }
     }
@@ -78,7 +78,7 @@ mod tests {
     use crate::servo::Control;
     use crate::simulation::{Properties, Simulation};
 
-    /// Laws called through their slots give the bits of laws compiled into the loop.
+    /// Laws called through their slots give the same bits as laws compiled into the loop.
     #[test]
     fn both_ways_of_calling_laws_give_the_same_bits() {
         for spread in [0.0, 0.3] {

@@ -1,4 +1,4 @@
-//! The contact stage: batches of eight pairs add to the force rows of their grains.
+//! The contact stage: batches of eight pairs are evaluated and added to the force rows of their grains.
 //!
 //! The arithmetic of one contact is a long chain in which every operation waits for the one before. Two batches are
 //! therefore evaluated side by side where the processor has enough registers.
@@ -36,7 +36,7 @@ struct Common<L: Lanes> {
 }
 
 impl<L: Lanes> Common<L> {
-    /// Velocity of j relative to i that the cell's deformation gives.
+    /// Velocity of j relative to i caused by the deformation of the cell.
     #[inline(always)]
     fn affine(&self, branch: [L; 3]) -> [L; 3] {
         let [x, y, z] = self.gradient;
@@ -135,7 +135,7 @@ impl<S: StageLaws, C: ConstantSource> Kernel for ContactStage<'_, S, C> {
             let Totals { mut sums, fastest, discarded: lost } = totals;
             sums[15] = lost.mul_add(L::splat(v.sampling_weight), sums[15]);
             let s = reduced(&sums);
-            // SAFETY: this thread alone works on this block in this stage.
+            // SAFETY: only this thread works on this block in this stage.
             let target = unsafe { &mut v.contact_sums.write(k..k + 1)[0] };
             *target = ContactSums {
                 virial: std::array::from_fn(|a| s[a]),
@@ -151,7 +151,7 @@ impl<S: StageLaws, C: ConstantSource> Kernel for ContactStage<'_, S, C> {
                 moment_work: s[18],
                 moment_loss: s[19],
                 attraction_loss: s[20],
-                // Equal grains have one mass to divide by.
+                // For equal grains the single mass is divided by here.
                 fastest: fastest.reduce_max() / if C::by_batch(v) { 1.0 } else { mass },
             };
         }
@@ -162,10 +162,11 @@ impl<S: StageLaws, C: ConstantSource> Kernel for ContactStage<'_, S, C> {
 struct Order {
     /// First batch within the cell, first batch with images, first batch of the next block.
     first: [usize; 3],
-    /// Batches within the cell, and how many of them, from the first, held a contact in every lane when pairs were sorted.
+    /// Number of batches within the cell, and how many of them, from the first, had a contact in every lane when the pairs
+    /// were last sorted.
     within: usize,
     touching: usize,
-    /// Batches.
+    /// Number of batches.
     count: usize,
 }
 
@@ -191,7 +192,7 @@ impl Order {
     }
 }
 
-/// The sum over the lanes of each, in the order of [`Real::reduce_add`].
+/// The sum of each over its lanes, in the order of [`Real::reduce_add`].
 #[inline(always)]
 fn reduced<L: Lanes>(sums: &[L; SUMS]) -> [f64; SUMS_OF_EIGHT] {
     let mut reduced = [0.0; SUMS_OF_EIGHT];
@@ -217,7 +218,7 @@ struct Totals<L> {
 struct PairBatch<L> {
     batch: usize,
     kinematics: Kinematics<L>,
-    /// Smaller mass of the two grains, kg; zero where all are alike.
+    /// Smaller mass of the two grains, kg; zero where all are equal.
     mass: L,
 }
 
@@ -334,20 +335,20 @@ fn near_batch<L: Lanes, S: StageLaws, C: ConstantSource, const IMAGE: bool, cons
             slot.kinematics.relative_spin = [wa[0] - wc[0], wa[1] - wc[1], wa[2] - wc[2]];
         }
     }
-    // The relative spin stays where it is: sets without moments never write it.
+    // The relative spin is copied as it is: sets without moments never write it.
     let relative_spin = slot.kinematics.relative_spin;
     slot.kinematics = Kinematics { branch, velocity, rolling, mean_spin, relative_spin };
     (slot.batch, slot.mass) = (b, mass);
     true
 }
 
-/// Columns of the memory of a batch.
+/// Number of columns of the contact history of a batch.
 #[inline(always)]
 fn columns_of<S: StageLaws>(laws: &S) -> usize {
     NORMAL_COLUMNS + laws.tangential_columns() + laws.moment_columns() + laws.adhesion_columns()
 }
 
-/// Where the memory of a batch lies.
+/// The rows that hold the contact history of a batch.
 #[inline(always)]
 fn rows_of<S: StageLaws>(laws: &S, b: usize) -> Range<usize> {
     let columns = columns_of(laws);
@@ -378,7 +379,7 @@ fn load_memory<R: Real, S: StageLaws>(laws: &S, load: impl Fn(usize) -> R) -> Me
     memory
 }
 
-/// One batch.
+/// Evaluates one batch.
 #[inline(always)]
 fn alone<L: Lanes, S: StageLaws, C: ConstantSource>(
     v: &Views,
@@ -399,7 +400,7 @@ fn alone<L: Lanes, S: StageLaws, C: ConstantSource>(
     );
     let out = laws.interact(&constants, &pair_batch.kinematics, common.dt, &mut memory);
     if let Some(discarded) = discarded {
-        // Before the new memory is written over the old.
+        // Before the new history overwrites the old one.
         let history = &rows[NORMAL_COLUMNS..];
         discarded.put(out.discards.bits(), &constants.tangential, out.tangential_stiffness, history);
     }
@@ -411,7 +412,7 @@ fn beside<L: Lanes>(a: [L; 3], b: [L; 3]) -> [Twice<L>; 3] {
     [Twice(a[0], b[0]), Twice(a[1], b[1]), Twice(a[2], b[2])]
 }
 
-/// Two batches side by side.
+/// Evaluates two batches side by side.
 #[inline(always)]
 fn pair<L: Lanes, S: StageLaws, C: ConstantSource>(
     v: &Views,
@@ -435,7 +436,7 @@ fn pair<L: Lanes, S: StageLaws, C: ConstantSource>(
         mean_spin: beside(p.mean_spin, q.mean_spin),
         relative_spin: beside(p.relative_spin, q.relative_spin),
     };
-    // SAFETY: this thread works on the batches' block; the batches are two.
+    // SAFETY: this thread works on the block of the batches, and the two batches differ.
     let (p, q) = unsafe { (v.memory.write(rows_of(laws, x.batch)), v.memory.write(rows_of(laws, y.batch))) };
     let mut memory = load_memory::<Twice<L>, S>(
         laws,
@@ -445,7 +446,7 @@ fn pair<L: Lanes, S: StageLaws, C: ConstantSource>(
     let dt = Twice(common.dt, common.dt);
     let out = laws.interact_two(&constants, &kinematics, dt, &mut memory);
     if let Some(discarded) = discarded {
-        // Before the new memory is written over the old.
+        // Before the new history overwrites the old one.
         let stiffness = out.tangential_stiffness;
         discarded.put(out.discards.0.bits(), &own[0].tangential, stiffness.0, &p[NORMAL_COLUMNS..]);
         discarded.put(out.discards.1.bits(), &own[1].tangential, stiffness.1, &q[NORMAL_COLUMNS..]);
@@ -456,7 +457,7 @@ fn pair<L: Lanes, S: StageLaws, C: ConstantSource>(
     ]
 }
 
-/// Looks at the grains of two batches within the cell that are known to touch.
+/// Loads the grains of two batches within the cell whose pairs are all known to touch.
 #[inline(always)]
 fn touching_pair<L: Lanes, S: StageLaws, C: ConstantSource>(
     v: &Views,
@@ -471,7 +472,7 @@ fn touching_pair<L: Lanes, S: StageLaws, C: ConstantSource>(
     }
 }
 
-/// Which batch of those computed together.
+/// Selects one of the batches that are evaluated together.
 trait Part<L: Lanes, R: Real> {
     fn of(all: R) -> L;
     fn mask(all: R::Mask) -> L::Mask;
@@ -523,7 +524,7 @@ fn finish_batch<L: Lanes, R: Real, S: StageLaws, C: ConstantSource, P: Part<L, R
     totals: &mut Totals<L>,
 ) -> Push<L, S::Couples<L>> {
     let b = pair_batch.batch;
-    // SAFETY: memory and marks of a batch belong to the thread that works on its block.
+    // SAFETY: histories and marks of a batch belong to the thread that works on its block.
     let (rows, marks) = unsafe { (v.memory.write(rows_of(laws, b)), &mut v.marks.write(b..b + 1)[0]) };
     for k in 0..NORMAL_COLUMNS {
         P::of(memory.normal[k]).store(&mut rows[k].0);
@@ -583,7 +584,7 @@ fn finish_batch<L: Lanes, R: Real, S: StageLaws, C: ConstantSource, P: Part<L, R
     Push { batch: b, force, moment, couples }
 }
 
-/// One over the radii of the grains i and j of a batch, 1/m.
+/// Reciprocals of the radii of the grains i and j of a batch, 1/m.
 #[inline(always)]
 fn inverse_radii<L: Lanes>(v: &Views, b: usize) -> [L; 2] {
     // SAFETY: grains and lists are only read in this stage.

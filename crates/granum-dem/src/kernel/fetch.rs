@@ -1,15 +1,15 @@
-//! Asking for memory ahead of its use.
+//! Prefetching of memory.
 
 use granum_simd::LANES;
 
 use super::Views;
 use super::source::ConstantSource;
 
-/// Batches between asking for memory and using it.
+/// Number of batches between prefetching memory and using it.
 pub(super) const AHEAD: usize = 5;
 
-/// Asks for what a later batch will read, and for the lists that a later call of this will look into: the processor foresees
-/// neither the places of grains nor the next page.
+/// Prefetches what a later batch will read, and the lists that a later call of this function will read: the processor can
+/// predict neither the indices of the grains nor the next page.
 #[inline(always)]
 pub(super) fn fetch_ahead<C: ConstantSource>(
     v: &Views,
@@ -39,10 +39,10 @@ pub(super) fn fetch_ahead<C: ConstantSource>(
     }
 }
 
-/// Rows of forces asked for with every batch, for the next block.
+/// Number of rows of forces of the next block that are prefetched with every batch.
 pub(super) const ROWS_AHEAD: usize = 4;
 
-/// The rows of forces of the block after this one.
+/// Indices of the rows of forces of the block after this one.
 #[inline(always)]
 pub(super) fn coming_rows(v: &Views, block: usize) -> impl Iterator<Item = u32> {
     // SAFETY: blocks are only read.

@@ -1,4 +1,4 @@
-//! The grain stage: every grain sums its forces, takes its kick and drifts.
+//! The grain stage: sums the forces on every grain and advances it by kick and drift.
 
 use std::ops::Range;
 
@@ -6,7 +6,7 @@ use granum_simd::{Kernel, Lanes, Row4, Row8};
 
 use super::Views;
 
-/// The grain stage for a range of blocks: sums the forces, kicks, drifts.
+/// The grain stage for a range of blocks: force sums, kicks and drifts.
 pub(crate) struct GrainStage<'a> {
     pub(crate) views: &'a Views,
     pub(crate) blocks: Range<usize>,
@@ -47,16 +47,16 @@ impl Kernel for GrainStage<'_> {
                 let square = advance_grain(&drift, kick, turn, &total, &mut particles[n], &mut spin[n]);
                 fastest = larger(fastest, square);
             }
-            // SAFETY: this thread alone works on this block.
+            // SAFETY: only this thread works on this block.
             unsafe { v.fastest_grain.write(k..k + 1)[0] = fastest };
         }
     }
 }
 
-/// Grains between asking for one and moving it.
+/// Number of grains between prefetching one and moving it.
 const AHEAD: usize = 12;
 
-/// Asks for what a later grain will read: rows of other blocks lie anywhere.
+/// Prefetches what a later grain will read: the rows of other blocks can be anywhere.
 #[inline(always)]
 fn fetch_ahead(v: &Views, outer: &[u32], from: usize, later: usize) {
     v.forces.prefetch(later);
@@ -67,7 +67,7 @@ fn fetch_ahead(v: &Views, outer: &[u32], from: usize, later: usize) {
     }
 }
 
-/// The larger of two numbers, or NaN once either is.
+/// The larger of two numbers, or NaN if either is NaN.
 #[inline(always)]
 pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if b > a || b.is_nan() { b } else { a }
@@ -85,7 +85,7 @@ pub(crate) fn resultant<L: Lanes>(forces: &[Row8], offsets: &[u32], outer: &[u32
     total
 }
 
-/// What turns the force on a grain into a change of its velocity, and torque over radius into one of its spin.
+/// Factors that convert the force on a grain to a change of its velocity, and torque over radius to a change of its spin.
 #[inline(always)]
 fn kicks(v: &Views, particle: &Row8) -> [f64; 2] {
     let kick = v.dt / particle.0[7];
@@ -93,7 +93,7 @@ fn kicks(v: &Views, particle: &Row8) -> [f64; 2] {
     [kick, 2.5 * kick / particle.0[3]]
 }
 
-/// What a step does to every grain, entry by entry: the fourth of a row stays as it is.
+/// Coefficients of the drift of every grain, entry by entry: the fourth entry of a row is not changed.
 struct Drift {
     /// Columns of the velocity gradient.
     gradient: [[f64; 4]; 3],
@@ -112,9 +112,9 @@ impl Drift {
     }
 }
 
-/// Kick and drift; returns the square of the fluctuating velocity.
+/// Kick and drift of a grain; returns the square of its fluctuating velocity.
 ///
-/// Loops over rows of four become vectors.
+/// The loops over rows of four are vectorized.
 #[inline(always)]
 fn advance_grain(
     drift: &Drift,

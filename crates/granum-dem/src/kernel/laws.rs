@@ -1,4 +1,4 @@
-//! The laws as the contact stage uses them: compiled into its loop, or called through their slots.
+//! The laws as used by the contact stage: compiled into its loop, or called through their slots.
 
 use granum_simd::{Lanes, Twice};
 
@@ -8,11 +8,12 @@ use crate::contact::interaction::{Interaction, Kinematics, Memory, interact};
 use crate::contact::set::{Compiled, Laws, Open, Slots};
 use crate::contact::{LAW_CONSTANTS, MAX_HISTORY, NormalLaw, PairConstants, TangentialLaw};
 
-/// Couples on the grains of a batch, or nothing for sets that never have any: they need not be carried along then.
+/// Couples on the grains of a batch, or an empty type for sets that never have any, so that nothing needs to be carried
+/// along.
 pub(crate) trait Couples<L: Lanes>: Copy {
-    /// None.
+    /// No couples.
     fn none() -> Self;
-    /// Of couples on the grains i, N m, whose opposites act on j, with the reciprocals of the radii of i and j, 1/m.
+    /// From couples on the grains i, N m, whose opposites act on j, with the reciprocals of the radii of i and j, 1/m.
     fn of(couple: [L; 3], inverse_radii: impl FnOnce() -> [L; 2]) -> Self;
     /// Torque over radius of i and of j, N, if any.
     fn moments(&self) -> Option<[[L; 3]; 2]>;
@@ -52,13 +53,13 @@ pub(crate) trait StageLaws {
     const MAY_HAVE_MOMENTS: bool;
     /// True if the set may have a law of adhesion.
     const MAY_HAVE_ADHESION: bool;
-    /// Couples on grains.
+    /// Type of the couples on grains.
     type Couples<L: Lanes>: Couples<L>;
-    /// The laws of the state.
+    /// The laws of the simulation behind the views.
     fn of(views: &Views) -> Self;
-    /// Columns of the tangential law's history.
+    /// Number of history columns of the tangential law.
     fn tangential_columns(&self) -> usize;
-    /// Columns of history of the law of moments.
+    /// Number of history columns of the moment law.
     fn moment_columns(&self) -> usize;
     /// Columns of history of the law of adhesion.
     fn adhesion_columns(&self) -> usize;
@@ -66,9 +67,9 @@ pub(crate) trait StageLaws {
     fn has_moments(&self) -> bool;
     /// True if the set has a law of adhesion.
     fn has_adhesion(&self) -> bool;
-    /// True if the tangential law discards parts of its history which store energy.
+    /// True if the tangential law discards parts of its history that store energy.
     fn discards(&self) -> bool;
-    /// A step of a batch.
+    /// One step of a batch.
     fn interact<L: Lanes>(
         &self,
         constants: &PairConstants<L>,
@@ -76,7 +77,7 @@ pub(crate) trait StageLaws {
         dt: L,
         memory: &mut Memory<L>,
     ) -> Interaction<L>;
-    /// A step of two batches.
+    /// One step of two batches.
     fn interact_two<L: Lanes>(
         &self,
         constants: &PairConstants<Twice<L>>,
@@ -84,7 +85,7 @@ pub(crate) trait StageLaws {
         dt: Twice<L>,
         memory: &mut Memory<Twice<L>>,
     ) -> Interaction<Twice<L>>;
-    /// Energy lost with discarded parts of histories, J.
+    /// Energy lost with discarded parts of the histories, J.
     fn discarded<L: Lanes>(
         &self,
         constants: &[L; LAW_CONSTANTS],

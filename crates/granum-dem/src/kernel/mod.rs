@@ -1,8 +1,9 @@
-//! The stages of a step: every contact adds to the force rows of its grains, every grain sums its rows and moves; and before
-//! some steps the pairs are sorted anew into those that are looked at and those that need not be.
+//! The stages of a step: every contact adds to the force rows of its grains; every grain sums its rows and moves; and before
+//! some steps the neighbour list is pruned again to the pairs that need to be evaluated.
 //!
-//! All stages work on the blocks of the pair list, so that their sums do not depend on who computed them. [`Views`] is what all
-//! threads see of the state during a stage; its `unsafe` follows the rules of [`crate::team::RawSlice`].
+//! All stages work on the blocks of the neighbour list, so that their sums do not depend on which thread computed them.
+//! [`Views`] gives all threads access to the state during a stage; its `unsafe` code follows the rules of
+//! [`crate::team::RawSlice`].
 
 mod choice;
 mod contacts;
@@ -30,34 +31,34 @@ pub(crate) use laws::{AnyLaws, StageLaws};
 pub(crate) use prune::{InnerList, Nearness, PruneStage};
 pub(crate) use source::{Alike, AlikeOrByBatch, ByBatch, ConstantSource};
 
-/// Columns of memory before the laws' own: the old normal.
+/// Number of history columns before those of the laws: the old normal.
 pub(crate) const NORMAL_COLUMNS: usize = 3;
 
-/// Sums over the contacts of a block (or of all).
+/// Sums over the contacts of a block (or of all blocks).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[repr(align(64))]
 pub struct ContactSums {
     /// `- sum of (elastic force on i)_a (branch)_b`, J: the stress times the volume.
     pub virial: [f64; 9],
-    /// Work taken up by the elastic tangential forces in this step, J.
+    /// Work of the elastic tangential forces in this step, positive where energy is absorbed, J.
     pub tangential_work: f64,
-    /// Lost to sliding in this step, J.
+    /// Energy lost to sliding in this step, J.
     pub friction_loss: f64,
-    /// Lost without sliding in this step, J.
+    /// Energy lost without sliding in this step, J.
     pub micro_slip_loss: f64,
-    /// Lost in dashpots in this step, J.
+    /// Energy lost in dashpots in this step, J.
     pub damping_loss: f64,
-    /// Lost by contacts made in this step, J.
+    /// Energy lost by the formation of contacts in this step, J.
     pub adhesion_made: f64,
-    /// Lost by contacts broken in this step, J.
+    /// Energy lost by the breaking of contacts in this step, J.
     pub adhesion_broken: f64,
-    /// Work taken up by the elastic couples in this step, J.
+    /// Work of the elastic couples in this step, positive where energy is absorbed, J.
     pub moment_work: f64,
-    /// The part of it that was lost, J.
+    /// The part of it that was dissipated, J.
     pub moment_loss: f64,
     /// Lost in this step where attractions beyond touch begin or end, J.
     pub attraction_loss: f64,
-    /// Power that the cell's deformation feeds into the contacts, W.
+    /// Power that the deformation of the cell supplies to the contacts, W.
     pub boundary_power: f64,
     /// `sum of k_n D^2`, J.
     pub stiffness: f64,
@@ -68,7 +69,7 @@ pub struct ContactSums {
 }
 
 impl ContactSums {
-    /// The sums of blocks, in their order.
+    /// Total of the sums of blocks, added in the order of the blocks.
     pub(crate) fn total(blocks: &[ContactSums]) -> ContactSums {
         let mut t = ContactSums::default();
         for c in blocks {
@@ -108,7 +109,7 @@ pub(crate) struct Views {
     pub(crate) marks: RawSlice<Marks>,
     /// Working memory of the pruning stage.
     pub(crate) nearness: RawSlice<Nearness>,
-    /// Columns of memory.
+    /// Number of columns of a contact history.
     pub(crate) columns: usize,
     pub(crate) constants: RawSlice<Row8>,
     pub(crate) forces: RawSlice<Row8>,
@@ -116,12 +117,12 @@ pub(crate) struct Views {
     pub(crate) outer: RawSlice<u32>,
     pub(crate) contact_sums: RawSlice<ContactSums>,
     pub(crate) fastest_grain: RawSlice<f64>,
-    /// True where all grains have one mass and radius.
+    /// True where all grains have the same mass and radius.
     pub(crate) equal: bool,
     /// True where the contact data do not fit into the caches.
     pub(crate) far: bool,
     pub(crate) alike: PairConstants<f64>,
-    /// Rows of constants of a batch.
+    /// Number of rows of constants of a batch.
     pub(crate) constants_kept: usize,
     pub(crate) laws: Contact,
     pub(crate) isa: Isa,

@@ -74,7 +74,7 @@ impl Kernel for PruneStage<'_> {
     fn run<L: Lanes>(self) {
         let v = self.views;
         for k in self.blocks {
-            // SAFETY: in this stage a block and all that is kept for its pairs belong to the thread that works on it.
+            // SAFETY: in this stage a block and all data of its pairs belong to the thread that works on it.
             let block = unsafe { &mut v.blocks.write(k..k + 1)[0] };
             let [start, inner, end] = block.batches.map(|b| b as usize);
             for (zone, batches) in [start..inner, inner..end].into_iter().enumerate() {
@@ -178,7 +178,7 @@ unsafe fn exchange<R, T: Copy>(
     for c in 0..columns {
         let lane = |slot: usize| {
             let row = slot / LANES * columns + c;
-            // SAFETY: the caller's; one reference is gone before the next is made.
+            // SAFETY: guaranteed by the caller; each reference ends before the next is made.
             unsafe { &mut lanes(&mut table.write(row..row + 1)[0])[slot % LANES] }
         };
         let x = *lane(a);
@@ -204,7 +204,7 @@ mod tests {
     use crate::simulation::Simulation;
     use granum_simd::LANES;
 
-    /// Branch and sum of the radii of a slot.
+    /// Branch vector and sum of the radii of the pair in a slot.
     fn branch(s: &Simulation, slot: usize) -> ([f64; 3], f64) {
         let (state, pairs) = (s.state(), &s.state().pairs);
         let (b, l) = (slot / LANES, slot % LANES);
@@ -217,7 +217,7 @@ mod tests {
         a.iter().map(|x| x * x).sum::<f64>().sqrt()
     }
 
-    /// Every listed pair, whatever slot it is in.
+    /// All listed pairs, regardless of their slots.
     fn listed(s: &Simulation) -> Vec<[u32; 4]> {
         let p = &s.state().pairs;
         let slot =
@@ -264,7 +264,7 @@ mod tests {
         }
     }
 
-    /// Pairs that change slots change no force but by rounding.
+    /// Exchanging the slots of pairs changes the forces only by rounding errors.
     #[test]
     fn sorting_changes_no_force() {
         let mut s = running(300, 0.3);

@@ -1,11 +1,11 @@
-//! Adding what the contacts of a batch do to the force rows of their grains.
+//! Adds the forces of the contacts of a batch to the force rows of their grains.
 
 use granum_simd::{LANES, Lanes};
 
 use super::Views;
 use super::laws::Couples;
 
-/// What a batch does to its grains.
+/// The forces and torques of a batch on its grains.
 #[derive(Clone, Copy)]
 pub(super) struct Push<L, C> {
     pub(super) batch: usize,
@@ -13,7 +13,7 @@ pub(super) struct Push<L, C> {
     pub(super) force: [L; 3],
     /// Torque over radius, N.
     pub(super) moment: [L; 3],
-    /// What couples add to that.
+    /// Additional torque of the couples.
     pub(super) couples: C,
 }
 
@@ -23,7 +23,7 @@ impl<L: Lanes, C: Couples<L>> Push<L, C> {
         Push { batch: 0, force: [L::zero(); 3], moment: [L::zero(); 3], couples: C::none() }
     }
 
-    /// Adds it to the force rows of the grains.
+    /// Adds the forces and torques to the force rows of the grains.
     #[inline(always)]
     pub(super) fn add(&self, v: &Views) {
         let ([fx, fy, fz], [mx, my, mz], zero) = (self.force, self.moment, L::zero());
@@ -31,13 +31,14 @@ impl<L: Lanes, C: Couples<L>> Push<L, C> {
         let (i, target) = unsafe { (&v.first.read()[self.batch], &v.target.read()[self.batch]) };
         L::check(i, v.forces.len());
         L::check(target, v.forces.len());
-        // The force on j is the opposite of that on i; the moments are alike.
+        // The force on j is opposite to that on i; the moments are equal.
         let sign = L::load(&[-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
         match self.couples.moments() {
             None => {
                 let rows = L::transpose([fx, fy, fz, zero, mx, my, mz, zero]);
                 for l in 0..LANES {
-                    // SAFETY: checked to be rows; those that the pairs of a block point at belong to the thread that works on it.
+                    // SAFETY: the indices were checked to be rows; the rows that the pairs of a block refer to belong to the
+                    // thread that works on it.
                     unsafe {
                         let on_i = v.forces.at(i[l]);
                         (L::load(&on_i.0) + rows[l]).store(&mut on_i.0);

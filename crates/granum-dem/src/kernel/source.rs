@@ -1,20 +1,20 @@
-//! Where the constants of a batch of pairs come from.
+//! Source of the constants of a batch of pairs.
 
 use super::Views;
 
-/// Where the constants of a batch come from.
+/// Source of the constants of a batch.
 pub(crate) trait ConstantSource: Copy {
-    /// True if each batch has its own.
+    /// True if each batch has its own constants.
     fn by_batch(v: &Views) -> bool;
 }
 
-/// All pairs are alike.
+/// All pairs have the same constants.
 #[derive(Clone, Copy)]
 pub(crate) struct Alike;
-/// Pairs differ.
+/// Every batch has its own constants.
 #[derive(Clone, Copy)]
 pub(crate) struct ByBatch;
-/// Whichever of the two, asked anew for every batch.
+/// Either of the two, decided again for every batch.
 #[derive(Clone, Copy)]
 pub(crate) struct AlikeOrByBatch;
 impl ConstantSource for Alike {

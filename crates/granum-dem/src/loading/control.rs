@@ -1,11 +1,11 @@
-//! The control of a stage: what is done with each component of the cell, and the constraints between them.
+//! The control of a stage: the drive of each component of the cell, and the constraints between components.
 //!
-//! It is the general law of element tests, `M deps + N dsigma = v` (the `*ObeyRestrictions` of Niemunis' IncrementalDriver).
-//! Each component has a strain rate or a stress of its own or is left free; each constraint is a combination of
-//! strain rates that is kept, or a combination of stresses that is held. Together they must be six equations for the six
-//! strain rates. They are solved once, with an estimated stiffness of the sample ([`STIFFNESS`]): that gives the base rates, and for
-//! each controlled stress the strain rates that change it and no other controlled stress or kept strain rate, by which the
-//! servo moves it.
+//! It is the general control of element tests, `M deps + N dsigma = v` (the `*ObeyRestrictions` of Niemunis'
+//! IncrementalDriver). Each component has a prescribed strain rate or stress or is left free; each constraint prescribes a
+//! combination of strain rates or of stresses. Together they must give six equations for the six strain rates. The equations
+//! are solved once, with an estimated stiffness of the sample ([`STIFFNESS`]): this gives the base rates, and for each
+//! controlled stress the strain rates by which the servo moves it, which change no other controlled stress and no prescribed
+//! strain rate.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,11 +14,11 @@ use crate::invariants;
 use crate::servo::{self, COMPONENTS, PLACES, Row, STIFFNESS};
 use crate::simulation::Simulation;
 
-/// How fast a stage goes.
+/// Rate of a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Speed {
-    /// Inertial number of a strain rate of one, at the mean stress at the start of the stage unless another is given, Pa.
+    /// Inertial number of a unit strain rate, at the mean stress at the start of the stage unless another is given, Pa.
     InertialNumber {
         /// Inertial number I.
         number: f64,
@@ -56,7 +56,7 @@ impl Ramp {
     }
 }
 
-/// A stress that is held or moved.
+/// A stress that is held constant or changed at a given rate.
 ///
 /// ```
 /// use granum_dem::loading::{Ramp, Target};
@@ -69,9 +69,9 @@ impl Ramp {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Target {
-    /// Its value at the start of the stage, Pa; `None`: what it then is.
+    /// Its value at the start of the stage, Pa; `None`: the value that it has then.
     pub value: Option<f64>,
-    /// How fast it moves, Pa/s.
+    /// Its rate of change, Pa/s.
     pub rate: f64,
     /// Where it is at the end of the stage, Pa, in place of a rate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -100,61 +100,62 @@ impl Target {
     }
 }
 
-/// What is done with one component of the cell.
+/// The drive of one component of the cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Drive {
     /// It is not strained.
     #[default]
     Fixed,
-    /// It is strained at this multiple of the stage's speed, compression positive; shear strains are angles.
+    /// It is strained at this multiple of the speed of the stage, compression positive; shear strains are angles.
     Rate(f64),
     /// It is strained linearly in time to the end of a ramp.
     Ramp(Ramp),
-    /// Its stress is held or moved.
+    /// Its stress is held constant or changed at a given rate.
     Stress(Target),
-    /// Constraints decide it.
+    /// It follows from the constraints.
     Free,
 }
 
-/// A combination of components that is kept or held.
+/// A combination of components that is prescribed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Constraint {
-    /// Weights of the strains; beside stresses they have the unit Pa.
+    /// Weights of the strains; in combination with stresses they have the unit Pa.
     pub strain: [f64; 6],
     /// Weights of the stresses.
     pub stress: [f64; 6],
-    /// What the combination of stresses (and strains beside them) is held at. Without stresses the rate counts alone: the
-    /// combination of strain rates has this multiple of the stage's speed.
+    /// Value at which the combination of stresses (and strains, if any) is held. Without stresses only the rate is used: the
+    /// combination of strain rates has this multiple of the speed of the stage.
     pub target: Target,
-    /// The strain rates that move for it, where they are not to be found from the other equations. Every component then has
-    /// a base rate of its own.
+    /// The strain rates by which this constraint is controlled, where they are not to be derived from the other equations.
+    /// Every component must then have its own base rate.
     pub moves: Option<[f64; 6]>,
 }
 
-/// How shear rates move the cell.
+/// How shear rates deform the cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kinematics {
-    /// The velocity gradient is symmetric: nothing is turned.
+    /// The velocity gradient is symmetric: there is no rotation.
     #[default]
     PureShear,
-    /// The velocity gradient has the one component of the first index along the second: xy moves grains along x by their y.
+    /// A shear rate is a single entry of the velocity gradient, in the row of its first index: xy moves grains along x in
+    /// proportion to y.
     SimpleShear,
 }
 
-/// What drives the cell in a stage.
+/// The control of the cell in a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Control {
     /// Unit of all strain rates.
     pub speed: Speed,
-    /// What is done with each component, see [`COMPONENTS`].
+    /// The drive of each component, see [`COMPONENTS`].
     pub components: [Drive; 6],
     /// Constraints between them.
     pub constraints: [Option<Constraint>; 6],
-    /// How shear rates move the cell.
+    /// How shear rates deform the cell.
     pub kinematics: Kinematics,
-    /// Bound on what the servo adds for one controlled stress, as a multiple of the speed.
+    /// Bound on the strain rate that the servo adds for one controlled stress, as a multiple of the speed.
     pub servo_limit: f64,
     /// Time constant of the servo, in time steps.
     pub response: f64,
@@ -166,10 +167,10 @@ pub struct Control {
 /// Share of the inertial time of the grains in which rates grow.
 const EASE: f64 = 0.25;
 
-/// Time constant of the servo of a stage, in time steps, where no other is given.
+/// Default time constant of the servo of a stage, in time steps.
 const RESPONSE: f64 = 6.0;
 
-/// Bound on what the servo adds where the cell is strained anyway, as a multiple of the speed.
+/// Bound on the strain rate that the servo adds where the cell is strained anyway, as a multiple of the speed.
 pub const SERVO_LIMIT: f64 = 30.0;
 
 /// Stiffness of a sample over the servo's estimate by which the time of a ramp of stress is chosen: grains move more than
@@ -179,7 +180,7 @@ const YIELDING: f64 = 0.25;
 /// Shortest ramp, in inertial times of the grains: what changes faster is no quasi-static change, however small it is.
 const SHORTEST_RAMP: f64 = 4.0;
 
-/// Why a control cannot be.
+/// Reasons why a control is not possible.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ControlError {
     /// Too few or too many equations.
@@ -188,17 +189,17 @@ pub enum ControlError {
          to be fixed, or to be free with one constraint more"
     )]
     Count {
-        /// Equations.
+        /// Number of equations.
         found: usize,
-        /// What gives them.
+        /// Where they come from.
         what: String,
     },
-    /// Equations that contradict or repeat each other.
+    /// Equations that contradict or repeat one another.
     #[error(
         "the equations of the stage do not determine the strain rates: {0} repeats or contradicts others"
     )]
     Singular(String),
-    /// A speed that cannot be.
+    /// The speed is not positive.
     #[error("the strain rate of the stage is {0} /s; it must be positive")]
     Speed(f64),
 }
@@ -219,23 +220,23 @@ impl Default for Control {
 
 /// One equation for the strain rates.
 struct Equation {
-    /// What it comes from, for messages.
+    /// Where it comes from, for messages.
     name: String,
-    /// Weights of the strain rates, stresses already replaced by stiffness times strain, in affine bulk moduli.
+    /// Weights of the strain rates, with stresses already replaced by stiffness times strain, in affine bulk moduli.
     weights: [f64; 6],
-    /// Strain rate on the right, 1/s; zero for stresses.
+    /// Strain rate on the right-hand side, 1/s; zero for stresses.
     rate: f64,
-    /// The controlled stress, if it is one.
+    /// The controlled stress, if it is an equation for one.
     row: Option<Row>,
 }
 
 impl Control {
-    /// The control of a stage whose components follow these drives.
+    /// The control of a stage whose components have these drives.
     pub fn of(speed: Speed, components: [Drive; 6]) -> Control {
         Control { speed, components, ..Control::default() }
     }
 
-    /// The same with one constraint more; a seventh is left out.
+    /// The same with one more constraint; a seventh is ignored.
     pub fn with(mut self, constraint: Constraint) -> Control {
         if let Some(free) = self.constraints.iter_mut().find(|place| place.is_none()) {
             *free = Some(constraint);
@@ -243,7 +244,7 @@ impl Control {
         self
     }
 
-    /// True if some component is strained at a rate of its own.
+    /// True if some component has a prescribed strain rate other than zero.
     pub fn is_strained(&self) -> bool {
         self.components.iter().any(|drive| match drive {
             Drive::Rate(rate) => *rate != 0.0,
@@ -311,7 +312,7 @@ impl Control {
         Some(longest)
     }
 
-    /// The strain rate of one, 1/s, for a simulation.
+    /// The strain rate that a rate of one stands for, 1/s, for a simulation.
     pub fn strain_rate(&self, simulation: &Simulation) -> f64 {
         match self.speed {
             Speed::InertialNumber { number, at } => {
@@ -321,7 +322,7 @@ impl Control {
         }
     }
 
-    /// Checks that the equations determine the strain rates, whatever the sample is.
+    /// Checks that the equations determine the strain rates for any sample.
     ///
     /// # Errors
     /// [`ControlError`].
@@ -329,7 +330,7 @@ impl Control {
         self.solve(1.0, &[[0.0; 3]; 3], &[[0.0; 3]; 3], 1e8, Some(1.0)).map(|_| ())
     }
 
-    /// What drives the cell of a simulation from now on.
+    /// The control of the cell of a simulation from the present state on.
     ///
     /// # Errors
     /// [`ControlError`] if the equations do not determine the strain rates, or the strain rate is not positive.
@@ -408,7 +409,7 @@ impl Control {
         for (column, equation) in equations.iter().enumerate() {
             let direction: [f64; 6] = std::array::from_fn(|k| inverse[k][column]);
             match equation.row {
-                // The equation counts stiffness in bulk moduli; three of them make a unit of strain rate.
+                // The weights of the equations are in bulk moduli; three of them correspond to a unit strain rate.
                 Some(row) => rows.push((row, direction.map(|x| 3.0 * x))),
                 None => {
                     for k in 0..6 {
@@ -432,7 +433,7 @@ impl Control {
         Ok(control)
     }
 
-    /// Strain rates of the six components as a matrix.
+    /// The strain rates of the six components as a velocity gradient.
     fn gradient(&self, rates: &[f64; 6]) -> Matrix {
         let mut matrix = [[0.0; 3]; 3];
         for (k, [r, c]) in PLACES.into_iter().enumerate() {
@@ -449,7 +450,7 @@ impl Control {
 }
 
 impl Constraint {
-    /// The mean stress, held by the components that are free.
+    /// The mean stress, controlled through the components that are free.
     pub fn mean_stress(target: Target) -> Constraint {
         Constraint { stress: [1.0, 1.0, 1.0, 0.0, 0.0, 0.0], target, ..Constraint::default() }
     }
@@ -459,17 +460,17 @@ impl Constraint {
         Constraint { stress, target, ..Constraint::default() }
     }
 
-    /// A combination of strain rates, as a multiple of the stage's speed.
+    /// A combination of strain rates, as a multiple of the speed of the stage.
     pub fn strains(strain: [f64; 6], rate: f64) -> Constraint {
         Constraint { strain, target: Target::current().moving(rate), ..Constraint::default() }
     }
 
-    /// The same with the strain rates that move for it.
+    /// The same with given strain rates by which it is controlled.
     pub fn moving(self, moves: [f64; 6]) -> Constraint {
         Constraint { moves: Some(moves), ..self }
     }
 
-    /// What is held. The mean stress counts as such, not as the sum of three stresses.
+    /// The controlled combination. The mean stress counts as such, not as the sum of three stresses.
     fn row(&self) -> Row {
         let mean = self.stress == [1.0, 1.0, 1.0, 0.0, 0.0, 0.0] && self.strain == [0.0; 6];
         Row {
@@ -499,12 +500,12 @@ fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
     a.iter().zip(b).fold(0.0, |sum, (x, y)| sum + x * y)
 }
 
-/// What a controlled combination gains per strain of each component, in bulk moduli of the sample.
+/// Change of a controlled combination per strain of each component, in bulk moduli of the sample.
 fn resistance(row: &Row, modulus: f64) -> [f64; 6] {
     std::array::from_fn(|k| row.stress[k] * STIFFNESS[k] / row.divisor + row.strain[k] / modulus)
 }
 
-/// Pivots below this fraction of the largest weight of their equation are none.
+/// Pivots below this fraction of the largest weight of their equation count as zero.
 const SINGULAR: f64 = 1e-9;
 
 /// The inverse of the matrix of the equations, by elimination with exchange of columns.
@@ -512,7 +513,7 @@ fn inverse(equations: &[Equation]) -> Result<[[f64; 6]; 6], ControlError> {
     let mut left: [[f64; 6]; 6] = std::array::from_fn(|k| equations[k].weights);
     let mut right: [[f64; 6]; 6] =
         std::array::from_fn(|r| std::array::from_fn(|c| f64::from(u8::from(r == c))));
-    // By component: which equation decides it.
+    // For each component, the equation that determines it.
     let mut decides = [usize::MAX; 6];
     for r in 0..6 {
         let largest = equations[r].weights.iter().fold(0.0f64, |m, x| m.max(x.abs()));
@@ -541,7 +542,8 @@ fn inverse(equations: &[Equation]) -> Result<[[f64; 6]; 6], ControlError> {
     Ok(std::array::from_fn(|k| right[decides[k]]))
 }
 
-/// Mixes the strain rates of the rows so that each moves its own combination of stresses and no other, where they do not.
+/// Combines the strain rates of the rows, where necessary, so that each changes its own combination of stresses and no
+/// other.
 fn decouple(rows: &mut [(Row, [f64; 6])], modulus: f64) -> Result<(), ControlError> {
     let n = rows.len().min(6);
     let mut weights = [[0.0; 6]; 6];
@@ -590,7 +592,7 @@ mod tests {
         Target::held(value)
     }
 
-    /// The paper's test, said either way, is the control that it always was.
+    /// Both forms of the paper's test give the established control.
     #[test]
     fn constant_mean_stress_is_a_case_of_the_law() {
         let speed = Speed::StrainRate(10.0);
@@ -600,7 +602,7 @@ mod tests {
             .with(Constraint::mean_stress(held(2e4)).moving([0.0, 1.0, 1.0, 0.0, 0.0, 0.0]));
         let paper = servo::Control::constant_mean_stress(0, 10.0, 2e4, 300.0);
         assert_eq!(solved(&moving), paper);
-        // From the equations alone: the lateral strain rates are equal, and they move for p.
+        // From the equations alone: the lateral strain rates are equal, and p is controlled through them.
         let free = [Drive::Rate(1.0), Drive::Free, Drive::Free, fixed, fixed, fixed];
         let found = solved(
             &Control::of(speed, free)
@@ -615,7 +617,7 @@ mod tests {
         assert!((row.moves[1][1] / row.stiffness - 0.5).abs() < 1e-12);
     }
 
-    /// An isotropic elastic solid, unlike the servo's estimate, under constant p and b comes to both and keeps both.
+    /// On an isotropic elastic solid that differs from the servo's estimate, constant p and b are reached and held.
     #[test]
     fn two_constraints_are_held_on_an_elastic_solid() {
         let b = 0.5;
@@ -624,7 +626,7 @@ mod tests {
             .with(Constraint::stresses(MEAN, held(2e4)))
             .with(Constraint::stresses([-b, 1.0, b - 1.0, 0.0, 0.0, 0.0], held(0.0)));
         let drive = solved(&control);
-        // Bulk modulus 1e8 and shear modulus 0.7e8, once with axis 2 half as stiff as an anisotropic sample.
+        // Bulk modulus 1e8 and shear modulus 0.7e8; in the second case axis 2 is half as stiff, as in an anisotropic sample.
         for soft in [1.0, 0.5] {
             let stiff = |a: usize, c: usize| {
                 let lame = 1e8 - 2.0 / 3.0 * 0.7e8;
@@ -637,7 +639,8 @@ mod tests {
         }
     }
 
-    /// A stress that rises at a given rate does not lag behind its target, on a solid far from the servo's estimate.
+    /// A stress that increases at a given rate does not lag behind its target, on a solid that differs much from the servo's
+    /// estimate.
     #[test]
     fn a_moving_target_is_not_lagged_behind() {
         let target = Target::held(2e4).moving(2e7);
@@ -655,8 +658,8 @@ mod tests {
         }
     }
 
-    /// Follows a control on an elastic solid from 20 kPa; the root mean square of the largest error over p in the second half,
-    /// and the last stresses.
+    /// Applies a control to an elastic solid from 20 kPa; returns the root mean square of the largest error over p in the
+    /// second half, and the final stresses.
     fn follow(drive: &servo::Control, stiff: impl Fn(usize, usize) -> f64, steps: usize) -> (f64, [f64; 3]) {
         let (mut stress, mut strain) = ([2e4; 3], [0.0; 3]);
         let mut servo = servo::Servo::default();
@@ -703,7 +706,8 @@ mod tests {
         assert_eq!(good.check(), Ok(()));
     }
 
-    /// A saturated sample whose pore fluid has a modulus: the volumetric strain times the modulus is kept against the mean stress.
+    /// A saturated sample whose pore fluid has a bulk modulus: the mean stress and the volumetric strain times the modulus
+    /// are controlled together.
     #[test]
     fn stresses_and_strains_can_stand_in_one_constraint() {
         let fluid = 2e8;
@@ -717,7 +721,7 @@ mod tests {
                 target: held(2e4),
                 moves: None,
             });
-        // Shear alone leaves the volume of an isotropic solid as it is.
+        // Shear alone does not change the volume of an isotropic solid.
         let (errors, stress) = follow(&solved(&control), |a, c| if a == c { 1.9e8 } else { 0.5e8 }, 20_000);
         assert!(
             errors < 1e-3 && (stress.iter().sum::<f64>() / 6e4 - 1.0).abs() < 1e-3,

@@ -1,4 +1,4 @@
-//! What a stage can be measured by: where it ends, turns round and is recorded.
+//! Measures of a stage, which decide where it ends, where it reverses and where it is recorded.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,7 +6,7 @@ use crate::assembly::{Assembly, Matrix};
 use crate::invariants;
 use crate::servo::{component, strain_component};
 
-/// Stress, strain and clock at one moment.
+/// Stress, strain and time at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MacroState {
     /// Stress, Pa, compression positive.
@@ -20,7 +20,7 @@ pub struct MacroState {
 }
 
 impl MacroState {
-    /// The reading of an assembly, with its stress measured from all contacts.
+    /// The state of an assembly, with the stress computed from all its contacts.
     pub fn of(assembly: &Assembly) -> MacroState {
         let mut stress = [[0.0; 3]; 3];
         for contact in &assembly.contacts {
@@ -38,7 +38,7 @@ impl MacroState {
         MacroState { stress, ..MacroState::without_stress(assembly) }
     }
 
-    /// Strain and clock of an assembly, with a stress of zero.
+    /// Strain and time of an assembly, with a stress of zero.
     pub fn without_stress(assembly: &Assembly) -> MacroState {
         MacroState {
             stress: [[0.0; 3]; 3],
@@ -49,7 +49,7 @@ impl MacroState {
     }
 }
 
-/// A number that grows or changes along a stage.
+/// A quantity that increases or changes along a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Measure {
@@ -57,15 +57,15 @@ pub enum Measure {
     ArcLength,
     /// Time, s.
     Time,
-    /// A strain component, by its number; shear strains are angles.
+    /// A strain component, by its index; shear strains are angles.
     Strain(u8),
-    /// `eps_x - (eps_y + eps_z) / 2`: the deviator strain of axisymmetric tests along x, as the paper counts it.
+    /// `eps_x - (eps_y + eps_z) / 2`: the deviator strain of axisymmetric tests along x, as defined in the paper.
     AxialDeviatorStrain,
     /// `eps_1 + eps_2 + eps_3`, positive in compaction.
     VolumetricStrain,
     /// `sqrt(2/3 e:e)`.
     DeviatoricStrain,
-    /// A stress component, by its number, Pa.
+    /// A stress component, by its index, Pa.
     Stress(u8),
     /// p, Pa.
     MeanStress,
@@ -113,7 +113,7 @@ impl Measure {
         Measure::ALL.iter().find(|(_, _, measure)| *measure == self).map_or("1", |(_, unit, _)| unit)
     }
 
-    /// The measure of that name.
+    /// The measure of a given name.
     pub fn named(name: &str) -> Option<Measure> {
         Measure::ALL.iter().find(|(known, _, _)| *known == name).map(|(_, _, measure)| *measure)
     }
@@ -130,7 +130,7 @@ impl Measure {
         )
     }
 
-    /// True if it counts from the start of its stage, not of the test.
+    /// True if it counts from the start of its stage, not from the start of the test.
     pub fn counts_from_stage(self) -> bool {
         matches!(self, Measure::ArcLength | Measure::Time)
     }
@@ -156,14 +156,14 @@ impl Measure {
     }
 }
 
-/// A value that a measure may come to: the first step at which it is there ends a run of steps.
+/// A value of a measure to be reached: a series of steps ends at the first step that reaches it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
-    /// What is measured.
+    /// The measure.
     pub measure: Measure,
-    /// What is subtracted from it.
+    /// Subtracted from the measure before the comparison.
     pub origin: f64,
-    /// The value.
+    /// The value to be reached.
     pub value: f64,
     /// True if the value is reached from below.
     pub rising: bool,

@@ -1,5 +1,5 @@
-//! Loading: a test is a list of stages. A stage says what drives the cell ([`Control`]), when it ends ([`Until`]), and at
-//! which measures states are recorded ([`Record`]). Named paths are presets, one file each ([`preset`]).
+//! Loading: a test is a list of stages. A stage defines the control of the cell ([`Control`]), its end ([`Until`]), and the
+//! values of a measure at which states are recorded ([`Record`]). Named paths are presets, one file each ([`preset`]).
 
 mod control;
 mod history;
@@ -23,11 +23,11 @@ use crate::preparation::Phase;
 use crate::simulation::{Simulation, SimulationError};
 use crate::state::ServoError;
 
-/// Most steps between two calls of the observer.
+/// Largest number of steps between two calls of the observer.
 const STRIDE: u64 = 500;
-/// Global damping of a settling stage, as a fraction of a velocity per `sqrt(m / k_t)`.
+/// Global damping of a settling stage: fraction of a velocity that is lost per `sqrt(m / k_t)`.
 const SETTLING: f64 = 0.005;
-/// Arc length of strain after which the servo is judged where the cell is strained.
+/// Arc length of strain from which on the accuracy of the servo is evaluated where the cell is strained.
 const START_UP: f64 = 1.0 / 300.0;
 
 /// One stage of a test.
@@ -46,22 +46,23 @@ const START_UP: f64 = 1.0 / 300.0;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Stage {
-    /// Its name for people, e.g. `shear`.
+    /// Its name in reports, e.g. `shear`.
     pub name: String,
-    /// What drives the cell.
+    /// The control of the cell.
     pub control: Control,
-    /// Points at which base rates and moving targets turn round.
+    /// Points at which base rates and moving targets are reversed.
     pub turns: Option<Turns>,
-    /// Its ends; the first that comes ends it.
+    /// Its end conditions; the first that is met ends it.
     pub until: Vec<Until>,
-    /// Arc length of strain after which it ends in any case. It also ends after the time that the stage's speed takes for
-    /// four times that, and when the sample no longer carries stress. `None` for a stage that cannot but come to its end.
+    /// Arc length of strain after which it ends in any case. It also ends after the time that four times this arc length
+    /// takes at the speed of the stage, and when the sample no longer carries stress. `None` for a stage that is certain to
+    /// reach its end.
     pub most_arc_length: Option<f64>,
-    /// Which states are recorded.
+    /// The states that are recorded.
     pub record: Record,
     /// True if velocities are damped globally, so that the sample comes to rest.
     pub settling: bool,
-    /// True if strain, time and energy count from the start of this stage.
+    /// True if strain, time and energy are reset to zero at the start of this stage.
     pub resets: bool,
     /// Factor on the density of the grains in this stage. Without gravity only the inertial number matters, so that a strain
     /// rate with a factor says the same as a higher rate without.
@@ -89,19 +90,19 @@ pub enum Start {
     Back,
 }
 
-/// Values of a measure between which a stage goes to and fro.
+/// Values of a measure between which a stage cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Turns {
-    /// What is measured.
+    /// The measure.
     pub measure: Measure,
-    /// Upper turning point, at which the stage turns first.
+    /// Upper turning point, which comes first.
     pub high: f64,
     /// Lower turning point.
     pub low: f64,
 }
 
 impl Stage {
-    /// A stage that records nothing and may take an arc length of strain of one.
+    /// A stage that records nothing and has at most an arc length of strain of one.
     pub fn new(name: impl Into<String>, control: Control, until: Vec<Until>) -> Stage {
         Stage {
             name: name.into(),
@@ -133,7 +134,7 @@ impl Stage {
         Stage { record, ..self }
     }
 
-    /// How far along it is, where that can be told from its first end that is a value of a measure.
+    /// The completed fraction of the stage, where it follows from the first end condition that is a value of a measure.
     pub fn fraction(&self, stage_progress: &StageProgress, simulation: &Simulation) -> Option<f64> {
         self.until.iter().find_map(|until| {
             let Until::Reaches { measure, value } = *until else { return None };
@@ -145,32 +146,32 @@ impl Stage {
     }
 }
 
-/// How the following of a stage ended.
+/// How the execution of a stage ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ending {
-    /// The stage is over.
+    /// The stage is complete.
     Complete(Reason),
     /// The observer stopped it; the simulation can go on from here.
     Stopped,
 }
 
-/// A stage that is over, for the record of a run.
+/// The end of a completed stage, for the record of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StageEnd {
     /// Its name.
     pub name: String,
     /// Why it ended.
     pub reason: Reason,
-    /// Steps that it took.
+    /// Number of its steps.
     pub steps: u64,
-    /// Time that it took, s.
+    /// Its duration, s.
     pub time: f64,
-    /// How well its stresses were held.
+    /// How accurately its stresses were held.
     pub servo_error: ServoError,
 }
 
 impl StageEnd {
-    /// What is to be told of a stage that has just ended.
+    /// The record of a stage that has just ended.
     pub fn of(
         stage: &Stage,
         stage_progress: &StageProgress,
@@ -188,10 +189,10 @@ impl StageEnd {
     }
 }
 
-/// Begins a stage: sets what drives the cell and what the servo is judged by.
+/// Begins a stage: sets the control of the cell and the start of the servo statistics.
 ///
 /// # Errors
-/// [`ControlError`] if the control cannot be.
+/// [`ControlError`] if the control is not possible.
 pub fn begin(stage: &Stage, simulation: &mut Simulation) -> Result<StageProgress, ControlError> {
     if stage.resets {
         simulation.reset_phase(0.0);
@@ -207,9 +208,9 @@ pub fn begin(stage: &Stage, simulation: &mut Simulation) -> Result<StageProgress
     Ok(stage_progress)
 }
 
-/// Follows a stage that was begun, from wherever the simulation stands, to its end.
+/// Executes a stage that was begun, from the present state of the simulation to its end.
 ///
-/// Whatever happens in a stage happens at the first step at which it is due, however the steps before were grouped.
+/// Every event of a stage happens at the first step at which it is due, regardless of how the steps before were grouped.
 ///
 /// # Errors
 /// [`SimulationError`] if the simulation fails.
@@ -229,7 +230,8 @@ pub fn follow(
             let due = observer.next_look();
             observer.look(simulation);
             if observer.next_look() == due {
-                // It measures another way and finds itself a rounding short: the next step will do.
+                // The observer computes the measure in another way and finds it short by a rounding error: it will be
+                // reached in the next step.
                 break;
             }
         }
@@ -256,7 +258,7 @@ pub fn follow(
     }
 }
 
-/// Turns a stage round at its turning points.
+/// Reverses a stage at its turning points.
 fn turn(stage: &Stage, stage_progress: &mut StageProgress, simulation: &mut Simulation) {
     let Some(event) = turning_point(stage, stage_progress) else { return };
     if event.has_come(&simulation.state().macro_state()) {
@@ -272,7 +274,7 @@ fn turning_point(stage: &Stage, stage_progress: &StageProgress) -> Option<Event>
     Some(Event { measure, origin: stage_progress.origin(measure), value, rising })
 }
 
-/// The time that a stage may take, s. One that is to end at a time has twice that time.
+/// The longest time that a stage may take, s. One that is to end at a time has twice that time.
 fn most_time(stage: &Stage, stage_progress: &StageProgress, simulation: &Simulation) -> f64 {
     let control = simulation.state().control();
     let limit = control.rate_limit / stage.control.servo_limit.max(f64::MIN_POSITIVE);
@@ -286,7 +288,7 @@ fn most_time(stage: &Stage, stage_progress: &StageProgress, simulation: &Simulat
     asked.fold(by_strain, f64::max)
 }
 
-/// Why a stage cannot go on, where it cannot.
+/// The reason why a stage cannot be continued, if there is one.
 fn cut_short(
     stage: &Stage,
     stage_progress: &StageProgress,
@@ -303,7 +305,7 @@ fn cut_short(
     (arc_length > most || time > most_time).then_some(Reason::TooLong { arc_length, time })
 }
 
-/// The factor on the density of the grains that a [`Rate`] asks for.
+/// The density factor of a [`Rate`].
 pub fn density_scaling(rate: &Rate) -> f64 {
     match rate {
         Rate::InertialNumber(_) => 1.0,

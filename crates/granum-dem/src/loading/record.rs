@@ -1,26 +1,27 @@
-//! Which states of a stage are recorded.
+//! The states of a stage that are recorded.
 
 use serde::{Deserialize, Serialize};
 
 use super::measure::Measure;
 use crate::config::Spacing;
 
-/// Which states of a stage are recorded, by what measure. State 0 is the start of the stage.
+/// The states of a stage that are recorded, by a measure. State 0 is the start of the stage.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// What the places of states are counted in; it should grow along the stage.
+    /// The measure by which states are spaced; it should increase along the stage.
     pub measure: Measure,
-    /// Number of equal intervals, of no use with [`Spacing::Strains`] and [`Spacing::Every`].
+    /// Number of equal intervals; not used with [`Spacing::Strains`] and [`Spacing::Every`].
     pub states: usize,
-    /// Where the states stand.
+    /// The spacing of the states.
     pub spacing: Spacing,
-    /// Value of the measure at the last state; infinite where states go on to the end of the stage, whenever that is.
+    /// Value of the measure at the last state; infinite where states are recorded up to the end of the stage, wherever that
+    /// is.
     #[serde(with = "end")]
     pub end: f64,
 }
 
 impl Default for Record {
-    /// The start of the stage alone.
+    /// Only the start of the stage.
     fn default() -> Self {
         Record {
             measure: Measure::ArcLength,
@@ -37,13 +38,13 @@ impl Record {
         Record { measure, states, spacing: Spacing::Equal, end }
     }
 
-    /// A state every so often, until the stage ends.
+    /// A state at every interval of a measure, until the stage ends.
     pub fn every(measure: Measure, interval: f64) -> Record {
         Record { measure, states: 0, spacing: Spacing::Every(interval), end: f64::INFINITY }
     }
 }
 
-/// Infinity is no number in JSON.
+/// JSON has no infinity.
 mod end {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 

@@ -1,4 +1,4 @@
-//! When a stage ends: whichever of its ends comes first, with a reason for people.
+//! The end of a stage: its end conditions, of which the first that is met counts, and the reason to be reported.
 
 use std::collections::VecDeque;
 use std::fmt;
@@ -10,18 +10,18 @@ use crate::invariants;
 use crate::simulation::Simulation;
 use crate::state::State;
 
-/// One end of a stage.
+/// An end condition of a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Until {
-    /// A measure comes to a value, from whichever side it begins. Arc length and time count from the start of the stage.
+    /// A measure reaches a value, from whichever side it starts. Arc length and time count from the start of the stage.
     Reaches {
-        /// What is measured.
+        /// The measure.
         measure: Measure,
         /// The value.
         value: f64,
     },
-    /// The stage has turned round this often; a cycle is two reversals.
+    /// The stage has been reversed this many times; a cycle has two reversals.
     Reversals(u64),
     /// All ramps of the stage are over.
     RampOver,
@@ -30,13 +30,13 @@ pub enum Until {
     PorePressureRatio(f64),
     /// A measure has gone this far since the stage turned round last: the double amplitude of a cycle.
     DoubleAmplitude {
-        /// What is measured.
+        /// The measure.
         measure: Measure,
         /// How far.
         value: f64,
     },
-    /// The unbalanced force is below this three times in a row, and every controlled stress within half a per cent of p of
-    /// its target.
+    /// The unbalanced force is below this value in three checks in a row, with every controlled stress within half a per
+    /// cent of p of its target.
     AtRest {
         /// Unbalanced force.
         unbalanced_force: f64,
@@ -56,13 +56,13 @@ pub enum Until {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Reason {
-    /// One of its ends came.
+    /// One of its end conditions was met.
     End(Until),
-    /// It was as long as it may be: none of its ends came before.
+    /// It reached its largest permitted length or time before any of its end conditions was met.
     TooLong {
-        /// Arc length of strain from its start.
+        /// Arc length of strain since its start.
         arc_length: f64,
-        /// Time from its start, s.
+        /// Time since its start, s.
         time: f64,
     },
     /// The sample no longer carries stress, so that none can be controlled.
@@ -75,7 +75,7 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// True if one of the ends that were asked for came.
+    /// True if one of the requested end conditions was met.
     pub fn is_asked_for(&self) -> bool {
         matches!(self, Reason::End(_))
     }
@@ -126,25 +126,25 @@ impl fmt::Display for Until {
     }
 }
 
-/// Steps between two looks at whether a sample is at rest.
+/// Number of steps between two checks for equilibrium.
 pub(super) const REST_EVERY: u64 = 500;
-/// Looks in a row that must find it at rest.
+/// Number of checks in a row that must find equilibrium.
 const CHECKS_TO_CONVERGE: u32 = 3;
-/// Parts of the window of a critical state at whose ends the sample is measured.
+/// Number of intervals into which the window of a critical state is divided by the measurements.
 const PARTS: usize = 20;
-/// Distance of a controlled stress from its target, over p, within which a sample can be at rest.
+/// Largest distance of a controlled stress from its target, over p, at which a sample can be in equilibrium.
 const ARRIVED: f64 = 0.005;
-/// Fraction of the mean stress at its start below which a stage with controlled stresses has lost its sample.
+/// Fraction of the initial mean stress below which a stage with controlled stresses ends because the sample is unjammed.
 const UNJAMMED: f64 = 1e-3;
 
-/// What the ends of a stage have to remember.
+/// The run state of the end conditions of a stage.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StageProgress {
-    /// Stress, strain and clock at the start of the stage.
+    /// Stress, strain and time at the start of the stage.
     pub start: MacroState,
-    /// Step at the start.
+    /// Step number at the start.
     pub start_step: u64,
-    /// How often the stage has turned round.
+    /// Number of reversals of the stage.
     pub reversals: u64,
     /// Stress, strain and clock where it turned round last.
     #[serde(default)]
@@ -152,18 +152,18 @@ pub struct StageProgress {
     /// Time that the ramps of the stage take, s.
     #[serde(default)]
     pub(super) ramp: Option<f64>,
-    /// Looks in a row that found the sample at rest.
+    /// Number of successive checks that found equilibrium.
     converged_checks: u32,
-    /// Step of the last of them.
+    /// Step of the last of these checks.
     looked_at: u64,
-    /// Stress ratio and volumetric strain at equal distances of arc length, the last window of them.
+    /// Stress ratio and volumetric strain at equal intervals of arc length, over the last window.
     history: VecDeque<[f64; 2]>,
-    /// How often it was measured for that.
+    /// Number of measurements made for that.
     marked: u64,
 }
 
 impl StageProgress {
-    /// At the start of a stage.
+    /// The state at the start of a stage.
     pub(super) fn begin(simulation: &Simulation) -> StageProgress {
         let state = simulation.state();
         StageProgress { start: state.macro_state(), start_step: state.step(), ..StageProgress::default() }
@@ -175,12 +175,12 @@ impl StageProgress {
         self.turned = Some(state.macro_state());
     }
 
-    /// What a measure counts from.
+    /// The value from which a measure counts.
     pub fn origin(&self, measure: Measure) -> f64 {
         if measure.counts_from_stage() { measure.of(&self.start) } else { 0.0 }
     }
 
-    /// Looks at a state once and remembers what is to be remembered; the reason if an end has come.
+    /// Checks the end conditions on a state and updates their run state; returns the reason if one is met.
     pub(super) fn look(&mut self, ends: &[Until], state: &State) -> Option<Reason> {
         let macro_state = state.macro_state();
         let mut reason = None;
@@ -206,7 +206,7 @@ impl StageProgress {
         reason
     }
 
-    /// The reason if stresses are controlled that the sample no longer carries.
+    /// The reason for the end if stresses are controlled that the sample no longer carries.
     pub(super) fn unjammed(&self, state: &State) -> Option<Reason> {
         let before = invariants::mean(&self.start.stress);
         let mean_stress = state.mean_stress();
@@ -214,7 +214,7 @@ impl StageProgress {
         lost.then_some(Reason::Unjammed { mean_stress, before })
     }
 
-    /// The steps at which something of the ends may come.
+    /// The events at which an end condition may be met.
     pub(super) fn events(&self, ends: &[Until], into: &mut Vec<Event>) {
         for until in ends {
             match *until {
@@ -264,7 +264,7 @@ impl StageProgress {
         self.converged_checks >= CHECKS_TO_CONVERGE
     }
 
-    /// Arc length from the start at which the sample is measured next for the critical state.
+    /// Arc length since the start at which the next measurement for the critical state is due.
     fn next_mark(&self, window: f64) -> f64 {
         self.marked as f64 * window / PARTS as f64
     }

@@ -1,14 +1,16 @@
-//! Search of the compaction friction that meets a target solid fraction: less friction packs denser.
+//! Search for the friction during compaction that meets a target solid fraction: with less friction the sample becomes
+//! denser.
 
 use super::Trial;
 
-/// True if the search came back to a friction it has tried (a bound was hit).
+/// True if the search returned to a friction that it has already tried (a bound was reached).
 pub(super) fn repeats(trials: &[Trial]) -> bool {
     let last = trials[trials.len() - 1].friction;
     trials[..trials.len() - 1].iter().any(|t| (t.friction - last).abs() < 1e-6)
 }
 
-/// The next friction to try: from what monodisperse Hertz spheres usually do at first, then a secant through the two nearest trials.
+/// The next friction to try: the first from the usual behaviour of monodisperse Hertz spheres, the following by a secant
+/// through the two nearest trials.
 pub(super) fn next_friction(trials: &[Trial], target: f64) -> f64 {
     const USUAL: [(f64, f64); 6] =
         [(0.0, 0.633), (0.06, 0.613), (0.1, 0.605), (0.2, 0.588), (0.3, 0.578), (1.0, 0.55)];
@@ -16,7 +18,7 @@ pub(super) fn next_friction(trials: &[Trial], target: f64) -> f64 {
     match trials {
         [] => usual(target),
         [only] => {
-            // The usual curve, shifted to go through the first trial.
+            // The usual curve, shifted to pass through the first trial.
             let shift = only.solid_fraction - interpolate(&USUAL, only.friction);
             usual(target - shift)
         }
@@ -35,7 +37,7 @@ pub(super) fn next_friction(trials: &[Trial], target: f64) -> f64 {
     }
 }
 
-/// Linear interpolation in a table sorted by its first column either way, constant beyond its ends.
+/// Linear interpolation in a table sorted by its first column in ascending or descending order, constant beyond its ends.
 fn interpolate(table: &[(f64, f64)], x: f64) -> f64 {
     let (first, last) = (table[0], table[table.len() - 1]);
     let rising = last.0 > first.0;

@@ -1,24 +1,25 @@
-//! Making a sample: random insertion from a seed, isotropic compression, relaxation with the final properties.
+//! Preparation of a sample: random insertion from a seed, isotropic compression, relaxation with the final properties.
 //!
-//! 1. **Random insertion**: grains at random without overlap ([`crate::random_insertion`]).
-//! 2. **Compaction**: all axes servoed to the target mean stress with the preparation's friction and interface energy;
-//!    the strain rate is bounded by an inertial number, a tenfold one while hardly any load is carried.
-//! 3. **Relaxation**: the final friction and interface energy take over (contacts keep their history), the servo
-//!    holds the stress until the unbalanced force is small.
+//! 1. **Random insertion**: grains at random positions without overlap ([`crate::random_insertion`]).
+//! 2. **Compaction**: all axes are servo-controlled to the target mean stress, with the friction and interface energy of
+//!    the preparation; the strain rate is bounded by an inertial number, which is ten times larger while hardly any load is
+//!    carried.
+//! 3. **Relaxation**: the final friction and interface energy are set (contacts keep their history), and the servo holds
+//!    the stress until the unbalanced force is small.
 //!
-//! A little global damping of the fluctuating velocities works in all three and is off in every test after them.
+//! A slight global damping of the fluctuating velocities acts in all three and is switched off in every test after them.
 //!
-//! A target solid fraction is met by searching the preparation friction: less friction packs denser. Each trial
-//! is a whole preparation from the same seed.
+//! A target solid fraction is met by searching for the friction of the preparation: with less friction the sample becomes
+//! denser. Each trial is a complete preparation from the same seed.
 //!
-//! A packing that was made elsewhere takes the place of the random insertion where it is loose ([`is_loose`]): it is compacted and
-//! relaxed by the same rules, and every trial begins from it again. One that carries its load only comes to rest.
+//! A packing that was made elsewhere replaces the random insertion if it is loose ([`is_loose`]): it is then compacted and
+//! relaxed by the same rules, and every trial starts from it again. A packing that carries its load is only brought to rest.
 //!
-//! A finished sample is brought to another mean stress by a **consolidation**: all axes servoed to it, with the final
-//! properties, until it is at rest again.
+//! A finished sample is brought to another mean stress by a **consolidation**: all axes are servo-controlled to that stress,
+//! with the final properties, until the sample is at rest again.
 //!
-//! A preparation is a [`Preparing`] that goes stride by stride: nothing of it lives on the stack, so that it can be written down
-//! at any look and taken up again.
+//! A preparation is a [`Preparing`] that advances in short series of steps. None of its state is on the stack, so that it
+//! can be saved at any check and resumed.
 
 mod friction_search;
 mod progress;
@@ -33,24 +34,24 @@ use crate::random_insertion::{InsertionError, random_insertion};
 use crate::servo::Control;
 use crate::simulation::{Hardware, Properties, Simulation, SimulationError};
 
-/// Steps between two looks at a phase's end, and between two calls of the observer.
+/// Number of steps between two checks for the end of a phase, and between two calls of the observer.
 const LOOK_EVERY: u64 = 500;
-/// Fraction of the target stress below which grains hardly carry load.
+/// Fraction of the target stress below which the grains hardly carry load.
 const LOADED: f64 = 0.02;
-/// Rate limit before load is carried, as a multiple of the one after.
+/// Rate limit before load is carried, as a multiple of the limit afterwards.
 const GAS_SPEED: f64 = 10.0;
-/// Rate of global damping over the frequency sqrt(k/m) of a contact at the target stress.
+/// Rate of global damping relative to the frequency sqrt(k/m) of a contact at the target stress.
 const GLOBAL_DAMPING: f64 = 0.005;
-/// Most trials of the preparation friction.
+/// Largest number of trials for the friction of the preparation.
 const MOST_TRIALS: usize = 8;
-/// Looks in a row that must find a phase's aim met.
+/// Number of checks in a row that must find the goal of a phase reached.
 const CHECKS_TO_CONVERGE: u32 = 3;
-/// Most steps of the relaxation.
+/// Largest number of steps of the relaxation.
 const MOST_RELAXATION_STEPS: u64 = 400_000;
 /// Fraction of the target stress below which a packing is loose.
 const STANDING: f64 = 0.5;
 
-/// Why there is no sample.
+/// Reasons why there is no sample.
 #[derive(Debug, thiserror::Error)]
 pub enum PreparationError {
     /// The initial state is too dense.
@@ -62,10 +63,10 @@ pub enum PreparationError {
     /// The observer stopped it.
     #[error("stopped during {}", phase.name())]
     Stopped {
-        /// Where.
+        /// The phase in which it was stopped.
         phase: Phase,
     },
-    /// The stress was never reached.
+    /// The target stress was never reached.
     #[error(
         "compaction stalled after {steps} steps at p = {mean_stress:.1} Pa and solid fraction {solid_fraction:.4}, target {target} Pa; \
          a lower preparation.inertial_number or a shorter numerics.time_step_factor may help"
@@ -82,18 +83,18 @@ pub enum PreparationError {
     },
 }
 
-/// What a preparation needs to know.
+/// The specification of a preparation.
 #[derive(Clone, Debug)]
 pub struct Recipe<'a> {
     /// Grains with their final properties.
     pub grains: &'a Grains,
     /// Contact law.
     pub contact: &'a Contact,
-    /// How to prepare.
+    /// Preparation parameters.
     pub preparation: &'a Preparation,
     /// Time step factor.
     pub time_step_factor: f64,
-    /// What runs it.
+    /// Threads and instruction set.
     pub hardware: Hardware,
 }
 
@@ -104,37 +105,37 @@ impl Recipe<'_> {
     }
 }
 
-/// A preparation under way: the simulation, and where in the recipe it stands. Both can be written down
-/// ([`Simulation::checkpoint`], serde) and taken up again; it ends with the same bits as in one go.
+/// A preparation in progress: the simulation and the progress within the recipe. Both can be saved
+/// ([`Simulation::checkpoint`], serde) and resumed, with the same bits at the end as without the interruption.
 pub struct Preparing {
-    /// The grains.
+    /// The simulation of the grains.
     pub simulation: Simulation,
-    /// Where it stands.
+    /// The progress.
     pub progress: PreparationState,
 }
 
-/// Where a preparation stands.
+/// The progress of a preparation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PreparationState {
-    /// Trials that are over.
+    /// Completed trials.
     trials: Vec<Trial>,
-    /// Steps of phases that are over.
+    /// Number of steps of completed phases.
     steps: u64,
-    /// Simulated time of phases that are over, s.
+    /// Simulated time of completed phases, s.
     #[serde(default)]
     time: f64,
     /// Coefficient of friction of this trial; `None` where a packing is only brought to rest.
     friction: Option<f64>,
     stage: Stage,
-    /// How many looks in a row found the phase's aim met.
+    /// Number of checks in a row that found the goal of the phase reached.
     converged_checks: u32,
-    /// True if it began from a packing instead of random insertion.
+    /// True if it started from a packing instead of random insertion.
     #[serde(default)]
     packing: bool,
 }
 
-/// The next trial of the preparation friction, and what the trials before it came to.
+/// The next trial for the friction of the preparation, and the results of the trials before.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NextTrial {
     friction: f64,
@@ -155,14 +156,14 @@ impl NextTrial {
         NextTrial { friction, trials: Vec::new(), steps: 0, time: 0.0 }
     }
 
-    /// Material and law while this trial compacts.
+    /// Material and contact laws during the compaction of this trial.
     pub fn properties(&self, recipe: &Recipe) -> Properties {
         recipe.properties().with_surface(self.friction, recipe.preparation.interface_energy)
     }
 }
 
-/// True if a packing is loose: it carries less than half of the target mean stress, and is less dense than the target
-/// solid fraction where there is one. It is then compacted like one of random insertion.
+/// True if a packing is loose: it carries less than half of the target mean stress, and is less dense than the target solid
+/// fraction, if there is one. It is then compacted like the grains of a random insertion.
 pub fn is_loose(packing: &Simulation, p: &Preparation) -> bool {
     let state = packing.state();
     let carries = state.mean_stress() >= STANDING * p.mean_stress;
@@ -170,7 +171,7 @@ pub fn is_loose(packing: &Simulation, p: &Preparation) -> bool {
     !carries && p.solid_fraction.is_none_or(below)
 }
 
-/// A phase, with what it has to remember.
+/// A phase, with its run state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 enum Stage {
@@ -178,27 +179,27 @@ enum Stage {
     Compaction {
         /// Rate limit once load is carried, 1/s.
         slow: f64,
-        /// Most steps.
+        /// Largest number of steps.
         limit: u64,
         /// True once load is carried.
         loaded: bool,
     },
-    /// Coming to rest.
+    /// Relaxation to equilibrium.
     Relaxation,
-    /// Coming to rest at another mean stress.
+    /// Relaxation to equilibrium at another mean stress.
     Consolidation {
-        /// Most steps.
+        /// Largest number of steps.
         limit: u64,
     },
 }
 
-/// How [`Preparing::go_on`] ended.
+/// Result of [`Preparing::go_on`].
 pub enum Outcome {
-    /// There is a sample.
+    /// The finished sample.
     Sample(Box<Sample>),
-    /// The packing that it began from is needed again, for the next trial ([`Preparing::compacting`]).
+    /// The initial packing is needed again, for the next trial ([`Preparing::compacting`]).
     Again(NextTrial),
-    /// The observer stopped it; it can go on from here.
+    /// The observer stopped it; it can be continued from here.
     Stopped(Box<Preparing>),
 }
 
@@ -212,35 +213,35 @@ impl PreparationState {
         }
     }
 
-    /// Coefficient of friction while compacting; `None` where nothing is compacted.
+    /// Coefficient of friction during compaction; `None` where nothing is compacted.
     pub fn friction(&self) -> Option<f64> {
         self.friction
     }
 
-    /// Which trial of the preparation friction runs, from 1.
+    /// Number of the present trial for the friction of the preparation, from 1.
     pub fn trial(&self) -> usize {
         self.trials.len() + 1
     }
 
-    /// Steps of the phases that are over, in all trials.
+    /// Number of steps of the completed phases, in all trials.
     pub fn steps(&self) -> u64 {
         self.steps
     }
 }
 
-/// Makes a sample; the observer is called every few hundred steps.
+/// Prepares a sample; the observer is called every few hundred steps.
 ///
 /// # Errors
-/// As [`Preparing::go_on`], and [`PreparationError::Stopped`] if the observer stops it.
+/// As for [`Preparing::go_on`], and [`PreparationError::Stopped`] if the observer stops it.
 pub fn prepare(recipe: &Recipe, observer: &mut dyn Observer) -> Result<Sample, PreparationError> {
     complete(Preparing::new(recipe)?, recipe, observer)
 }
 
-/// Brings a packing that another program made, or another law, to rest at the recipe's mean stress with the recipe's
-/// properties. No friction is searched and no initial state is made.
+/// Brings a packing that was made by another program, or with another contact law, to rest at the mean stress of the recipe
+/// with its properties. There is no search for a friction and no random insertion.
 ///
 /// # Errors
-/// As [`prepare`].
+/// As for [`prepare`].
 pub fn settle(
     simulation: Simulation,
     recipe: &Recipe,
@@ -257,27 +258,27 @@ fn complete(
     match preparing.go_on(recipe, observer)? {
         Outcome::Sample(sample) => Ok(*sample),
         Outcome::Stopped(at) => Err(PreparationError::Stopped { phase: at.progress.phase() }),
-        // Only the compaction of a packing asks for its start again, and no caller of this begins one.
+        // Only the compaction of a packing requires its initial state again, and no caller of this function starts one.
         Outcome::Again(_) => Err(PreparationError::Stopped { phase: Phase::Compaction }),
     }
 }
 
 impl Preparing {
-    /// The start: the random insertion, and the first friction to compact it with.
+    /// The start: the random insertion, and the first friction for its compaction.
     ///
     /// # Errors
-    /// If the initial state is too dense, or the laws do not go together.
+    /// If the initial state is too dense, or the laws cannot be combined.
     pub fn new(recipe: &Recipe) -> Result<Preparing, PreparationError> {
         Preparing::trial(recipe, NextTrial::first(recipe))
     }
 
-    /// The start of bringing a packing to rest, see [`settle`].
+    /// The start of the relaxation of a packing, see [`settle`].
     pub fn settling(simulation: Simulation, recipe: &Recipe) -> Preparing {
         Preparing::resting(simulation, recipe, Stage::Relaxation)
     }
 
-    /// The start of bringing a sample to the recipe's mean stress, which is another than its own. It is at rest there in
-    /// the end, as after [`settle`], or the limit of steps was reached.
+    /// The start of the consolidation of a sample to the mean stress of the recipe, which differs from its own. At the end
+    /// the sample is at rest there, as after [`settle`], or the limit of steps was reached.
     pub fn consolidating(simulation: Simulation, recipe: &Recipe) -> Preparing {
         let mut preparing = Preparing::resting(simulation, recipe, Stage::Relaxation);
         let (s, p) = (&preparing.simulation, recipe.preparation);
@@ -305,7 +306,7 @@ impl Preparing {
         Preparing { simulation, progress }
     }
 
-    /// The start of compacting a loose packing, which has the [`NextTrial::properties`] of the trial.
+    /// The start of the compaction of a loose packing, which has the [`NextTrial::properties`] of the trial.
     pub fn compacting(simulation: Simulation, recipe: &Recipe, next: NextTrial) -> Preparing {
         let diameter = simulation.mean_diameter();
         let loaded = simulation.state().mean_stress() > LOADED * recipe.preparation.mean_stress;
@@ -318,7 +319,7 @@ impl Preparing {
         preparing
     }
 
-    /// The initial state of a trial, about to be compacted.
+    /// The initial state of a trial, ready to be compacted.
     fn trial(recipe: &Recipe, next: NextTrial) -> Result<Preparing, PreparationError> {
         let p = recipe.preparation;
         let (cell, spheres) = random_insertion(recipe.grains, p.initial_solid_fraction, p.seed)?;
@@ -326,7 +327,7 @@ impl Preparing {
         Ok(Preparing::compaction(s, recipe, next, recipe.grains.diameter))
     }
 
-    /// Grains that do not carry the stress yet, about to be compacted.
+    /// Grains that do not carry the stress yet, ready to be compacted.
     fn compaction(mut s: Simulation, recipe: &Recipe, next: NextTrial, diameter: f64) -> Preparing {
         let p = recipe.preparation;
         let NextTrial { friction, trials, steps, time } = next;
@@ -348,8 +349,8 @@ impl Preparing {
         Preparing { simulation: s, progress }
     }
 
-    /// Goes on from where it stands until there is a sample or the observer stops it. The recipe must be the one that
-    /// it was begun with, but for the hardware.
+    /// Continues until there is a sample or the observer stops it. The recipe must be the one that the preparation was
+    /// started with, except for the hardware.
     ///
     /// # Errors
     /// [`PreparationError`], but never [`PreparationError::Stopped`].
@@ -392,7 +393,7 @@ impl Preparing {
         Progress { trial: progress.trial(), ..Progress::new(progress.phase(), steps, time, &self.simulation) }
     }
 
-    /// Slows down once load is carried; goes over to relaxation once the stress is met and steady.
+    /// Reduces the rate once load is carried; starts the relaxation once the stress is reached and steady.
     fn check_compaction(&mut self, recipe: &Recipe) -> Result<(), PreparationError> {
         let p = recipe.preparation;
         let (s, progress) = (&mut self.simulation, &mut self.progress);
@@ -425,7 +426,7 @@ impl Preparing {
         Ok(())
     }
 
-    /// Whether the sample came to rest, once that is decided.
+    /// Whether the sample has come to rest, once that is decided.
     fn check_relaxation(&mut self, p: &Preparation, limit: u64) -> Option<bool> {
         let state = self.simulation.state();
         let ratio = state.mean_stress() / p.mean_stress;
@@ -437,7 +438,7 @@ impl Preparing {
         (state.step() >= limit).then_some(false)
     }
 
-    /// Takes the sample, or the next friction to try.
+    /// Returns the finished sample, or the next friction to try.
     fn end_trial(self, recipe: &Recipe, settled: bool) -> Ended {
         let p = recipe.preparation;
         let Preparing { mut simulation, progress } = self;
@@ -478,12 +479,13 @@ enum Ended {
     Again(NextTrial),
 }
 
-/// Twenty times the steps that the strain from a loose random state to a dense packing takes at a rate, 1/s, and some.
+/// Twenty times the number of steps that the strain from a loose random state to a dense packing takes at a rate, 1/s, plus
+/// a constant.
 fn most_steps(s: &Simulation, rate: f64) -> u64 {
     (20.0 * 0.3 / (rate * s.state().time_step())) as u64 + 200_000
 }
 
-/// Global damping, slow against the vibrations of a contact.
+/// Sets the global damping, which is slow compared with the vibrations of a contact.
 fn fade(s: &mut Simulation, recipe: &Recipe) {
     s.set_global_damping(GLOBAL_DAMPING * recipe.time_step_factor / s.state().time_step());
 }
@@ -494,7 +496,7 @@ fn begin_relaxation(s: &mut Simulation, p: &Preparation) {
     s.reset_phase(0.0);
 }
 
-/// The sample stands by for a test: no global damping, the servo holds its stress.
+/// Makes the sample ready for a test: no global damping, the servo holds its stress.
 fn finish(s: &mut Simulation, p: &Preparation) {
     s.set_global_damping(0.0);
     begin_relaxation(s, p);

@@ -4,12 +4,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::simulation::Simulation;
 
-/// Which part of a preparation or test runs.
+/// The phase of a preparation or test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// Isotropic compression.
     Compaction,
-    /// Coming to rest with the final properties.
+    /// Relaxation to equilibrium with the final properties.
     Relaxation,
     /// Isotropic compression or unloading of a sample to another mean stress.
     Consolidation,
@@ -18,7 +18,7 @@ pub enum Phase {
 }
 
 impl Phase {
-    /// Its name for people.
+    /// Its name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Phase::Compaction => "compaction",
@@ -29,21 +29,21 @@ impl Phase {
     }
 }
 
-/// One trial of the preparation friction.
+/// One trial for the friction of the preparation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Trial {
-    /// Coefficient of friction while compacting.
+    /// Coefficient of friction during compaction.
     pub friction: f64,
-    /// Solid fraction that came of it.
+    /// Resulting solid fraction.
     pub solid_fraction: f64,
 }
 
-/// A sample and how it was come by.
+/// A sample and the record of its preparation.
 pub struct Sample {
     /// The simulation, at rest at the target stress with the final properties.
     pub simulation: Simulation,
-    /// Every trial of the preparation friction; the last one made the sample.
+    /// All trials for the friction of the preparation; the last one gave the sample.
     pub trials: Vec<Trial>,
     /// Steps of all trials together.
     pub steps: u64,
@@ -51,8 +51,8 @@ pub struct Sample {
     pub time: f64,
     /// Unbalanced force at the end.
     pub unbalanced_force: f64,
-    /// True if the unbalanced force and the stress came within their bounds before the limit of steps.
+    /// True if the unbalanced force and the stress came within their tolerances before the limit of steps.
     pub settled: bool,
-    /// True if the target solid fraction was met (also when none was asked for).
+    /// True if the target solid fraction was met, or if there was none.
     pub solid_fraction_met: bool,
 }

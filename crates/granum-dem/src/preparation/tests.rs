@@ -18,7 +18,7 @@ fn recipe<'a>(grains: &'a Grains, contact: &'a Contact, preparation: &'a Prepara
     Recipe { grains, contact, preparation, time_step_factor: 0.2, hardware: Hardware::default() }
 }
 
-/// Both parts through their written form.
+/// Both parts, saved and restored.
 fn written_and_read(preparing: &Preparing) -> Preparing {
     let bytes = preparing.simulation.checkpoint("").unwrap();
     let progress = postcard::to_allocvec(&preparing.progress).unwrap();
@@ -28,7 +28,8 @@ fn written_and_read(preparing: &Preparing) -> Preparing {
     }
 }
 
-/// Goes on to the end, stopping and reading back every `strides` looks; gives the sample and how often it was stopped.
+/// Continues to the end, with a stop and a restart every `strides` checks; returns the sample, the number of stops, and the
+/// trials and phases at which they occurred.
 fn in_pieces(mut preparing: Preparing, recipe: &Recipe, strides: u32) -> (Sample, u32, Vec<(usize, Phase)>) {
     let (mut stops, mut seen) = (0, Vec::new());
     loop {
@@ -62,7 +63,7 @@ fn a_preparation_in_pieces_makes_the_same_sample() {
     let contact = Contact::default();
     for spread in [0.0, 0.2] {
         let grains = grains(spread);
-        // Out of reach, so that the search tries several frictions.
+        // Not attainable, so that the search tries several frictions.
         let preparation =
             Preparation { solid_fraction: Some(0.52), solid_fraction_tolerance: 1e-4, ..quick() };
         let recipe = recipe(&grains, &contact, &preparation);
@@ -90,7 +91,7 @@ fn a_packing_settles_in_pieces_to_the_same_sample() {
     assert_same(&straight, &pieces);
 }
 
-/// A sample of a loose packing, and how many trials it took.
+/// The sample that results from a loose packing.
 fn compacted(
     packing: &(crate::cell::Cell, Vec<crate::simulation::InitialSphere>),
     recipe: &Recipe,
@@ -122,7 +123,7 @@ fn a_loose_packing_is_compacted_by_friction_and_target_as_a_random_one_is() {
     assert_eq!((slippery.trials.len(), slippery.trials[0].friction), (1, 0.0));
     let searched = with(None, Some(0.5 * (density(&slippery) + density(&rough))));
     assert!(searched.trials.len() >= 2, "{:?}", searched.trials);
-    // The same grains at rest are not loose: they carry the stress.
+    // The same grains at rest are not loose, since they carry the stress.
     let preparation = Preparation { solid_fraction: None, ..quick() };
     assert!(!is_loose(&rough.simulation, &preparation));
     let dense = Preparation { solid_fraction: Some(0.5), mean_stress: 1e9, ..quick() };

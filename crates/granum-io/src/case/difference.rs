@@ -1,4 +1,4 @@
-//! In which keys cases differ.
+//! Differences between cases, by key.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -6,14 +6,14 @@ use std::fmt;
 use super::field::Field;
 use super::{Case, FIELDS};
 
-/// The key that makes another sample of the same material: runs that differ in it alone are repetitions of one test.
+/// The key that gives another sample of the same material: runs that differ only in it are repetitions of one test.
 pub const SEED: &str = "preparation.seed";
 
-/// What stands for a key that is not in use, e.g. `shear.strain_rate` where `shear.inertial_number` is given.
+/// Shown for a key that is not in use, e.g. `shear.strain_rate` where `shear.inertial_number` is given.
 const NOT_GIVEN: &str = "not given";
 
-/// The values of a case by key (`grains.material.friction`), as a case file has them, with their SI units. Two texts are
-/// equal exactly if the values have the same bits.
+/// The values of a case by key (`grains.material.friction`), as in a case file, with their SI units. Two texts are equal
+/// exactly if the values have the same bits.
 pub type CaseValues = BTreeMap<String, String>;
 
 /// A key that does not have the same value in all cases.
@@ -21,7 +21,7 @@ pub type CaseValues = BTreeMap<String, String>;
 pub struct Difference {
     /// Section and key, e.g. `grains.material.friction`.
     pub key: String,
-    /// Each value that it has, with the names of the cases that have it, in the order in which they were given.
+    /// Each of its values, with the names of the cases that have it, in the order in which they were given.
     pub values: Vec<(String, Vec<String>)>,
 }
 
@@ -54,15 +54,15 @@ impl Case {
     }
 }
 
-/// The value of a field for people, with its unit.
+/// The value of a field for display, with its unit.
 fn shown(field: &Field, case: &Case) -> String {
     let Some(value) = field.value(case) else { return NOT_GIVEN.to_string() };
     let (text, unit) = (field.toml(&value), field.si_unit());
     if unit.is_empty() || text.starts_with('"') { text } else { format!("{text} {unit}") }
 }
 
-/// Every key that differs between named cases, those of the case file in its order and then any others. A key that some of
-/// them do not know (written by another version) is compared between the others.
+/// All keys that differ between the named cases: those of the case file in its order, then any others. A key that is unknown
+/// to some of the cases (because they were written by another version) is compared between the others.
 pub fn differences(cases: &[(&str, &CaseValues)]) -> Vec<Difference> {
     let mut keys: Vec<String> = FIELDS.iter().map(Field::path).collect();
     for key in cases.iter().flat_map(|(_, values)| values.keys()) {
@@ -118,7 +118,7 @@ mod tests {
             let value = values.into_iter().find(|value| Some(value) != field.value(&one).as_ref()).unwrap();
             field.apply(&mut two, value);
             let keys: Vec<String> = between(&one, &two).into_iter().map(|found| found.key).collect();
-            // The two ways of saying the rate exclude each other, and a law brings its own keys.
+            // The two forms of the rate exclude each other, and a law adds its own keys.
             let brings_keys = field.path() == "shear.inertial_number" || field.path().starts_with("contact.");
             if brings_keys || keys.len() == 1 {
                 assert!(keys.contains(&field.path()), "{} is not compared", field.path());

@@ -1,15 +1,15 @@
-//! Digests of what decides a result, so that a finished run is used again only for the same case.
+//! Digests of the input that determines a result, so that a finished run is reused only for the same case.
 
 use granum_core::digest;
 
 use super::fields::RENAMED;
 use super::{Case, FIELDS, Field, Value};
 
-/// Sections that decide the sample.
+/// Sections that determine the sample.
 const PREPARATION: [&str; 5] = ["grains", "grains.material", "contact", "preparation", "numerics"];
 
-/// Keys that came after the first digests were given out: they are left out where they are not in use, so that a case that
-/// does without them keeps its digest.
+/// Keys that were added after the first digests had been published: they are omitted where they are not in use, so that a
+/// case without them keeps its digest.
 const LATER: [&str; 6] = [
     "recording.first_strain",
     "recording.strains",
@@ -25,18 +25,18 @@ impl Case {
         self.digest_with(None)
     }
 
-    /// SHA-256 (hexadecimal) of the whole case, and of the packing that the sample is made of where one takes the place of
-    /// the random insertion, by the SHA-256 of its file.
+    /// SHA-256 (hexadecimal) of the whole case and, if a packing replaces the random insertion, of that packing, given by
+    /// the SHA-256 of its file.
     pub fn digest_with(&self, packing: Option<&str>) -> String {
         self.digest_of("granum case 1", packing, |_| true)
     }
 
-    /// SHA-256 (hexadecimal) of what decides the sample: grains, contact law, preparation and time step.
+    /// SHA-256 (hexadecimal) of the input that determines the sample: grains, contact law, preparation and time step.
     pub fn preparation_digest(&self) -> String {
         self.preparation_digest_with(None)
     }
 
-    /// SHA-256 (hexadecimal) of what decides a sample made of a packing, as [`Case::digest_with`].
+    /// SHA-256 (hexadecimal) of the input that determines a sample made from a packing, as for [`Case::digest_with`].
     pub fn preparation_digest_with(&self, packing: Option<&str>) -> String {
         self.digest_of("granum preparation 1", packing, |section| PREPARATION.contains(&section))
     }
@@ -80,14 +80,14 @@ impl Case {
     }
 }
 
-/// The name of a key in digests, which is its first one.
+/// The name of a key in digests, which is the first name that it had.
 fn name(field: &Field) -> String {
     let path = field.path();
     let first = RENAMED.iter().find(|[_, new]| *new == path);
     first.map_or(path, |[old, _]| (*old).to_string())
 }
 
-/// True if a key decides the sample, and not only what is done with it.
+/// True if a key determines the sample, and not only its subsequent use.
 pub fn decides_sample(key: &str) -> bool {
     key.rsplit_once('.').is_some_and(|(section, _)| PREPARATION.contains(&section))
 }

@@ -1,4 +1,4 @@
-//! One key of the case file: its place, meaning, bounds, and how it gets in and out of a [`Case`].
+//! One key of the case file: its position, meaning and bounds, and the functions that transfer it to and from a [`Case`].
 
 use granum_dem::contact::{Parameter, Unit, registry};
 
@@ -8,13 +8,13 @@ use granum_core::quantity::{Dimension, format_number, parse_quantity};
 /// A value of a field in SI units.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// A quantity, or `None` where the field's keyword stands ("none", "auto").
+    /// A quantity, or `None` for the keyword of the field ("none", "auto").
     Number(Option<f64>),
     /// A whole number.
     Count(u64),
     /// One of the names that the field offers.
     Choice(&'static str),
-    /// Quantities, rising; empty where the field's keyword stands ("none").
+    /// Quantities in ascending order; empty for the keyword of the field ("none").
     List(Vec<f64>),
     /// Names of what a program knows, in any order; empty where the field's keyword stands ("none").
     Names(Vec<String>),
@@ -29,16 +29,16 @@ fn any_of(names: &[String]) -> String {
     }
 }
 
-/// Most values of a list.
+/// Largest number of values of a list.
 const LONGEST_LIST: usize = 100_000;
 
-/// What a field holds, with its bounds and access.
+/// The kind of a field's value, with its bounds and access functions.
 pub(super) enum Kind {
     Number {
         dimension: Dimension,
         /// Smallest and largest value, as quantities.
         bounds: [&'static str; 2],
-        /// The word that stands for "not given", with its meaning; `None` if a number is needed.
+        /// The word for "not given", with its meaning; `None` if a number is required.
         absent: Option<[&'static str; 2]>,
         get: fn(&Case) -> Option<f64>,
         set: fn(&mut Case, Option<f64>),
@@ -52,7 +52,7 @@ pub(super) enum Kind {
         dimension: Dimension,
         /// Smallest and largest of the values, as quantities.
         bounds: [&'static str; 2],
-        /// The word that stands for no value, with its meaning.
+        /// The word for an empty list, with its meaning.
         absent: [&'static str; 2],
         get: fn(&Case) -> Vec<f64>,
         set: fn(&mut Case, Vec<f64>),
@@ -67,7 +67,7 @@ pub(super) enum Kind {
         set: fn(&mut Case, Vec<String>),
     },
     Choice {
-        /// Name and meaning of each.
+        /// Name and meaning of each option.
         options: Vec<[&'static str; 2]>,
         get: fn(&Case) -> &'static str,
         set: fn(&mut Case, &str),
@@ -82,7 +82,7 @@ pub struct Field {
     pub section: &'static str,
     /// Key, e.g. `youngs_modulus`.
     pub key: &'static str,
-    /// What it is, in one or two sentences.
+    /// Its meaning, in one or two sentences.
     pub help: String,
     /// The default as a user would write it.
     pub example: String,
@@ -108,7 +108,7 @@ impl Field {
         format!("{}.{}", self.section, self.key)
     }
 
-    /// What stands for this field in a case; `None` for the way of saying the rate that is not in use.
+    /// The value of this field in a case; `None` for the form of the rate that is not in use.
     pub fn value(&self, case: &Case) -> Option<Value> {
         match &self.kind {
             Kind::Number { get, absent, .. } => match (get(case), absent) {
@@ -127,7 +127,7 @@ impl Field {
         }
     }
 
-    /// True if the field takes a list.
+    /// True if the value of the field is a list.
     pub fn is_list(&self) -> bool {
         matches!(self.kind, Kind::List { .. } | Kind::Names { .. })
     }
@@ -137,17 +137,17 @@ impl Field {
         matches!(self.kind, Kind::Names { .. })
     }
 
-    /// True if the field takes one of several names.
+    /// True if the value of the field is one of several names.
     pub(super) fn is_choice(&self) -> bool {
         matches!(self.kind, Kind::Choice { .. })
     }
 
-    /// The value of this field in a case as a case file has it, e.g. `300` or `"auto"`; empty where it is not in use.
+    /// The value of this field in a case in the form of a case file, e.g. `300` or `"auto"`; empty where it is not in use.
     pub fn shown(&self, case: &Case) -> String {
         self.value(case).map_or_else(String::new, |value| self.toml(&value))
     }
 
-    /// Puts a value into a case. A value of another kind than the field's is left out.
+    /// Sets a value in a case. A value whose kind differs from that of the field is ignored.
     pub fn apply(&self, case: &mut Case, value: Value) {
         match (&self.kind, value) {
             (Kind::Number { set, .. }, Value::Number(value)) => set(case, value),
@@ -156,7 +156,7 @@ impl Field {
             (Kind::List { set, .. }, Value::List(value)) => set(case, value),
             (Kind::Names { set, .. }, Value::Names(value)) => set(case, value),
             (Kind::Law(parameter), Value::Number(Some(value))) => {
-                // There is room for all that are registered.
+                // There is room for all parameters that are registered.
                 let _ = case.contact.parameters.set(parameter.key, value);
             }
             _ => {}
@@ -166,7 +166,7 @@ impl Field {
     /// Reads text (a quantity, a keyword or a name) and checks dimension and bounds.
     ///
     /// # Errors
-    /// A sentence that goes on from "key = value": what is wrong and what would be right.
+    /// A sentence that continues "key = value": what is wrong and what would be right.
     pub fn parse(&self, text: &str) -> Result<Value, String> {
         match &self.kind {
             Kind::Number { dimension, absent, .. } => {
@@ -207,7 +207,7 @@ impl Field {
                 }
                 let inner = text.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')).unwrap_or(text);
                 let items: Vec<&str> = inner.split(',').map(|item| item.trim().trim_matches('"')).collect();
-                // A comma may end a list, as in TOML.
+                // As in TOML, a list may end with a comma.
                 let items = if items.last() == Some(&"") { &items[..items.len() - 1] } else { &items[..] };
                 self.parse_list(items.iter().copied()).map_err(|(at, why)| match at {
                     Some(at) => format!("value {} ({:?}) {why}", at + 1, items[at]),
@@ -217,10 +217,10 @@ impl Field {
         }
     }
 
-    /// Reads the values of a list and checks that they are within bounds and rise.
+    /// Reads the values of a list and checks that they are within bounds and in ascending order.
     ///
     /// # Errors
-    /// As [`Field::parse`], with the number of the value that is wrong, from 0, if it is one.
+    /// As for [`Field::parse`], with the index (from 0) of the wrong value, if a single one is wrong.
     pub fn parse_list<'a>(
         &self,
         items: impl IntoIterator<Item = &'a str>,
@@ -276,7 +276,7 @@ impl Field {
     fn check_number(&self, value: f64) -> Result<Value, String> {
         let [low, high] = self.number_bounds();
         if value >= low && value <= high {
-            // Adding zero turns -0 into 0, so that both are the same case.
+            // Adding zero turns -0 into 0, so that both give the same case.
             return Ok(Value::Number(Some(value + 0.0)));
         }
         Err(format!("is out of bounds; it must be {}", self.bounds_text()))
@@ -293,7 +293,7 @@ impl Field {
 
     fn number_bounds(&self) -> [f64; 2] {
         match &self.kind {
-            // A bound that cannot be read would be NaN and refuse every value; a test reads them all.
+            // A bound that cannot be read would be NaN and reject every value; a test reads all bounds.
             Kind::Number { bounds, dimension, .. } | Kind::List { bounds, dimension, .. } => {
                 bounds.map(|bound| parse_quantity(bound, *dimension).unwrap_or(f64::NAN))
             }
@@ -322,7 +322,7 @@ impl Field {
         }
     }
 
-    /// The keyword or names that the field offers beside numbers, each with its meaning.
+    /// The keyword or the names that the field accepts apart from numbers, each with its meaning.
     pub(super) fn words(&self) -> &[[&'static str; 2]] {
         match &self.kind {
             Kind::Number { absent, .. } => absent.as_slice(),
@@ -361,7 +361,7 @@ impl Field {
         }
     }
 
-    /// The value at a relative place between the bounds, for tests that draw random cases.
+    /// The value at a relative position between the bounds, for tests that draw random cases.
     #[cfg(test)]
     pub(super) fn draw(&self, place: f64) -> Value {
         match &self.kind {
@@ -392,7 +392,7 @@ fn with_unit(value: f64, parameter: &Parameter) -> String {
     format!("{} {}", format_number(value), parameter.unit.symbol).trim_end().to_string()
 }
 
-/// A stiffness has the dimension of an energy per area; a message speaks of what the parameter is.
+/// A stiffness has the dimension of an energy per area; the message names the kind of the parameter instead.
 fn in_units_of(parameter: &Parameter, message: String) -> String {
     if parameter.unit != Unit::STIFFNESS {
         return message;

@@ -8,13 +8,13 @@ use granum_dem::contact::registry;
 use super::field::{Field, Kind};
 use granum_core::quantity::Dimension;
 
-/// The field at a path such as `grains.material.friction`.
+/// The field with a path such as `grains.material.friction`.
 pub fn field(path: &str) -> Option<&'static Field> {
     FIELDS.iter().find(|field| field.path() == path)
 }
 
-/// Keys that had another name: the old one and the new one. An old name is refused with the new one; digests are made with
-/// the old ones and do not change.
+/// Keys that had another name: the old one and the new one. An old name is rejected with a hint to the new one; digests are
+/// computed from the old names and do not change.
 pub(super) const RENAMED: &[[&str; 2]] = &[["recording.looks", "recording.observations_per_state"]];
 
 /// Help and meaning of every section, in the order of the file.
@@ -32,14 +32,14 @@ pub(super) const SECTIONS: &[[&str; 2]] = &[
     ["numerics", "Numerical choices that should not change a result beyond scatter."],
 ];
 
-/// Name and help of each law of a slot.
+/// Name and help text of each law of a kind.
 macro_rules! options {
     ($laws:ident) => {
         registry::$laws().iter().map(|law| [law.name(), law.law().description().help]).collect()
     };
 }
 
-/// A number that must be there.
+/// A number that is required.
 macro_rules! number {
     ($dimension:ident, $low:literal..=$high:literal, $($place:ident).+) => {
         Kind::Number {
@@ -52,7 +52,7 @@ macro_rules! number {
     };
 }
 
-/// A number or a word that stands for its absence.
+/// A number or a word for its absence.
 macro_rules! optional {
     ($dimension:ident, $low:literal..=$high:literal, $word:literal: $meaning:literal, $($place:ident).+) => {
         Kind::Number {
@@ -80,8 +80,8 @@ fn entry(section: &'static str, key: &'static str, help: &'static str, example: 
     Field { section, key, help: help.to_string(), example: example.to_string(), kind }
 }
 
-/// Every key of the case file, in the order of the file: those of the case, and after `contact.damping` the parameters of all
-/// contact laws that names stand for when this is first asked.
+/// All keys of the case file, in the order of the file: those of the case, with the parameters of all contact laws that are
+/// registered at the first access inserted after `contact.damping`.
 pub static FIELDS: LazyLock<Vec<Field>> = LazyLock::new(|| {
     let mut fields = fields();
     let after = fields.iter().rposition(|field| field.section == "contact").map_or(0, |at| at + 1);

@@ -12,7 +12,7 @@ use super::stage::meant;
 use super::{Case, Field, Value};
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
 
-/// A value with its place.
+/// A value with its position in the file.
 type Node<'a> = Spanned<DeValue<'a>>;
 
 /// Values of fields with the places of their keys.

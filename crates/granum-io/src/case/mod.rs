@@ -31,7 +31,7 @@ pub use fields::{FIELDS, field};
 pub(crate) use material::is_name as is_material_name;
 pub use stage::CaseStage;
 
-/// Keys that have no part in a run whose sample is made of a packing: its grains take the place of the random insertion.
+/// Keys that are not used in a run whose sample is made from a packing: its grains replace the random insertion.
 pub const UNUSED_WITH_PACKING: [&str; 5] = [
     "grains.count",
     "grains.diameter",
@@ -49,7 +49,7 @@ impl Case {
     }
 }
 
-/// Everything that decides a result. [`Default`] is the case of Antony, Zhou and Wang (2006).
+/// All the input that determines a result. [`Default`] is the case of Antony, Zhou and Wang (2006).
 ///
 /// ```
 /// let case = granum_io::Case::parse("[grains]\ncount = 1000\ndiameter = \"0.2 mm\"\n", "case.toml").unwrap();
@@ -65,14 +65,14 @@ pub struct Case {
     pub grains: Grains,
     /// The contact law.
     pub contact: Contact,
-    /// How the sample is made.
+    /// The preparation of the sample.
     pub preparation: Preparation,
-    /// The test of the paper, where no stages are given.
+    /// The test of the paper, used if no stages are given.
     pub shear: Shear,
-    /// The test as stages, in place of `shear`; empty where there are none.
+    /// The test as stages, which replace `shear`; empty if there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stages: Vec<CaseStage>,
-    /// Which states the sensors record.
+    /// The states that the sensors record.
     pub recording: Recording,
     /// Numerical choices.
     pub numerics: Numerics,
@@ -189,7 +189,7 @@ mod tests {
             case.resolved_toml().contains("rolling_friction = 0.2")
                 && case.digest() != Case::default().digest()
         );
-        // A default written out is the same case.
+        // Writing out a default gives the same case.
         let written = parse("[contact]\nrolling = \"elastic-plastic\"\nrolling_friction = 0.1\n");
         let left_out = parse("[contact]\nrolling = \"elastic-plastic\"\n");
         assert_eq!(written.digest(), left_out.digest());
@@ -228,7 +228,7 @@ mod tests {
         assert!(unknown.contains("must be \"hertz\", \"jkr\" or \"hooke\""), "{unknown}");
     }
 
-    /// The reference of the book names every key of contact laws with its help.
+    /// The reference chapter of the book lists every key of the contact laws with its help text.
     #[test]
     fn the_book_lists_the_keys_of_laws() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/src/case.md");
@@ -247,7 +247,7 @@ mod tests {
         }
     }
 
-    /// Digests that were given out: a new key must not change them where it is not in use.
+    /// Published digests: a new key must not change them where it is not in use.
     #[test]
     fn the_digest_of_the_default_case_stays() {
         let whole = "c533b7cdb3edf215fdbefd56a92fd863819ef0168e388b8eeefd6d917d809e5d";
@@ -316,7 +316,7 @@ mod tests {
         assert_eq!(case.grains.material.youngs_modulus, 10e9);
     }
 
-    /// A random value within the bounds of each field; rules between fields may still refuse the whole.
+    /// A random value within the bounds of each field; rules between fields may still reject the case.
     fn any_case() -> impl Strategy<Value = Case> {
         (proptest::collection::vec(0.0..=1.0f64, FIELDS.len()), any::<bool>()).prop_filter_map(
             "rules between fields",
@@ -325,7 +325,7 @@ mod tests {
                 for (field, draw) in FIELDS.iter().zip(draws) {
                     let of_rate = matches!(field.key, "strain_rate" | "density_scaling");
                     let of_inertia = field.section == "shear" && field.key == "inertial_number";
-                    // A parameter of laws that were not drawn has no part in the case.
+                    // A parameter of laws that were not drawn is not a part of the case.
                     let of_other_law = field.is_of_law() && field.value(&case).is_none();
                     if of_other_law || (of_rate && !by_rate) || (of_inertia && by_rate) {
                         continue;

@@ -1,4 +1,4 @@
-//! MacroState a case file: every mistake is reported at once, each with its place, and what would be right.
+//! Reading a case file: all mistakes are reported at once, each with its position and what would be right.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -17,14 +17,14 @@ use super::{Case, FIELDS, Field, Value, field};
 use crate::error::{Error, InputError, Result};
 use granum_core::names::nearest;
 
-/// A case file is a page or two; what is larger is something else.
+/// A case file is a page or two long; a larger file is something else.
 const LARGEST_FILE: u64 = 1 << 20;
 
 impl Case {
     /// Reads a case file.
     ///
     /// # Errors
-    /// If the file cannot be read, or as [`Case::parse`].
+    /// If the file cannot be read, or as for [`Case::parse`].
     pub fn read(path: impl AsRef<Path>) -> Result<Case> {
         let path = path.as_ref();
         let text = crate::text::read_small(path, LARGEST_FILE)?;
@@ -34,8 +34,8 @@ impl Case {
     /// Reads the text of a case file; `file` is its name for messages.
     ///
     /// # Errors
-    /// [`Error::Inputs`] with all mistakes: syntax, unknown keys (with the nearest known one), wrong dimension,
-    /// values out of bounds, keys that exclude each other.
+    /// [`Error::Inputs`] with all mistakes: syntax, unknown keys (with the nearest existing one), wrong dimension, values
+    /// out of bounds, keys that exclude each other.
     pub fn parse(text: &str, file: &str) -> Result<Case> {
         let text: Arc<str> = Arc::from(text);
         let document = DeTable::parse(&text).map_err(|error| {
@@ -74,10 +74,10 @@ impl Case {
         if reader.errors.is_empty() { Ok(case) } else { Err(Error::Inputs(reader.errors)) }
     }
 
-    /// Sets one field from text, as a flag of the program gives it: `case.set("grains.diameter", "0.2 mm")`.
+    /// Sets one field from text, as given by a flag of the program: `case.set("grains.diameter", "0.2 mm")`.
     ///
     /// # Errors
-    /// [`Error::Value`] if there is no such field, or the text is no value for it. The case is then unchanged.
+    /// [`Error::Value`] if there is no such field, or the text is not a value for it. The case is then unchanged.
     pub fn set(&mut self, path: &str, text: &str) -> Result<()> {
         let wrong =
             |message: String| Error::Value { name: path.to_string(), value: text.to_string(), message };
@@ -104,7 +104,8 @@ impl Case {
     }
 }
 
-/// What is wrong with a list: with one of its values, from 1, and where that stands, or with the whole.
+/// A mistake in a list: the number of the wrong value, from 1, and its position in the file, or `None` if it concerns the
+/// whole list; and the message.
 type ListError = (Option<(usize, Range<usize>)>, String);
 
 /// The text of a single value.
@@ -122,9 +123,9 @@ pub(super) struct Reader<'a> {
     pub(super) file: &'a str,
     text: Arc<str>,
     pub(super) errors: Vec<InputError>,
-    /// By path: where the key stands.
+    /// Position of each key in the file, by path.
     keys: HashMap<String, Range<usize>>,
-    /// By path: the value, if it is right.
+    /// Valid values, by path.
     values: HashMap<String, Value>,
     stages: Vec<CaseStage>,
     materials: Vec<MaterialTable>,
@@ -200,7 +201,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The values of a list; an error names the value that is wrong by its number, from 1, and its place.
+    /// The values of a list; an error gives the number of the wrong value, from 1, and its position in the file.
     fn list(field: &Field, items: &[Spanned<DeValue<'_>>]) -> std::result::Result<Value, ListError> {
         let mut texts = Vec::with_capacity(items.len());
         for (at, item) in items.iter().enumerate() {
@@ -212,7 +213,7 @@ impl Reader<'_> {
             .map_err(|(at, why)| (at.and_then(|at| Some((at + 1, items.get(at)?.span()))), why))
     }
 
-    /// Where states stand is said in one way.
+    /// Checks that the strains of the states are given in one way only.
     fn check_spacing(&mut self) {
         let first = self.values.get("recording.first_strain");
         let strains = self.values.get("recording.strains");
@@ -226,7 +227,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The test is said in one way.
+    /// Checks that the test is given in one way only.
     fn check_stages(&mut self) {
         if !self.keys.contains_key("stage") {
             return;
@@ -241,7 +242,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The rate of the test is said in one way.
+    /// Checks that the rate of the test is given in one way only.
     fn check_rate(&mut self) {
         let place = |reader: &Self, key: &str| reader.keys.get(key).cloned();
         let inertial = place(self, "shear.inertial_number");
@@ -289,7 +290,7 @@ impl Reader<'_> {
     }
 }
 
-/// The name that a key has now, where it was renamed.
+/// The present name of a renamed key.
 fn new_name(path: &str) -> Option<&'static str> {
     RENAMED.iter().find(|[old, _]| *old == path).map(|[_, new]| *new)
 }

@@ -1,4 +1,4 @@
-//! Rules between fields: each field may be right on its own and the whole still wrong.
+//! Rules between fields: each field may be valid by itself while the combination is not.
 
 use granum_dem::config::Spacing;
 use granum_dem::contact::registry;
@@ -7,7 +7,7 @@ use granum_dem::simulation::{LARGEST_REACH, Properties};
 use super::Case;
 use crate::error::{Error, Result};
 
-/// A rule: the fields that it is about (the first one given by the user is pointed at), and what is wrong.
+/// A rule: the fields concerned (the error points to the first one that the user has given), and what is wrong.
 pub(super) struct Rule {
     pub fields: &'static [&'static str],
     pub broken: fn(&Case) -> Option<String>,
@@ -75,7 +75,7 @@ pub(super) const RULES: &[Rule] = &[
     },
 ];
 
-/// What is wrong where a list of strains goes on after the test has ended.
+/// The error message if a list of strains continues after the end of the test.
 fn beyond_the_end(case: &Case, key: &str, strains: &[f64]) -> Option<String> {
     let end = case.shear.deviator_strain;
     let last = strains.last().filter(|last| **last > end)?;
@@ -100,7 +100,7 @@ fn materials_too_sticky(case: &Case) -> Option<String> {
     })
 }
 
-/// What is wrong where adhesion reaches beyond the theory of small contacts.
+/// The error message if adhesion is beyond the range of the theory of small contacts.
 fn too_sticky(case: &Case, section: &str, interface_energy: f64) -> Option<String> {
     let smallest = 0.5 * case.grains.diameter * (1.0 - case.grains.spread);
     if !case.grains.mixture.is_empty() {
@@ -110,7 +110,7 @@ fn too_sticky(case: &Case, section: &str, interface_energy: f64) -> Option<Strin
     properties.material.interface_energy = interface_energy;
     let largest = LARGEST_REACH * smallest;
     let reach = properties.adhesion_reach(smallest).ok().filter(|reach| *reach > largest)?;
-    // The reach goes with the power 2/3 of the energy.
+    // The reach is proportional to the energy to the power 2/3.
     let most = interface_energy * (largest / reach).powf(1.5);
     let most = format!("{most:.2e}").parse().unwrap_or(most);
     Some(format!(
@@ -124,7 +124,7 @@ impl Case {
     /// Checks the bounds of every field and the rules between fields, for a case that was not read from a file.
     ///
     /// # Errors
-    /// The first thing that is wrong, with the key, the value and what would be right.
+    /// The first violation that is found, with the key, the value and what would be right.
     pub fn check(&self) -> Result<()> {
         for field in super::FIELDS.iter() {
             let Some(value) = field.value(self) else { continue };

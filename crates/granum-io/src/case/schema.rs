@@ -1,4 +1,4 @@
-//! The JSON schema of a case file, from the lists of its keys.
+//! The JSON schema of a case file, generated from the lists of its keys.
 
 use granum_dem::loading::Measure;
 use granum_dem::loading::preset::{self, Default, Kind, Parameter};
@@ -56,7 +56,7 @@ fn object(help: &str, properties: Map<String, Value>) -> Value {
     json!({ "description": help, "type": "object", "additionalProperties": false, "properties": properties })
 }
 
-/// A quantity is a number in SI units or text with a unit.
+/// A quantity is a number in SI units or a text with a unit.
 fn quantity(help: &str, bounds: &str, unit: &str) -> Value {
     let unit =
         if unit.is_empty() || unit == "1" { String::new() } else { format!(", or a number in {unit}") };
@@ -183,7 +183,7 @@ fn incremental_driver() -> Value {
     schema
 }
 
-/// A stage that is written out: the kinds of its keys.
+/// A stage with an explicit control: the kinds of its keys.
 fn written_out() -> Value {
     let number = json!({ "type": ["number", "string"] });
     let names: Vec<&str> = Measure::ALL.iter().map(|(name, _, _)| *name).collect();
@@ -226,7 +226,7 @@ fn written_out() -> Value {
 mod tests {
     use super::*;
 
-    /// What the schema knows is what the reader knows.
+    /// The schema contains exactly the keys that the reader accepts.
     #[test]
     fn every_key_of_the_case_and_of_every_path_is_in_the_schema() {
         let schema = Case::schema();

@@ -1,4 +1,4 @@
-//! The tables `[[stage]]` of a case: named paths with their parameters, or a control written out.
+//! The tables `[[stage]]` of a case: named paths with their parameters, or an explicit control.
 
 use std::path::Path;
 
@@ -30,13 +30,13 @@ pub enum CaseStage {
     Path {
         /// Its name.
         name: String,
-        /// Its parameters in SI units; those not given have their defaults.
+        /// Its parameters in SI units; the others have their defaults.
         parameters: Given,
         /// False where strain, time and energy go on counting from an earlier stage.
         #[serde(default = "yes")]
         resets: bool,
     },
-    /// A stage written out.
+    /// A stage with an explicit control.
     Control(Box<Stage>),
     /// Stages that are repeated, one after another.
     Repeat {
@@ -52,7 +52,7 @@ fn yes() -> bool {
 }
 
 impl CaseStage {
-    /// What it comes to.
+    /// The stages that it expands to.
     pub fn stages(&self) -> Vec<Stage> {
         match self {
             CaseStage::Path { name, parameters, resets } => {
@@ -121,7 +121,7 @@ pub(super) fn path_fault(preset: &Preset, given: &Given) -> Option<(&'static str
     None
 }
 
-/// The dimension of a unit of a parameter or measure.
+/// The dimension for the unit of a parameter or measure.
 pub(super) fn dimension(unit: &str) -> Dimension {
     match unit {
         "Pa" => Dimension::STRESS,
@@ -135,7 +135,7 @@ pub(super) fn dimension(unit: &str) -> Dimension {
 /// Reads a value of a parameter of a path from text, as a flag has it.
 ///
 /// # Errors
-/// A sentence that goes on from "key = value".
+/// A sentence that continues "key = value".
 pub(super) fn parse_value(parameter: &Parameter, text: &str) -> std::result::Result<Value, String> {
     match parameter.kind {
         Kind::Number => parse_number(parameter, text).map(Value::Number),
@@ -188,7 +188,7 @@ pub(super) fn bounds(parameter: &Parameter) -> String {
     format!("from {low}{unit} to {high}{unit}")
 }
 
-/// "did you mean X?" or what there is.
+/// "did you mean X?" or the list of existing names.
 pub(super) fn meant<'a>(wrong: &str, names: impl Iterator<Item = &'a str> + Clone) -> String {
     match nearest(wrong, names.clone()) {
         Some(name) => format!("did you mean {name}?"),
@@ -196,7 +196,7 @@ pub(super) fn meant<'a>(wrong: &str, names: impl Iterator<Item = &'a str> + Clon
     }
 }
 
-/// Keys of `[shear]` and `[recording]` that have no part in a case with stages.
+/// Keys of `[shear]` and `[recording]` that are not used in a case with stages.
 pub(super) fn has_no_part(path: &str) -> bool {
     path.starts_with("shear.")
         || ["recording.states", "recording.first_strain", "recording.strains", "recording.snapshots"]
@@ -209,7 +209,7 @@ impl Case {
         !self.stages.is_empty()
     }
 
-    /// The stages of the test: those that are given, or the one of the paper's test.
+    /// The stages of the test: the given ones, or the one of the paper's test.
     pub fn test_stages(&self) -> Vec<Stage> {
         if self.has_stages() {
             return self.stages.iter().flat_map(CaseStage::stages).collect();
@@ -217,10 +217,10 @@ impl Case {
         vec![preset::antony2006(&self.shear, &self.recording, self.preparation.mean_stress)]
     }
 
-    /// The same case with a named path in place of its test. Its parameters are given as text, as flags of the program are.
+    /// The same case with a named path instead of its test. The parameters are given as text, like flags of the program.
     ///
     /// # Errors
-    /// [`Error::Value`] if there is no such path or parameter, or a text is no value for it.
+    /// [`Error::Value`] if there is no such path or parameter, or a text is not a value for it.
     pub fn with_path(&self, name: &str, parameters: &[(&str, &str)]) -> Result<Case> {
         let wrong = |name: &str, value: &str, message: String| Error::Value {
             name: name.to_string(),

@@ -1,4 +1,4 @@
-//! MacroState the tables `[[stage]]` of a case file.
+//! Reading the tables `[[stage]]` of a case file.
 
 use std::ops::Range;
 use std::path::Path;
@@ -19,7 +19,7 @@ use super::stage_values::{
 use super::stage_values::{number, whole};
 use granum_core::quantity::Dimension;
 
-/// Keys of a stage that is written out, with their meaning.
+/// Keys of a stage with an explicit control, with their meaning.
 pub(super) const STAGE_KEYS: &[[&str; 2]] = &[
     ["name", "Its name for people."],
     [
@@ -86,7 +86,7 @@ pub(super) const DRIVER_KEYS: &[[&str; 2]] = &[
 pub(super) const REPEAT_KEYS: [&str; 2] = ["repeat", "stage"];
 
 impl Reader<'_> {
-    /// Reads `[[stage]]`; mistakes go to the others.
+    /// Reads `[[stage]]`; mistakes are added to those of the reader.
     pub(super) fn stages(&mut self, value: &Node<'_>) -> Vec<CaseStage> {
         let before = self.errors.len();
         let (stages, spans): (Vec<_>, Vec<_>) = self.list_of_stages(value, "stage").into_iter().unzip();
@@ -150,7 +150,7 @@ impl Reader<'_> {
     }
 }
 
-/// A table under way, with its name for messages.
+/// A table that is being read, with its name for messages.
 struct TableReader<'r, 'a> {
     reader: &'r mut Reader<'a>,
     name: String,
@@ -315,7 +315,7 @@ impl TableReader<'_, '_> {
         Some(CaseStage::Repeat { times: times.unwrap_or(1), stages })
     }
 
-    /// A stage with its control.
+    /// A stage with an explicit control.
     fn written_out(mut self, table: &DeTable<'_>) -> Option<CaseStage> {
         for (key, _) in table {
             if !STAGE_KEYS.iter().any(|[known, _]| *known == key.get_ref()) {
@@ -373,7 +373,7 @@ impl TableReader<'_, '_> {
         Some(CaseStage::Control(Box::new(stage)))
     }
 
-    /// Reads a key if it is there.
+    /// Reads a key if it is given.
     fn key<T>(&mut self, table: &DeTable<'_>, key: &str, read: impl Fn(&Node<'_>) -> Parsed<T>) -> Option<T> {
         let value = table.get(key)?;
         self.take(key, read(value))
@@ -435,7 +435,7 @@ impl TableReader<'_, '_> {
     }
 }
 
-/// Strain rates with a unit become multiples of the largest of them.
+/// Converts strain rates with a unit to multiples of the largest of them.
 fn in_multiples(control: &mut Control) {
     let rates = control.components.iter().filter_map(|drive| match drive {
         Drive::Rate(rate) => Some(rate.abs()),

@@ -62,7 +62,7 @@ fn stages_are_part_of_the_digest_and_the_values_only_where_there_are_any() {
     assert!(!Case::default().values().contains_key("stage"));
 }
 
-/// Every mistake has its place, the key, the value, and what would be right.
+/// Every mistake is reported with its position, the key, the value, and what would be right.
 #[test]
 fn mistakes_are_told_with_their_place() {
     for (text, place, parts) in [
@@ -286,7 +286,7 @@ fn steps_of_the_incremental_driver_become_stages() {
     assert!(found.contains("case.toml:1:1") && found.contains("stress_unit"), "{found}");
 }
 
-/// What the book shows can be run as it stands.
+/// The examples of the book can be run as they are.
 #[test]
 fn examples_of_the_book_are_cases() {
     let book = [include_str!("../../../../docs/src/case.md"), include_str!("../../../../docs/src/howto.md")]
@@ -329,7 +329,7 @@ fn any_path() -> impl Strategy<Value = CaseStage> {
     })
 }
 
-/// A stage that a path comes to is as good an example of one that is written out as any.
+/// A random stage with an explicit control, taken from the expansion of a path.
 fn any_written_out() -> impl Strategy<Value = CaseStage> {
     (any_path(), any::<prop::sample::Index>(), "[ -~]{0,12}").prop_map(|(path, index, name)| {
         let mut stages = path.stages();
@@ -337,7 +337,7 @@ fn any_written_out() -> impl Strategy<Value = CaseStage> {
         stage.name = name;
         // Nothing may be kept before a stage that goes back.
         stage.start = Start::Here;
-        // The mean stress of an inertial number is said by the state of the sample in a case file.
+        // In a case file the mean stress for an inertial number is that of the state of the sample.
         if let Speed::InertialNumber { number, .. } = stage.control.speed {
             stage.control.speed = Speed::InertialNumber { number, at: None };
         }

@@ -10,13 +10,13 @@ use toml::de::{DeTable, DeValue};
 use super::stage::{dimension, meant};
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
 
-/// A value with its place.
+/// A value with its position in the file.
 pub(super) type Node<'a> = Spanned<DeValue<'a>>;
 
-/// Keys that a stage has no default for or may say once more in its `until`.
+/// Keys of the end condition `critical_state`, with their defaults.
 const CRITICAL: [(&str, f64); 3] = [("window", 0.05), ("stress_ratio", 0.02), ("volumetric_strain", 0.002)];
 
-/// A mistake: its place, what is wrong, and what would be right.
+/// A mistake: its position, what is wrong, and what would be right.
 pub(super) struct Mistake(pub(super) Range<usize>, pub(super) String, pub(super) Option<String>);
 
 pub(super) type Parsed<T> = Result<T, Mistake>;
@@ -84,7 +84,7 @@ pub(super) fn numbers(value: &Node<'_>) -> Parsed<Vec<String>> {
 pub(super) const ANY_STRESS: [f64; 2] = [-1e12, 1e12];
 pub(super) const ANY_RATE: [f64; 2] = [-1e30, 1e30];
 
-/// The keys of an inner table; other keys are mistakes.
+/// The keys of an inner table; any other key is a mistake.
 pub(super) fn inner<'t, 'a>(value: &'t Node<'a>, known: &[&str]) -> Parsed<&'t DeTable<'a>> {
     let DeValue::Table(table) = value.get_ref() else {
         let help = format!("write {{ {} = ... }}", known.first().unwrap_or(&"key"));
@@ -99,7 +99,7 @@ pub(super) fn inner<'t, 'a>(value: &'t Node<'a>, known: &[&str]) -> Parsed<&'t D
     }
 }
 
-/// What is done with a component; true beside it if it is a strain rate with its unit.
+/// The drive of a component, and true if it is a strain rate with its unit.
 pub(super) fn drive(value: &Node<'_>) -> Parsed<(Drive, bool)> {
     if let DeValue::String(word) = value.get_ref() {
         return match word.as_ref() {
@@ -136,7 +136,7 @@ pub(super) fn drive(value: &Node<'_>) -> Parsed<(Drive, bool)> {
     }
 }
 
-/// A stress, which may be "current", and how fast it moves.
+/// A stress, which may be "current", and its rate of change.
 pub(super) fn target(
     stress: Option<&Node<'_>>,
     rate: Option<&Node<'_>>,
@@ -205,7 +205,7 @@ pub(super) fn constraint(value: &Node<'_>) -> Parsed<Constraint> {
     Ok(Constraint { strain, stress, target, moves })
 }
 
-/// The measure of a name.
+/// The measure with a given name.
 pub(super) fn measure(name: &str, span: Range<usize>) -> Parsed<Measure> {
     Measure::named(name).ok_or_else(|| {
         let names = Measure::ALL.iter().map(|(name, _, _)| *name);

@@ -181,7 +181,7 @@ fn record_toml(record: &Record) -> Option<String> {
     }
 }
 
-/// Text in quotes, with what TOML needs escaped.
+/// Text in quotes, with the escapes that TOML requires.
 fn toml_text(text: &str) -> String {
     let mut quoted = String::from("\"");
     for c in text.chars() {

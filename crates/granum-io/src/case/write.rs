@@ -1,4 +1,4 @@
-//! Writing a case: resolved (SI numbers, beside a result) and as the template that teaches the keys.
+//! Writing a case: resolved (SI numbers, stored with a result) and as a template that explains the keys.
 
 use super::fields::SECTIONS;
 use super::stage::has_no_part;
@@ -44,7 +44,7 @@ impl Case {
             text.push_str(&format!("\n# {help}\n[{section}]\n"));
             for field in FIELDS.iter().filter(|field| field.section == *section) {
                 text.push_str(&comment(field));
-                // A field that is not in use by default is the other way of saying the rate, or a parameter of another law.
+                // A field that is not in use by default is the other form of the rate, or a parameter of another law.
                 let unused = if field.value(&case).is_none() { "# " } else { "" };
                 let plain = field.example.parse::<f64>().is_ok();
                 let value = if plain { field.example.clone() } else { format!("\"{}\"", field.example) };
@@ -54,13 +54,13 @@ impl Case {
         text + TEMPLATE_TAIL
     }
 
-    /// The whole case as TOML in SI units, with units in comments; reads back as the same case, bit for bit.
+    /// The whole case as TOML in SI units, with units in comments; it is read back as the same case, bit for bit.
     pub fn resolved_toml(&self) -> String {
         self.resolved_toml_with(None)
     }
 
-    /// As [`Case::resolved_toml`], with a remark on every key that has no part where a packing of this name took the place
-    /// of the random insertion.
+    /// The same as [`Case::resolved_toml`], with a remark on every key that is not used because a packing of this name
+    /// replaced the random insertion.
     pub fn resolved_toml_with(&self, packing: Option<&str>) -> String {
         let mut text = RESOLVED_HEAD.to_string();
         if let Some(name) = packing {
@@ -94,7 +94,7 @@ impl Case {
     }
 }
 
-/// Help, bounds and words of a field as comment lines of at most 110 characters.
+/// Help text, bounds and words of a field as comment lines of at most 110 characters.
 fn comment(field: &Field) -> String {
     let mut words = field.help.trim_end_matches('.').to_string();
     let options: Vec<_> =

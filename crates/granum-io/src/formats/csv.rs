@@ -1,7 +1,7 @@
-//! Comma-separated values: a line of names, then one line of numbers a row.
+//! Comma-separated values: a line of names, then one line of numbers for each row.
 //!
-//! Numbers are written as the shortest text that reads back as the same double. Lines that start with `#` and
-//! blank lines are passed over. Units are not written.
+//! Numbers are written as the shortest text that is read back as the same double. Lines that start with `#` and blank lines
+//! are ignored. Units are not written.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Write};
@@ -32,10 +32,10 @@ impl TableFormat for Csv {
     }
 }
 
-/// A longer line is no row of numbers.
+/// A longer line is not a row of numbers.
 const LONGEST_LINE: u64 = 1 << 20;
 
-/// Lines of a text file with their numbers, with a bound on the length of each.
+/// Lines of a text file with their numbers, and with a limit on the length of each.
 pub(crate) struct Lines<R> {
     reader: R,
     file: String,
@@ -55,7 +55,7 @@ impl<R: BufRead> Lines<R> {
         Lines { reader, file: file.to_string(), number: 0, line: String::new() }
     }
 
-    /// Goes to the next line; false at the end of the file.
+    /// Advances to the next line; returns false at the end of the file.
     pub(crate) fn advance(&mut self) -> Result<bool> {
         let mut bytes = std::mem::take(&mut self.line).into_bytes();
         bytes.clear();
@@ -96,13 +96,13 @@ impl<R: BufRead> Lines<R> {
         &self.file
     }
 
-    /// Blank or a comment.
+    /// True if the line is blank or a comment.
     pub(crate) fn is_empty(&self) -> bool {
         let line = self.line().trim_start();
         line.is_empty() || line.starts_with('#')
     }
 
-    /// The cells of the line with the byte where each starts.
+    /// The cells of the line, each with the byte at which it starts.
     pub(crate) fn cells(&self) -> impl Iterator<Item = (usize, &str)> {
         let line = self.line();
         line.split(',').map(move |cell| {
@@ -122,11 +122,11 @@ impl<R: BufRead> Lines<R> {
     }
 }
 
-/// Reads the columns named, in that order, or all.
+/// Reads the named columns, in that order, or all.
 ///
 /// # Errors
-/// If the file cannot be read; [`Error::Input`] with line and column for a cell that is no number, a row of
-/// another length, a header that is missing or names a column twice; [`Error::Content`] for a missing column.
+/// If the file cannot be read; [`Error::Input`] with line and column for a cell that is not a number, a row of another
+/// length, a header that is missing or contains a name twice; [`Error::Content`] for a missing column.
 pub fn read(path: &Path, names: Option<&[&str]>) -> Result<Table> {
     let mut lines = Lines::open(path)?;
     read_lines(&mut lines, names)
@@ -135,7 +135,7 @@ pub fn read(path: &Path, names: Option<&[&str]>) -> Result<Table> {
 /// Reads a table from any reader of text; `file` is its name for messages.
 ///
 /// # Errors
-/// As [`read`].
+/// As for [`read`].
 pub fn read_from(reader: impl BufRead, file: &str, names: Option<&[&str]>) -> Result<Table> {
     read_lines(&mut Lines::new(reader, file), names)
 }
@@ -148,7 +148,7 @@ fn read_lines<R: BufRead>(lines: &mut Lines<R>, names: Option<&[&str]>) -> Resul
             names.iter().map(|name| position(&lines.file, &header, name)).collect::<Result<_>>()?
         }
     };
-    // Where each cell of a line goes, if anywhere.
+    // The destination of each cell of a line, if it has one.
     let mut slots = vec![None; header.len()];
     for (slot, column) in wanted.iter().enumerate() {
         slots[*column] = Some(slot);
@@ -214,7 +214,7 @@ pub(crate) fn position(file: &str, header: &[String], name: &str) -> Result<usiz
     })
 }
 
-/// The number in a cell; `nan` and `inf` are numbers here, an empty cell is none.
+/// The number in a cell; `nan` and `inf` count as numbers, an empty cell does not.
 pub(crate) fn number<R: BufRead>(lines: &Lines<R>, column: &str, start: usize, cell: &str) -> Result<f64> {
     cell.parse().map_err(|_| {
         let shown: String = cell.chars().take(40).collect();
@@ -226,10 +226,10 @@ pub(crate) fn number<R: BufRead>(lines: &Lines<R>, column: &str, start: usize, c
     })
 }
 
-/// Writes a table beside and renames it.
+/// Writes a table under a temporary name and renames it.
 ///
 /// # Errors
-/// [`Error::Rule`] if a name would not read back (a comma, a quote, a number); [`Error::File`] if the file cannot be
+/// [`Error::Rule`] if a name could not be read back (a comma, a quote, a number); [`Error::File`] if the file cannot be
 /// written.
 pub fn write(path: &Path, table: &Table) -> Result<()> {
     check_names(table).map_err(Error::Rule)?;
@@ -239,7 +239,7 @@ pub fn write(path: &Path, table: &Table) -> Result<()> {
 /// Writes a table to any writer, e.g. the standard output.
 ///
 /// # Errors
-/// Those of the writer; [`io::ErrorKind::InvalidInput`] if a name would not read back.
+/// Errors of the writer; [`io::ErrorKind::InvalidInput`] if a name could not be read back.
 pub fn write_rows(writer: &mut impl Write, table: &Table) -> io::Result<()> {
     check_names(table).map_err(|why| io::Error::new(io::ErrorKind::InvalidInput, why))?;
     let names: Vec<&str> = table.names().collect();
@@ -331,7 +331,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let table = Table::new(vec![Column::new("a,b", "", vec![])]).unwrap();
         assert!(write(&folder.path().join("x.csv"), &table).is_err());
-        // A byte order mark that is not the first of a file is a name like any other, but would not be when written.
+        // A byte order mark that is not at the beginning of a file is a name like any other, but when written it would be at
+        // the beginning.
         let read = parse("# units follow\n\u{feff}\n").unwrap();
         assert_eq!(read.names().collect::<Vec<_>>(), ["\u{feff}"]);
         assert_eq!(write_rows(&mut Vec::new(), &read).unwrap_err().kind(), io::ErrorKind::InvalidInput);

@@ -1,5 +1,5 @@
-//! File formats, one file each: tables and packings. A new one is its file and its line in [`Formats::standard`]; a program of
-//! one's own adds its formats with [`Formats::with_table`] and [`Formats::with_packing`].
+//! File formats, one file each: tables and packings. A new one needs its file and its line in [`Formats::standard`]; other
+//! programs add their own formats with [`Formats::with_table`] and [`Formats::with_packing`].
 //!
 //! ```
 //! use granum_io::formats::Formats;
@@ -22,7 +22,7 @@ pub mod csv;
 pub mod packing_csv;
 pub mod parquet;
 
-/// Bytes of a file by which a format may be recognised.
+/// Number of leading bytes of a file by which a format may be recognised.
 const HEAD: u64 = 4096;
 
 /// A format of tables of numbers.
@@ -31,15 +31,15 @@ pub trait TableFormat: Send + Sync {
     fn name(&self) -> &'static str;
     /// The extensions of its files, in lower case and without the dot.
     fn extensions(&self) -> &'static [&'static str];
-    /// Reads the named columns in the order asked for, or all that are numbers.
+    /// Reads the named columns in the requested order, or all numeric ones.
     ///
     /// # Errors
     /// If the file cannot be read or is not of this format; if a column is missing, with the nearest name.
     fn read(&self, path: &Path, names: Option<&[&str]>) -> Result<Table>;
-    /// Writes a table beside and renames it. Equal tables give equal bytes.
+    /// Writes a table under a temporary name and renames it. Equal tables give equal bytes.
     ///
     /// # Errors
-    /// If the table cannot be held by this format, or the file cannot be written.
+    /// If the table cannot be represented in this format, or the file cannot be written.
     fn write(&self, path: &Path, table: &Table) -> Result<()>;
 }
 
@@ -49,21 +49,21 @@ pub trait PackingFormat: Send + Sync {
     fn name(&self) -> &'static str;
     /// The extensions of its files, in lower case and without the dot.
     fn extensions(&self) -> &'static [&'static str];
-    /// True if a file that begins so is of this format, whatever its name.
+    /// True if a file with this beginning is of this format, whatever its name.
     fn recognises(&self, head: &[u8]) -> bool;
-    /// Reads and checks a packing; [`Packing::checked`] has the checks that all formats share.
+    /// Reads and checks a packing; [`Packing::checked`] contains the checks that all formats share.
     ///
     /// # Errors
-    /// If the file cannot be read or holds no packing, with line and grain.
+    /// If the file cannot be read or does not contain a packing, with line and grain.
     fn read(&self, path: &Path) -> Result<Packing>;
-    /// Writes a packing beside and renames it.
+    /// Writes a packing under a temporary name and renames it.
     ///
     /// # Errors
     /// If the file cannot be written.
     fn write(&self, path: &Path, packing: &Packing) -> Result<()>;
 }
 
-/// The formats that a program knows.
+/// The formats that a program supports.
 #[derive(Clone)]
 pub struct Formats {
     tables: Vec<Arc<dyn TableFormat>>,
@@ -79,7 +79,7 @@ impl std::fmt::Debug for Formats {
 }
 
 impl Formats {
-    /// Those that come with granum.
+    /// The formats that come with granum.
     pub fn standard() -> Formats {
         Formats {
             tables: vec![Arc::new(csv::Csv), Arc::new(parquet::Parquet)],
@@ -109,7 +109,7 @@ impl Formats {
         self.packings.iter().map(|format| &**format)
     }
 
-    /// The format of tables that a file name asks for by its extension.
+    /// The format of tables that belongs to the extension of a file name.
     ///
     /// # Errors
     /// If no format has that extension.
@@ -121,10 +121,10 @@ impl Formats {
         })
     }
 
-    /// Reads the named columns of a table, or all that are numbers.
+    /// Reads the named columns of a table, or all numeric ones.
     ///
     /// # Errors
-    /// As [`Formats::table`] and [`TableFormat::read`].
+    /// As for [`Formats::table`] and [`TableFormat::read`].
     pub fn read_table(&self, path: &Path, names: Option<&[&str]>) -> Result<Table> {
         self.table(path)?.read(path, names)
     }
@@ -132,15 +132,15 @@ impl Formats {
     /// Writes a table.
     ///
     /// # Errors
-    /// As [`Formats::table`] and [`TableFormat::write`].
+    /// As for [`Formats::table`] and [`TableFormat::write`].
     pub fn write_table(&self, path: &Path, table: &Table) -> Result<()> {
         self.table(path)?.write(path, table)
     }
 
-    /// Reads a packing. Its format is the one that recognises how the file begins, else that of its extension.
+    /// Reads a packing. Its format is the one that recognises the beginning of the file, or otherwise that of its extension.
     ///
     /// # Errors
-    /// If no format fits, or as [`PackingFormat::read`].
+    /// If no format fits, or as for [`PackingFormat::read`].
     pub fn read_packing(&self, path: &Path) -> Result<Packing> {
         let mut head = Vec::new();
         let file = File::open(path).map_err(Error::file("read", path))?;
@@ -152,7 +152,7 @@ impl Formats {
     /// Writes a packing in the format of the file's extension.
     ///
     /// # Errors
-    /// If no format has that extension, or as [`PackingFormat::write`].
+    /// If no format has that extension, or as for [`PackingFormat::write`].
     pub fn write_packing(&self, path: &Path, packing: &Packing) -> Result<()> {
         self.packing(path)?.write(path, packing)
     }
@@ -186,23 +186,23 @@ fn any_of<'a>(extensions: impl Iterator<Item = &'a &'static str>) -> String {
 /// Reads all numeric columns of a table in one of the [standard formats](Formats::standard).
 ///
 /// # Errors
-/// As [`Formats::read_table`].
+/// As for [`Formats::read_table`].
 pub fn read_table(path: impl AsRef<Path>) -> Result<Table> {
     Formats::standard().read_table(path.as_ref(), None)
 }
 
-/// Reads the named columns of a table, in the order asked for; others are passed over.
+/// Reads the named columns of a table, in the requested order; others are ignored.
 ///
 /// # Errors
-/// As [`Formats::read_table`].
+/// As for [`Formats::read_table`].
 pub fn read_columns(path: impl AsRef<Path>, names: &[&str]) -> Result<Table> {
     Formats::standard().read_table(path.as_ref(), Some(names))
 }
 
-/// Writes a table beside and renames it. Equal tables give equal bytes.
+/// Writes a table under a temporary name and renames it. Equal tables give equal bytes.
 ///
 /// # Errors
-/// As [`Formats::write_table`].
+/// As for [`Formats::write_table`].
 pub fn write_table(path: impl AsRef<Path>, table: &Table) -> Result<()> {
     Formats::standard().write_table(path.as_ref(), table)
 }
@@ -210,15 +210,15 @@ pub fn write_table(path: impl AsRef<Path>, table: &Table) -> Result<()> {
 /// Reads and checks a packing in one of the [standard formats](Formats::standard).
 ///
 /// # Errors
-/// As [`Formats::read_packing`].
+/// As for [`Formats::read_packing`].
 pub fn read_packing(path: impl AsRef<Path>) -> Result<Packing> {
     Formats::standard().read_packing(path.as_ref())
 }
 
-/// Writes a packing beside and renames it.
+/// Writes a packing under a temporary name and renames it.
 ///
 /// # Errors
-/// As [`Formats::write_packing`].
+/// As for [`Formats::write_packing`].
 pub fn write_packing(path: impl AsRef<Path>, packing: &Packing) -> Result<()> {
     Formats::standard().write_packing(path.as_ref(), packing)
 }

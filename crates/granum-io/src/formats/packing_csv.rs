@@ -64,7 +64,7 @@ impl PackingFormat for PackingCsv {
 /// Reads and checks a packing from any reader of text; `file` is its name for messages.
 ///
 /// # Errors
-/// As [`Packing::checked`]; also [`Error::Input`] for a cell that is missing and numbers that are none.
+/// As for [`Packing::checked`]; also [`Error::Input`] for a missing cell and for text that is not a number.
 pub fn read_from(reader: impl BufRead, file: &str) -> Result<Packing> {
     read_lines(&mut Lines::new(reader, file))
 }
@@ -125,7 +125,7 @@ fn material<R: BufRead>(
     materials.place(name).ok_or_else(|| wrong("is one material too many"))
 }
 
-/// Where the five columns are.
+/// Positions of the five columns.
 struct Columns {
     header: Vec<String>,
     places: [usize; 5],

@@ -1,9 +1,10 @@
 //! Apache Parquet: flat numeric columns.
 //!
-//! Written uncompressed and plain (measured numbers do not compress), one `DOUBLE` column each (`INT64` or `BOOLEAN` for
-//! columns of that [`ColumnKind`]), units as key-value metadata `granum.units` (JSON). Nothing in the file depends on time or machine: equal tables give equal bytes.
-//! Read are flat columns of booleans, integers and floating-point numbers from any writer, uncompressed or snappy;
-//! a null becomes NaN. What a file claims is checked against its size before room is made for it.
+//! Files are written uncompressed and plain (measured numbers do not compress), one `DOUBLE` column each (`INT64` or
+//! `BOOLEAN` for columns of that [`ColumnKind`]), with units as key-value metadata `granum.units` (JSON). Nothing in the
+//! file depends on time or machine: equal tables give equal bytes. Flat columns of booleans, integers and floating-point
+//! numbers are read from files of any writer, uncompressed or snappy; a null becomes NaN. Sizes given in the file are
+//! checked against the size of the file before memory is allocated for them.
 
 mod format;
 mod sizes;
@@ -33,13 +34,13 @@ use crate::formats::TableFormat;
 use granum_core::names::suggestion;
 use granum_core::{Column, ColumnKind, Table};
 
-/// Rows of a group, and values decoded at a time.
+/// Number of rows of a group, and of values decoded at a time.
 const GROUP: usize = 1 << 17;
 /// Key of the units in the metadata of a file.
 const UNITS: &str = "granum.units";
-/// Values that even a small file may unfold to.
+/// Number of values to which even a small file may expand.
 const FREE_VALUES: u64 = 1 << 22;
-/// Values a byte of the file may unfold to beyond that.
+/// Number of further values that each byte of the file may expand to.
 const VALUES_PER_BYTE: u64 = 64;
 
 /// The format.
@@ -60,7 +61,7 @@ impl TableFormat for Parquet {
     }
 }
 
-/// Writes a table beside and renames it.
+/// Writes a table under a temporary name and renames it.
 ///
 /// # Errors
 /// [`Error::Rule`] for a table without columns; [`Error::File`] if the file cannot be written.
@@ -77,10 +78,10 @@ pub fn write(path: &Path, table: &Table) -> Result<()> {
     })
 }
 
-/// Writes a table of `rows` rows that is never whole in memory: `part` gives its rows of a range.
+/// Writes a table of `rows` rows that is never completely in memory: `part` returns the rows of a range.
 ///
 /// # Errors
-/// As [`write()`], and what `part` says.
+/// As for [`write()`], and any error of `part`.
 pub fn write_parts(path: &Path, rows: usize, part: impl Fn(Range<usize>) -> Result<Table>) -> Result<()> {
     let mut failed = None;
     let written = write_atomically(path, |file| {
@@ -95,13 +96,13 @@ pub fn write_parts(path: &Path, rows: usize, part: impl Fn(Range<usize>) -> Resu
     failed.map_or(written, Err)
 }
 
-/// Keeps the error of a part; the writer is told that there is one.
+/// Stores the error of a part, and returns an error for the writer.
 fn keep(failed: &mut Option<Error>, error: Error) -> io::Error {
     *failed = Some(error);
     io::Error::other("a part of the table cannot be made")
 }
 
-/// A file with the columns of a table and no rows yet.
+/// A file with the columns of a table and no rows so far.
 fn start<W: Write + Send>(writer: W, table: &Table) -> parquet::errors::Result<SerializedFileWriter<W>> {
     let field = |column: &Column| {
         let physical = match column.kind {
@@ -161,12 +162,13 @@ fn write_group<W: Write + Send>(
     Ok(())
 }
 
-/// A double as the integer that it is; none if it is no whole number, or too large for each to be one.
+/// The integer equal to a double; `None` if it is not a whole number, or so large that not every integer of its size is a
+/// double.
 fn whole_number(value: f64) -> Option<i64> {
     (value.fract() == 0.0 && value.abs() <= (1u64 << 53) as f64).then_some(value as i64)
 }
 
-/// The values of a column in another type.
+/// The values of a column, converted to another type.
 fn converted<T>(
     column: &Column,
     values: &[f64],
@@ -191,20 +193,20 @@ fn io_error(error: ParquetError) -> io::Error {
     }
 }
 
-/// Reads the columns named, in that order, or all numeric ones.
+/// Reads the named columns, in that order, or all numeric ones.
 ///
 /// # Errors
-/// [`Error::File`] if the file cannot be opened; [`Error::Content`] if it is no Parquet file, damaged, compressed
-/// otherwise than by snappy, lacks a column, or a wanted column is not flat and numeric.
+/// [`Error::File`] if the file cannot be opened; [`Error::Content`] if it is not a Parquet file, is damaged, has a
+/// compression other than snappy, lacks a column, or a requested column is not flat and numeric.
 pub fn read(path: &Path, names: Option<&[&str]>) -> Result<Table> {
     let file = File::open(path).map_err(Error::file("read", path))?;
     read_contained(path, file, names)
 }
 
-/// As [`read`] from memory; `name` is what messages call it.
+/// The same as [`read`], from memory; `name` is used in messages.
 ///
 /// # Errors
-/// [`Error::Content`] as [`read`].
+/// [`Error::Content`] as for [`read`].
 pub fn read_bytes(bytes: Vec<u8>, name: &str, names: Option<&[&str]>) -> Result<Table> {
     read_contained(Path::new(name), bytes::Bytes::from(bytes), names)
 }
@@ -268,7 +270,7 @@ fn read_from(path: &Path, input: impl ChunkReader + 'static, names: Option<&[&st
     Ok(Table::new(columns)?)
 }
 
-/// Indices of the wanted columns.
+/// Indices of the requested columns.
 fn choose(path: &Path, columns: &[Arc<ColumnDescriptor>], names: Option<&[&str]>) -> Result<Vec<usize>> {
     let Some(names) = names else {
         let numeric: Vec<usize> =
@@ -296,7 +298,7 @@ fn choose(path: &Path, columns: &[Arc<ColumnDescriptor>], names: Option<&[&str]>
         .collect()
 }
 
-/// Why a column is not read as numbers, if it is not.
+/// The reason why a column is not read as numbers, if there is one.
 fn not_numeric(column: &ColumnDescriptor) -> Option<String> {
     if column.path().parts().len() != 1 || column.max_rep_level() > 0 {
         return Some("is nested; only flat columns are read".into());
@@ -317,14 +319,14 @@ fn not_numeric(column: &ColumnDescriptor) -> Option<String> {
             | ConvertedType::UINT_32
             | ConvertedType::UINT_64
     );
-    // A logical type without a converted one is a time in nanoseconds or something newer, no plain number.
+    // A column with a logical type but no converted type holds times in nanoseconds or something newer, not plain numbers.
     let known = column.converted_type() != ConvertedType::NONE || column.logical_type_ref().is_none();
     (!(plain && number && known)).then(|| {
         format!("holds {:?} ({:?}), not plain numbers", column.physical_type(), column.converted_type())
     })
 }
 
-/// Units that granum wrote; empty for files of other writers.
+/// Units written by granum; empty for files of other writers.
 fn units(metadata: Option<&Vec<KeyValue>>) -> BTreeMap<String, String> {
     let text = metadata.and_then(|all| all.iter().find(|pair| pair.key == UNITS)?.value.clone());
     text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default()
@@ -354,7 +356,7 @@ fn read_chunk(
     }
 }
 
-/// A 64-bit integer as a double, if that is exact. Beyond 2^53 signed and unsigned agree on being refused.
+/// A 64-bit integer as a double, if this is exact. Signed and unsigned integers beyond 2^53 are both rejected.
 fn whole(value: i64) -> std::result::Result<f64, String> {
     if value.unsigned_abs() > 1 << 53 {
         return Err(format!("{value} is too large to be kept exactly"));
@@ -401,7 +403,7 @@ impl Chunk<'_> {
     }
 }
 
-/// The error of the parquet crate in words that tell what to do.
+/// An error of the parquet crate, explained with what to do.
 fn explain(error: &ParquetError) -> String {
     let text = error.to_string();
     let lower = text.to_lowercase();

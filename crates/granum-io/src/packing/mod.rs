@@ -1,4 +1,4 @@
-//! Packings: grains in a periodic cell, and the checks that every format of them shares.
+//! Packings: grains in a periodic cell, and the checks that all formats of them share.
 
 mod overlap;
 mod repeat;
@@ -15,13 +15,13 @@ use granum_core::quantity::format_number;
 
 pub use overlap::GROSS_OVERLAP;
 
-/// How far outside the cell, relative to its edge, a grain may be by rounding.
+/// Tolerance for the position of a grain outside the cell, relative to the edge of the cell, because of rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// One grain of a packing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PackedGrain {
-    /// Its number, from 1.
+    /// Its id, from 1.
     pub id: u64,
     /// Centre, m.
     pub position: Vector,
@@ -88,7 +88,7 @@ impl Packing {
         Packing { origin: [0.0; 3], cell: assembly.cell, grains, materials }
     }
 
-    /// Position of a grain from the corner of the cell, m.
+    /// Position of a grain relative to the corner of the cell, m.
     pub fn from_corner(&self, grain: &PackedGrain) -> Vector {
         std::array::from_fn(|a| grain.position[a] - self.origin[a])
     }
@@ -99,12 +99,12 @@ impl Packing {
         4.0 / 3.0 * std::f64::consts::PI * cubes / determinant(&self.cell).abs()
     }
 
-    /// A packing from what a file holds: corner and edges of the cell, and the grains, each with the number of its line (or
-    /// record) for messages.
+    /// A packing from the content of a file: corner and edges of the cell, and the grains, each with the number of its line
+    /// (or record) for messages.
     ///
     /// # Errors
-    /// [`Error::Input`] with line and grain for a flat cell, grains outside the cell, ids that are missing or doubled,
-    /// and overlaps above [`GROSS_OVERLAP`] of the smaller diameter; [`Error::Content`] if there are no grains.
+    /// [`Error::Input`] with line and grain for a flat cell, grains outside the cell, ids that are missing or repeated, and
+    /// overlaps above [`GROSS_OVERLAP`] of the smaller diameter; [`Error::Content`] if there are no grains.
     pub fn checked(
         file: &str,
         origin: Vector,
@@ -131,7 +131,7 @@ impl Packing {
     }
 }
 
-/// A grain must be inside the cell, and the cell wide enough to hold it.
+/// Checks that a grain is inside the cell, and that the cell is wide enough for it.
 fn check_inside(
     file: &str,
     line: usize,
@@ -164,7 +164,7 @@ fn check_inside(
     Ok(())
 }
 
-/// Sorts by id and refuses ids that are doubled or missing.
+/// Sorts by id and rejects ids that are repeated or missing.
 fn check_ids(file: &str, mut grains: Vec<(PackedGrain, usize)>) -> Result<Vec<(PackedGrain, usize)>> {
     grains.sort_by_key(|(grain, line)| (grain.id, *line));
     for (at, (grain, line)) in grains.iter().enumerate() {

@@ -1,8 +1,8 @@
-//! Search for grains that overlap grossly, in any cell and for any mixture of sizes.
+//! Search for grossly overlapping grains, in any cell and for any mixture of sizes.
 //!
-//! Grains are sorted into levels by octave of radius, and each level into bins no narrower than its largest
-//! diameter. A grain looks into its own level and into those of smaller grains, so that one large grain among many
-//! small ones costs little.
+//! Grains are sorted into levels by octave of radius, and each level into bins no narrower than its largest diameter. For
+//! each grain, its own level and those of smaller grains are searched, so that one large grain among many small ones costs
+//! little.
 
 use granum_core::Cell;
 use granum_core::geometry::{Matrix, Vector, apply, invert};
@@ -10,13 +10,14 @@ use granum_core::geometry::{Matrix, Vector, apply, invert};
 use super::PackedGrain;
 use crate::error::{InputError, Result};
 
-/// Overlap as a fraction of the smaller diameter above which a packing is refused.
+/// Overlap as a fraction of the smaller diameter above which a packing is rejected.
 pub const GROSS_OVERLAP: f64 = 0.05;
 
-/// Bins along an edge, at most.
+/// Largest number of bins along an edge.
 const MOST_BINS: i64 = 1 << 20;
 
-/// Refuses the first grain that overlaps another grossly; `grains` come with their lines.
+/// Rejects a packing with the first grain that overlaps another grossly; `grains` contains the grains with their line
+/// numbers.
 pub(super) fn check(file: &str, edges: &Matrix, grains: &[(PackedGrain, usize)]) -> Result<()> {
     let search = Search::new(edges, grains);
     for at in 0..grains.len() {
@@ -47,7 +48,7 @@ struct Search<'a> {
     edges: &'a Matrix,
     heights: Vector,
     grains: &'a [(PackedGrain, usize)],
-    /// Position in units of the edges, in [0, 1).
+    /// Positions in units of the edges, in [0, 1).
     places: Vec<Vector>,
     level_of: Vec<u32>,
     levels: Vec<Level>,
@@ -56,7 +57,7 @@ struct Search<'a> {
 impl<'a> Search<'a> {
     fn new(edges: &'a Matrix, grains: &'a [(PackedGrain, usize)]) -> Self {
         let inverse = invert(edges);
-        // The corner of the cell does not matter: differences and wrapped places are the same.
+        // The corner of the cell does not matter: differences and wrapped positions are the same.
         let places: Vec<Vector> =
             grains.iter().map(|(grain, _)| apply(&inverse, grain.position).map(|s| s - s.floor())).collect();
         let largest = grains.iter().map(|(grain, _)| grain.radius).fold(0.0, f64::max);
@@ -134,7 +135,8 @@ impl<'a> Search<'a> {
         None
     }
 
-    /// Every grain of the level and its nearest images, where the bins in reach outnumber the grains.
+    /// Searches all grains of the level and their nearest images, for the case that the bins within range outnumber the
+    /// grains.
     fn among_all(&self, at: usize, level: &Level) -> Option<(usize, f64)> {
         level.entries.iter().find_map(|(_, other)| {
             (0..27).find_map(|n| {
@@ -157,7 +159,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// One number for a bin; 21 bits an axis.
+/// A single number for a bin, with 21 bits for each axis.
 fn key(bin: [i64; 3]) -> u64 {
     bin.iter().fold(0, |key, index| key << 21 | *index as u64)
 }

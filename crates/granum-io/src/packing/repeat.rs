@@ -1,15 +1,15 @@
-//! Larger packings of copies: a periodic cell beside itself.
+//! Larger packings from copies of a periodic cell.
 
 use super::{PackedGrain, PackedMaterials, Packing};
 use crate::error::{Error, Result};
 use std::path::Path;
 
 impl Packing {
-    /// `counts` copies of the cell along its edges make one cell. Contacts and stress are those of the original; ids go on
-    /// from copy to copy.
+    /// One cell made of `counts` copies of the cell along its edges. Contacts and stress are those of the original; ids are
+    /// numbered on from copy to copy.
     ///
     /// # Errors
-    /// [`Error::Content`] if a count is zero or the grains are more than 4e9.
+    /// [`Error::Content`] if a count is zero or there would be more than 4e9 grains.
     pub fn repeated(&self, counts: [usize; 3]) -> Result<Packing> {
         let copies = counts.iter().try_fold(1usize, |n, &c| n.checked_mul(c));
         let total = copies.and_then(|n| n.checked_mul(self.grains.len()));
@@ -61,12 +61,12 @@ mod tests {
         assert!(many.grains.iter().enumerate().all(|(k, g)| g.id == k as u64 + 1));
         assert!((many.solid_fraction() / one.solid_fraction() - 1.0).abs() < 1e-14);
         assert_eq!(many.cell, [[6.0, 0.5, 0.0], [0.0, 3.0, 3.0 * 0.2], [0.0, 0.0, 9.0]]);
-        // Every copy of grain 1 is a lattice vector away from it.
+        // Every copy of grain 1 is displaced from it by a lattice vector.
         let last = &many.grains[10];
         let away: Vec<f64> = (0..3).map(|k| last.position[k] - one.grains[0].position[k]).collect();
         assert!((away[0] - 3.0).abs() < 1e-14 && (away[1] - 0.4).abs() < 1e-14);
         assert!((away[2] - 6.0).abs() < 1e-14);
-        // It is a packing that reads back.
+        // The packing can be written and read back.
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("many.csv");
         crate::write_packing(&file, &many).unwrap();

@@ -117,7 +117,7 @@ fn a_cell_that_is_none_is_refused() {
     assert!(flat.starts_with("p.csv:1:1: the cell has the volume 0e0 m3; it must be positive"), "{flat}");
 }
 
-/// Overlap by looking at every pair and 125 images.
+/// The overlap by a search over all pairs and 125 images.
 fn brute_force(packing: &Packing) -> bool {
     let grains = &packing.grains;
     (0..grains.len()).any(|i| {

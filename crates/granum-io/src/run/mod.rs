@@ -1,5 +1,5 @@
 //! The folder of a run: `case.toml` (resolved), `series.parquet`, `forces.parquet`, `snapshots/`, and `run.json`
-//! ([`RunRecord`]). Nothing else is needed to measure, train or draw again.
+//! ([`RunRecord`]). It contains everything that is needed to measure, train or plot again.
 
 mod record;
 
@@ -34,11 +34,11 @@ const HISTOGRAMS: &str = "histograms";
 const RECORD: &str = "run.json";
 const REPORT: &str = "report.html";
 const FIGURES: &str = "figures";
-/// Files that a run puts into its folder, and a report into it. The record goes first: what is left of a folder without one is no
-/// run.
+/// Files that a run or a report writes into the folder of a run. The record is removed first: a folder without one no longer
+/// counts as a run.
 const CONTENTS: [&str; 9] =
     [RECORD, CASE, SERIES, FORCES, PREPARATION, CHECKPOINT, PREVIOUS_CHECKPOINT, REFUSED_CHECKPOINT, REPORT];
-/// Folders inside, and the ends of the names of granum's files in them.
+/// Inner folders, and the endings of the names of granum's files in them.
 const FOLDERS: [(&str, &[&str]); 3] = [
     (SNAPSHOTS, &[".json", ".grains.parquet", ".contacts.parquet"]),
     (HISTOGRAMS, &[".parquet"]),
@@ -47,22 +47,22 @@ const FOLDERS: [(&str, &[&str]); 3] = [
 
 /// Name of the checkpoint in a run folder.
 pub const CHECKPOINT: &str = "checkpoint";
-/// Name of the checkpoint before it.
+/// Name of the previous checkpoint.
 pub const PREVIOUS_CHECKPOINT: &str = "checkpoint.previous";
-/// Name that a checkpoint gets which could not be used, so that it does not take the place of the good one before it.
+/// Name given to a checkpoint that could not be used, so that it does not replace the previous valid one.
 pub const REFUSED_CHECKPOINT: &str = "checkpoint.refused";
 
-/// The folder of a run, for reading; nothing is locked and nothing changed.
+/// The folder of a run, for reading; nothing is locked or changed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
     path: PathBuf,
 }
 
 impl Run {
-    /// A run folder.
+    /// The run in a folder.
     ///
     /// # Errors
-    /// [`Error::Content`] if there is no such folder, or it holds no run.
+    /// [`Error::Content`] if there is no such folder, or it does not contain a run.
     pub fn at(path: impl AsRef<Path>) -> Result<Run> {
         let path = path.as_ref();
         if !path.is_dir() {
@@ -82,7 +82,7 @@ impl Run {
     /// The resolved case.
     ///
     /// # Errors
-    /// As [`Case::read`].
+    /// As for [`Case::read`].
     pub fn case(&self) -> Result<Case> {
         let path = self.path.join(CASE);
         let pending = || self.record().ok().and_then(|record| record.unwritten_case);
@@ -110,7 +110,7 @@ impl Run {
         serde_json::from_str(&text).map_err(|error| damaged(&path, &error))
     }
 
-    /// Where the table of states is, once a test has begun.
+    /// Path of the table of states, which exists once a test has begun.
     pub fn series_path(&self) -> PathBuf {
         self.path.join(SERIES)
     }
@@ -118,7 +118,7 @@ impl Run {
     /// The table of states.
     ///
     /// # Errors
-    /// As [`crate::formats::parquet::read`].
+    /// As for [`crate::formats::parquet::read`].
     pub fn series(&self) -> Result<Table> {
         crate::formats::parquet::read(&self.path.join(SERIES), None)
     }
@@ -126,7 +126,7 @@ impl Run {
     /// The table of force histograms.
     ///
     /// # Errors
-    /// As [`crate::formats::parquet::read`].
+    /// As for [`crate::formats::parquet::read`].
     pub fn forces(&self) -> Result<Table> {
         crate::formats::parquet::read(&self.path.join(FORCES), None)
     }
@@ -158,10 +158,10 @@ impl Run {
         crate::formats::parquet::read(&self.path.join(HISTOGRAMS).join(format!("{name}.parquet")), None)
     }
 
-    /// The history of the preparation; none where it was not recorded.
+    /// The history of the preparation; `None` if it was not recorded.
     ///
     /// # Errors
-    /// As [`crate::formats::parquet::read`].
+    /// As for [`crate::formats::parquet::read`].
     pub fn preparation(&self) -> Result<Option<Table>> {
         let path = self.path.join(PREPARATION);
         path.is_file().then(|| crate::formats::parquet::read(&path, None)).transpose()
@@ -178,23 +178,23 @@ impl Run {
     /// A snapshot.
     ///
     /// # Errors
-    /// As [`snapshot::read_snapshot`].
+    /// As for [`snapshot::read_snapshot`].
     pub fn snapshot(&self, name: &str) -> Result<Assembly> {
         snapshot::read_snapshot(&self.path.join(SNAPSHOTS), name)
     }
 }
 
-/// The folder of a run, for writing; it is locked until this is dropped.
+/// The folder of a run, for writing; it is locked until this value is dropped.
 #[derive(Debug)]
 pub struct RunFolder {
     folder: OutputFolder,
 }
 
 impl RunFolder {
-    /// Makes the folder of a new run; with `force` an old run in it is removed, and nothing else.
+    /// Creates the folder of a new run; with `force`, a previous run in it is removed, and nothing else.
     ///
     /// # Errors
-    /// As [`OutputFolder::create`].
+    /// As for [`OutputFolder::create`].
     pub fn create(path: impl AsRef<Path>, force: bool) -> Result<RunFolder> {
         let folder = OutputFolder::create(path, force)?;
         folder.refuse_links(&FOLDERS.map(|(name, _)| name))?;
@@ -205,10 +205,10 @@ impl RunFolder {
         Ok(RunFolder { folder })
     }
 
-    /// Opens the folder of a run to go on with it.
+    /// Opens the folder of a run to continue it.
     ///
     /// # Errors
-    /// As [`OutputFolder::open`].
+    /// As for [`OutputFolder::open`].
     pub fn open(path: impl AsRef<Path>) -> Result<RunFolder> {
         let folder = OutputFolder::open(path)?;
         folder.refuse_links(&FOLDERS.map(|(name, _)| name))?;
@@ -218,16 +218,16 @@ impl RunFolder {
         Ok(RunFolder { folder })
     }
 
-    /// Writes the checkpoint as `fill` has it; the one before stays as [`PREVIOUS_CHECKPOINT`].
+    /// Writes a checkpoint through `fill`; the previous one is kept as [`PREVIOUS_CHECKPOINT`].
     ///
     /// # Errors
-    /// [`Error::File`] if it cannot be written; both that were there are then untouched.
+    /// [`Error::File`] if it cannot be written; both existing checkpoints are then unchanged.
     pub fn write_checkpoint(&self, fill: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> Result<()> {
         let previous = self.folder.file(PREVIOUS_CHECKPOINT);
         write_keeping_previous(&self.folder.file(CHECKPOINT), &previous, |file| fill(file))
     }
 
-    /// Puts a checkpoint that cannot be used aside as [`REFUSED_CHECKPOINT`].
+    /// Renames a checkpoint that cannot be used to [`REFUSED_CHECKPOINT`].
     ///
     /// # Errors
     /// [`Error::File`] if it cannot be renamed.
@@ -249,7 +249,7 @@ impl RunFolder {
         Run { path: self.folder.path().to_path_buf() }
     }
 
-    /// Writes the resolved case; with the name of the packing that takes the place of the random insertion, if one does.
+    /// Writes the resolved case, with the name of the packing that replaces the random insertion, if there is one.
     ///
     /// # Errors
     /// [`Error::File`] if it cannot be written.
@@ -261,7 +261,7 @@ impl RunFolder {
     /// Writes the history of the preparation.
     ///
     /// # Errors
-    /// As [`crate::formats::parquet::write`].
+    /// As for [`crate::formats::parquet::write`].
     pub fn write_preparation(&self, table: &Table) -> Result<()> {
         crate::formats::parquet::write(&self.folder.file(PREPARATION), table)
     }
@@ -269,7 +269,7 @@ impl RunFolder {
     /// Writes the table of states.
     ///
     /// # Errors
-    /// As [`crate::formats::parquet::write`].
+    /// As for [`crate::formats::parquet::write`].
     pub fn write_series(&self, table: &Table) -> Result<()> {
         crate::formats::parquet::write(&self.folder.file(SERIES), table)
     }
@@ -277,7 +277,7 @@ impl RunFolder {
     /// Writes the table of force histograms.
     ///
     /// # Errors
-    /// As [`crate::formats::parquet::write`].
+    /// As for [`crate::formats::parquet::write`].
     pub fn write_forces(&self, table: &Table) -> Result<()> {
         crate::formats::parquet::write(&self.folder.file(FORCES), table)
     }
@@ -295,13 +295,13 @@ impl RunFolder {
     /// Writes a snapshot, e.g. `sample` or `end`.
     ///
     /// # Errors
-    /// As [`snapshot::write_snapshot`]; [`Error::Value`] if the name is no plain word.
+    /// As for [`snapshot::write_snapshot`]; [`Error::Value`] if the name is not a plain word.
     pub fn write_snapshot(&self, name: &str, assembly: &Assembly) -> Result<()> {
         check_name("snapshot", name)?;
         snapshot::write_snapshot(&self.folder.subfolder(SNAPSHOTS)?, name, assembly)
     }
 
-    /// Writes the record, with the digests of the series and forces that are there.
+    /// Writes the record, with the digests of the existing tables.
     ///
     /// # Errors
     /// [`Error::File`] if it cannot be written.

@@ -1,4 +1,4 @@
-//! What `run.json` says of a run.
+//! The content of `run.json`.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -8,14 +8,14 @@ use serde::{Deserialize, Deserializer, Serialize};
 use super::RUN_FORMAT;
 use crate::case::Case;
 
-/// How far a run got.
+/// The status of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RunStatus {
-    /// It goes on, or was killed.
+    /// It is running, or was killed.
     #[default]
     Running,
-    /// It was stopped in good order (Ctrl-C) before its end.
+    /// It was stopped cleanly (Ctrl-C) before its end.
     Interrupted,
     /// It reached its end.
     Finished,
@@ -23,37 +23,37 @@ pub enum RunStatus {
     Failed,
 }
 
-/// One judgement of a run on itself: a measure against its threshold.
+/// One quality check of a run: a measure compared with its threshold.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct QualityFlag {
-    /// What is judged, e.g. `servo_error_rms`.
+    /// The measure, e.g. `servo_error_rms`.
     pub name: String,
     /// The measured value (a null in the file is NaN).
     #[serde(deserialize_with = "null_is_nan")]
     pub value: f64,
-    /// The largest value that is good.
+    /// The largest acceptable value.
     pub limit: f64,
-    /// True if the value is good.
+    /// True if the value is acceptable.
     pub passed: bool,
     /// What to change if it is not.
     pub advice: String,
 }
 
 impl QualityFlag {
-    /// Judges a measure that is good up to `limit`; NaN is not good.
+    /// A check that passes up to `limit`; NaN does not pass.
     pub fn at_most(name: impl Into<String>, value: f64, limit: f64, advice: impl Into<String>) -> Self {
         QualityFlag { name: name.into(), value, limit, passed: value <= limit, advice: advice.into() }
     }
 }
 
-/// Where the sample of a run came from.
+/// The origin of the sample of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RunSource {
-    /// It was prepared as the case says.
+    /// It was prepared according to the case.
     #[default]
     Case,
-    /// It is the one that was left in this folder.
+    /// It is the sample in this run folder.
     Sample(PathBuf),
     /// A packing file.
     Packing {
@@ -64,7 +64,7 @@ pub enum RunSource {
     },
 }
 
-/// The packing that the sample of a run is made of.
+/// The packing that the sample of a run was made from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PackingRecord {
     /// Name of its file.
@@ -79,16 +79,16 @@ pub struct PackingRecord {
     pub spread: f64,
 }
 
-/// The machine that a run ran on. It decides times, never results.
+/// The computer on which a run was executed. It affects times, never results.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
     /// Operating system and processor family, e.g. `linux x86_64`.
     pub system: String,
     /// Instruction set in use, e.g. `avx512`.
     pub instruction_set: String,
-    /// Threads in use.
+    /// Number of threads in use.
     pub threads: usize,
-    /// Threads that the machine offers.
+    /// Number of threads that the machine offers.
     pub available_threads: usize,
 }
 
@@ -115,37 +115,37 @@ fn is_own_engine(engine: &str) -> bool {
     engine == OWN_ENGINE || engine.is_empty()
 }
 
-/// What `run.json` says of a run.
+/// The content of `run.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {
     /// Layout of this file, [`RUN_FORMAT`].
     pub format: u32,
-    /// Version of granum that ran.
+    /// Version of granum that executed the run.
     pub granum_version: String,
-    /// What was run, e.g. `prepare`, `shear`.
+    /// The kind of the run, e.g. `prepare`, `shear`.
     pub kind: String,
-    /// How far it got.
+    /// Its status.
     pub status: RunStatus,
     /// Name of the engine that ran it.
     #[serde(default = "own_engine", skip_serializing_if = "is_own_engine")]
     pub engine: String,
-    /// Seed of the sample; none if it is made of a packing.
+    /// Seed of the sample; `None` if it was made from a packing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
     /// [`Case::digest_with`] of the case and the packing.
     pub case_digest: String,
     /// [`Case::preparation_digest_with`] of the case and the packing.
     pub preparation_digest: String,
-    /// The packing that the sample is made of, if it is, also where the run took a sample that was made of it.
+    /// The packing that the sample was made from, if any, also where the run took over such a sample from another run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub packing: Option<PackingRecord>,
-    /// Where the sample came from.
+    /// The origin of the sample.
     #[serde(default)]
     pub source: RunSource,
-    /// The resolved case until `case.toml` is written: a run that is killed in between can be begun again.
+    /// The resolved case until `case.toml` is written: a run that is killed in between can be started again.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unwritten_case: Option<String>,
-    /// What is under way in a run that did not reach its end, e.g. `compaction, trial 2`.
+    /// The present phase of a run that did not reach its end, e.g. `compaction, trial 2`.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub phase: String,
     /// Number of grains.
@@ -156,24 +156,24 @@ pub struct RunRecord {
     /// Seconds of wall time by phase.
     #[serde(default)]
     pub wall_seconds: BTreeMap<String, f64>,
-    /// What the run measured once, by name, in SI units: solid fraction, coordination numbers...
+    /// Quantities that the run measured once, by name, in SI units: solid fraction, coordination numbers...
     #[serde(default, deserialize_with = "nulls_are_nan")]
     pub measures: BTreeMap<String, f64>,
     /// The machine.
     pub machine: Machine,
-    /// The run's judgement on itself.
+    /// The quality checks of the run.
     #[serde(default)]
     pub quality: Vec<QualityFlag>,
     /// SHA-256 of the files with physical content, by name.
     #[serde(default)]
     pub content: BTreeMap<String, String>,
-    /// Remarks for people.
+    /// Remarks for the user.
     #[serde(default)]
     pub notes: Vec<String>,
 }
 
 impl RunRecord {
-    /// The start of a record for a case.
+    /// The initial record for a case.
     pub fn new(
         kind: impl Into<String>,
         granum_version: impl Into<String>,
@@ -194,7 +194,7 @@ impl RunRecord {
         }
     }
 
-    /// Says that the sample is made of a packing: its grains, no seed, and digests that cover it.
+    /// Records that the sample is made from a packing: its grains, no seed, and digests that include it.
     pub fn set_packing(&mut self, case: &Case, packing: PackingRecord) {
         self.seed = None;
         self.grains = packing.grains;
@@ -203,12 +203,12 @@ impl RunRecord {
         self.packing = Some(packing);
     }
 
-    /// SHA-256 of the packing that the sample is made of.
+    /// SHA-256 of the packing that the sample was made from.
     pub fn packing_digest(&self) -> Option<&str> {
         self.packing.as_ref().map(|packing| packing.sha256.as_str())
     }
 
-    /// True if the run is of this whole case and of the packing that it names.
+    /// True if the run belongs to exactly this case, with the packing that it names.
     pub fn is_of(&self, case: &Case) -> bool {
         self.case_digest == case.digest_with(self.packing_digest())
     }
@@ -219,12 +219,13 @@ impl RunRecord {
         steps.saturating_mul(self.grains as u64)
     }
 
-    /// True if every judgement is good.
+    /// True if all quality checks passed.
     pub fn is_good(&self) -> bool {
         self.quality.iter().all(|flag| flag.passed)
     }
 
-    /// True if the run is finished, was of this whole case, and by this version: then it need not be run again.
+    /// True if the run is finished, belongs to exactly this case, and was executed by this version: it need not be repeated
+    /// then.
     pub fn answers(&self, case: &Case, granum_version: &str) -> bool {
         self.status == RunStatus::Finished
             && self.case_digest == case.digest()
@@ -236,10 +237,10 @@ fn null_is_nan<'de, D: Deserializer<'de>>(input: D) -> std::result::Result<f64, 
     Ok(Option::<f64>::deserialize(input)?.unwrap_or(f64::NAN))
 }
 
-/// Numbers by name where a null is NaN: JSON has no other way to say it.
+/// Numbers by name where a null is NaN, which JSON cannot represent otherwise.
 ///
 /// # Errors
-/// If a value is neither.
+/// If a value is neither a number nor a null.
 pub fn nulls_are_nan<'de, D: Deserializer<'de>>(
     input: D,
 ) -> std::result::Result<BTreeMap<String, f64>, D::Error> {

@@ -1,4 +1,4 @@
-//! Many answers of the networks of a mapping, from table to table, and what there is to know of them.
+//! Predictions of the networks of a mapping for whole tables, with remarks on their validity.
 
 use std::collections::BTreeSet;
 
@@ -8,25 +8,25 @@ use super::{MappingNetworks, RowAnswer};
 use crate::error::{LearnError, Result};
 use crate::inference::{chosen, rows_of};
 
-/// Answers to the rows of a table.
+/// Predictions for the rows of a table.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Batch {
-    /// The inputs, then `predicted_NAME`, where networks know them `standard_deviation`, `lower` and `upper`, then
-    /// `sub_model` (from 1) and `outside` (1 where an input lies outside what was trained).
+    /// The inputs, then `predicted_NAME`, then `standard_deviation`, `lower` and `upper` if the networks provide them, and
+    /// last `sub_model` (from 1) and `outside` (1 if an input is outside the trained range).
     pub table: Table,
-    /// Number of rows outside.
+    /// Number of rows outside the trained range.
     pub outside: usize,
-    /// The sub-models that answered, from 0.
+    /// The sub-models that were used, from 0.
     pub sub_models: Vec<usize>,
 }
 
 impl MappingNetworks {
-    /// Answers every row of a table that has a column for each of [`MappingNetworks::input_names`], with intervals of this
+    /// Predicts every row of a table with a column for each of [`MappingNetworks::input_names`], with intervals of the given
     /// level.
     ///
     /// # Errors
-    /// If a column is missing or a value is not finite; the message says where.
+    /// If a column is missing or a value is not finite; the message gives the position.
     pub fn predict_table(&self, table: &Table, level: f64) -> Result<Batch> {
         let inputs = chosen(table, &self.input_names())?;
         for column in inputs.columns() {
@@ -55,12 +55,12 @@ impl MappingNetworks {
         Ok(Batch { table, outside, sub_models: sub_models.into_iter().collect() })
     }
 
-    /// Numbers, from 1, of those of the sub-models (from 0) whose networks learned a constant.
+    /// The numbers, counted from 1, of those of the given sub-models (counted from 0) whose networks learned a constant.
     pub fn constants(&self, sub_models: &[usize]) -> Vec<usize> {
         sub_models.iter().filter(|k| self.networks()[**k].is_constant()).map(|k| k + 1).collect()
     }
 
-    /// What there is to know about answers of these sub-models (from 0), in sentences.
+    /// Remarks on predictions of the given sub-models (from 0), as sentences.
     pub fn remarks(&self, sub_models: &[usize]) -> Vec<String> {
         let name = &self.mapping().name;
         let constant = self.constants(sub_models).into_iter().map(|number| {

@@ -1,8 +1,8 @@
-//! The data of Figures 3-8: networks as lines, unseen DEM as points, the seed scatter as a band.
+//! The data of Figures 3-8: networks as lines, unseen DEM runs as points, the seed scatter as a band.
 //!
-//! Figures 3, 5 and 8 draw a number against strain, with a line for each sub-model; Figures 4, 6 and 7 draw P(f)
-//! against f, a panel a sub-model, at three strains each. The soft sensors that a network reads are those of the
-//! unseen run whose points it is drawn with, linear between recorded states.
+//! Figures 3, 5 and 8 show a scalar as a function of strain, with one line for each sub-model; Figures 4, 6 and 7 show
+//! P(f) as a function of f at three strains, with one panel for each sub-model. The soft sensors that a network receives
+//! are those of the unseen run that is shown as points, interpolated linearly between recorded states.
 
 use serde::{Deserialize, Serialize};
 
@@ -16,68 +16,68 @@ use crate::error::Result;
 pub struct Figure {
     /// Name of the mapping.
     pub mapping: String,
-    /// As the paper writes it.
+    /// Formula of the mapping, as in the paper.
     pub formula: String,
-    /// What is drawn upward.
+    /// Quantity on the vertical axis.
     pub output: Quantity,
-    /// Its panels.
+    /// Panels of the figure.
     pub panels: Vec<Panel>,
 }
 
 /// A panel of a figure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Panel {
-    /// Range of deviator strain that it shows.
+    /// Range of deviator strain of the panel.
     pub strain_range: [f64; 2],
-    /// True if f is drawn to the right, false if the deviator strain.
+    /// True if the horizontal axis is f, false if it is the deviator strain.
     pub against_force: bool,
     /// Curves of the networks.
     pub lines: Vec<Curve>,
     /// Curves of the strain-only networks.
     pub strain_only: Vec<Curve>,
-    /// DEM, runs that no network saw.
+    /// Unseen DEM runs.
     pub points: Vec<Curve>,
-    /// Mean of all DEM runs less and plus one standard deviation between them.
+    /// Mean of all DEM runs minus and plus one standard deviation between them.
     pub bands: Vec<Band>,
 }
 
 /// Values to draw as a line or as points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Curve {
-    /// Name of the DEM run that is shown, or whose soft sensors were read.
+    /// Name of the DEM run that is shown, or whose soft sensors were the inputs.
     pub run: String,
     /// Number of the sub-model, from 1; 0 for DEM.
     pub sub_model: usize,
-    /// Deviator strain of the curve, where it is drawn against f.
+    /// Deviator strain of the curve, if the horizontal axis is f.
     pub strain: Option<f64>,
-    /// To the right.
+    /// Horizontal coordinates.
     pub x: Vec<f64>,
-    /// Upward.
+    /// Vertical coordinates.
     pub y: Vec<f64>,
-    /// Where a network was asked outside the range it was trained in.
+    /// True where the inputs of a network were outside its trained range.
     pub outside: Vec<bool>,
 }
 
 /// A band to shade.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Band {
-    /// Deviator strain of the band, where it is drawn against f.
+    /// Deviator strain of the band, if the horizontal axis is f.
     pub strain: Option<f64>,
-    /// To the right.
+    /// Horizontal coordinates.
     pub x: Vec<f64>,
-    /// Its lower edge.
+    /// Lower edge of the band.
     pub low: Vec<f64>,
-    /// Its upper edge.
+    /// Upper edge of the band.
     pub high: Vec<f64>,
 }
 
-/// Points of a line.
+/// Number of points of a line.
 const FINE: usize = 200;
 
-/// The figures of a study, one a mapping. Without unseen runs the training runs take their place.
+/// The figures of a study, one for each mapping. If there are no unseen runs, the training runs are shown instead.
 ///
 /// # Errors
-/// If a state holds a value that is not finite.
+/// If a state contains a value that is not finite.
 pub fn figures(study: &Study, dataset: &StudyData) -> Result<Vec<Figure>> {
     let runs = if dataset.unseen_runs.is_empty() { &dataset.training_runs } else { &dataset.unseen_runs };
     study
@@ -143,7 +143,7 @@ fn scalar_panel(trained: &TrainedMapping, dataset: &StudyData, runs: &[Run]) -> 
     Ok(panel)
 }
 
-/// States of a run at fine, equal steps of strain within a sub-model and within the run.
+/// States of a run at small, equal intervals of strain within the range of a sub-model and of the run.
 fn fine_states(mapping: &Mapping, run: &Run, sub_model: usize) -> Vec<State> {
     let [low, high] = mapping.sub_models[sub_model].strain_range;
     let (Some(first), Some(last)) = (run.states.first(), run.states.last()) else { return Vec::new() };
@@ -208,7 +208,7 @@ fn distribution_panel(
     Ok(panel)
 }
 
-/// The state of a run nearest to a strain, within a sub-model.
+/// The state of a run closest to a strain, within the range of a sub-model.
 fn nearest<'a>(mapping: &Mapping, run: &'a Run, strain: f64, sub_model: usize) -> Option<&'a State> {
     run.states
         .iter()

@@ -1,8 +1,8 @@
-//! Studies in files.
+//! The files of a study.
 //!
-//! A study is a folder: `study.json` says what was
-//! trained on what, and each network is a model file of its own, `F1-1.json` to `F6-3.json` and
-//! `F1-strain-only-1.json` to `F6-strain-only-3.json`. `baselines.json` holds what stands beside them.
+//! A study is a folder: `study.json` describes the networks and their training runs, and each network has its own model
+//! file, `F1-1.json` to `F6-3.json` and `F1-strain-only-1.json` to `F6-strain-only-3.json`. `baselines.json` contains the
+//! baselines.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -24,7 +24,7 @@ use crate::error::{LearnError, Result};
 use crate::runs::StudyRun;
 
 const FORMAT: &str = "granum study";
-/// Version 1 did not say on which runs a study stands.
+/// Version of the format. Version 1 did not record the runs of a study.
 const VERSION: u64 = 2;
 
 #[derive(Serialize, Deserialize)]
@@ -36,7 +36,7 @@ struct StudyFile {
     trainer: String,
     seed: u64,
     dataset_hash: String,
-    /// What was trained and judged on; nothing in files of version 1.
+    /// The runs for training and evaluation; `None` in files of version 1.
     #[serde(default)]
     runs: Option<Vec<StudyRun>>,
     /// Centres of the bins of f.
@@ -49,14 +49,15 @@ struct StudyFile {
 #[serde(deny_unknown_fields)]
 struct MappingFile {
     mapping: Mapping,
-    /// In files of earlier versions; now in a file of their own, so that this one has the same bytes again.
+    /// Only in files of earlier versions; the times are now in a separate file, so that this one is reproducible byte by
+    /// byte.
     #[serde(default, skip_serializing)]
     training_seconds: Vec<f64>,
     #[serde(default, skip_serializing)]
     strain_only_training_seconds: Vec<f64>,
 }
 
-/// Writes a study into a folder that is there, with the runs that it was trained and judged on.
+/// Writes a study to an existing folder, with the runs for training and evaluation.
 ///
 /// # Errors
 /// If a file cannot be written.
@@ -64,7 +65,7 @@ pub fn save_study(folder: &Path, study: &Study, runs: &[StudyRun]) -> Result<()>
     for trained in &study.mappings {
         for (surrogate, strain_only) in [(&trained.surrogate, false), (&trained.strain_only, true)] {
             for (k, model) in surrogate.networks().iter().enumerate() {
-                // Both surrogates carry the name of the mapping.
+                // Both surrogates have the name of the mapping.
                 let name = network_name(surrogate.mapping(), strain_only, k);
                 let failed = |error: granum_nets::ModelError| network_error(&name, &error);
                 model.save(&folder.join(network_file(&name))).map_err(failed)?;
@@ -98,7 +99,7 @@ pub fn save_study(folder: &Path, study: &Study, runs: &[StudyRun]) -> Result<()>
     write_json(&folder.join(STUDY_FILE), &file)
 }
 
-/// Seconds of every network by name.
+/// Training times of all networks by name, s.
 fn seconds_of(study: &Study) -> BTreeMap<String, f64> {
     let mut all = BTreeMap::new();
     for trained in &study.mappings {
@@ -112,10 +113,10 @@ fn seconds_of(study: &Study) -> BTreeMap<String, f64> {
     all
 }
 
-/// Reads the study of a folder.
+/// Reads a study from its folder.
 ///
 /// # Errors
-/// If a file is missing, damaged or of a newer version; the message names it.
+/// If a file is missing, damaged or of a newer version; the message names the file.
 pub fn load_study(folder: &Path) -> Result<Study> {
     let path = folder.join(STUDY_FILE);
     let file = read_study_file(&path)?;
@@ -152,7 +153,7 @@ pub fn load_study(folder: &Path) -> Result<Study> {
     Ok(study)
 }
 
-/// The baselines of a study; nothing if it was written before they were kept.
+/// The baselines of a study; `None` if it was written by a version that did not store them.
 fn load_baselines(folder: &Path, study: &Study) -> Result<Option<Baselines>> {
     let path = folder.join(BASELINES_FILE);
     if !path.exists() {
@@ -169,7 +170,8 @@ fn load_baselines(folder: &Path, study: &Study) -> Result<Option<Baselines>> {
     Ok(Some(baselines))
 }
 
-/// The runs that the study of a folder was trained and judged on; nothing if it was written before studies said so.
+/// The runs with which the study in a folder was trained and evaluated; `None` if it was written by a version that did not
+/// record them.
 ///
 /// # Errors
 /// If `study.json` is missing, damaged or of a newer version; the message names it.
@@ -189,7 +191,7 @@ fn read_study_file(path: &Path) -> Result<StudyFile> {
     Ok(file)
 }
 
-/// Seconds for every sub-model, 0 where the file has none.
+/// Training times of all sub-models, s; 0 if the file has none.
 fn padded(seconds: &[f64], count: usize) -> Vec<f64> {
     (0..count).map(|k| seconds.get(k).copied().unwrap_or(0.0)).collect()
 }

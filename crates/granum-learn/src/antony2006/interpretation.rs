@@ -1,4 +1,4 @@
-//! What the networks learned, in plain sentences from the numbers.
+//! Interpretation of the results of the networks in plain sentences.
 
 use crate::antony2006::sensor_use::Verdict;
 use crate::antony2006::size_study::SizeStudy;
@@ -16,7 +16,7 @@ fn points(test: &PairedTest) -> String {
     format!("{:.2}{error} percentage points", 100.0 * test.mean)
 }
 
-/// Words in a row: `a`, `a and b`, `a, b and c`.
+/// A list of words: `a`, `a and b`, `a, b and c`.
 fn listed(words: &[String]) -> String {
     match words {
         [] => String::new(),
@@ -33,7 +33,7 @@ pub fn read_mapping(evaluation: &Evaluation) -> String {
     sentences.join(" ")
 }
 
-/// How far the networks and what stands beside them miss.
+/// The errors of the networks and of the baselines.
 fn errors(evaluation: &Evaluation) -> String {
     let mapping = &evaluation.mapping;
     let unseen = evaluation.network.unseen.states > 0;
@@ -53,7 +53,7 @@ fn errors(evaluation: &Evaluation) -> String {
     )
 }
 
-/// What the networks make of their sensors; nothing to say without unseen runs.
+/// The use that the networks make of their sensors; `None` without unseen runs.
 fn sensors(evaluation: &Evaluation) -> Option<String> {
     let names: Vec<String> =
         evaluation.mapping.inputs.iter().skip(1).map(|input| input.symbol().to_owned()).collect();
@@ -93,7 +93,7 @@ fn sensors(evaluation: &Evaluation) -> Option<String> {
     })
 }
 
-/// Names the sub-models whose networks are constants.
+/// A sentence that names the sub-models whose networks are constant.
 fn constants(evaluation: &Evaluation) -> Option<String> {
     let numbers: Vec<String> = (evaluation.sub_models.iter().enumerate())
         .filter(|(_, sub_model)| sub_model.constant)
@@ -112,7 +112,7 @@ fn constants(evaluation: &Evaluation) -> Option<String> {
     }
 }
 
-/// Sentences on the size of networks with and without a further soft sensor.
+/// Sentences on the size of networks with and without an additional soft sensor.
 pub fn read_size_study(study: &SizeStudy) -> Vec<String> {
     let [first, others @ ..] = study.curves.as_slice() else { return Vec::new() };
     let size = |neurons: Option<usize>| match neurons {
@@ -145,7 +145,7 @@ pub fn read_size_study(study: &SizeStudy) -> Vec<String> {
 
 /// A sentence on speed.
 pub fn read_speed(speed: &SpeedSummary) -> String {
-    // Two figures: the time of the networks wavers by more.
+    // The factor is rounded to two digits, since the measured time of the networks varies by more than that.
     let magnitude = 10f64.powf(speed.factor.max(1.0).log10().floor() - 1.0);
     let factor = (speed.factor / magnitude).round() * magnitude;
     format!(
@@ -159,7 +159,7 @@ pub fn read_speed(speed: &SpeedSummary) -> String {
     )
 }
 
-/// The whole reading.
+/// The complete interpretation.
 pub fn read(
     evaluations: &[Evaluation],
     size_study: Option<&SizeStudy>,

@@ -1,4 +1,4 @@
-//! The files in the folder of a study: their names, and what the name of a mapping may be.
+//! Names of the files in the folder of a study, and the check of the names of mappings.
 
 use std::io::Write;
 use std::path::Path;
@@ -15,9 +15,9 @@ pub const STUDY_FILE: &str = "study.json";
 /// File with the baselines of a study.
 pub const BASELINES_FILE: &str = "baselines.json";
 
-/// File that says what the training in a folder is of.
+/// File with the manifest of the training in a folder.
 pub const PLAN_FILE: &str = "training.json";
-/// File of the seconds that each network took. They are apart because all other files have the same bytes again.
+/// File with the training times of the networks. They are separate because all other files are reproducible byte by byte.
 pub const TIMES_FILE: &str = "seconds.json";
 
 /// File of a network in the folder of a study.
@@ -25,7 +25,7 @@ pub fn network_file(network: &str) -> String {
     format!("{network}.json")
 }
 
-/// Writes a value as JSON that a person can read.
+/// Writes a value as readable JSON.
 ///
 /// # Errors
 /// If the file cannot be written.
@@ -37,10 +37,10 @@ pub fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
     Ok(())
 }
 
-/// Most networks of a mapping.
+/// Largest number of networks of a mapping.
 const MOST_SUB_MODELS: usize = 1000;
 
-/// The name of a mapping becomes part of the names of files: it must not lead out of the folder.
+/// Checks the name of a mapping, which becomes a part of file names and must not lead out of the folder.
 pub(crate) fn check_mapping(path: &Path, mapping: &Mapping) -> Result<()> {
     let wrong = |why: String| Error::content(path, format!("mapping {:?}: {why}", mapping.name)).into();
     granum_io::check_name("name", &mapping.name).map_err(|error| wrong(error.to_string()))?;

@@ -1,9 +1,10 @@
-//! What networks learn from more runs: error on unseen runs against the number of training runs.
+//! Learning curves: error on unseen runs as a function of the number of training runs.
 //!
-//! The paper trained on one run. On one path of one sample every quantity is a function of strain, and what a sensor could
-//! add does not show: it is in what runs differ by. So the same mappings are trained on 1, 2, 4, ... runs and scored on runs
-//! of other seeds, every time beside networks that see strain only, ridge regression, and the same networks told the sensors
-//! of another unseen run at the same strain. A difference counts if it is beyond its scatter over the unseen runs.
+//! The paper trained on one run. On a single path of a single sample every quantity is a function of strain, and the
+//! information of a sensor cannot show, because it lies in the differences between runs. The same mappings are therefore
+//! trained on 1, 2, 4, ... runs and scored on runs with other seeds, and are compared with strain-only networks, with ridge
+//! regression, and with the same networks that receive the sensors of another unseen run at the same strain. A difference
+//! counts only if it exceeds its scatter over the unseen runs.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +19,7 @@ use crate::error::Result;
 use crate::score::Scorer;
 use crate::student_t::PairedTest;
 
-/// Sets of training runs of one number that are tried at the most; their errors are averaged.
+/// Largest number of different sets of training runs of one size; their errors are averaged.
 const MOST_SETS: usize = 2;
 
 /// A mean over unseen runs with its standard error.
@@ -26,14 +27,14 @@ const MOST_SETS: usize = 2;
 pub struct Estimate {
     /// The mean.
     pub mean: f64,
-    /// Its standard error; 0 of a single run.
+    /// Standard error of the mean; 0 for a single run.
     pub standard_error: f64,
     /// Number of unseen runs.
     pub runs: usize,
 }
 
 impl Estimate {
-    /// Of one value a run.
+    /// The estimate from one value per run.
     pub fn of(values: &[f64]) -> Estimate {
         let n = values.len() as f64;
         let mean = values.iter().sum::<f64>() / n.max(1.0);
@@ -43,49 +44,51 @@ impl Estimate {
     }
 }
 
-/// Error against number of training runs.
+/// Errors as a function of the number of training runs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LearningCurve {
-    /// Grains of each run.
+    /// Number of grains of each run.
     pub grains: usize,
     /// Number of unseen runs.
     pub unseen_runs: usize,
     /// Name of the trainer.
     pub trainer: String,
-    /// By mapping, then by number of training runs.
+    /// The points, ordered by mapping and then by number of training runs.
     pub points: Vec<CurvePoint>,
 }
 
-/// One mapping trained on one number of runs. Errors are relative RMSE on unseen runs, with their standard error over these.
+/// Results of one mapping for one number of training runs. Errors are relative RMSE on unseen runs, with their standard
+/// error over these runs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CurvePoint {
     /// Name of the mapping.
     pub mapping: String,
-    /// As the paper writes it.
+    /// Formula of the mapping, as in the paper.
     pub formula: String,
     /// Number of training runs.
     pub training_runs: usize,
     /// Number of different sets of so many runs, whose errors are averaged.
     pub sets: usize,
-    /// The networks.
+    /// Error of the networks.
     pub network: Estimate,
-    /// Networks of the same sizes that see strain only.
+    /// Error of strain-only networks of the same size.
     pub strain_only: Estimate,
-    /// Ridge regression on splines with the same inputs.
+    /// Error of ridge regression on splines with the same inputs.
     pub ridge: Estimate,
-    /// Ridge regression that sees strain only.
+    /// Error of ridge regression on strain alone.
     pub ridge_strain_only: Estimate,
-    /// The networks told the sensors of another unseen run at the same strain; `None` of a single unseen run.
+    /// Error of the networks with the sensors of another unseen run at the same strain; `None` for a single unseen run.
     pub other_sensors: Option<Estimate>,
-    /// What the sensors take off the error of the strain-only networks, and whether that is beyond scatter.
+    /// Decrease of the error from the strain-only networks to the networks with sensors, with a test whether it exceeds the
+    /// scatter.
     pub help: PairedTest,
-    /// What the networks lose with the sensors of another run; `None` of a single unseen run.
+    /// Increase of the error of the networks with the sensors of another run; `None` for a single unseen run.
     pub lost_with_other: Option<PairedTest>,
 }
 
 impl CurvePoint {
-    /// True if the sensors take something off the error of strain-only networks, and if it is lost with the sensors of
-    /// another run, both beyond their scatter over the unseen runs.
+    /// True if the error is smaller than that of strain-only networks and increases with the sensors of another run, both
+    /// by more than the scatter over the unseen runs.
     pub fn helps(&self) -> bool {
         let used = self.lost_with_other.is_some_and(|lost| lost.above_zero == Some(true));
         used && self.help.above_zero == Some(true)
@@ -110,7 +113,7 @@ impl LearningCurve {
             trainer: options.trainer.name().to_owned(),
             points: Vec::new(),
         };
-        // The paper's trainer takes so many epochs that one and all must do.
+        // The trainer of the paper takes so many epochs that only one run and all runs are tried.
         let thorough = options.trainer.name() != PAPER_TRAINER;
         let sets = if thorough { MOST_SETS } else { 1 };
         for runs in numbers(training.len()).into_iter().filter(|&n| thorough || n == 1 || n == training.len())
@@ -127,7 +130,8 @@ impl LearningCurve {
         self.points.iter().filter(move |point| point.mapping == mapping)
     }
 
-    /// The least number of training runs from which on the sensors of a mapping help beyond scatter; `None` if they never do.
+    /// Smallest number of training runs from which on the sensors of a mapping reduce the error by more than the scatter;
+    /// `None` if they never do.
     pub fn helps_from(&self, mapping: &str) -> Option<usize> {
         let mut from = None;
         for point in self.of(mapping) {
@@ -138,7 +142,7 @@ impl LearningCurve {
 }
 
 impl LearningCurve {
-    /// Which sensors help, by how much and from how many runs on, in plain sentences.
+    /// Sentences that state which sensors reduce the error, by how much, and from how many runs on.
     pub fn interpretation(&self) -> Vec<String> {
         let mut names: Vec<&str> = self.points.iter().map(|point| point.mapping.as_str()).collect();
         names.dedup();
@@ -162,7 +166,7 @@ impl LearningCurve {
     }
 }
 
-/// A mapping whose sensors help.
+/// A sentence on a mapping whose sensors reduce the error.
 fn helped(point: &CurvePoint, from: usize, unseen: usize) -> String {
     let percent = |share: f64| format!("{:.1} %", 100.0 * share);
     let runs = |n: usize| if n == 1 { "1 training run".to_owned() } else { format!("{n} training runs") };
@@ -187,7 +191,7 @@ fn helped(point: &CurvePoint, from: usize, unseen: usize) -> String {
     text + "."
 }
 
-/// `a, b and c`.
+/// A list of names such as `a, b and c`.
 fn listed(names: &[&str]) -> String {
     match names {
         [] => String::new(),
@@ -196,7 +200,7 @@ fn listed(names: &[&str]) -> String {
     }
 }
 
-/// 1, 2, 4, ... and all.
+/// The numbers of training runs: 1, 2, 4, ... and all.
 fn numbers(all: usize) -> Vec<usize> {
     let mut numbers: Vec<usize> =
         std::iter::successors(Some(1), |n| Some(2 * n)).take_while(|n| *n < all).collect();
@@ -204,7 +208,7 @@ fn numbers(all: usize) -> Vec<usize> {
     numbers
 }
 
-/// All mappings trained on so many runs.
+/// The points of all mappings for one number of training runs.
 fn points(
     training: &[NamedRecord],
     unseen: &[NamedRecord],
@@ -238,7 +242,8 @@ fn points(
     Ok(options.mappings.iter().zip(&errors).map(point).collect())
 }
 
-/// Sums over sets, for each unseen run: of the network, strain only, ridge, ridge strain only, and with other sensors.
+/// For each unseen run, sums over sets of the errors of the networks, the strain-only networks, ridge regression, ridge
+/// regression on strain alone, and the networks with other sensors.
 #[derive(Clone, Debug, Default)]
 struct Errors {
     by_run: Vec<[f64; 5]>,

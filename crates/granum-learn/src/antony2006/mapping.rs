@@ -1,17 +1,17 @@
 //! The six mappings of Antony, Zhou and Wang (2006) with the sub-models of their Tables 1-6.
 //!
-//! `P(f)` as an input is offered in two forms. In the paper's **point form** a state of a test gives one row a bin of
-//! f: the network sees (strain, ..., f, P). In the **histogram form** the network sees all bins of a state at once.
+//! `P(f)` can be an input in two forms. In the **point form** of the paper, a state of a test gives one row for each bin
+//! of f, and the inputs are (strain, ..., f, P). In the **histogram form** all bins of a state are inputs of the same row.
 //!
-//! Where `P(f)` is the output, the paper's captions name f among the inputs once (F2, sub-model 1) and leave it out
-//! elsewhere. A network with one output cannot say P without being told f, so in both forms f is an input of every
-//! network whose output is `P(f)`.
+//! If `P(f)` is the output, the captions of the paper mention f among the inputs only once (F2, sub-model 1). Since a
+//! network with one output cannot predict P without knowing f, in both forms f is an input of every network whose output
+//! is `P(f)`.
 
 use serde::{Deserialize, Serialize};
 
 use crate::error::{LearnError, Result};
 
-/// A quantity that a mapping reads or gives.
+/// A quantity that is an input or the output of a mapping.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
@@ -26,7 +26,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Its symbol in the paper.
+    /// Symbol of the quantity in the paper.
     pub fn symbol(self) -> &'static str {
         match self {
             Quantity::DeviatorStrain => "ε_d",
@@ -36,7 +36,8 @@ impl Quantity {
         }
     }
 
-    /// The column of a data set that holds it; of the force distribution the histogram, whose bins are columns.
+    /// The column of a data set with this quantity; for the force distribution the name of the histogram, whose bins are
+    /// columns.
     pub fn column(self) -> &'static str {
         match self {
             Quantity::DeviatorStrain => "deviator_strain",
@@ -51,11 +52,11 @@ impl Quantity {
     }
 }
 
-/// How the force distribution enters a network.
+/// The form in which the force distribution enters a network.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Form {
-    /// As one point: f and P(f) are one input each, and a state gives one row a bin (the paper).
+    /// As single points: f and P(f) are one input each, and a state gives one row for each bin (as in the paper).
     #[default]
     Point,
     /// As a whole: every bin is an input.
@@ -65,11 +66,11 @@ pub enum Form {
 /// One network of a mapping: its range of strain, size and training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SubModel {
-    /// Range of deviator strain; the end belongs to the next sub-model, or, if there is none, to this one.
+    /// Range of deviator strain; its end belongs to the next sub-model, if there is one.
     pub strain_range: [f64; 2],
-    /// Neurons of the hidden layers.
+    /// Numbers of neurons of the hidden layers.
     pub hidden: Vec<usize>,
-    /// Training epochs of the paper's trainer.
+    /// Number of epochs of the trainer of the paper.
     pub epochs: u64,
 }
 
@@ -78,24 +79,24 @@ pub struct SubModel {
 /// ```
 /// let mappings = granum_learn::paper_mappings();
 /// assert_eq!(mappings[2].formula(), "q/p = F3(ε_d, φ_d, P(f))");
-/// // The second sub-model answers from a deviator strain of 0.1 on.
+/// // The range of the second sub-model starts at a deviator strain of 0.1.
 /// assert_eq!(mappings[2].sub_model_at(0.1), (1, true));
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Mapping {
-    /// Its name, `F1` to `F6` in the paper.
+    /// Name of the mapping, `F1` to `F6` in the paper.
     pub name: String,
-    /// What it reads, the strain first.
+    /// The inputs, starting with the strain.
     pub inputs: Vec<Quantity>,
-    /// What it gives.
+    /// The output.
     pub output: Quantity,
-    /// Its networks, by rising strain.
+    /// The networks in the order of increasing strain.
     pub sub_models: Vec<SubModel>,
 }
 
 use Quantity::{DeviatorFabric, DeviatorStrain, ForceDistribution, StressRatio};
 
-/// A row of the paper's tables: start and end of the range, neurons in each of the two hidden layers, epochs.
+/// A row of the tables of the paper: start and end of the range, number of neurons in each of the two hidden layers, epochs.
 type Row = (f64, f64, usize, u64);
 
 /// Tables 1-6 of the paper.
@@ -138,7 +139,7 @@ const TABLES: [(&str, &[Quantity], Quantity, [Row; 3]); 6] = [
     ),
 ];
 
-/// Deviator strain at the end of the paper's tests.
+/// Deviator strain at the end of the tests of the paper.
 pub const PAPER_STRAIN: f64 = 0.3;
 
 /// The mappings F1-F6 with the sub-models of Tables 1-6.
@@ -146,7 +147,7 @@ pub fn paper_mappings() -> Vec<Mapping> {
     paper_mappings_to(PAPER_STRAIN)
 }
 
-/// The mappings F1-F6 with their strain ranges stretched so that 0.3 becomes `end`: for tests that end elsewhere.
+/// The mappings F1-F6 for tests that end at another strain: the strain ranges are scaled so that 0.3 becomes `end`.
 pub fn paper_mappings_to(end: f64) -> Vec<Mapping> {
     let stretch = |strain: f64| if end == PAPER_STRAIN { strain } else { strain / PAPER_STRAIN * end };
     TABLES
@@ -167,10 +168,10 @@ pub fn paper_mappings_to(end: f64) -> Vec<Mapping> {
         .collect()
 }
 
-/// The mapping of that name among F1-F6.
+/// The mapping of the given name among F1-F6.
 ///
 /// # Errors
-/// [`LearnError::Unknown`].
+/// [`LearnError::Unknown`] if there is no such mapping.
 pub fn paper_mapping(name: &str) -> Result<Mapping> {
     paper_mappings().into_iter().find(|mapping| mapping.name == name).ok_or_else(|| LearnError::Unknown {
         kind: "mapping",
@@ -180,13 +181,13 @@ pub fn paper_mapping(name: &str) -> Result<Mapping> {
 }
 
 impl Mapping {
-    /// As the paper writes it: `q/p = F1(ε_d, P(f))`.
+    /// The formula as in the paper: `q/p = F1(ε_d, P(f))`.
     pub fn formula(&self) -> String {
         let inputs: Vec<&str> = self.inputs.iter().map(|input| input.symbol()).collect();
         format!("{} = {}({})", self.output.symbol(), self.name, inputs.join(", "))
     }
 
-    /// The sub-model for a strain: that whose range holds it, or else the nearest, with `false`.
+    /// The sub-model for a strain, and whether its range contains the strain; if no range does, it is the nearest sub-model.
     pub fn sub_model_at(&self, strain: f64) -> (usize, bool) {
         let last = self.sub_models.len().saturating_sub(1);
         let holds = |k: usize| {
@@ -204,12 +205,12 @@ impl Mapping {
         (nearest.unwrap_or(0), false)
     }
 
-    /// The same mapping that sees strain only: same output, ranges, sizes and epochs.
+    /// The strain-only version of the mapping, with the same output, ranges, sizes and epochs.
     pub fn strain_only(&self) -> Mapping {
         Mapping { inputs: vec![Quantity::DeviatorStrain], ..self.clone() }
     }
 
-    /// The same mapping with so many neurons in every hidden layer.
+    /// The same mapping with the given number of neurons in every hidden layer.
     pub fn with_neurons(&self, neurons: usize) -> Mapping {
         let mut mapping = self.clone();
         for sub_model in &mut mapping.sub_models {
@@ -218,7 +219,7 @@ impl Mapping {
         mapping
     }
 
-    /// Names of the inputs of its networks, for bins of f at these centres.
+    /// Names of the inputs of the networks, for bins of f with the given centres.
     pub fn network_inputs(&self, form: Form, forces: &[f64]) -> Vec<String> {
         let mut names = Vec::new();
         for input in &self.inputs {
@@ -237,7 +238,8 @@ impl Mapping {
         names
     }
 
-    /// Which of its quantities each input of its networks belongs to: the bins of a distribution are one.
+    /// For each input of the networks, the number of the quantity to which it belongs; all bins of a distribution are one
+    /// quantity.
     pub fn input_quantities(&self, form: Form, bins: usize) -> Vec<usize> {
         let mut numbers = Vec::new();
         for input in &self.inputs {
@@ -254,12 +256,12 @@ impl Mapping {
         numbers
     }
 
-    /// Name of the output of its networks.
+    /// Name of the output of the networks.
     pub fn network_output(&self) -> &'static str {
         self.output.column()
     }
 
-    /// True if a state gives one row a bin of f.
+    /// True if a state gives one row for each bin of f.
     pub fn has_point_rows(&self, form: Form) -> bool {
         let reads = self.inputs.contains(&Quantity::ForceDistribution);
         self.output == Quantity::ForceDistribution || (reads && form == Form::Point)

@@ -1,4 +1,4 @@
-//! A trained mapping: its networks, and their answers.
+//! A trained mapping: its networks and their predictions.
 
 use granum_nets::{Deviation, Model};
 
@@ -9,54 +9,53 @@ use crate::error::{LearnError, Result};
 use crate::score::{Score, Scorer};
 use crate::surrogate::{Columns, Outside};
 
-/// A mapping with one trained network a sub-model.
+/// A mapping with one trained network for each sub-model.
 ///
-/// [`MappingNetworks::answer`] answers states, [`MappingNetworks::predict_row`] rows of its own inputs, among them the force
-/// where `P(f)` is the output; as a [`crate::Surrogate`] it predicts the columns of a data set.
+/// [`MappingNetworks::answer`] predicts states, and [`MappingNetworks::predict_row`] rows of the inputs of the mapping,
+/// which include the force if `P(f)` is the output. As a [`crate::Surrogate`] it predicts columns of a data set.
 #[derive(Clone, Debug)]
 pub struct MappingNetworks {
     mapping: Mapping,
     form: Form,
     forces: Vec<f64>,
     networks: Vec<Model>,
-    /// What it reads and predicts, seen as a surrogate.
+    /// Inputs and outputs of the mapping as a surrogate.
     columns: Columns,
 }
 
-/// What a surrogate says of a state.
+/// The prediction of a surrogate for a state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Answer {
-    /// The output: one value, or one a bin of f for a distribution.
+    /// The output: one value, or for a distribution one value for each bin of f.
     pub values: Vec<f64>,
-    /// Number of the sub-model that answered, from 0.
+    /// Number of the sub-model that was used, from 0.
     pub sub_model: usize,
-    /// True if the strain lies in no sub-model's range, or an input outside what its network was trained on.
+    /// True if the strain is outside the ranges of all sub-models, or an input is outside the trained range of the network.
     pub outside: bool,
 }
 
-/// What a surrogate says of one row, see [`MappingNetworks::input_names`].
+/// The prediction for one row, see [`MappingNetworks::input_names`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct RowAnswer {
     /// The output.
     pub value: f64,
-    /// Standard deviation of an observation around it, where the network knows it.
+    /// Standard deviation of an observation around the output, if the network provides it.
     pub standard_deviation: Option<f64>,
-    /// The same by its causes.
+    /// The standard deviation, split by cause.
     pub deviation: Option<Deviation>,
-    /// Lower and upper end of the interval asked for, where the network knows it.
+    /// Lower and upper end of the requested interval, if the network provides it.
     pub interval: Option<[f64; 2]>,
-    /// Number of the sub-model that answered, from 0.
+    /// Number of the sub-model that was used, from 0.
     pub sub_model: usize,
-    /// The inputs that lie outside the range the network was trained in; the strain is among them where no sub-model covers
-    /// it.
+    /// The inputs outside the trained range of the network, including the strain if no sub-model covers it.
     pub outside: Vec<Outside>,
 }
 
 impl MappingNetworks {
-    /// Puts a mapping and its networks together; `forces` are the centres of the bins of f.
+    /// A surrogate from a mapping and its networks; `forces` are the centres of the bins of f.
     ///
     /// # Errors
-    /// If there is not one network for each sub-model, or a network has other columns than the mapping.
+    /// If there is not one network for each sub-model, or the columns of a network are not those of the mapping.
     pub fn new(mapping: Mapping, form: Form, forces: Vec<f64>, networks: Vec<Model>) -> Result<Self> {
         let problem = |reason: String| LearnError::Network { network: mapping.name.clone(), reason };
         if mapping.sub_models.is_empty() || networks.len() != mapping.sub_models.len() {
@@ -84,12 +83,12 @@ impl MappingNetworks {
         &self.columns
     }
 
-    /// What it maps.
+    /// The mapping.
     pub fn mapping(&self) -> &Mapping {
         &self.mapping
     }
 
-    /// How the force distribution enters.
+    /// Form in which the force distribution enters the networks.
     pub fn form(&self) -> Form {
         self.form
     }
@@ -99,19 +98,20 @@ impl MappingNetworks {
         &self.forces
     }
 
-    /// Its networks, one a sub-model.
+    /// The networks, one for each sub-model.
     pub fn networks(&self) -> &[Model] {
         &self.networks
     }
 
-    /// Names of the values of a row that [`MappingNetworks::predict_row`] takes, those of a state in both forms: strain, fabric, stress
-    /// ratio, the densities of all bins where the distribution is read, and the force where it is the answer.
+    /// Names of the values of a row for [`MappingNetworks::predict_row`]. In both forms they are the quantities of a
+    /// state: strain, fabric, stress ratio, the densities of all bins if the distribution is an input, and the force if
+    /// the distribution is the output.
     pub fn input_names(&self) -> Vec<String> {
         self.mapping.network_inputs(Form::Histogram, &self.forces)
     }
 
-    /// What the network of a sub-model was trained on, for each of [`MappingNetworks::input_names`]; of the strain the part that
-    /// the mapping answers. In point form all bins share the range of the densities.
+    /// The trained range of a sub-model for each of [`MappingNetworks::input_names`]; for the strain only the part that
+    /// the mapping covers. In point form all bins share the range of the densities.
     pub fn trained_ranges(&self, sub_model: usize) -> Vec<[f64; 2]> {
         let network = &self.networks[sub_model];
         let covered = self.mapping.sub_models.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], s| {
@@ -131,8 +131,8 @@ impl MappingNetworks {
         self.input_names().iter().map(range).collect()
     }
 
-    /// Answers one row, the deviator strain first: the sub-model is chosen by it. The interval holds that share of the
-    /// states of unseen runs.
+    /// The prediction for one row. Its first value, the deviator strain, selects the sub-model. The interval should
+    /// contain the share `level` of the states of unseen runs.
     ///
     /// # Errors
     /// If the row has the wrong length or a value is not finite.
@@ -144,7 +144,7 @@ impl MappingNetworks {
         })
     }
 
-    /// As [`MappingNetworks::predict_row`] for many rows, one after the other.
+    /// As [`MappingNetworks::predict_row`], for many rows in row-major order.
     ///
     /// # Errors
     /// As [`MappingNetworks::predict_row`].
@@ -194,13 +194,13 @@ impl MappingNetworks {
         found.map(|k| Outside { name: names[k].clone(), value: row[k], range: ranges[k] }).collect()
     }
 
-    /// Rows of network inputs that answer one row together.
+    /// Number of rows of network inputs whose outputs are averaged for one row.
     fn row_points(&self) -> usize {
         let number = self.mapping.output != Quantity::ForceDistribution;
         if number && self.mapping.has_point_rows(self.form) { self.forces.len() } else { 1 }
     }
 
-    /// The network inputs of one row of [`MappingNetworks::input_names`]: the row itself, or a row a bin of f.
+    /// The network inputs for one row of [`MappingNetworks::input_names`]: the row itself, or one row for each bin of f.
     fn network_rows(&self, row: &[f64]) -> Vec<f64> {
         if self.form == Form::Histogram || !self.mapping.inputs.contains(&Quantity::ForceDistribution) {
             return row.to_vec();
@@ -221,8 +221,8 @@ impl MappingNetworks {
         rows
     }
 
-    /// Intervals that hold that share of the states of unseen runs, for states: `[lower, upper]` of the output, or of each bin
-    /// of f. Nothing for a state whose network knows no standard deviation.
+    /// Intervals that should contain the given share of the states of unseen runs: for each state `[lower, upper]` of the
+    /// output, or of each bin of f. `None` for a state whose network provides no standard deviation.
     ///
     /// # Errors
     /// As [`MappingNetworks::answer`].
@@ -251,7 +251,7 @@ impl MappingNetworks {
         Ok(intervals)
     }
 
-    /// Answers of a network to observations of so many points, with what they scatter by.
+    /// Predictions of a network for observations of so many points, with their standard deviations.
     fn spread(&self, sub_model: usize, inputs: &[f64], points: usize, level: f64) -> Result<Spread> {
         let network = &self.networks[sub_model];
         let failed = |error: granum_nets::ModelError| self.failed(sub_model, &error);
@@ -265,16 +265,16 @@ impl MappingNetworks {
         })
     }
 
-    /// Answers states. A number that is asked of every bin of f (point form) is the mean over the bins.
+    /// The predictions for states. In point form a scalar is the mean of the outputs over the bins of f.
     ///
     /// # Errors
-    /// If a state holds a value that is not finite.
+    /// If a state contains a value that is not finite.
     pub fn answer<'a>(&self, states: impl IntoIterator<Item = &'a State>) -> Result<Vec<Answer>> {
         self.answer_at(states, &self.forces)
     }
 
-    /// As [`MappingNetworks::answer`], with a distribution given at any values of f. Inputs that are distributions stand at
-    /// the bins of f all the same.
+    /// As [`MappingNetworks::answer`], but a distribution is predicted at arbitrary values of f. Distributions that are
+    /// inputs are still given at the bins of f.
     ///
     /// # Errors
     /// As [`MappingNetworks::answer`].
@@ -287,7 +287,7 @@ impl MappingNetworks {
         let at: Vec<(usize, bool)> =
             states.iter().map(|state| self.mapping.sub_model_at(state.strain)).collect();
         let mut answers = Vec::with_capacity(states.len());
-        // States that follow each other in one sub-model go through its network together.
+        // Consecutive states of one sub-model are evaluated together.
         let mut start = 0;
         while start < states.len() {
             let sub_model = at[start].0;
@@ -327,7 +327,7 @@ impl MappingNetworks {
         Ok(())
     }
 
-    /// The rows of network inputs for states, at any values of f where the output is a distribution.
+    /// The rows of network inputs for states, at arbitrary values of f if the output is a distribution.
     fn inputs(&self, states: &[&State], forces: &[f64]) -> Vec<f64> {
         if self.mapping.output != Quantity::ForceDistribution || forces == self.forces {
             return Rows::new(&self.mapping, self.form, &self.forces, states.iter().copied()).inputs;
@@ -335,7 +335,7 @@ impl MappingNetworks {
         let mut inputs = Vec::new();
         for state in states {
             let one = Rows::new(&self.mapping, self.form, &self.forces, [*state]);
-            // f is the last input where the output is a distribution.
+            // If the output is a distribution, f is the last input.
             let others = &one.inputs[..one.input_columns - 1];
             for &force in forces {
                 inputs.extend_from_slice(others);
@@ -345,7 +345,7 @@ impl MappingNetworks {
         inputs
     }
 
-    /// Scores the answers to states within the ranges of the sub-models; with `sub_model`, to its states alone.
+    /// The score of the predictions for states within the ranges of the sub-models, or only within that of `sub_model`.
     ///
     /// # Errors
     /// As [`MappingNetworks::answer`].
@@ -368,7 +368,7 @@ impl MappingNetworks {
     }
 }
 
-/// Answers with their standard deviations, and how many of these an interval reaches to either side.
+/// Predictions with their standard deviations, and the half width of an interval in standard deviations.
 struct Spread {
     values: Vec<f64>,
     deviations: Option<Vec<Deviation>>,
@@ -382,7 +382,7 @@ impl Spread {
     }
 }
 
-/// The states within the range of a sub-model, or of any.
+/// The states within the range of a sub-model, or within that of any sub-model.
 pub(crate) fn states_of<'a>(
     mapping: &Mapping,
     states: impl IntoIterator<Item = &'a State>,

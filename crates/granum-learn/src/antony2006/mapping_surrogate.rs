@@ -1,6 +1,7 @@
-//! The networks of a mapping as a surrogate like any other.
+//! The networks of a mapping as a general surrogate.
 //!
-//! Seen so, a mapping reads columns of a data set by name and predicts columns: where `P(f)` is its output, all bins at once.
+//! As a surrogate, a mapping has columns of a data set as inputs and outputs; if `P(f)` is the output, it predicts all
+//! bins at once.
 
 use granum_nets::Model;
 use granum_nets::trainer::SharedTrainer;
@@ -17,13 +18,13 @@ use crate::surrogate::{
 
 const NAME: &str = "antony2006";
 
-/// The networks of a mapping of Antony, Zhou and Wang (2006), each for a range of the deviator strain, trained as
-/// [`super::Study`] trains them: with the same seed they have the same bits.
+/// The networks of a mapping of Antony, Zhou and Wang (2006), each for a range of the deviator strain. They are trained as
+/// in [`super::Study`] and are bit-identical if the seed is the same.
 ///
 /// ```
 /// use granum_learn::{MappingMethod, SurrogateMethod, paper_mappings};
 ///
-/// // By default the mapping of the paper whose columns are asked for; or a given one.
+/// // By default the mapping of the paper with the requested columns is used; here a mapping is given.
 /// let mut method = MappingMethod::default();
 /// method.mapping = Some(paper_mappings()[2].with_neurons(5));
 /// assert_eq!(method.name(), "antony2006");
@@ -31,13 +32,13 @@ const NAME: &str = "antony2006";
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct MappingMethod {
-    /// The mapping; `None` for that of the paper with the inputs and outputs that are asked for.
+    /// The mapping; `None` for the one of the paper with the requested inputs and outputs.
     pub mapping: Option<Mapping>,
-    /// How the force distribution enters.
+    /// Form in which the force distribution enters the networks.
     pub form: Form,
     /// The trainer.
     pub trainer: SharedTrainer,
-    /// Factor on the epochs of the paper's tables, for the paper's trainer.
+    /// Factor on the numbers of epochs in the tables of the paper, for the trainer of the paper.
     pub epoch_factor: f64,
 }
 
@@ -49,7 +50,7 @@ impl Default for MappingMethod {
 }
 
 impl MappingMethod {
-    /// Of a given mapping.
+    /// The method for a given mapping.
     pub fn new(mapping: Mapping) -> MappingMethod {
         MappingMethod { mapping: Some(mapping), ..MappingMethod::default() }
     }
@@ -73,7 +74,7 @@ fn failed(reason: impl Into<String>) -> LearnError {
     LearnError::Surrogate { method: NAME.into(), reason: reason.into() }
 }
 
-/// The columns that a mapping reads and predicts; all are pure numbers.
+/// The inputs and outputs of a mapping, all of which are dimensionless.
 pub(super) fn columns_of(mapping: &Mapping, forces: &[f64]) -> Columns {
     let variable = |name: String| Variable { name, unit: String::new() };
     let of = |quantity: &Quantity| -> Vec<Variable> {
@@ -88,7 +89,7 @@ pub(super) fn columns_of(mapping: &Mapping, forces: &[f64]) -> Columns {
     Columns { inputs: mapping.inputs.iter().flat_map(of).collect(), outputs: of(&mapping.output) }
 }
 
-/// Columns of a data set as pure numbers: the sensors write their unit as "1".
+/// Columns of a data set with the unit "1" of the sensors replaced by that of dimensionless numbers.
 fn pure(columns: Columns) -> Columns {
     let pure = |variable: Variable| match variable.unit.as_str() {
         "1" => Variable { unit: String::new(), ..variable },
@@ -166,7 +167,7 @@ impl Surrogate for MappingNetworks {
     }
 
     fn answer(&self, rows: &[&[f64]], level: f64) -> Result<Vec<Prediction>> {
-        // Where the output is a distribution, a row of the networks ends with the force that is asked for.
+        // If the output is a distribution, the last input of the networks is the force.
         let distribution = self.mapping().output == Quantity::ForceDistribution;
         let forces: Vec<Option<f64>> =
             if distribution { self.forces().iter().copied().map(Some).collect() } else { vec![None] };
@@ -190,7 +191,7 @@ impl Surrogate for MappingNetworks {
     }
 }
 
-/// The answers to one row, one for each output.
+/// The prediction for one row, with one estimate for each output.
 fn prediction(answers: &[RowAnswer]) -> Prediction {
     let estimate = |answer: &RowAnswer| match (answer.interval, &answer.deviation) {
         (Some(ends), Some(deviation)) => Estimate::new(answer.value).within(ends, causes(deviation)),

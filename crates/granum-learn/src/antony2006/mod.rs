@@ -1,16 +1,16 @@
-//! The study of Antony, Zhou and Wang (2006): six mappings between strain, stress ratio, fabric and the distribution of contact
-//! forces, their networks, what stands beside these, what is measured of the claims, and its files.
+//! The study of Antony, Zhou and Wang (2006): six mappings between strain, stress ratio, fabric and the distribution of
+//! contact forces, their networks, the baselines, the tests of the claims of the paper, and the files of the study.
 //!
 //! ```text
 //! Dataset --> StudyData --> Study --> Evaluation --> Summary, Figures, reading
 //! ```
 //!
-//! [`StudyData`] asks a [`crate::Dataset`] for the columns of the paper by name, and for a test of one stage in which the
-//! deviator strain rises. [`Study`] trains the [`mapping`]s with their three sub-models, each beside a network of the same
-//! size that sees strain only, and [`study::Evaluation`] scores both on held-out states and on unseen runs, next to
-//! [`baseline`]s without networks and the scatter between runs of different seeds, and tells whether the networks use their
-//! sensors ([`sensor_use`]). [`size_study`] and [`speed`] measure the paper's claims on size and speed.
-//! [`MappingNetworks`] is a [`crate::Surrogate`] like any other.
+//! [`StudyData`] takes the columns of the paper from a [`crate::Dataset`] by name; the test must have a single stage in
+//! which the deviator strain increases. [`Study`] trains the [`mapping`]s with their three sub-models, and for each
+//! sub-model a strain-only network of the same size. [`study::Evaluation`] scores both on held-out states and on unseen
+//! runs, compares them with [`baseline`]s without networks and with the scatter between runs of different seeds, and tests
+//! whether the networks use their sensors ([`sensor_use`]). [`size_study`] and [`speed`] test the claims of the paper on
+//! size and speed. [`MappingNetworks`] can be used as any other [`crate::Surrogate`].
 
 pub mod baseline;
 mod batch;

@@ -1,4 +1,5 @@
-//! What a reproduction is of: the options that decide its results, kept in its folder from the first moment.
+//! The description of a reproduction: the options that determine its results, which are written to its folder at the very
+//! beginning.
 
 use std::path::Path;
 
@@ -10,28 +11,28 @@ use crate::antony2006::layout::write_json;
 use crate::antony2006::study::StudyOptions;
 use crate::error::Result;
 
-/// File that says what the reproduction in a folder is of.
+/// File with the description of the reproduction in a folder.
 pub const REPRODUCTION_FILE: &str = "reproduction.json";
-/// File with the numbers of a reproduction; it is the last that is written.
+/// File with the numerical results of a reproduction; it is written last.
 pub const SUMMARY_FILE: &str = "summary.json";
-/// Folder of its runs.
+/// Folder of the runs.
 pub const RUNS: &str = "runs";
 
 const FORMAT: &str = "granum reproduction";
 const VERSION: u64 = 1;
 
-/// The options of `granum reproduce` that decide its results; threads, instruction set and checkpoints do not.
+/// The options of `granum reproduce` that determine its results, in contrast to threads, instruction set and checkpoints.
 ///
-/// A further option is a field here and a line in [`ReproductionOptions::flags`]. A file that lacks an option means its
+/// A new option needs a field here and a line in [`ReproductionOptions::flags`]. An option that is missing in a file has its
 /// default.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ReproductionOptions {
-    /// Fewer grains, fewer states and a faster test.
+    /// True for fewer grains, fewer states and a faster test.
     pub quick: bool,
     /// Name of the trainer.
     pub trainer: String,
-    /// Number of runs that the same mappings learn from beside the paper's one; `None` for as many as the time allows.
+    /// Number of additional training runs for the same mappings; `None` for the default.
     pub training_runs: Option<usize>,
 }
 
@@ -62,7 +63,7 @@ impl ReproductionOptions {
         flags
     }
 
-    /// The command line that makes this reproduction (into a folder), as it can be pasted into a shell.
+    /// The command line of this reproduction (with its output folder), quoted for use in a shell.
     pub fn command_line(&self, out: Option<&Path>) -> String {
         let mut line = "granum reproduce".to_string();
         for (flag, value) in self.flags() {
@@ -77,7 +78,7 @@ impl ReproductionOptions {
         line
     }
 
-    /// The flags in which two differ.
+    /// The flags in which two sets of options differ.
     pub fn differences(&self, other: &ReproductionOptions) -> Vec<&'static str> {
         let (mine, theirs) = (self.flags(), other.flags());
         let only = |flags: &[(&'static str, Option<String>)], others: &[(&'static str, Option<String>)]| {
@@ -91,22 +92,22 @@ impl ReproductionOptions {
     }
 }
 
-/// What the reproduction in a folder is of.
+/// The description of the reproduction in a folder.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Reproduction {
     format: String,
     version: u64,
-    /// Version of granum that made it.
+    /// Version of granum with which it was created.
     pub granum_version: String,
-    /// Its options.
+    /// Options of the reproduction.
     pub options: ReproductionOptions,
     /// Names of the folders of its runs.
     pub runs: Vec<String>,
 }
 
 impl Reproduction {
-    /// A reproduction by this version.
+    /// The description of a reproduction with this version of granum.
     pub fn new(options: ReproductionOptions, runs: Vec<String>) -> Reproduction {
         Reproduction {
             format: FORMAT.into(),
@@ -117,7 +118,7 @@ impl Reproduction {
         }
     }
 
-    /// Writes it into a folder.
+    /// Writes the file to a folder.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -125,10 +126,10 @@ impl Reproduction {
         write_json(&folder.join(REPRODUCTION_FILE), self)
     }
 
-    /// Reads that of a folder; `None` if there is no such file.
+    /// Reads the file of a folder; `None` if there is no such file.
     ///
     /// # Errors
-    /// If the file is damaged, of another layout, or names runs outside the folder.
+    /// If the file is damaged, has another format, or names runs outside the folder.
     pub fn read(folder: &Path) -> Result<Option<Reproduction>> {
         let path = folder.join(REPRODUCTION_FILE);
         if !path.is_file() {
@@ -152,7 +153,7 @@ impl Reproduction {
         Ok(Some(of))
     }
 
-    /// In what two differ, by flag; a reproduction by another version of granum may have other results.
+    /// The flags in which two reproductions differ, and the version of granum, with which results may change.
     pub fn differences(&self, other: &Reproduction) -> Vec<String> {
         let mut names: Vec<String> =
             self.options.differences(&other.options).into_iter().map(String::from).collect();
@@ -165,7 +166,7 @@ impl Reproduction {
         names
     }
 
-    /// True if this version of granum made it.
+    /// True if it was created with this version of granum.
     pub fn is_of_this_version(&self) -> bool {
         self.granum_version == env!("CARGO_PKG_VERSION")
     }
@@ -223,7 +224,7 @@ mod tests {
         assert!(
             message(text.replace("training-11", "../x")).contains("cannot be part of the name of a file")
         );
-        // An option that a file does not have has its default.
+        // An option that is missing in a file has its default.
         std::fs::write(&path, text.replace("\"quick\": true,", "")).unwrap();
         assert_eq!(Reproduction::read(folder).unwrap().unwrap().options, options(false, "traingdx"));
     }

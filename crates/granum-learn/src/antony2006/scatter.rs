@@ -1,36 +1,37 @@
-//! What runs of one case differ by.
+//! The scatter between runs of one case.
 //!
-//! The yardstick of scores is the **seed scatter**, in the same measure: runs of the same case that differ in their seed alone,
-//! the unbiased standard deviation between them at each strain, pooled over strain, over the root mean square of their
-//! mean. Who knew the true mean curve would score 1 times the scatter against an unseen run; who repeated the mean of n
-//! runs, and knew nothing else, sqrt(1 + 1/n) times. An answer below that may be a smooth curve only: whether it comes of
-//! the sensors of the unseen run is told by [`crate::antony2006::sensor_use`].
+//! The reference for scores is the **seed scatter** in the same measure: for runs of the same case that differ only in their
+//! seed, the unbiased standard deviation between them at each strain, pooled over strain, over the root mean square of their
+//! mean. The true mean curve would have an error of one scatter on an unseen run, and the mean of n runs, without any
+//! further information, an error of sqrt(1 + 1/n) times the scatter. A smaller error may merely be due to a smooth curve;
+//! whether it is due to the sensors of the unseen run is tested by [`crate::antony2006::sensor_use`].
 
 use crate::antony2006::mapping::Quantity;
 use crate::antony2006::study_data::{Run, State};
 
-/// What runs that differ in their seed alone differ by.
+/// The scatter between runs that differ only in their seed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scatter {
     /// Seed scatter, relative to the root mean square of the mean.
     pub relative: f64,
     /// Strain of each state.
     pub strains: Vec<f64>,
-    /// Mean over the runs at each state, one value a component of the quantity.
+    /// Mean over the runs at each state, one value for each component of the quantity.
     pub means: Vec<Vec<f64>>,
     /// Unbiased standard deviation between the runs at each state.
     pub deviations: Vec<Vec<f64>>,
 }
 
 impl Scatter {
-    /// Scatter of a quantity between runs at the states of the first run within a range of strain that all runs
-    /// cover; the other runs are taken linear between their states. `None` of fewer than two runs.
+    /// Scatter of a quantity between runs, at the states of the first run within the range of strain that all runs cover;
+    /// the other runs are interpolated linearly between their states. `None` for fewer than two runs.
     pub fn new(quantity: Quantity, runs: &[&Run], range: [f64; 2]) -> Option<Scatter> {
         let (first, others) = runs.split_first()?;
         if others.is_empty() {
             return None;
         }
-        // States of one number may differ in strain by a stride of looks; the ends are kept all the same.
+        // The strain of states with the same number may differ by the interval between samples; the ends of the range are
+        // nevertheless included.
         let slack = 1e-3 * (range[1] - range[0]);
         let low =
             others.iter().filter_map(|run| run.states.first()).fold(range[0], |a, s| a.max(s.strain - slack));
@@ -61,7 +62,7 @@ impl Scatter {
     }
 }
 
-/// Score that the mean of `runs` training runs would have against an unseen run, in units of the seed scatter.
+/// Expected error of the mean of `runs` training runs on an unseen run, in units of the seed scatter.
 pub fn best_without_sensors(runs: usize) -> f64 {
     (1.0 + 1.0 / runs.max(1) as f64).sqrt()
 }
@@ -74,7 +75,7 @@ mod tests {
     use crate::dataset::NamedRecord;
     use crate::score::Scorer;
 
-    /// The mean of n runs scores sqrt(1 + 1/n) times the scatter against another run.
+    /// The error of the mean of n runs on another run is sqrt(1 + 1/n) times the scatter.
     #[test]
     fn the_scatter_is_what_a_mean_curve_scores() {
         let records: Vec<_> = (1..=12).map(|seed| record(Law::Blind, seed, 120)).collect();
@@ -83,7 +84,7 @@ mod tests {
         let dataset = StudyData::new(&named, &[], &StudyDataOptions::default()).unwrap();
         let runs: Vec<&Run> = dataset.training_runs.iter().collect();
         let scatter = Scatter::new(Quantity::StressRatio, &runs, [0.0, 0.3]).unwrap();
-        // Hidden variable uniform in +-0.5 times 0.3, noise 0.004.
+        // The hidden variable is uniform in +-0.5 and enters with the factor 0.3; the noise is 0.004.
         let deviation = (0.09 / 12.0 + 0.004f64.powi(2)).sqrt();
         let mean_square =
             scatter.means.iter().map(|mean| mean[0] * mean[0]).sum::<f64>() / scatter.means.len() as f64;

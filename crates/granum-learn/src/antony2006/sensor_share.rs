@@ -1,16 +1,17 @@
-//! How far the networks of a mapping are to believe its sensors, judged by what the sensors tell of runs that are left out.
+//! The weight of the sensors in the networks of a mapping, chosen by cross-validation over runs.
 //!
-//! All weights of a network are held back alike, by as much as its curve against strain asks for, and that curve is steep.
-//! A sensor that says nothing of another run would be given slopes just as steep. So inputs that can do harm get a share
-//! of the range of an input only, and a small share makes slopes expensive. Which share is right is tried out with
-//! ridge regression, where it costs next to nothing: every training run is answered from the others,
+//! The regularisation is the same for all weights of a network, and it must permit the steep curve as a function of
+//! strain. A sensor that contains no information on other runs could then get equally steep slopes. Inputs that can do
+//! harm are therefore scaled to a share of the range of an input, since a small share makes slopes expensive. The share is
+//! chosen with ridge regression, which costs hardly any time: every training run is predicted from the others,
 //!
 //! ```text
 //! answer = B(strain) a + sum_k b_k x_k,   x_k = deviation of sensor k from its mean over strain, scaled as in the network
 //! ```
 //!
-//! with `b_k` normally distributed with the variance [`SLOPE_VARIANCE`] of slopes that networks have, and the share with the
-//! least squared error is taken. Two runs or more are needed to tell; of one run a share in the middle is taken.
+//! where `b_k` has a normal prior distribution with the variance [`SLOPE_VARIANCE`] that is typical of slopes in networks,
+//! and the share with the smallest squared error is chosen. This needs at least two runs; for a single run an intermediate
+//! share is used.
 
 use crate::antony2006::baseline::Ridge;
 use crate::antony2006::mapping::{Mapping, Quantity};
@@ -19,17 +20,17 @@ use crate::error::Result;
 
 /// The shares that are tried.
 const SHARES: [f64; 5] = [0.03, 0.055, 0.1, 0.17, 0.3];
-/// The share where there is no second run to judge by.
+/// The share for a single training run, for which there is no cross-validation.
 const SHARE_OF_ONE_RUN: f64 = 0.1;
-/// Variance of the slope of an answer against an input, both in the units of a network.
+/// Variance of the slope of an output as a function of an input, both in the scaled units of a network.
 const SLOPE_VARIANCE: f64 = 1.0;
-/// Least penalty, so that equations can be solved where an output does not vary.
+/// Smallest penalty, which keeps the equations solvable if an output does not vary.
 const LEAST_PENALTY: f64 = 1e-6;
-/// Part of the output of a network that targets fill.
+/// Fraction of the output range of a network that the targets cover.
 const TARGET_RANGE: f64 = 0.8;
 
-/// The share for those sensors of a mapping for which `held_back` is true, from the training states of each run, each
-/// of which is worth so many `observations` of every value of the output.
+/// The share for those sensors of a mapping for which `held_back` is true, from the training states of each run. Each state
+/// counts as so many `observations` of every value of the output.
 ///
 /// # Errors
 /// If a ridge regression cannot be solved.
@@ -55,7 +56,7 @@ pub(crate) fn sensor_share(
     Ok(best.1)
 }
 
-/// Sum of the squared errors over the states of all runs, each answered from the others.
+/// Sum of the squared errors over the states of all runs, where each run is predicted from the others.
 fn left_out_error(
     mapping: &Mapping,
     runs: &[Vec<&State>],
@@ -82,11 +83,11 @@ fn squared_error(ridge: &Ridge, mapping: &Mapping, states: &[&State]) -> f64 {
     states.iter().map(of).sum()
 }
 
-/// What the prior of the slopes makes of penalties on the coefficients of ridge regression.
+/// The penalties on the coefficients of ridge regression that correspond to the prior of the slopes.
 struct Penalties {
-    /// Variance of the noise over that of a slope, in the units of a network, per observation.
+    /// Variance of the noise over that of a slope, in the scaled units of a network, per observation.
     ratio: f64,
-    /// Network units per unit of each quantity.
+    /// Scaled units per unit of each quantity.
     factors: Vec<(Quantity, f64)>,
     /// Largest penalty, for sensors that do not vary.
     most: f64,
@@ -97,7 +98,7 @@ impl Penalties {
         let states: Vec<&State> = runs.concat();
         let values = |quantity| states.iter().map(move |state| state.values(quantity));
         let count = |quantity| values(quantity).next().map_or(1, <[f64]>::len);
-        // The widest range of a value of the quantity.
+        // The width is the largest range of any value of the quantity.
         let width = |quantity| {
             let range = |k: usize| {
                 let ends = values(quantity).map(|v| v[k]);
@@ -124,7 +125,7 @@ impl Penalties {
         })
     }
 
-    /// The penalty on the coefficient of a value that deviates so much from its mean, for this share.
+    /// The penalty on the coefficient of a value with the given standard deviation from its mean, for the given share.
     fn of(&self, quantity: Quantity, deviation: f64, share: f64) -> f64 {
         let factor = self.factors.iter().find(|(q, _)| *q == quantity).map_or(0.0, |(_, factor)| *factor);
         let seen = (factor * share * deviation).powi(2);
@@ -150,7 +151,8 @@ mod tests {
         sensor_share(&mapping, &dataset.training_by_run(), 0.15, &held_back).unwrap()
     }
 
-    /// What fabric and stress ratio have to do with each other is the same in all runs, or changes its sign from run to run.
+    /// A relation between fabric and stress ratio that changes its sign from run to run gives a small share, in contrast
+    /// to one that is the same in all runs.
     #[test]
     fn what_only_holds_within_a_run_is_not_believed() {
         let state = |k: u32, sign: f64| {
@@ -183,7 +185,7 @@ mod tests {
         assert_eq!(share("F6", Law::Blind, 1), SHARE_OF_ONE_RUN);
     }
 
-    /// A fabric that never changes is a sensor without a range.
+    /// A fabric that never changes is a sensor with a range of zero.
     #[test]
     fn sensors_that_do_not_vary_do_no_harm() {
         let state = |k: u32, ratio: f64| State {

@@ -1,15 +1,19 @@
-//! Whether networks use the sensors they are given, judged by what it means.
+//! Tests whether networks use their sensors.
 //!
-//! A network that scores well may have learned nothing but the curve against strain. So every unseen run is answered
-//! again with sensors that are not its own:
+//! A network with a small error may have learned nothing but the curve as a function of strain. Every unseen run is
+//! therefore predicted again with other sensor values:
 //!
-//! - those of **another** unseen run at the same strain, every other unseen run in turn: right on average, wrong in what
-//!   makes this run differ from others;
-//! - its own, **permuted** over its states within the range of each sub-model: right as a set, wrong at each strain.
+//! - those of **another** unseen run at the same strain, with every other unseen run in turn: they are correct on average,
+//! but
+//!   not in the deviation of this run from the others;
+//! - those of the run itself, **permuted** over its states within the range of each sub-model: they are correct as a set,
+//! but
+//!   not at each strain.
 //!
-//! What a run loses by the sensors of others is the *use* its networks make of its own. What strain-only networks miss
-//! it by more is the *help* they have of them. Both are one number an unseen run, and are called so if their mean is above
-//! zero by a one-sided t test at 5 % ([`crate::student`]); runs are taken for independent.
+//! The increase of the error with the sensors of other runs measures the *use* of the sensors. The difference between the
+//! error of strain-only networks and that of the networks measures the *help* of the sensors. Each is one number per
+//! unseen run, and counts as established if the mean is above zero in a one-sided t test at 5 % ([`crate::student`]),
+//! where runs are assumed to be independent.
 
 use std::fmt;
 
@@ -23,12 +27,13 @@ use crate::error::Result;
 use crate::score::{Score, Scorer};
 use crate::student_t::{FEWEST, PairedTest};
 
-/// Orders of the states that are averaged.
+/// Number of permutations that are averaged.
 const PERMUTATIONS: u64 = 5;
-/// Networks whose answers spread by less than this share of the spread of the targets answer with a constant.
+/// A network is considered constant if the standard deviation of its predictions is below this fraction of that of the
+/// targets.
 const CONSTANT: f64 = 1e-3;
 
-/// Whether a mapping uses its sensors, and whether it gains by it.
+/// The conclusion whether a mapping uses its sensors and whether they reduce its error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Verdict {
     /// Its errors are larger with the sensors of another run, and smaller than those of strain-only networks.
@@ -37,7 +42,7 @@ pub enum Verdict {
     /// Its errors are larger with the sensors of another run, but not smaller than those of strain-only networks.
     #[serde(rename = "uses its sensors without gain")]
     WithoutGain,
-    /// Its errors are no larger with the sensors of another run, as far as the runs tell.
+    /// Its errors are not significantly larger with the sensors of another run.
     #[serde(rename = "does not use them")]
     DoesNotUse,
     /// There are fewer than three unseen runs.
@@ -62,34 +67,34 @@ impl fmt::Display for Verdict {
 pub struct RunErrors {
     /// Name of the run.
     pub run: String,
-    /// With its own sensors.
+    /// Error with the sensors of the run itself.
     pub own: f64,
-    /// Of strain-only networks.
+    /// Error of strain-only networks.
     pub strain_only: f64,
-    /// With the sensors of every other unseen run in turn, their mean; `None` without another run.
+    /// Mean error with the sensors of every other unseen run in turn; `None` if there is no other run.
     pub with_other: Option<f64>,
-    /// With its own sensors permuted, the mean over some orders.
+    /// Mean error with the sensors of the run permuted in several ways.
     pub permuted: f64,
 }
 
-/// What a mapping makes of the sensors of unseen runs.
+/// The use that a mapping makes of the sensors of unseen runs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SensorUse {
-    /// Errors run by run; runs without a state in the range of the mapping are left out.
+    /// Errors of each run; runs without a state in the range of the mapping are omitted.
     pub runs: Vec<RunErrors>,
     /// Score of all runs with their own sensors; `None` without runs.
     pub own: Option<Score>,
-    /// Score of all runs with the sensors of others; `None` of fewer than two runs.
+    /// Score of all runs with the sensors of other runs; `None` for fewer than two runs.
     pub with_other: Option<Score>,
     /// Score of all runs with permuted sensors; `None` without runs.
     pub permuted: Option<Score>,
 }
 
 impl SensorUse {
-    /// Answers unseen runs with sensors that are not theirs.
+    /// Predicts unseen runs with their own sensors, with those of other runs and with permuted sensors.
     ///
     /// # Errors
-    /// If a state holds a value that is not finite.
+    /// If a state contains a value that is not finite.
     pub fn new(trained: &TrainedMapping, runs: &[&Run]) -> Result<SensorUse> {
         let mapping = trained.surrogate.mapping();
         let judged: Vec<(&Run, Vec<&State>)> = runs
@@ -134,22 +139,22 @@ impl SensorUse {
         PairedTest::new(&self.runs.iter().filter_map(difference).collect::<Vec<_>>())
     }
 
-    /// What is lost by the sensors of other runs; `None` of fewer than two runs.
+    /// Increase of the error with the sensors of other runs; `None` for fewer than two runs.
     pub fn lost_with_other(&self) -> Option<PairedTest> {
         self.test(|run| Some(run.with_other? - run.own))
     }
 
-    /// What is lost by permuted sensors; `None` without runs.
+    /// Increase of the error with permuted sensors; `None` without runs.
     pub fn lost_permuted(&self) -> Option<PairedTest> {
         self.test(|run| Some(run.permuted - run.own))
     }
 
-    /// What strain-only networks miss by more than the networks; `None` without runs.
+    /// Error of strain-only networks minus that of the networks; `None` without runs.
     pub fn help(&self) -> Option<PairedTest> {
         self.test(|run| Some(run.strain_only - run.own))
     }
 
-    /// The verdict that follows from the tests of use and help.
+    /// The conclusion from the tests of use and help.
     pub fn verdict(&self) -> Verdict {
         let above = |test: Option<PairedTest>| test.and_then(|test| test.above_zero);
         match (above(self.lost_with_other()), above(self.help())) {
@@ -161,7 +166,8 @@ impl SensorUse {
     }
 }
 
-/// Relative RMSE of the answers to some states against those of others; it is added to the score of all.
+/// Relative RMSE of the predictions for the states `given` in comparison with the states `exact`; the errors are also
+/// added to `all`.
 fn error(surrogate: &MappingNetworks, given: &[State], exact: &[&State], all: &mut Scorer) -> Result<f64> {
     let mut own = Scorer::default();
     for (answer, state) in surrogate.answer(given)?.iter().zip(exact) {
@@ -172,20 +178,20 @@ fn error(surrogate: &MappingNetworks, given: &[State], exact: &[&State], all: &m
     Ok(own.score().relative_rmse)
 }
 
-/// The strains of states with the sensors that another run has there.
+/// States with the same strains and with the sensors of another run at these strains.
 fn sensors_of(other: &Run, states: &[&State]) -> Vec<State> {
     let at = |state: &&State| Some(State { strain: state.strain, ..other.at(state.strain)? });
     states.iter().filter_map(at).collect()
 }
 
-/// The strains of states with each other's sensors, exchanged within the range of each sub-model.
+/// States with the same strains and with sensors that are permuted within the range of each sub-model.
 fn permuted_sensors(mapping: &Mapping, states: &[&State], seed: u64) -> Vec<State> {
     let mut order: Vec<usize> = (0..states.len()).collect();
     let mut random = SplitMix(seed);
     for sub_model in 0..mapping.sub_models.len() {
         let members: Vec<usize> =
             (0..states.len()).filter(|&k| mapping.sub_model_at(states[k].strain).0 == sub_model).collect();
-        // Fisher and Yates.
+        // The permutation is drawn by the algorithm of Fisher and Yates.
         for last in (1..members.len()).rev() {
             let other = (random.next() % (last as u64 + 1)) as usize;
             order.swap(members[last], members[other]);
@@ -194,7 +200,7 @@ fn permuted_sensors(mapping: &Mapping, states: &[&State], seed: u64) -> Vec<Stat
     order.iter().zip(states).map(|(&from, to)| State { strain: to.strain, ..states[from].clone() }).collect()
 }
 
-/// The generator SplitMix64 (Steele, Lea and Flood 2014): the same orders on every machine.
+/// The generator SplitMix64 (Steele, Lea and Flood 2014), which gives the same permutations on every computer.
 struct SplitMix(u64);
 
 impl SplitMix {
@@ -207,11 +213,11 @@ impl SplitMix {
     }
 }
 
-/// True if the network of a sub-model answers the training states in its range with nearly one number: the standard
-/// deviation of its answers is below 1e-3 of that of the targets.
+/// True if the predictions of a sub-model for the training states in its range are nearly constant: their standard
+/// deviation is below 1e-3 of that of the targets.
 ///
 /// # Errors
-/// If a state holds a value that is not finite.
+/// If a state contains a value that is not finite.
 pub fn is_constant(surrogate: &MappingNetworks, training: &[&State], sub_model: usize) -> Result<bool> {
     let states = states_of(surrogate.mapping(), training.iter().copied(), Some(sub_model));
     let answers = surrogate.answer(states.iter().copied())?;
@@ -252,7 +258,8 @@ mod tests {
         assert_eq!(verdict(&[]), Verdict::TooFewRuns);
         let idle = [[0.02, 0.04, 0.02], [0.021, 0.038, 0.020], [0.019, 0.043, 0.0195]];
         assert_eq!(verdict(&idle), Verdict::WithoutGain);
-        // Better than strain alone, but as good with the sensors of others: not by its sensors.
+        // The network is better than strain alone, but equally good with the sensors of other runs, and hence does not use
+        // them.
         let smooth = [[0.02, 0.02, 0.03], [0.021, 0.0205, 0.031], [0.019, 0.0193, 0.029]];
         assert_eq!(verdict(&smooth), Verdict::DoesNotUse);
         for verdict in [Verdict::Gains, Verdict::WithoutGain, Verdict::DoesNotUse, Verdict::TooFewRuns] {

@@ -1,9 +1,9 @@
-//! Does a soft sensor let the network be smaller? Error against the number of neurons.
+//! Does a soft sensor permit a smaller network? Error as a function of the number of neurons.
 //!
-//! The paper reads it off Tables 1 and 3: with the deviator fabric as an input (F3) the networks for q/p are smaller
-//! than without (F1). Here both are trained at several sizes from several seeds, and the size that each needs for the
-//! same error is compared: the smallest whose median error over the seeds is at most `1 + tolerance` times the best
-//! median of the first mapping.
+//! The paper concludes this from Tables 1 and 3: the networks for q/p are smaller with the deviator fabric as an input (F3)
+//! than without it (F1). Here both are trained with several sizes and several seeds, and the sizes that they need for the
+//! same error are compared, that is the smallest size whose median error over the seeds is at most `1 + tolerance` times
+//! the best median of the first mapping.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,18 +13,18 @@ use crate::antony2006::study::{Job, StudyObserver, StudyOptions, network_seed, t
 use crate::antony2006::study_data::StudyData;
 use crate::error::Result;
 
-/// What to compare.
+/// Options of the study of network sizes.
 #[derive(Clone, Debug)]
 pub struct SizeStudyOptions {
-    /// The mappings; the first sets the error to reach.
+    /// The mappings; the first determines the error to be reached.
     pub mappings: Vec<Mapping>,
-    /// Neurons in each hidden layer.
+    /// Numbers of neurons in each hidden layer.
     pub neurons: Vec<usize>,
-    /// Number of seeds at each size.
+    /// Number of seeds for each size.
     pub seeds: usize,
-    /// How far above the best median error is near enough.
+    /// Tolerated excess over the best median error, as a fraction of it.
     pub tolerance: f64,
-    /// Form, trainer, seed and threads; its mappings are not used.
+    /// Form, trainer, seed and threads; the mappings in these options are not used.
     pub study: StudyOptions,
 }
 
@@ -41,25 +41,25 @@ impl Default for SizeStudyOptions {
     }
 }
 
-/// Error against size.
+/// Errors as a function of the size of the networks.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SizeStudy {
-    /// How far above the best median error was near enough.
+    /// Tolerated excess over the best median error, as a fraction of it.
     pub tolerance: f64,
-    /// Relative RMSE to reach on held-out states.
+    /// Relative RMSE to be reached on held-out states.
     pub held_out_target: f64,
-    /// Relative RMSE to reach on unseen runs, where there are any.
+    /// Relative RMSE to be reached on unseen runs, if there are any.
     pub unseen_target: Option<f64>,
-    /// One curve a mapping.
+    /// One curve for each mapping.
     pub curves: Vec<SizeCurve>,
 }
 
-/// Error against size of one mapping.
+/// Errors of one mapping as a function of the size of its networks.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SizeCurve {
-    /// Its name.
+    /// Name of the mapping.
     pub mapping: String,
-    /// One point a size.
+    /// One point for each size.
     pub points: Vec<SizePoint>,
     /// Smallest size that reaches the target on held-out states.
     pub neurons_for_held_out: Option<usize>,
@@ -67,25 +67,25 @@ pub struct SizeCurve {
     pub neurons_for_unseen: Option<usize>,
 }
 
-/// One size: all sub-models of the mapping with as many neurons in each hidden layer.
+/// The results for one size: all sub-models of the mapping have the same number of neurons in each hidden layer.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SizePoint {
-    /// Neurons in each hidden layer.
+    /// Number of neurons in each hidden layer.
     pub neurons: usize,
-    /// Weights and biases of one network.
+    /// Number of weights and biases of one network.
     pub weights: usize,
-    /// Relative RMSE on held-out states, one a seed.
+    /// Relative RMSE on held-out states, one value per seed.
     pub held_out: Vec<f64>,
-    /// Relative RMSE on unseen runs, one a seed; empty without any.
+    /// Relative RMSE on unseen runs, one value per seed; empty without unseen runs.
     pub unseen: Vec<f64>,
-    /// Median over the seeds on held-out states.
+    /// Median over the seeds of the error on held-out states.
     pub median_held_out: f64,
-    /// Median over the seeds on unseen runs.
+    /// Median over the seeds of the error on unseen runs.
     pub median_unseen: Option<f64>,
 }
 
 impl SizeStudy {
-    /// Trains every mapping at every size from every seed.
+    /// Trains every mapping with every size and every seed.
     ///
     /// # Errors
     /// As [`crate::antony2006::study::Study::train`].
@@ -159,7 +159,7 @@ fn conclude(options: &SizeStudyOptions, points: Vec<SizePoint>) -> SizeStudy {
     SizeStudy { tolerance: options.tolerance, held_out_target, unseen_target, curves: curves.collect() }
 }
 
-/// The median; of an even number the mean of the two in the middle.
+/// The median; for an even number of values the mean of the two middle ones.
 pub(crate) fn median(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

@@ -1,9 +1,10 @@
-//! Networks against DEM in time.
+//! Computing time of the networks compared with DEM.
 //!
-//! The paper says that the networks are 5 to 10 times faster. Compared are the wall time of one DEM test, the shear
-//! alone, and the wall time in which the trained networks of all mappings answer every recorded state of such a test.
-//! What the factor leaves out is said beside it: training, the DEM runs that were trained on, and that the networks
-//! are given soft sensors of the test they answer, which without DEM a laboratory would have to measure.
+//! The paper states that the networks are 5 to 10 times faster. Here the wall time of one DEM test, for the shear alone, is
+//! compared with the wall time in which the trained networks of all mappings predict every recorded state of such a test.
+//! The report also states what this factor does not include: the training, the DEM runs for the training, and the fact
+//! that the networks need the soft sensors of the test that they predict, which would have to be measured in a laboratory
+//! without DEM.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -14,11 +15,11 @@ use crate::antony2006::study_data::Run;
 use crate::antony2006::summary::SpeedSummary;
 use crate::error::Result;
 
-/// Times the networks' answer for every state of a run, `repetitions` times (at least once), and compares the median
-/// with the wall time of the DEM test.
+/// Measures the time in which the networks predict every state of a run, `repetitions` times (at least once), and compares
+/// the median with the wall time of the DEM test.
 ///
 /// # Errors
-/// If a state holds a value that is not finite.
+/// If a state contains a value that is not finite.
 pub fn measure(study: &Study, run: &Run, dem_seconds: f64, repetitions: usize) -> Result<SpeedSummary> {
     let repetitions = repetitions.max(1);
     let mut seconds = Vec::with_capacity(repetitions);

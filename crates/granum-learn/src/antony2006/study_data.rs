@@ -1,17 +1,17 @@
-//! Rows for learning, drawn from records, and their split.
+//! Rows for training from records, and the split of the data.
 //!
-//! Of the states of a training run the first trains, and every so many after it (the stride); those between are held
-//! out. With the default recording (a state every 0.0025 of deviator strain) and stride 2 the states at 0.0025, 0.0075,
-//! ..., 0.2975 train: 60, every 0.005, and the last where the tables of the paper end. Held-out states lie between them,
-//! but for the very last. Unseen runs, of other seeds, neither train nor choose anything.
+//! Of the states of a training run, the first and then every n-th (n is the stride) are used for training, and those in
+//! between are held out. With the default recording (a state every 0.0025 of deviator strain) and a stride of 2, the 60
+//! training states are at 0.0025, 0.0075, ..., 0.2975, with the last one at the end of the tables of the paper. All
+//! held-out states except the very last lie between training states. Unseen runs, which have other seeds, are used neither
+//! for training nor for the choice of any setting.
 //!
-//! State 0, the sample before it is strained, is recorded and not learned: with stiff grains the elastic rise of q/p
-//! is over after some 1e-3 of strain, between state 0 and state 1, so what happens there is not in the record and a
-//! network could but guess it.
+//! State 0, the sample before it is strained, is recorded but not learned: with stiff grains the elastic rise of q/p is
+//! complete after a strain of about 1e-3, between state 0 and state 1, so that the record contains no information on it.
 //!
-//! Of the force histogram 14 bins of width 0.25 are learned, f = 0 to 3.5. With 60 training states that makes the
-//! about 840 rows of the paper. What lies beyond (a few contacts in a thousand) and below zero (adhesive contacts) is
-//! recorded, not learned.
+//! Of the force histogram, 14 bins of width 0.25 are learned, f = 0 to 3.5. With 60 training states this gives the about 840
+//! rows of the paper. Larger forces (a few contacts in a thousand) and negative ones (adhesive contacts) are recorded but
+//! not learned.
 
 use granum_nets::Data;
 use serde::{Deserialize, Serialize};
@@ -20,14 +20,14 @@ use crate::antony2006::mapping::{Form, Mapping, Quantity};
 use crate::dataset::{ColumnGroup, Dataset, NamedRecord, RunStates, record_error};
 use crate::error::{LearnError, Result};
 
-/// Choices in drawing rows from records.
+/// Options of a data set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StudyDataOptions {
-    /// Of so many states one trains, the others are held out.
+    /// One of so many states is used for training, and the others are held out.
     pub stride: usize,
     /// Lower edge of the first bin of f that is learned.
     pub smallest_force: f64,
-    /// Upper edge of the last.
+    /// Upper edge of the last bin of f that is learned.
     pub largest_force: f64,
 }
 
@@ -37,7 +37,7 @@ impl Default for StudyDataOptions {
     }
 }
 
-/// One recorded state of a test, as the mappings see it.
+/// One recorded state of a test with the quantities of the mappings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct State {
@@ -62,7 +62,7 @@ impl State {
         }
     }
 
-    /// The state between two, `weight` of the way from `a` to `b`.
+    /// Linear interpolation between two states: `a` for a weight of 0, `b` for a weight of 1.
     pub fn between(a: &State, b: &State, weight: f64) -> State {
         let mix = |x: f64, y: f64| x + weight * (y - x);
         State {
@@ -74,29 +74,29 @@ impl State {
     }
 }
 
-/// The states of one run, by rising strain.
+/// The states of one run in the order of increasing strain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
-    /// Its name.
+    /// Name of the run.
     pub name: String,
-    /// Seed of its sample.
+    /// Seed of the sample.
     pub seed: u64,
-    /// Its states.
+    /// The states.
     pub states: Vec<State>,
     /// Number of each state in the record.
     pub numbers: Vec<u64>,
 }
 
 impl Run {
-    /// Draws the states of a record but for state 0, with the densities of the bins of f that have these centres and this width.
+    /// The states of a record except state 0, with the densities in the bins of f with the given centres and width.
     ///
     /// # Errors
-    /// A missing column, a value that is not finite, strains that do not rise, histograms without those bins.
+    /// If a column is missing, a value is not finite, the strains do not increase, or a histogram lacks one of the bins.
     pub fn new(record: &NamedRecord, forces: &[f64], bin_width: f64) -> Result<Run> {
         Run::of(&RunStates::from_record(record)?, forces, bin_width)
     }
 
-    /// As [`Run::new`] from the columns of a run.
+    /// As [`Run::new`], from the columns of a run.
     ///
     /// # Errors
     /// As [`Run::new`].
@@ -104,13 +104,14 @@ impl Run {
         read_run(run, forces, bin_width)
     }
 
-    /// The state at a strain, linear between recorded states; the first or last state outside them.
+    /// The state at a strain by linear interpolation between recorded states; outside their range the first or last state.
     pub fn at(&self, strain: f64) -> Option<State> {
         state_at(&self.states, strain)
     }
 }
 
-/// The state at a strain, linear between states of rising strain; the first or last outside them.
+/// The state at a strain by linear interpolation between states of increasing strain; outside their range the first or last
+/// state.
 pub(crate) fn state_at(states: &[State], strain: f64) -> Option<State> {
     let after = states.partition_point(|state| state.strain < strain);
     if after == 0 {
@@ -122,27 +123,27 @@ pub(crate) fn state_at(states: &[State], strain: f64) -> Option<State> {
     Some(State::between(a, b, (strain - a.strain) / (b.strain - a.strain)))
 }
 
-/// States for learning and for judging, all with the same bins of f.
+/// States for training and evaluation, all with the same bins of f.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StudyData {
     /// Centres of the learned bins of f.
     pub forces: Vec<f64>,
     /// Width of a bin.
     pub bin_width: f64,
-    /// Runs whose states train or are held out.
+    /// Runs whose states are used for training or held out.
     pub training_runs: Vec<Run>,
-    /// Runs that no network sees.
+    /// Runs that are used neither for training nor for selection.
     pub unseen_runs: Vec<Run>,
-    /// Of so many states one trains.
+    /// One of so many states is used for training.
     pub stride: usize,
 }
 
 impl StudyData {
-    /// Draws states from records.
+    /// Creates a data set from records.
     ///
     /// # Errors
-    /// No training record, a missing column, a value that is not finite, strains that do not rise, histograms that
-    /// have other bins or none in the wanted range.
+    /// If there is no training record, a column is missing, a value is not finite, the strains do not increase, or the
+    /// histograms have different bins or none in the given range.
     pub fn new(training: &[NamedRecord], unseen: &[NamedRecord], options: &StudyDataOptions) -> Result<Self> {
         let columns = |records: &[NamedRecord]| -> Result<Vec<RunStates>> {
             records.iter().map(RunStates::from_record).collect()
@@ -150,7 +151,7 @@ impl StudyData {
         StudyData::of(&columns(training)?, &columns(unseen)?, options)
     }
 
-    /// Draws states from the columns of runs, by name.
+    /// Creates the data from the columns of runs, which are selected by name.
     ///
     /// # Errors
     /// As [`StudyData::new`].
@@ -170,7 +171,7 @@ impl StudyData {
         Ok(StudyData { training_runs, unseen_runs, forces, bin_width, stride: options.stride })
     }
 
-    /// Draws all states of a data set as states that train, as a surrogate is fitted to them.
+    /// Uses all states of a data set for training, as in the fit of a surrogate.
     ///
     /// # Errors
     /// As [`StudyData::new`].
@@ -178,12 +179,12 @@ impl StudyData {
         StudyData::of(dataset.runs(), &[], &StudyDataOptions { stride: 1, ..Default::default() })
     }
 
-    /// True if the state of that number in the record of a training run trains.
+    /// True if the state of the given number in the record of a training run is used for training.
     pub fn trains(&self, number: u64) -> bool {
         number % self.stride as u64 == 1 % self.stride as u64
     }
 
-    /// The states that train, run by run.
+    /// The training states of each run.
     pub fn training_by_run(&self) -> Vec<Vec<&State>> {
         let of = |run: &'_ Run| -> Vec<usize> {
             (0..run.states.len()).filter(|&k| self.trains(run.numbers[k])).collect()
@@ -200,12 +201,12 @@ impl StudyData {
             .collect()
     }
 
-    /// The states that train.
+    /// The training states of all runs.
     pub fn training(&self) -> Vec<&State> {
         self.part(true)
     }
 
-    /// The states of the training runs that are held out.
+    /// The held-out states of the training runs.
     pub fn held_out(&self) -> Vec<&State> {
         self.part(false)
     }
@@ -215,10 +216,10 @@ impl StudyData {
         self.unseen_runs.iter().flat_map(|run| &run.states).collect()
     }
 
-    /// A hash of every number and of the split.
+    /// A hash of all values and of the split.
     ///
     /// # Errors
-    /// [`LearnError::Dataset`] if there is no state at all.
+    /// [`LearnError::Dataset`] if there are no states.
     pub fn hash(&self) -> Result<String> {
         let mut rows = Vec::new();
         let mut parts = Vec::new();
@@ -237,19 +238,19 @@ impl StudyData {
     }
 }
 
-/// Inputs and targets of a network, row by row, in their own units.
+/// Inputs and targets of a network in physical units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rows {
-    /// Inputs, row by row.
+    /// Inputs in row-major order.
     pub inputs: Vec<f64>,
     /// Number of inputs in a row.
     pub input_columns: usize,
-    /// One target a row.
+    /// One target per row.
     pub targets: Vec<f64>,
 }
 
 impl Rows {
-    /// The rows that states give a mapping.
+    /// The rows of a mapping for given states.
     pub fn new<'a>(
         mapping: &Mapping,
         form: Form,
@@ -290,7 +291,7 @@ impl Rows {
     }
 }
 
-/// The bins of a run that lie in the wanted range.
+/// The bins of a run that lie in the given range.
 fn learned_bins(run: &RunStates, options: &StudyDataOptions) -> Result<(Vec<f64>, f64)> {
     let histogram = histogram(run)?;
     let slack = 1e-6 * histogram.bin_width;
@@ -310,7 +311,7 @@ fn histogram(run: &RunStates) -> Result<&ColumnGroup> {
     run.group(Quantity::ForceDistribution.column()).ok_or_else(none)
 }
 
-/// The columns of the learned bins of f, in their order.
+/// The columns of the learned bins of f, in order.
 fn densities(run: &RunStates, forces: &[f64], bin_width: f64) -> Result<Vec<Vec<f64>>> {
     let histogram = histogram(run)?;
     let near = |force: &f64| {

@@ -1,4 +1,4 @@
-//! Whether a data set can train mappings at all, told before anything is written.
+//! Checks that a data set is sufficient for the training of mappings, before anything is written.
 
 use crate::antony2006::mapping::Mapping;
 use crate::antony2006::mapping_networks::states_of;
@@ -6,7 +6,7 @@ use crate::antony2006::study::FEWEST_STATES;
 use crate::antony2006::study_data::StudyData;
 use crate::error::{LearnError, Result};
 
-/// Refuses mappings of which a sub-model would have too few training states.
+/// Refuses mappings with a sub-model that would have too few training states.
 ///
 /// # Errors
 /// [`LearnError::TooFewStates`] for the first such sub-model.

@@ -1,7 +1,7 @@
-//! `summary.json`: the whole study in numbers, for people and machines.
+//! `summary.json`: the numerical results of the whole study.
 //!
-//! The keys `dem`, `mappings` and `speed` and those inside them that this module names first are a contract; more keys
-//! may be added beside them.
+//! The keys `dem`, `mappings` and `speed`, and the keys inside them that this module names first, are guaranteed to
+//! remain; more keys may be added.
 
 use std::collections::BTreeMap;
 
@@ -14,27 +14,27 @@ use crate::antony2006::study::Evaluation;
 use crate::score::Score;
 use crate::student_t::PairedTest;
 
-/// Everything in `summary.json`.
+/// The contents of `summary.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
-    /// The sample and its runs.
+    /// The sample and the runs.
     pub dem: DemSummary,
     /// The mappings by name, `F1` to `F6`.
     pub mappings: BTreeMap<String, MappingSummary>,
-    /// Networks against DEM in time.
+    /// Computing time of the networks compared with DEM.
     pub speed: SpeedSummary,
-    /// Smaller networks through a soft sensor, where it was measured.
+    /// The study of network sizes, if it was carried out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub size_study: Option<SizeStudy>,
-    /// What networks learn from more runs than one, where it was measured.
+    /// The learning curve for more than one training run, if it was measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub learning_curve: Option<LearningCurve>,
-    /// What the networks learned, in plain sentences.
+    /// Interpretation of the results in plain sentences.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub reading: Vec<String>,
 }
 
-/// The sample and its runs.
+/// The sample and the runs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DemSummary {
     /// Number of grains.
@@ -54,31 +54,31 @@ pub struct DemSummary {
 pub struct RunSummary {
     /// `training` or `unseen`.
     pub role: String,
-    /// Seed of its sample.
+    /// Seed of the sample.
     pub seed: u64,
     /// Wall time of preparation and shear, s.
     pub wall_seconds: f64,
-    /// Grains times steps.
+    /// Number of grains times number of steps.
     pub grain_steps: f64,
 }
 
 /// One mapping.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MappingSummary {
-    /// Its networks.
+    /// The networks of the mapping.
     pub sub_models: Vec<SubModelSummary>,
     /// Relative RMSE: root mean square error over the root mean square of the DEM values.
     pub relative_rmse: PartScores,
     /// Coefficient of determination.
     pub r2: PartScores,
-    /// Scatter between DEM runs of different seeds, in the measure of `relative_rmse`; null of fewer than two runs.
+    /// Scatter between DEM runs with different seeds, in the measure of `relative_rmse`; null for fewer than two runs.
     pub seed_scatter: Option<f64>,
-    /// What a perfect knowledge of the training runs alone would score on an unseen run: the seed scatter times
-    /// sqrt(1 + 1/n), n the number of training runs.
+    /// Expected error on an unseen run if the training runs are known perfectly and nothing else is known: the seed
+    /// scatter times sqrt(1 + 1/n), where n is the number of training runs.
     pub best_without_sensors: Option<f64>,
-    /// As the paper writes the mapping.
+    /// Formula of the mapping, as in the paper.
     pub formula: String,
-    /// Relative RMSE of the mean curve of the training runs, with no network, on unseen runs.
+    /// Relative RMSE of the mean curve of the training runs, without any network, on unseen runs.
     pub mean_curve: Option<f64>,
     /// Relative RMSE of ridge regression on the same sensors, on unseen runs.
     #[serde(default)]
@@ -87,38 +87,38 @@ pub struct MappingSummary {
     #[serde(default)]
     pub ridge_strain_only: Option<f64>,
     /// Relative RMSE of the networks on unseen runs with the sensors of every other unseen run in turn, at the same
-    /// strain; null of fewer than two unseen runs.
+    /// strain; null for fewer than two unseen runs.
     #[serde(default)]
     pub with_other_sensors: Option<f64>,
-    /// The same with the sensors of the run permuted over its states, within the range of each sub-model.
+    /// Relative RMSE with the sensors of the run permuted over its states, within the range of each sub-model.
     #[serde(default)]
     pub with_permuted_sensors: Option<f64>,
-    /// Relative RMSE with the sensors of other runs minus that with its own, over the unseen runs.
+    /// Relative RMSE with the sensors of other runs minus that with the sensors of the run itself, over the unseen runs.
     #[serde(default, rename = "use")]
     pub sensor_use: Option<PairedTest>,
-    /// Relative RMSE with permuted sensors minus that with its own, over the unseen runs.
+    /// Relative RMSE with permuted sensors minus that with the sensors in order, over the unseen runs.
     #[serde(default)]
     pub use_against_permuted: Option<PairedTest>,
     /// Relative RMSE of the strain-only networks minus that of the networks, over the unseen runs.
     #[serde(default)]
     pub help: Option<PairedTest>,
-    /// What follows from `use` and `help`.
+    /// The conclusion from `use` and `help`.
     #[serde(default)]
     pub verdict: Verdict,
-    /// Relative RMSE of the networks on the states they were trained on.
+    /// Relative RMSE of the networks on the training states.
     pub training: f64,
     /// Relative RMSE of the strain-only networks on held-out states.
     pub strain_only_held_out: f64,
 }
 
-/// A score on each part.
+/// Scores on the parts of a data set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PartScores {
-    /// On held-out states of the training runs.
+    /// Score on held-out states of the training runs.
     pub held_out: f64,
-    /// On runs that no network saw; null without any.
+    /// Score on unseen runs; null if there are none.
     pub unseen: Option<f64>,
-    /// A network of the same size that sees strain only, on unseen runs (on held-out states without any).
+    /// Score of a strain-only network of the same size, on unseen runs (on held-out states if there are none).
     pub strain_only: f64,
 }
 
@@ -127,21 +127,21 @@ pub struct PartScores {
 pub struct SubModelSummary {
     /// Range of deviator strain.
     pub strain_range: [f64; 2],
-    /// Neurons of the hidden layers.
+    /// Numbers of neurons of the hidden layers.
     pub hidden: Vec<usize>,
-    /// Epochs it was trained.
+    /// Number of epochs of the training.
     pub epochs: u64,
-    /// Trainer.
+    /// Name of the trainer.
     pub trainer: String,
-    /// Rows it was trained on.
+    /// Number of training rows.
     pub rows: usize,
-    /// Why training ended.
+    /// Reason why the training ended.
     pub termination: String,
-    /// Seconds of training.
+    /// Wall time of the training, s.
     pub seconds: f64,
-    /// Effective number of parameters, where the trainer finds it.
+    /// Effective number of parameters, if the trainer determines it.
     pub effective_parameters: Option<f64>,
-    /// True if it answers all training states in its range with nearly one number: it has learned nothing.
+    /// True if its predictions for all training states in its range are nearly equal, so that it has learned nothing.
     #[serde(default)]
     pub constant: bool,
     /// Score on held-out states in its range.
@@ -150,25 +150,25 @@ pub struct SubModelSummary {
     pub unseen: Score,
 }
 
-/// Networks against DEM in time.
+/// Computing time of the networks compared with DEM.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SpeedSummary {
     /// Wall time of one DEM test (shear), s.
     pub dem_seconds: f64,
-    /// Wall time of the networks' answer for the same test: all mappings at every recorded state, s.
+    /// Wall time of the predictions of the networks for the same test, for all mappings and all recorded states, s.
     pub network_seconds: f64,
     /// `dem_seconds / network_seconds`.
     pub factor: f64,
-    /// Wall time of training all networks, which the factor leaves out, s.
+    /// Wall time of the training of all networks, which the factor does not include, s.
     pub training_seconds: f64,
-    /// Number of states answered.
+    /// Number of predicted states.
     pub states: usize,
-    /// Number of repetitions; the median is given.
+    /// Number of repetitions, of which the median is taken.
     pub repetitions: usize,
 }
 
 impl MappingSummary {
-    /// The summary of one mapping's evaluation.
+    /// The summary of the evaluation of one mapping.
     pub fn new(evaluation: &Evaluation) -> Self {
         let e = evaluation;
         let unseen = |score: Score| (score.states > 0).then_some(score);
@@ -207,7 +207,7 @@ impl MappingSummary {
 mod tests {
     use super::*;
 
-    /// The keys that are promised, by name and type.
+    /// The guaranteed keys exist with their names and types.
     #[test]
     fn the_promised_keys_are_there() {
         let mapping = MappingSummary {

@@ -1,4 +1,4 @@
-//! Records with known laws, for the tests: curves like those of a sheared sample, with seeded noise.
+//! Synthetic records with known laws for the tests: curves similar to those of a sheared sample, with noise from a seed.
 
 use granum_core::{Column, Table};
 use granum_sensors::Record;
@@ -6,7 +6,7 @@ use granum_sensors::{Histogram, force_distribution};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// What the quantities of a state depend on.
+/// The dependence of the quantities of a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Law {
     /// Everything is a function of strain, with small independent noise.
@@ -24,7 +24,7 @@ impl Noise {
         (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Sum of uniforms: mean 0, variance 1.
+    /// A sum of uniform numbers with mean 0 and variance 1.
     fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
     }
@@ -54,7 +54,7 @@ pub(crate) fn record(law: Law, seed: u64, intervals: usize) -> Record {
     Record::with_forces(Table::new(columns.collect()).unwrap(), forces)
 }
 
-/// Counts of a Gamma-like distribution of forces, noisy as 200,000 contacts are.
+/// Counts of a Gamma-like distribution of forces, with the noise of 200,000 contacts.
 fn histogram(noise: &mut Noise, decay: f64) -> Histogram {
     let mut histogram = force_distribution::bins(0.25, 6.0).empty();
     let weights: Vec<f64> = (0..histogram.bins())

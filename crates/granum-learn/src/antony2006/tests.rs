@@ -55,8 +55,8 @@ const DEFAULT: &str = "levenberg-marquardt";
 
 #[test]
 fn smooth_curves_are_learned_down_to_their_noise() {
-    // Noise here differs from state to state, that of real runs lasts over several: states count as a fraction of an
-    // observation, so that curves are held a little smoother than these records would bear.
+    // Here the noise is independent between states, whereas in real runs it is correlated over several states. Since a state
+    // counts as a fraction of an observation, the curves are slightly smoother than these records would permit.
     let dataset = dataset(Law::Plain, 1, 2, 120);
     for evaluation in evaluate(&dataset, &small(&["F1", "F2", "F3", "F4", "F5", "F6"], 6, DEFAULT, 1.0)) {
         let name = &evaluation.mapping.name;
@@ -68,7 +68,7 @@ fn smooth_curves_are_learned_down_to_their_noise() {
     }
 }
 
-/// Where the soft sensors carry nothing, no mapping may look better than strain only, or seem to use them.
+/// If the soft sensors contain no information, no mapping may appear to be better than strain only, or appear to use them.
 #[test]
 fn inputs_without_information_do_not_help() {
     for law in [Law::Blind, Law::Plain] {
@@ -77,7 +77,7 @@ fn inputs_without_information_do_not_help() {
             let name = &evaluation.mapping.name;
             let (own, alone) =
                 (evaluation.network.unseen.relative_rmse, evaluation.strain_only.unseen.relative_rmse);
-            // Where all are functions of strain, the fabric may lend a small network its shape; no more.
+            // If all quantities are functions of strain, the fabric may only help a small network with its shape.
             assert!(law == Law::Plain || own > 0.97 * alone, "{law:?} {name}: {own} {alone}");
             let verdict = evaluation.sensor_use.verdict();
             assert_eq!(verdict, Verdict::DoesNotUse, "{law:?} {name}: {:?}", evaluation.sensor_use);
@@ -87,7 +87,7 @@ fn inputs_without_information_do_not_help() {
     }
 }
 
-/// Where they carry the answer, the mapping must find it and strain only cannot.
+/// If the sensors contain the information, the mapping must find it, which strain-only networks cannot.
 #[test]
 fn inputs_with_information_help() {
     let dataset = dataset(Law::Hidden, 1, 4, 120);
@@ -104,7 +104,7 @@ fn inputs_with_information_help() {
         assert!(sensors.with_other.unwrap().relative_rmse > 1.5 * own, "{name}: {sensors:?}");
         assert!(sensors.permuted.unwrap().relative_rmse > 1.5 * own, "{name}: {sensors:?}");
         assert!(evaluation.sub_models.iter().all(|sub_model| !sub_model.constant));
-        // Ridge regression finds what is linear in the sensors, and strain alone does not.
+        // Ridge regression finds the linear dependence on the sensors, which strain alone does not contain.
         let (ridge, alone) =
             (evaluation.ridge.unseen.relative_rmse, evaluation.ridge_strain_only.unseen.relative_rmse);
         assert!(ridge < 0.7 * alone, "{name}: {ridge} {alone}");
@@ -130,7 +130,7 @@ fn one_or_two_unseen_runs_are_too_few_to_test() {
     }
 }
 
-/// A network for the same inputs that was trained on targets that hardly differ.
+/// A network with the same inputs that was trained on nearly constant targets.
 fn silenced(surrogate: &MappingNetworks, states: &[&State]) -> Model {
     let (mapping, form, forces) = (surrogate.mapping(), surrogate.form(), surrogate.forces());
     let rows = Rows::new(mapping, form, forces, states.iter().copied());
@@ -149,7 +149,7 @@ fn silenced(surrogate: &MappingNetworks, states: &[&State]) -> Model {
     Model::fit(&recipe, &data, trainer.as_ref(), &mut |_: &Progress| Control::Continue).unwrap().0
 }
 
-/// A network that answers with nearly one number is called a constant.
+/// A network with nearly constant predictions is reported as constant.
 #[test]
 fn a_forged_constant_is_called_one() {
     let dataset = dataset(Law::Plain, 1, 3, 40);
@@ -182,7 +182,7 @@ fn the_point_form_finds_the_information_too() {
     }
 }
 
-/// A trainer of a program's own: Levenberg-Marquardt under another name, which takes no options of a study.
+/// A user-defined trainer: Levenberg-Marquardt under another name, which does not accept the options of a study.
 struct Own;
 
 impl Trainer for Own {
@@ -211,12 +211,12 @@ fn a_study_trains_with_any_trainer() {
     assert_eq!(own.trainer, "own");
     for (a, b) in own.mappings[0].surrogate.networks().iter().zip(usual.mappings[0].surrogate.networks()) {
         assert_eq!((a.provenance().trainer.as_str(), b.provenance().trainer.as_str()), ("own", DEFAULT));
-        // F1 answers with a number, so that nothing in it is told to the trainer.
+        // The output of F1 is a scalar, so that no options are passed to the trainer.
         assert_eq!(a.network().weights(), b.network().weights());
     }
 }
 
-/// One thread or three, alone or among others: a network has the same weights.
+/// The weights of a network depend neither on the number of threads nor on the other networks of the study.
 #[test]
 fn networks_do_not_depend_on_threads_or_company() {
     let dataset = dataset(Law::Plain, 1, 0, 40);
@@ -262,7 +262,7 @@ impl StudyObserver for TrainingCheckpoints {
     }
 }
 
-/// A study that was stopped goes on with the networks it has and ends as if it had not been stopped.
+/// A study that was stopped is resumed with its existing networks and ends with the results of an uninterrupted study.
 #[test]
 fn a_stopped_study_goes_on_where_it_was() {
     let dataset = dataset(Law::Plain, 1, 0, 40);
@@ -279,7 +279,7 @@ fn a_stopped_study_goes_on_where_it_was() {
             assert_eq!(x.to_json(), y.to_json());
         }
     }
-    // Other epochs: what was kept is not used.
+    // With another number of epochs the stored networks are not used.
     let longer = StudyOptions { epoch_factor: 2e-3, ..options };
     let fresh = Study::train(&dataset, &longer, &keeper).unwrap();
     assert_ne!(
@@ -323,7 +323,7 @@ fn a_study_survives_its_files_and_answers_rows() {
     assert_eq!((far.sub_model, names), (2, vec!["deviator_strain", "force"]));
     assert_eq!(far.outside[1].range, [dataset.forces[0], dataset.forces[13]]);
     assert!(f2.predict_row(&[], 0.9).is_err() && f2.predict_row(&[f64::NAN, 0.5, 1.0], 0.9).is_err());
-    // A row of F1 is a state, and its answer that to the state: the mean over the points.
+    // A row of F1 is a state, and its prediction equals that for the state, the mean over the points.
     let f1 = &loaded.mapping("F1").unwrap().surrogate;
     assert_eq!(f1.input_names().len(), 15);
     let row: Vec<f64> = [0.1].iter().chain(&state.densities).copied().collect();
@@ -347,7 +347,7 @@ fn a_study_survives_its_files_and_answers_rows() {
     std::fs::write(&kept, &text[..100]).unwrap();
     assert!(files::load_study(folder.path()).unwrap_err().to_string().contains("these are no baselines"));
     std::fs::remove_file(&kept).unwrap();
-    // A study that was saved before baselines were kept is judged by those of the data set it is judged on.
+    // For a study that was saved without baselines, the baselines are fitted to the data set of the evaluation.
     let older = files::load_study(folder.path()).unwrap();
     assert!(
         older.baselines.is_none() && older.score_run(&dataset.unseen_runs[0]).unwrap()[0].ridge.is_none()
@@ -428,7 +428,7 @@ fn figures_have_lines_points_and_bands() {
     let panel = &figures[1].panels[2];
     assert_eq!((panel.lines.len(), panel.points.len(), panel.bands.len()), (6, 6, 3));
     assert!(panel.against_force && panel.points[0].x == dataset.forces);
-    // At the bins the line runs through what the network answers there.
+    // At the centres of the bins, the line passes through the predictions of the network.
     let run = &dataset.unseen_runs[0];
     let strain = panel.lines[0].strain.unwrap();
     let state = run.states.iter().find(|state| state.strain == strain).unwrap();

@@ -1,5 +1,5 @@
-//! A training that is not lost: networks kept as they come, those under way at an interval, and what the training is
-//! of, so that it goes on with nothing else.
+//! Checkpoints of a training: each network is stored when it is trained, the state of unfinished networks at intervals,
+//! and the manifest describes the training, so that it can be resumed from its folder alone.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -24,23 +24,23 @@ use crate::error::{LearnError, Result};
 const FORMAT: &str = "granum training";
 const VERSION: u64 = 1;
 
-/// What a training is of: runs, data and options.
+/// The manifest of a training: its runs, data and options.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrainingManifest {
     format: String,
     version: u64,
     granum_version: String,
-    /// Run folders to learn from, as absolute paths.
+    /// Run folders for training, as absolute paths.
     pub runs: Vec<PathBuf>,
-    /// Run folders to judge by.
+    /// Run folders for evaluation.
     pub unseen: Vec<PathBuf>,
     /// True if the runs may differ in more than the seed of their samples.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub mixed: bool,
     /// See [`crate::antony2006::StudyData::hash`].
     pub dataset_hash: String,
-    /// How the force distribution enters.
+    /// Form in which the force distribution enters the networks.
     pub form: Form,
     /// Name of the trainer.
     pub trainer: String,
@@ -53,10 +53,10 @@ pub struct TrainingManifest {
 }
 
 impl TrainingManifest {
-    /// The plan of a study on runs.
+    /// The manifest of a study on runs.
     ///
     /// # Errors
-    /// If the folder that relative paths start from is gone.
+    /// If the working directory, to which relative paths refer, no longer exists.
     pub fn new(
         runs: &[PathBuf],
         unseen: &[PathBuf],
@@ -84,7 +84,7 @@ impl TrainingManifest {
         })
     }
 
-    /// Writes it into a folder.
+    /// Writes the file to a folder.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -92,7 +92,7 @@ impl TrainingManifest {
         write_json(&folder.join(PLAN_FILE), self)
     }
 
-    /// Reads that of a folder.
+    /// Reads the file of a folder.
     ///
     /// # Errors
     /// If the file is missing, damaged or of another version.
@@ -110,7 +110,8 @@ impl TrainingManifest {
         Ok(plan)
     }
 
-    /// In what another training would make other networks: nothing if the two are the same, wherever their runs lie.
+    /// The differences that would lead to other networks; empty if both trainings are the same, independently of the
+    /// location of their runs.
     pub fn differences(&self, other: &TrainingManifest) -> Vec<&'static str> {
         [
             (self.dataset_hash != other.dataset_hash, "runs"),
@@ -126,7 +127,7 @@ impl TrainingManifest {
         .collect()
     }
 
-    /// Every file that the training may leave, the one that marks its end first.
+    /// All files that the training may write, starting with the one that marks its end.
     pub fn files(&self) -> Vec<String> {
         let mut names = [STUDY_FILE, PLAN_FILE, TIMES_FILE, BASELINES_FILE].map(String::from).to_vec();
         names.extend(self.names().iter().flat_map(|name| [network_file(name), state_file(name)]));
@@ -147,12 +148,12 @@ impl TrainingManifest {
     }
 }
 
-/// File of a network under way.
+/// File with the state of an unfinished network.
 fn state_file(network: &str) -> String {
     format!("{network}.unfinished")
 }
 
-/// Keeps networks in a folder.
+/// Stores networks and the states of unfinished networks in a folder.
 pub struct TrainingCheckpoints {
     folder: PathBuf,
     every: Duration,
@@ -163,7 +164,7 @@ pub struct TrainingCheckpoints {
 #[derive(Default)]
 struct Held {
     seconds: BTreeMap<String, f64>,
-    /// When each network under way was last kept.
+    /// The time at which the state of each unfinished network was last stored.
     kept: BTreeMap<String, Instant>,
     failure: Option<LearnError>,
 }
@@ -171,16 +172,16 @@ struct Held {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct UnderWay {
-    /// What the training is of.
+    /// Identifies the training.
     key: String,
     state: TrainerState,
 }
 
 impl TrainingCheckpoints {
-    /// Keeps networks in a folder that is there, those under way every so often.
+    /// Stores networks in an existing folder, and the states of unfinished networks at the given interval.
     pub fn new(folder: &Path, every: Duration) -> TrainingCheckpoints {
         let seconds = std::fs::read_to_string(folder.join(TIMES_FILE)).ok();
-        // Times are of interest to people only; a damaged file of them is written anew.
+        // The times do not affect any result, so that a damaged file is simply replaced.
         let seconds = seconds.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default();
         TrainingCheckpoints {
             folder: folder.to_path_buf(),
@@ -201,22 +202,22 @@ impl TrainingCheckpoints {
         }
     }
 
-    /// True once something could not be written: what is trained from then on would be lost.
+    /// True after a file could not be written; training should then stop, since its results would be lost.
     pub fn failed(&self) -> bool {
         self.failed.load(Ordering::Relaxed)
     }
 
-    /// What could not be written.
+    /// The error of the file that could not be written, if there is one.
     pub fn take_failure(&self) -> Option<LearnError> {
         self.held().failure.take()
     }
 
-    /// A network is trained or was found (then `seconds` is zero).
+    /// Called when a network has been trained, or found finished (then `seconds` is zero).
     pub fn trained(&self, network: &str, model: &Model, seconds: f64) {
         if seconds > 0.0 {
             self.note(self.write_trained(network, model, seconds));
         }
-        // Also one that a kill left beside its finished network.
+        // A state may be left even next to a finished network if the process was killed between the two operations.
         let state = self.folder.join(state_file(network));
         if state.exists() {
             self.note(std::fs::remove_file(&state).map_err(|e| Error::file("remove", &state)(e).into()));
@@ -234,12 +235,12 @@ impl TrainingCheckpoints {
         write_json(&self.folder.join(TIMES_FILE), &held.seconds)
     }
 
-    /// The finished network of that name, where there is one that can be read.
+    /// The finished network of the given name, if it exists and can be read.
     pub fn finished(&self, network: &str) -> Option<Model> {
         Model::load(&self.folder.join(network_file(network))).ok()
     }
 
-    /// Keeps a network under way if it is time, or at once if `now`.
+    /// Stores the state of an unfinished network if it is due, or at once if `now`.
     pub fn under_way(&self, network: &str, key: &str, now: bool, state: &dyn Fn() -> TrainerState) {
         let mut held = self.held();
         let due = match held.kept.get(network) {
@@ -266,7 +267,8 @@ impl TrainingCheckpoints {
         Ok(())
     }
 
-    /// The state of a network under way, if it is whole and of the same training; else it is trained from the start.
+    /// The state of an unfinished network, if it is complete and belongs to the same training; otherwise `None`, and the
+    /// network is trained from the start.
     pub fn state(&self, network: &str, key: &str) -> Option<TrainerState> {
         let text = std::fs::read_to_string(self.folder.join(state_file(network))).ok()?;
         let (sum, text) = text.split_once('\n')?;
@@ -278,7 +280,7 @@ impl TrainingCheckpoints {
         (under_way.key == key).then_some(under_way.state)
     }
 
-    /// Gives a study the seconds of those networks that were found finished.
+    /// Adds to a study the training times of those networks that were found finished.
     pub fn add_seconds(&self, study: &mut Study) {
         let held = self.held();
         for trained in &mut study.mappings {
@@ -319,7 +321,7 @@ mod tests {
         Data::new(x, 1, y).unwrap()
     }
 
-    /// Trains up to an epoch and gives the model and the state at its end.
+    /// Trains up to an epoch, and returns the model and the state at its end.
     fn trained(epochs: u64, state: Option<TrainerState>) -> (Model, TrainerState) {
         let trainer = by_name("traingdx", &Default::default()).unwrap();
         let mut listen = |p: &Progress| if p.epoch < epochs { Control::Continue } else { Control::Stop };
@@ -355,7 +357,7 @@ mod tests {
         keeper.trained("F1-1", &whole, 2.5);
         assert!(!file.exists() && !keeper.failed());
         assert_eq!(keeper.finished("F1-1").unwrap().to_json(), whole.to_json());
-        // A second keeper knows the time; a damaged file of times costs nothing else.
+        // A second instance reads the stored times, and a damaged file of times has no other effect.
         let again = TrainingCheckpoints::new(folder, Duration::MAX);
         assert_eq!(again.held().seconds["F1-1"], 2.5);
         std::fs::write(folder.join(TIMES_FILE), "{").unwrap();

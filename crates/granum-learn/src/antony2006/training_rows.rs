@@ -1,22 +1,27 @@
-//! What a network is given to learn from: which states, how much each of them counts, and how its inputs are weighed.
+//! The training data of a network: the selection of states, their weights, and the scaling of the inputs.
 //!
-//! The paper's trainer gets what the paper gave it: the states of its sub-model alone, every row an example of its own. For
-//! the default trainer four things are different, each found by experiment on runs that judge nothing (seeds 101 to 124 of
-//! 2000 grains; see the chapter on networks in the book):
+//! The trainer of the paper receives the data as in the paper: only the states of its sub-model, with every row as a
+//! separate example. For the default trainer four things are different. Each was found by experiments on runs that are not
+//! used for any evaluation (seeds 101 to 124 with 2000 grains; see the chapter on networks in the book):
 //!
-//! - **Neighbouring states are not independent.** What a run differs by from the mean of all runs lasts over some 0.03 of
-//!   deviator strain. Told that 60 states are 60 observations, Bayesian regularisation takes the peculiarities of a run
-//!   for structure. A state counts as [`STATE_OBSERVATIONS`] of an observation, a distribution as
-//!   [`DISTRIBUTION_OBSERVATIONS`]: its bins differ in four to five independent ways.
-//! - **The points of a state answer together.** In point form a state gives one row a bin of f. Trained row by row, every
-//!   single point has to guess the answer, and the mean of 14 guesses is judged. Trained on that mean, the network learns a
-//!   sum over the distribution.
-//! - **Sub-models learn from all states**, and answer in their own range. A third of the states is too little to learn from,
-//!   and curves jumped where sub-models met.
-//! - **A sensor is believed as far as it tells of runs that are left out.** Bins of a distribution share the range of one
-//!   input and keep their proportions, so that bins with little but noise are not blown up; these, and every sensor of a
-//!   network that answers with a distribution, get a share of the range of an input that the training runs choose
-//!   ([`crate::antony2006::sensor_share`]).
+//! - **Neighbouring states are not independent.** The deviation of a run from the mean of all runs persists over about
+//! 0.03 of
+//! deviator strain. If 60 states counted as 60 observations, Bayesian regularisation would fit the peculiarities of a run.
+//! A
+//! state counts as [`STATE_OBSERVATIONS`] of an observation, and a distribution as [`DISTRIBUTION_OBSERVATIONS`], since
+//! its
+//!   bins vary in four to five independent ways.
+//! - **The points of a state form one observation.** In point form a state gives one row for each bin of f. If the rows were
+//! fitted separately, every single point would have to predict the target, whereas the mean of 14 predictions is
+//! evaluated. If
+//!   the mean itself is fitted, the network learns a sum over the distribution.
+//! - **Sub-models are trained on all states**, and predict in their own range. A third of the states would be too few for
+//!   training, and curves would be discontinuous between sub-models.
+//! - **A sensor has as much weight as its information on left-out runs supports.** The bins of a distribution share the
+//! range of
+//!   one input and keep their proportions, so that bins that contain little but noise are not amplified. These bins, and all
+//!   sensors of a network whose output is a distribution, are scaled to a share of the range of an input, which is chosen by
+//!   cross-validation over the training runs ([`crate::antony2006::sensor_share`]).
 
 use granum_nets::{Data, DataError};
 
@@ -27,24 +32,24 @@ use crate::antony2006::study::PAPER_TRAINER;
 use crate::antony2006::study_data::{Rows, State, StudyData};
 use crate::error::Result as OrError;
 
-/// How many independent observations a state that answers with a number is worth.
+/// Effective number of independent observations of a state if the output is a scalar.
 const STATE_OBSERVATIONS: f64 = 0.15;
-/// The same for a state that answers with a distribution.
+/// Effective number of independent observations of a state if the output is a distribution.
 const DISTRIBUTION_OBSERVATIONS: f64 = 0.5;
-/// Where Bayesian regularisation starts for distributions, whose shape over f is sharp and well determined.
+/// Initial ratio of Bayesian regularisation for distributions, which have sharp features in f that the data determine well.
 const DISTRIBUTION_FIRST_RATIO: f64 = 0.0016;
-/// Most states that one network learns from. With more runs every run gives fewer, each other ones: neighbouring states
-/// say nearly the same.
+/// Largest number of training states of one network. With many runs, every run contributes fewer states, and different ones,
+/// because neighbouring states contain nearly the same information.
 const MOST_STATES: usize = 960;
-/// The same for states that answer with a distribution, each of which says more.
+/// Largest number of training states if the output is a distribution, since each state then contains more information.
 const MOST_DISTRIBUTIONS: usize = 480;
 
-/// How examples are made of states.
+/// The rule by which training rows are made from states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rule {
-    /// As the paper did.
+    /// The rule of the paper.
     Paper,
-    /// As above.
+    /// The rule for the default trainer, see the module.
     Pooled,
 }
 
@@ -53,21 +58,21 @@ pub(crate) fn rule_of(trainer: &str) -> Rule {
     if trainer == PAPER_TRAINER { Rule::Paper } else { Rule::Pooled }
 }
 
-/// Rows of a state that answer together, for a network that is trained by this rule.
+/// Number of rows of a state that form one observation, for a network that is trained by the given rule.
 pub(crate) fn points(mapping: &Mapping, form: Form, bins: usize, rule: Rule) -> usize {
     let number = mapping.output != Quantity::ForceDistribution;
     if rule == Rule::Pooled && number && mapping.has_point_rows(form) { bins } else { 1 }
 }
 
-/// Where Bayesian regularisation starts, if not at the trainer's default.
+/// Initial ratio of Bayesian regularisation, if it differs from the default of the trainer.
 pub(crate) fn first_ratio(mapping: &Mapping) -> Option<f64> {
     (mapping.output == Quantity::ForceDistribution).then_some(DISTRIBUTION_FIRST_RATIO)
 }
 
-/// The rows that a sub-model learns from, with what they count.
+/// The training rows of a sub-model with their weights.
 ///
 /// # Errors
-/// If there is none.
+/// If there are no rows.
 pub(crate) fn data(
     dataset: &StudyData,
     mapping: &Mapping,
@@ -91,19 +96,19 @@ pub(crate) fn data(
         return Ok(data);
     }
     let each = if distribution { DISTRIBUTION_OBSERVATIONS } else { STATE_OBSERVATIONS };
-    // States further apart are more independent: what they count together does not change.
+    // Thinned states are more independent of each other, so that their total number of observations does not change.
     let observations = dataset.training().len() as f64 * each;
     let bins = dataset.forces.len();
     let data = data.with_points(points(mapping, form, bins, rule))?.with_observations(observations)?;
-    // Of a distribution every bin is an observation; its scatter differs from bin to bin, and f is the last input.
+    // For a distribution every bin is an observation. The scatter differs between bins, and f is the last input.
     let each = if distribution { bins } else { 1 };
     let column = if distribution { data.input_columns() - 1 } else { 0 };
     let blocks = blocks.iter().flat_map(|&block| std::iter::repeat_n(block, each)).collect();
     data.with_blocks(blocks)?.with_spread_column(column)
 }
 
-/// At most so many of the training states with the number of their run: of many runs every so manieth state of each, beginning
-/// with another one in each run.
+/// At most `most` of the training states, with the numbers of their runs. If there are too many, every n-th state of each
+/// run is taken, with a different first state in each run.
 fn thinned(dataset: &StudyData, most: usize) -> Vec<(usize, &State)> {
     let every = dataset.training().len().div_ceil(most).max(1);
     let runs = dataset.training_runs.iter().enumerate();
@@ -114,7 +119,7 @@ fn thinned(dataset: &StudyData, most: usize) -> Vec<(usize, &State)> {
     states.collect()
 }
 
-/// Which quantity each input of a network belongs to, see [`granum_nets::Recipe::quantities`].
+/// For each input of a network the number of its quantity, see [`granum_nets::Recipe::quantities`].
 pub(crate) fn quantities(mapping: &Mapping, form: Form, bins: usize, rule: Rule) -> Vec<usize> {
     match rule {
         Rule::Paper => Vec::new(),
@@ -122,10 +127,10 @@ pub(crate) fn quantities(mapping: &Mapping, form: Form, bins: usize, rule: Rule)
     }
 }
 
-/// The share of its range that each input of a network is given, see [`granum_nets::Recipe::shares`].
+/// For each input of a network the share of the range to which it is scaled, see [`granum_nets::Recipe::shares`].
 ///
 /// # Errors
-/// If the ridge regression that judges the sensors cannot be solved.
+/// If the ridge regression for the choice of the share cannot be solved.
 pub(crate) fn shares(dataset: &StudyData, mapping: &Mapping, form: Form, rule: Rule) -> OrError<Vec<f64>> {
     if rule == Rule::Paper {
         return Ok(Vec::new());
@@ -135,14 +140,14 @@ pub(crate) fn shares(dataset: &StudyData, mapping: &Mapping, form: Form, rule: R
     let held_back = |input: Quantity| {
         input != Quantity::DeviatorStrain && (distribution || input == Quantity::ForceDistribution)
     };
-    // Each bin of a distribution is one of its observations.
+    // Each bin of a distribution is one observation.
     let each = if distribution { DISTRIBUTION_OBSERVATIONS / bins as f64 } else { STATE_OBSERVATIONS };
     let held_back_share = sensor_share(mapping, &dataset.training_by_run(), each, &held_back)?;
     let mut shares = Vec::new();
     for &input in &mapping.inputs {
         let share = if held_back(input) { held_back_share } else { 1.0 };
         match (input == Quantity::ForceDistribution, form) {
-            // f itself is no sensor.
+            // f itself is not a sensor.
             (true, Form::Point) => shares.extend([1.0, share]),
             (true, Form::Histogram) => shares.extend(std::iter::repeat_n(share, bins)),
             (false, _) => shares.push(share),

@@ -1,10 +1,10 @@
-//! Named columns over the states of runs, with the parameters of each run, whatever the path of its test.
+//! Named columns over the states of runs, with the parameters of each run, for tests along arbitrary paths.
 //!
-//! A row is a state of a run. Its key is the run, the number of the stage of the test (`stage`) and the number of the state
-//! in it (`state`). Besides, a row has what the sensors saw (`stress_ratio`, `arc_length`, ...), one column for each bin of a
-//! histogram (`probability_density_0.125`, ...), and the parameters of its run (`grains.material.friction`,
-//! `preparation.seed`, ...), which are the same in all rows of the run. Nothing is said of how strain goes: a column of strain
-//! may rise, fall or turn.
+//! A row is a state of a run. Its key consists of the run, the number of the stage of the test (`stage`) and the number of
+//! the state in the stage (`state`). A row also contains the measurements (`stress_ratio`, `arc_length`, ...), one column
+//! for each bin of a histogram (`probability_density_0.125`, ...), and the parameters of its run
+//! (`grains.material.friction`, `preparation.seed`, ...), which are the same in all rows of the run. Strain need not be
+//! monotonic: a column of strain may increase, decrease or change direction.
 
 mod run_states;
 mod split;
@@ -28,7 +28,7 @@ pub use split::{Split, SplitParts};
 pub struct Variable {
     /// Its name.
     pub name: String,
-    /// Its SI unit; empty for a pure number or where the source does not tell.
+    /// SI unit; empty for a dimensionless number, or if the source does not give it.
     pub unit: String,
 }
 
@@ -38,7 +38,7 @@ pub struct Variable {
 /// use granum_core::{Column, Table};
 /// use granum_learn::dataset::{Dataset, RunStates, Split};
 ///
-/// // Two runs that differ in a parameter, as tables of one's own.
+/// // Two runs that differ in a parameter, given as tables.
 /// let run = |name: &str, friction: f64| {
 ///     let strain: Vec<f64> = (0..10).map(|k| 0.01 * k as f64).collect();
 ///     let ratio = strain.iter().map(|e| friction * (1.0 - (-50.0 * e).exp())).collect();
@@ -48,7 +48,7 @@ pub struct Variable {
 /// let dataset = Dataset::new(vec![run("loose", 0.3)?, run("dense", 0.5)?])?;
 /// assert_eq!(dataset.rows(), 20);
 /// assert_eq!(dataset.column("friction")?[9..11], [0.3, 0.5]);
-/// // Every second state of "loose" trains, those between are held out, and "dense" is seen by no surrogate.
+/// // Every second state of "loose" is used for training, the others are held out, and "dense" is an unseen run.
 /// let parts = dataset.split(&Split::default().unseen(["dense"]))?;
 /// assert_eq!((parts.training.rows(), parts.held_out.rows(), parts.unseen.rows()), (5, 5, 10));
 /// let error = dataset.column("stress_ration").unwrap_err().to_string();
@@ -64,7 +64,7 @@ impl Dataset {
     /// A data set of runs.
     ///
     /// # Errors
-    /// If there is no run, two runs have one name, or a run has no state.
+    /// If there are no runs, two runs have the same name, or a run has no states.
     pub fn new(runs: Vec<RunStates>) -> Result<Dataset> {
         let bad = |reason: String| Err(LearnError::Dataset(reason));
         if runs.is_empty() {
@@ -81,11 +81,11 @@ impl Dataset {
         Ok(Dataset { runs })
     }
 
-    /// The data set of run folders: what their sensors saw, with the numbers of their case files as parameters. The name of a run is its
-    /// folder's as it is given here.
+    /// The data set of run folders: their measurements, with the numbers of their case files as parameters. The name of a
+    /// run is that of its folder as given here.
     ///
     /// # Errors
-    /// If a folder holds no record of a test, and as [`Dataset::new`].
+    /// If a folder contains no record of a test, and as [`Dataset::new`].
     pub fn read<P: AsRef<Path>>(folders: &[P]) -> Result<Dataset> {
         let read = |folder: &P| {
             let folder = folder.as_ref();
@@ -94,17 +94,17 @@ impl Dataset {
         Dataset::new(folders.iter().map(read).collect::<Result<_>>()?)
     }
 
-    /// Its runs.
+    /// The runs.
     pub fn runs(&self) -> &[RunStates] {
         &self.runs
     }
 
-    /// Number of rows, over all runs.
+    /// Number of rows of all runs.
     pub fn rows(&self) -> usize {
         self.runs.iter().map(RunStates::rows).sum()
     }
 
-    /// The columns that all runs have, parameters included, in the order of the first run.
+    /// The columns that all runs have, including parameters, in the order of the first run.
     pub fn variables(&self) -> Vec<Variable> {
         let Some((first, others)) = self.runs.split_first() else { return Vec::new() };
         let mut variables = first.variables();
@@ -112,10 +112,10 @@ impl Dataset {
         variables
     }
 
-    /// The column of that name, with its unit.
+    /// The column of the given name, with its unit.
     ///
     /// # Errors
-    /// If not every run has it; the message says which run lacks it, or suggests a name.
+    /// If a run lacks the column; the message names that run, or suggests another name.
     pub fn variable(&self, name: &str) -> Result<Variable> {
         let variables = self.variables();
         if let Some(found) = variables.iter().find(|variable| variable.name == name) {
@@ -133,7 +133,7 @@ impl Dataset {
         Err(LearnError::Dataset(format!("there is no column {name}; {}", suggestion(name, names))))
     }
 
-    /// The values of a column, run after run.
+    /// The values of a column, one run after another.
     ///
     /// # Errors
     /// As [`Dataset::variable`].
@@ -143,7 +143,7 @@ impl Dataset {
         Ok(columns.concat())
     }
 
-    /// The names of columns for a list in which the name of a histogram (`probability_density`) stands for all of its bins.
+    /// The names of columns for a list in which the name of a histogram (`probability_density`) represents all of its bins.
     ///
     /// # Errors
     /// As [`Dataset::variable`].
@@ -158,10 +158,11 @@ impl Dataset {
         Ok(all)
     }
 
-    /// The values of columns, row by row, run after run: what surrogates are fitted to and asked about.
+    /// The values of columns in row-major order, one run after another, in the form for the fit and the prediction of
+    /// surrogates.
     ///
     /// # Errors
-    /// As [`Dataset::variable`], and if a value is not a finite number; the message says where.
+    /// As [`Dataset::variable`], and if a value is not a finite number; the message gives its position.
     pub fn values<S: AsRef<str>>(&self, names: &[S]) -> Result<Vec<f64>> {
         let columns = names.iter().map(|name| self.column(name.as_ref())).collect::<Result<Vec<_>>>()?;
         for (name, values) in names.iter().zip(&columns) {
@@ -180,7 +181,7 @@ impl Dataset {
         runs.flat_map(|(k, run)| std::iter::repeat_n(k, run.rows())).collect()
     }
 
-    /// What is wrong in a row, with its key.
+    /// An error in a row, with the key of the row.
     fn at(&self, row: usize, reason: &str) -> LearnError {
         let mut before = 0;
         for run in &self.runs {
@@ -192,21 +193,22 @@ impl Dataset {
         LearnError::Dataset(reason.to_string())
     }
 
-    /// The rows for which `keep` is true, told by the run and the number of the row in it; runs without such a row are left out.
+    /// The rows for which `keep` is true, given the run and the number of the row in it; runs without such a row are
+    /// omitted.
     pub fn select(&self, keep: impl Fn(&RunStates, usize) -> bool) -> Dataset {
         let chosen = self.runs.iter().map(|run| run.select(|row| keep(run, row)));
         Dataset { runs: chosen.filter(|run| run.rows() > 0).collect() }
     }
 
-    /// Splits it into what trains, what is held out and what is unseen.
+    /// Splits the data set into training, held-out and unseen parts.
     ///
     /// # Errors
-    /// If the split names a run that is not there, or nothing is left to train on.
+    /// If the split names a run that does not exist, or if there are no training rows left.
     pub fn split(&self, split: &Split) -> Result<SplitParts> {
         split.apply(self)
     }
 
-    /// All of it as one table, with the number of the run (from 1) as its first column.
+    /// The whole data set as one table, with the number of the run (from 1) as its first column.
     ///
     /// # Errors
     /// If a column that all runs have is called `run`.
@@ -219,7 +221,7 @@ impl Dataset {
         Ok(Table::new(columns)?)
     }
 
-    /// SHA-256 of names, units and the bits of every number.
+    /// SHA-256 of the names, the units and the bits of all numbers.
     pub fn digest(&self) -> String {
         let mut digest = Digest::new();
         digest.text("granum data set 1");

@@ -11,13 +11,13 @@ use granum_sensors::Record;
 use super::Variable;
 use crate::error::{LearnError, Result};
 
-/// Columns of the key.
+/// The columns of the key.
 pub(crate) const STAGE: &str = "stage";
 /// See [`STAGE`].
 pub(crate) const STATE: &str = "state";
-/// Length of the path of strain up to a state.
+/// Arc length of the strain path up to a state.
 const ARC_LENGTH: &str = "arc_length";
-/// The histogram of contact forces: its columns are called `probability_density_0.125` after the centres of its bins.
+/// The histogram of contact forces; its columns are named after the centres of its bins, e.g. `probability_density_0.125`.
 pub(crate) const DENSITY: &str = "probability_density";
 
 /// A record with its name and seed.
@@ -25,9 +25,9 @@ pub(crate) const DENSITY: &str = "probability_density";
 pub struct NamedRecord<'a> {
     /// Name of the run, for messages and figures.
     pub name: &'a str,
-    /// Seed of its sample.
+    /// Seed of the sample.
     pub seed: u64,
-    /// What the sensors saw.
+    /// The measurements.
     pub record: &'a Record,
 }
 
@@ -47,9 +47,9 @@ pub struct NamedRecord<'a> {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColumnGroup {
-    /// What the columns hold; each is called after it and the centre of its bin.
+    /// The quantity in the columns; the name of each column consists of it and the centre of the bin.
     pub name: String,
-    /// What is binned.
+    /// The binned variable.
     pub binned: String,
     /// Width of a bin.
     pub bin_width: f64,
@@ -81,11 +81,11 @@ pub struct RunStates {
 }
 
 impl RunStates {
-    /// From any table with a row for each state. Without a column `stage` all are of stage 1, without a column `state` they are
-    /// numbered from 0.
+    /// A run from any table with one row for each state. Without a column `stage` all states belong to stage 1, and
+    /// without a column `state` they are numbered from 0.
     ///
     /// # Errors
-    /// If the name is empty, or the numbers of stages and states are not whole numbers that rise.
+    /// If the name is empty, or the numbers of stages and states are not increasing integers.
     pub fn new(name: &str, table: Table) -> Result<RunStates> {
         if name.is_empty() {
             return Err(LearnError::Dataset("a run has no name".into()));
@@ -106,25 +106,25 @@ impl RunStates {
         Ok(run)
     }
 
-    /// From what the sensors saw of a test: the columns of the series, one column a bin of the histogram of forces, the
-    /// length of the path of strain, and the seed of the sample as `preparation.seed`.
+    /// A run from the measurements of a test: the columns of the series, one column for each bin of the histogram of
+    /// forces, the arc length of the strain path, and the seed of the sample as `preparation.seed`.
     ///
-    /// A test of stages has its `arc_length` from the sensors. For others it is summed over the recorded states from the
-    /// strains along the axes.
+    /// For a test with stages the sensors provide the `arc_length`. For other tests it is summed over the recorded states
+    /// from the strains along the axes.
     ///
     /// # Errors
-    /// If there is not one histogram for each state, or their bins differ from state to state.
+    /// If there is not one histogram for each state, or if the bins differ between states.
     pub fn from_record(named: &NamedRecord) -> Result<RunStates> {
         let mut run = RunStates::of_sensors(named.name, named.record)?;
         run.set_parameter(granum_io::case::SEED, "", named.seed as f64);
         Ok(run)
     }
 
-    /// From the folder of a run, with every number of its case file as a parameter (`grains.material.friction`). The
-    /// parameters of a part of the case that is not in use, and choices such as the names of contact laws, are no columns.
+    /// Reads the folder of a run, with all numbers of its case file as parameters (`grains.material.friction`). Parameters
+    /// of unused parts of the case, and choices such as the names of contact laws, do not become columns.
     ///
     /// # Errors
-    /// If the folder holds no record of a test; and as [`RunStates::from_record`].
+    /// If the folder contains no record of a test, and as [`RunStates::from_record`].
     pub fn read(name: &str, run: &Run) -> Result<RunStates> {
         let mut states = RunStates::of_sensors(name, &read_record(run)?)?;
         for (variable, value) in numbers_of(&run.case()?) {
@@ -144,10 +144,10 @@ impl RunStates {
         Ok(RunStates { groups: group.into_iter().collect(), ..RunStates::new(name, table)? })
     }
 
-    /// The same run with a further parameter.
+    /// Adds a parameter.
     ///
     /// # Errors
-    /// If a column has this name, or the value is not a finite number.
+    /// If a column already has this name, or the value is not a finite number.
     pub fn with_parameter(mut self, name: &str, unit: &str, value: f64) -> Result<RunStates> {
         if self.table.has(name) {
             return Err(record_error(&self.name, format!("{name} is a column of its states already")));
@@ -162,7 +162,7 @@ impl RunStates {
         Ok(self)
     }
 
-    /// The same run with columns of its table known as a histogram, whose name then stands for all of them.
+    /// Declares columns of the table to be a histogram, whose name then represents all of them.
     ///
     /// # Errors
     /// If a column of a bin is missing.
@@ -186,22 +186,22 @@ impl RunStates {
         &self.name
     }
 
-    /// Number of its states.
+    /// Number of states.
     pub fn rows(&self) -> usize {
         self.table.rows()
     }
 
-    /// Its states, without the parameters.
+    /// The states, without the parameters.
     pub fn table(&self) -> &Table {
         &self.table
     }
 
-    /// Its histograms.
+    /// The histograms.
     pub fn groups(&self) -> &[ColumnGroup] {
         &self.groups
     }
 
-    /// The histogram of that name, if the run has it.
+    /// The histogram of the given name, if the run has one.
     pub fn group(&self, name: &str) -> Option<&ColumnGroup> {
         self.groups.iter().find(|group| group.name == name)
     }
@@ -211,14 +211,14 @@ impl RunStates {
         self.parameters.iter().find(|(variable, _)| variable.name == name).map(|(_, value)| *value)
     }
 
-    /// Names and units of all its columns, parameters included.
+    /// Names and units of all columns, including parameters.
     pub fn variables(&self) -> Vec<Variable> {
         let of = |column: &Column| Variable { name: column.name.clone(), unit: column.unit.clone() };
         let columns = self.table.columns().iter().map(of);
         columns.chain(self.parameters.iter().map(|(variable, _)| variable.clone())).collect()
     }
 
-    /// True if there is a column or parameter of that name.
+    /// True if there is a column or parameter of the given name.
     pub fn has(&self, name: &str) -> bool {
         self.table.has(name) || self.parameter(name).is_some()
     }
@@ -226,7 +226,7 @@ impl RunStates {
     /// The values of a column, or of a parameter for every state.
     ///
     /// # Errors
-    /// If there is none of that name; the message suggests one.
+    /// If there is none of the given name; the message suggests another name.
     pub fn column(&self, name: &str) -> Result<Vec<f64>> {
         if let Some(values) = self.table.values(name) {
             return Ok(values.to_vec());
@@ -246,12 +246,12 @@ impl RunStates {
             let values = rows.iter().map(|&row| column.values[row]).collect();
             Column::new(&column.name, &column.unit, values)
         };
-        // The names are those of a table, so this is one.
+        // The names are those of a valid table, so that this cannot fail.
         let table = Table::new(self.table.columns().iter().map(of).collect()).unwrap_or_default();
         RunStates { table, ..self.clone() }
     }
 
-    /// What is wrong in a row, with its key.
+    /// An error in a row, with the key of the row.
     pub(super) fn at(&self, row: usize, reason: &str) -> LearnError {
         let number = |name: &str| self.table.values(name).and_then(|values| values.get(row)).copied();
         let key = match (number(STAGE), number(STATE)) {
@@ -297,7 +297,7 @@ pub(crate) fn record_error(run: &str, reason: impl Into<String>) -> LearnError {
     LearnError::Record { run: run.to_owned(), reason: reason.into() }
 }
 
-/// The numbers of a case with their keys.
+/// The numerical values of a case with their keys.
 fn numbers_of(case: &Case) -> Vec<(Variable, f64)> {
     let number = |value: Value| match value {
         Value::Number(number) => number,
@@ -339,7 +339,7 @@ fn histogram(name: &str, record: &Record) -> Result<(Option<ColumnGroup>, Vec<Co
     Ok((Some(group), columns))
 }
 
-/// The length of the path of strain up to each state, from the strains along the axes at the recorded states.
+/// The arc length of the strain path up to each state, from the strains along the axes at the recorded states.
 fn arc_length(series: &Table) -> Option<Vec<f64>> {
     let strains: Vec<&[f64]> = ["axial_strain", "lateral_strain_2", "lateral_strain_3"]
         .iter()

@@ -1,22 +1,23 @@
-//! What trains, what is held out, and what no surrogate sees.
+//! The split of a data set into training, held-out and unseen parts.
 
 use super::{Dataset, RunStates};
 use crate::error::{LearnError, Result};
 
-/// How a data set is split: of the states of the training runs one of so many trains, those between are held out, and the
-/// unseen runs only judge.
+/// The rule for splitting a data set: one of so many states of the training runs is used for training, the others are held
+/// out, and the unseen runs are used for evaluation only.
 ///
 /// See [`Dataset`] for an example.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Split {
-    /// Of so many states one trains (2).
+    /// One of so many states is used for training (2).
     pub stride: usize,
-    /// Number of the first state that is used, and the first that trains; those before it in a stage are left out (0).
+    /// Number of the first state that is used, which is also the first training state; earlier states of a stage are
+    /// omitted (0).
     pub first_state: u64,
-    /// Names of the runs that no surrogate sees.
+    /// Names of the unseen runs.
     pub unseen: Vec<String>,
-    /// A column and the range of it, ends included, to which all parts are confined.
+    /// A column and its range, including the ends, to which all parts are restricted.
     pub within: Option<(String, [f64; 2])>,
 }
 
@@ -27,22 +28,22 @@ impl Default for Split {
 }
 
 impl Split {
-    /// The same with another stride; 1 holds nothing out.
+    /// Sets the stride; with 1 no state is held out.
     pub fn stride(self, stride: usize) -> Split {
         Split { stride, ..self }
     }
 
-    /// The same from another state on.
+    /// Sets the first state.
     pub fn first_state(self, first_state: u64) -> Split {
         Split { first_state, ..self }
     }
 
-    /// The same with these runs unseen.
+    /// Sets the names of the unseen runs.
     pub fn unseen<S: Into<String>>(self, names: impl IntoIterator<Item = S>) -> Split {
         Split { unseen: names.into_iter().map(Into::into).collect(), ..self }
     }
 
-    /// The same confined to a range of a column.
+    /// Restricts all parts to a range of a column.
     pub fn within(self, column: &str, range: [f64; 2]) -> Split {
         Split { within: Some((column.into(), range)), ..self }
     }
@@ -101,10 +102,10 @@ fn state_of(run: &RunStates, row: usize) -> u64 {
 /// The parts of a data set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SplitParts {
-    /// States that train.
+    /// Training states.
     pub training: Dataset,
-    /// States of the same runs that are held out.
+    /// Held-out states of the same runs.
     pub held_out: Dataset,
-    /// States of runs that no surrogate sees.
+    /// States of unseen runs.
     pub unseen: Dataset,
 }

@@ -1,4 +1,4 @@
-//! Data sets of any path.
+//! Tests of data sets along arbitrary paths.
 
 use granum_core::{Column, Table};
 use granum_io::{Case, Machine, RunFolder, RunRecord};
@@ -12,7 +12,7 @@ fn table(columns: &[(&str, &[f64])]) -> Table {
         .unwrap()
 }
 
-/// A cyclic test: strain goes up and down, in two stages that both count their states from 0.
+/// A cyclic test in which the strain increases and decreases, with two stages whose states are both numbered from 0.
 fn cyclic(name: &str, friction: f64) -> RunStates {
     let strain = [0.0, 0.01, 0.02, 0.01, 0.0, -0.01];
     let arc = [0.0, 0.01, 0.02, 0.03, 0.04, 0.05];
@@ -135,7 +135,7 @@ fn a_histogram_is_a_column_for_each_bin() {
     assert!(text.contains("state 4: its histogram does not have the bins of the first state"), "{text}");
 }
 
-/// From the folder of a run come what the sensors saw, the length of the path, and the numbers of its case.
+/// The folder of a run provides the measurements, the arc length of the path, and the numbers of its case.
 #[test]
 fn a_run_folder_gives_its_case_as_parameters() {
     let mut record = record(Law::Plain, 1, 8);
@@ -162,9 +162,9 @@ fn a_run_folder_gives_its_case_as_parameters() {
     assert_eq!(dataset.column("grains.material.friction").unwrap(), [0.45; 9]);
     assert_eq!(dataset.variable("grains.material.youngs_modulus").unwrap().unit, "Pa");
     assert_eq!(dataset.runs()[0].parameter("preparation.seed"), Some(case.preparation.seed as f64));
-    // Names of laws are no numbers.
+    // Names of contact laws are not numbers and therefore not columns.
     assert!(dataset.column("contact.normal").is_err());
-    // Of strains e (2, -1, -1) / 3 the arc length sqrt(2/3 e:e) is 2/3 e.
+    // For strains e (2, -1, -1) / 3, the arc length sqrt(2/3 e:e) is 2/3 e.
     let arc = dataset.column("arc_length").unwrap();
     assert!(arc.iter().zip(&strain).all(|(arc, strain)| (arc - 2.0 / 3.0 * strain).abs() < 1e-12), "{arc:?}");
 }

@@ -1,14 +1,14 @@
-//! Linear equations with a symmetric, positive definite matrix, by its Cholesky factor. Sums have a fixed order, so the
-//! bits are the same on every machine.
+//! Solution of linear equations with a symmetric positive definite matrix by Cholesky factorisation. Sums have a fixed
+//! order, so that the results are identical bit by bit on every computer.
 
-/// The lower factor `L` of a matrix `A = L L^T`, row by row.
+/// The lower triangular factor `L` of a matrix `A = L L^T`, in row-major order.
 pub(crate) struct Cholesky {
     size: usize,
     lower: Vec<f64>,
 }
 
 impl Cholesky {
-    /// Factors a matrix, of which the lower half is read; `None` if it is not positive definite.
+    /// Factorises a matrix, of which only the lower triangle is read; `None` if it is not positive definite.
     pub(crate) fn new(size: usize, matrix: &[f64]) -> Option<Cholesky> {
         let mut lower = vec![0.0; size * size];
         for i in 0..size {
@@ -26,7 +26,7 @@ impl Cholesky {
         Some(Cholesky { size, lower })
     }
 
-    /// A factor that was kept; `None` if it is none.
+    /// Creates a factorisation from a stored factor; `None` if the factor is invalid.
     pub(crate) fn from_lower(size: usize, lower: Vec<f64>) -> Option<Cholesky> {
         let positive = |i: usize| lower[i * size + i] > 0.0;
         let is_factor = lower.len() == size * size
@@ -35,12 +35,12 @@ impl Cholesky {
         is_factor.then_some(Cholesky { size, lower })
     }
 
-    /// The lower factor, row by row.
+    /// The lower triangular factor in row-major order.
     pub(crate) fn lower(&self) -> &[f64] {
         &self.lower
     }
 
-    /// The `x` of `A x = b`.
+    /// Solves `A x = b`.
     pub(crate) fn solve(&self, b: &[f64]) -> Vec<f64> {
         let n = self.size;
         let mut x = b.to_vec();
@@ -66,7 +66,7 @@ mod tests {
 
     #[test]
     fn equations_solved_by_hand() {
-        // Factor (2; 1 3; -1 2 1), solution (1, 2, 3).
+        // The factor is (2; 1 3; -1 2 1), and the solution (1, 2, 3).
         let matrix = [4.0, 2.0, -2.0, 2.0, 10.0, 5.0, -2.0, 5.0, 6.0];
         let factor = Cholesky::new(3, &matrix).unwrap();
         assert_eq!(factor.lower, [2.0, 0.0, 0.0, 1.0, 3.0, 0.0, -1.0, 2.0, 1.0]);

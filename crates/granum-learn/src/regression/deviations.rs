@@ -1,38 +1,38 @@
-//! Ridge regression on a curve along a coordinate and on what inputs deviate from theirs.
+//! Ridge regression on functions of a coordinate and on the deviations of the inputs from their means along it.
 //!
 //! ```text
 //! answer = B(coordinate) a + sum_k b_k z_k,   z_k = (input_k - B(coordinate) c_k) / s_k
 //! ```
 //!
-//! with functions `B` of the coordinate. An input enters as its deviation from its own mean over the coordinate (`c_k`, by the
-//! same functions), divided by the standard deviation `s_k` of that. The coefficients minimise the sum of squared errors
-//! over the rows plus `sum p_k b_k^2 + 1e-6 |a|^2` (Hoerl and Kennard 1970).
+//! with functions `B` of the coordinate. An input enters as its deviation from its mean as a function of the coordinate
+//! (`c_k`, with the same functions), divided by the standard deviation `s_k` of this deviation. The coefficients minimise
+//! the sum of squared errors over the rows plus `sum p_k b_k^2 + 1e-6 |a|^2` (Hoerl and Kennard 1970).
 
 use serde::{Deserialize, Serialize};
 
 use super::cholesky::Cholesky;
 
-/// Penalty on the squared coefficients of the curve: so little that it only keeps the equations solvable.
+/// Penalty on the squared coefficients of the curve, so small that it only keeps the equations solvable.
 pub(crate) const CURVE_PENALTY: f64 = 1e-6;
 
-/// How the value of an input deviates from its mean over the coordinate.
+/// The deviation of an input from its mean as a function of the coordinate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Deviation {
-    /// Coefficients of the functions of its mean.
+    /// Coefficients of the functions for the mean.
     pub mean: Vec<f64>,
-    /// Standard deviation from it over the rows.
+    /// Standard deviation from the mean over the rows.
     pub standard_deviation: f64,
 }
 
 impl Deviation {
-    /// Of a value at a row with these functions; 0 where the rows do not differ.
+    /// The scaled deviation of a value in a row with the given functions; 0 if the rows do not deviate.
     fn of(&self, value: f64, functions: &[f64]) -> f64 {
         let deviation = value - dot(&self.mean, functions);
         if self.standard_deviation > 0.0 { deviation / self.standard_deviation } else { 0.0 }
     }
 
-    /// For each column of inputs; `None` if the equations have no solution.
+    /// The deviations of all columns of inputs; `None` if the equations have no solution.
     pub fn fit(functions: &[Vec<f64>], inputs: &[Vec<f64>]) -> Option<Vec<Deviation>> {
         let rows = functions.len();
         let curve = Equations::new(functions, &vec![CURVE_PENALTY; functions.first().map_or(0, Vec::len)])?;
@@ -46,7 +46,7 @@ impl Deviation {
     }
 }
 
-/// The row of the regression: the functions of the coordinate, then the deviations of the inputs.
+/// A row of the regression: the functions of the coordinate, followed by the deviations of the inputs.
 pub(crate) fn row(
     deviations: &[Deviation],
     functions: &[f64],
@@ -57,13 +57,13 @@ pub(crate) fn row(
     row
 }
 
-/// The normal equations of penalised least squares, factored.
+/// The factorised normal equations of penalised least squares.
 pub(crate) struct Equations {
     factor: Cholesky,
 }
 
 impl Equations {
-    /// `None` if they have no solution.
+    /// The equations for given rows and penalties; `None` if they have no solution.
     pub fn new(rows: &[Vec<f64>], penalties: &[f64]) -> Option<Equations> {
         let size = penalties.len();
         let mut matrix = vec![0.0; size * size];
@@ -80,7 +80,7 @@ impl Equations {
         Cholesky::new(size, &matrix).map(|factor| Equations { factor })
     }
 
-    /// The coefficients for targets.
+    /// The coefficients for given targets.
     pub fn solve(&self, rows: &[Vec<f64>], targets: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; rows.first().map_or(0, Vec::len)];
         for (row, target) in rows.iter().zip(targets) {

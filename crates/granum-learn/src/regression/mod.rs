@@ -1,4 +1,4 @@
-//! Penalised linear regression with the same bits on every machine.
+//! Penalised linear regression with bit-identical results on every computer.
 
 pub(crate) mod cholesky;
 pub(crate) mod deviations;

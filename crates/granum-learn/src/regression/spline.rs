@@ -1,12 +1,13 @@
 //! Cubic B-splines over strain.
 
-/// Knots at equal distances in `sqrt(strain / end)`: curves of granular materials bend at small strain.
+/// Number of knots, which are equidistant in `sqrt(strain / end)`, because the curves of granular materials bend at small
+/// strain.
 const KNOTS: usize = 8;
-/// Number of basis functions: an interval has four that are not zero, the next one takes over three of them.
+/// Number of basis functions: in each interval four are non-zero, three of which continue in the next interval.
 pub(crate) const FUNCTIONS: usize = KNOTS + 2;
 
-/// The basis functions at a strain, for tests that end at `end`. Outside 0 to `end` they stay at their values there.
-/// Their sum is 1.
+/// The basis functions at a strain, for tests that end at `end`. Their sum is 1. Outside the range from 0 to `end` they are
+/// constant.
 pub(crate) fn basis(strain: f64, end: f64) -> [f64; FUNCTIONS] {
     let intervals = (KNOTS - 1) as f64;
     let share = if end > 0.0 { (strain / end).clamp(0.0, 1.0) } else { 0.0 };
@@ -34,7 +35,7 @@ mod tests {
             assert!((values.iter().sum::<f64>() - 1.0).abs() < 1e-14);
             assert!(values.iter().all(|value| (0.0..0.7).contains(value)));
         }
-        // At a knot the next interval takes over with the same values.
+        // The functions are continuous at a knot.
         let knot = 0.3 * (3.0f64 / 7.0).powi(2);
         let (below, above) = (basis(knot - 1e-12, 0.3), basis(knot + 1e-12, 0.3));
         assert!(below.iter().zip(&above).all(|(a, b)| (a - b).abs() < 1e-9));

@@ -1,7 +1,7 @@
 //! Feed-forward networks, one for each output.
 //!
-//! The bins of a histogram are scaled together, as one quantity. With two runs or more the intervals come from leaving each
-//! run out, see [`granum_nets::Intervals`].
+//! The bins of a histogram are scaled together as one quantity. With two or more runs, the intervals are calibrated by
+//! leaving out each run in turn, see [`granum_nets::Intervals`].
 
 use granum_core::parallel;
 use granum_nets::trainer::{SharedTrainer, Silent};
@@ -18,7 +18,7 @@ use crate::error::{LearnError, Result};
 /// use granum_learn::surrogate::{FeedForward, SurrogateMethod};
 /// use granum_nets::trainer::LevenbergMarquardt;
 ///
-/// // Small networks, and a trainer of one's own choice (or making).
+/// // Small networks with a particular trainer.
 /// let mut method = FeedForward::default();
 /// method.hidden = vec![6];
 /// method.trainer = LevenbergMarquardt { epochs: 200, ..Default::default() }.into();
@@ -27,12 +27,12 @@ use crate::error::{LearnError, Result};
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct FeedForward {
-    /// Neurons of each hidden layer (10 and 10).
+    /// Numbers of neurons of the hidden layers (10 and 10).
     pub hidden: Vec<usize>,
     /// The trainer (Levenberg-Marquardt with Bayesian regularisation).
     pub trainer: SharedTrainer,
-    /// How many independent observations a row is worth (1). Neighbouring states of a test are alike; the study of the paper
-    /// found 0.15 for states of its default recording.
+    /// Effective number of independent observations of a row (1). Neighbouring states of a test are correlated; in the
+    /// study of the paper the value is 0.15 for the states of its default recording.
     pub observations_per_row: f64,
 }
 
@@ -108,7 +108,7 @@ fn network_column(variable: &Variable) -> Column {
     Column::new(&variable.name, if variable.unit.is_empty() { "1" } else { &variable.unit })
 }
 
-/// Which quantity each input belongs to: the bins of a histogram are one.
+/// For each input the number of its quantity; all bins of a histogram are one quantity.
 fn quantities(dataset: &Dataset, columns: &Columns) -> Vec<usize> {
     let histograms: Vec<Vec<String>> = dataset
         .runs()
@@ -139,7 +139,7 @@ struct Kept {
     networks: Vec<serde_json::Value>,
 }
 
-/// The standard deviation of a network by its causes.
+/// The standard deviation of a network, split by cause.
 pub(crate) fn causes(deviation: &Deviation) -> Vec<(Cause, f64)> {
     let all = [
         (Cause::Noise, deviation.noise),

@@ -1,4 +1,4 @@
-//! Surrogates in files: one JSON document that a person can read, with its version, and a SHA-256 as its last entry.
+//! Files of surrogates: a readable JSON document with its version, and a SHA-256 digest as its last entry.
 
 use std::io::Write;
 use std::path::Path;
@@ -14,29 +14,29 @@ use crate::error::{LearnError, Result};
 
 const FORMAT: &str = "granum surrogate";
 const VERSION: u64 = 1;
-/// What comes before the digest, which is of every byte before it.
+/// The text before the digest, which covers all bytes before this text.
 const DIGEST: &str = ",\n  \"sha256\": \"";
 /// Largest file that is read.
 const LARGEST_FILE: u64 = 1 << 28;
 
-/// What a surrogate keeps of itself in a file: any value that can be written as JSON.
+/// The content of a surrogate in a file: any value that can be represented in JSON.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Content(serde_json::Value);
 
 impl Content {
-    /// From any value that serde can write.
+    /// The content from any serialisable value.
     ///
     /// # Errors
-    /// If it has no place in JSON.
+    /// If the value cannot be represented in JSON.
     pub fn of(value: &impl Serialize) -> Result<Content> {
         let failed = |error: serde_json::Error| LearnError::Content(error.to_string());
         Ok(Content(serde_json::to_value(value).map_err(failed)?))
     }
 
-    /// The value again. Numbers have the bits that they had.
+    /// Reads the value back, with bit-identical numbers.
     ///
     /// # Errors
-    /// If it is another value than the one asked for.
+    /// If the content is not of the requested type.
     pub fn read<T: DeserializeOwned>(&self) -> Result<T> {
         T::deserialize(&self.0).map_err(|error| LearnError::Content(error.to_string()))
     }
@@ -55,14 +55,14 @@ struct File {
     _digest: String,
 }
 
-/// What is read first, whatever else the file holds.
+/// The part that is read first, independently of the version of the file.
 #[derive(Deserialize)]
 struct Header {
     format: Option<String>,
     version: Option<u64>,
 }
 
-/// A file that is whole.
+/// A file whose digest has been verified.
 pub(super) struct Opened {
     pub method: String,
     pub columns: Columns,
@@ -72,7 +72,7 @@ pub(super) struct Opened {
 /// The text of the file that [`save`] writes.
 ///
 /// # Errors
-/// If the surrogate holds what cannot be written.
+/// If the content of the surrogate cannot be written.
 pub fn to_json(surrogate: &dyn Surrogate) -> Result<String> {
     let file = File {
         format: FORMAT.into(),
@@ -84,15 +84,15 @@ pub fn to_json(surrogate: &dyn Surrogate) -> Result<String> {
         _digest: String::new(),
     };
     let text = json::readable(&file).map_err(|error| LearnError::Content(error.to_string()))?;
-    // The digest is put before the brace that closes the document.
+    // The digest is inserted before the closing brace of the document.
     let body = text.strip_suffix('}').unwrap_or(&text).trim_end();
     Ok(format!("{body}{DIGEST}{}\"\n}}\n", digest::of(body.as_bytes())))
 }
 
-/// Writes a surrogate; [`super::SurrogateMethods::load`] reads it again.
+/// Writes a surrogate to a file, which [`super::SurrogateMethods::load`] can read.
 ///
 /// # Errors
-/// If it cannot be written.
+/// If the surrogate or the file cannot be written.
 pub fn save(path: &Path, surrogate: &dyn Surrogate) -> Result<()> {
     let text = to_json(surrogate)?;
     write_atomically(path, |file| file.write_all(text.as_bytes()))?;

@@ -1,8 +1,8 @@
-//! Surrogates: anything that is fitted to a data set and predicts with an uncertainty.
+//! Surrogates: models of any kind that are fitted to a data set and predict with an uncertainty.
 //!
-//! A [`SurrogateMethod`] fits and loads, a [`Surrogate`] is what it fitted. Both are open: a program's own method stands beside
-//! those of this crate in [`SurrogateMethods`], is scored by [`crate::compare`] and saved by [`save`] like any other. Here
-//! is a whole one, the mean of the training rows:
+//! A [`SurrogateMethod`] fits and loads surrogates, and a [`Surrogate`] is the fitted model. Both traits are open: a
+//! user-defined method can be added to [`SurrogateMethods`], and is scored by [`crate::compare`] and saved by [`save`]
+//! like those of this crate. The following is a complete example, which predicts the mean of the training rows:
 //!
 //! ```
 //! use granum_learn::surrogate::{
@@ -65,7 +65,7 @@
 //! let methods = SurrogateMethods::standard().with(Mean);
 //! let fitted = methods.by_name("mean")?.fit(&dataset, &FitSpec::new(["x"], ["y"]))?;
 //! assert_eq!(fitted.predict(&[5.0], 0.9)?[0].values[0].mean, 2.0);
-//! // What is saved comes back by the name of its method.
+//! // A saved surrogate is loaded by the name of its method.
 //! let text = surrogate::to_json(fitted.as_ref())?;
 //! assert_eq!(methods.from_json(&text, "mean.json")?.predict(&[5.0], 0.9)?, fitted.predict(&[5.0], 0.9)?);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -91,52 +91,53 @@ pub use registry::SurrogateMethods;
 pub use ridge::RidgeRegression;
 pub use spec::{Columns, FitSpec};
 
-/// A way to fit surrogates; the head of [this module](self) has a whole one.
+/// A method of fitting surrogates; the documentation of [this module](self) contains a complete example.
 pub trait SurrogateMethod: Send + Sync {
-    /// Its name in files and messages.
+    /// Name of the method in files and messages.
     fn name(&self) -> &str;
 
-    /// What it does, in a few words.
+    /// A short description.
     fn help(&self) -> &str;
 
-    /// Fits all rows of a data set. The same data set and spec give the same bits, whatever the number of threads.
+    /// Fits a surrogate to all rows of a data set. The result depends only on the data set and the spec, and is
+    /// bit-identical for any number of threads.
     ///
     /// # Errors
-    /// If columns are missing, values are not finite, or the rows do not suffice.
+    /// If columns are missing, values are not finite, or there are too few rows.
     fn fit(&self, dataset: &Dataset, spec: &FitSpec) -> Result<Box<dyn Surrogate>>;
 
-    /// Puts together again what [`Surrogate::content`] gave.
+    /// Recreates a surrogate from the result of [`Surrogate::content`].
     ///
     /// # Errors
-    /// If the content is not that of such a surrogate for these columns; the message says what is wrong.
+    /// If the content is not that of such a surrogate with these columns; the message gives the reason.
     fn load(&self, columns: Columns, content: &Content) -> Result<Box<dyn Surrogate>>;
 }
 
-/// What a method fitted: it predicts outputs from inputs. The head of [this module](self) has a whole one.
+/// A fitted model, which predicts outputs from inputs. The documentation of [this module](self) contains a complete example.
 pub trait Surrogate: Send + Sync {
-    /// Name of the method that fitted it, by which it is loaded again.
+    /// Name of the method with which it was fitted and by which it is loaded.
     fn method(&self) -> &str;
 
-    /// Its inputs and outputs.
+    /// The inputs and outputs.
     fn columns(&self) -> &Columns;
 
-    /// Predicts rows, each with a finite value for every input in their order; [`Surrogate::predict`] makes sure of that.
-    /// Intervals hold this share (0 to 1) of the observations of new runs.
+    /// Predicts rows, each with a finite value for every input in order, which [`Surrogate::predict`] ensures. The
+    /// intervals should contain the given share (0 to 1) of the observations of new runs.
     ///
     /// # Errors
     /// If a row cannot be predicted.
     fn answer(&self, rows: &[&[f64]], level: f64) -> Result<Vec<Prediction>>;
 
-    /// Everything that it needs to predict again with the same bits.
+    /// Everything that is needed for bit-identical predictions after loading.
     ///
     /// # Errors
-    /// If it holds what cannot be written.
+    /// If the content cannot be represented in JSON.
     fn content(&self) -> Result<Content>;
 
-    /// Predicts rows, one after the other in one list, each with a value for every input in their order.
+    /// Predicts rows, given in row-major order with a value for every input in order.
     ///
     /// # Errors
-    /// If the list is no whole number of rows, a value is not finite, or the level is not between 0 and 1.
+    /// If `rows` does not contain a whole number of rows, a value is not finite, or the level is not between 0 and 1.
     fn predict(&self, rows: &[f64], level: f64) -> Result<Vec<Prediction>> {
         let names = self.columns().input_names();
         let problem = |reason: String| LearnError::Surrogate { method: self.method().into(), reason };

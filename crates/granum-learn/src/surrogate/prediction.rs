@@ -1,8 +1,8 @@
-//! What a surrogate says of a row.
+//! The prediction of a surrogate for a row.
 
 use super::Columns;
 
-/// What a surrogate says of one row.
+/// The prediction of a surrogate for one row.
 ///
 /// ```
 /// use granum_learn::surrogate::{Cause, Estimate, Prediction};
@@ -17,42 +17,42 @@ use super::Columns;
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Prediction {
-    /// One estimate for each output, in their order.
+    /// One estimate for each output, in order.
     pub values: Vec<Estimate>,
-    /// The inputs that lie outside what it was fitted to; do not trust the estimates if there is one.
+    /// The inputs outside the trained range; the estimates should not be trusted if there are any.
     pub outside: Vec<Outside>,
 }
 
 impl Prediction {
-    /// From the estimates of all outputs, with every input inside.
+    /// A prediction from the estimates of all outputs, with all inputs inside the trained range.
     pub fn new(values: Vec<Estimate>) -> Prediction {
         Prediction { values, outside: Vec::new() }
     }
 
-    /// The same with these inputs outside.
+    /// Sets the inputs outside the trained range.
     pub fn with_outside(self, outside: Vec<Outside>) -> Prediction {
         Prediction { outside, ..self }
     }
 }
 
-/// What a surrogate says of one output.
+/// The estimate of one output.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Estimate {
-    /// Its mean.
+    /// The mean.
     pub mean: f64,
-    /// Where observations of new runs lie; `None` where the surrogate does not know.
+    /// Interval for observations of new runs; `None` if the surrogate does not provide it.
     pub interval: Option<Interval>,
 }
 
 impl Estimate {
-    /// A mean of which no more is known.
+    /// A mean without an interval.
     pub fn new(mean: f64) -> Estimate {
         Estimate { mean, interval: None }
     }
 
-    /// The same with an interval that reaches `quantile` standard deviations to either side, which is told by what it comes
-    /// from.
+    /// Sets an interval that extends by `quantile` standard deviations to either side; the standard deviation is given by
+    /// cause.
     pub fn by(self, causes: Vec<(Cause, f64)>, quantile: f64) -> Estimate {
         let mut interval = Interval { lower: self.mean, upper: self.mean, causes };
         let half = quantile * interval.standard_deviation();
@@ -60,41 +60,41 @@ impl Estimate {
         Estimate { interval: Some(interval), ..self }
     }
 
-    /// The same with an interval of these ends.
+    /// Sets an interval with the given ends.
     pub fn within(self, [lower, upper]: [f64; 2], causes: Vec<(Cause, f64)>) -> Estimate {
         Estimate { interval: Some(Interval { lower, upper, causes }), ..self }
     }
 }
 
-/// An interval that holds the share of observations that was asked for.
+/// An interval that should contain the requested share of the observations.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Interval {
-    /// Its lower end.
+    /// Lower end.
     pub lower: f64,
-    /// Its upper end.
+    /// Upper end.
     pub upper: f64,
-    /// The standard deviation by each cause that is known; their squares add up. Empty where the surrogate cannot tell them
-    /// apart.
+    /// The standard deviation of each known cause; their squares add up to the variance. Empty if the surrogate does not
+    /// distinguish causes.
     pub causes: Vec<(Cause, f64)>,
 }
 
 impl Interval {
-    /// The standard deviation by all causes together; 0 where none is known.
+    /// The total standard deviation of all causes; 0 if none is known.
     pub fn standard_deviation(&self) -> f64 {
         self.causes.iter().map(|(_, deviation)| deviation * deviation).sum::<f64>().sqrt()
     }
 }
 
-/// Why an observation may lie off its prediction.
+/// The cause of a deviation between an observation and its prediction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Cause {
-    /// The observations scatter about any smooth answer.
+    /// The scatter of the observations about any smooth function.
     Noise,
-    /// The parameters of the surrogate are not determined by the rows that it was fitted to.
+    /// The uncertainty of the parameters, which the training rows do not determine exactly.
     Parameters,
-    /// A new run differs as a whole from those that it was fitted to.
+    /// The difference of a new run as a whole from the training runs.
     Runs,
 }
 
@@ -108,18 +108,18 @@ impl std::fmt::Display for Cause {
     }
 }
 
-/// An input that lies outside what a surrogate was fitted to.
+/// An input that is outside the trained range of a surrogate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outside {
     /// Its name.
     pub name: String,
-    /// Its value.
+    /// Value of the input.
     pub value: f64,
-    /// What it was fitted to.
+    /// Trained range.
     pub range: [f64; 2],
 }
 
-/// The inputs of a row that lie outside ranges, one for each input.
+/// The inputs of a row that lie outside the given ranges, of which there is one for each input.
 pub fn outside_of(columns: &Columns, ranges: &[[f64; 2]], row: &[f64]) -> Vec<Outside> {
     let each = columns.inputs.iter().zip(ranges).zip(row);
     let beyond = each.filter(|((_, [low, high]), value)| !(*value >= low && *value <= high));

@@ -1,4 +1,4 @@
-//! The methods by name. A new one is a file beside this one and a line in [`SurrogateMethods::standard`].
+//! The registry of methods. A new method needs a file in this folder and a line in [`SurrogateMethods::standard`].
 
 use std::path::Path;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use super::{FeedForward, RidgeRegression, Surrogate, SurrogateMethod};
 use crate::antony2006::MappingMethod;
 use crate::error::{LearnError, Result};
 
-/// The methods that are known by name, for fitting and for reading files.
+/// A registry of methods by name, for fitting and for reading files.
 ///
 /// ```
 /// use granum_learn::SurrogateMethods;
@@ -30,7 +30,7 @@ impl Default for SurrogateMethods {
 }
 
 impl SurrogateMethods {
-    /// The methods of this crate, with their usual settings.
+    /// The methods of this crate with their default settings.
     pub fn standard() -> SurrogateMethods {
         SurrogateMethods {
             methods: vec![
@@ -41,7 +41,7 @@ impl SurrogateMethods {
         }
     }
 
-    /// The same with a further method, which takes the place of one of the same name.
+    /// Adds a method, which replaces an existing one of the same name.
     pub fn with(mut self, method: impl SurrogateMethod + 'static) -> SurrogateMethods {
         self.methods.retain(|known| known.name() != method.name());
         self.methods.push(Arc::new(method));
@@ -58,10 +58,10 @@ impl SurrogateMethods {
         self.all().map(SurrogateMethod::name).collect()
     }
 
-    /// The method of that name.
+    /// The method of the given name.
     ///
     /// # Errors
-    /// [`LearnError::Unknown`] with the names that there are.
+    /// [`LearnError::Unknown`] with the existing names.
     pub fn by_name(&self, name: &str) -> Result<&dyn SurrogateMethod> {
         self.all().find(|method| method.name() == name).ok_or_else(|| LearnError::Unknown {
             kind: "surrogate method",
@@ -70,16 +70,16 @@ impl SurrogateMethods {
         })
     }
 
-    /// Reads a surrogate that [`super::save`] wrote.
+    /// Reads a surrogate that was written by [`super::save`].
     ///
     /// # Errors
-    /// If the file cannot be read, was altered, is of a newer version or of a method that is not known here; the message
-    /// names the file.
+    /// If the file cannot be read, was altered, is of a newer version, or belongs to a method that is not in the registry;
+    /// the message names the file.
     pub fn load(&self, path: &Path) -> Result<Box<dyn Surrogate>> {
         self.assembled(file::read(path)?, &path.display().to_string())
     }
 
-    /// A surrogate from the text of its file; `name` is what messages call it.
+    /// Reads a surrogate from the text of its file; `name` is used in error messages.
     ///
     /// # Errors
     /// As [`SurrogateMethods::load`].

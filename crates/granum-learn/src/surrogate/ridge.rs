@@ -4,11 +4,11 @@
 //! output = B(coordinate) a + sum_k b_k z_k,   z_k = (input_k - B(coordinate) c_k) / s_k
 //! ```
 //!
-//! with the cubic B-splines `B` of a coordinate (8 knots at equal distances in the square root of how far along it is
-//! from 0, or from its smallest value where that is negative), and
-//! each other input by its deviation from its own mean over the coordinate (`c_k`), over the standard deviation `s_k` of
-//! that. Without a coordinate `B` is 1. The coefficients minimise the sum of squared errors over the n rows plus
-//! `1e-6 |a|^2 + 0.05 n |b|^2` (Hoerl and Kennard 1970). It is the baseline of the paper's study with columns of any name.
+//! with the cubic B-splines `B` of a coordinate (8 knots that are equidistant in the square root of the distance from 0,
+//! or from the smallest value of the coordinate if that is negative). Every other input enters as its deviation from its
+//! mean as a function of the coordinate (`c_k`), divided by the standard deviation `s_k` of this deviation. Without a
+//! coordinate `B` is 1. The coefficients minimise the sum of squared errors over the n rows plus `1e-6 |a|^2 + 0.05 n
+//! |b|^2` (Hoerl and Kennard 1970). This is the baseline of the study of the paper, for columns with arbitrary names.
 //!
 //! The standard deviation of a new observation at a row `x` of the regression has three parts:
 //!
@@ -18,8 +18,8 @@
 //! mean of e^2 less the first two, at least 0         runs, e the errors of each run when the others answer it
 //! ```
 //!
-//! and intervals reach Student's quantile with the degrees of freedom of Welch and Satterthwaite: n - gamma for the first two
-//! parts, the number of runs less one for the third.
+//! and the half width of intervals is given by the quantile of Student's t distribution with the degrees of freedom of
+//! Welch and Satterthwaite: n - gamma for the first two parts, and the number of runs minus one for the third.
 
 use serde::{Deserialize, Serialize};
 
@@ -72,7 +72,7 @@ fn failed(reason: impl Into<String>) -> LearnError {
     LearnError::Surrogate { method: NAME.into(), reason: reason.into() }
 }
 
-/// The coordinate: its place among the inputs, where it begins (at 0, or at its smallest value if that is negative) and ends.
+/// The coordinate: its index among the inputs, its start (0, or its smallest value if that is negative) and its end.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Coordinate {
@@ -81,16 +81,16 @@ struct Coordinate {
     end: f64,
 }
 
-/// What is needed to answer.
+/// The fitted parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Fitted {
     coordinate: Option<Coordinate>,
     /// Range of each input over the rows.
     ranges: Vec<[f64; 2]>,
-    /// One for each input but the coordinate.
+    /// One deviation for each input except the coordinate.
     deviations: Vec<Deviation>,
-    /// The Cholesky factor of the normal equations, row by row.
+    /// The Cholesky factor of the normal equations in row-major order.
     factor: Vec<f64>,
     outputs: Vec<Output>,
 }
@@ -98,10 +98,10 @@ struct Fitted {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Output {
-    /// Those of the functions of the coordinate, then those of the deviations.
+    /// Coefficients of the functions of the coordinate, followed by those of the deviations.
     coefficients: Vec<f64>,
     noise_variance: f64,
-    /// What runs differ by; 0 of a single run.
+    /// Variance between runs; 0 for a single run.
     run_variance: f64,
     degrees_of_freedom: f64,
 }
@@ -114,7 +114,7 @@ impl Fitted {
         }
     }
 
-    /// The inputs but the coordinate.
+    /// The inputs except the coordinate.
     fn others<'a>(&self, inputs: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
         let coordinate = self.coordinate.as_ref().map(|coordinate| coordinate.input);
         inputs.iter().enumerate().filter(move |(k, _)| Some(*k) != coordinate).map(|(_, value)| *value)
@@ -124,7 +124,7 @@ impl Fitted {
         row(&self.deviations, &self.functions(inputs), self.others(inputs))
     }
 
-    /// Refuses parts that do not fit together.
+    /// Refuses inconsistent parameters.
     fn check(&self, columns: &Columns) -> Result<()> {
         let inputs = columns.inputs.len();
         let others = inputs - usize::from(self.coordinate.is_some());
@@ -201,7 +201,7 @@ fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
 }
 
-/// The equations over all rows.
+/// The equations for all rows.
 struct Regression {
     penalty: f64,
     functions: usize,
@@ -223,7 +223,7 @@ impl Regression {
         Some(Regression { penalty, functions, equations, effective })
     }
 
-    /// The coefficients for an output, and what observations scatter by.
+    /// The coefficients for an output, and the scatter of the observations.
     fn output(&self, rows: &[Vec<f64>], targets: &[f64], runs: &[usize]) -> Option<Output> {
         let coefficients = self.equations.solve(rows, targets);
         let squares =
@@ -238,7 +238,7 @@ impl Regression {
             0 | 1 => 0.0,
             _ => (self.left_out(rows, targets, runs, count)? - within).max(0.0),
         };
-        // Welch and Satterthwaite; two runs are the fewest that make a variance.
+        // Degrees of freedom by Welch and Satterthwaite; a variance needs at least two runs.
         let between = run_variance * run_variance / (count.max(2) - 1) as f64;
         let all = (within + run_variance).powi(2);
         let degrees_of_freedom = if all > 0.0 { all / (within * within / free + between) } else { free };
@@ -250,7 +250,7 @@ impl Regression {
         })
     }
 
-    /// Mean squared error where every run is answered by the others.
+    /// Mean squared error if every run is predicted from the others.
     fn left_out(&self, rows: &[Vec<f64>], targets: &[f64], runs: &[usize], count: usize) -> Option<f64> {
         let mut sum = 0.0;
         for run in 0..count {

@@ -1,11 +1,11 @@
-//! What to fit: which columns from which, along which of them, from which seed.
+//! The specification of a fit: inputs, outputs, coordinate and seed.
 
 use serde::{Deserialize, Serialize};
 
 use crate::dataset::{Dataset, Variable};
 use crate::error::{LearnError, Result};
 
-/// What to fit, for any method.
+/// The specification of a fit, which is the same for all methods.
 ///
 /// ```
 /// use granum_learn::FitSpec;
@@ -17,21 +17,21 @@ use crate::error::{LearnError, Result};
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct FitSpec {
-    /// Columns to predict from; the name of a histogram (`probability_density`) stands for all of its bins.
+    /// Names of the input columns; the name of a histogram (`probability_density`) represents all of its bins.
     pub inputs: Vec<String>,
-    /// Columns to predict, likewise.
+    /// Names of the output columns, with the same rule.
     pub outputs: Vec<String>,
-    /// The input that runs along the path of a test, where there is one: what the others mean depends on it, and intervals
-    /// may change along it.
+    /// The input that parametrises the path of a test, if there is one: the meaning of the other inputs depends on it, and
+    /// intervals may vary along it.
     pub coordinate: Option<String>,
-    /// Seed of what is random in a method.
+    /// Seed of the random numbers of a method.
     pub seed: u64,
-    /// Threads; 0 for as many as the machine has. Results do not depend on it.
+    /// Number of threads; 0 for the number of processors. Results do not depend on it.
     pub threads: usize,
 }
 
 impl FitSpec {
-    /// Predicts these outputs from these inputs, without a coordinate, from seed 1, on all threads of the machine.
+    /// A specification with the given inputs and outputs, without a coordinate, with seed 1 and one thread per processor.
     pub fn new<I: Into<String>, O: Into<String>>(
         inputs: impl IntoIterator<Item = I>,
         outputs: impl IntoIterator<Item = O>,
@@ -45,26 +45,26 @@ impl FitSpec {
         }
     }
 
-    /// The same along a coordinate.
+    /// Sets the coordinate.
     pub fn with_coordinate(self, name: &str) -> FitSpec {
         FitSpec { coordinate: Some(name.into()), ..self }
     }
 
-    /// The same from another seed.
+    /// Sets the seed.
     pub fn with_seed(self, seed: u64) -> FitSpec {
         FitSpec { seed, ..self }
     }
 
-    /// The same on so many threads.
+    /// Sets the number of threads.
     pub fn with_threads(self, threads: usize) -> FitSpec {
         FitSpec { threads, ..self }
     }
 
-    /// The columns that it means in a data set, with their units and with every bin of a histogram.
+    /// The corresponding columns of a data set, with their units and with all bins of histograms.
     ///
     /// # Errors
-    /// If a column is not there, named twice, or both input and output, there is no input or no output, or the coordinate is no
-    /// input.
+    /// If a column does not exist, is named twice, or is both input and output; if there is no input or no output; or if the
+    /// coordinate is not an input.
     pub fn columns(&self, dataset: &Dataset) -> Result<Columns> {
         let bad = |reason: String| Err(LearnError::Dataset(reason));
         let (inputs, outputs) = (dataset.expand(&self.inputs)?, dataset.expand(&self.outputs)?);
@@ -92,7 +92,7 @@ impl FitSpec {
         Ok(Columns { inputs: variables(&inputs)?, outputs: variables(&outputs)? })
     }
 
-    /// The place of the coordinate among the inputs.
+    /// Index of the coordinate among the inputs.
     pub(crate) fn place_of_coordinate(&self, columns: &Columns) -> Option<usize> {
         let name = self.coordinate.as_ref()?;
         columns.inputs.iter().position(|input| input.name == *name)
@@ -103,9 +103,9 @@ impl FitSpec {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Columns {
-    /// What it predicts from, in the order of a row.
+    /// The inputs in the order of a row.
     pub inputs: Vec<Variable>,
-    /// What it predicts.
+    /// The outputs.
     pub outputs: Vec<Variable>,
 }
 

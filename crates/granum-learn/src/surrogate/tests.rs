@@ -1,4 +1,4 @@
-//! Surrogates of every kind, one of a user's own among them.
+//! Tests of all kinds of surrogates, including a user-defined one.
 
 use granum_core::{Column, Table};
 use granum_sensors::Record;
@@ -11,7 +11,7 @@ use crate::antony2006::{MappingMethod, MappingNetworks, StudyData, StudyDataOpti
 use crate::dataset::{NamedRecord, RunStates, Split, SplitParts};
 use crate::{SurrogateScores, compare, score_surrogate};
 
-/// A method of a user's own: the outputs of the nearest training row, inputs over their range.
+/// A user-defined method: it predicts the outputs of the nearest training row, with the inputs scaled by their ranges.
 struct Nearest;
 
 struct FittedNearest {
@@ -86,13 +86,13 @@ fn dataset_of(records: &[Record]) -> Dataset {
     Dataset::new(records.iter().enumerate().map(run).collect()).unwrap()
 }
 
-/// The split of the paper, the last two runs unseen.
+/// The split of the paper, with the last two runs unseen.
 fn parts(dataset: &Dataset) -> SplitParts {
     let unseen = dataset.runs().iter().rev().take(2).map(|run| run.name().to_string());
     dataset.split(&Split::default().first_state(1).unseen(unseen)).unwrap()
 }
 
-/// What the paper's mapping reads, by the names of columns: bins from 0 to 3.5.
+/// The specification of a mapping of the paper by names of columns, with bins from 0 to 3.5.
 fn spec_of(dataset: &Dataset, mapping: &str) -> FitSpec {
     let densities: Vec<String> = dataset
         .expand(&["probability_density"])
@@ -112,8 +112,8 @@ fn spec_of(dataset: &Dataset, mapping: &str) -> FitSpec {
     FitSpec::new(inputs, outputs).with_coordinate("deviator_strain")
 }
 
-/// The networks of a mapping, ridge regression and a user's own surrogate go through one function, and the first two get the
-/// very scores that the study of the paper gives them.
+/// The networks of a mapping, ridge regression and a user-defined surrogate are scored by one function, and the first two
+/// have exactly the same scores as in the study of the paper.
 #[test]
 fn a_study_scores_any_surrogate_in_the_same_way() {
     let records = records(Law::Hidden, 4);
@@ -137,14 +137,14 @@ fn a_study_scores_any_surrogate_in_the_same_way() {
         assert_eq!(scored.unseen, known.unseen, "{name}");
     }
     let [networks, ridge, nearest] = &scores[..] else { panic!() };
-    // The nearest row of the training rows is the row itself.
+    // For a training row, the nearest row is the row itself.
     assert_eq!((nearest.training.rmse, nearest.coverage), (0.0, None));
     assert!(nearest.unseen.relative_rmse > 1.2 * ridge.unseen.relative_rmse, "{:?}", nearest.unseen);
     assert_eq!((nearest.unseen.states, nearest.unseen_outside > 0), (120, true));
     for known in [networks, ridge] {
         assert!(known.coverage.is_some_and(|share| share > 0.7), "{} {:?}", known.method, known.coverage);
     }
-    // Also one that was fitted elsewhere.
+    // A surrogate that was fitted elsewhere can be scored as well.
     assert_eq!(score_surrogate(ridge.surrogate.as_ref(), &parts.unseen).unwrap(), ridge.unseen);
 }
 
@@ -181,7 +181,7 @@ fn every_surrogate_comes_back_from_its_file_with_the_same_bits() {
         assert!(message(&text[..text.len() / 2]).contains("truncated"));
         let newer = text.replacen("\"version\": 1", "\"version\": 2", 1);
         assert_eq!(message(&newer), "s.json: it has version 2, this program reads version 1");
-        // Sealed again, but with the content of another method.
+        // The digest is valid, but the content is that of another method.
         let alien = sealed(&text.replacen("\"content\": {", "\"content\": {\"alien\": 1, ", 1));
         if alien.contains("alien") {
             assert!(
@@ -193,7 +193,7 @@ fn every_surrogate_comes_back_from_its_file_with_the_same_bits() {
     }
 }
 
-/// The text with the digest that fits, as someone would who edits a file on purpose.
+/// Updates the digest of a modified text, as somebody would do who edits a file deliberately.
 fn sealed(text: &str) -> String {
     let at = text.rfind(",\n  \"sha256\": \"").unwrap();
     format!("{},\n  \"sha256\": \"{}\"\n}}\n", &text[..at], granum_core::digest::of(&text.as_bytes()[..at]))
@@ -241,7 +241,7 @@ fn files_that_are_no_surrogates_are_refused_with_what_they_are() {
     assert!(missing.contains("/nowhere/s.json"), "{missing}");
 }
 
-/// Seen as a surrogate, a mapping gives all bins of a distribution at once, and the same numbers as to states.
+/// As a surrogate, a mapping predicts all bins of a distribution at once, with the same values as for states.
 #[test]
 fn a_mapping_as_a_surrogate_answers_as_it_answers_states() {
     let records = records(Law::Plain, 3);
@@ -268,7 +268,7 @@ fn a_mapping_as_a_surrogate_answers_as_it_answers_states() {
         for (value, ends) in prediction.values.iter().zip(interval) {
             let own = value.interval.as_ref().unwrap();
             assert_eq!([own.lower, own.upper], ends);
-            // A single run: nothing is known of what runs differ by.
+            // With a single run, the difference between runs is unknown.
             assert!(own.causes.iter().map(|(cause, _)| *cause).eq([Cause::Noise, Cause::Parameters]));
         }
     }
@@ -280,7 +280,7 @@ fn a_mapping_as_a_surrogate_answers_as_it_answers_states() {
     );
 }
 
-/// Runs `y = x + offset of the run + noise` along x.
+/// Runs with `y = x + offset of the run + noise` along x.
 fn offset_runs(count: u32, first: u32, offset: f64, noise: f64) -> Dataset {
     let mut state = u64::from(first) + 1;
     let mut normal = move || -> f64 {
@@ -301,7 +301,7 @@ fn offset_runs(count: u32, first: u32, offset: f64, noise: f64) -> Dataset {
     Dataset::new((0..count).map(&mut run).collect()).unwrap()
 }
 
-/// Intervals of both kinds hold new runs, and say what they come from.
+/// The intervals of both methods have the required coverage on new runs, and report their causes.
 #[test]
 fn intervals_hold_new_runs_and_name_their_causes() {
     let spec = FitSpec::new(["x"], ["y"]).with_coordinate("x");
@@ -327,7 +327,7 @@ fn intervals_hold_new_runs_and_name_their_causes() {
         assert!((0.82..0.98).contains(&share), "{name}: {share}");
         let mean = runs / f64::from(all);
         assert!((0.02..0.08).contains(&mean), "{name}: runs differ by 0.05, found {mean}");
-        // Without a scatter between runs there is no such cause.
+        // Without a scatter between runs this cause is absent.
         let fitted = method.fit(&offset_runs(6, 7, 0.0, 0.01), &spec).unwrap();
         let prediction = &fitted.predict(&[0.5], 0.9).unwrap()[0];
         let causes = &prediction.values[0].interval.as_ref().unwrap().causes;
@@ -356,13 +356,13 @@ fn wrong_questions_are_refused() {
     let wrong = RidgeRegression { penalty: 0.0, ..RidgeRegression::default() };
     let text = wrong.fit(&dataset, &FitSpec::new(["x"], ["y"])).err().unwrap().to_string();
     assert!(text.contains("must be a positive number, not 0"));
-    // A score over metres and pure numbers would mean nothing.
+    // A common score of outputs with different units would be meaningless.
     let parts = dataset.split(&Split::default()).unwrap();
     let text =
         compare(&parts, &FitSpec::new(["x"], ["y", "state"]), &[&ridge], 0.9).err().unwrap().to_string();
     assert!(text.contains("y (m) and state (no unit) have different units"), "{text}");
 
-    /// Answers with nothing.
+    /// A surrogate that returns no predictions.
     struct Mute(Columns);
     impl Surrogate for Mute {
         fn method(&self) -> &str {
@@ -383,7 +383,7 @@ fn wrong_questions_are_refused() {
     assert_eq!(text, "mute: it did not answer 2 rows with 1 values each");
 }
 
-/// Neither the number of threads nor the company of other outputs changes a bit.
+/// Results are bit-identical for any number of threads, and do not depend on other outputs of the same fit.
 #[test]
 fn threads_change_no_bit() {
     let dataset = dataset_of(&records(Law::Plain, 2));
@@ -394,7 +394,7 @@ fn threads_change_no_bit() {
         to_json(method.fit(&dataset, &spec).unwrap().as_ref()).unwrap()
     };
     assert_eq!(text(1), text(3));
-    // The bins of a histogram are one quantity among the inputs.
+    // All bins of a histogram are one quantity among the inputs.
     let spec = FitSpec::new(["deviator_strain", "probability_density"], ["stress_ratio"]);
     let fitted = method.fit(&dataset, &spec).unwrap();
     assert_eq!(fitted.columns().inputs.len(), 1 + dataset.runs()[0].groups()[0].centres.len());

@@ -1,4 +1,4 @@
-//! Steps, effective parameters and left-out residuals against the formulas with everything formed.
+//! Comparison of steps, effective parameters and left-out residuals with the formulas evaluated with explicit matrices.
 
 use super::*;
 use crate::data::Data;
@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 struct Example {
     workspace: Workspace,
-    /// Of the residuals of the observations, by finite differences.
+    /// Jacobian of the residuals of the observations, by finite differences.
     jacobian: Vec<Vec<f64>>,
     residuals: Vec<Row8>,
     network: Network,
@@ -104,8 +104,8 @@ proptest! {
     }
 }
 
-/// More rows than are chosen: the steps of a network with few effective parameters are all the same those of the
-/// normal equations.
+/// If there are more rows than are chosen, the steps of a network with few effective parameters still agree with those of
+/// the normal equations.
 #[test]
 fn some_of_the_rows_are_enough() {
     let example = example(Isa::detect(), &[2, 8, 8, 1], 700, 1, 3);
@@ -130,7 +130,7 @@ fn some_of_the_rows_are_enough() {
     assert!(gamma > 3.0 && gamma < 90.0, "{gamma}");
 }
 
-/// In a linear network the formula is exact: leaving a block out and training again gives the same residuals.
+/// For a linear network the formula is exact: training again without a block gives the same residuals.
 #[test]
 fn left_out_residuals_are_those_of_a_network_trained_without_the_block() {
     use crate::activation::Activation;
@@ -178,7 +178,7 @@ fn chosen_rows_are_spread_and_differ() {
         assert_eq!(chosen.len(), rows.min(most));
         assert!(chosen.windows(2).all(|pair| pair[0] < pair[1]) && chosen[chosen.len() - 1] < rows);
     }
-    // A table in a rhythm of 14 rows: all places of the rhythm are met.
+    // In a table with a period of 14 rows, all phases of the period are sampled.
     let mut met: Vec<usize> = choose(14 * 256, 256).iter().map(|row| row % 14).collect();
     met.sort_unstable();
     met.dedup();

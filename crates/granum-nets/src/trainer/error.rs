@@ -1,10 +1,10 @@
-//! Why a trainer cannot be made or cannot train, and why a training ended.
+//! The errors of trainers, and the reasons why a training ended.
 
 use serde::{Deserialize, Serialize};
 
 use super::registry::NAMES;
 
-/// Why a trainer cannot be made or cannot train.
+/// The reason why a trainer cannot be created or cannot train.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TrainingError {
@@ -14,31 +14,31 @@ pub enum TrainingError {
     /// An option is out of bounds.
     #[error("trainer option {name} = {value}: {expected}")]
     Option {
-        /// Its name.
+        /// Name of the option.
         name: &'static str,
-        /// Its value.
+        /// Value of the option.
         value: f64,
-        /// What would be right.
+        /// Description of valid values.
         expected: &'static str,
     },
-    /// The data do not fit the network.
+    /// The columns of the data do not match the network.
     #[error("the network has {inputs} inputs and {outputs} outputs, the data {columns} and {targets}")]
     Columns {
-        /// Inputs of the network.
+        /// Number of inputs of the network.
         inputs: usize,
-        /// Outputs of the network.
+        /// Number of outputs of the network.
         outputs: usize,
-        /// Input columns of the data.
+        /// Number of input columns of the data.
         columns: usize,
-        /// Target columns of the data.
+        /// Number of target columns of the data.
         targets: usize,
     },
-    /// There are not as many weights as the network has.
+    /// The number of weights is not that of the network.
     #[error("the network has {expected} weights, not {found}")]
     Weights {
-        /// Weights of the network.
+        /// Number of weights of the network.
         expected: usize,
-        /// Weights that were given.
+        /// Number of given weights.
         found: usize,
     },
     /// The training would need too much memory.
@@ -46,29 +46,29 @@ pub enum TrainingError {
         "{trainer} with {rows} rows and {weights} weights would need {bytes} bytes of memory, more than {limit}; use traingdx, fewer rows or fewer neurons"
     )]
     Memory {
-        /// The trainer.
+        /// Name of the trainer.
         trainer: &'static str,
-        /// Rows.
+        /// Number of rows.
         rows: usize,
-        /// Weights.
+        /// Number of weights.
         weights: usize,
-        /// Estimate.
+        /// Estimate of the memory, bytes.
         bytes: usize,
-        /// Limit.
+        /// Limit of the memory, bytes.
         limit: usize,
     },
-    /// A state to go on from belongs to another trainer or network.
+    /// The state to resume from belongs to another trainer or network.
     #[error("cannot go on from this state: {0}")]
     State(String),
-    /// The error is not finite at the very start.
+    /// The error of the initial network is not finite.
     #[error("the error of the initial network is {0}: weights or data are too large")]
     NotFinite(f64),
-    /// A trainer from outside failed for a reason of its own.
+    /// A user-defined trainer failed.
     #[error("{0}")]
     Own(String),
 }
 
-/// Why training ended.
+/// The reason why training ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]

@@ -1,7 +1,7 @@
-//! Trainers behind one trait, one file each.
+//! The trainers, which share one trait and have one file each.
 //!
-//! Everything that trains takes a `&dyn Trainer`, so a trainer of one's own stands beside those of this crate; names
-//! ([`by_name`]) are a registry on top. The error of a network and its gradient come from [`crate::Objective`]:
+//! All functions that train accept a `&dyn Trainer`, so that user-defined trainers can be used like those of this crate; the
+//! registry of names ([`by_name`]) is built on top. [`crate::Objective`] provides the error of a network and its gradient:
 //!
 //! ```
 //! use granum_nets::trainer::{
@@ -89,16 +89,17 @@ pub use registry::{ALL, NAMES, Options, TrainerKind, by_name};
 pub use state::{HistoryPoint, TrainerState};
 pub use traingdx::Traingdx;
 
-/// A way to train a network; the head of [this module](self) has one of a user's own.
+/// An algorithm that trains a network; the documentation of [this module](self) contains a user-defined example.
 pub trait Trainer: Send + Sync {
-    /// Its name in commands and records.
+    /// Name of the trainer in commands and records.
     fn name(&self) -> &str;
 
-    /// Trains from the given state, or from the network's weights if there is none. The data are in the network's own
-    /// (scaled) units. A resumed training ends with the bits of one that was never interrupted.
+    /// Trains from the given state, or from the current weights of the network if there is none. The data are in the
+    /// scaled units of the network. The result of a resumed training is identical bit by bit to that of an uninterrupted
+    /// training.
     ///
     /// # Errors
-    /// If data or state do not fit, or memory would not do.
+    /// If data or state do not match the network, or if the memory does not suffice.
     fn resume(
         &self,
         network: &mut Network,
@@ -107,7 +108,7 @@ pub trait Trainer: Send + Sync {
         observer: &mut dyn Observer,
     ) -> Result<TrainingReport, TrainingError>;
 
-    /// Trains from the network's present weights.
+    /// Trains from the current weights of the network.
     ///
     /// # Errors
     /// As [`Trainer::resume`].
@@ -120,8 +121,8 @@ pub trait Trainer: Send + Sync {
         self.resume(network, data, None, observer)
     }
 
-    /// The same trainer with those of these options that it knows and that are given; `None` if it knows none. A study that
-    /// trains several kinds of networks asks this of the trainer that it was given.
+    /// The same trainer with those of the given options that it supports; `None` if it supports none. A study that trains
+    /// several kinds of networks adapts its trainer by this method.
     fn adapted(&self, _options: &Options) -> Option<SharedTrainer> {
         None
     }
@@ -170,41 +171,42 @@ impl Default for SharedTrainer {
     }
 }
 
-/// Whether to go on.
+/// The decision of an observer whether training continues.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Control {
-    /// Go on.
+    /// Continue training.
     Continue,
-    /// Stop after this epoch: the network keeps the weights it has, and the report holds the state to go on from.
+    /// Stop after this epoch: the network keeps its current weights, and the report contains the state from which training
+    /// can be resumed.
     Stop,
 }
 
-/// Where training stands.
+/// The progress of training.
 pub struct Progress<'a> {
-    /// Epochs done (for `traingdx` rejected steps count, as in the toolbox).
+    /// Number of completed epochs (for `traingdx` including rejected steps, as in the toolbox).
     pub epoch: u64,
-    /// Most epochs that will be done.
+    /// Largest number of epochs.
     pub epochs: u64,
     /// Mean squared error over the training rows, in scaled units.
     pub error: f64,
-    /// The same over the validation rows, where there are any.
+    /// Mean squared error over the validation rows, if there are any.
     pub validation_error: Option<f64>,
     state: &'a dyn Fn() -> TrainerState,
 }
 
 impl<'a> Progress<'a> {
-    /// Progress after an epoch, with what gives the state to go on from when it is asked for.
+    /// The progress after an epoch, with a function that returns the state for resuming.
     pub fn new(epoch: u64, epochs: u64, error: f64, state: &'a dyn Fn() -> TrainerState) -> Progress<'a> {
         Progress { epoch, epochs, error, validation_error: None, state }
     }
 
-    /// Everything needed to go on from here with identical bits, see [`Trainer::resume`].
+    /// The state from which training can be resumed with bit-identical results, see [`Trainer::resume`].
     pub fn state(&self) -> TrainerState {
         (self.state)()
     }
 }
 
-/// Hears of the progress after every epoch. What it does cannot change the result, except by stopping.
+/// An observer of the progress of training. It can stop the training, but cannot change the result in any other way.
 ///
 /// ```
 /// use granum_nets::trainer::{Control, LevenbergMarquardt, Progress, Trainer};
@@ -238,7 +240,7 @@ impl<F: FnMut(&Progress) -> Control> Observer for F {
     }
 }
 
-/// What Bayesian regularisation found (MacKay 1992; Foresee and Hagan 1997), in scaled units.
+/// The result of Bayesian regularisation (MacKay 1992; Foresee and Hagan 1997), in scaled units.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Evidence {
@@ -250,13 +252,13 @@ pub struct Evidence {
     pub gamma: f64,
 }
 
-/// What a training did.
+/// The report of a training.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct TrainingReport {
     /// Name of the trainer.
     pub trainer: String,
-    /// Epochs done.
+    /// Number of epochs.
     pub epochs: u64,
     /// Mean squared error over the training rows in scaled units, at the end.
     pub error: f64,
@@ -264,21 +266,21 @@ pub struct TrainingReport {
     pub validation_error: Option<f64>,
     /// The history of the error, thinned to at most 1024 points.
     pub history: Vec<HistoryPoint>,
-    /// Why it ended.
+    /// Reason why the training ended.
     pub termination: TerminationReason,
-    /// What Bayesian regularisation found, where the trainer does that.
+    /// The result of Bayesian regularisation, if the trainer uses it.
     pub evidence: Option<Evidence>,
-    /// Errors (answer less target, in scaled units) that the observations of each block would have if the block had not been
-    /// trained on, to first order; where the trainer does that and there are two blocks or more.
+    /// Errors (output minus target, in scaled units) that the observations of each block would have, to first order, if
+    /// the block had not been used for training; available if the trainer computes them and there are two or more blocks.
     pub left_out: Option<Vec<f64>>,
-    /// Wall time; 0 where the trainer did not measure it. No part of what may be hashed.
+    /// Wall time, s; 0 if the trainer did not measure it. It must not enter a hash of the result.
     pub seconds: f64,
-    /// From here training can go on, see [`Trainer::resume`].
+    /// The state from which training can be resumed, see [`Trainer::resume`].
     pub state: TrainerState,
 }
 
 impl TrainingReport {
-    /// The report of a training that came to a state with this mean squared error; the rest is left out.
+    /// The report of a training that ended in a state with the given mean squared error, without the optional parts.
     pub fn new(state: TrainerState, error: f64, termination: TerminationReason) -> TrainingReport {
         TrainingReport {
             trainer: state.trainer().to_string(),
@@ -295,7 +297,7 @@ impl TrainingReport {
     }
 }
 
-/// Refuses data whose columns are not those of the network.
+/// Refuses data whose numbers of columns do not match the network.
 pub(crate) fn check_columns(network: &Network, data: &Data) -> Result<(), TrainingError> {
     if (network.inputs(), network.outputs()) == (data.input_columns(), data.target_columns()) {
         return Ok(());

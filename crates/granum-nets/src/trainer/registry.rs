@@ -1,24 +1,24 @@
-//! The trainers by name. A new one is a file beside this one and a line in [`ALL`].
+//! The registry of trainers. A new trainer needs a file in this folder and a line in [`ALL`].
 
 use granum_simd::Isa;
 
 use super::{SharedTrainer, TrainingError, levenberg_marquardt, traingdx};
 
-/// How a trainer is found by its name and made from options.
+/// An entry of the registry: a name, and the function that creates the trainer from options.
 #[derive(Clone, Copy, Debug)]
 pub struct TrainerKind {
     /// Its name in commands and records.
     pub name: &'static str,
-    /// What it does, in a few words.
+    /// A short description.
     pub help: &'static str,
-    /// Makes it.
+    /// Creates the trainer.
     pub make: fn(&Options) -> SharedTrainer,
 }
 
-/// The trainers of this crate, the default first.
+/// The trainers of this crate, starting with the default.
 pub const ALL: [&TrainerKind; 2] = [&levenberg_marquardt::KIND, &traingdx::KIND];
 
-/// The names that [`by_name`] knows, the default first.
+/// The names that [`by_name`] accepts, starting with the default.
 pub const NAMES: [&str; ALL.len()] = {
     let mut names = [""; ALL.len()];
     let mut k = 0;
@@ -29,10 +29,10 @@ pub const NAMES: [&str; ALL.len()] = {
     names
 };
 
-/// What a trainer can be told. A field left `None` takes the trainer's own value.
+/// Options of a trainer. A field that is `None` has the value of the trainer.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Options {
-    /// Most epochs.
+    /// Largest number of epochs.
     pub epochs: Option<u64>,
     /// Training ends when the mean squared error (scaled units) is at or below this.
     pub goal: Option<f64>,
@@ -40,13 +40,13 @@ pub struct Options {
     pub minimum_gradient: Option<f64>,
     /// Training with validation rows ends when their error has not fallen for so many accepted steps in a row.
     pub maximum_failures: Option<u64>,
-    /// Where Bayesian regularisation starts, see [`super::LevenbergMarquardt::first_ratio`].
+    /// Initial ratio of Bayesian regularisation, see [`super::LevenbergMarquardt::first_ratio`].
     pub first_ratio: Option<f64>,
-    /// The instruction set; the widest of the machine if none. The bits are the same on each.
+    /// The instruction set; by default the widest that the processor supports. Results do not depend on it.
     pub isa: Option<Isa>,
 }
 
-/// The trainer of that name, see [`NAMES`].
+/// The trainer of the given name, see [`NAMES`].
 ///
 /// ```
 /// use granum_nets::trainer::{self, Options};
@@ -59,7 +59,7 @@ pub struct Options {
 /// ```
 ///
 /// # Errors
-/// If there is none, or an option is out of bounds.
+/// If there is no such trainer, or an option is out of bounds.
 pub fn by_name(name: &str, options: &Options) -> Result<SharedTrainer, TrainingError> {
     check("goal", options.goal)?;
     check("first_ratio", options.first_ratio)?;

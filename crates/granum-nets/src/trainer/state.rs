@@ -1,4 +1,4 @@
-//! What every trainer keeps as it goes: weights, epochs, the thinned history, and numbers of its own by name.
+//! The state of a trainer: weights, epochs, the thinned history, and named numbers that are specific to the trainer.
 
 use std::collections::BTreeMap;
 
@@ -10,25 +10,25 @@ use crate::data::Data;
 use crate::network::Network;
 use granum_simd::Isa;
 
-/// Most points of a history.
+/// Largest number of points of a history.
 const POINTS: usize = 1024;
-/// More epochs than any training makes.
+/// An upper limit of the number of epochs that no training reaches.
 pub(crate) const MOST: u64 = 1 << 60;
 
 /// The error after an epoch.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HistoryPoint {
-    /// Epochs done.
+    /// Number of completed epochs.
     pub epoch: u64,
     /// Mean squared error over the training rows, in scaled units.
     pub error: f64,
-    /// The same over the validation rows.
+    /// Mean squared error over the validation rows.
     pub validation_error: Option<f64>,
 }
 
-/// Everything a trainer needs to go on with identical bits: the weights, the history, and what the trainer itself keeps,
-/// as named lists of numbers. It can be serialised with any format that keeps the bits of a double.
+/// The state from which a trainer can be resumed with bit-identical results: the weights, the history, and the data of the
+/// trainer itself as named lists of numbers. It can be serialised in any format that preserves the bits of a double.
 ///
 /// ```
 /// use granum_nets::trainer::TrainerState;
@@ -59,53 +59,53 @@ impl TrainerState {
         TrainerState { trainer: trainer.into(), weights, history, own: BTreeMap::new() }
     }
 
-    /// The same state with further numbers of the trainer under a name.
+    /// Adds numbers of the trainer under a name.
     pub fn with(mut self, name: &str, values: &[f64]) -> TrainerState {
         self.set(name, values);
         self
     }
 
-    /// Keeps numbers of the trainer under a name.
+    /// Stores numbers of the trainer under a name.
     pub fn set(&mut self, name: &str, values: &[f64]) {
         self.own.insert(name.into(), values.to_vec());
     }
 
-    /// Counts an epoch, takes its weights and notes the mean squared error after it.
+    /// Counts an epoch, and stores its weights and the mean squared error after it.
     pub fn note_epoch(&mut self, weights: &[f64], error: f64) {
         self.weights = weights.to_vec();
         self.history.epoch += 1;
         self.history.note(error, None);
     }
 
-    /// Name of the trainer that left it.
+    /// Name of the trainer to which the state belongs.
     pub fn trainer(&self) -> &str {
         &self.trainer
     }
 
-    /// Epochs done.
+    /// Number of completed epochs.
     pub fn epoch(&self) -> u64 {
         self.history.epoch
     }
 
-    /// The weights that it has come to.
+    /// The current weights.
     pub fn weights(&self) -> &[f64] {
         &self.weights
     }
 
-    /// The error after the epochs, thinned to at most 1024 points.
+    /// The history of the error, thinned to at most 1024 points.
     pub fn history(&self) -> &[HistoryPoint] {
         &self.history.history
     }
 
-    /// Numbers that the trainer kept under a name.
+    /// The numbers that the trainer stored under a name.
     pub fn values(&self, name: &str) -> Option<&[f64]> {
         self.own.get(name).map(Vec::as_slice)
     }
 
-    /// So many numbers that the trainer kept under a name.
+    /// A given number of values that the trainer stored under a name.
     ///
     /// # Errors
-    /// [`TrainingError::State`] if they are not there, not as many, or not finite.
+    /// [`TrainingError::State`] if they do not exist, are not of that number, or are not finite.
     pub fn vector(&self, name: &str, length: usize) -> Result<&[f64], TrainingError> {
         let refused = |reason: String| Err(TrainingError::State(reason));
         match self.values(name) {
@@ -120,7 +120,7 @@ impl TrainerState {
         }
     }
 
-    /// One number that the trainer kept under a name.
+    /// A single number that the trainer stored under a name.
     ///
     /// # Errors
     /// As [`TrainerState::vector`].
@@ -128,10 +128,10 @@ impl TrainerState {
         Ok(self.vector(name, 1)?[0])
     }
 
-    /// Refuses a state of another trainer or network, or one that no training can have left.
+    /// Refuses a state of another trainer or network, and an invalid state.
     ///
     /// # Errors
-    /// [`TrainingError::State`].
+    /// [`TrainingError::State`] with the reason.
     pub fn check(&self, trainer: &str, network: &Network) -> Result<(), TrainingError> {
         let refused = |reason: String| Err(TrainingError::State(reason));
         if self.trainer != trainer {
@@ -154,7 +154,7 @@ impl TrainerState {
     }
 }
 
-/// The best weights so far by the validation rows.
+/// The weights with the smallest error on the validation rows so far.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Best {
@@ -182,7 +182,7 @@ impl TrainingHistory {
         TrainingHistory { epoch: 0, every: 1, history: Vec::new(), best: None, failures: 0 }
     }
 
-    /// Notes the error after the present epoch. When the history is full, every second point is dropped.
+    /// Stores the error after the current epoch. When the history is full, every second point is dropped.
     pub(super) fn note(&mut self, error: f64, validation_error: Option<f64>) {
         if !self.epoch.is_multiple_of(self.every) {
             return;
@@ -198,7 +198,7 @@ impl TrainingHistory {
         self.history.push(HistoryPoint { epoch: self.epoch, error, validation_error });
     }
 
-    /// Takes in the validation error after an accepted step.
+    /// Processes the validation error after an accepted step.
     pub(super) fn validate(&mut self, error: f64, weights: &[f64]) {
         match &mut self.best {
             Some(best) if error < best.error => {
@@ -212,7 +212,7 @@ impl TrainingHistory {
     }
 }
 
-/// The rows for early stopping, laid out.
+/// The rows for early stopping in the layout for training.
 pub(super) struct Validation {
     workspace: Workspace,
     values: f64,
@@ -225,7 +225,7 @@ impl Validation {
         Some(Validation { workspace: Workspace::new(isa, network, rows), values })
     }
 
-    /// Mean squared error.
+    /// Mean squared error over the validation rows.
     pub(super) fn error(&mut self, weights: &[f64]) -> f64 {
         self.workspace.squared_error(weights) / self.values
     }

@@ -1,4 +1,4 @@
-//! Tests that hold for every trainer, and of each trainer against an independent statement of its rule.
+//! Tests that apply to every trainer, and comparisons of each trainer with an independent implementation of its rule.
 
 use proptest::prelude::*;
 
@@ -40,7 +40,7 @@ fn noisy_sine(rows: usize, deviation: f64) -> Data {
     Data::new(inputs, 1, targets).unwrap()
 }
 
-/// Root of the mean squared difference from the sine without noise.
+/// Root mean square difference from the sine without noise.
 fn error_against_truth(network: &Network) -> f64 {
     let inputs: Vec<f64> = (0..500).map(|r| -0.99 + 1.98 * r as f64 / 499.0).collect();
     let outputs = network.forward(&inputs).unwrap();
@@ -103,7 +103,7 @@ proptest! {
         let mut weights = network.weights().to_vec();
         let mut gradient = vec![0.0; weights.len()];
         let error = workspace.squared_error(&weights);
-        // The error itself, from the public forward pass.
+        // The expected error is computed with the public forward pass.
         let outputs = network.forward(data.inputs()).unwrap();
         let expected: f64 = outputs
             .iter()
@@ -127,7 +127,8 @@ proptest! {
     }
 }
 
-/// The rule of `traingdx` written out with plain loops for one hidden layer: weights and rejected steps after some epochs.
+/// The rule of `traingdx` in plain loops for one hidden layer; returns the weights and the number of rejected steps after
+/// some epochs.
 fn plain_traingdx(network: &Network, data: &Data, rate: f64, epochs: usize) -> (Vec<f64>, usize, f64) {
     let (n, inputs, hidden) = (data.rows(), network.layers()[0], network.layers()[1]);
     let evaluate = |w: &[f64]| -> (f64, Vec<f64>) {
@@ -342,8 +343,8 @@ fn row_weights_count_as_repeated_rows() {
     assert!(weighted.weights().iter().zip(repeated.weights()).all(|(a, b)| (a - b).abs() < 1e-9));
 }
 
-/// Five copies of every row tell nothing new: said to be worth the rows that they are copies of, they train the same
-/// network with the same evidence; taken for witnesses of their own, they do not.
+/// Five copies of every row contain no new information: if the effective number of observations is that of the original
+/// rows, they give the same network with the same evidence; if they count as independent observations, they do not.
 #[test]
 fn copies_of_rows_are_not_taken_for_witnesses() {
     let data = surface(40);
@@ -408,7 +409,7 @@ fn an_interrupted_training_goes_on_to_the_same_bits() {
             let text = serde_json::to_string(&report.state).unwrap();
             let state: TrainerState = serde_json::from_str(&text).unwrap();
             assert_eq!(state, report.state);
-            // The network handed over may be any of that shape: the state holds the weights.
+            // The weights are taken from the state, so that any network of the same shape can be passed.
             let mut resumed = start.clone();
             let resumed_report = trainer.resume(&mut resumed, &data, Some(state), &mut Silent).unwrap();
             assert_eq!(resumed, whole, "{} stopped at {stop}", trainer.name());
@@ -446,7 +447,7 @@ fn states_that_no_training_left_are_refused() {
             |state| state["history"]["epoch"] = u64::MAX.into(),
             |state| state["history"]["every"] = 0.into(),
             |state| state["history"]["failures"] = u64::MAX.into(),
-            // With no damping to begin with, more of it would be none for ever.
+            // A damping of zero could never be increased by multiplication.
             |state| state["own"]["damping"][0] = 0.into(),
             |state| state["own"]["evidence"][1] = (-1).into(),
         ];

@@ -9,7 +9,8 @@
 //! otherwise:             accepted; if E(x + s) < E(x), r <- 1.05 r
 //! ```
 //!
-//! An epoch is one such trial, also if it is rejected. With validation rows the best weights on them are kept.
+//! An epoch is one such trial, even if it is rejected. With validation rows, the weights with the smallest error on them are
+//! returned.
 
 use std::time::Instant;
 
@@ -24,25 +25,25 @@ use crate::backprop::Workspace;
 use crate::data::Data;
 use crate::network::Network;
 
-/// How it is found by name.
+/// The entry of the registry.
 pub(super) const KIND: TrainerKind = TrainerKind {
     name: Traingdx::NAME,
     help: "gradient descent with momentum and an adaptive rate, the paper's trainer",
     make: |options| Traingdx::with_options(options).into(),
 };
 
-/// Gradient descent with momentum and adaptive learning rate. The defaults are the toolbox's.
+/// Gradient descent with momentum and adaptive learning rate. The defaults are those of the toolbox.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Traingdx {
-    /// Most epochs; the paper's tables give 60,000 to 150,000 (default 120,000).
+    /// Largest number of epochs; the tables of the paper give 60,000 to 150,000 (default 120,000).
     pub epochs: u64,
     /// Mean squared error at which training ends (0).
     pub goal: f64,
     /// Norm of the gradient of the mean squared error at which training ends (1e-6).
     pub minimum_gradient: f64,
-    /// Accepted steps without a fall of the validation error after which training ends (6).
+    /// Number of accepted steps without a decrease of the validation error after which training ends (6).
     pub maximum_failures: u64,
-    /// First learning rate (0.01).
+    /// Initial learning rate (0.01).
     pub learning_rate: f64,
     /// Factor on the rate after a step that lowers the error (1.05).
     pub increase: f64,
@@ -52,7 +53,7 @@ pub struct Traingdx {
     pub largest_rise: f64,
     /// Momentum (0.9).
     pub momentum: f64,
-    /// Instruction set; the bits are the same on each.
+    /// Instruction set; results do not depend on it.
     pub isa: Isa,
 }
 
@@ -74,7 +75,7 @@ impl Default for Traingdx {
 }
 
 impl Traingdx {
-    /// Its name in commands and records.
+    /// Name of the trainer in commands and records.
     pub const NAME: &'static str = "traingdx";
 
     /// The defaults, changed by the options.
@@ -82,7 +83,7 @@ impl Traingdx {
         Traingdx::default().changed(options)
     }
 
-    /// The same, changed by the options.
+    /// The same trainer with the given options applied.
     fn changed(&self, options: &Options) -> Traingdx {
         Traingdx {
             epochs: options.epochs.unwrap_or(self.epochs),
@@ -131,11 +132,11 @@ impl Trainer for Traingdx {
     }
 }
 
-/// Names under which the last step and the learning rate stand in a state.
+/// The names of the last step and the learning rate in a state.
 const STEP: &str = "step";
 const RATE: &str = "rate";
 
-/// A descent on its way.
+/// The state of a gradient descent.
 struct Descent<'a> {
     rule: &'a Traingdx,
     workspace: Workspace,
@@ -236,14 +237,14 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// One trial of the rule.
+    /// Performs one trial of the rule.
     fn epoch(&mut self) {
         let rule = self.rule;
         let slope = -(1.0 - rule.momentum) * self.rate;
         dispatch(rule.isa, Step { factor: rule.momentum, slope, descent: self });
         let error = self.workspace.squared_error(&self.trial) / self.values;
         self.history.epoch += 1;
-        // Written so that an error that is not a number is rejected.
+        // The comparison is such that an error of NaN is rejected.
         if error <= rule.largest_rise * self.error {
             if error < self.error {
                 self.rate *= rule.increase;

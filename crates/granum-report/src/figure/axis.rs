@@ -1,65 +1,65 @@
-//! An axis: its range, its ticks and the way from data to the page.
+//! An axis: its range, its ticks and the mapping from data to positions on the page.
 
 use super::ticks::{self, Tick};
 
-/// Values beyond this say that something went wrong; they do not stretch an axis.
+/// Larger values indicate an error in the data and do not extend the range of an axis.
 const LARGEST: f64 = 1e100;
 
-/// What an axis should look like.
+/// Description of an axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Axis {
     /// Marked-up label.
     pub label: String,
-    /// Unit in SI without prefix, empty for a number. Large and small values get a prefix or a power of ten.
+    /// SI unit without prefix, empty for a dimensionless number. Large and small values get a prefix or a power of ten.
     pub unit: String,
-    /// Logarithmic.
+    /// True for a logarithmic axis.
     pub log: bool,
-    /// Ends, where the data should not decide.
+    /// The ends of the axis, if they do not follow from the data.
     pub range: Option<[f64; 2]>,
-    /// Values that must lie on the axis; one at an end of the data ends the axis there.
+    /// Values that must lie on the axis; the axis ends at such a value if the data end there.
     pub include: Vec<f64>,
     /// Names at 0, 1, 2... instead of numbers.
     pub categories: Vec<String>,
 }
 
 impl Axis {
-    /// A linear axis for a number or, with a unit in the label, for a quantity.
+    /// A linear axis for a dimensionless number or, with a unit in the label, for a quantity.
     pub fn new(label: &str) -> Self {
         Axis { label: label.to_owned(), ..Axis::default() }
     }
 
-    /// With an SI unit; a prefix or power of ten is chosen to suit.
+    /// Sets the SI unit; a suitable prefix or power of ten is chosen automatically.
     pub fn unit(mut self, unit: &str) -> Self {
         self.unit = unit.to_owned();
         self
     }
 
-    /// Logarithmic.
+    /// Makes the axis logarithmic.
     pub fn logarithmic(mut self) -> Self {
         self.log = true;
         self
     }
 
-    /// From `low` to `high`, whatever the data.
+    /// Sets the ends to `low` and `high`, independently of the data.
     pub fn between(mut self, low: f64, high: f64) -> Self {
         self.range = Some([low, high]);
         self
     }
 
-    /// With a value on the axis.
+    /// Adds a value that must lie on the axis.
     pub fn including(mut self, value: f64) -> Self {
         self.include.push(value);
         self
     }
 
-    /// With names at 0, 1, 2... instead of numbers.
+    /// Sets names at 0, 1, 2... instead of numbers.
     pub fn named(mut self, categories: &[String]) -> Self {
         self.categories = categories.to_vec();
         self.range = Some([-0.5, categories.len().max(1) as f64 - 0.5]);
         self
     }
 
-    /// Decides the ends for data that lie between `data[0]` and `data[1]` (`None`: there are none).
+    /// Determines the ends for data between `data[0]` and `data[1]` (`None` if there are no data).
     pub fn resolve(&self, data: Option<[f64; 2]>) -> Scale {
         let [low, high] = match self.range {
             Some([low, high]) if usable(low, self.log) && usable(high, self.log) && low < high => [low, high],
@@ -75,13 +75,13 @@ impl Axis {
             ends = Some(ends.map_or([value, value], |[low, high]| [low.min(value), high.max(value)]));
         }
         let Some([mut low, mut high]) = ends else { return [0.0, 1.0] };
-        // Noise about an end that is asked for does not move it.
+        // Noise about a requested end does not move it.
         let noise = 0.015 * (high - low);
         for &end in &self.include {
             low = if low < end && end - low < noise { end } else { low };
             high = if high > end && high - end < noise { end } else { high };
         }
-        // A constant gets room on both sides, so that it is drawn as a line in the middle.
+        // For constant data the range is extended on both sides, so that they are drawn as a line in the middle.
         let least = 1e-9 * low.abs().max(high.abs());
         let span = if high - low > least { high - low } else { 2.0 * (0.1 * low.abs()).max(0.5e-3) };
         let minor = ticks::nice_step(span, 6.0) / 2.0;
@@ -108,13 +108,13 @@ impl Axis {
         if (b / a).log10() > 3.5 {
             return [a, b];
         }
-        // Over few decades the axis ends at 1, 2 or 5 times a power of ten, not to waste half of it.
+        // If the axis spans few decades, it ends at 1, 2 or 5 times a power of ten, so that little of it is empty.
         let lower = [5.0, 2.0, 1.0].into_iter().map(|digit| digit * a).find(|&end| end <= low).unwrap_or(a);
         let upper = [0.2, 0.5, 1.0].into_iter().map(|digit| digit * b).find(|&end| end >= high).unwrap_or(b);
         [lower, upper]
     }
 
-    /// Power of ten, a multiple of 3, that the tick labels of a linear axis leave out.
+    /// Exponent, a multiple of 3, of the power of ten that is factored out of the tick labels of a linear axis.
     pub fn exponent(&self, scale: &Scale) -> i32 {
         let largest = scale.low.abs().max(scale.high.abs());
         if self.log || !self.categories.is_empty() || largest == 0.0 {
@@ -125,7 +125,7 @@ impl Axis {
         if plain.contains(&largest) { 0 } else { exponent }
     }
 
-    /// The ticks, labels divided by the power of ten of [`Axis::exponent`].
+    /// The ticks; their labels are divided by the power of ten of [`Axis::exponent`].
     pub fn ticks(&self, scale: &Scale, target: f64) -> Vec<Tick> {
         if !self.categories.is_empty() {
             return (self.categories.iter().enumerate())
@@ -172,19 +172,19 @@ fn prefix(exponent: i32) -> Option<&'static str> {
     })
 }
 
-/// True for a value that may stand on an axis.
+/// True for a value that can be shown on an axis.
 pub fn usable(value: f64, log: bool) -> bool {
     value.is_finite() && value.abs() < LARGEST && (!log || value > 1.0 / LARGEST)
 }
 
-/// The way from data to the page.
+/// The mapping from data to positions on the page.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
-    /// Data at the start.
+    /// Value at the start.
     pub low: f64,
-    /// Data at the end.
+    /// Value at the end.
     pub high: f64,
-    /// Logarithmic.
+    /// True for a logarithmic scale.
     pub log: bool,
     /// Position of the start, px.
     pub from: f64,
@@ -193,12 +193,12 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// The same range laid from one position to another.
+    /// The same range of values between two other positions.
     pub fn laid(self, from: f64, to: f64) -> Self {
         Scale { from, to, ..self }
     }
 
-    /// Position of a value; `None` for one that has none.
+    /// Position of a value; `None` for a value that cannot be shown.
     pub fn at(&self, value: f64) -> Option<f64> {
         if !usable(value, self.log) {
             return None;

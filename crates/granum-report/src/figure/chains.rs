@@ -1,8 +1,8 @@
-//! A picture of the forces in an assembly: grains as faint circles, contacts as lines from centre to centre with the
-//! width and colour of their normal force.
+//! A picture of the forces in an assembly: grains as faint circles, contacts as lines from centre to centre, whose width and
+//! colour show the normal force.
 //!
-//! The picture is an orthographic projection of the periodic cell or of a slice of it. A contact across the boundary
-//! is drawn at both of its images, each cut off where it leaves the cell, so that no chain runs across the picture.
+//! The picture is an orthographic projection of the periodic cell or of a slice of it. A contact across the boundary is
+//! drawn at both of its images, each cut off where it leaves the cell, so that no line runs across the whole picture.
 
 use granum_core::assembly::{Assembly, Contact, Matrix, Vector};
 use granum_core::geometry::determinant;
@@ -14,21 +14,21 @@ use super::rich::text;
 use super::svg::{Anchor, Point, Stroke, Svg, path_data};
 use std::collections::BTreeMap;
 
-/// How to look at an assembly.
+/// The view of an assembly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// Axis of the cell that points up, 0 to 2.
     pub up: usize,
     /// Axis of the cell that points right.
     pub right: usize,
-    /// Range of depth shown, as fractions of the cell along the remaining axis; `None`: all of it.
+    /// Visible range of depth, as fractions of the cell along the remaining axis; `None` for the whole cell.
     pub slice: Option<[f64; 2]>,
-    /// Smallest `f = N/<N>` that is drawn; tension is drawn in slices only.
+    /// Smallest `f = N/<N>` that is drawn; contacts in tension are drawn only in slices.
     pub smallest_force: f64,
 }
 
 impl View {
-    /// A slice about `thickness` grain diameters thick through the middle, axis 1 up and axis 2 right.
+    /// A slice through the middle with a thickness of about `thickness` grain diameters, axis 1 up and axis 2 right.
     pub fn slice(assembly: &Assembly, thickness: f64) -> Self {
         let radii: f64 = assembly.grains.iter().map(|grain| grain.radius).sum();
         let diameter = 2.0 * radii / assembly.grains.len().max(1) as f64;
@@ -37,13 +37,13 @@ impl View {
         View { up: 0, right: 1, slice: Some([0.5 - half, 0.5 + half]), smallest_force: f64::NEG_INFINITY }
     }
 
-    /// The whole cell with its strong contacts alone (f > 1).
+    /// The whole cell with only its strong contacts (f > 1).
     pub fn strong() -> Self {
         View { up: 0, right: 1, slice: None, smallest_force: 1.0 }
     }
 }
 
-/// Largest f that has a colour and width of its own.
+/// Largest f with a distinct colour and width.
 const LARGEST_FORCE: f64 = 4.0;
 /// Width of a class of forces.
 const CLASS: f64 = 0.25;
@@ -51,20 +51,20 @@ const CLASS: f64 = 0.25;
 const SCALE_HEIGHT: f64 = 44.0;
 /// Number of layers of depth.
 const LAYERS: usize = 8;
-/// Contacts in tension.
+/// Colour of contacts in tension.
 const TENSION: &str = "#3d8fb8";
 
-/// A picture of force chains, ready to be drawn at any size. Lengths are in m, x to the right and y up.
+/// A picture of force chains that can be drawn at any size. Lengths are in m, with x to the right and y up.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ForceChains {
     outline: Vec<Point>,
     grains: Vec<Disc>,
     lines: Vec<Line>,
-    /// Whether it is a slice: only then are grains drawn, which else would hide everything.
+    /// True for a slice. Grains are drawn only in slices, since otherwise they would hide everything.
     slice: bool,
     mean_radius: f64,
-    /// Width and height that are to fit into a frame, m: those of the picture, or larger ones, so that several pictures
-    /// share a scale.
+    /// Width and height that must fit into a frame, m: those of the picture, or larger ones if several pictures share a
+    /// scale.
     extent: [f64; 2],
 }
 
@@ -85,7 +85,7 @@ struct Line {
 }
 
 impl ForceChains {
-    /// Takes the picture.
+    /// The picture of an assembly in a view.
     pub fn new(assembly: &Assembly, view: View) -> Self {
         let (up, right) = (view.up.min(2), view.right.min(2));
         let (Some(inverse), Some(depth)) =
@@ -163,7 +163,7 @@ impl ForceChains {
         picture
     }
 
-    /// Adds a grain and the images of it that reach into the picture.
+    /// Adds a grain and those of its periodic images that reach into the picture.
     fn add_grain(
         &mut self,
         s: Vector,
@@ -189,29 +189,29 @@ impl ForceChains {
         }
     }
 
-    /// Width and height of what fits into a frame, m.
+    /// Width and height that fit into a frame, m.
     pub fn extent(&self) -> [f64; 2] {
         self.extent
     }
 
-    /// The same picture at a scale at which a width and height would fit into the frame.
+    /// The same picture with a scale at which the given width and height fit into the frame.
     pub fn with_extent(mut self, extent: [f64; 2]) -> Self {
         self.extent = extent;
         self
     }
 
-    /// Height of a frame of a width in which a picture of an extent and its scale of forces leave nothing empty, px.
+    /// Height of a frame of the given width that a picture of the given extent and its scale of forces fill, px.
     pub fn height_for(extent: [f64; 2], width: f64) -> f64 {
         let ratio = extent[1] / extent[0];
         width * if ratio.is_finite() { ratio.clamp(0.2, 2.0) } else { 1.0 } + SCALE_HEIGHT
     }
 
-    /// Number of lines drawn: contacts, those across the boundary twice.
+    /// Number of lines; a contact across the boundary has two.
     pub fn lines(&self) -> usize {
         self.lines.len()
     }
 
-    /// Draws it in a frame, with a scale of forces below.
+    /// Draws the picture in a frame, with a scale of forces below.
     pub fn draw(&self, svg: &mut Svg, frame: &Rect) {
         let frame = &Rect { bottom: frame.bottom - SCALE_HEIGHT, ..*frame };
         let Some(page) = Page::new(&self.outline, self.extent, frame) else {
@@ -255,7 +255,7 @@ impl ForceChains {
         }
     }
 
-    /// Lines by class of force, weak ones below, far ones paler.
+    /// Draws the lines by class of force, weak ones first and distant ones paler.
     fn draw_lines(&self, svg: &mut Svg, page: &Page, widest: f64, layers: std::ops::Range<usize>) {
         let mut classes: BTreeMap<(usize, i64), String> = BTreeMap::new();
         for line in &self.lines {
@@ -269,13 +269,13 @@ impl ForceChains {
         }
         svg.begin_group("stroke-linecap=\"round\"");
         for ((layer, class), data) in classes {
-            // Most of the fading happens in the first layers, so that the eye finds the front.
+            // Most of the fading is in the first layers, so that the front stands out.
             let white = 0.93 * (layer as f64 / (LAYERS - 1) as f64).powf(0.6);
             let force = (class as f64 + 0.5) * CLASS;
             let stroke =
                 if class < 0 { Stroke::new(TENSION, 1.0) } else { line_stroke(force, widest, white) };
             if !self.slice {
-                // A thin white edge keeps what lies in front apart from what lies behind.
+                // A thin white edge separates lines in front from those behind.
                 svg.path_of(&data, None, Some(&Stroke::new("#ffffff", stroke.width + 1.2)));
             }
             svg.path_of(&data, None, Some(&stroke));
@@ -283,7 +283,7 @@ impl ForceChains {
         svg.end_group();
     }
 
-    /// A wedge that shows width and colour at each force, and a line for tension where there is any.
+    /// Draws a wedge with the width and colour of each force, and a line for tension if there is any.
     fn draw_scale(&self, svg: &mut Svg, top_middle: Point, widest: f64) {
         let (length, steps) = (160.0, 40);
         let tension = self.lines.iter().any(|line| line.force < 0.0);
@@ -316,20 +316,20 @@ impl ForceChains {
     }
 }
 
-/// Width in proportion to the force, colour darker with the force.
+/// The stroke of a contact: its width is proportional to the force, and its colour darkens with the force.
 fn line_stroke(force: f64, widest: f64, white: f64) -> Stroke {
     let share = (force / LARGEST_FORCE).clamp(0.0, 1.0);
     Stroke::new(&sequential(share, white), (widest * share).max(0.35))
 }
 
-/// How the picture lies on the page.
+/// The position and scale of the picture on the page.
 struct Page {
     scale: f64,
     origin: Point,
 }
 
 impl Page {
-    /// The outline in the middle of a frame, at the scale at which `extent` would fit.
+    /// Centres the outline in a frame, with the scale at which `extent` fits.
     fn new(outline: &[Point], extent: [f64; 2], frame: &Rect) -> Option<Self> {
         let (corner, size) = bounds(outline);
         let scale = (frame.width() / extent[0]).min(frame.height() / extent[1]);
@@ -346,7 +346,7 @@ impl Page {
     }
 }
 
-/// Lower corner and size of what points span.
+/// Lower corner and size of the bounding box of points.
 fn bounds(points: &[Point]) -> (Point, [f64; 2]) {
     let end =
         |axis: usize, pick: fn(f64, f64) -> f64, start: f64| points.iter().map(|p| p[axis]).fold(start, pick);
@@ -355,7 +355,7 @@ fn bounds(points: &[Point]) -> (Point, [f64; 2]) {
     (low, [high[0] - low[0], high[1] - low[1]])
 }
 
-/// True if the outline is a rectangle with upright sides, so that a window can cut at it.
+/// True if the outline is an upright rectangle, so that it can serve as a window that cuts off lines.
 fn is_upright(corners: &[Point]) -> bool {
     corners.len() == 4
         && (corners[0][1] - corners[1][1]).abs() < 0.01
@@ -364,7 +364,7 @@ fn is_upright(corners: &[Point]) -> bool {
 }
 
 fn layer_of(depth: f64) -> usize {
-    // Axes 1 up and 2 right make axis 3 point away from the reader.
+    // With axis 1 up and axis 2 to the right, axis 3 points away from the reader.
     ((depth * LAYERS as f64) as usize).min(LAYERS - 1)
 }
 
@@ -392,7 +392,7 @@ fn edge_length(cell: &Matrix, edge: usize) -> f64 {
     (0..3).map(|i| cell[i][edge] * cell[i][edge]).sum::<f64>().sqrt()
 }
 
-/// Inverse of a 3 x 3 matrix; `None` if it has none.
+/// Inverse of a 3 x 3 matrix; `None` if the matrix is singular.
 fn inverse(m: &Matrix) -> Option<Matrix> {
     let d = determinant(m);
     if !d.is_finite() || d == 0.0 {

@@ -1,5 +1,4 @@
-//! Cutting lines and areas off at a rectangle, so that no clip path (whose name would have to be unique on a page) is
-//! needed.
+//! Clipping of lines and areas at a rectangle, without SVG clip paths, whose names would have to be unique on a page.
 
 use super::svg::Point;
 
@@ -17,7 +16,7 @@ pub struct Rect {
 }
 
 impl Rect {
-    /// From two corners.
+    /// A rectangle from its edges.
     pub fn new(left: f64, top: f64, right: f64, bottom: f64) -> Self {
         Rect { left, top, right, bottom }
     }
@@ -32,7 +31,7 @@ impl Rect {
         self.bottom - self.top
     }
 
-    /// True for a point in it, edges included, with a margin.
+    /// True for a point inside the rectangle enlarged by a margin, including its edges.
     pub fn contains(&self, p: Point, margin: f64) -> bool {
         p[0] >= self.left - margin
             && p[0] <= self.right + margin
@@ -41,8 +40,8 @@ impl Rect {
     }
 }
 
-/// The part of a segment inside a box in any number of dimensions, as the two parameters in 0..1 where it enters and
-/// leaves (Liang and Barsky 1984); `None` if it misses.
+/// The part of a segment inside a box in any number of dimensions, as the two parameters in 0..1 at which it enters and
+/// leaves the box (Liang and Barsky 1984); `None` if it is outside.
 pub fn segment<const D: usize>(
     a: [f64; D],
     b: [f64; D],

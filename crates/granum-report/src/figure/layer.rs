@@ -1,20 +1,20 @@
-//! What is drawn in a plot: lines, points, bands and reference lines.
+//! The layers of a plot: lines, points, bands and reference lines.
 
 use super::axis::{Scale, usable};
 use super::clip::{self, Rect};
 use super::marks::Shape;
 use super::svg::{Point, Stroke, Svg};
 
-/// One layer of a plot; later layers lie on top.
+/// One layer of a plot; later layers are drawn over earlier ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
-    /// What it is.
+    /// Kind of the layer, with its data.
     pub kind: Kind,
-    /// Marked-up name in the legend; `None`: not in the legend.
+    /// Marked-up name in the legend; `None` if the layer is not in the legend.
     pub label: Option<String>,
 }
 
-/// What a layer draws. Values that are not finite, or not positive on a logarithmic axis, leave a gap.
+/// The kinds of layers. Values that are not finite, or not positive on a logarithmic axis, leave a gap.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
     /// A line through points.
@@ -34,7 +34,7 @@ pub enum Kind {
         radius: f64,
         /// Colour.
         color: String,
-        /// Filled with the colour, or with white and only the edge in colour.
+        /// True if the marks are filled with the colour, false if they are white with a coloured edge.
         filled: bool,
     },
     /// The area between two curves.
@@ -72,7 +72,7 @@ impl Layer {
         Layer::stroked(points, Stroke::new(color, 1.6))
     }
 
-    /// A line of any kind.
+    /// A line with a given stroke.
     pub fn stroked(points: Vec<Point>, stroke: Stroke) -> Self {
         Layer::of(Kind::Line { points, stroke })
     }
@@ -92,7 +92,7 @@ impl Layer {
         Layer::of(Kind::Band { points, color: color.to_owned(), opacity: 0.2 })
     }
 
-    /// An area of any opacity.
+    /// An area with a given opacity.
     pub fn area(points: Vec<[f64; 3]>, color: &str, opacity: f64) -> Self {
         Layer::of(Kind::Band { points, color: color.to_owned(), opacity })
     }
@@ -107,13 +107,13 @@ impl Layer {
         Layer::of(Kind::Vertical { at, stroke: Stroke::new(color, 1.0).dashed(&[2.0, 3.0]) })
     }
 
-    /// With a name in the legend.
+    /// Sets the name in the legend.
     pub fn named(mut self, label: &str) -> Self {
         self.label = Some(label.to_owned());
         self
     }
 
-    /// Calls `see` with every point that stretches the axes.
+    /// Calls `see` with every point that the axes must include.
     pub fn visit(&self, log: [bool; 2], mut see: impl FnMut([Option<f64>; 2])) {
         let mut pair = |x: f64, y: f64| {
             if usable(x, log[0]) && usable(y, log[1]) {
@@ -134,7 +134,7 @@ impl Layer {
         }
     }
 
-    /// Draws it in a frame.
+    /// Draws the layer in a frame.
     pub fn draw(&self, svg: &mut Svg, frame: &Rect, x: &Scale, y: &Scale) {
         match &self.kind {
             Kind::Line { stroke, .. } => {
@@ -170,7 +170,7 @@ impl Layer {
         }
     }
 
-    /// The pieces without gaps, on the page: lines, points, or outlines of areas.
+    /// The pieces between gaps, in positions on the page: lines, points, or outlines of areas.
     pub fn runs(&self, x: &Scale, y: &Scale) -> Vec<Vec<Point>> {
         match &self.kind {
             Kind::Line { points, .. } | Kind::Points { points, .. } => {
@@ -179,7 +179,7 @@ impl Layer {
             Kind::Band { points, .. } => {
                 let bottom = gapless(points.iter().map(|p| {
                     y.at(p[2])?;
-                    // The lower edge of a band on a logarithmic axis may be at or below zero: it ends at the axis.
+                    // On a logarithmic axis, a lower edge of a band at or below zero is moved to the end of the axis.
                     let low = if y.log && p[1].is_finite() { p[1].max(y.low) } else { p[1] };
                     Some([x.at(p[0])?, y.at(low)?, y.at(p[2])?])
                 }));
@@ -196,7 +196,7 @@ impl Layer {
     }
 }
 
-/// Draws marks whose path is given.
+/// Draws marks with a given path.
 pub fn mark(svg: &mut Svg, data: &str, shape: Shape, color: &str, filled: bool) {
     if shape.is_open() {
         let width = if shape == Shape::Bar { 2.0 } else { 1.3 };

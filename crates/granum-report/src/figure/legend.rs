@@ -1,4 +1,4 @@
-//! Legends: inside a frame where they hide nothing, otherwise above it.
+//! Legends: inside a frame if they hide nothing there, otherwise above it.
 
 use super::clip::Rect;
 use super::layer::{self, Kind, Layer};
@@ -6,7 +6,7 @@ use super::palette::{INK, TICK_SIZE};
 use super::rich::{Rich, TextStyle, text};
 use super::svg::{Anchor, Point, Stroke, Svg};
 
-/// Width of the sample beside a name, px.
+/// Width of the sample next to a name, px.
 const SAMPLE: f64 = 22.0;
 /// Space between sample and name, px.
 const GAP: f64 = 6.0;
@@ -15,14 +15,14 @@ pub const ROW: f64 = 15.5;
 /// Space inside the box, px.
 const PAD: f64 = 5.0;
 
-/// An entry: a name and the layers that it stands for (a line and its band share one).
+/// An entry: a name and its layers (a line and its band share an entry).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
     label: String,
     samples: Vec<Kind>,
 }
 
-/// The entries of layers; layers of the same name share one.
+/// The entries of layers; layers with the same name share an entry.
 pub fn entries<'a>(layers: impl Iterator<Item = &'a Layer>) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
     for layer in layers {
@@ -37,7 +37,7 @@ pub fn entries<'a>(layers: impl Iterator<Item = &'a Layer>) -> Vec<Entry> {
     entries
 }
 
-/// A kind without its data.
+/// A kind of layer without its data.
 fn bare(kind: &Kind) -> Kind {
     let mut kind = kind.clone();
     match &mut kind {
@@ -54,13 +54,13 @@ fn entry_width(entry: &Entry) -> f64 {
     SAMPLE + GAP + Rich::new(&entry.label).width(TICK_SIZE)
 }
 
-/// Size of a legend with one entry a line.
+/// Size of a legend with one entry per line.
 pub fn size(entries: &[Entry]) -> [f64; 2] {
     let width = entries.iter().map(entry_width).fold(0.0, f64::max);
     [width + 2.0 * PAD, ROW * entries.len() as f64 + 2.0 * PAD - 2.0]
 }
 
-/// A place in the frame, corners first, where a box of that size hides none of the marks.
+/// A position in the frame, preferably in a corner, where a box of the given size hides none of the marks.
 pub fn free_place(size: [f64; 2], frame: &Rect, marks: &[Point]) -> Option<Point> {
     let edge = 8.0;
     let (x0, x1) = (frame.left + edge, frame.right - edge - size[0]);
@@ -81,7 +81,7 @@ pub fn free_place(size: [f64; 2], frame: &Rect, marks: &[Point]) -> Option<Point
     })
 }
 
-/// Points that the layers cover, dense enough that nothing as large as a legend slips between.
+/// Points on lines, so dense that no box of the size of a legend fits between them.
 pub fn covered(lines: &[Vec<Point>]) -> Vec<Point> {
     let mut marks = Vec::new();
     for line in lines {
@@ -98,16 +98,16 @@ pub fn covered(lines: &[Vec<Point>]) -> Vec<Point> {
     marks
 }
 
-/// Draws entries below each other.
+/// Draws entries in a column.
 pub fn draw_column(svg: &mut Svg, corner: Point, entries: &[Entry]) {
-    // Nothing but an upright reference line may lie below.
+    // The box may only cover vertical reference lines.
     svg.rectangle(corner, size(entries), Some(("#ffffff", 1.0)), None);
     for (k, entry) in entries.iter().enumerate() {
         draw_entry(svg, [corner[0] + PAD, corner[1] + PAD + ROW * k as f64], entry);
     }
 }
 
-/// The lines into which entries are broken at a width, as ranges.
+/// The lines into which entries are broken at the given width, as ranges.
 pub fn lines(entries: &[Entry], width: f64) -> Vec<std::ops::Range<usize>> {
     let mut lines = Vec::new();
     let (mut start, mut x) = (0, 0.0);
@@ -125,7 +125,7 @@ pub fn lines(entries: &[Entry], width: f64) -> Vec<std::ops::Range<usize>> {
     lines
 }
 
-/// Draws entries beside each other, centred, in as many lines as they need.
+/// Draws entries side by side, centred, in as many lines as needed.
 pub fn draw_rows(svg: &mut Svg, left: f64, top: f64, width: f64, entries: &[Entry]) {
     for (row, range) in lines(entries, width).into_iter().enumerate() {
         let total: f64 =

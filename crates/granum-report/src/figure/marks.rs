@@ -1,4 +1,4 @@
-//! Marks of points.
+//! Marks for data points.
 
 use super::svg::{Point, number};
 use std::fmt::Write;
@@ -10,30 +10,30 @@ pub enum Shape {
     Circle,
     /// A square.
     Square,
-    /// A triangle, point up.
+    /// A triangle that points up.
     Triangle,
     /// A square on its corner.
     Diamond,
-    /// A triangle, point down.
+    /// A triangle that points down.
     Down,
-    /// A plus.
+    /// A plus sign.
     Plus,
-    /// A cross.
+    /// A diagonal cross.
     Cross,
-    /// An upright bar.
+    /// A vertical bar.
     Bar,
 }
 
-/// Shapes in the order in which a figure uses them.
+/// The shapes in the order in which figures use them.
 pub const SHAPES: [Shape; 5] = [Shape::Circle, Shape::Square, Shape::Triangle, Shape::Diamond, Shape::Down];
 
 impl Shape {
-    /// True for shapes without an inside.
+    /// True for shapes without an interior.
     pub fn is_open(self) -> bool {
         matches!(self, Shape::Plus | Shape::Cross | Shape::Bar)
     }
 
-    /// Path data of a mark about `radius` large; all shapes cover about the same area.
+    /// Path data of a mark with a size of about `radius`; all shapes cover about the same area.
     pub fn path(self, centre: Point, radius: f64) -> String {
         let polygon = |scale: f64, corners: &[[f64; 2]]| {
             let mut data = String::new();

@@ -1,7 +1,7 @@
-//! Figures as SVG: drawn for print and screen, with no font files, no scripts and nothing that lies elsewhere.
+//! Figures as SVG for print and screen, without font files, scripts or other external files.
 //!
-//! A [`Figure`] is a grid of [`Panel`]s: plots, roses and pictures of force chains. Text is set in fonts that every
-//! system has and measured by the widths of Helvetica. The same data always give the same bytes.
+//! A [`Figure`] is a grid of [`Panel`]s: plots, roses and pictures of force chains. Text uses fonts that exist on every
+//! system, and is measured by the widths of Helvetica. The same data always give identical bytes.
 
 pub mod axis;
 pub mod chains;
@@ -42,48 +42,48 @@ pub const HALF_WIDTH: f64 = 400.0;
 /// Space between panels, px.
 const GUTTER: f64 = 14.0;
 
-/// A figure: a grid of panels with one legend, or one legend in each.
+/// A figure: a grid of panels with a common legend or a legend in each panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// What it shows, for those who cannot see it.
+    /// Description of the contents for readers who cannot see the figure.
     pub description: String,
     /// Width, px.
     pub width: f64,
     /// Height of a row of panels, px.
     pub row_height: f64,
-    /// Panels in a row.
+    /// Number of panels in a row.
     pub columns: usize,
     /// The panels, row by row.
     pub panels: Vec<Panel>,
-    /// Where the legend stands.
+    /// Position of the legend.
     pub legend: Legend,
 }
 
-/// Where the legend stands.
+/// Position of the legend.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Legend {
-    /// In each panel that has new entries, where it hides nothing; if that is impossible, above all.
+    /// In each panel with new entries, at a position where it hides nothing; if there is none, above all panels.
     #[default]
     Inside,
     /// Above all panels.
     Above,
-    /// Nowhere.
+    /// There is no legend.
     Hidden,
 }
 
 /// A panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
-    /// Marked-up title above it; empty: none.
+    /// Marked-up title above the panel; empty for no title.
     pub title: String,
-    /// What is in it.
+    /// Content of the panel.
     pub content: Content,
 }
 
-/// Entries of a legend and where it stands.
+/// Entries of a legend, and its position.
 type InsideLegend = (Vec<legend::Entry>, Option<[f64; 2]>);
 
-/// What is in a panel.
+/// The content of a panel.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Content {
     /// A plot.
@@ -110,7 +110,7 @@ impl Panel {
         Panel { title: String::new(), content: Content::Chains(chains) }
     }
 
-    /// With a title.
+    /// Sets the title.
     pub fn titled(mut self, title: &str) -> Self {
         self.title = title.to_owned();
         self
@@ -145,19 +145,19 @@ impl Figure {
         }
     }
 
-    /// With another width and height of a row, px.
+    /// Sets the width and the height of a row, px.
     pub fn sized(mut self, width: f64, row_height: f64) -> Self {
         (self.width, self.row_height) = (width, row_height);
         self
     }
 
-    /// With the legend elsewhere.
+    /// Sets the position of the legend.
     pub fn legend(mut self, legend: Legend) -> Self {
         self.legend = legend;
         self
     }
 
-    /// The SVG as a file of its own, on white.
+    /// The SVG as a separate file with a white background.
     pub fn to_svg(&self) -> String {
         format!("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n{}", self.render(true))
     }
@@ -223,8 +223,8 @@ impl Figure {
         self.rows() as f64 * (self.row_height + GUTTER) - GUTTER
     }
 
-    /// The frames of the panels. Panels in a column share their left edge, those in a row their lower edge, and all
-    /// are equally wide.
+    /// The frames of the panels. Panels in a column share their left edge, those in a row their lower edge, and all have the
+    /// same width.
     fn frames(&self) -> Vec<Rect> {
         let insets: Vec<Insets> = self.panels.iter().map(|panel| panel.insets(self.row_height)).collect();
         let largest = |start: usize, step: usize, count: usize, part: fn(&Insets) -> f64| {
@@ -259,7 +259,8 @@ impl Figure {
         (self.panels.len() > 1).then(|| format!("({letter})"))
     }
 
-    /// The legend of each panel and its place, axes made longer where that makes room; `None` if one finds no place.
+    /// The legend of each panel with its position; axes are extended if that makes room. `None` if there is no room for
+    /// one of the legends.
     fn inside_legends(&mut self) -> Option<Vec<InsideLegend>> {
         let mut seen: Vec<legend::Entry> = Vec::new();
         let mut places = Vec::new();
@@ -273,7 +274,7 @@ impl Figure {
         Some(places)
     }
 
-    /// A place in panel k where the entries hide nothing, with as little headroom as is needed.
+    /// A position in panel k where the entries hide nothing, with as little additional headroom as possible.
     fn place_inside(&mut self, k: usize, entries: &[legend::Entry]) -> Option<[f64; 2]> {
         for headroom in [0.0, 0.15, 0.3, 0.45, 0.6] {
             let Content::Plot(plot) = &mut self.panels[k].content else { return None };
@@ -294,7 +295,7 @@ impl Figure {
             Content::Rose(rose) => rose.draw(svg, frame),
             Content::Chains(chains) => chains.draw(svg, frame),
         }
-        // Above the frame, where they hide nothing.
+        // The entries are drawn above the frame, where they hide nothing.
         let base = frame.top - 9.0;
         let mut x = frame.left;
         if let Some(tag) = self.tag(k) {

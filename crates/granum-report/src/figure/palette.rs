@@ -1,10 +1,10 @@
-//! Colours and sizes that every figure shares.
+//! Colours and sizes that all figures share.
 
-/// Ink of frames, ticks and text.
+/// Colour of frames, ticks and text.
 pub const INK: &str = "#1a1a1a";
-/// Secondary ink: notes, reference lines.
+/// Secondary colour, for notes and reference lines.
 pub const GREY: &str = "#6b6b6b";
-/// Light grey of what stays in the background.
+/// Light grey for the background.
 pub const PALE: &str = "#d9d9d9";
 
 /// Size of axis labels, px.
@@ -14,17 +14,17 @@ pub const TICK_SIZE: f64 = 11.0;
 /// Size of the letter of a panel, px.
 pub const TAG_SIZE: f64 = 13.5;
 
-/// Colours that people with any common colour-vision deficiency can tell apart, also in grey print by their order of
-/// lightness (Okabe and Ito 2008, the yellow left out).
+/// Colours that can be distinguished with all common colour-vision deficiencies, and by their lightness in greyscale print
+/// (Okabe and Ito 2008, without yellow).
 pub const COLORS: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#aa4499", "#e69f00", "#56b4e9"];
 
-/// Colour k of [`COLORS`], beginning again after the last.
+/// Colour k of [`COLORS`], which repeat after the last one.
 pub fn color(k: usize) -> &'static str {
     COLORS[k % COLORS.len()]
 }
 
-/// Stops of a sequential scale, light to dark with even steps of lightness: from pale sand over orange and magenta to
-/// near black, readable in grey print and with any colour-vision deficiency.
+/// Stops of a sequential colour scale from light to dark with equal steps of lightness: from pale sand over orange and
+/// magenta to nearly black, readable in greyscale print and with any colour-vision deficiency.
 const SEQUENTIAL: [[f64; 3]; 6] = [
     [246.0, 215.0, 160.0],
     [245.0, 166.0, 98.0],

@@ -16,26 +16,26 @@ pub struct Plot {
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
-    /// What is drawn, from back to front.
+    /// The layers from back to front.
     pub layers: Vec<Layer>,
-    /// Words in the frame.
+    /// Text in the frame.
     pub notes: Vec<Note>,
-    /// Share of the vertical axis that is added above the data, as room for a legend.
+    /// Share of the vertical axis that is added above the data as room for a legend.
     pub headroom: f64,
 }
 
-/// Words in the frame.
+/// Text in the frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Note {
     /// Marked-up text.
     pub text: String,
-    /// Where, in data.
+    /// Position in data coordinates.
     pub at: Point,
-    /// Which end of the text is there.
+    /// The part of the text at this position.
     pub anchor: Anchor,
     /// Colour.
     pub color: String,
-    /// Moved by so much, px.
+    /// Offset on the page, px.
     pub shift: Point,
 }
 
@@ -45,19 +45,19 @@ impl Note {
         Note { text: text.to_owned(), at, anchor: Anchor::Start, color: GREY.to_owned(), shift: [0.0, 0.0] }
     }
 
-    /// In a colour.
+    /// Sets the colour.
     pub fn color(mut self, color: &str) -> Self {
         self.color = color.to_owned();
         self
     }
 
-    /// Anchored elsewhere.
+    /// Sets the anchor.
     pub fn anchored(mut self, anchor: Anchor) -> Self {
         self.anchor = anchor;
         self
     }
 
-    /// Moved on the page.
+    /// Sets the offset on the page.
     pub fn shifted(mut self, shift: Point) -> Self {
         self.shift = shift;
         self
@@ -83,19 +83,19 @@ impl Plot {
         Plot { x, y, ..Plot::default() }
     }
 
-    /// With one more layer on top.
+    /// Adds a layer on top.
     pub fn with(mut self, layer: Layer) -> Self {
         self.layers.push(layer);
         self
     }
 
-    /// With several more layers on top.
+    /// Adds several layers on top.
     pub fn with_all(mut self, layers: impl IntoIterator<Item = Layer>) -> Self {
         self.layers.extend(layers);
         self
     }
 
-    /// With a note.
+    /// Adds a note.
     pub fn note(mut self, note: Note) -> Self {
         self.notes.push(note);
         self
@@ -132,7 +132,7 @@ impl Plot {
         empty
     }
 
-    /// Space needed around the frame for ticks and labels, for a frame about `height` high.
+    /// Space needed around the frame for ticks and labels, for a frame with a height of about `height`.
     pub fn insets(&self, height: f64) -> Insets {
         let [x, y] = self.scales();
         let widest_of = |ticks: &[Tick]| {
@@ -140,7 +140,7 @@ impl Plot {
             labels.map(|label| Rich::new(label).width(TICK_SIZE)).fold(0.0, f64::max)
         };
         let widest = widest_of(&self.y.ticks(&y, self.vertical_target(height)));
-        // The label of the last tick stands half beyond the frame.
+        // Half of the label of the last tick extends beyond the frame.
         let right = if self.x.categories.is_empty() {
             0.5 * widest_of(&self.x.ticks(&x, tick_target(height, 58.0))) + 2.0
         } else {
@@ -160,13 +160,13 @@ impl Plot {
         if self.y.log { (height / 24.0).clamp(2.0, 12.0) } else { tick_target(height, 44.0) }
     }
 
-    /// Position of the data on the page when the frame is `frame`.
+    /// The scales for positions in the frame `frame`.
     fn laid(&self, frame: &Rect) -> [Scale; 2] {
         let [x, y] = self.scales();
         [x.laid(frame.left, frame.right), y.laid(frame.bottom, frame.top)]
     }
 
-    /// A place in the frame where the legend hides nothing but upright reference lines, if there is one.
+    /// A position in the frame where the legend hides nothing but vertical reference lines, if there is one.
     pub fn legend_place(&self, frame: &Rect, entries: &[legend::Entry]) -> Option<Point> {
         let [x, y] = self.laid(frame);
         let mut lines: Vec<Vec<Point>> = self.layers.iter().flat_map(|layer| layer.runs(&x, &y)).collect();
@@ -176,7 +176,7 @@ impl Plot {
                     lines.extend(y.at(*at).map(|at| vec![[frame.left, at], [frame.right, at]]));
                 }
                 Kind::Band { points, .. } => {
-                    // The inside of a band, too.
+                    // The interior of a band counts as well.
                     lines.extend(points.iter().filter_map(|p| {
                         let x = x.at(p[0])?;
                         Some(vec![[x, y.at(p[1].max(y.low))?], [x, y.at(p[2])?]])
@@ -286,15 +286,15 @@ impl Plot {
     }
 }
 
-/// Between the tick labels and the title of an upright axis, px: a subscript of the title reaches into it.
+/// Distance between the tick labels and the title of a vertical axis, px; a subscript of the title extends into it.
 const TITLE_GAP: f64 = 12.0;
 
-/// Text that stands upright.
+/// The style of horizontal text.
 pub fn plain(color: &str, anchor: Anchor, size: f64) -> TextStyle<'_> {
     TextStyle { size, color, anchor, bold: false, vertical: false }
 }
 
-/// How many labelled ticks suit an axis of a length, with `spacing` px for each.
+/// Suitable number of labelled ticks for an axis of a given length, with `spacing` px for each.
 fn tick_target(length: f64, spacing: f64) -> f64 {
     (length / spacing).clamp(2.0, 7.0)
 }

@@ -1,15 +1,15 @@
 //! Text with italics, subscripts and superscripts, for labels in figures and for pages.
 //!
-//! Markup: `*q*` is italic, `_{d}` a subscript, `^{-3}` a superscript, `\` takes the next character as it is. Italics
-//! may hold scripts. What does not parse is taken as it is written, so that no text is lost.
+//! Markup: `*q*` is italic, `_{d}` a subscript, `^{-3}` a superscript, and `\` escapes the next character. Italics may
+//! contain subscripts and superscripts. Invalid markup is treated as plain text, so that no text is lost.
 
 use super::svg::{Anchor, Point, Svg, escape, number};
 use std::fmt::Write;
 
-/// Fonts that are on every system, with a generic last resort; all have about the widths of Helvetica.
+/// Fonts that exist on every system, with a generic fallback; all have about the widths of Helvetica.
 pub const FONT: &str = "Helvetica, Arial, 'Liberation Sans', 'Nimbus Sans', sans-serif";
 
-/// Where a span stands.
+/// The vertical position of a span.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Script {
     Base,
@@ -67,7 +67,7 @@ impl Rich {
         rich
     }
 
-    /// The characters of a script; a pair of asterisks makes italics there too.
+    /// Adds the characters of a subscript or superscript, in which a pair of asterisks also marks italics.
     fn push_script(&mut self, chars: &[char], script: Script) {
         let mut italic = false;
         for &c in chars {
@@ -80,7 +80,7 @@ impl Rich {
     }
 
     fn push(&mut self, c: char, italic: bool, script: Script) {
-        // A hyphen before a digit is a minus sign.
+        // A hyphen before a digit is replaced by a minus sign.
         match self.spans.last_mut() {
             Some(last) if last.italic == italic && last.script == script => last.text.push(c),
             _ => self.spans.push(Span { text: c.to_string(), italic, script }),
@@ -92,7 +92,7 @@ impl Rich {
         self.spans.iter().map(|span| span.text.as_str()).collect()
     }
 
-    /// As HTML, escaped.
+    /// The text as escaped HTML.
     pub fn html(&self) -> String {
         let mut out = String::new();
         for span in &self.spans {
@@ -151,22 +151,22 @@ impl Rich {
     }
 }
 
-/// How a text is set.
+/// The style of a text.
 #[derive(Clone, Copy, Debug)]
 pub struct TextStyle<'a> {
     /// Size, px.
     pub size: f64,
     /// Colour.
     pub color: &'a str,
-    /// Where it stands relative to its point.
+    /// Position relative to its point.
     pub anchor: Anchor,
-    /// Bold.
+    /// True for bold text.
     pub bold: bool,
-    /// Turned by 90 degrees to the left.
+    /// True for text that is rotated by 90 degrees to the left.
     pub vertical: bool,
 }
 
-/// Sets marked-up text with its base line at a point.
+/// Draws marked-up text with its baseline at a point.
 pub fn text(svg: &mut Svg, at: Point, markup: &str, style: TextStyle) {
     let rich = Rich::new(markup);
     if rich.spans.is_empty() {
@@ -191,7 +191,7 @@ pub fn text(svg: &mut Svg, at: Point, markup: &str, style: TextStyle) {
     svg.raw(&format!("<text {attributes}>{}</text>\n", rich.tspans(style.size)));
 }
 
-/// Width of a character relative to the font size (Helvetica; unlisted characters as a digit).
+/// Width of a character relative to the font size (Helvetica; characters that are not listed have the width of a digit).
 fn character_width(c: char) -> f64 {
     match c {
         'i' | 'j' | 'l' | '\'' => 0.222,

@@ -1,4 +1,4 @@
-//! A rose: a polar histogram of directions that are lines, measured from the vertical.
+//! A rose: a polar histogram of directions without sign, measured from the vertical.
 
 use super::clip::Rect;
 use super::layer::{Kind, Layer};
@@ -9,14 +9,14 @@ use super::svg::{Anchor, Point, Stroke, Svg, number};
 use super::ticks;
 use std::fmt::Write;
 
-/// A rose of one quadrant's worth of bins, mirrored into the others.
+/// A rose with the bins of one quadrant, which are mirrored into the others.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rose {
     /// Series, from back to front; the first is filled, the others are outlines.
     pub series: Vec<Series>,
     /// A value at which a dashed circle is drawn.
     pub reference: Option<f64>,
-    /// Value at the rim; `None`: from the data.
+    /// Value at the rim; `None` if it follows from the data.
     pub rim: Option<f64>,
     /// Marked-up name of the vertical direction.
     pub up: String,
@@ -29,20 +29,20 @@ pub struct Rose {
 pub struct Series {
     /// Marked-up name in the legend.
     pub label: String,
-    /// One value a bin; bins are equal parts of 0 to 90 degrees from the vertical.
+    /// One value per bin; the bins divide the range of 0 to 90 degrees from the vertical into equal parts.
     pub values: Vec<f64>,
     /// Colour.
     pub color: String,
 }
 
 impl Rose {
-    /// The largest value, 0 without any.
+    /// The largest value; 0 if there are none.
     pub fn largest(&self) -> f64 {
         let values = self.series.iter().flat_map(|series| series.values.iter().copied());
         values.filter(|value| value.is_finite() && *value < 1e100).fold(0.0, f64::max)
     }
 
-    /// What stands for the series in a legend.
+    /// The layers that represent the series in a legend.
     pub fn legend_layers(&self) -> Vec<Layer> {
         let mut layers: Vec<Layer> = Vec::new();
         for (k, series) in self.series.iter().enumerate() {
@@ -59,7 +59,7 @@ impl Rose {
         layers
     }
 
-    /// Draws it in a frame.
+    /// Draws the rose in a frame.
     pub fn draw(&self, svg: &mut Svg, frame: &Rect) {
         let centre = [0.5 * (frame.left + frame.right), 0.5 * (frame.top + frame.bottom)];
         let radius = 0.5 * (frame.width().min(frame.height()) - 3.0 * TICK_SIZE).max(20.0);
@@ -132,13 +132,13 @@ fn reference_kind() -> Kind {
     Kind::Line { points: Vec::new(), stroke: Stroke::new(INK, 1.0).dashed(&[4.0, 3.0]) }
 }
 
-/// The point at an angle from the vertical, clockwise, degrees.
+/// The point at an angle in degrees, clockwise from the vertical.
 fn direction(centre: Point, radius: f64, degrees: f64) -> Point {
     let (sine, cosine) = degrees.to_radians().sin_cos();
     [centre[0] + radius * sine, centre[1] - radius * cosine]
 }
 
-/// Radius of each of the bins of the whole turn, clockwise from the vertical; not finite or negative: 0.
+/// Radii of the bins of the full circle, clockwise from the vertical; 0 for values that are negative or not finite.
 fn around(values: &[f64], scale: f64) -> Vec<f64> {
     let clean = |value: &f64| if value.is_finite() { scale * value.clamp(0.0, 1e100) } else { 0.0 };
     let quarter: Vec<f64> = values.iter().map(clean).collect();

@@ -1,27 +1,27 @@
-//! The lowest layer: elements of an SVG with numbers that are always finite and text that is always escaped.
+//! The lowest layer: elements of an SVG file, with numbers that are always finite and text that is always escaped.
 
 use std::fmt::Write;
 
 /// A point on the page, in px from the top left.
 pub type Point = [f64; 2];
 
-/// Half of the largest coordinate that is written; what lies farther off is far outside every page.
+/// Limit of the coordinates that are written; larger values are far outside every page.
 const LARGEST: f64 = 1e5;
 
-/// An SVG being written.
+/// An SVG file that is being written.
 #[derive(Clone, Debug, Default)]
 pub struct Svg {
     body: String,
 }
 
-/// How a line is drawn.
+/// The style of a line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stroke {
     /// Colour, as in CSS.
     pub color: String,
     /// Width, px.
     pub width: f64,
-    /// Lengths of dashes and gaps, px; empty: solid.
+    /// Lengths of dashes and gaps, px; empty for a solid line.
     pub dash: Vec<f64>,
 }
 
@@ -47,14 +47,14 @@ impl Stroke {
     }
 }
 
-/// Where a text stands relative to its point.
+/// Horizontal position of a text relative to its point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
-    /// It begins there.
+    /// The text begins at the point.
     Start,
-    /// Its middle is there.
+    /// The text is centred at the point.
     Middle,
-    /// It ends there.
+    /// The text ends at the point.
     End,
 }
 
@@ -70,17 +70,17 @@ impl Anchor {
 }
 
 impl Svg {
-    /// Nothing drawn yet.
+    /// An empty SVG file.
     pub fn new() -> Self {
         Svg::default()
     }
 
-    /// A straight line.
+    /// Draws a straight line.
     pub fn line(&mut self, a: Point, b: Point, stroke: &Stroke) {
         self.path(&[a, b], false, None, Some(stroke));
     }
 
-    /// A line through points, closed or not, filled or not.
+    /// Draws a line through points, optionally closed and filled.
     pub fn path(
         &mut self,
         points: &[Point],
@@ -98,7 +98,7 @@ impl Svg {
         self.path_of(&data, fill, stroke);
     }
 
-    /// A path from its data, as `M0 0L1 1`.
+    /// Draws a path from its data, e.g. `M0 0L1 1`.
     pub fn path_of(&mut self, data: &str, fill: Option<(&str, f64)>, stroke: Option<&Stroke>) {
         let _ = write!(self.body, "<path d=\"{}\" {}", data, fill_attributes(fill));
         if let Some(stroke) = stroke {
@@ -107,7 +107,7 @@ impl Svg {
         self.body.push_str("/>\n");
     }
 
-    /// A rectangle.
+    /// Draws a rectangle.
     pub fn rectangle(
         &mut self,
         corner: Point,
@@ -130,7 +130,7 @@ impl Svg {
         self.body.push_str("/>\n");
     }
 
-    /// A circle.
+    /// Draws a circle.
     pub fn circle(&mut self, centre: Point, radius: f64, fill: Option<(&str, f64)>, stroke: Option<&Stroke>) {
         let _ = write!(
             self.body,
@@ -146,7 +146,7 @@ impl Svg {
         self.body.push_str("/>\n");
     }
 
-    /// Opens a group with attributes that are written as they are; close it with [`Svg::end_group`].
+    /// Opens a group with attributes, which are not escaped; it must be closed with [`Svg::end_group`].
     pub fn begin_group(&mut self, attributes: &str) {
         let _ = writeln!(self.body, "<g {attributes}>");
     }
@@ -156,7 +156,7 @@ impl Svg {
         self.body.push_str("</g>\n");
     }
 
-    /// Opens a window: what is drawn outside of it is cut off. Coordinates stay those of the page.
+    /// Opens a window at which everything is cut off; coordinates remain those of the page.
     pub fn begin_window(&mut self, corner: Point, size: Point) {
         let [x, y, w, h] = [corner[0], corner[1], size[0].max(0.0), size[1].max(0.0)].map(number);
         let _ = writeln!(
@@ -170,12 +170,12 @@ impl Svg {
         self.body.push_str("</svg>\n");
     }
 
-    /// Appends markup that is already written and escaped.
+    /// Appends markup that is already complete and escaped.
     pub fn raw(&mut self, markup: &str) {
         self.body.push_str(markup);
     }
 
-    /// What has been drawn.
+    /// The elements that have been drawn.
     pub fn into_body(self) -> String {
         self.body
     }
@@ -211,8 +211,7 @@ pub fn number(value: f64) -> String {
     if text == "-0" { "0".to_owned() } else { text }
 }
 
-/// Text with the five characters that mean something in XML escaped, and control characters, which XML forbids,
-/// replaced.
+/// Escapes the five special characters of XML, and replaces control characters, which XML forbids.
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

@@ -1,11 +1,11 @@
-//! What must hold of every figure, whatever the data.
+//! Properties of all figures, for arbitrary data.
 
 use super::rose::Series;
 use super::*;
 use granum_core::assembly::{Assembly, Contact, Grain};
 use proptest::prelude::*;
 
-/// Every number that a figure could be given.
+/// Arbitrary numbers, including those that are not finite.
 fn any_value() -> impl Strategy<Value = f64> {
     prop_oneof![
         4 => -10.0..10.0f64,
@@ -59,7 +59,7 @@ fn assembly_of(data: &[[f64; 3]]) -> Assembly {
     Assembly { cell, grains, contacts: contacts.collect(), ..Default::default() }
 }
 
-/// Well-formed, no number that is none, nothing beyond the file.
+/// Checks that a figure is well-formed, contains no invalid numbers and refers to no other file.
 fn check(figure: &Figure) {
     let svg = figure.to_svg();
     let document = roxmltree::Document::parse(&svg).unwrap_or_else(|error| panic!("{error}\n{svg}"));

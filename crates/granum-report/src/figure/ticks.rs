@@ -1,11 +1,11 @@
-//! Ticks at round numbers and labels with no more digits than are needed.
+//! Ticks at round numbers, and labels with as few digits as possible.
 
 /// One tick.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tick {
-    /// Where, in data.
+    /// Position in data coordinates.
     pub value: f64,
-    /// Marked-up label; `None`: a minor tick.
+    /// Marked-up label; `None` for a minor tick.
     pub label: Option<String>,
 }
 
@@ -29,13 +29,13 @@ pub fn nice_step(span: f64, target: f64) -> f64 {
     nice * power
 }
 
-/// How many minor steps a major step is cut into.
+/// Number of minor steps in a major step.
 fn minor_steps(step: f64) -> i64 {
     let mantissa = step / 10f64.powi((step.log10() + 1e-9).floor() as i32);
     if (mantissa - 2.0).abs() < 0.1 { 4 } else { 5 }
 }
 
-/// Decimals that a label of a linear axis needs.
+/// Number of decimals that the labels of a linear axis need.
 fn decimals(step: f64) -> usize {
     (-(step.log10() + 1e-9).floor()).clamp(0.0, 12.0) as usize
 }
@@ -61,8 +61,8 @@ pub fn linear(low: f64, high: f64, target: f64) -> Vec<Tick> {
         .collect()
 }
 
-/// Major ticks at powers of ten and minor ticks between them, from `low` to `high` (both positive). Over about two
-/// decades 2 and 5 are labelled too; over many decades only some are.
+/// Major ticks at powers of ten and minor ticks between them, from `low` to `high` (both positive). On axes of up to about
+/// two decades, 2 and 5 are labelled as well; on axes of many decades only some powers are labelled.
 pub fn logarithmic(low: f64, high: f64, target: f64) -> Vec<Tick> {
     if !(low > 0.0 && high > low && high.is_finite()) {
         return Vec::new();
@@ -110,7 +110,7 @@ fn small_power(digit: i32, exponent: i32) -> String {
     }
 }
 
-/// A number with a fixed number of decimals and a real minus sign; never `−0`.
+/// A number with a fixed number of decimals and a typographic minus sign; never `−0`.
 pub fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {

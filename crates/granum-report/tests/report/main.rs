@@ -1,6 +1,6 @@
-//! Reports from made-up data: everything is there, nothing points elsewhere, the same data give the same bytes.
+//! Reports from synthetic data: they are complete and self-contained, and the same data give identical bytes.
 //!
-//! The pages are left in the target directory, so that one can look at them.
+//! The pages are written to the target directory, where they can be inspected.
 
 mod study;
 mod synthetic;
@@ -14,7 +14,7 @@ fn keep(document: &Document, name: &str) {
     assert_eq!(std::fs::read_to_string(folder.join("report.html")).ok().as_ref(), Some(&document.html));
 }
 
-/// What every report must be.
+/// Checks the properties that every report must have.
 fn check(document: &Document) {
     for bad in ["http:", "https:", "<script", "src=", "url(", "@import", "NaN", "<link"] {
         assert!(!document.html.contains(bad), "the page contains {bad}");
@@ -27,7 +27,7 @@ fn check(document: &Document) {
     }
 }
 
-/// Every element that is opened is closed in order; HTML's void elements apart.
+/// Asserts that all elements are closed in order, except the void elements of HTML.
 fn assert_tags_close(html: &str) {
     let mut open: Vec<&str> = Vec::new();
     let mut rest = html;
@@ -116,7 +116,7 @@ fn a_study_has_the_papers_figures_and_tables_and_says_what_was_learned() {
     for k in 1..=6 {
         assert!(document.html.contains(&format!("<b>Table {k}.</b>")), "Table {k}");
     }
-    // The paper's own columns.
+    // The columns of the paper are present.
     assert!(document.html.contains("<td>60</td><td>60</td>") && document.html.contains("120\u{202f}000"));
     assert!(document.html.contains("Compression is positive"));
     let sentence = study.summary.reading[0].split(':').next_back().map(str::trim).unwrap_or("");

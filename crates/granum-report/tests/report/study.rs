@@ -1,4 +1,5 @@
-//! A small study trained on made-up records, through the real path: data set, networks, scores, curves, report.
+//! A small study that is trained on synthetic records with the complete procedure: data set, networks, scores, curves,
+//! report.
 
 use std::sync::OnceLock;
 
@@ -14,7 +15,7 @@ use granum_report::{Role, RunReport, StudyReport};
 
 use crate::synthetic;
 
-/// The paper's mappings with small networks, which train in a moment.
+/// The mappings of the paper with small networks, whose training takes little time.
 fn small_mappings() -> Vec<Mapping> {
     paper_mappings().into_iter().map(|mapping| mapping.with_neurons(4)).collect()
 }
@@ -30,7 +31,7 @@ fn train() -> StudyReport {
         seed: k as u64 + 1,
         record: &runs[k].record,
     };
-    // The records live as long as the test program.
+    // The records are leaked, since they must live as long as the test program.
     let kept: &'static [RunReport] = Box::leak(runs.clone().into_boxed_slice());
     let training = [named("training-1", 0, kept)];
     let unseen = [named("unseen-2", 1, kept), named("unseen-3", 2, kept)];
@@ -46,7 +47,7 @@ fn train() -> StudyReport {
     let size_study = SizeStudy::run(&dataset, &size_options, &Silent).expect("small networks train");
     let measured = granum_learn::antony2006::speed::measure(&study, &dataset.unseen_runs[0], 180.0, 1)
         .expect("states are finite");
-    // Times differ from test to test; the page must not.
+    // Measured times vary between tests, but the page must not.
     let speed = SpeedSummary { network_seconds: 0.02, factor: 9000.0, training_seconds: 4.0, ..measured };
     let summary = Summary {
         dem: DemSummary {

@@ -1,4 +1,4 @@
-//! Made-up data with the shapes of real ones, to look at reports and to test them. Nothing of it is a result.
+//! Synthetic data that resemble real ones, for tests and previews of reports. They are not results.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use granum_report::{Role, RunReport};
 use granum_sensors::Record;
 use granum_sensors::{Histogram, force_distribution};
 
-/// A generator of numbers in -1..1.
+/// A generator of pseudo-random numbers in -1..1.
 pub struct Noise(u64);
 
 impl Noise {
@@ -25,13 +25,13 @@ impl Noise {
     }
 }
 
-/// Rises, peaks and softens.
+/// A curve that rises to a peak and then softens.
 fn peaked(strain: f64, peak: f64, late: f64, rate: f64) -> f64 {
     let rise = 1.0 - (-strain * rate).exp();
     rise * (late + (peak - late) * (-((strain - 0.04) / 0.08).max(0.0).powi(2)).exp())
 }
 
-/// A record of a test of a dense sample.
+/// A record that resembles the test of a dense sample.
 pub fn record(seed: u64, states: usize) -> Record {
     let mut noise = Noise::new(seed);
     let offset = noise.next();
@@ -59,7 +59,7 @@ pub fn record(seed: u64, states: usize) -> Record {
     Record::with_forces(Table::new(columns).expect("columns that fit"), forces)
 }
 
-/// The value of a sensor at a strain, `noise` about in -0.5..0.5.
+/// The value of a sensor at a strain, with a `noise` of about -0.5..0.5.
 fn value(name: &str, e: f64, noise: f64) -> f64 {
     let stress = peaked(e, 0.92, 0.74, 160.0) + 0.03 * noise * (e * 50.0).min(1.0);
     let fabric = 0.105 * (1.0 - (-e * 28.0).exp()) - 0.05 * (e - 0.1).max(0.0) + 0.004 * noise;
@@ -119,7 +119,7 @@ fn value(name: &str, e: f64, noise: f64) -> f64 {
     }
 }
 
-/// Forces with a small tensile part, a shoulder below the mean and an exponential tail.
+/// A histogram of forces with a small tensile part, a shoulder below the mean and an exponential tail.
 fn histogram(strain: f64, noise: &mut Noise) -> Histogram {
     let mut histogram = force_distribution::bins(0.25, 6.0).empty();
     let decay = 1.42 - 0.12 * (1.0 - (-strain * 60.0).exp());
@@ -137,7 +137,7 @@ fn histogram(strain: f64, noise: &mut Noise) -> Histogram {
     histogram
 }
 
-/// The shipped packing of 5000 grains, its contacts given Hertzian forces and, with `bias`, stronger ones along axis 1.
+/// The packing of 5000 grains in `data` with Hertzian contact forces, which are larger along axis 1 if `bias` is positive.
 pub fn assembly(bias: f64) -> Assembly {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/packing-5000.csv");
     let packing = granum_io::read_packing(path).expect("the shipped packing can be read");
@@ -179,7 +179,7 @@ pub fn assembly(bias: f64) -> Assembly {
     Assembly { cell: packing.cell, grains, contacts, ..Default::default() }
 }
 
-/// A run with all that a report can show.
+/// A run with all data that a report can show.
 pub fn run(role: Role, seed: u64) -> RunReport {
     let mut run = RunReport {
         name: format!("{}-{seed}", role.word()),

@@ -1,27 +1,27 @@
-//! Convergence of the curves: in the time step, in the inertial number and in the number of grains.
+//! Convergence of the curves with the time step, the inertial number and the number of grains.
 
 use std::error::Error;
 
 use super::runs::{CURVES, Laws, Test, deviation, distance, mean, of_seeds, sample, sheared, within};
 
-/// Where the curves are compared: beyond the elastic rise.
+/// Range of strain in which the curves are compared: beyond the initial elastic response.
 const RANGE: std::ops::Range<f64> = 0.015..1.0;
 /// Friction of the compaction.
 const FRICTION: f64 = 0.1;
 
-/// The time step factor 0.2 against 0.1 and 0.05, one sample of 1000 grains.
+/// Compares the time step factors 0.2, 0.1 and 0.05 on samples of 1000 grains.
 pub fn time_step(laws: Laws) -> Result<(), Box<dyn Error>> {
     let tests = [0.2, 0.1, 0.05].map(|time_step_factor| Test { time_step_factor, ..Test::default() });
     compare(laws, &tests, |t| format!("time step factor {}", t.time_step_factor))
 }
 
-/// I, I/2 and I/4, one sample of 1000 grains.
+/// Compares inertial numbers from 2e-3 to 2.5e-4, each half the one before, on samples of 1000 grains.
 pub fn rate(laws: Laws) -> Result<(), Box<dyn Error>> {
     let tests = [2e-3, 1e-3, 5e-4, 2.5e-4].map(|inertial_number| Test { inertial_number, ..Test::default() });
     compare(laws, &tests, |t| format!("inertial number {}", t.inertial_number))
 }
 
-/// Means over the strain, of two samples of 1000 grains each.
+/// Prints means over the strain, averaged over two samples of 1000 grains each.
 fn compare(laws: Laws, tests: &[Test], name: impl Fn(&Test) -> String) -> Result<(), Box<dyn Error>> {
     let samples = [sample(laws, 1000, FRICTION, 1)?, sample(laws, 1000, FRICTION, 2)?];
     println!("means over the strain, two samples: {CURVES:?}; rms distance of q/p from the first row");
@@ -44,16 +44,16 @@ fn compare(laws: Laws, tests: &[Test], name: impl Fn(&Test) -> String) -> Result
     Ok(())
 }
 
-/// Numbers of grains for the scatter.
+/// Numbers of grains for which the scatter is determined.
 const SIZES: [usize; 5] = [1000, 2000, 5000, 10_000, 20_000];
 
-/// Scatter between seeds against the number of grains, and the exponent with which it falls.
+/// Prints the scatter between seeds as a function of the number of grains, and the exponent of its decrease.
 pub fn size(laws: Laws) -> Result<(), Box<dyn Error>> {
     const SEEDS: usize = 6;
     println!(
         "grains: for each of {CURVES:?} the mean, and the deviation between {SEEDS} seeds (rms over the states)"
     );
-    // Of each curve and size: the curves of all seeds.
+    // Indices: quantity, size, seed, state.
     let mut all: Vec<Vec<Vec<Vec<f64>>>> = vec![Vec::new(); CURVES.len()];
     for count in SIZES {
         let test = Test { inertial_number: 2e-3, states: 10, ..Test::default() };
@@ -77,7 +77,8 @@ pub fn size(laws: Laws) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Deviation between the curves of the seeds, rms over the states, with all seeds or all but one.
+/// Standard deviation between the curves of the seeds, as a root mean square over the states, for all seeds or for all but
+/// one.
 fn scatter(curves: &[Vec<f64>], without: Option<usize>) -> f64 {
     let seeds: Vec<&Vec<f64>> =
         curves.iter().enumerate().filter(|(k, _)| Some(*k) != without).map(|(_, c)| c).collect();
@@ -85,7 +86,8 @@ fn scatter(curves: &[Vec<f64>], without: Option<usize>) -> f64 {
     mean(&(0..curves[0].len()).map(square).collect::<Vec<f64>>()).sqrt()
 }
 
-/// Standard error of what depends on `count` samples, from its values without each of them (Efron and Stein 1981).
+/// Jackknife estimate of the standard error of a function of `count` samples, from its values without each of them (Efron
+/// and Stein 1981).
 fn jackknife(count: usize, without: impl Fn(usize) -> f64) -> f64 {
     let values: Vec<f64> = (0..count).map(without).collect();
     let middle = mean(&values);
@@ -93,7 +95,7 @@ fn jackknife(count: usize, without: impl Fn(usize) -> f64) -> f64 {
     (squares * (count - 1) as f64 / count as f64).sqrt()
 }
 
-/// Slope of the logarithm of the scatter against that of the number of grains.
+/// Slope of the logarithm of the scatter over the logarithm of the number of grains.
 fn exponent(scatter: &[f64]) -> f64 {
     let x: Vec<f64> = SIZES.iter().map(|&n| (n as f64).ln()).collect();
     let y: Vec<f64> = scatter.iter().map(|s| s.ln()).collect();

@@ -1,10 +1,10 @@
-//! Dense and loose samples of one material come to the same state.
+//! The critical state: dense and loose samples of one material reach the same state.
 
 use std::error::Error;
 
 use super::runs::{CURVES, Laws, Test, mean, sample, sheared, within};
 
-/// Compares samples compacted with no friction and with the friction of the material, two seeds each.
+/// Compares samples that were compacted without friction and with the friction of the material, two seeds each.
 pub fn study() -> Result<(), Box<dyn Error>> {
     const END: f64 = 0.5;
     let test = Test { inertial_number: 1e-3, deviator_strain: END, states: 50, ..Test::default() };

@@ -1,4 +1,4 @@
-//! Curves of a whole test against LAMMPS: the same packing, laws and path (see `data/validation/README.md`).
+//! Comparison of a whole test with LAMMPS: the same packing, laws and path (see `data/validation/README.md`).
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -7,17 +7,18 @@ use granum_io::{Column, Table, read_table, write_table};
 
 use super::runs::{CURVES, Test, distance, mean, packed, sheared, within};
 
-/// Strain from which curves are compared: the elastic rise is over.
+/// Strain from which curves are compared, after the initial elastic response.
 const FROM: f64 = 0.0075;
-/// Time steps of granum's copies: rounding differs, and grains are chaotic.
+/// Time step factors of repeated runs of granum: their rounding differs, and since the dynamics is chaotic, the runs give a
+/// measure of the scatter.
 const FACTORS: [f64; 3] = [0.2, 0.19, 0.21];
 
 fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name)
 }
 
-/// Prints the means of granum's and LAMMPS's curves over the test, and how far they are apart, beside how far copies of
-/// each are from each other. Leaves granum's mean curves beside LAMMPS's.
+/// Prints the means over the test of the curves of granum and LAMMPS, the distance between the two, and for comparison the
+/// distance between repeated runs of each. Writes the mean curves of granum next to those of LAMMPS.
 pub fn study() -> Result<(), Box<dyn Error>> {
     let lammps = [read("validation/lammps.csv")?, read("validation/lammps-again.csv")?];
     let sample = packed(&data("packing-5000.csv"))?;

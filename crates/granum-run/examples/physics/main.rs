@@ -1,11 +1,11 @@
-//! Studies behind `VALIDATION.md` that are too long for a test:
+//! Studies for `VALIDATION.md` that take too long for a test:
 //!
 //! ```sh
 //! cargo run --release -p granum-learn --example physics -- STUDY [paper]
 //! ```
 //!
 //! `lammps`, `time-step`, `rate`, `size`, `critical-state`: each prints its table and takes some minutes. With `paper`
-//! the convergence studies take the laws of the paper, else Hertz without slip.
+//! the convergence studies use the contact laws of the paper, otherwise Hertz without micro-slip.
 
 mod convergence;
 mod critical_state;
@@ -14,7 +14,7 @@ mod runs;
 
 use std::error::Error;
 
-/// Prints its table.
+/// A study, which prints its table.
 type Study = fn(runs::Laws) -> Result<(), Box<dyn Error>>;
 
 /// The studies by their names.

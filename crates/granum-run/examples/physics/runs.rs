@@ -1,4 +1,4 @@
-//! Samples and tests of the studies: friction 0.3, 20 kPa; Hertz, no-slip, or the laws of the paper.
+//! Samples and tests of the studies: friction 0.3, 20 kPa; Hertz without micro-slip, or the laws of the paper.
 
 use std::error::Error;
 
@@ -16,7 +16,7 @@ use granum_sensors::{Recorder, Sensors};
 /// Mean stress, Pa.
 pub const MEAN_STRESS: f64 = 20e3;
 
-/// What is compared.
+/// The columns that are compared.
 pub const CURVES: [&str; 5] = [
     "stress_ratio",
     "solid_fraction",
@@ -28,9 +28,9 @@ pub const CURVES: [&str; 5] = [
 /// Contact laws and grains of a study.
 #[derive(Clone, Copy)]
 pub enum Laws {
-    /// Hertz, no slip, no adhesion.
+    /// Hertz without micro-slip and adhesion.
     Plain,
-    /// JKR, Mindlin-Deresiewicz, the interface energy of the paper.
+    /// JKR and Mindlin-Deresiewicz with the interface energy of the paper.
     Paper,
 }
 
@@ -51,7 +51,7 @@ impl Laws {
     }
 }
 
-/// A sample from a loose random state, compacted with a friction of its own.
+/// A sample from a loose random state, compacted with a given friction coefficient.
 pub fn sample(laws: Laws, count: usize, friction: f64, seed: u64) -> Result<Simulation, Box<dyn Error>> {
     let (contact, grains) = (laws.contact(), laws.grains(count));
     let preparation = Preparation {
@@ -79,7 +79,7 @@ fn recipe<'a>(grains: &'a Grains, contact: &'a Contact, preparation: &'a Prepara
     Recipe { grains, contact, preparation, time_step_factor: 0.2, hardware: Hardware::default() }
 }
 
-/// How a test is done.
+/// Settings of a test.
 #[derive(Clone, Copy)]
 pub struct Test {
     pub inertial_number: f64,
@@ -94,10 +94,10 @@ impl Default for Test {
     }
 }
 
-/// Looks averaged for a state.
+/// Number of samples that are averaged for a state.
 const LOOKS: usize = 7;
 
-/// What the sensors saw of a test at constant mean stress.
+/// The measurements of a test at constant mean stress.
 pub fn sheared(sample: &Simulation, test: Test) -> Result<Table, Box<dyn Error>> {
     let mut simulation = sample.clone();
     simulation.set_time_step_factor(test.time_step_factor);
@@ -114,7 +114,7 @@ pub fn sheared(sample: &Simulation, test: Test) -> Result<Table, Box<dyn Error>>
     Ok(watch.0.record().series)
 }
 
-/// What a run gives for the seeds 1, 2, ..., one run a core; in the order of the seeds.
+/// The tables of runs with the seeds 1, 2, ..., in the order of the seeds; one run on each core.
 pub fn of_seeds(
     seeds: usize,
     run: impl Fn(u64) -> Result<Table, Box<dyn Error>> + Sync,
@@ -145,13 +145,13 @@ pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Root mean square of the differences.
+/// Root mean square of the differences between two curves.
 pub fn distance(a: &[f64], b: &[f64]) -> f64 {
     let square: f64 = a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum();
     (square / a.len().min(b.len()) as f64).sqrt()
 }
 
-/// Standard deviation, of a population seen through a few.
+/// Sample standard deviation, with `n - 1` in the denominator.
 pub fn deviation(values: &[f64]) -> f64 {
     let m = mean(values);
     (values.iter().map(|v| (v - m).powi(2)).sum::<f64>() / (values.len() as f64 - 1.0)).sqrt()

@@ -1,20 +1,20 @@
-//! Random cases, the same ones from the same seed.
+//! Random cases, reproducible from a seed.
 
 use granum_dem::config::{NormalKind, Rate, Recording, TangentialKind};
 use granum_io::Case;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// What is done to a case beside running it.
+/// The second run of a case, whose results must be identical to those of the first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Way {
-    /// Nothing.
+    /// There is no second run.
     Plain,
-    /// A second run is interrupted and resumed, and must come to the same bits.
+    /// The second run is interrupted and resumed.
     Interrupted,
-    /// A second run goes on two threads.
+    /// The second run uses two threads.
     TwoThreads,
-    /// A second run goes on the portable instruction set.
+    /// The second run uses the portable instruction set.
     Portable,
 }
 
@@ -31,7 +31,7 @@ impl Way {
     }
 }
 
-/// Draws from a seed.
+/// A sequence of random numbers from a seed.
 pub struct Draws(ChaCha8Rng);
 
 impl Draws {
@@ -39,7 +39,7 @@ impl Draws {
         Draws(ChaCha8Rng::seed_from_u64(seed))
     }
 
-    /// From 0 to 1.
+    /// A number between 0 and 1.
     pub fn fraction(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
     }
@@ -48,7 +48,7 @@ impl Draws {
         low + (high - low) * self.fraction()
     }
 
-    /// Every decade alike.
+    /// A number between the bounds, with a uniform distribution of its logarithm.
     fn decades(&mut self, low: f64, high: f64) -> f64 {
         low * (high / low).powf(self.fraction())
     }
@@ -66,8 +66,8 @@ impl Draws {
         }
     }
 
-    /// Materials from rubber to steel, grains from a micrometre to a centimetre, every pair of laws, stresses that press grains
-    /// by a millionth to a thousandth of their modulus.
+    /// A random case: materials from rubber to steel, grains from a micrometre to a centimetre, every pair of contact
+    /// laws, and mean stresses from a millionth to a thousandth of the modulus of the grains.
     pub fn case(&mut self) -> Case {
         const LAWS: [(NormalKind, TangentialKind); 5] = [
             (NormalKind::HERTZ, TangentialKind::MINDLIN_DERESIEWICZ),
@@ -88,7 +88,7 @@ impl Draws {
         material.friction = if self.chance(0.1) { 0.0 } else { self.even(0.0, 1.2) };
         let preparation = &mut case.preparation;
         preparation.mean_stress = material.youngs_modulus * self.decades(1e-7, 3e-4);
-        // Adhesion up to a third of what the stress presses two grains together with.
+        // The adhesion is at most about a third of the force with which the mean stress presses two grains together.
         let adhesion = if self.chance(0.2) { 0.0 } else { self.decades(1e-4, 0.3) };
         material.interface_energy = (adhesion * preparation.mean_stress * grains.diameter).min(100.0);
         preparation.interface_energy = if self.chance(0.3) { material.interface_energy } else { 0.0 };

@@ -1,5 +1,6 @@
-//! Random cases within the bounds of a case, one after the other, for as long as asked: no panic, no NaN, no bit that depends
-//! on threads, instruction set or an interruption, energy that closes, memory that does not grow.
+//! Soak test: runs random valid cases one after another for a given time. It checks that there are no panics and no NaN,
+//! that results do not depend on threads, instruction set or interruptions, that the energy balance closes, and that
+//! memory does not grow.
 //!
 //! ```text
 //! cargo run --release -p granum-learn --example soak -- --seconds 3600 --seed 1
@@ -18,7 +19,7 @@ use granum_io::Case;
 use draw::{Draws, Way};
 use trial::{Outcome, trial};
 
-/// What the command line asks for.
+/// Options of the command line.
 struct Wanted {
     seconds: u64,
     seed: u64,
@@ -47,7 +48,7 @@ fn wanted() -> Result<Wanted, String> {
     Ok(wanted)
 }
 
-/// What came of all cases.
+/// Results of all cases.
 #[derive(Default)]
 struct Totals {
     cases: u64,
@@ -55,14 +56,14 @@ struct Totals {
     grain_steps: f64,
     ways: BTreeMap<&'static str, u64>,
     laws: BTreeMap<String, u64>,
-    /// Cases too long to wait for.
+    /// Number of cases that were given up because they took too long.
     given_up: u64,
-    /// Cases that ended with a message instead of a result.
+    /// Numbers of cases that ended with an error message instead of a result, by message.
     told: BTreeMap<String, u64>,
-    /// Judgements of the runs on themselves that were not good.
+    /// Numbers of quality flags that were not passed, by name.
     flags: BTreeMap<String, u64>,
     quasi_static: u64,
-    /// Largest gap of the energy balance, where the test was quasi-static and elsewhere.
+    /// Largest gap of the energy balance among the quasi-static tests and among the others.
     gap: [f64; 2],
     failures: Vec<String>,
     memory: Vec<f64>,
@@ -109,7 +110,7 @@ impl Totals {
             trial::LONGEST.as_secs(),
             self.given_up
         );
-        // The first cases fill the caches of the allocator.
+        // Memory grows during the first cases, while the caches of the allocator are filled.
         let settled = self.memory.get(self.memory.len() / 4).copied().unwrap_or(0.0);
         let last = self.memory.last().copied().unwrap_or(0.0);
         println!("memory between cases: {settled:.0} MB after a quarter of them, {last:.0} MB at the end");
@@ -120,14 +121,14 @@ impl Totals {
     }
 }
 
-/// Memory that this process holds, MB, where the system tells.
+/// Memory of this process, MB, where the system reports it.
 fn memory() -> f64 {
     let text = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = text.lines().find(|line| line.starts_with("VmRSS"));
     line.and_then(|line| line.split_whitespace().nth(1)?.parse::<f64>().ok()).unwrap_or(0.0) / 1024.0
 }
 
-/// Keeps a case that failed, with what it takes to run it again.
+/// Stores a case that failed, with everything that is needed to run it again.
 fn keep(out: &Path, name: &str, case: &Case, ways: &str, why: &str) -> String {
     let file = out.join(format!("{name}.toml"));
     let comment: String = why.lines().map(|line| format!("# {line}\n")).collect();

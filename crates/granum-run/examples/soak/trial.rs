@@ -1,4 +1,4 @@
-//! One case: run, run again in its other way, looked over.
+//! One case: it is run twice in different ways, and its results are checked.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -12,14 +12,15 @@ use granum_run::{Flow, Observer, Progress};
 
 use crate::draw::Way;
 
-/// A case that takes longer is given up.
+/// Time limit of a run; a case that takes longer is given up.
 pub const LONGEST: Duration = Duration::from_secs(120);
-/// Gap of the energy balance that a quasi-static test may have.
+/// Tolerated gap of the energy balance of a quasi-static test.
 const GAP: f64 = 1e-3;
-/// Share of what dashpots lose that comes to it: they take velocities half a step old, so their loss is counted up to a
-/// quarter of `(w dt)^2` too large. It matters where they take most of the work: without friction.
+/// Additional tolerance as a fraction of the loss in the dashpots. The dashpots use velocities that are half a step old, so
+/// that their loss is overestimated by up to a quarter of `(w dt)^2`. This matters where they dissipate most of the work,
+/// that is without friction.
 const GAP_OF_DASHPOTS: f64 = 0.01;
-/// Judgements that say whether a test was quasi-static.
+/// The quality flags that decide whether a test was quasi-static.
 const QUASI_STATIC: [&str; 6] = [
     "inertial_number",
     "unbalanced_force",
@@ -29,7 +30,7 @@ const QUASI_STATIC: [&str; 6] = [
     "time_step_fraction",
 ];
 
-/// What came of a case.
+/// The result of a case.
 #[derive(Default)]
 pub struct Outcome {
     pub runs: u64,
@@ -42,7 +43,7 @@ pub struct Outcome {
     pub failure: Option<String>,
 }
 
-/// Stops after so many looks, or when it takes too long.
+/// An observer that stops a run after a number of observations, or when it takes too long.
 struct Eyes {
     looks: u64,
     stop_at: u64,
@@ -57,7 +58,8 @@ impl Observer for Eyes {
     }
 }
 
-/// Runs a case in a folder of its own. `place` is where in the run it is interrupted, if at all, from 0 to 1.
+/// Runs a case in a temporary folder. `place` is the fraction of the run, from 0 to 1, after which it is interrupted in the
+/// case of [`Way::Interrupted`].
 pub fn trial(case: &Case, way: Way, place: f64) -> Outcome {
     let mut outcome = Outcome::default();
     let work = AssertUnwindSafe(|| attempt(case, way, place, &mut outcome));
@@ -120,7 +122,7 @@ fn laboratory(hardware: Hardware) -> Laboratory {
     }
 }
 
-/// Runs the case; nothing if it ended with a message or took too long.
+/// Runs the case; `None` if it took too long.
 fn run(
     case: &Case,
     hardware: Hardware,
@@ -133,7 +135,7 @@ fn run(
         Ok(record) => record,
         Err(error) => {
             let text = error.to_string();
-            // What it says of itself first, without its numbers.
+            // The first words of the message, up to the first number, serve to count errors of the same kind.
             let kind = text.split([' ', ',']).take_while(|word| !word.contains(|c: char| c.is_ascii_digit()));
             outcome.told = Some(kind.collect::<Vec<_>>().join(" "));
             return Err(text);
@@ -145,8 +147,9 @@ fn run(
     Ok((!early).then_some(record))
 }
 
-/// The work of the boundary and the loss in dashpots over what gaps are measured by: that work, but at least a tenth of the
-/// mean stress times volume and strain. Over a short strain the sum of compression and shear may come to next to nothing.
+/// The work of the boundary and the loss in the dashpots, both over the reference of the energy gap. The reference is the
+/// work of the boundary, but at least a tenth of the mean stress times volume and strain, since over a short strain the
+/// works of compression and shear may nearly cancel.
 fn of_the_work(case: &Case, folder: &RunFolder) -> Result<[f64; 2], String> {
     let bytes = std::fs::read(folder.path().join(CHECKPOINT)).map_err(|error| error.to_string())?;
     let (simulation, _) = Simulation::restore(&bytes).map_err(|error| error.to_string())?;
@@ -156,7 +159,7 @@ fn of_the_work(case: &Case, folder: &RunFolder) -> Result<[f64; 2], String> {
     Ok([work, state.energy().damping].map(|energy| energy / work.max(least)))
 }
 
-/// No NaN anywhere, energy closed.
+/// Checks that no result is NaN or infinite and that the energy balance closes.
 fn look_over(
     case: &Case,
     folder: &RunFolder,

@@ -1,5 +1,5 @@
-//! granum's own engine ([`granum_dem`]): the parts of a run one after another, with checkpoints, by which a run that was
-//! broken off goes on to the same bits.
+//! The engine of granum ([`granum_dem`]): it executes the parts of a run one after another and writes checkpoints, from
+//! which an interrupted run is resumed with bit-identical results.
 
 use granum_dem::observer::Observer;
 use granum_io::run::{RunFolder, RunRecord};
@@ -7,7 +7,7 @@ use granum_io::run::{RunFolder, RunRecord};
 use super::{Engine, PlannedRun, Task};
 use crate::laboratory::{Laboratory, LaboratoryError, run};
 
-/// granum's own engine.
+/// The engine of granum.
 #[derive(Clone, Copy, Debug)]
 pub struct Native;
 

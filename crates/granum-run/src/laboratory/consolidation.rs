@@ -1,4 +1,4 @@
-//! Brings a sample to the mean stress of its test, where that is another than the sample's.
+//! Consolidation: brings a sample to the mean stress of its test, if that differs from the mean stress of the sample.
 
 use granum_dem::config::Preparation;
 use granum_dem::observer::Observer;
@@ -9,8 +9,8 @@ use super::run_state::{RunState, Stage};
 use super::sample::measure_sample;
 use super::{Laboratory, LaboratoryError, Segment, Speedometer, quality};
 
-/// How the sample of a case is consolidated; none if its test is at the mean stress of the sample, or is
-/// given as stages, which consolidate themselves.
+/// The settings of the consolidation of a case; `None` if the test has the mean stress of the sample, or if it is defined as
+/// a list of stages, which include their own consolidation.
 pub(super) fn wanted(case: &Case) -> Option<Preparation> {
     if case.has_stages() {
         return None;
@@ -20,7 +20,7 @@ pub(super) fn wanted(case: &Case) -> Option<Preparation> {
 }
 
 impl Laboratory {
-    /// Begins to consolidate a sample.
+    /// Begins the consolidation of a sample.
     pub(super) fn begin_consolidation(
         &self,
         case: &Case,
@@ -36,7 +36,7 @@ impl Laboratory {
         }
     }
 
-    /// Goes on with a consolidation until the sample is at rest, a checkpoint is due or the observer stops it.
+    /// Continues a consolidation until the sample is at rest, until a checkpoint is due, or until the observer stops it.
     pub(super) fn consolidate_on(
         &self,
         case: &Case,
@@ -54,7 +54,7 @@ impl Laboratory {
             self.compress(preparing, &recipe, &mut results.curve, speedometer, observer)?;
         let (simulation, stage) = match outcome {
             Outcome::Stopped(at) => (at.simulation, Stage::Consolidation(at.progress)),
-            // A consolidation searches no friction.
+            // A consolidation does not search for a friction coefficient and therefore has a single trial.
             Outcome::Again(_) => return Err(LaboratoryError::Packing("it is not needed twice".into())),
             Outcome::Sample(sample) => {
                 results.curve.end(&sample, Phase::Consolidation);

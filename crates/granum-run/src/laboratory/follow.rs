@@ -1,5 +1,5 @@
-//! The observers by which the laboratory follows its own runs: one passes progress on and says when a checkpoint is due, one
-//! records, one takes snapshots.
+//! The observers with which the laboratory follows its runs: one passes on the progress and stops for checkpoints, one
+//! records the measurements, and one writes snapshots.
 
 use granum_core::quantity::format_number;
 use granum_dem::loading::{Measure, StageProgress};
@@ -9,16 +9,16 @@ use granum_sensors::Recorder;
 
 use super::{Interval, Speedometer, Store};
 
-/// Passes progress on to the observer of the run, and stops the part under way for it or for a checkpoint.
+/// Passes on the progress to the observer of the run, and stops the current part at its request or for a checkpoint.
 pub(super) struct Follow<'a> {
     pub(super) observer: &'a mut dyn Observer,
     pub(super) speedometer: &'a mut Speedometer,
     pub(super) checkpoint: Interval,
-    /// Name of the stage under way, where the test is given as stages.
+    /// Name of the current stage, if the test is defined as a list of stages.
     pub(super) stage: Option<&'a str>,
-    /// Which stage it is, of how many.
+    /// Index of the stage and number of stages.
     pub(super) place: [usize; 2],
-    /// True once the observer has asked to stop.
+    /// True after the observer has requested a stop.
     pub(super) stopped: bool,
 }
 
@@ -34,7 +34,7 @@ impl Observer for Follow<'_> {
     }
 }
 
-/// Lets the recorder of a stage measure.
+/// Calls the recorder of a stage.
 pub(super) struct Record<'a>(pub(super) &'a mut Recorder);
 
 impl Observer for Record<'_> {
@@ -46,14 +46,14 @@ impl Observer for Record<'_> {
     }
 }
 
-/// Takes the snapshots that a case asks for.
+/// Writes the snapshots that a case requests.
 pub(super) struct Snapshots<'a> {
-    /// Values of the measure at which one is still to be taken.
+    /// Values of the measure at which snapshots are still due.
     pub(super) due: &'a mut Vec<f64>,
     pub(super) measure: Measure,
     pub(super) stage_progress: &'a StageProgress,
     pub(super) store: Store<'a>,
-    /// Why one could not be written; the test then stops.
+    /// The error of a snapshot that could not be written; the test then stops.
     pub(super) failed: Option<granum_io::Error>,
 }
 

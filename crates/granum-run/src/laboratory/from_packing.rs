@@ -1,4 +1,4 @@
-//! Samples of packings: whether one is compacted, and which keys of the case have no part in it then.
+//! Samples made from packing files: whether a packing is compacted, and which keys of the case are then without effect.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use granum_io::{Case, Formats, Packing};
 use super::sample::{Source, simulation};
 use super::{Laboratory, LaboratoryError};
 
-/// Keys that have a part only where a packing is compacted.
+/// Keys that have an effect only if the packing is compacted.
 const USED_IN_COMPACTION: [&str; 2] = ["preparation.friction", "preparation.interface_energy"];
 
 /// Name of a packing's file without its folder.
@@ -18,12 +18,12 @@ fn file_name(path: &Path) -> String {
     path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
 }
 
-/// What the record of a run says of its packing.
+/// The description of a packing for the record of a run.
 pub(super) fn describe(path: &Path, packing: &Packing, sha256: &str) -> PackingRecord {
     let diameters = || packing.grains.iter().map(|grain| 2.0 * grain.radius);
     let (smallest, largest) = diameters().fold((f64::INFINITY, 0.0f64), |(a, b), d| (a.min(d), b.max(d)));
     let mean = diameters().sum::<f64>() / packing.grains.len().max(1) as f64;
-    // A sum of many equal numbers is off by rounding.
+    // With equal grains the mean would differ from the diameter by rounding.
     let mean_diameter = if largest > smallest { mean } else { largest };
     let spread = 0.5 * (largest - smallest) / mean_diameter;
     PackingRecord {
@@ -35,7 +35,7 @@ pub(super) fn describe(path: &Path, packing: &Packing, sha256: &str) -> PackingR
     }
 }
 
-/// The start of making a sample of a packing; where it is not compacted, why not.
+/// Begins to prepare a sample from a packing. If the packing is not compacted, the reason is returned as well.
 pub(super) fn begin(
     packing: &Packing,
     recipe: &Recipe,
@@ -55,7 +55,7 @@ pub(super) fn begin(
     Ok((Preparing::settling(simulation(packing, recipe.properties())?, recipe), Some(why)))
 }
 
-/// The next trial of the preparation friction, from the packing again.
+/// Begins the next trial of the preparation friction, again from the packing.
 pub(super) fn again(
     formats: &Formats,
     source: &RunSource,
@@ -74,7 +74,7 @@ pub(super) fn again(
     Ok(Preparing::compacting(simulation, recipe, next))
 }
 
-/// A sentence for every key that the case sets to another value than the default and that has no part in the run.
+/// A sentence for every key that the case sets to a value other than the default and that has no effect on the run.
 pub(super) fn remarks(case: &Case, path: &Path, why_not: Option<&str>) -> Vec<String> {
     let default = Case::default();
     let name = file_name(path);
@@ -93,10 +93,10 @@ pub(super) fn remarks(case: &Case, path: &Path, why_not: Option<&str>) -> Vec<St
 }
 
 impl Laboratory {
-    /// Reads the packing of a source, if it is one.
+    /// Reads the packing if the source is a packing file.
     ///
     /// # Errors
-    /// As [`Formats::read_packing`].
+    /// As for [`Formats::read_packing`].
     pub(super) fn packing(&self, source: &Source) -> Result<Option<Packing>, LaboratoryError> {
         match source {
             Source::Packing(path) => Ok(Some(self.formats.read_packing(path)?)),

@@ -1,4 +1,4 @@
-//! Tests that are kept in memory, for programs of one's own.
+//! Tests that stay in memory, for use from other programs.
 
 use granum_dem::observer::{NoObserver, Observer};
 use granum_dem::simulation::{Hardware, Simulation};
@@ -11,26 +11,26 @@ use super::{Laboratory, LaboratoryError, Source, run};
 use crate::engine::Task;
 use crate::engine::native::Native;
 
-/// What came of a test that was kept in memory.
+/// The result of a test that was kept in memory.
 #[derive(Clone)]
 pub struct TestResult {
-    /// What the sensors saw: the series of states and the histograms of forces.
+    /// The measurements: the series of states and the histograms of forces.
     pub record: Record,
-    /// What is said of the run: measures, quality flags, notes, steps.
+    /// The record of the run: measures, quality flags, notes, numbers of steps.
     pub about: RunRecord,
-    /// The simulation at the end of the test, to look at or to go on with.
+    /// The simulation at the end of the test, which can be inspected or continued.
     pub simulation: Simulation,
 }
 
 impl Laboratory {
-    /// A laboratory on all processors of this machine.
+    /// A laboratory that uses all processors of this computer.
     pub fn here() -> Laboratory {
         let threads = granum_core::parallel::available_threads();
         Laboratory::new(Hardware { threads, ..Hardware::default() }, env!("CARGO_PKG_VERSION"))
     }
 
-    /// Makes the sample of a case and tests it, by the same rules and to the same bits as [`Laboratory::shear`] with granum's own
-    /// engine, and leaves no files.
+    /// Prepares the sample of a case and tests it. The results are identical bit by bit to those of [`Laboratory::shear`]
+    /// with the engine of granum, but no files are written.
     ///
     /// ```
     /// use granum_io::Case;
@@ -49,7 +49,7 @@ impl Laboratory {
         self.test_of(case, &Source::Case, &mut NoObserver)
     }
 
-    /// As [`Laboratory::test`], on a sample from elsewhere and with an observer, who may end it early.
+    /// As [`Laboratory::test`], with a sample from any source and with an observer that may end the test early.
     ///
     /// # Errors
     /// As [`Laboratory::test`]; also if the sample cannot be used.

@@ -1,4 +1,4 @@
-//! Runs that are broken off and gone on with, and checkpoints that cannot be used.
+//! Runs that are interrupted and resumed, and checkpoints that cannot be used.
 
 use std::fs;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use granum_io::run::{Machine, REFUSED_CHECKPOINT, Run, RunStatus};
 use super::tests::{laboratory, small};
 use super::*;
 
-/// Stops after so many looks and keeps what it is warned of.
+/// An observer that stops the run after a number of observations and stores the warnings.
 struct Stopper {
     looks: u32,
     warnings: Vec<String>,
@@ -31,7 +31,7 @@ impl Observer for Stopper {
     }
 }
 
-/// A case whose friction is searched in several trials that all miss.
+/// A case in which all trials of the preparation friction miss the solid fraction.
 fn searching() -> Case {
     let mut case = small();
     case.grains.count = 80;
@@ -46,7 +46,7 @@ fn searching() -> Case {
     case
 }
 
-/// Every file of a folder but the lock and the record, which has times in it.
+/// All files of a folder except the lock and the record, which contains times.
 fn contents(folder: &RunFolder) -> Vec<(PathBuf, Vec<u8>)> {
     let mut found = Vec::new();
     for place in ["", "snapshots", "histograms"].map(|name| folder.path().join(name)) {
@@ -102,7 +102,7 @@ fn a_run_stopped_again_and_again_ends_in_the_same_bytes() {
     assert_eq!((&record.quality, &record.phase, record.grains), (&whole.quality, &whole.phase, whole.grains));
 }
 
-/// A test of several stages, one after another, with a consolidation, a path and a stage of its own.
+/// A test of several stages: a consolidation, a standard path and a user-defined stage.
 fn staged() -> Case {
     let text = "[[stage]]\npath = \"drained-triaxial\"\naxial_strain = 0.004\nlateral_stress = \"25 kPa\"\n\
                 inertial_number = 5e-3\nstates = 5\n\
@@ -112,7 +112,7 @@ fn staged() -> Case {
     let stages = Case::parse(text, "case.toml").unwrap().stages;
     let mut case = Case { stages, ..small() };
     case.shear = Default::default();
-    // Sensors that compare observations, and another histogram, go on to the same bytes too.
+    // Sensors that compare observations, and a further histogram, are resumed with identical bytes as well.
     let sensors = ["nonaffine_displacement", "second_order_work", "overlap_distribution"].map(String::from);
     case.recording =
         granum_dem::config::Recording { looks: 3, sensors: sensors.to_vec(), ..Default::default() };
@@ -207,7 +207,7 @@ fn repeated_stages_and_probes_stopped_again_and_again_end_in_the_same_bytes() {
     assert_eq!((&record.measures, &record.quality), (&whole.measures, &whole.quality));
 }
 
-/// A stage that does not come to its end ends the test, with the reason in the notes and a quality flag.
+/// A stage that does not reach its goal ends the test; the notes give the reason, and a quality flag is not passed.
 #[test]
 fn a_stage_cut_short_is_told_and_ends_the_test() {
     let base = tempfile::tempdir().unwrap();
@@ -249,7 +249,7 @@ fn a_packing_is_needed_only_until_the_first_checkpoint() {
     let broken = RunFolder::create(base.path().join("broken"), false).unwrap();
     let record = lab.shear(&case, &source, &broken, &mut Stopper::after(1)).unwrap();
     assert_eq!((record.status, record.phase.as_str()), (RunStatus::Interrupted, "relaxation"));
-    // Killed before the first checkpoint: the packing is asked for, and it must be the same.
+    // A run that was killed before its first checkpoint needs the unchanged packing.
     let early = RunFolder::create(base.path().join("early"), false).unwrap();
     lab.shear(&case, &source, &early, &mut Stopper::after(1)).unwrap();
     for name in [CHECKPOINT, PREVIOUS_CHECKPOINT] {
@@ -272,7 +272,7 @@ fn a_run_killed_before_its_first_checkpoint_begins_again() {
     let (case, lab) = (small(), laboratory());
     let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
     lab.prepare(&case, &Source::Case, &straight, &mut NoObserver).unwrap();
-    // All that is there after the first file.
+    // The contents of the folder after the first file has been written.
     let killed = RunFolder::create(base.path().join("killed"), false).unwrap();
     let mut record = RunRecord::new("prepare", "test", &case, Machine::here("portable", 1));
     record.unwritten_case = Some(case.resolved_toml());
@@ -280,7 +280,7 @@ fn a_run_killed_before_its_first_checkpoint_begins_again() {
     let record = lab.resume(&killed, &mut NoObserver).unwrap();
     assert!(record.status == RunStatus::Finished && record.unwritten_case.is_none());
     assert_same(&straight, &killed);
-    // A case that was changed is another run.
+    // A run with a changed case is not resumed.
     killed.write_case(&Case::default(), None).unwrap();
     let message = lab.resume(&killed, &mut NoObserver).unwrap_err().to_string();
     assert!(message.contains("case.toml: the case was changed since the run began"), "{message}");
@@ -352,7 +352,8 @@ fn a_missing_checkpoint_falls_back_and_two_bad_ones_are_refused() {
     lab.resume(&folder, &mut NoObserver).unwrap();
     assert_same(&straight, &folder);
 
-    // A finished sample whose checkpoint is damaged is made again from the one before; a test names the way.
+    // A finished sample whose checkpoint is damaged is restored by resuming from the previous one; the message of a test
+    // says so.
     let mut bytes = fs::read(&current).unwrap();
     bytes[1000] ^= 1;
     fs::write(&current, bytes).unwrap();
@@ -378,7 +379,7 @@ fn an_unfinished_sample_is_not_sheared() {
         message.contains("its preparation is not finished; continue it with `granum resume"),
         "{message}"
     );
-    // Once it is finished the same folder serves: nothing was left in it.
+    // Once the sample is finished, the same run folder can be used, since the refused test left nothing in it.
     lab.resume(&sample, &mut NoObserver).unwrap();
     assert_eq!(lab.shear(&case, &source, &run, &mut NoObserver).unwrap().status, RunStatus::Finished);
 }

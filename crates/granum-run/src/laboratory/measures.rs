@@ -1,16 +1,17 @@
-//! What a finished test comes to in a few numbers: peak and late values.
+//! Summary of a finished test in a few numbers: peak and late values.
 
 use std::collections::BTreeMap;
 
 use granum_dem::loading::{Drive, Stage};
 use granum_sensors::Record;
 
-/// Part of the strain at the end of a test over which late values are averaged.
+/// Fraction of the strain, at the end of a test, over which late values are averaged.
 pub const LATE: f64 = 0.25;
 
-/// Mean of recorded values over the last quarter of the strain, between states linear; none without two states in it.
+/// Mean of recorded values over the last quarter of the strain, with linear interpolation between states; `None` if there
+/// are fewer than two states in it.
 ///
-/// Weighted by strain, so that it does not depend on how states are spaced.
+/// The mean is weighted by strain, so that it does not depend on the spacing of the states.
 pub fn late_mean(strains: &[f64], values: &[f64]) -> Option<f64> {
     let points: Vec<(f64, f64)> = (strains.iter().copied().zip(values.iter().copied()))
         .filter(|(strain, value)| strain.is_finite() && value.is_finite())
@@ -30,8 +31,8 @@ pub fn late_mean(strains: &[f64], values: &[f64]) -> Option<f64> {
     (length > 0.0).then(|| area / length)
 }
 
-/// Puts peak and late values of a test into the measures of its run: of the paper's stress ratio and deviator strain, or of the
-/// invariants where the test is given as stages.
+/// Adds the peak and late values of a test to the measures of its run: those of the paper's stress ratio and deviator
+/// strain, or those of the invariants if the test is defined as a list of stages.
 pub(super) fn of_test(record: &Record, measures: &mut BTreeMap<String, f64>) {
     let column = |name: &str| record.series.values(name).unwrap_or(&[]);
     let (strain, ratio) = match record.series.values("von_mises_ratio") {
@@ -113,7 +114,7 @@ mod tests {
             let values: Vec<f64> = strains.iter().map(|strain| 1.0 - strain).collect();
             late_mean(strains, &values).unwrap()
         };
-        // The mean of 1 - x from 0.3 to 0.4.
+        // The exact value is the mean of 1 - x from 0.3 to 0.4.
         for strains in [&[0.0, 0.1, 0.2, 0.3, 0.4][..], &[0.0, 0.001, 0.01, 0.4], &[0.0, 0.31, 0.39, 0.4]] {
             assert!((line(strains) - 0.65).abs() < 1e-12, "{strains:?}");
         }

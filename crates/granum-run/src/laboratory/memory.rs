@@ -1,30 +1,30 @@
-//! What a run needs of the machine's memory; a size that it cannot hold is refused before anything is made.
+//! Estimate of the memory that a run needs; a case that does not fit into memory is refused before anything is computed.
 
 use granum_io::Case;
 
 use super::LaboratoryError;
 
-/// Most memory that a run takes for a grain, bytes: the state with its pair list, and while a new list is made the old one
-/// beside it (measured at a million grains; see BENCHMARKS.md).
+/// Upper bound on the memory that a run needs for each grain, bytes: the state with its neighbour list, and the old list as
+/// well while a new one is built (measured with a million grains; see BENCHMARKS.md).
 pub const BYTES_PER_GRAIN: u64 = 2300;
-/// What the program takes whatever the size, bytes.
+/// Memory that the program needs for any number of grains, bytes.
 pub const BYTES_AT_LEAST: u64 = 64 << 20;
 
-/// Most memory that a run with so many grains takes, bytes.
+/// Upper bound on the memory that a run with so many grains needs, bytes.
 pub fn needed(grains: usize) -> u64 {
     (grains as u64).saturating_mul(BYTES_PER_GRAIN).saturating_add(BYTES_AT_LEAST)
 }
 
-/// Memory that this process may have, bytes; nothing where the system does not tell.
+/// Memory that is available to this process, bytes; `None` if the system does not report it.
 pub fn available() -> Option<u64> {
     let mut system = sysinfo::System::new();
     system.refresh_memory();
     let free = Some(system.available_memory()).filter(|bytes| *bytes > 0)?;
-    // A container may be allowed less than the machine has.
+    // The limit of a container may be lower than the free memory of the computer.
     Some(system.cgroup_limits().map_or(free, |limits| free.min(limits.free_memory)))
 }
 
-/// Refuses a case that the machine cannot hold.
+/// Refuses a case that does not fit into the available memory.
 ///
 /// # Errors
 /// [`LaboratoryError::Memory`] with the estimate.

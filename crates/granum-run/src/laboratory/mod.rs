@@ -1,14 +1,14 @@
-//! The laboratory: makes samples and tests them, and leaves run folders.
+//! The laboratory prepares samples, tests them, and writes run folders.
 //!
 //! ```text
 //! Case --> prepare --> sample folder --> shear --> run folder
 //! ```
 //!
-//! A run is a [`RunState`] that goes from stage to stage: preparation, sample, consolidation (where the test is at another
-//! mean stress than the sample), test. It is written down as a
-//! checkpoint at an interval of wall time and when the user stops it, and everything that decides what comes next is in
-//! it: a run that is killed at any instant goes on to the same bits. Before the first checkpoint there are the case and
-//! where the sample comes from.
+//! A run is a [`RunState`] that passes through these stages: preparation, sample, consolidation (if the mean stress of the
+//! test differs from that of the sample), test. The state is written to a checkpoint at intervals of wall time and when the
+//! user stops the run. The checkpoint contains everything that determines how the run continues, so that a run can be killed
+//! at any instant and, when resumed, gives results that are identical bit by bit. Before the first checkpoint, the run is
+//! defined by the case and the source of the sample.
 
 mod consolidation;
 mod follow;
@@ -58,7 +58,7 @@ pub use run_state::check_beside;
 pub use sample::{Source, cell, simulation, spheres};
 pub use status::{Field, fields, line};
 
-/// Name of the snapshot of a sample, in the folder of a test as it is when the test begins.
+/// Name of the snapshot of a sample; in the folder of a test it holds the state in which the test begins.
 pub const SAMPLE: &str = "start";
 /// Name of the snapshot at the end of a test.
 pub const END: &str = "end";
@@ -67,22 +67,22 @@ pub const END: &str = "end";
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum LaboratoryError {
-    /// A file or folder.
+    /// A file or folder cannot be read or written.
     #[error(transparent)]
     File(#[from] granum_io::Error),
-    /// The preparation.
+    /// The preparation failed.
     #[error(transparent)]
     Preparation(#[from] PreparationError),
-    /// The engine.
+    /// The simulation failed.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
-    /// A stage of the test.
+    /// A stage of the test failed.
     #[error(transparent)]
     Control(#[from] ControlError),
-    /// A sensor of the recording.
+    /// A sensor of the recording cannot be used.
     #[error("recording.sensors: {0}")]
     Sensor(#[from] SensorError),
-    /// The engine that was asked for.
+    /// The requested engine cannot be used.
     #[error(transparent)]
     Engine(#[from] EngineError),
     /// A state that stages go back to cannot be kept or used.
@@ -94,30 +94,30 @@ pub enum LaboratoryError {
         /// Name of the stage.
         stage: String,
     },
-    /// The machine cannot hold it.
+    /// The run does not fit into the available memory.
     #[error(
         "{grains} grains need up to {needed:.1} GB of memory, and this machine has {available:.1} GB free: grains.count can be \
          at most {fitting} here"
     )]
     Memory {
-        /// Grains asked for.
+        /// Number of grains of the case.
         grains: usize,
-        /// Estimate, GB.
+        /// Estimate of the memory that they need, GB.
         needed: f64,
-        /// Free, GB.
+        /// Free memory, GB.
         available: f64,
-        /// Grains that would fit.
+        /// Number of grains that would fit.
         fitting: usize,
     },
     /// A packing that cannot be simulated.
     #[error("the packing cannot be simulated: {0}")]
     Packing(String),
-    /// A checkpoint.
+    /// A checkpoint cannot be used or written.
     #[error("{}: {what}", path.display())]
     Checkpoint {
-        /// Its file.
+        /// The file of the checkpoint.
         path: PathBuf,
-        /// What is wrong, and what would be right.
+        /// What is wrong with it, and what to do.
         what: String,
     },
     /// No checkpoint of a folder can be used.
@@ -128,26 +128,26 @@ pub enum LaboratoryError {
     Unusable {
         /// The folder.
         folder: PathBuf,
-        /// What is wrong with each.
+        /// What is wrong with each checkpoint.
         what: String,
     },
 }
 
-/// Processors that several runs share: a run that is alone gets all of them, many get one each.
+/// The processors that several runs share: a single run gets all of them, and many runs get one each.
 #[derive(Debug, Default)]
 pub struct Shared {
     running: AtomicUsize,
 }
 
 impl Shared {
-    /// Counts a run in until the value returned is dropped.
+    /// Registers a run until the returned value is dropped.
     pub fn enter(self: &Arc<Self>) -> Entered {
         self.running.fetch_add(1, Ordering::Relaxed);
         Entered(self.clone())
     }
 }
 
-/// A run that counts.
+/// The registration of a run that shares the processors; dropping it ends the registration.
 pub struct Entered(Arc<Shared>);
 
 impl Drop for Entered {
@@ -156,9 +156,9 @@ impl Drop for Entered {
     }
 }
 
-/// Fewest grains that are worth a thread of their own.
+/// Smallest number of grains for which a thread of its own is worthwhile.
 pub const GRAINS_PER_THREAD: usize = 1500;
-/// Wall time between two checkpoints, where nothing else is asked for.
+/// Default wall time between two checkpoints.
 pub const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
 
 /// Makes samples and tests them.
@@ -172,38 +172,38 @@ pub const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
 /// ```
 #[derive(Clone, Debug)]
 pub struct Laboratory {
-    /// What runs the simulations; results do not depend on it.
+    /// Threads and instruction set of the simulations; results do not depend on them.
     pub hardware: Hardware,
-    /// Fewest grains for each thread; 1 to take as many threads as `hardware` says.
+    /// Smallest number of grains for each thread; with 1, all threads of `hardware` are used.
     pub grains_per_thread: usize,
-    /// Set where several runs share the processors.
+    /// The other runs with which a run shares the processors, if there are any.
     pub shared: Option<Arc<Shared>>,
     /// Wall time between two checkpoints; results do not depend on it.
     pub checkpoint_every: Duration,
-    /// Version to write into records.
+    /// Version of granum for the records.
     pub version: String,
-    /// Name of the engine that runs cases.
+    /// Name of the engine that executes cases.
     pub engine: String,
-    /// The engines that are known.
+    /// The registry of engines.
     pub engines: Engines,
-    /// The sensors that are known.
+    /// The registry of sensors.
     pub sensors: Sensors,
     /// The formats of packings that are known.
     pub formats: Formats,
 }
 
-/// How a segment of a run ended.
+/// The way in which a segment of a run ended.
 enum Segment {
-    /// There is more to do.
+    /// The run continues with the next segment.
     GoOn,
-    /// The observer wants to stop.
+    /// The observer stopped the run.
     Stop,
     /// The run is complete.
     Complete,
 }
 
 impl Laboratory {
-    /// A laboratory of its own, with checkpoints at the usual interval.
+    /// A laboratory that shares its processors with no other run and writes checkpoints at the default interval.
     pub fn new(hardware: Hardware, version: impl Into<String>) -> Laboratory {
         Laboratory {
             hardware,
@@ -218,15 +218,15 @@ impl Laboratory {
         }
     }
 
-    /// What to run a simulation of so many grains on just now.
+    /// The threads and instruction set for a simulation of so many grains, given the runs that share the processors now.
     pub(crate) fn hardware_for(&self, grains: usize) -> Hardware {
         let running = self.shared.as_ref().map_or(1, |s| s.running.load(Ordering::Relaxed).max(1));
         let useful = grains / self.grains_per_thread.max(1);
         Hardware { threads: (self.hardware.threads / running).min(useful).max(1), ..self.hardware }
     }
 
-    /// Makes a sample and leaves it in a folder: case, snapshot, checkpoint, record. The record's status tells whether it
-    /// was interrupted.
+    /// Prepares a sample and writes it to a folder: case, snapshot, checkpoint, record. The status in the record states
+    /// whether the preparation was interrupted.
     ///
     /// # Errors
     /// [`LaboratoryError`]; the record in the folder then has the status `failed`.
@@ -240,7 +240,7 @@ impl Laboratory {
         self.engine()?.run(Task::new("prepare", case, source, self), folder, observer)
     }
 
-    /// Makes or takes a sample and shears it as the case says; leaves a run folder.
+    /// Prepares or reads a sample and tests it as the case specifies; writes a run folder.
     ///
     /// # Errors
     /// [`LaboratoryError`]; the record in the folder then has the status `failed`.
@@ -254,11 +254,11 @@ impl Laboratory {
         self.engine()?.run(Task::new("shear", case, source, self), folder, observer)
     }
 
-    /// Reads what a run of a `kind` (`prepare`, `shear`) begins with and refuses what cannot be run. Nothing is written, so that
-    /// a mistake leaves no folder behind. The observer is told what the user should know of it.
+    /// Reads and checks the inputs of a run of a `kind` (`prepare`, `shear`), and warns the observer of anything that the
+    /// user should know. Nothing is written, so that a mistake leaves no folder behind.
     ///
     /// # Errors
-    /// [`LaboratoryError`] if the machine cannot hold the case, or its sample or packing cannot be used.
+    /// [`LaboratoryError`] if the case does not fit into memory, or if its sample or packing cannot be used.
     pub fn planned<'a>(
         &'a self,
         kind: &'a str,
@@ -269,11 +269,11 @@ impl Laboratory {
         self.engine()?.begin(Task::new(kind, case, source, self), observer)
     }
 
-    /// Goes on with a preparation or test that was interrupted, killed or failed: from its last good checkpoint, or from
-    /// the case if there is none yet.
+    /// Resumes a preparation or test that was interrupted, was killed or failed, from its last usable checkpoint, or from
+    /// the case if there is no checkpoint yet.
     ///
     /// # Errors
-    /// [`LaboratoryError`] if what is there cannot be used, or it fails again.
+    /// [`LaboratoryError`] if the contents of the folder cannot be used, or if the run fails again.
     pub fn resume(
         &self,
         folder: &RunFolder,
@@ -283,15 +283,15 @@ impl Laboratory {
         self.engines.named(&engine)?.resume(self, folder, observer)
     }
 
-    /// The engine that runs cases.
+    /// The engine that executes cases.
     fn engine(&self) -> Result<&dyn Engine, EngineError> {
         self.engines.named(&self.engine)
     }
 
-    /// The same laboratory with another engine, which runs its cases.
+    /// Adds an engine and selects it for the execution of cases.
     ///
     /// # Errors
-    /// [`EngineError::NameTaken`] if an engine of that name is known already.
+    /// [`EngineError::NameTaken`] if there is already an engine of the same name.
     pub fn with_engine(mut self, engine: impl Engine + 'static) -> Result<Laboratory, EngineError> {
         self.engine = engine.name().to_string();
         self.engines = self.engines.with(engine)?;
@@ -303,7 +303,7 @@ impl Laboratory {
         Laboratory { formats, ..self }
     }
 
-    /// The same laboratory with one more sensor, which a case asks for by its name in `recording.sensors`.
+    /// Adds a sensor, which a case requests by its name in `recording.sensors`.
     ///
     /// # Errors
     /// As [`Sensors::with`].

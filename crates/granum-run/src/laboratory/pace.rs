@@ -2,7 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-/// Says when a checkpoint is due. Never at the first observation of a segment: a segment must get on, however short the interval.
+/// Determines when a checkpoint is due. It never is at the first observation of a segment, so that the run makes progress
+/// even if the interval is very short.
 pub(crate) struct Interval {
     since: Option<Instant>,
     every: Duration,

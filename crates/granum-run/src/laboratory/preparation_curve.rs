@@ -1,4 +1,4 @@
-//! The history of a preparation: how stress, density and contacts grew, as a table of the sample's folder.
+//! The history of a preparation: the evolution of stress, density and contacts, as a table in the folder of the sample.
 
 use granum_dem::observer::Progress;
 use granum_dem::preparation::{Phase, Sample};
@@ -6,10 +6,11 @@ use granum_dem::simulation::Simulation;
 use granum_io::{Column, ColumnKind, Table};
 use serde::{Deserialize, Serialize};
 
-/// Most rows; where more come, every second is dropped and from then on only every second taken.
+/// Largest number of rows. When it is reached, every second row is dropped, and from then on only every second observation
+/// is stored.
 const MOST_ROWS: usize = 1000;
 
-/// Name and unit of the columns. The first three are whole numbers.
+/// Name and unit of the columns. The first three are integers.
 pub const PREPARATION_COLUMNS: [(&str, &str); 9] = [
     ("trial", ""),
     ("phase", ""),
@@ -26,19 +27,19 @@ const WHOLE: usize = 3;
 /// One row, in the order of [`PREPARATION_COLUMNS`].
 type Row = [f64; PREPARATION_COLUMNS.len()];
 
-/// Rows of a preparation, evenly spaced over its observations whatever stops it in between.
+/// Rows of a preparation, evenly spaced over its observations, independently of interruptions.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct PreparationCurve {
     rows: Vec<Row>,
     /// Observations so far.
     seen: u64,
-    /// One of two to the power of this many observations is a row.
+    /// Base-two logarithm of the number of observations for each row.
     thinned: u32,
-    /// Trial, phase and step of the last observation: a preparation that goes on shows it again.
+    /// Trial, phase and step of the last observation, which a resumed preparation reports a second time.
     last: Option<(usize, u8, u64)>,
 }
 
-/// The number that stands for a phase in the table.
+/// The number that represents a phase in the table.
 fn number(phase: Phase) -> u8 {
     match phase {
         Phase::Compaction => 0,
@@ -64,7 +65,7 @@ fn row(simulation: &Simulation, trial: usize, phase: u8, steps: u64, time: f64) 
 }
 
 impl PreparationCurve {
-    /// Takes a row, if one is due.
+    /// Stores a row if one is due.
     pub(super) fn observe(&mut self, progress: &Progress) {
         let phase = number(progress.phase);
         let here = Some((progress.trial, phase, progress.steps));
@@ -73,7 +74,7 @@ impl PreparationCurve {
         }
         self.last = here;
         self.seen += 1;
-        // A checkpoint that was tampered with must not make the shift overflow.
+        // The shift must not overflow, even if the checkpoint has been altered.
         if !(self.seen - 1).is_multiple_of(1 << self.thinned.min(60)) {
             return;
         }
@@ -88,13 +89,13 @@ impl PreparationCurve {
         self.rows.push(row(progress.simulation, progress.trial, phase, progress.steps, progress.time));
     }
 
-    /// Takes the end of a preparation or consolidation as a row.
+    /// Stores the final state of a preparation or consolidation as a row.
     pub(super) fn end(&mut self, sample: &Sample, phase: Phase) {
         let trial = sample.trials.len().max(1);
         self.rows.push(row(&sample.simulation, trial, number(phase), sample.steps, sample.time));
     }
 
-    /// The rows as a table; none where nothing was observed.
+    /// The rows as a table, or `None` if nothing has been observed.
     pub(super) fn table(&self) -> granum_io::Result<Option<Table>> {
         if self.rows.is_empty() {
             return Ok(None);

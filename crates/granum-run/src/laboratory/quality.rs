@@ -1,4 +1,4 @@
-//! The run's judgement on itself: measures against thresholds, and what to change where one is exceeded.
+//! Quality checks of a run: measures are compared with thresholds, with advice on what to change if one is exceeded.
 
 use granum_core::assembly::Assembly;
 use granum_dem::config::{MOST_CONTACTS, Preparation};
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::test::Test;
 
-/// Energy that an assembly holds, J.
+/// Kinetic and elastic energy of an assembly, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Stored {
     kinetic: f64,
@@ -33,17 +33,18 @@ impl Stored {
     }
 }
 
-/// Energy of attraction on top of contacts and beyond touch, J.
+/// Energy of attraction at contacts and between grains that do not touch, J.
 fn attraction_energy(assembly: &Assembly) -> f64 {
     assembly.contacts.iter().chain(&assembly.apart).map(|pair| pair.attraction_energy).sum()
 }
 
-/// Relative gap of the energy balance: what the boundary put in against what was stored, slid, damped and broken.
+/// Relative gap of the energy balance: the work of the boundary is compared with the sum of the stored energy and of the
+/// losses by friction, damping and adhesion.
 fn energy_gap(before: &Stored, end: &Assembly) -> f64 {
     let after = Stored::of(end);
     let e = &end.energy;
     let stored = after.kinetic - before.kinetic + after.elastic_normal - before.elastic_normal;
-    // The work of the tangential forces is stored, slipped and slid; what is stored needs no taking apart here.
+    // The work of the tangential forces includes their elastic energy, which need not be separated here.
     let accounted =
         stored + e.tangential_work + e.damping + e.adhesion_made + e.adhesion_broken + e.rolling_work;
     let accounted = accounted + e.attraction_loss;
@@ -55,7 +56,7 @@ fn energy_gap(before: &Stored, end: &Assembly) -> f64 {
 /// Work of the boundary over the elastic energy before the test that counts as hardly any.
 const HARDLY_ANY: f64 = 1e-3;
 
-/// Net momentum over the sum of the grains' momenta.
+/// Magnitude of the total momentum over the sum of the magnitudes of the momenta of the grains.
 fn momentum_drift(assembly: &Assembly) -> f64 {
     let mut net = [0.0; 3];
     let mut sum = 0.0;
@@ -70,14 +71,15 @@ fn momentum_drift(assembly: &Assembly) -> f64 {
     if sum == 0.0 { 0.0 } else { net.iter().map(|x| x * x).sum::<f64>().sqrt() / sum }
 }
 
-/// Largest overlap over the sum of the radii that the theory of small contacts bears.
+/// Largest ratio of overlap to the sum of the radii for which the theory of small contacts holds.
 const LARGEST_OVERLAP: f64 = 0.02;
-/// Root mean square of the error of every controlled stress of a test that is given as stages, over the mean stress.
+/// Limit on the root mean square error of each controlled stress over the mean stress, for tests that are defined as a list
+/// of stages.
 const STAGE_SERVO_ERROR: f64 = 0.005;
-/// Relative distance of the mean stress of a sample at rest from its target.
+/// Limit on the relative deviation of the mean stress of a sample at rest from its target.
 const MEAN_STRESS_MISSED: f64 = 0.005;
 
-/// The flags of a sample at rest, or of one brought to another mean stress: `what` begins their names.
+/// The quality flags of a prepared or consolidated sample; `what` is the prefix of their names.
 pub(super) fn judge_rest(
     what: &str,
     simulation: &Simulation,
@@ -113,7 +115,7 @@ pub(super) fn judge_rest(
     ]
 }
 
-/// What to say where states were recorded with fewer samples than the case asks for.
+/// A remark for the user if states were averaged over fewer samples than the case asks for.
 pub(super) fn remark_on_samples(shortfall: &Shortfall) -> Option<String> {
     let Shortfall { wanted, missing, states, empty_states } = *shortfall;
     let none = match empty_states {
@@ -128,7 +130,7 @@ pub(super) fn remark_on_samples(shortfall: &Shortfall) -> Option<String> {
     })
 }
 
-/// The flags of a finished test.
+/// The quality flags of a finished test.
 pub(super) fn judge(
     simulation: &Simulation,
     end: &Assembly,
@@ -138,7 +140,7 @@ pub(super) fn judge(
     let state = simulation.state();
     let column = |name: &str| record.series.values(name).unwrap_or(&[]).to_vec();
     let largest = |name: &str| column(name).into_iter().fold(0.0, f64::max);
-    // The first state holds the start-up of the test.
+    // The first state is excluded, since it contains the start of the loading.
     let mean = |name: &str| {
         let values = column(name);
         let rest = values.get(1..).unwrap_or(&[]);

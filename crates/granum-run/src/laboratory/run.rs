@@ -1,6 +1,6 @@
-//! A run of granum's own engine, part after part: preparation, sample, consolidation (where the test is at another mean stress
-//! than the sample), test. It is written down between the parts, as a checkpoint at an interval of wall time, and when the
-//! observer stops it.
+//! A run of the engine of granum, which consists of preparation, sample, consolidation (if the mean stress of the test
+//! differs from that of the sample) and test. A checkpoint is written between the parts, at intervals of wall time, and
+//! when the observer stops the run.
 
 use std::time::Instant;
 
@@ -17,17 +17,16 @@ use super::{
 use crate::engine::{Engine, Task};
 use crate::record::write_record;
 
-/// A run that was begun and of which nothing is written yet.
+/// A run whose inputs have been checked and which has not written anything yet.
 pub(crate) struct Begun {
     pub(super) record: RunRecord,
     pub(super) run_state: RunState,
 }
 
-/// Reads what a run begins with and refuses what cannot be run. Nothing is written. The observer is told what the user should
-/// know of it.
+/// Reads and checks the inputs of a run, and warns the observer of anything that the user should know. Nothing is written.
 ///
 /// # Errors
-/// [`LaboratoryError`] if the machine cannot hold the case, or its sample, packing or sensors cannot be used.
+/// [`LaboratoryError`] if the case does not fit into memory, or if its sample, packing or sensors cannot be used.
 pub(crate) fn begin(
     task: &Task,
     engine: &dyn Engine,
@@ -48,8 +47,8 @@ pub(crate) fn begin(
     Ok(Begun { record, run_state })
 }
 
-/// Runs from a beginning to the end. The record goes first and holds the case until that has its own file: from then
-/// on the run can be resumed.
+/// Executes a planned run. The record is written first and contains the case until the file of the case has been written,
+/// so that the run can be resumed from the first file on.
 ///
 /// # Errors
 /// [`LaboratoryError`]; the record in the folder then has the status `failed`.
@@ -115,7 +114,7 @@ pub(crate) fn resume(
     })
 }
 
-/// Does the work and writes the record with the status that it came to.
+/// Calls `work` and writes the record with the resulting status.
 fn finish(
     folder: &RunFolder,
     record: &mut RunRecord,
@@ -131,14 +130,14 @@ fn finish(
         }
     }
     let written = folder.write_record(record);
-    // Of two errors the first is the one to tell: a full disk fails twice.
+    // If both fail, as on a full disk, the first error is reported.
     result?;
     written?;
     Ok(record.clone())
 }
 
 impl Laboratory {
-    /// Goes from stage to stage until the run is complete or the observer stops it.
+    /// Executes one stage after another until the run is complete or the observer stops it.
     pub(super) fn go_on(
         &self,
         case: &Case,
@@ -147,7 +146,7 @@ impl Laboratory {
         record: &mut RunRecord,
         observer: &mut dyn Observer,
     ) -> Result<RunState, LaboratoryError> {
-        // At once, so that nothing outside the folder is needed from here on.
+        // This first checkpoint makes the run independent of all files outside its folder.
         save(store, &run_state, record)?;
         let mut speedometer = Speedometer::new();
         loop {
@@ -206,7 +205,7 @@ impl Laboratory {
     }
 }
 
-/// Writes down where a run stands: checkpoint, what the sensors saw, record.
+/// Writes the state of a run: checkpoint, measurements and record.
 fn save(store: Store, run_state: &RunState, record: &mut RunRecord) -> Result<(), LaboratoryError> {
     store.write(|folder| run_state.write(folder))?;
     match &run_state.stage {
@@ -219,13 +218,13 @@ fn save(store: Store, run_state: &RunState, record: &mut RunRecord) -> Result<()
     Ok(())
 }
 
-/// Writes the case; a packing in place of the random insertion is named in it.
+/// Writes the case; if a packing takes the place of the random insertion, the file names it.
 fn write_case(folder: &RunFolder, case: &Case, record: &RunRecord) -> Result<(), LaboratoryError> {
     let packing = record.packing.as_ref().map(|packing| packing.file_name.as_str());
     Ok(folder.write_case(case, packing)?)
 }
 
-/// Writes how the sample was come by, as far as it is.
+/// Writes the history of the preparation so far.
 fn write_curve(store: Store, run_state: &RunState) -> Result<(), LaboratoryError> {
     let Some(folder) = store.0 else { return Ok(()) };
     if let Some(table) = run_state.results.curve.table()? {
@@ -234,13 +233,13 @@ fn write_curve(store: Store, run_state: &RunState) -> Result<(), LaboratoryError
     Ok(())
 }
 
-/// Writes a sample that is there.
+/// Writes the snapshot of a complete sample, with the history of its preparation.
 fn write_sample(store: Store, run_state: &RunState) -> Result<(), LaboratoryError> {
     write_curve(store, run_state)?;
     Ok(store.snapshot(SAMPLE, &run_state.simulation.assembly())?)
 }
 
-/// The end of a test: last snapshot, judgement.
+/// Completes a test: writes the last snapshot, and adds the quality flags and measures to the record.
 fn complete(
     run_state: &RunState,
     store: Store,
@@ -266,7 +265,7 @@ fn complete(
     Ok(())
 }
 
-/// Writes down how each stage ended; a stage that did not come to its end is told at once. Of a test of very many stages only
+/// Notes in the record how each stage ended; the observer is warned of a stage that ended before its goal. Of a test of very many stages only
 /// those, and the number of the others.
 fn record_stages(test: &Test, record: &mut RunRecord, observer: &mut dyn Observer) {
     let many = test.ends.len() > test::STAGES_TOLD;

@@ -1,7 +1,7 @@
-//! Where a run stands, in memory and in its checkpoint.
+//! The state of a run, in memory and in its checkpoint.
 //!
-//! A checkpoint holds what decides how the run goes on and nothing else (no wall times, nothing of the machine), so that two runs
-//! of one case leave the same bytes.
+//! A checkpoint holds everything that determines how the run continues and nothing else (no wall times, no properties of the
+//! computer), so that two runs of one case write the same bytes.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -20,7 +20,7 @@ use super::LaboratoryError;
 use super::preparation_curve::PreparationCurve;
 use super::test::{SavedTest, Test};
 
-/// A run at one moment.
+/// The state of a run.
 pub(super) struct RunState {
     pub(super) simulation: Simulation,
     pub(super) stage: Stage,
@@ -29,24 +29,24 @@ pub(super) struct RunState {
     pub(super) older: bool,
 }
 
-/// Which part of a run is under way, with what that has to remember beside the simulation.
+/// The current part of a run, with the state that it needs in addition to that of the simulation.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Stage<T = Test> {
-    /// The sample is being made.
+    /// The sample is being prepared.
     Preparation(PreparationState),
-    /// It is there.
+    /// The sample is complete.
     Sample,
-    /// It is being brought to the mean stress of its test.
+    /// The sample is being brought to the mean stress of its test.
     Consolidation(PreparationState),
-    /// It is there, at the mean stress of its test.
+    /// The sample is complete and at the mean stress of its test.
     Consolidated,
-    /// It is being tested.
+    /// The sample is being tested.
     Test(Box<T>),
 }
 
 impl Stage<SavedTest> {
-    /// The same with the sensors of a test.
+    /// The same stage with the sensors of a test.
     fn with_sensors(self, sensors: &Sensors) -> Result<Stage, String> {
         Ok(match self {
             Stage::Preparation(progress) => Stage::Preparation(progress),
@@ -63,7 +63,7 @@ impl Stage<SavedTest> {
     }
 }
 
-/// What a run has found out for its record so far.
+/// Results of a run so far that belong in its record.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct RunResults {
     pub(super) grains: usize,
@@ -71,7 +71,7 @@ pub(super) struct RunResults {
     #[serde(deserialize_with = "granum_io::run::nulls_are_nan")]
     pub(super) measures: BTreeMap<String, f64>,
     pub(super) quality: Vec<QualityFlag>,
-    /// How the sample was come by.
+    /// The history of the preparation.
     #[serde(default)]
     pub(super) curve: PreparationCurve,
 }
@@ -82,7 +82,7 @@ impl RunState {
         RunState { simulation, stage, results, older: false }
     }
 
-    /// Under what the wall time of the stage is recorded; a sample that stands by takes none.
+    /// The name under which the wall time of the stage is recorded; `None` for a complete sample, which takes no time.
     pub(super) fn phase(&self) -> Option<&'static str> {
         match self.stage {
             Stage::Preparation(_) => Some("prepare"),
@@ -100,7 +100,7 @@ impl RunState {
         Ok(())
     }
 
-    /// Puts into the record what was found so far.
+    /// Copies the results so far into the record.
     pub(super) fn write_into(&self, record: &mut RunRecord) {
         let results = &self.results;
         record.grains = results.grains;
@@ -131,7 +131,7 @@ impl RunState {
         }
     }
 
-    /// Reads a checkpoint, of a run of the case where one is given; `None` if there is no such file.
+    /// Reads a checkpoint; `None` if there is no such file. If a case is given, the checkpoint must belong to a run of it.
     pub(super) fn read(
         path: &Path,
         case: Option<&Case>,
@@ -149,7 +149,8 @@ impl RunState {
     }
 }
 
-/// What stands in a checkpoint beside the simulation, if it can be of a run (of the case).
+/// Reads the part of a checkpoint that follows the simulation. If a case is given, the checkpoint must be able to belong to
+/// a run of it.
 fn beside(text: &str, case: Option<&Case>, sensors: &Sensors) -> Result<(Stage, RunResults), String> {
     let (stage, results): (Stage<SavedTest>, RunResults) = serde_json::from_str(text)
         .map_err(|e| format!("its part on how far the run is cannot be read ({e})"))?;
@@ -162,16 +163,16 @@ fn beside(text: &str, case: Option<&Case>, sensors: &Sensors) -> Result<(Stage, 
     Ok((stage, results))
 }
 
-/// Whether the text that stands in a checkpoint beside the simulation can be of a run of the case.
+/// Checks that the text which accompanies the simulation in a checkpoint can belong to a run of the case.
 ///
 /// # Errors
-/// A sentence that says why not.
+/// If it cannot, a sentence that gives the reason.
 pub fn check_beside(text: &str, case: &Case) -> Result<(), String> {
     beside(text, Some(case), &Sensors::standard()).map(|_| ())
 }
 
-/// The last checkpoint of a folder that can be used; `None` if none was ever written. One that cannot be used is put
-/// aside with a warning.
+/// The last usable checkpoint of a folder; `None` if none was ever written. A checkpoint that cannot be used is renamed, and
+/// the observer is warned.
 pub(super) fn last_good(
     folder: &RunFolder,
     case: &Case,
@@ -195,7 +196,7 @@ pub(super) fn last_good(
     };
     let path = previous.display();
     match current {
-        // Killed between the two renames; hardly anything is lost.
+        // The run was killed between the two renames, and hardly any work is lost.
         None => {
             observer.warn(&format!("there is no {CHECKPOINT}; the run continues from the one before, {path}"))
         }

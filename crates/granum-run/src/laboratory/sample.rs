@@ -1,4 +1,4 @@
-//! Samples: prepared from a loose random state, taken from a folder, or made of another program's packing.
+//! Samples: prepared from a loose random state, read from a folder, or made from the packing of another program.
 
 use std::path::{Path, PathBuf};
 
@@ -21,20 +21,20 @@ use super::{
 };
 use crate::laboratory::follow::Follow;
 
-/// Where a sample comes from.
+/// The source of a sample.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Source {
-    /// It is prepared as the case says.
+    /// It is prepared as the case specifies.
     Case,
-    /// It is the one that `granum prepare` left in a folder.
+    /// It is read from the folder that `granum prepare` wrote.
     Folder(PathBuf),
-    /// A packing file; it has no contact history. A loose one is compacted as the case says, one that carries its load is
-    /// brought to rest at the case's mean stress.
+    /// It is made from a packing file, which has no contact history. A loose packing is compacted as the case specifies; one
+    /// that already carries its load is only brought to rest at the mean stress of the case.
     Packing(PathBuf),
 }
 
 impl Source {
-    /// For the record of a run: with paths that hold wherever it is resumed from.
+    /// The source for the record of a run, with absolute paths, so that the run can be resumed from any working directory.
     pub(crate) fn record(&self) -> Result<RunSource, LaboratoryError> {
         let absolute = |path: &PathBuf| {
             std::path::absolute(path).map_err(granum_io::Error::file("find the folder of", path))
@@ -48,7 +48,8 @@ impl Source {
         })
     }
 
-    /// As a record has it. A packing file that is gone or was changed is refused: another sample would come of it.
+    /// The source that a record names. A packing file that is missing or was changed is refused, since it would give another
+    /// sample.
     pub(super) fn recorded(source: &RunSource) -> Result<Source, LaboratoryError> {
         match source {
             RunSource::Case => Ok(Source::Case),
@@ -66,7 +67,7 @@ impl Source {
 }
 
 impl Laboratory {
-    /// The start of a run. A packing that was read already need not be read again.
+    /// The initial state of a run. A packing that has already been read can be passed in.
     pub(super) fn start(
         &self,
         case: &Case,
@@ -107,7 +108,7 @@ impl Laboratory {
         }
     }
 
-    /// Goes on with a preparation until the sample is there, a checkpoint is due or the observer stops it.
+    /// Continues a preparation until the sample is complete, until a checkpoint is due, or until the observer stops it.
     pub(super) fn prepare_on(
         &self,
         case: &Case,
@@ -116,7 +117,7 @@ impl Laboratory {
         speedometer: &mut Speedometer,
         observer: &mut dyn Observer,
     ) -> Result<(RunState, Segment), LaboratoryError> {
-        // By value: a large simulation would not fit into memory twice.
+        // The state is passed by value, because memory may not hold a large simulation twice.
         let RunState { simulation, stage, mut results, older } = run_state;
         let Stage::Preparation(progress) = stage else {
             return Ok((RunState { simulation, stage, results, older }, Segment::GoOn));
@@ -143,7 +144,7 @@ impl Laboratory {
         Ok((RunState { simulation, stage, results, older }, segment))
     }
 
-    /// Goes on with a preparation or consolidation, and tells whether the observer stopped it.
+    /// Continues a preparation or consolidation, and returns whether the observer stopped it.
     pub(super) fn compress(
         &self,
         preparing: Preparing,
@@ -165,20 +166,21 @@ impl Laboratory {
             stopped: false,
         };
         let outcome = preparing.go_on(recipe, &mut Observers(vec![&mut note, &mut follow]))?;
-        // Once there is a sample, what was asked for in the last moment waits for the next.
+        // A stop that is requested while the sample becomes complete takes effect in the next segment.
         let stopped = follow.stopped && matches!(outcome, Outcome::Stopped(_));
         Ok((outcome, stopped))
     }
 }
 
-/// Notes something once: a run that was killed before its first checkpoint begins again with the record that it left.
+/// Adds a note unless the record has it already: a run that was killed before its first checkpoint starts again with the
+/// record of the first attempt.
 fn note(record: &mut RunRecord, text: String) {
     if !record.notes.contains(&text) {
         record.notes.push(text);
     }
 }
 
-/// The sample of another folder.
+/// Reads the sample of another folder.
 fn take_sample(
     case: &Case,
     path: &Path,
@@ -223,7 +225,7 @@ fn take_sample(
     }
 }
 
-/// In what a case differs from that of a sample, of the keys that decide a sample.
+/// The differences between a case and that of a sample, among the keys that determine the sample.
 fn in_what(sample: &Case, case: &Case) -> String {
     let found = differences(&[("the sample", &sample.values()), ("the case", &case.values())]);
     let keys: Vec<String> =
@@ -231,16 +233,17 @@ fn in_what(sample: &Case, case: &Case) -> String {
     keys.join("; ")
 }
 
-/// Largest radius over the smallest that a packing may have: the search for near pairs is made for the largest grain, and its
-/// margin must not hold a crowd of the smallest.
+/// Largest ratio of the radii in a packing. The search for neighbours uses the size of the largest grain, and its skin must
+/// not contain a large number of the smallest grains.
 const WIDEST_RADII: f64 = 100.0;
-/// Longest edge of a cell over the largest radius: a thousand million grains do not need more.
+/// Largest ratio of an edge of the cell to the largest radius, sufficient for 10^9 grains.
 const WIDEST_CELL: f64 = 1e5;
 
 /// The grains of a packing at rest, with the forces of their geometry.
 ///
 /// # Errors
-/// If the machine cannot hold them, their radii are too different, the cell is too large for them, or as [`Simulation::new`].
+/// If the memory does not suffice, if the radii differ too much or the cell is too large for them, or as
+/// [`Simulation::new`].
 pub fn simulation(packing: &Packing, properties: Properties) -> Result<Simulation, LaboratoryError> {
     memory::check_grains(packing.grains.len())?;
     let radii = packing.grains.iter().map(|grain| grain.radius);
@@ -284,12 +287,12 @@ fn materials(packing: &Packing, properties: &Properties) -> Result<Option<Vec<u8
     (0..packing.grains.len()).map(place).collect::<Result<_, _>>().map(Some)
 }
 
-/// The cell of a packing, its corner at the origin.
+/// The cell of a packing, with its corner moved to the origin.
 pub fn cell(packing: &Packing) -> Cell {
     Cell { edges: packing.cell }
 }
 
-/// The grains of a packing, from the corner of its cell.
+/// The grains of a packing, with positions relative to the corner of its cell.
 pub fn spheres(packing: &Packing) -> Vec<InitialSphere> {
     packing
         .grains
@@ -298,7 +301,7 @@ pub fn spheres(packing: &Packing) -> Vec<InitialSphere> {
         .collect()
 }
 
-/// How the sample was come by. A packing that was not compacted has no friction to blame.
+/// Records how the sample was prepared. The advice mentions the preparation friction only if the sample was compacted.
 fn note_sample(case: &Case, sample: &Sample, compacted: bool, results: &mut RunResults) {
     let p = &case.preparation;
     results.steps.insert("prepare".into(), sample.steps);
@@ -336,7 +339,7 @@ fn note_sample(case: &Case, sample: &Sample, compacted: bool, results: &mut RunR
     }
 }
 
-/// The sample as it stands before the test.
+/// Measures the sample before the test.
 pub(super) fn measure_sample(simulation: &Simulation, results: &mut RunResults) {
     let row = granum_sensors::measure_row(&simulation.assembly());
     for name in [

@@ -1,4 +1,4 @@
-//! Where a run stands, in words, and how fast it goes.
+//! The progress of a run as text, and its speed.
 
 use std::time::Instant;
 
@@ -11,20 +11,20 @@ use granum_dem::simulation::Simulation;
 /// A part of a line of progress.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Field {
-    /// For people.
+    /// Text for display.
     pub text: String,
-    /// How soon it goes where the line is too long: the largest first, 0 never.
+    /// Order in which fields are dropped from a line that is too long: the largest rank first, rank 0 never.
     pub rank: u8,
 }
 
 impl Field {
-    /// A field.
+    /// A field with a rank and a text.
     pub fn new(rank: u8, text: impl Into<String>) -> Field {
         Field { text: text.into(), rank }
     }
 }
 
-/// Where a run stands, in one line for people.
+/// The progress of a run as one readable line.
 pub fn line(progress: &Progress) -> String {
     let s = progress.simulation.state();
     let mut parts = Vec::new();
@@ -41,8 +41,8 @@ pub fn line(progress: &Progress) -> String {
     parts.join("  ")
 }
 
-/// Where a run stands, in short for a line on a terminal. Solid fraction and speed stay longest, then come strain, stress ratio and
-/// mean stress, which is held in a test.
+/// The progress of a run in short form, for a line of a terminal. If the line is too long, the mean stress, which a test
+/// holds constant, is dropped first, then stress ratio and strain; solid fraction and speed are dropped last.
 pub fn fields(progress: &Progress) -> Vec<Field> {
     let s = progress.simulation.state();
     let mut fields = Vec::new();
@@ -60,13 +60,13 @@ pub fn fields(progress: &Progress) -> Vec<Field> {
     fields
 }
 
-/// The deviator strain of the paper's test, the deviatoric one of others.
+/// The deviator strain of the paper for its test, and the deviatoric strain for other tests.
 fn strain(progress: &Progress) -> f64 {
     let s = progress.simulation.state();
     if progress.stage.is_some() { deviatoric_strain(&s.strain()) } else { s.deviator_strain() }
 }
 
-/// q/p, 0 where p is.
+/// The ratio q/p; zero if p is zero.
 fn stress_ratio(progress: &Progress) -> f64 {
     let s = progress.simulation.state();
     if progress.stage.is_some() {
@@ -77,7 +77,7 @@ fn stress_ratio(progress: &Progress) -> f64 {
     if p == 0.0 { 0.0 } else { q / p }
 }
 
-/// A number of grain-steps with three digits at most: "18.4 M", "840 k".
+/// A number of grain-steps with at most three digits: "18.4 M", "840 k".
 fn speed(rate: f64) -> String {
     match rate {
         1e8.. => format!("{:.0} M", rate / 1e6),
@@ -86,7 +86,7 @@ fn speed(rate: f64) -> String {
     }
 }
 
-/// Grain-steps per second, over the stretches of a run.
+/// Measures the speed of a run in grain-steps per second.
 pub(crate) struct Speedometer {
     since: Instant,
     /// Step at that time; none before the first measurement of a segment.
@@ -99,12 +99,12 @@ impl Speedometer {
         Speedometer { since: Instant::now(), step: None, rate: None }
     }
 
-    /// A segment begins; what passed since the last one (a checkpoint was written) is no time of computing.
+    /// Begins a segment, so that the time since the last one, in which a checkpoint was written, is not counted.
     pub(crate) fn begin(&mut self) {
         self.step = None;
     }
 
-    /// The rate; the one before until this one has been measured for half a second.
+    /// The speed. Until the current one has been measured for half a second, the previous value is returned.
     pub(crate) fn rate(&mut self, simulation: &Simulation) -> Option<f64> {
         let step = simulation.state().step();
         let seconds = self.since.elapsed().as_secs_f64();
@@ -115,7 +115,7 @@ impl Speedometer {
                 let rate = steps as f64 * simulation.state().grains() as f64 / seconds;
                 *self = Speedometer { step: Some(step), rate: Some(rate), since: Instant::now() };
             }
-            // A segment or another phase has begun.
+            // A new segment or phase has begun.
             None => *self = Speedometer { step: Some(step), rate: self.rate, since: Instant::now() },
         }
         self.rate

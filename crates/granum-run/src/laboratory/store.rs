@@ -1,14 +1,14 @@
-//! Where a run is kept: in its folder, or in memory only.
+//! Where a run is stored: in its folder, or only in memory.
 
 use granum_core::Assembly;
 use granum_io::RunFolder;
 
-/// The folder of a run; nothing for a run that is kept in memory and leaves no files.
+/// The folder of a run; `None` for a run that stays in memory and writes no files.
 #[derive(Clone, Copy)]
 pub(super) struct Store<'a>(pub(super) Option<&'a RunFolder>);
 
 impl<'a> Store<'a> {
-    /// Writes with the folder, if there is one.
+    /// Calls `write` with the folder, if there is one.
     pub(super) fn write<E>(self, write: impl FnOnce(&'a RunFolder) -> Result<(), E>) -> Result<(), E> {
         self.0.map_or(Ok(()), write)
     }

@@ -1,4 +1,4 @@
-//! The test itself: its stages one after another, with a recorder each.
+//! The test of a sample: a sequence of stages, each with its own recorder.
 
 use granum_dem::loading::{
     self, Ending, Stage as Loading, StageEnd, StageProgress, Start, begin, density_scaling,
@@ -15,24 +15,24 @@ use super::saved_state::SavedState;
 use super::store::Store;
 use super::{Interval, Laboratory, LaboratoryError, Segment, Speedometer, quality};
 
-/// What a test remembers beside the state of the simulation.
+/// The state of a test in addition to that of the simulation.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Test<R = Recorder> {
-    /// What is done, stage by stage.
+    /// The loading of each stage.
     stages: Vec<Loading>,
-    /// What the ends of the stage under way have to remember.
+    /// Data of the current stage that its end conditions need.
     stage_progress: StageProgress,
-    /// One for each stage that was begun; the last belongs to the one under way.
+    /// One recorder for each stage that has begun; the last belongs to the current stage.
     recorders: Vec<R>,
-    /// The stages that are over.
+    /// The ends of the completed stages.
     pub(super) ends: Vec<StageEnd>,
-    /// Energy of the sample when strains and energy began to be counted.
+    /// Energy of the sample when strain and work were last set to zero.
     pub(super) before: quality::Stored,
-    /// True if energy has been lost to global damping since then.
+    /// True if global damping has dissipated energy since then.
     pub(super) damped: bool,
-    /// True if the case gives its test as stages.
+    /// True if the case defines its test as a list of stages.
     pub(super) staged: bool,
-    /// Deviator strains at which a snapshot is still to be taken.
+    /// Deviator strains at which snapshots are still due.
     #[serde(default)]
     snapshots: Vec<f64>,
     /// The state that stages go back to, once a stage has kept one.
@@ -40,11 +40,11 @@ pub(super) struct Test<R = Recorder> {
     kept: Option<Kept>,
 }
 
-/// A test as it stands in a checkpoint: its recorders are without their sensors.
+/// A test in the form of a checkpoint, with recorders that lack their sensors.
 pub(super) type SavedTest = Test<SavedRecorder>;
 
 impl SavedTest {
-    /// The test again, with the sensors of its recorders.
+    /// Restores the test by adding the sensors to its recorders.
     pub(super) fn with_sensors(self, sensors: &Sensors) -> Result<Test, SensorError> {
         let recorders = self.recorders.into_iter().map(|recorder| recorder.with_sensors(sensors));
         Ok(Test {
@@ -78,7 +78,7 @@ impl std::fmt::Debug for Kept {
 /// Most stages for each of which a snapshot and a note are left behind.
 pub(super) const STAGES_TOLD: usize = 24;
 
-/// Name of the snapshot at the end of a stage that others follow.
+/// Name of the snapshot at the end of a stage that is followed by another.
 fn stage_snapshot(number: usize) -> String {
     format!("stage-{number}")
 }
@@ -139,7 +139,7 @@ impl Test {
         Ok(())
     }
 
-    /// The recorder of a stage that is just begun.
+    /// A new recorder for a stage that begins.
     fn fresh_recorder(
         &self,
         case: &Case,
@@ -154,7 +154,7 @@ impl Test {
         Recorder::of_stage(sensors, &case.recording, &stage.record, origin).map(Some)
     }
 
-    /// True if it can be a test of the case: with another end or rate it would perhaps never end.
+    /// True if this can be a test of the case. A state with another end condition or rate might never reach its end.
     pub(super) fn is_of(&self, case: &Case, sensors: &Sensors) -> bool {
         let (at, staged) = (self.ends.len(), case.has_stages());
         let last = self.fresh_recorder(case, sensors, at.min(self.recorders.len().saturating_sub(1)));
@@ -168,7 +168,7 @@ impl Test {
             && case.recording.snapshots.ends_with(&self.snapshots)
     }
 
-    /// What the sensors saw so far.
+    /// The measurements so far.
     pub(super) fn record(&self) -> Record {
         match self.recorders.first() {
             Some(only) if !self.staged => only.record(),
@@ -176,12 +176,12 @@ impl Test {
         }
     }
 
-    /// Looks that could not be taken in all stages.
+    /// Number of samples that could not be taken, summed over all stages.
     pub(super) fn shortfall(&self) -> granum_sensors::Shortfall {
         self.recorders.iter().map(Recorder::shortfall).fold(Default::default(), |sum, one| sum.plus(one))
     }
 
-    /// Steps of all stages; `step` is that of the simulation now.
+    /// Number of steps of all stages; `step` is the current step of the simulation.
     pub(super) fn steps(&self, step: u64) -> u64 {
         let before: u64 = self.ends.iter().map(|end| end.steps).sum();
         let under_way = self.recorders.len() > self.ends.len();
@@ -198,14 +198,14 @@ impl Test {
         &self.stages
     }
 
-    /// Name of the stage under way.
+    /// Name of the current stage.
     pub(super) fn stage_name(&self) -> &str {
         self.stages.get(self.ends.len()).map_or("", |stage| stage.name.as_str())
     }
 }
 
 impl Laboratory {
-    /// Makes a sample ready to be tested as the case says.
+    /// Prepares a sample for the test that the case defines.
     pub(super) fn begin_test(
         &self,
         case: &Case,
@@ -222,7 +222,7 @@ impl Laboratory {
         Ok(Segment::GoOn)
     }
 
-    /// Goes on with a test to the end of its stage, until a checkpoint is due or the observer stops it.
+    /// Continues a test until the end of its stage, until a checkpoint is due, or until the observer stops it.
     pub(super) fn test_on(
         &self,
         case: &Case,
@@ -235,7 +235,7 @@ impl Laboratory {
         let simulation = &mut run_state.simulation;
         let at = test.ends.len();
         if test.recorders.len() == at {
-            // The last stage is over, or one was cut short.
+            // The last stage is complete, or a stage ended before its goal.
             return Ok(Segment::Complete);
         }
         let (Some(stage), Some(recorder)) = (test.stages.get(at), test.recorders.last_mut()) else {
@@ -274,7 +274,7 @@ impl Laboratory {
             recorder.end();
         }
         test.ends.push(StageEnd::of(stage, &test.stage_progress, reason, simulation));
-        // What follows a stage that did not come to its end would not be what was asked for.
+        // After a stage that did not reach its goal, the following stages would not start from the state that was asked for.
         if !reason.is_asked_for() || test.ends.len() == test.stages.len() {
             return Ok(Segment::Complete);
         }

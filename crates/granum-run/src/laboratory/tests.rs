@@ -6,7 +6,7 @@ use granum_io::run::{Run, RunStatus};
 use super::*;
 use crate::record::read_record;
 
-/// A case that runs in a second or two.
+/// A case that runs within one or two seconds.
 pub(super) fn small() -> Case {
     let mut case = Case::default();
     case.grains.count = 150;
@@ -24,7 +24,7 @@ pub(super) fn laboratory() -> Laboratory {
     Laboratory::new(Hardware::default(), "test")
 }
 
-/// Stops after so many calls.
+/// An observer that stops the run after a number of calls.
 struct Stopper(u32);
 impl Observer for Stopper {
     fn progress(&mut self, progress: &Progress) -> Flow {
@@ -88,13 +88,14 @@ fn density_scaling_says_the_same_physics() {
     case.shear.deviator_strain = 0.004;
     let number = RunFolder::create(base.path().join("number"), false).unwrap();
     lab.shear(&case, &Source::Case, &number, &mut NoObserver).unwrap();
-    // A power of four scales time by a power of two, so that even the rounding agrees.
+    // A density factor that is a power of four scales time by a power of two, so that even the rounding is the same.
     let scaling = 4f64.powi(20);
     let fast = 3e-3 * (20e3f64 / 2650.0).sqrt() / 1e-4;
     case.shear.rate = Rate::StrainRate { strain_rate: fast / 2f64.powi(20), density_scaling: scaling };
     let scaled = RunFolder::create(base.path().join("scaled"), false).unwrap();
     let record = lab.shear(&case, &Source::Case, &scaled, &mut NoObserver).unwrap();
-    // The first step works half with the power of the sample's last one, which ran on another clock.
+    // Half of the work of the first step is computed with the power in the last step of the sample, whose time was scaled
+    // differently.
     let gap = record.quality.iter().find(|flag| flag.name == "energy_gap").unwrap().value;
     assert!(gap < 1e-3, "{gap}");
     let ratio = |folder: &RunFolder| {
@@ -102,7 +103,7 @@ fn density_scaling_says_the_same_physics() {
         record.series.values("stress_ratio").unwrap().to_vec()
     };
     for (a, b) in ratio(&number).iter().zip(ratio(&scaled)) {
-        // Rounding differs, and grains are chaotic; a wrong scaling would be off by orders.
+        // Rounding differs, and the dynamics is chaotic; a wrong scaling would differ by orders of magnitude.
         assert!((a - b).abs() < 5e-2, "{a} {b}");
     }
 }

@@ -1,4 +1,4 @@
-//! The elastic range against effective-medium theory.
+//! Elastic moduli of a sample, compared with effective-medium theory.
 
 use granum_core::assembly::Matrix;
 use granum_dem::servo::Control;
@@ -6,15 +6,15 @@ use granum_dem::simulation::Simulation;
 
 use super::sample::sample;
 
-/// Change of the stress, Pa, in a small strain, compression positive; the relaxation that goes on without strain is
-/// taken off.
+/// Change of the stress, Pa, in a small strain, compression positive; the relaxation that also takes place without strain is
+/// subtracted.
 fn response(strain: [f64; 3]) -> Matrix {
     let end = |strain: [f64; 3]| {
         let mut s = sample().clone();
         let steps = 4000;
         let time = steps as f64 * s.state().time_step();
         s.fix_time_step(Some(s.state().time_step()));
-        // As in a preparation: slow against the vibrations of a contact.
+        // As in a preparation, the damping is slow compared with the vibrations of a contact.
         s.set_global_damping(1e-3 / s.state().time_step());
         let mut control = Control::fixed();
         for a in 0..3 {

@@ -1,4 +1,4 @@
-//! Energy over whole tests.
+//! The energy balance over whole tests.
 
 use granum_core::assembly::{Assembly, Contact as Pair};
 use granum_dem::config::{Contact, Grains, Material, NormalKind, TangentialKind};
@@ -20,8 +20,8 @@ fn stored(assembly: &Assembly, energy: fn(&Pair) -> f64) -> f64 {
     assembly.contacts.iter().map(energy).sum()
 }
 
-/// What became of the boundary's work since the start: kinetic, elastic normal, elastic tangential, friction, micro-slip,
-/// damping, adhesion.
+/// The work of the boundary since the start, split by mechanism: kinetic energy, elastic energy of the normal forces,
+/// elastic energy of the tangential forces, friction, micro-slip, damping, adhesion.
 fn mechanisms(start: &Assembly, now: &Assembly) -> [f64; 8] {
     let tangential = stored(now, |c| c.tangential_energy) - stored(start, |c| c.tangential_energy);
     let e = &now.energy;
@@ -48,8 +48,8 @@ const NAMES: [&str; 8] = [
     "adhesion broken",
 ];
 
-/// The paper's laws over a whole test: at every state the mechanisms add up to the work of the boundary, losses only
-/// grow, and adhesion is lost in whole makes and breaks of a contact.
+/// A whole test with the laws of the paper: at every state the mechanisms add up to the work of the boundary, losses only
+/// grow, and the loss to adhesion is an integer multiple of the loss in making or breaking one contact.
 #[test]
 fn the_energy_balance_closes_by_mechanism() {
     let material = Material::default();
@@ -64,7 +64,7 @@ fn the_energy_balance_closes_by_mechanism() {
         states.push((now.energy.boundary_work, mechanisms(&start, &now), now.energy.tangential_work));
     }
     let (whole, last, _) = states[states.len() - 1];
-    // The work of the tangential forces whole, and then what becomes of it.
+    // First the work of the tangential forces as a whole is used, then its split into mechanisms.
     let (mut worst, mut worst_split) = (0.0f64, 0.0f64);
     for (work, parts, tangential) in &states {
         let others: f64 = [0, 1, 5, 6, 7].map(|k: usize| parts[k]).iter().sum();
@@ -91,7 +91,7 @@ fn the_energy_balance_closes_by_mechanism() {
     }
 }
 
-/// Kinetic and elastic energy, the velocities brought from half a step before to the time of the positions.
+/// Kinetic and elastic energy; the velocities, which are half a step behind, are advanced to the time of the positions.
 fn synchronous(s: &Simulation) -> f64 {
     let a = s.assembly();
     let half = 0.5 * a.time_step;
@@ -104,7 +104,7 @@ fn synchronous(s: &Simulation) -> f64 {
     kinetic + stored(&a, |c| c.normal_energy)
 }
 
-/// A frictionless gas without dashpots keeps its energy over 10^6 steps: it neither drifts nor wanders.
+/// A frictionless granular gas without dashpots conserves its energy over 10^6 steps, with neither drift nor random walk.
 #[test]
 fn an_elastic_gas_keeps_its_energy_over_a_million_steps() {
     let grains = Grains { count: 16, ..Grains::default() };
@@ -130,7 +130,7 @@ fn an_elastic_gas_keeps_its_energy_over_a_million_steps() {
     assert!(drift.abs() < 1e-4 && worst < 1e-3, "drift {drift}, worst {worst}");
 }
 
-/// Hertz without adhesion loses nothing to it; the law without micro-slip loses to friction and to shrinking contacts.
+/// Hertz contacts lose no energy to adhesion; the law without micro-slip loses energy to friction and to shrinking contacts.
 #[test]
 fn without_adhesion_nothing_is_lost_to_it() {
     let mut s = super::sample::sample().clone();
@@ -150,7 +150,8 @@ fn without_adhesion_nothing_is_lost_to_it() {
     assert!(gap.abs() < 1e-4, "{gap}");
 }
 
-/// A test at twice the stress of the sample: the servo shuts the cell within some steps, and the energy balance closes all the same.
+/// A test at twice the stress of the sample: the servo compresses the cell within a few steps, and the energy balance still
+/// closes.
 #[test]
 fn a_jump_of_the_stress_is_accounted_for() {
     let mut s = super::sample::sample().clone();
@@ -163,7 +164,7 @@ fn a_jump_of_the_stress_is_accounted_for() {
         let others: f64 = [0, 1, 5, 6, 7].map(|k: usize| parts[k]).iter().sum();
         (now.boundary_work - now.tangential_work - others) / now.boundary_work
     };
-    // The gradient jumps in the first steps: later work hides a lack there.
+    // The velocity gradient jumps in the first steps; an error there would later be hidden by the much larger work.
     s.advance(11).unwrap();
     let early = gap(&s);
     assert!(early.abs() < 2e-3, "{early}");

@@ -1,4 +1,4 @@
-//! The first percent of the test that `data/validation/lammps.csv` holds whole.
+//! The first percent of strain of the test that `data/validation/lammps.csv` contains in full.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data").join(name)
 }
 
-/// The shipped packing brought to rest and sheared to 1 %, against LAMMPS on the same path.
+/// The packing in `data` is brought to rest, sheared to 1 % and compared with LAMMPS on the same path.
 #[test]
 fn the_start_of_the_curves_is_that_of_lammps() {
     let packing = granum_io::read_packing(data("packing-5000.csv")).unwrap();
@@ -34,7 +34,7 @@ fn the_start_of_the_curves_is_that_of_lammps() {
     let mut s = settle(simulation, &recipe, &mut |_: &Progress| Flow::Continue).unwrap().simulation;
     s.set_hardware(hardware);
     compress(&mut s, 0, 1e-3);
-    // States as in the stored table: 0, 0.005, 0.01.
+    // The states are those of the stored table: 0, 0.005, 0.01.
     let recording = Recording { states: 2, looks: 7, ..Recording::default() };
     let mut recorder = Recorder::new(&Sensors::standard(), &recording, 0.01).unwrap();
     loop {
@@ -48,7 +48,7 @@ fn the_start_of_the_curves_is_that_of_lammps() {
     }
     let series = recorder.record().series;
     let table = read_table(data("validation/lammps.csv")).unwrap();
-    // At the start the same packing came to rest under other damping.
+    // The initial states differ slightly, since the two programs brought the packing to rest with different damping.
     for (column, limits) in [
         ("stress_ratio", [1e-3, 0.02, 0.03]),
         ("solid_fraction", [2e-4, 2e-4, 2e-4]),

@@ -1,4 +1,4 @@
-//! Physical claims on whole samples, small enough for a test. `VALIDATION.md` lists them.
+//! Physical properties of whole samples that are small enough for a test. `VALIDATION.md` lists them.
 
 mod elastic;
 mod energy;

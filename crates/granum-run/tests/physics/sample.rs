@@ -1,4 +1,4 @@
-//! The sample that the tests share, and what they do with it.
+//! The sample that the tests share, and operations on it.
 
 use std::sync::OnceLock;
 
@@ -16,7 +16,7 @@ pub fn properties(friction: f64, damping: f64) -> Properties {
     Properties::new(material, Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, damping))
 }
 
-/// 300 equal grains at rest at 20 kPa: Hertz, no-slip, friction 0.3.
+/// A sample of 300 equal grains at rest at 20 kPa: Hertz without micro-slip, friction 0.3.
 pub fn sample() -> &'static Simulation {
     static SAMPLE: OnceLock<Simulation> = OnceLock::new();
     SAMPLE.get_or_init(|| {
@@ -26,7 +26,7 @@ pub fn sample() -> &'static Simulation {
     })
 }
 
-/// A sample compacted with a friction of 0.1.
+/// A sample that was compacted with a friction coefficient of 0.1.
 pub fn prepared(grains: &Grains, contact: &Contact) -> Simulation {
     let preparation = Preparation {
         friction: Some(0.1),
@@ -52,7 +52,7 @@ pub fn multiply(m: &Matrix, v: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|r| m[r][0] * v[0] + m[r][1] * v[1] + m[r][2] * v[2])
 }
 
-/// Grains and cell under a linear map, with no contact history.
+/// A simulation of the grains and the cell after a linear map, without contact history.
 pub fn mapped(assembly: &Assembly, map: &Matrix, properties: Properties) -> Simulation {
     let edge = |k: usize| multiply(map, [0, 1, 2].map(|r| assembly.cell[r][k]));
     let edges = [edge(0), edge(1), edge(2)];

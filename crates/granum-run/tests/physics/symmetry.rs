@@ -1,10 +1,11 @@
-//! A whole test does not know how its axes are called.
+//! Symmetry: the result of a whole test does not depend on the choice of the axes.
 
 use granum_core::assembly::Matrix;
 
 use super::sample::{compress, mapped, multiply, properties, sample};
 
-/// Stress in the frame of the unmapped test, over a test along the image of axis 1, at equal numbers of steps.
+/// Strain and stress, in the frame of the unmapped test, during a test along the image of axis 1, at equal intervals of
+/// steps.
 fn curve(map: &Matrix, looks: usize) -> Vec<(f64, Matrix)> {
     let mut s = mapped(&sample().assembly(), map, properties(0.3, 0.1));
     s.fix_time_step(Some(3e-8));
@@ -15,7 +16,7 @@ fn curve(map: &Matrix, looks: usize) -> Vec<(f64, Matrix)> {
     for _ in 0..looks {
         s.advance(400).unwrap();
         let stress = s.state().stress();
-        // M^T sigma M.
+        // The stress in the original frame is M^T sigma M.
         let back = std::array::from_fn(|i| {
             std::array::from_fn(|j| {
                 (0..9).map(|k| map[k / 3][i] * stress[k / 3][k % 3] * map[k % 3][j]).sum()
@@ -42,7 +43,7 @@ fn permuted_turned_and_mirrored_tests_give_the_same_curves() {
             let p = (a[0][0] + a[1][1] + a[2][2]) / 3.0;
             let apart = (0..9).map(|k| (a[k / 3][k % 3] - b[k / 3][k % 3]).abs() / p).fold(0.0, f64::max);
             println!("{name}: {strain:.5} {apart:.1e} {:.4}", (a[0][0] - 0.5 * (a[1][1] + a[2][2])) / p);
-            // Rounding differs and grains are chaotic: ten times as much every 0.0015 of strain.
+            // Rounding differs, and the dynamics is chaotic: differences grow tenfold for every 0.0015 of strain.
             let limit = if *strain < 0.006 { 1e-6 } else { 1e-3 };
             assert!(apart < limit, "{name} at {strain}: {apart}");
         }

@@ -1,4 +1,4 @@
-//! Order of the time integration, and its stability.
+//! Order and stability of the time integration.
 
 use granum_core::cell::Cell;
 use granum_dem::simulation::{InitialSphere, Simulation};
@@ -7,7 +7,7 @@ use super::sample::properties;
 
 const SPACING: f64 = 1e-4 * (1.0 - 1e-3);
 
-/// 27 grains of a compressed cubic lattice: six contacts each.
+/// A compressed cubic lattice of 27 grains with six contacts each.
 fn lattice(friction: f64, damping: f64) -> Simulation {
     let spheres: Vec<InitialSphere> = (0..27)
         .map(|k| InitialSphere {
@@ -19,10 +19,10 @@ fn lattice(friction: f64, damping: f64) -> Simulation {
     Simulation::new(Cell::cuboid([3.0 * SPACING; 3]), &spheres, properties(friction, damping)).unwrap()
 }
 
-/// Positions of the lattice's grains that vibrates for 2 microseconds, some three periods.
+/// Lets the lattice vibrate for 2 microseconds, about three periods, and returns the overlaps of its contacts.
 fn vibrated(friction: f64, damping: f64, steps: u64) -> Vec<f64> {
     let mut s = lattice(friction, damping);
-    // Small enough to keep every contact.
+    // The velocities are so small that no contact opens.
     let velocities: Vec<[f64; 3]> = (0..27)
         .map(|k| [f64::from(k) * 0.7, f64::from(k) * 1.3, f64::from(k) * 2.1].map(|x| 0.03 * x.sin()))
         .collect();
@@ -30,11 +30,11 @@ fn vibrated(friction: f64, damping: f64, steps: u64) -> Vec<f64> {
     s.fix_time_step(Some(2e-6 / steps as f64));
     s.advance(steps).unwrap();
     assert_eq!(s.state().contacts(), 81);
-    // The grains start at corners of the cell, and the cell may wrap them: distances do not care.
+    // Positions may have been wrapped into the cell, which does not change distances.
     s.assembly().contacts.iter().map(|c| c.approach).collect()
 }
 
-/// How much less the result changes when the step is halved once more: 4 for second order, 2 for first.
+/// Ratio of the changes of the result in two successive halvings of the time step: 4 for second order, 2 for first order.
 fn gain(friction: f64, damping: f64) -> f64 {
     let runs = [500, 1000, 2000].map(|steps| vibrated(friction, damping, steps));
     let change = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum::<f64>().sqrt();
@@ -49,15 +49,15 @@ fn elastic_motion_is_of_second_order() {
     println!("gain: elastic {elastic:.3}, with tangential forces {rough:.3}, with dashpots {damped:.3}");
     assert!((elastic - 4.0).abs() < 0.1, "{elastic}");
     assert!((rough - 4.0).abs() < 0.3, "{rough}");
-    // Dashpots take velocities that are half a step old: first order.
+    // Dashpots use velocities that are half a step old, so that the integration is of first order.
     assert!((damped - 2.0).abs() < 0.2, "{damped}");
 }
 
-/// Largest spin after 400 steps over that at the start, all grains spinning in phase; the time step is a share of what
-/// should be the largest stable one.
+/// Ratio of the largest spin after 400 steps to the initial one, with all grains spinning in phase; the time step is the
+/// given share of the theoretical stability limit.
 fn growth(damping: f64, share: f64) -> f64 {
     let mut s = lattice(1e3, damping);
-    // A first step tells the stiffness.
+    // The first step determines the stiffness and with it the stability limit.
     s.fix_time_step(Some(1e-12));
     s.advance(1).unwrap();
     let inverse_root = 1e-12 / s.state().time_step_fraction();
@@ -69,7 +69,7 @@ fn growth(damping: f64, share: f64) -> f64 {
     s.assembly().grains.iter().map(|g| g.spin[2].abs()).fold(0.0, f64::max) / start
 }
 
-/// The limit of the time step is where spinning in phase begins to grow, with any dashpots.
+/// The stability limit of the time step is the value at which spinning in phase begins to grow, for any damping.
 #[test]
 fn spinning_grains_are_stable_up_to_the_limit() {
     for damping in [0.0, 0.03, 0.1, 0.33, 1.0] {

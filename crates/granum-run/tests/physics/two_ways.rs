@@ -1,4 +1,4 @@
-//! Stress and fabric by ways that share nothing.
+//! Stress and fabric, each computed in two independent ways.
 
 use std::sync::OnceLock;
 
@@ -28,8 +28,8 @@ fn value(assembly: &Assembly, column: &str) -> f64 {
     measure_row(assembly)[column_index(column).unwrap()]
 }
 
-/// Without tangential forces the stress is the derivative of the stored energy by an affine strain: every component, with no
-/// force in the sum.
+/// Without tangential forces, every component of the stress is the derivative of the stored energy with respect to an affine
+/// strain, a computation that uses no forces.
 #[test]
 fn stress_is_the_derivative_of_the_energy() {
     let smooth = properties(0.0, 0.0);
@@ -65,7 +65,7 @@ fn stress_is_the_derivative_of_the_energy() {
     assert!(worst < 1e-5, "{worst}");
 }
 
-/// The work that the energy balance counts contact by contact is the integral of `V sigma : d eps`.
+/// The work that the energy balance sums over the contacts equals the integral of `V sigma : d eps`.
 #[test]
 fn boundary_work_is_stress_times_strain() {
     let mut s = sample().clone();
@@ -87,7 +87,7 @@ fn boundary_work_is_stress_times_strain() {
     assert!((ratio - 1.0).abs() < 5e-3, "{ratio}");
 }
 
-/// Contacts, coordination number and fabric from the centres alone: every pair with every image.
+/// Contacts, coordination number and fabric follow from the centres of the grains alone, with all pairs and periodic images.
 #[test]
 fn fabric_from_the_centres() {
     for a in &sheared()[..3] {
@@ -118,8 +118,8 @@ fn fabric_from_the_centres() {
     }
 }
 
-/// Anisotropies of a state: of the contacts, of the normal and of the tangential forces (deviators of the tensors a in
-/// `E(n) = (1 + a_c : n n) / 4 pi` and so on).
+/// Anisotropies of a state: those of the contact directions, the normal forces and the tangential forces (deviators of the
+/// tensors a in `E(n) = (1 + a_c : n n) / 4 pi` and so on).
 fn anisotropies(a: &Assembly) -> [f64; 3] {
     let count = a.contacts.len() as f64;
     let diagonal = |of: &dyn Fn(usize, &granum_core::assembly::Contact) -> f64| -> [f64; 3] {
@@ -129,7 +129,7 @@ fn anisotropies(a: &Assembly) -> [f64; 3] {
     let trace = |t: [f64; 3]| t.iter().sum::<f64>();
     let fabric = diagonal(&|k, c| c.normal[k] * c.normal[k]);
     let contact = fabric.map(|x| 7.5 * (x - 1.0 / 3.0));
-    // Means over directions, not over contacts.
+    // The means are taken over directions, not over contacts.
     let share = |c: &granum_core::assembly::Contact| {
         1.0 + (0..3).map(|k| contact[k] * c.normal[k] * c.normal[k]).sum::<f64>()
     };
@@ -138,7 +138,7 @@ fn anisotropies(a: &Assembly) -> [f64; 3] {
     [deviator(contact), 7.5 * deviator(normal) / trace(normal), 5.0 * deviator(tangential) / trace(normal)]
 }
 
-/// Stress, force and fabric (Rothenburg and Bathurst 1989; Ouadfel and Rothenburg 2001): to first order
+/// The stress-force-fabric relation (Rothenburg and Bathurst 1989; Ouadfel and Rothenburg 2001) holds: to first order
 /// `q/p = 2/5 (a_c + a_n + 3/2 a_t)`.
 #[test]
 fn stress_force_and_fabric_agree() {

@@ -1,4 +1,4 @@
-//! Averages looks into recorded states as a test goes on.
+//! Averages observations into recorded states during a test.
 
 mod schedule;
 mod sums;
@@ -77,21 +77,21 @@ struct Instance {
     bins: Vec<Bins>,
 }
 
-/// Looks that were asked for and could not be taken.
+/// Observations that were requested and could not be made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Shortfall {
-    /// Looks asked for.
+    /// Number of observations requested.
     pub wanted: usize,
-    /// Looks that were not taken.
+    /// Number of observations that were not made.
     pub missing: usize,
-    /// States with fewer looks than asked for.
+    /// Number of states with fewer observations than requested.
     pub states: usize,
-    /// Those of them with none, which are not in the record.
+    /// Number of these states without any observation, which are not in the record.
     pub empty_states: usize,
 }
 
 impl Shortfall {
-    /// Both together.
+    /// The sum of two shortfalls.
     pub fn plus(self, other: Shortfall) -> Shortfall {
         Shortfall {
             wanted: self.wanted + other.wanted,
@@ -138,7 +138,8 @@ impl PartialEq for Recorder {
 }
 
 impl Recorder {
-    /// A recorder for a test that ends at a deviator strain `end`. Numbers of states or looks of zero count as one.
+    /// A recorder for a test that ends at a deviator strain `end`. If the number of states or of observations is zero, it is
+    /// taken as one.
     ///
     /// # Errors
     /// [`SensorError::Unknown`] if the recording names a sensor that is not known.
@@ -171,7 +172,7 @@ impl Recorder {
         saved.with_sensors(sensors)
     }
 
-    /// What the sensors saw in the stages of a test, one recorder a stage, with their numbers from 1.
+    /// The record of all stages of a test, with one recorder per stage; the stages are numbered from 1.
     pub fn record_of_stages<'a>(recorders: impl IntoIterator<Item = &'a Recorder>) -> Record {
         let recorders: Vec<&Recorder> = recorders.into_iter().collect();
         let Some(first) = recorders.first() else { return Record::default() };
@@ -181,7 +182,7 @@ impl Recorder {
         Record::from_states(&first.columns_by_sensor(), &first.bins(), rows, true)
     }
 
-    /// The record so far: one row a state that has been looked at.
+    /// The record so far: one row for each state with at least one observation.
     pub fn record(&self) -> Record {
         let rows = self.saved.states.iter().map(|sums| (1, sums));
         Record::from_states(&self.columns_by_sensor(), &self.bins(), rows, false)
@@ -205,7 +206,7 @@ impl Recorder {
         self.saved.schedule.next_look()
     }
 
-    /// True when the last look has been taken.
+    /// True when the last observation has been made.
     pub fn is_complete(&self) -> bool {
         self.saved.schedule.is_complete()
     }
@@ -239,8 +240,9 @@ impl Recorder {
         self.saved.memories.iter_mut().for_each(|memory| *memory = Memory::new());
     }
 
-    /// Of the states that are over: how many were recorded with fewer looks than asked for, or with none, and how many looks
-    /// that leaves out of how many. Steps of the test that are long against a window are the cause.
+    /// The shortfall of the completed states: the number of states that were recorded with fewer observations than
+    /// requested, or with none, and the number of missing observations. It occurs if the steps of the test are long compared
+    /// with a window.
     pub fn shortfall(&self) -> Shortfall {
         let mut found = Shortfall::default();
         let (schedule, states) = (&self.saved.schedule, &self.saved.states);

@@ -9,12 +9,12 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Schedule {
     pub(super) recording: Recording,
-    /// What the places of states are counted in, and what is subtracted from it.
+    /// The measure by which states are spaced, and the origin that is subtracted from it.
     measure: Measure,
     origin: f64,
-    /// Where the last state stands; `None` where there is no last one.
+    /// Value of the measure at the last state; `None` where there is no last one.
     end: Option<f64>,
-    /// State and look within its window that come next.
+    /// The next state, and the next observation within its window.
     next: (usize, usize),
 }
 
@@ -22,7 +22,7 @@ impl Schedule {
     /// Of a test that ends at a deviator strain `end`. Numbers of states or looks of zero count as one.
     pub(super) fn of_test(recording: &Recording, end: f64) -> Schedule {
         let (states, looks) = (recording.states.max(1), recording.looks.max(1));
-        // Snapshots are not its concern.
+        // The recorder does not take snapshots.
         let recording = Recording { states, looks, snapshots: Vec::new(), ..recording.clone() };
         Schedule {
             recording,
@@ -64,12 +64,12 @@ impl Schedule {
         }
     }
 
-    /// Value of the measure at the end; infinite without one.
+    /// Value of the measure at the end; infinite if there is none.
     fn end(&self) -> f64 {
         self.end.unwrap_or(f64::INFINITY)
     }
 
-    /// Distance by which a state may fall short by rounding and is still due.
+    /// Distance by which the measure may fall short of a state because of rounding.
     fn tolerance(&self) -> f64 {
         match (self.end, &self.recording.spacing) {
             (Some(end), _) => 1e-9 * end,
@@ -94,7 +94,7 @@ impl Schedule {
         }
     }
 
-    /// Half the width of the window of a state, where states are not spaced equally.
+    /// Half the width of the window of a state, for states that are not equally spaced.
     fn half_window(&self, state: usize) -> f64 {
         let here = self.strain_of(state);
         let below = 0.5 * (here - self.strain_of(state - 1));
@@ -120,7 +120,7 @@ impl Schedule {
         }
     }
 
-    /// Looks that are taken at a state: half of them where the window ends with the test.
+    /// Number of observations of a state: half of them where the window ends with the test.
     pub(super) fn looks_of(&self, state: usize) -> usize {
         let looks = self.recording.looks;
         match state {
@@ -130,7 +130,7 @@ impl Schedule {
         }
     }
 
-    /// True when the last look has been taken.
+    /// True when the last observation has been made.
     pub(super) fn is_complete(&self) -> bool {
         self.next.0 > self.last_state()
     }
@@ -146,7 +146,7 @@ impl Schedule {
         if strain.is_nan() || strain < self.next_look() {
             return None;
         }
-        // Of several looks that are due it is the last: the nearest to the strain.
+        // If several observations are due, the last one is made: the nearest to the present strain.
         let mut state = 0;
         while self.next_look() <= strain {
             state = self.next.0;

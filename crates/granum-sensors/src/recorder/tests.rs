@@ -85,7 +85,7 @@ fn strides_longer_than_a_window_leave_states_out_and_early_looks_do_nothing() {
     assert!(recorder.is_complete());
 }
 
-/// Strains of the looks that are due, one by one.
+/// Strains at which observations are due, one by one.
 fn due(mut recorder: Recorder) -> Vec<f64> {
     let mut due = Vec::new();
     while !recorder.is_complete() {
@@ -108,10 +108,10 @@ fn states_stand_where_a_geometric_spacing_or_a_list_says() {
     near(&due(recorder(&geometric, 0.1)), &[0.0, 1e-4, 1e-3, 1e-2, 0.1]);
     let list = Recording { spacing: Spacing::Strains(vec![0.01, 0.02, 0.05]), ..one };
     near(&due(recorder(&list, 0.1)), &[0.0, 0.01, 0.02, 0.05]);
-    // A window is as wide as the nearer neighbour is far, and never reaches into the next.
+    // The width of a window is the distance of the nearer neighbour, so that windows never overlap.
     let two = Recording { looks: 2, ..list.clone() };
     near(&due(recorder(&two, 0.1)), &[0.0, 0.0075, 0.0125, 0.0175, 0.0225, 0.0425, 0.0575]);
-    // At the end of the test half a window is left, with half of the looks.
+    // At the end of the test half a window is left, with half of the observations.
     near(&due(recorder(&two, 0.05)), &[0.0, 0.0075, 0.0125, 0.0175, 0.0225, 0.0425]);
     let mut recorder = recorder(&list, 0.1);
     run(&mut recorder, 1000, 0.1);
@@ -132,7 +132,7 @@ fn looks_that_could_not_be_taken_are_counted() {
     for strain in [0.0, 0.5, 1.0] {
         recorder.look(&at(strain));
     }
-    // State 0 wants one look, the last one two, the others four; one was taken at 0, 5 and 10.
+    // State 0 has one observation, the last state two, the others four; one was made at each of states 0, 5 and 10.
     let found = recorder.shortfall();
     assert_eq!((found.wanted, found.missing), (1 + 9 * 4 + 2, 9 * 4 - 1 + 1));
     assert_eq!((found.states, found.empty_states), (10, 8));

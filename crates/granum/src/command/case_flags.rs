@@ -1,4 +1,4 @@
-//! Flags that change a case on the command line, with the errors of the case file.
+//! Flags that change a case on the command line, with the same error messages as for the case file.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -12,7 +12,7 @@ use crate::failure::Failure;
 /// Keys of the case, given on the command line.
 #[derive(Args, Clone, Debug, Default)]
 pub struct SetFlags {
-    /// Set a key of the case, as --set grains.material.friction=0.2; several times for several keys.
+    /// Set a key of the case, e.g. --set grains.material.friction=0.2; can be repeated for several keys.
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
 }
@@ -22,12 +22,12 @@ pub struct SetFlags {
 pub struct CaseFlags {
     #[command(flatten)]
     set: SetFlags,
-    /// Seed of the sample: --set preparation.seed=N.
+    /// Seed of the sample, the same as --set preparation.seed=N.
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     seed: Option<String>,
 }
 
-/// A flag: how the user gave it, and the key and value that it means.
+/// A flag as the user gave it, with its key and value.
 struct Setting<'a> {
     flag: String,
     key: &'a str,
@@ -42,7 +42,7 @@ impl Setting<'_> {
             )));
         };
         let (key, value) = (key.trim(), value.trim());
-        // Quotes that the shell left, as a case file has them.
+        // Quotes are removed, which a case file needs and which the shell may have passed on.
         let bare = value.strip_prefix('"').and_then(|rest| rest.strip_suffix('"'));
         Ok(Setting { flag: format!("--set {key}"), key, value: bare.unwrap_or(value) })
     }
@@ -53,8 +53,8 @@ impl SetFlags {
         self.set.iter().map(|text| Setting::of(text)).collect()
     }
 
-    /// Sets the keys that belong to the sections given; others have no part in the command and are refused, and so are keys
-    /// that another flag (named with its key in `others`) says too.
+    /// Sets keys in the given sections of the case. Keys of other sections have no effect on the command and are refused, as
+    /// are keys that another flag also sets (`others` lists these flags with their keys).
     pub fn apply_law(
         &self,
         case: &mut Case,
@@ -79,12 +79,13 @@ impl SetFlags {
 }
 
 impl CaseFlags {
-    /// Reads a case file and sets what the flags say. With `packing` what has no part in a run from one is refused.
+    /// Reads a case file and applies the flags. With `packing`, flags that have no effect on a run from a packing are
+    /// refused.
     pub fn read(&self, path: &Path, packing: bool) -> Result<Case, Failure> {
         self.read_with_path(path, packing, None)
     }
 
-    /// As [`CaseFlags::read`], with a named path and its parameters in place of the test of the case.
+    /// As [`CaseFlags::read`], but a named path with its parameters replaces the test of the case.
     pub fn read_with_path(
         &self,
         path: &Path,
@@ -111,7 +112,7 @@ impl CaseFlags {
     }
 }
 
-/// Keys that exclude each other: the last one given would win without a word.
+/// Pairs of keys that exclude each other; without this check the last one given would silently take precedence.
 const EXCLUSIVE: [[&str; 2]; 2] =
     [["shear.inertial_number", "shear.strain_rate"], ["recording.first_strain", "recording.strains"]];
 

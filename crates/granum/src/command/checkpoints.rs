@@ -1,4 +1,4 @@
-//! The flag that says how often a run is written down.
+//! The flag for the interval of checkpoints.
 
 use std::time::Duration;
 
@@ -7,10 +7,10 @@ use granum_run::laboratory::CHECKPOINT_EVERY;
 
 use crate::failure::Failure;
 
-/// How often checkpoints are written.
+/// The interval of checkpoints.
 #[derive(Args, Clone, Debug)]
 pub struct CheckpointFlags {
-    /// Seconds of wall time between two checkpoints (0: as often as can be). Results do not depend on it.
+    /// Wall time between two checkpoints, s (0: as often as possible). Results do not depend on it.
     #[arg(long, value_name = "SECONDS", default_value_t = CHECKPOINT_EVERY.as_secs_f64(), allow_negative_numbers = true)]
     checkpoint_every: f64,
 }

@@ -1,4 +1,4 @@
-//! `granum digest`: one hash of what a run found.
+//! `granum digest`: one hash of the results of a run.
 
 use std::path::{Path, PathBuf};
 
@@ -13,10 +13,10 @@ use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 
-/// One SHA-256 of a run's physical content: case, series, force histograms and snapshots, bit by bit.
+/// Print one SHA-256 hash of the physical content of a run: case, series, force histograms and snapshots, bit by bit.
 ///
-/// It leaves out timings and the machine: two people with one case get one digest, on any number of threads and any
-/// instruction set.
+/// Times and the description of the computer are left out, so that two users with the same case obtain the same digest, with
+/// any number of threads and any instruction set.
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum digest run-1 run-2")]
 pub struct Digest {
@@ -44,7 +44,7 @@ impl Digest {
     }
 }
 
-/// Digest and status of a run folder.
+/// The digest and the status of a run folder.
 fn digest(folder: &Path) -> Result<(String, RunStatus), Failure> {
     let run = Run::at(folder)?;
     let record = run.record()?;
@@ -52,7 +52,7 @@ fn digest(folder: &Path) -> Result<(String, RunStatus), Failure> {
     let mut hash = Hash::new();
     hash.text("granum digest 1");
     hash.text(&run.case()?.digest_with(record.packing_digest()));
-    // A sample has no tables of a test; a run that began has both.
+    // A sample has no tables of a test, whereas a test that has begun has both.
     if record.kind != "prepare" {
         table(&mut hash, "series", &run.series()?);
         table(&mut hash, "forces", &run.forces()?);

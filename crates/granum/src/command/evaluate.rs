@@ -1,4 +1,4 @@
-//! `granum evaluate`: a saved study against runs.
+//! `granum evaluate`: the scores of a saved study on runs.
 
 use std::path::PathBuf;
 
@@ -17,20 +17,20 @@ use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 
-/// Score a study on runs: relative RMSE and R2 of its networks, beside networks of the same sizes that see strain only,
-/// ridge regression and the mean curve of the training runs.
+/// Score a study on runs: relative RMSE and R2 of its networks, compared with strain-only networks of the same size, ridge
+/// regression and the mean curve of the training runs.
 ///
-/// With two runs or more that no network was trained on, every run is answered with the sensors of the others too, and
-/// from three on a test says whether the networks use their sensors.
+/// With two or more runs on which no network was trained, every run is also predicted with the sensor values of the other
+/// runs; with three or more, a statistical test decides whether the networks use their sensors.
 ///
-/// Scores on a run that the networks were trained on are called so, and a run of another material, law or test than the
-/// training runs is told with the keys that differ.
+/// Scores on training runs are labelled as such, and for a run whose material, law or test differs from the training runs,
+/// the keys that differ are printed.
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum evaluate study run-2 run-3")]
 pub struct Evaluate {
-    /// Folder of the study that `granum train` left (or `models` of a reproduction).
+    /// Folder of the study, written by `granum train` (or the folder `models` of a reproduction).
     study: PathBuf,
-    /// Run folders to judge by.
+    /// Run folders on which the study is scored.
     #[arg(required = true, value_name = "RUN")]
     runs: Vec<PathBuf>,
 }
@@ -84,7 +84,7 @@ impl Evaluate {
     }
 }
 
-/// What each mapping makes of the sensors of unseen runs; nothing without such a run.
+/// The use that each mapping makes of the sensors of unseen runs; empty without unseen runs.
 fn sensors(study: &Study, unseen: &[Run]) -> Result<Vec<(String, SensorUse)>, Failure> {
     if unseen.is_empty() {
         return Ok(Vec::new());
@@ -120,7 +120,7 @@ fn sensors_as_json((name, sensors): &(String, SensorUse)) -> Value {
     })
 }
 
-/// A score, or nothing where no state lay in the range of the mapping.
+/// The score, or `None` if no state was in the range of the mapping.
 fn some(score: &Score) -> Option<&Score> {
     (score.states > 0).then_some(score)
 }

@@ -1,4 +1,4 @@
-//! `granum forces`: contact forces of a given packing.
+//! `granum forces`: the contact forces of a given packing.
 
 use std::path::PathBuf;
 
@@ -12,10 +12,10 @@ use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 
-/// Forces on every grain of a packing, with no history and no motion, and its stress tensor.
+/// Compute the forces on every grain of a packing at rest without contact history, and the stress tensor.
 ///
 /// The table has the columns id, fx, fy, fz (N), tx, ty, tz (N m). The stress tensor (Pa, compression positive) is
-/// printed. With --json all is one object: the columns are lists in `forces`, unless they go to a file.
+/// printed. With --json the output is one object, with the columns as lists in `forces` unless they are written to a file.
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum forces packing.csv --normal hertz -o forces.csv")]
 pub struct Forces {
@@ -23,7 +23,7 @@ pub struct Forces {
     packing: PathBuf,
     #[command(flatten)]
     law: LawFlags,
-    /// Where to write the table (CSV or Parquet by extension); the standard output by default.
+    /// File for the table (CSV or Parquet by extension); standard output by default.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }

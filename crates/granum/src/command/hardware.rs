@@ -1,4 +1,4 @@
-//! Flags that say what runs a simulation; results do not depend on them.
+//! Flags for the threads and the instruction set of a simulation; results do not depend on them.
 
 use clap::Args;
 use granum_dem::Isa;
@@ -14,8 +14,8 @@ use crate::progress::{Progress, Room};
 /// Threads and instruction set.
 #[derive(Args, Clone, Debug)]
 pub struct HardwareFlags {
-    /// Threads that share the work of a step; all processors by default, and never more than those. Results do not
-    /// depend on it.
+    /// Number of threads that share the work of a step, at most the number of processors, which is the default. Results do
+    /// not depend on it.
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
     /// Instruction set: portable, avx2 or avx512; the widest by default. Results do not depend on it.
@@ -23,12 +23,12 @@ pub struct HardwareFlags {
     isa: Option<String>,
 }
 
-/// Processors of this machine.
+/// Number of processors of this computer.
 pub fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// An instruction set that this machine has, by its name.
+/// The instruction set of a given name, if this computer supports it.
 pub fn instruction_set(name: &str) -> Result<Isa, Failure> {
     let isa = Isa::from_name(name).ok_or_else(|| {
         let known = Isa::ALL.map(Isa::name);
@@ -46,7 +46,7 @@ pub fn instruction_set(name: &str) -> Result<Isa, Failure> {
 }
 
 impl HardwareFlags {
-    /// What to compute on; never more threads than processors.
+    /// The hardware settings; the number of threads is at most the number of processors.
     pub fn hardware(&self) -> Result<Hardware, Failure> {
         let threads = match self.threads {
             Some(0) => return Err(Failure::new("--threads 0: at least one thread is needed")),
@@ -55,7 +55,7 @@ impl HardwareFlags {
                     "--threads {n}: at most 1024 threads; a machine's cores are best"
                 )));
             }
-            // More threads than processors wait for each other in every step.
+            // With more threads than processors, the threads would wait for each other in every step.
             Some(n) => n.min(processors()),
             None => processors(),
         };
@@ -66,7 +66,7 @@ impl HardwareFlags {
         Ok(Hardware { threads, isa })
     }
 
-    /// A laboratory on this hardware; warns if it has fewer threads than asked for.
+    /// A laboratory with these settings; warns if it has fewer threads than requested.
     pub fn laboratory(
         &self,
         context: &Context,
@@ -84,14 +84,14 @@ impl HardwareFlags {
             ));
         }
         if self.threads.is_some() {
-            // Who asks for a number gets it, also where fewer would do better.
+            // A requested number of threads is used even if fewer would be faster.
             laboratory.grains_per_thread = 1;
         }
         Ok(laboratory)
     }
 }
 
-/// Shows a run's progress and passes on the user's wish to stop.
+/// Shows the progress of a run and stops it when the user asks for it.
 pub struct Show<'a> {
     context: &'a Context,
     progress: Progress,

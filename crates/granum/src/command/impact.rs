@@ -1,4 +1,4 @@
-//! `granum impact`: two grains collide.
+//! `granum impact`: the collision of two grains.
 
 use std::path::PathBuf;
 
@@ -12,21 +12,22 @@ use crate::context::Context;
 use crate::failure::Failure;
 use crate::output::put_table;
 
-/// Let two equal grains collide and print how they separate.
+/// Let two equal grains collide and print their velocities after the collision.
 ///
-/// One row for every speed and angle; the angle is that between the relative velocity and the line of centres, 0 for a
-/// head-on impact. Tangential velocities are those at the contact point, spin included. Grains that stick together part
-/// with zero velocity and restitution. psi1 and psi2 are the tangential velocities before and after, over the normal
-/// velocity before, times 2 (1 - nu) / (mu (2 - nu)) (Maw, Barber and Fawcett 1976).
+/// The output has one row for every speed and angle. The angle is measured between the relative velocity and the line of
+/// centres, 0 for a head-on impact. Tangential velocities are those at the contact point, including the spin. For grains
+/// that stick together, the velocities after the impact and the restitution are zero. psi1 and psi2 are the tangential
+/// velocities before and after, over the normal velocity before, times 2 (1 - nu) / (mu (2 - nu)) (Maw, Barber and Fawcett
+/// 1976).
 #[derive(Args)]
 #[command(after_help = "\
 Example:
   granum impact --speed '0.1 m/s' --angle 0,15,30,45,60 --normal hertz --damping 0 -o impacts.csv")]
 pub struct Impact {
-    /// Speed of one grain against the other; several with commas.
+    /// Relative speed of the grains; several values are separated by commas.
     #[arg(long, value_name = "V,...", value_delimiter = ',', required = true, allow_hyphen_values = true)]
     speed: Vec<String>,
-    /// Angle of impact in degrees, from 0 to below 90; several with commas.
+    /// Angle of impact in degrees, from 0 to below 90; several values are separated by commas.
     #[arg(
         long,
         value_name = "A,...",
@@ -35,14 +36,14 @@ pub struct Impact {
         allow_hyphen_values = true
     )]
     angle: Vec<String>,
-    /// Where to write the answer (.csv or .parquet); the standard output if left out.
+    /// File for the result (.csv or .parquet); standard output by default.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
     law: LawFlags,
 }
 
-/// A column of the answer: name, unit, value.
+/// A column of the result: name, unit, value.
 type Answer = (&'static str, &'static str, fn(&impact::Impact) -> f64);
 
 const COLUMNS: [Answer; 10] = [
@@ -101,7 +102,7 @@ fn quantities(flag: &str, texts: &[String], dimension: Dimension) -> Result<Vec<
     texts.iter().map(read).collect()
 }
 
-/// Plain numbers are degrees here; an angle with unit may be in rad.
+/// Plain numbers are in degrees here; an angle with a unit may be in rad.
 fn degrees(text: &str) -> Result<f64, Failure> {
     if let Ok(plain) = parse_quantity(text, Dimension::NUMBER) {
         return Ok(plain);

@@ -14,7 +14,7 @@ use crate::output;
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum init my-sand.toml\n  granum shear my-sand.toml")]
 pub struct Init {
-    /// Where to write it.
+    /// Path of the case file.
     #[arg(default_value = "case.toml", value_name = "FILE")]
     path: PathBuf,
 }

@@ -9,11 +9,11 @@ use granum_io::Case;
 use super::case_flags::SetFlags;
 use crate::failure::Failure;
 
-/// Where no case file and no flag says otherwise: grains and law of Antony, Zhou and Wang (2006).
+/// Contact law and grains; the defaults are those of Antony, Zhou and Wang (2006).
 #[derive(Args)]
 #[command(next_help_heading = "Law and grains (quantities with units, as \"70 GPa\", or SI numbers)")]
 pub struct LawFlags {
-    /// Case file that gives law and grains.
+    /// Case file with the contact law and the grains.
     #[arg(long, value_name = "FILE")]
     pub case: Option<PathBuf>,
     #[command(flatten)]
@@ -58,7 +58,7 @@ pub struct LawFlags {
     damping: Option<String>,
 }
 
-/// "Normal law: hertz or jkr".
+/// A help text with the names of the laws, such as "Normal law: hertz or jkr".
 fn names(what: &str, laws: impl Iterator<Item = &'static str>) -> String {
     let laws: Vec<_> = laws.collect();
     let (last, others) = laws.split_last().map_or(("", &[][..]), |(last, others)| (*last, others));
@@ -69,7 +69,7 @@ fn names(what: &str, laws: impl Iterator<Item = &'static str>) -> String {
     }
 }
 
-/// The names, and what parameters of laws `--set` takes.
+/// A help text with the names of the rolling laws and the parameters of laws that `--set` accepts.
 fn rolling_help() -> String {
     let what = names("Resistance to rolling and twisting", rolling_laws().iter().map(|law| law.name()));
     let keys: Vec<_> = parameters().iter().map(|p| format!("contact.{}", p.key)).collect();
@@ -77,7 +77,7 @@ fn rolling_help() -> String {
 }
 
 impl LawFlags {
-    /// As [`LawFlags::case`], for a command that knows grains of one material only.
+    /// As [`LawFlags::case`], for a command that supports only one material.
     pub fn case_of_one_material(&self) -> Result<Case, Failure> {
         let case = self.case()?;
         if case.grains.mixture.is_empty() {
@@ -90,7 +90,7 @@ impl LawFlags {
         ))
     }
 
-    /// The case that file and flags make together.
+    /// The case that results from the file and the flags.
     pub fn case(&self) -> Result<Case, Failure> {
         let mut case = match &self.case {
             Some(path) => Case::read(path)?,
@@ -121,7 +121,7 @@ impl LawFlags {
     }
 }
 
-/// The same error with the flag in place of the key.
+/// The same error with the name of the flag instead of the key.
 fn named(flag: &str, error: granum_io::Error) -> granum_io::Error {
     match error {
         granum_io::Error::Value { value, message, .. } => {

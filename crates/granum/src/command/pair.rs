@@ -1,4 +1,4 @@
-//! `granum pair`: two grains through a prescribed path.
+//! `granum pair`: the forces between two grains on a prescribed path.
 
 use std::path::PathBuf;
 
@@ -13,27 +13,28 @@ use crate::context::Context;
 use crate::failure::Failure;
 use crate::output::put_table_with;
 
-/// Largest change of a force against half as many steps, over the largest force of its kind on the path.
+/// Tolerated change of a force when the number of steps is doubled, over the largest force of its kind on the path.
 const TOLERANCE: f64 = 1e-5;
 
-/// Lead two equal grains through a path and print the forces between them.
+/// Move two equal grains along a prescribed path and print the forces between them.
 ///
-/// The path is a table (CSV or Parquet) with the columns `normal_approach` (how deep the grains are pressed together) and
-/// `tangential_displacement` (of one grain against the other), both in m, from grains that never
-/// touched. The answer is the same table with `normal_force` (N, compression positive), `tangential_force` (N, positive
-/// where it resists a growing displacement) and `contact_radius` (m). Between rows the grains move in a straight line,
-/// which is cut into as many equal steps as it takes until no force at a row changes by more than 1e-5 of the largest force
-/// of its kind: rows are needed only where the path turns or an answer is wanted. The number of steps is printed.
+/// The path is a table (CSV or Parquet) with the columns `normal_approach` (the overlap of the grains) and
+/// `tangential_displacement` (of one grain relative to the other), both in m; before the first row the grains have not been
+/// in contact. The result is the same table with `normal_force` (N, compression positive), `tangential_force` (N, positive
+/// if it resists an increasing displacement) and `contact_radius` (m). Between rows the grains move along a straight line,
+/// which is divided into equal steps; their number is doubled until no force at any row changes by more than 1e-5 of the
+/// largest force of its kind. Rows are therefore needed only where the path turns or where a result is wanted. The number of
+/// steps is printed.
 #[derive(Args)]
 #[command(after_help = "\
 Example:
   printf 'normal_approach,tangential_displacement\\n1e-8,0\\n1e-8,1e-9\\n1e-8,0\\n' > path.csv
   granum pair path.csv --normal hertz --tangential mindlin-deresiewicz --friction 0.3 -o forces.csv")]
 pub struct Pair {
-    /// The path: CSV or Parquet.
+    /// Table with the path, CSV or Parquet.
     #[arg(value_name = "PATH.csv")]
     path: PathBuf,
-    /// Where to write the answer (.csv or .parquet); the standard output if left out.
+    /// File for the result (.csv or .parquet); standard output by default.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]

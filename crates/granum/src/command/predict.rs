@@ -16,7 +16,7 @@ use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 
-/// Share of the states of unseen runs that intervals hold.
+/// Nominal coverage of the intervals for states of unseen runs.
 pub(super) const LEVEL: f64 = 0.9;
 
 /// Ask the networks of a study, or a saved surrogate: one row by flags, or many from a table.
@@ -38,13 +38,13 @@ pub struct Predict {
     /// Mapping of a study to ask, F1 to F6.
     #[arg(short, long, value_name = "NAME")]
     mapping: Option<String>,
-    /// One input of the row; give every input once.
+    /// One input of the state; every input must be given once.
     #[arg(short = 's', long = "set", value_name = "INPUT=VALUE", conflicts_with = "input")]
     values: Vec<String>,
-    /// Table of rows (CSV or Parquet) with a column for every input; other columns are passed over.
+    /// Table (CSV or Parquet) with a column for every input; other columns are ignored.
     #[arg(short, long, value_name = "FILE")]
     input: Option<PathBuf>,
-    /// Where to write the answers (CSV or Parquet by extension); the standard output by default.
+    /// File for the predictions (CSV or Parquet by extension); standard output by default.
     #[arg(short, long, value_name = "FILE", requires = "input")]
     output: Option<PathBuf>,
 }
@@ -194,7 +194,7 @@ pub(super) fn row(
     Ok(row.into_iter().flatten().collect())
 }
 
-/// The inputs that lie outside, in words.
+/// A sentence on the inputs that lie outside the trained range.
 pub(super) fn outside_text(outside: &[Outside]) -> Option<String> {
     let each = outside.iter().map(|outside| {
         let [low, high] = outside.range;

@@ -1,4 +1,4 @@
-//! `granum prepare`: make a sample.
+//! `granum prepare`: preparation of a sample.
 
 use std::path::PathBuf;
 
@@ -14,7 +14,7 @@ use super::run_report;
 use crate::context::Context;
 use crate::failure::Failure;
 
-/// Make a sample: grains placed at random from a seed so that none touch, compressed isotropically, and relaxed with the final
+/// Prepare a sample: grains are placed at random without contacts, compressed isotropically, and relaxed with the final
 /// properties.
 #[derive(Args)]
 #[command(
@@ -23,11 +23,11 @@ use crate::failure::Failure;
 pub struct Prepare {
     /// The case file.
     case: PathBuf,
-    /// Folder to make.
+    /// Folder to create.
     #[arg(short, long, default_value = "sample", value_name = "DIR")]
     out: PathBuf,
-    /// Take the grains of a packing file (CSV: id,x,y,z,radius) instead of placing grains at random: a loose one is compacted
-    /// as the case says, one that carries its load only comes to rest.
+    /// Use the grains of a packing file (CSV: id,x,y,z,radius) instead of placing grains at random. A loose packing is
+    /// compacted as the case specifies; one that carries its load is only brought to rest.
     #[arg(long, value_name = "FILE")]
     packing: Option<PathBuf>,
     #[command(flatten)]
@@ -44,7 +44,8 @@ impl Prepare {
         let laboratory = self.hardware.laboratory(context, &self.checkpoints)?;
         let source = self.packing.clone().map_or(Source::Case, Source::Packing);
         check_free(&self.out, Kind::Run, context.force)?;
-        // Before there is a folder: a mistake leaves none behind, and with --force costs no older run.
+        // Inputs are checked before the folder is created, so that a mistake leaves no folder behind and, with --force, does
+        // not delete an older run.
         let mut show = Show::new(context);
         let planned = laboratory.planned("prepare", &case, &source, &mut show)?;
         let folder = RunFolder::create(&self.out, context.force)?;

@@ -1,4 +1,4 @@
-//! Run folders as records, for the commands that train or judge networks.
+//! Reads run folders for the commands that train or evaluate networks.
 
 use std::path::{Path, PathBuf};
 
@@ -13,17 +13,17 @@ use granum_sensors::Record;
 use crate::context::Context;
 use crate::failure::Failure;
 
-/// What a run folder holds.
+/// The contents of a run folder.
 pub struct Recorded {
-    /// Its folder, as the user named it.
+    /// The folder, as the user named it.
     pub name: String,
-    /// Seed of its sample; none if that is made of a packing.
+    /// Seed of the sample; `None` if the sample is made from a packing.
     pub seed: Option<u64>,
-    /// Deviator strain at the end of its case.
+    /// Deviator strain at the end of the test, according to the case.
     pub end: f64,
-    /// What the sensors saw.
+    /// The measurements.
     pub record: Record,
-    /// What a study remembers of it.
+    /// The description of the run that a study stores.
     pub known: StudyRun,
 }
 
@@ -33,7 +33,7 @@ impl Recorded {
     }
 }
 
-/// Refuses a run that has not come to its test: there is nothing to draw, learn from or compare yet.
+/// Refuses a run whose test has not begun, since there are no data to draw, learn from or compare yet.
 pub fn check_begun(run: &Run, about: &RunRecord) -> Result<(), Failure> {
     if about.kind == "prepare" || run.series_path().is_file() {
         return Ok(());
@@ -45,12 +45,12 @@ pub fn check_begun(run: &Run, about: &RunRecord) -> Result<(), Failure> {
     )))
 }
 
-/// Runs as a data set takes them.
+/// The runs in the form in which a data set is built from them.
 pub fn named(runs: &[Recorded]) -> Vec<NamedRecord<'_>> {
     runs.iter().map(Recorded::named).collect()
 }
 
-/// Reads run folders; one that did not reach its end is taken with a warning.
+/// Reads run folders; a run that did not reach its end is used, with a warning.
 pub fn read(context: &Context, folders: &[PathBuf], role: RunRole) -> Result<Vec<Recorded>, Failure> {
     folders.iter().map(|folder| read_one(context, folder, role)).collect()
 }
@@ -70,7 +70,7 @@ fn read_one(context: &Context, folder: &Path, role: RunRole) -> Result<Recorded,
     if about.status != RunStatus::Finished && !context.json {
         eprintln!("warning: {} did not reach its end; the states that it has are taken", folder.display());
     }
-    // A test that is given as stages ends where its record does.
+    // The end of a test that is defined as a list of stages is the end of its record.
     let last = record.series.values("deviator_strain").and_then(|strains| strains.last().copied());
     let end = last.filter(|_| case.has_stages()).unwrap_or(case.shear.deviator_strain);
     Ok(Recorded {
@@ -82,7 +82,7 @@ fn read_one(context: &Context, folder: &Path, role: RunRole) -> Result<Recorded,
     })
 }
 
-/// Refuses runs that hold the same states: what was learned from one would be judged by itself.
+/// Refuses runs with identical states, since networks would be evaluated on the data from which they learned.
 pub fn check_different(runs: &[&Recorded]) -> Result<(), Failure> {
     for (k, run) in runs.iter().enumerate() {
         if let Some(same) = runs[..k].iter().find(|other| other.record == run.record) {
@@ -95,8 +95,9 @@ pub fn check_different(runs: &[&Recorded]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// In what runs differ besides their seeds. That is refused unless the user asks for it: the difference between such runs
-/// is no scatter between samples, and a network that learned one test is not judged by another.
+/// The differences between runs other than their seeds. They are refused unless the user allows them, because the difference
+/// between such runs is not the scatter between samples, and a network should not be evaluated on another test than it
+/// learned.
 pub fn check_one_test(runs: &[&Recorded], mixed: bool) -> Result<Vec<Difference>, Failure> {
     let known: Vec<(&str, &StudyRun)> = runs.iter().map(|run| (run.name.as_str(), &run.known)).collect();
     let found = differences_but_seed(&known);

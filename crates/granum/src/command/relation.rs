@@ -1,4 +1,4 @@
-//! How a run stands to those that a study was trained on: scores on it are called accordingly.
+//! The relation of a run to the training runs of a study, which determines how scores on it are labelled.
 
 use granum_io::case::Difference;
 use granum_learn::runs::{RunRole, StudyRun, differences_but_seed};
@@ -6,15 +6,15 @@ use serde_json::{Value, json};
 
 use super::records::Recorded;
 
-/// How a run stands to the training runs of a study.
+/// The relation of a run to the training runs of a study.
 pub struct Relation {
-    /// True if networks were trained on it; `None` where the study does not say what it was trained on.
+    /// True if networks were trained on the run; `None` if the study does not record its training runs.
     trained: Option<bool>,
-    /// Keys that have a value in this run which they have in no training run.
+    /// Keys whose value in this run occurs in no training run.
     differences: Vec<NewValue>,
 }
 
-/// A key with a value that no network was trained at.
+/// A key with a value that occurs in no training run.
 struct NewValue {
     key: String,
     value: String,
@@ -22,7 +22,7 @@ struct NewValue {
 }
 
 impl Relation {
-    /// Compares a run with those that a study knows.
+    /// Compares a run with those that a study records.
     pub fn of(run: &Recorded, known: Option<&[StudyRun]>) -> Relation {
         let training: Vec<&StudyRun> =
             known.unwrap_or_default().iter().filter(|other| other.role == RunRole::Training).collect();
@@ -30,7 +30,7 @@ impl Relation {
             return Relation { trained: None, differences: Vec::new() };
         }
         let trained = training.iter().any(|other| other.is_same_test(&run.known));
-        // Values are told by where they stand, so the run itself needs a name that no training run has.
+        // The differences list values by the name of their run, so that this run needs a name that no training run has.
         let mut named: Vec<(&str, &StudyRun)> = training.iter().map(|other| ("training", *other)).collect();
         named.push(("this", &run.known));
         let differences = differences_but_seed(&named).into_iter().filter_map(NewValue::of).collect();
@@ -42,7 +42,7 @@ impl Relation {
         self.trained == Some(true)
     }
 
-    /// What scores on the run are.
+    /// The label of scores on the run.
     pub fn kind(&self) -> &'static str {
         match (self.trained, self.differences.is_empty()) {
             (Some(true), _) => "scores on a training run",
@@ -52,7 +52,7 @@ impl Relation {
         }
     }
 
-    /// What a user must know before the scores are read.
+    /// A warning that the user needs in order to interpret the scores.
     pub fn warning(&self, name: &str) -> Option<String> {
         match self.trained {
             Some(true) => Some(format!(
@@ -75,7 +75,7 @@ impl Relation {
         }
     }
 
-    /// The keys that differ, their value in this run, and the values that were trained at.
+    /// The keys that differ, with their value in this run and the values of the training runs.
     pub fn differences_json(&self) -> Value {
         let one = |d: &NewValue| json!({ "key": d.key, "value": d.value, "trained": d.trained });
         self.differences.iter().map(one).collect()
@@ -83,7 +83,7 @@ impl Relation {
 }
 
 impl NewValue {
-    /// A difference, if the value of this run is that of no training run.
+    /// The difference, if the value of this run occurs in no training run.
     fn of(difference: Difference) -> Option<NewValue> {
         let key = difference.key;
         let (own, trained): (Vec<_>, Vec<_>) =

@@ -1,4 +1,4 @@
-//! `granum report`: the report of a run or of a whole reproduction, from its folder.
+//! `granum report`: writes the report of a run or of a whole reproduction from its folder.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -20,9 +20,10 @@ use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 
-/// Write the report of a run folder, a sample folder or a reproduction, again from what is in it.
+/// Write the report of a run folder, a sample folder or a reproduction from the contents of the folder.
 ///
-/// Leaves report.html, which opens offline and holds its figures, and the figures as SVG in the folder figures.
+/// The report consists of report.html, which contains its figures and can be read offline, and of the figures as SVG files
+/// in the folder figures.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum report run-1\n  granum report run-1 --out run-1.html\n  granum report reproduction --force"
@@ -30,8 +31,8 @@ use crate::output;
 pub struct Report {
     /// Folder of a run, a sample or a reproduction.
     folder: PathBuf,
-    /// Folder for report.html and figures, or a file that ends in .html for the page alone; the folder itself by
-    /// default.
+    /// Folder for report.html and figures, or a file name that ends in .html for the page alone; by default the folder
+    /// itself.
     #[arg(short, long, value_name = "FILE/DIR")]
     out: Option<PathBuf>,
 }
@@ -63,7 +64,7 @@ impl Report {
 }
 
 impl Report {
-    /// Refuses the folder of something else: it would hold two reports, or the wrong one.
+    /// Refuses an output folder that already holds other results, since it would then contain two reports, or the wrong one.
     fn check_place(&self, out: &Path) -> Result<(), Failure> {
         let same =
             |a: &Path, b: &Path| matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
@@ -109,7 +110,7 @@ fn document(folder: &Path) -> Result<Document, Failure> {
     Ok(run_report(&RunReport::read(&run, Role::Single)?))
 }
 
-/// Everything in the folder of a reproduction, put together again.
+/// Collects the contents of the folder of a reproduction.
 fn study(folder: &Path, runs: &Path, models: &Path) -> Result<StudyReport, Failure> {
     let (path, summary) = (folder.join(SUMMARY_FILE), read_summary(folder)?);
     let reports: Vec<RunReport> = summary

@@ -1,4 +1,4 @@
-//! `granum resume`: go on with an interrupted run, training or reproduction.
+//! `granum resume`: continues an interrupted run, training or reproduction.
 
 use std::path::PathBuf;
 
@@ -17,8 +17,8 @@ use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 
-/// Continue a preparation, test, training or reproduction that was interrupted or killed; it ends with exactly the results that
-/// it would have had without the interruption.
+/// Continue a preparation, test, training or reproduction that was interrupted or killed. The results are exactly those of
+/// an uninterrupted run.
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum resume run-1")]
 pub struct Resume {
@@ -32,7 +32,7 @@ pub struct Resume {
 
 impl Resume {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
-        // What is there is gone on with; nothing is to be replaced.
+        // A resumed run continues from the contents of its folder and must not replace anything.
         let context = &context.without_force();
         match Contents::of(&self.folder)? {
             Contents::Reproduction { of: Some(of), .. } => {
@@ -48,7 +48,7 @@ impl Resume {
         }
     }
 
-    /// Goes on with a sample or a test.
+    /// Resumes a preparation or a test.
     fn of_grains(&self, context: &Context) -> Result<(), Failure> {
         let laboratory = self.hardware.laboratory(context, &self.checkpoints)?;
         let folder = RunFolder::open(&self.folder)?;
@@ -60,7 +60,7 @@ impl Resume {
         run_report::print(context, &self.folder, &record)
     }
 
-    /// Goes on with a training.
+    /// Resumes a training.
     fn training(&self, context: &Context) -> Result<(), Failure> {
         let name = self.folder.display();
         if self.folder.join(STUDY_FILE).is_file() {

@@ -1,4 +1,4 @@
-//! `granum run`: the test of a case along any path.
+//! `granum run`: the test of a case along an arbitrary path.
 
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 
-/// Make or take a sample and test it along the path of its case, or along a named one; leave a run folder.
+/// Prepare or read a sample, test it along the path of its case or along a named path, and write a run folder.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum run my-sand.toml --path drained-triaxial --out drained\n  granum run my-sand.toml --path undrained-triaxial \
@@ -23,13 +23,13 @@ pub struct Run {
     /// The case file.
     #[arg(required_unless_present = "list")]
     case: Option<PathBuf>,
-    /// Take this named path in place of the test of the case.
+    /// Use this named path instead of the test of the case.
     #[arg(long, value_name = "NAME")]
     path: Option<String>,
-    /// A parameter of the path, as --with axial_strain=0.1; several times for several.
+    /// A parameter of the path, e.g. --with axial_strain=0.1; can be repeated.
     #[arg(long, value_name = "KEY=VALUE", requires = "path")]
     with: Vec<String>,
-    /// List the named paths with their parameters, and run nothing.
+    /// List the named paths with their parameters, without running anything.
     #[arg(long, conflicts_with_all = ["case", "path"])]
     list: bool,
     #[command(flatten)]

@@ -1,4 +1,4 @@
-//! What a command that ran something tells at its end.
+//! The output of a command at the end of a run.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
 use crate::output;
 
-/// Tells of a run that ended in good order; an interruption is a failure with its own status.
+/// Prints the result of a run that ended in good order; an interruption is a failure with its own exit status.
 pub fn print(context: &Context, folder: &Path, record: &RunRecord) -> Result<(), Failure> {
     if record.status == RunStatus::Interrupted {
         let left = format!(
@@ -23,7 +23,7 @@ pub fn print(context: &Context, folder: &Path, record: &RunRecord) -> Result<(),
     output::say(context, &result(folder, record), || format!("{}\nwrote {}", text(record), folder.display()))
 }
 
-/// Tells of a run that had reached its end before.
+/// Prints the result of a run that had finished earlier.
 pub fn print_finished(context: &Context, folder: &Path, record: &RunRecord) -> Result<(), Failure> {
     output::say(context, &result(folder, record), || {
         format!("{}: it was finished before; nothing was left to do", folder.display())
@@ -86,11 +86,11 @@ fn text(record: &RunRecord) -> String {
     lines.join("\n")
 }
 
-/// Peak and late values of a test that came to its end.
+/// Peak and late values of a finished test.
 fn peak_and_late(record: &RunRecord) -> Option<String> {
     let value = |name: &str| record.measures.get(name).copied();
     let peak = value("peak_stress_ratio")?;
-    // A test that is given as stages has its measures by the invariants.
+    // The measures of a test that is defined as a list of stages use the invariants.
     let (strain, at) = match (value("deviator_strain_at_peak"), value("deviatoric_strain_at_peak")) {
         (Some(at), _) => ("deviator", at),
         (None, at) => ("deviatoric", at?),
@@ -104,9 +104,9 @@ fn peak_and_late(record: &RunRecord) -> Option<String> {
     ))
 }
 
-/// A judgement that is not good, for people.
+/// A readable warning for a quality flag that was not passed.
 fn warning(flag: &QualityFlag) -> String {
-    // Its advice says target and value.
+    // The advice of this flag already contains target and value.
     if flag.name == "solid_fraction_missed_by" {
         return flag.advice.clone();
     }

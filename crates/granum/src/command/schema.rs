@@ -1,4 +1,4 @@
-//! `granum schema`: what a case file may hold, for editors.
+//! `granum schema`: the JSON schema of case files, for editors.
 
 use clap::Args;
 use granum_io::Case;

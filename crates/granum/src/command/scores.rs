@@ -1,11 +1,11 @@
-//! Scores of mappings as lines for people.
+//! Scores of mappings as readable lines of text.
 
 use std::collections::BTreeMap;
 
 use granum_learn::antony2006::summary::MappingSummary;
 use granum_learn::student_t::PairedTest;
 
-/// A share as a percentage, a dash where there is none.
+/// A fraction as a percentage, or a dash if there is none.
 pub fn percent(share: Option<f64>) -> String {
     share.map_or_else(|| format!("{:>8}", "-"), |share| format!("{:6.2} %", 100.0 * share))
 }
@@ -14,13 +14,13 @@ pub fn percent(share: Option<f64>) -> String {
 pub fn points(test: Option<PairedTest>) -> String {
     let Some(test) = test else { return "-".to_owned() };
     let error = test.standard_error.map_or(String::new(), |error| format!(" ± {:.2}", 100.0 * error));
-    // No "-0.00": a zero has no sign once it is rounded.
+    // Adding zero removes the sign of a rounded zero, which would be printed as "-0.00".
     let mean = (1e4 * test.mean).round() / 100.0 + 0.0;
     format!("{mean:+.2}{error}")
 }
 
-/// The mappings with their errors, a line each below a heading, and what they make of their sensors; `spread` is what the
-/// difference between the runs is called.
+/// The mappings with their errors, one line each below a heading, followed by their use of the sensors; `spread` is the name
+/// of the difference between the runs.
 pub fn lines(mappings: &BTreeMap<String, MappingSummary>, spread: &str) -> Vec<String> {
     let heading = format!(
         "{:<34} {:>8} {:>8} {:>11} {:>8} {:>10} {:>12}",
@@ -44,7 +44,7 @@ pub fn lines(mappings: &BTreeMap<String, MappingSummary>, spread: &str) -> Vec<S
     lines
 }
 
-/// What the mappings make of the sensors of unseen runs; nothing without unseen runs.
+/// Lines on the use that the mappings make of the sensors of unseen runs; empty without unseen runs.
 fn sensor_lines(mappings: &BTreeMap<String, MappingSummary>) -> Vec<String> {
     if mappings.values().all(|m| m.with_permuted_sensors.is_none()) {
         return Vec::new();
@@ -72,7 +72,7 @@ pub struct SensorRow {
     pub verdict: String,
 }
 
-/// Errors with sensors of different origin, a line a mapping between a heading and an explanation.
+/// Errors with sensors of different origin: a heading, one line for each mapping, and an explanation.
 pub fn sensor_table(rows: &[SensorRow]) -> Vec<String> {
     let mut lines = vec![format!(
         "{:<8} {:>8} {:>11} {:>8}   {:>15} {:>15}   verdict",
@@ -100,7 +100,7 @@ pub fn sensor_table(rows: &[SensorRow]) -> Vec<String> {
     lines
 }
 
-/// Names the networks that answer with a constant.
+/// A line that names the networks which predict a constant.
 fn constants(name: &str, mapping: &MappingSummary) -> Option<String> {
     let numbers: Vec<String> = (mapping.sub_models.iter().enumerate())
         .filter(|(_, sub_model)| sub_model.constant)

@@ -8,7 +8,7 @@ use super::test_run::TestRun;
 use crate::context::Context;
 use crate::failure::Failure;
 
-/// Make or take a sample and shear it at constant mean stress; leave a run folder.
+/// Prepare or read a sample, shear it at constant mean stress, and write a run folder.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum shear my-sand.toml --out run-1\n  granum shear my-sand.toml --sample sample --out run-2\n  \

@@ -1,20 +1,21 @@
-//! What the difference between runs is called: the scatter between samples only where the runs differ in their seed alone.
+//! The name of the difference between runs: it is the scatter between samples only if the runs differ in nothing but the
+//! seed.
 
 use granum_io::case::{Difference, SEED};
 use serde_json::Value;
 
-/// Key of the spread in the scores of a mapping, where runs differ in their seed alone.
+/// Key of the spread in the scores of a mapping if the runs differ only in their seed.
 const SEED_SCATTER: &str = "seed_scatter";
-/// Its key where they differ in more.
+/// Key of the spread if they differ in more than the seed.
 const RUN_DIFFERENCE: &str = "run_difference";
 
-/// In what the runs of a training differ.
+/// The differences between the runs of a training.
 pub struct Spread {
     differences: Vec<String>,
 }
 
 impl Spread {
-    /// `differences` are those besides the seed.
+    /// `differences` are those other than the seed.
     pub fn of(differences: &[Difference]) -> Spread {
         Spread { differences: differences.iter().map(|found| found.key.clone()).collect() }
     }
@@ -24,12 +25,12 @@ impl Spread {
         std::iter::once(SEED).chain(self.differences.iter().map(String::as_str)).collect()
     }
 
-    /// Its name as the heading of a column, of at most 12 letters.
+    /// The name of the spread as the heading of a column, at most 12 characters.
     pub fn name(&self) -> &'static str {
         if self.differences.is_empty() { "seed scatter" } else { "difference" }
     }
 
-    /// What the column is, where its name does not say so.
+    /// An explanation of the column, if its name is not sufficient.
     pub fn explanation(&self) -> Option<String> {
         let (last, others) = self.differences.split_last()?;
         let mut keys = String::from("seed");
@@ -37,7 +38,7 @@ impl Spread {
         Some(format!("difference: difference between runs ({keys} and {last})"))
     }
 
-    /// The scores of mappings with the spread under its own name.
+    /// The scores of mappings, with the spread under its proper name.
     pub fn renamed(&self, mut mappings: Value) -> Value {
         if !self.differences.is_empty() {
             for mapping in mappings.as_object_mut().into_iter().flat_map(|all| all.values_mut()) {

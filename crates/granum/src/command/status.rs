@@ -1,4 +1,4 @@
-//! `granum status`: how far a run is.
+//! `granum status`: the progress of a run.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -16,7 +16,7 @@ use crate::failure::Failure;
 use crate::output;
 use crate::progress::readable;
 
-/// Print how far a run, a training or every run of a reproduction is, and what to do next.
+/// Print the progress of a run, of a training or of every run of a reproduction, and what to do next.
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum status run-1\n  granum status reproduction")]
 pub struct Status {
@@ -36,7 +36,7 @@ impl Status {
         }
     }
 
-    /// How far every run of a reproduction is.
+    /// Prints the progress of every run of a reproduction.
     fn reproduction(&self, context: &Context, contents: &Contents) -> Result<(), Failure> {
         let next = contents.next(&self.folder);
         let (mut all, mut lines) = (Vec::new(), Vec::new());
@@ -61,10 +61,10 @@ impl Status {
         output::say(context, &result, || lines.join("\n"))
     }
 
-    /// How far a training is.
+    /// Prints the progress of a training.
     fn training(&self, context: &Context, finished: bool) -> Result<(), Failure> {
         let name = self.folder.display();
-        // The networks of a reproduction have no plan of their own.
+        // The networks of a reproduction have no manifest of their own.
         let networks = if Train::is_in(&self.folder) {
             TrainingManifest::read(&self.folder)?.networks()
         } else {
@@ -96,18 +96,18 @@ impl Status {
     }
 }
 
-/// What a run folder says of itself.
+/// The status of a run folder.
 struct FolderStatus {
     folder: PathBuf,
     kind: String,
     status: RunStatus,
-    /// What is or was under way, e.g. `compaction, trial 2`.
+    /// The current or last phase, e.g. `compaction, trial 2`.
     phase: String,
-    /// A process works in it.
+    /// True if a process is working in the folder.
     at_work: bool,
     steps: Value,
     seconds: f64,
-    /// Deviator strain recorded, and of the end of the test.
+    /// Deviator strain of the last recorded state, and (`end`) that at the end of the test.
     strain: Option<f64>,
     end: Option<f64>,
     checkpoint: Option<Duration>,
@@ -142,7 +142,7 @@ impl FolderStatus {
         })
     }
 
-    /// One word on where it is; a run that is "running" with no process at work was killed.
+    /// One word for the status; a run that is recorded as running, but on which no process works, was killed.
     fn word(&self) -> &'static str {
         match self.status {
             _ if self.at_work => "running",

@@ -1,4 +1,4 @@
-//! What `granum shear` and `granum run` share: where the sample comes from, where the run goes, and running it.
+//! The common part of `granum shear` and `granum run`: the source of the sample, the output folder and the run itself.
 
 use std::path::PathBuf;
 
@@ -16,14 +16,14 @@ use crate::failure::Failure;
 
 #[derive(Args)]
 pub struct TestRun {
-    /// Folder to make.
+    /// Folder to create.
     #[arg(short, long, default_value = "run", value_name = "DIR")]
     out: PathBuf,
-    /// Take the sample that `granum prepare` left in this folder.
+    /// Use the sample that `granum prepare` wrote to this folder.
     #[arg(long, value_name = "DIR", conflicts_with = "packing")]
     sample: Option<PathBuf>,
-    /// Take the grains of a packing file (CSV: id,x,y,z,radius): a loose one is compacted as the case says, one that carries
-    /// its load only comes to rest.
+    /// Use the grains of a packing file (CSV: id,x,y,z,radius). A loose packing is compacted as the case specifies; one that
+    /// carries its load is only brought to rest.
     #[arg(long, value_name = "FILE")]
     packing: Option<PathBuf>,
     #[command(flatten)]
@@ -35,7 +35,7 @@ pub struct TestRun {
 }
 
 impl TestRun {
-    /// True if the sample is made of a packing.
+    /// True if the sample is made from a packing.
     pub fn has_packing(&self) -> bool {
         self.packing.is_some()
     }
@@ -49,7 +49,8 @@ impl TestRun {
             _ => Source::Case,
         };
         check_free(&self.out, Kind::Run, context.force)?;
-        // Before there is a folder: a mistake leaves none behind, and with --force costs no older run.
+        // Inputs are checked before the folder is created, so that a mistake leaves no folder behind and, with --force, does
+        // not delete an older run.
         let mut show = Show::new(context);
         let planned = laboratory.planned("shear", case, &source, &mut show)?;
         let folder = RunFolder::create(&self.out, context.force)?;

@@ -34,65 +34,68 @@ use crate::failure::{Failure, Interrupted};
 use crate::output;
 use crate::progress::Progress;
 
-/// The trainer whose epochs are those of the paper's tables.
+/// The trainer that uses the numbers of epochs in the tables of the paper.
 const PAPER_TRAINER: &str = "traingdx";
 
-/// Train the eighteen networks of the paper's six mappings, and for each a network of the same size that sees strain only.
+/// Train the eighteen networks of the six mappings of the paper, and for each a strain-only network of the same size.
 ///
-/// Every second state of the runs trains, the others are held out and judge; unseen runs only judge. All runs must be of one
-/// case and differ in preparation.seed alone, unless --mixed is given. The same command continues an interrupted training.
+/// Every second state of the training runs is used for training, and the others are held out for evaluation; unseen runs are
+/// used for evaluation only. All runs must have the same case and differ only in preparation.seed, unless --mixed is given.
+/// The same command continues an interrupted training.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum train run-1 --unseen run-2 run-3 --out study\n  granum train run-1 --trainer traingdx \
                   --epoch-factor 0.1 --out quick-study"
 )]
 pub struct Train {
-    /// Run folders to learn from.
+    /// Run folders for training.
     #[arg(required = true, value_name = "RUN")]
     runs: Vec<PathBuf>,
     /// Folder of the study.
     #[arg(short, long, default_value = "study", value_name = "DIR")]
     out: PathBuf,
-    /// Run folders that no network sees, to judge by.
+    /// Run folders that are used for evaluation only.
     #[arg(long, num_args = 1.., value_name = "RUN")]
     unseen: Vec<PathBuf>,
-    /// Take runs that differ in more than the seed. The keys that differ are named, and the difference between the runs is
-    /// not called the scatter between samples.
+    /// Accept runs that differ in more than the seed. The keys that differ are printed, and the difference between the
+    /// runs is not called the scatter between samples.
     #[arg(long)]
     mixed: bool,
     #[arg(long, default_value = trainer::NAMES[0], value_name = "NAME", help = trainers())]
     trainer: String,
-    /// How P(f) enters a network: as points f, P (the paper), or every bin at once.
+    /// Form in which P(f) enters a network: as single points f, P (as in the paper), or as all bins at once.
     #[arg(long, value_enum, default_value_t = FormName::Point)]
     form: FormName,
     /// Seed of the initial weights.
     #[arg(long, default_value_t = 1, value_name = "N")]
     seed: u64,
-    /// Factor on the epochs of the paper's tables, for traingdx; other trainers end by their own rule.
+    /// Factor on the numbers of epochs in the tables of the paper, for traingdx; other trainers have their own stopping
+    /// rule.
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     epoch_factor: Option<f64>,
-    /// Threads, a network each; all processors by default. Results do not depend on it.
+    /// Number of threads, each of which trains one network at a time; all processors by default. Results do not depend on
+    /// it.
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
     #[command(flatten)]
     checkpoints: CheckpointFlags,
 }
 
-/// The help of `--trainer`: the names of all trainers with what they do.
+/// The help text of `--trainer`: the names of all trainers with their descriptions.
 pub(super) fn trainers() -> String {
     let each: Vec<String> =
         trainer::ALL.iter().map(|kind| format!("{} ({})", kind.name, kind.help)).collect();
     format!("Trainer: {}", each.join(" or "))
 }
 
-/// [`Form`] as a flag.
+/// The values of the flag for [`Form`].
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 enum FormName {
     Point,
     Histogram,
 }
 
-/// Shows training, keeps networks as they come, and passes on the wish to stop.
+/// Shows the progress of training, stores each network when it is trained, and stops when the user asks for it.
 pub(super) struct Show<'a> {
     context: &'a Context,
     pub checkpoints: TrainingCheckpoints,
@@ -100,19 +103,19 @@ pub(super) struct Show<'a> {
 }
 
 impl<'a> Show<'a> {
-    /// Keeps networks in a folder that is there.
+    /// Stores networks in an existing folder.
     pub fn new(context: &'a Context, phase: &str, folder: &Path, every: Duration) -> Show<'a> {
         let mut progress = context.progress();
         progress.phase(phase);
         Show { context, checkpoints: TrainingCheckpoints::new(folder, every), progress: Mutex::new(progress) }
     }
 
-    /// Ends the phase with a line that stays.
+    /// Ends the phase with a permanent line.
     pub fn end(self, text: impl FnOnce() -> String) {
         self.progress.into_inner().unwrap_or_else(PoisonError::into_inner).end(text);
     }
 
-    /// Ends the phase of a study that is trained, with the seconds of the networks that were found.
+    /// Ends the training of a study and adds the training times of the networks that were read from the folder.
     fn finish(self, mut study: Study) -> Study {
         self.checkpoints.add_seconds(&mut study);
         let networks: usize = study.mappings.iter().map(|m| m.surrogate.networks().len()).sum();
@@ -120,12 +123,13 @@ impl<'a> Show<'a> {
         study
     }
 
-    /// True if a training that ended so can be gone on with: the user stopped it, or the disk was full.
+    /// True if a training that ended with this error can be resumed, that is if the user stopped it or the disk was full.
     fn can_go_on(&self, error: &LearnError) -> bool {
         matches!(error, LearnError::Stopped { .. }) || self.checkpoints.failed()
     }
 
-    /// Why a training ended before its time: a file that could not be written, the user, or an error of its own.
+    /// The reason why a training ended early: a file that could not be written, an interruption by the user, or another
+    /// error.
     pub fn failure(&self, error: LearnError, folder: &Path) -> Failure {
         match (self.checkpoints.take_failure(), error) {
             (Some(failure), _) => failure.into(),
@@ -187,7 +191,7 @@ impl Train {
             &records::named(&unseen),
             &StudyDataOptions::default(),
         )?;
-        // Before there is a folder, and before an older one is replaced.
+        // This check comes before a folder is created and before an older one is replaced.
         check_states(&dataset, &options.mappings)?;
         let every = self.checkpoints.every()?;
         let mut plan = TrainingManifest::new(&self.runs, &self.unseen, dataset.hash()?, &options)?;
@@ -199,7 +203,7 @@ impl Train {
             Ok(study) => show.finish(study),
             Err(error) => {
                 if !begun && !show.can_go_on(&error) {
-                    // Nothing can come of it: the corrected command finds the folder free.
+                    // The training cannot be resumed, so that the folder is cleared for a corrected command.
                     folder.clear(&plan.files().iter().map(String::as_str).collect::<Vec<_>>())?;
                 }
                 return Err(show.failure(error, folder.path()));
@@ -241,7 +245,7 @@ impl Train {
         })
     }
 
-    /// The same training again, as its folder says.
+    /// The training in a folder, with the options that the folder records.
     pub fn resumed(
         out: &Path,
         threads: Option<usize>,
@@ -264,8 +268,8 @@ impl Train {
         folder.join(PLAN_FILE).is_file()
     }
 
-    /// The folder: new, that of an unfinished training to go on with, or with `--force` any study's. It says first what
-    /// the training is of.
+    /// The output folder: a new one, that of an unfinished training, which is continued, or, with `--force`, that of any
+    /// study. The manifest of the training is written to it first.
     fn folder(&self, context: &Context, plan: &TrainingManifest) -> Result<OutputFolder, Failure> {
         let unfinished = Train::is_in(&self.out) && !self.out.join(STUDY_FILE).exists();
         if !unfinished || context.force {

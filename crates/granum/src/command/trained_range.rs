@@ -1,9 +1,9 @@
-//! The ranges of inputs that the networks of a mapping were trained in.
+//! The ranges of the inputs in which the networks of a mapping were trained.
 
 use granum_learn::MappingNetworks;
 
-/// The inputs with the ranges that a sub-model, or each of them, was trained in; one a line, bins with the same range
-/// together.
+/// The inputs with the ranges in which one sub-model, or each of them, was trained, one input per line; bins with the same
+/// range share a line.
 pub fn inputs(surrogate: &MappingNetworks, sub_model: Option<usize>) -> String {
     let chosen: Vec<(usize, Vec<[f64; 2]>)> = (0..surrogate.networks().len())
         .filter(|k| sub_model.is_none_or(|wanted| wanted == *k))
@@ -12,7 +12,7 @@ pub fn inputs(surrogate: &MappingNetworks, sub_model: Option<usize>) -> String {
     let ranges = |input: usize| -> Vec<(usize, [f64; 2])> {
         chosen.iter().map(|(number, ranges)| (*number, ranges[input])).collect()
     };
-    // The sub-model is chosen by the strain, which is the first input; the others then have the range of that sub-model.
+    // The first input is the strain, which selects the sub-model; the other inputs then have the range of that sub-model.
     let names = surrogate.input_names().into_iter().enumerate();
     let lines: Vec<(String, String)> =
         names.map(|(input, name)| (name, text(&ranges(input), input == 0))).collect();
@@ -26,8 +26,8 @@ pub fn inputs(surrogate: &MappingNetworks, sub_model: Option<usize>) -> String {
     shown.collect::<Vec<_>>().join("\n")
 }
 
-/// The ranges of numbered sub-models: one range where they are alike, or where they may be joined and leave no gap, else
-/// that of each.
+/// The ranges of numbered sub-models: a single range if they are all equal, or if they may be joined and have no gaps,
+/// otherwise the range of each.
 fn text(ranges: &[(usize, [f64; 2])], may_join: bool) -> String {
     let shown = |[low, high]: [f64; 2]| format!("{} to {}", short(low), short(high));
     let alike = ranges.windows(2).all(|pair| pair[0].1 == pair[1].1);
@@ -64,7 +64,7 @@ mod tests {
         );
         assert_eq!(text(&ranges(0.0925), true), "0.0075 to 0.1975");
         assert_eq!(text(&ranges(0.08), true), "0.0075 to 0.1975");
-        // An input other than the strain does not choose the sub-model.
+        // The ranges of an input other than the strain are not joined, since it does not select the sub-model.
         assert!(text(&ranges(0.08), false).contains("(sub-model 2)"));
         assert_eq!(text(&[(1, [0.125, 3.375]), (2, [0.125, 3.375])], false), "0.125 to 3.375");
         assert_eq!(text(&[(3, [0.1, 0.2])], false), "0.1 to 0.2");

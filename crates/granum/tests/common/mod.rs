@@ -1,4 +1,4 @@
-//! Running the program in a folder.
+//! Helpers that run the program in a folder.
 #![allow(dead_code, reason = "not every test file takes every helper")]
 
 use std::path::Path;
@@ -10,17 +10,17 @@ pub fn run(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(program).args(arguments).current_dir(folder).output().unwrap()
 }
 
-/// What it printed.
+/// The standard output of the program.
 pub fn stdout(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).unwrap()
 }
 
-/// What it said on the standard error.
+/// The standard error of the program.
 pub fn stderr(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()
 }
 
-/// Text as JSON.
+/// Parses a text as JSON.
 pub fn json(text: &str) -> serde_json::Value {
     serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
 }

@@ -1,5 +1,5 @@
-//! Whatever the files of a folder say, and wherever links in it lead, no command makes, changes or removes anything
-//! outside its output folder.
+//! No command creates, changes or removes anything outside its output folder, whatever the files of the folder contain and
+//! wherever links in it point.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -16,19 +16,19 @@ use crate::common::{run, stderr};
 use crate::networks::make_run;
 use crate::{SMALL, done};
 
-/// Names that lead out of a folder; the first is absolute, in the folder beside it.
+/// Names that lead out of a folder; the first is an absolute path in the neighbouring folder.
 fn hostile(place: &Place) -> [String; 5] {
     let absolute = place.base.path().join("outside/x").display().to_string();
     [absolute, "../outside/x".into(), "a/../../outside/x".into(), "..".into(), "x\0y".into()]
 }
 
-/// A folder to work in, and one beside it that nothing may touch.
+/// A working folder, and a neighbouring folder that must not be changed.
 struct Place {
     base: tempfile::TempDir,
     before: BTreeMap<PathBuf, Vec<u8>>,
 }
 
-/// Everything outside the folder of work, links not followed, with what is in it.
+/// All files outside the working folder with their contents; links are not followed.
 fn outside(base: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut folders = vec![base.to_path_buf()];
@@ -67,7 +67,7 @@ impl Place {
         self.base.path().join("work")
     }
 
-    /// Runs a command, which may fail or not but must neither panic nor touch what is outside; gives what it said.
+    /// Runs a command, which may fail but must neither panic nor change anything outside; returns its standard error.
     fn harmless(&self, arguments: &[&str]) -> String {
         let output = run(&self.work(), arguments);
         let told = stderr(&output);
@@ -78,10 +78,10 @@ impl Place {
         told
     }
 
-    /// As [`Place::harmless`] for a command that must be refused with these words.
+    /// As [`Place::harmless`], for a command that must be refused with these words.
     fn refused(&self, words: &str, arguments: &[&str]) {
         let told = self.harmless(arguments);
-        // The message is broken into lines.
+        // The message is wrapped into lines.
         let flat = told.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ");
         assert!(flat.contains(words), "granum {}: {told}", arguments.join(" "));
     }
@@ -118,7 +118,7 @@ fn names_in_studies_lead_nowhere() {
         fs::write(&plan, &good_plan).unwrap();
         fs::write(&study, &good_study).unwrap();
     }
-    // Files that are written through names of their own: a link in the place of each.
+    // Each file that is written under a fixed name is replaced by a link.
     fs::remove_file(&study).unwrap();
     for name in ["F1-1.json", "F1-1.json.part", "F1-1.unfinished", "seconds.json", "study.json"] {
         let _ = fs::remove_file(work.join("study").join(name));
@@ -150,7 +150,7 @@ fn records_and_links_of_runs_lead_nowhere() {
             place.harmless(&["status", "run"]);
             place.harmless(&["resume", "run"]);
             place.harmless(&["report", "run", "--force"]);
-            // Without a checkpoint it begins at the source, which is not there.
+            // Without a checkpoint the run starts again from its source, which does not exist.
             for name in ["checkpoint", "checkpoint.previous"] {
                 let _ = fs::remove_file(folder.join(name));
             }
@@ -198,7 +198,7 @@ fn reproductions_lead_nowhere() {
             if name.is_dir() { fs::remove_dir_all(name).unwrap() } else { fs::remove_file(name).unwrap() }
         }
     }
-    // The folder of a reproduction whose runs are elsewhere.
+    // The folder of a reproduction whose runs are in another place.
     let options = ReproductionOptions { quick: true, ..ReproductionOptions::default() };
     let of = Reproduction::new(options, vec!["training-11".into()]);
     of.write(&work.join("study")).unwrap();
@@ -217,7 +217,7 @@ fn reproductions_lead_nowhere() {
         place.harmless(&["status", "study"]);
         place.refused("is neither training nor unseen", &["report", "study", "--force"]);
     }
-    // What the folder says that it is of leads nowhere either.
+    // Hostile names in the description of the reproduction have no effect either.
     let file = work.join("study/reproduction.json");
     for name in hostile(&place) {
         of.write(&work.join("study")).unwrap();

@@ -1,5 +1,5 @@
-//! The program from end to end, as a user runs it: small tests of grains, networks trained on them, and what is
-//! refused.
+//! End-to-end tests of the program as a user runs it: small simulations, networks that are trained on them, and inputs that
+//! are refused.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -22,7 +22,7 @@ use std::path::Path;
 use common::{json, run, stderr, stdout};
 use serde_json::Value;
 
-/// A case that prepares and shears in a second or two.
+/// A case whose preparation and shear take one or two seconds.
 pub const SMALL: &str = r#"
 [grains]
 count = 150
@@ -39,21 +39,21 @@ states = 8
 observations_per_state = 3
 "#;
 
-/// Runs granum, which must succeed, and gives what it printed.
+/// Runs granum, which must succeed, and returns its standard output.
 pub fn done(folder: &Path, arguments: &[&str]) -> String {
     let output = run(folder, arguments);
     assert!(output.status.success(), "granum {}: {}", arguments.join(" "), stderr(&output));
     stdout(&output)
 }
 
-/// Runs granum with `--json`, which must succeed, and gives what it printed.
+/// Runs granum with `--json`, which must succeed, and returns its output.
 pub fn done_json(folder: &Path, arguments: &[&str]) -> Value {
     let mut all = vec!["--json"];
     all.extend(arguments);
     json(&done(folder, &all))
 }
 
-/// Runs granum, which must fail with that status, and gives what it said.
+/// Runs granum, which must fail with the given status, and returns its standard error.
 pub fn refused(folder: &Path, status: i32, arguments: &[&str]) -> String {
     let output = run(folder, arguments);
     assert_eq!(output.status.code(), Some(status), "granum {}: {}", arguments.join(" "), stderr(&output));

@@ -1,4 +1,4 @@
-//! Samples of several materials, and wet ones, as a user runs them.
+//! End-to-end tests of samples with several materials and of wet samples.
 
 use super::{SMALL, digest, done, done_json, refused};
 
@@ -27,7 +27,7 @@ fn two_materials_run_to_the_same_bits_on_threads_in_any_order_and_after_a_stop()
     done(place, &["shear", "one.toml", "--out", "one", "--threads", "1"]);
     done(place, &["shear", "two.toml", "--out", "two", "--threads", "2"]);
     assert_eq!(digest(place, "one"), digest(place, "two"));
-    // The case in the folder runs again to the same.
+    // The case in the folder gives the same results when it is run again.
     done(place, &["shear", "one/case.toml", "--out", "again"]);
     assert_eq!(digest(place, "one"), digest(place, "again"));
     let end = granum_io::snapshot::read_snapshot(&place.join("one/snapshots"), "end").unwrap();
@@ -36,7 +36,7 @@ fn two_materials_run_to_the_same_bits_on_threads_in_any_order_and_after_a_stop()
     done(place, &["report", "one"]);
     let page = std::fs::read_to_string(place.join("one/report.html")).unwrap();
     assert!(page.contains("rubber") && page.contains("40 % of the grains"));
-    // A value of one of them is another case; what cannot be is refused with its remedy.
+    // Changing a value of one material gives another case; invalid values are refused, and the message gives the remedy.
     let set = ["--set", "material.rubber.friction=0.2"];
     done(place, &["shear", "one.toml", "--out", "smooth", set[0], set[1]]);
     assert_ne!(digest(place, "one"), digest(place, "smooth"));

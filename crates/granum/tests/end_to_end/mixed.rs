@@ -1,4 +1,4 @@
-//! Runs that differ in more than their seed, and scores on runs that are not new to a study.
+//! Runs that differ in more than their seed, and scores on runs that a study has used for training.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ fn train<'a>(words: &[&'a str]) -> Vec<&'a str> {
     [&["train"], words, &QUICK].concat()
 }
 
-/// Two samples of one test, and a test of another friction that ends elsewhere.
+/// Two runs of one test with different seeds, and a test with another friction and another final strain.
 fn make_runs(here: &Path) {
     make_run(here, 1);
     make_run(here, 2);
@@ -43,12 +43,12 @@ fn runs_that_differ_in_more_than_the_seed_are_refused_or_called_so() {
         assert!(!message.contains("preparation.seed:") && !here.join("study").exists(), "{message}");
     }
 
-    // On request they are taken, and what they differ in is said.
+    // With --mixed they are accepted, and the keys that differ are printed.
     let words = train(&["run-1", "--unseen", "run-2", "other", "--mixed", "--out", "mixed"]);
     let text = done(here, &words);
     let said = "difference between runs (seed, grains.material.friction and shear.deviator_strain)";
     assert!(text.contains(said) && !text.contains("seed scatter"), "{text}");
-    // A resumed training knows that this was asked for.
+    // A resumed training retains the option --mixed.
     std::fs::remove_file(here.join("mixed/study.json")).unwrap();
     let resumed = done(here, &["resume", "mixed"]);
     assert!(resumed.contains(said), "{resumed}");
@@ -58,21 +58,21 @@ fn runs_that_differ_in_more_than_the_seed_are_refused_or_called_so() {
     assert!(told["mappings"]["F1"]["run_difference"].is_number(), "{told}");
     assert!(told["mappings"]["F1"]["seed_scatter"].is_null(), "{told}");
 
-    // Runs that differ in their seed alone have a seed scatter.
+    // For runs that differ only in their seed, the spread is called seed scatter.
     let told = done_json(here, &train(&["run-1", "--unseen", "run-2", "--out", "study"]));
     assert_eq!(told["runs_differ_in"], json(r#"["preparation.seed"]"#));
     assert!(told["mappings"]["F1"]["seed_scatter"].is_number(), "{told}");
     evaluations(here);
 }
 
-/// Scores are called what they are.
+/// Scores are labelled by the relation of the run to the training runs.
 fn evaluations(here: &Path) {
     let evaluate = |words: &[&str]| {
         let output = run(here, &[&["evaluate", "study"], words].concat());
         assert!(output.status.success(), "{}", stderr(&output));
         (stdout(&output), stderr(&output))
     };
-    // The training run under another name is the training run.
+    // A copy of the training run under another name is recognised as the training run.
     copy(&here.join("run-1"), &here.join("copy"));
     for name in ["run-1", "copy"] {
         let (text, warned) = evaluate(&[name]);
@@ -92,11 +92,11 @@ fn evaluations(here: &Path) {
     assert_eq!(kinds[..2], ["scores on a training run", "scores on an unseen run"]);
     let found = &told["runs"][2]["differs_from_training"][0];
     assert_eq!(found, &json(r#"{"key":"grains.material.friction","value":"0.5","trained":["0.3"]}"#));
-    // Where the training runs had both values, the value is not new.
+    // A value is not new if one of the training runs has it.
     let told = done_json(here, &["evaluate", "mixed", "run-2"]);
     assert_eq!(told["runs"][0]["differs_from_training"], json("[]"));
 
-    // A study of an earlier version is read, and what it does not say is not claimed.
+    // A study of an earlier version can be read, and nothing is claimed that it does not record.
     let path = here.join("study/study.json");
     let mut old = json(&std::fs::read_to_string(&path).unwrap());
     old["version"] = 1.into();

@@ -1,4 +1,5 @@
-//! Train, predict, evaluate, on small and fast tests of grains: too rough to be cited, right for the machinery.
+//! Training, prediction and evaluation with small and fast simulations, which are too coarse for physical conclusions but
+//! exercise the whole program.
 
 use std::path::Path;
 
@@ -6,14 +7,14 @@ use serde_json::Value;
 
 use crate::{SMALL, done, done_json, refused};
 
-/// A test over the whole range of strain, with enough states for every sub-model.
+/// Runs a test over the whole range of strain, with enough states for every sub-model.
 pub fn make_run(here: &Path, seed: u64) {
     make_run_of(here, &format!("run-{seed}"), |case| {
         case.replace("[preparation]", &format!("[preparation]\nseed = {seed}"))
     });
 }
 
-/// Such a test of a case that was changed.
+/// Such a test with a modified case.
 pub fn make_run_of(here: &Path, name: &str, change: impl FnOnce(&str) -> String) {
     let case = SMALL
         .replace("deviator_strain = 0.02", "deviator_strain = 0.3")
@@ -41,7 +42,7 @@ fn a_study_is_trained_judged_and_asked() {
     let message = refused(here, 1, &train);
     assert!(message.contains("study already holds a finished training"), "{message}");
 
-    // The same scores from the saved files as at the end of training, and the same ones again.
+    // The scores from the saved files are those at the end of training, and they are reproducible.
     let judged = done_json(here, &["evaluate", "study", "run-2"]);
     let mappings = judged["runs"][0]["mappings"].as_array().unwrap();
     assert_eq!(mappings.len(), 6);
@@ -50,7 +51,7 @@ fn a_study_is_trained_judged_and_asked() {
         assert!(close(&scored["network"]["relative_rmse"], &before["relative_rmse"]["unseen"]), "{scored}");
         assert!(close(&scored["network"]["r2"], &before["r2"]["unseen"]), "{scored}");
         assert!(close(&scored["strain_only"]["r2"], &before["r2"]["strain_only"]), "{scored}");
-        // Baselines are kept with the study.
+        // The baselines are stored with the study.
         for name in ["ridge", "ridge_strain_only", "mean_curve"] {
             assert!(close(&scored[name]["relative_rmse"], &before[name]), "{name}: {scored}");
         }
@@ -65,7 +66,7 @@ fn a_study_is_trained_judged_and_asked() {
     let text = done(here, &["evaluate", "study", "run-1", "run-2"]);
     assert!(text.contains("run-2 (seed 2)") && text.contains("relative RMSE"), "{text}");
     assert!(text.contains("ridge, strain only") && text.contains("mean curve"), "{text}");
-    // The run that was trained on is no other unseen run.
+    // A training run does not count as a further unseen run.
     assert!(
         text.contains("over 1 unseen run,") && text.contains("cannot be told from so few runs"),
         "{text}"
@@ -79,20 +80,21 @@ fn a_study_is_trained_judged_and_asked() {
         assert_eq!((&used["use"]["runs"], &used["use"]["above_zero"]), (&2.into(), &Value::Null), "{used}");
     }
 
-    // A training that was ended before its last file goes on, to the same networks.
+    // A training that was interrupted before its last file is resumed and gives the same networks.
     std::fs::remove_file(here.join("study/study.json")).unwrap();
     std::fs::remove_file(here.join("study/F3-2.json")).unwrap();
     let again = done_json(here, &train);
     assert_eq!(again["mappings"]["F3"]["relative_rmse"], trained["mappings"]["F3"]["relative_rmse"]);
 
-    // The default trainer knows how sure it is; of one run it knows that it does not know the scatter between samples.
+    // The default trainer estimates its uncertainty; with a single training run it states that the scatter between samples
+    // is unknown.
     done(here, &["train", "run-1", "--form", "histogram", "--out", "sure"]);
     let ask =
         ["predict", "sure", "-m", "F4", "-s", "deviator_strain=0.1", "-s", "deviator_fabric=0.12", "-s"];
     let ask = [&ask[..], &["force=1.125"]].concat();
     let answer = done_json(here, &ask);
     let number = |key: &str| answer[key].as_f64().unwrap();
-    // Of 20 states of one run nothing more is known than that it is positive.
+    // With 20 states of a single run, the standard deviation can only be required to be positive.
     assert!(number("standard_deviation") > 0.0, "{answer}");
     assert!(number("lower") < number("value") && number("value") < number("upper"), "{answer}");
     assert!(answer["runs_of_interval"].is_null() && answer["constant"] == false, "{answer}");
@@ -114,7 +116,7 @@ fn bins() -> impl Iterator<Item = f64> {
     (0..14).map(|bin| 0.125 + 0.25 * bin as f64)
 }
 
-/// A state for F1, as `--set` takes it; the networks of `study` are in point form.
+/// A state for F1 as arguments of `--set`; the networks of `study` have point form.
 fn state(strain: &str) -> Vec<String> {
     let density = |f: f64| format!("probability_density_{f}={}", 0.05 + 0.4 * (-f).exp());
     let values = std::iter::once(format!("deviator_strain={strain}")).chain(bins().map(density));

@@ -1,5 +1,5 @@
-//! Without `--force` no command changes or removes a file that was there, whatever kind of folder it is given, and every
-//! refusal names the command line that goes on from what is there.
+//! Without `--force` no command changes or removes an existing file, whatever kind of folder it is given, and every refusal
+//! names the command line that continues from the existing files.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -14,7 +14,7 @@ use crate::common::{run, stderr};
 use crate::networks::make_run;
 use crate::{SMALL, done, done_json, refused};
 
-/// Every file under a folder with what is in it, but for locks.
+/// All files under a folder with their contents, except locks.
 fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(folder).unwrap() {
@@ -44,7 +44,7 @@ fn set_status(run: &Path, status: &str) {
     fs::write(&path, serde_json::to_vec(&record).unwrap()).unwrap();
 }
 
-/// The folder of a reproduction with runs that are not its own, so that no test has to wait for the real ones.
+/// The folder of a reproduction with small runs in place of the real ones, which would take too long.
 fn reproduction(here: &Path, name: &str, quick: bool, trainer: &str, finished: bool) {
     let folder = here.join(name);
     let names = ["training-11", "unseen-12", "unseen-13"].map(String::from).to_vec();
@@ -64,7 +64,7 @@ fn reproduction(here: &Path, name: &str, quick: bool, trainer: &str, finished: b
     }
 }
 
-/// A folder of each kind, with the words that must stand in every refusal.
+/// A folder of each kind, with the words that every refusal must contain.
 fn folders(here: &Path) -> Vec<(&'static str, &'static str)> {
     fs::write(here.join("case.toml"), SMALL).unwrap();
     done(here, &["prepare", "case.toml", "--out", "sample"]);
@@ -106,7 +106,7 @@ fn folders(here: &Path) -> Vec<(&'static str, &'static str)> {
     ]
 }
 
-/// Runs a command, after which every file that was there must be there as it was; gives what it said if it was refused.
+/// Runs a command, after which all existing files must be unchanged; returns its standard error if it was refused.
 fn keeps(here: &Path, before: &BTreeMap<PathBuf, Vec<u8>>, arguments: &[&str]) -> Option<String> {
     let output = run(here, arguments);
     let told = stderr(&output);
@@ -116,7 +116,7 @@ fn keeps(here: &Path, before: &BTreeMap<PathBuf, Vec<u8>>, arguments: &[&str]) -
     for (path, bytes) in before {
         assert!(after.get(path) == Some(bytes), "{line} changed {}: {told}", path.display());
     }
-    // What a report adds goes again, so that every command finds the same.
+    // Files that a report adds are removed, so that every command finds the same folder.
     for path in after.keys().filter(|path| !before.contains_key(*path)) {
         assert!(output.status.success(), "{line} failed and left {}: {told}", path.display());
         fs::remove_file(path).unwrap();
@@ -148,7 +148,7 @@ fn without_force_no_command_changes_what_is_there() {
                 told.unwrap_or_else(|| panic!("granum {} --out {folder} was taken", command.join(" ")));
             assert!(told.contains(words), "granum {} --out {folder}: {told}", command.join(" "));
         }
-        // The same options may go on; here the runs are of another case, and nothing of that may be lost.
+        // The same options could continue the reproduction, but here the runs are of another case and must not be lost.
         for command in [&["reproduce"][..], &["reproduce", "--quick"]] {
             let told = keeps(here, &before, &[command, &out].concat()).unwrap();
             assert!(told.contains(words) || told.contains("holds a run of another case"), "{folder}: {told}");
@@ -200,7 +200,7 @@ fn force_replaces_only_what_is_of_the_same_kind() {
     }
 }
 
-/// Starts a command and kills it; false if it ended before.
+/// Starts a command and kills it; returns false if it ended before that.
 fn killed_after(here: &Path, milliseconds: u64, arguments: &[&str]) -> bool {
     let mut child = Command::new(env!("CARGO_BIN_EXE_granum"))
         .args(arguments)
@@ -249,7 +249,7 @@ fn status_tells_the_exact_command_and_is_done_only_when_all_is() {
     assert!(told.contains("full/runs/unseen-12: not begun"), "{told}");
     fs::create_dir(here.join("full/runs/unseen-12")).unwrap();
     assert_eq!(done_json(here, &["status", "full"])["runs"][1]["status"], "not begun");
-    // Of another version it is refused, and the command of that version is told.
+    // A reproduction of another version is refused, and the message gives the command of that version.
     let path = here.join("paper/reproduction.json");
     let text = fs::read_to_string(&path).unwrap().replace(env!("CARGO_PKG_VERSION"), "0.0.9");
     fs::write(&path, text).unwrap();
@@ -259,7 +259,7 @@ fn status_tells_the_exact_command_and_is_done_only_when_all_is() {
     set_status(&here.join("paper/runs/unseen-12"), "interrupted");
     let text = next("paper").0;
     assert!(text.contains("begun by granum 0.0.9") && text.ends_with("--out paper"), "{text}");
-    // Without the file nobody knows what it was.
+    // Without this file the options of the reproduction are unknown.
     fs::remove_file(&path).unwrap();
     let told = refused(here, 1, &["reproduce", "--out", "paper"]);
     assert!(told.contains("does not say with which options it was made"), "{told}");
@@ -291,7 +291,7 @@ fn mistakes_leave_nothing_behind_and_cost_nothing_with_force() {
         &["reproduce", "--quick", "--threads", "0"],
         &["reproduce", "--quick", "--checkpoint-every", "-1"],
         &["train", "sample"],
-        // Five states are too few for the sub-models.
+        // A record with five states is too short for the sub-models.
         &["train", "good"],
         &["train", "good", "--threads", "0"],
     ] {
@@ -310,7 +310,7 @@ fn a_training_that_fails_leaves_its_folder_to_the_corrected_command() {
     let train = |run: &'static str, more: &[&'static str]| {
         [&["train", run, "--trainer", "traingdx", "--epoch-factor", "2e-4", "--out", "study"], more].concat()
     };
-    // Too few states for a sub-model.
+    // This record has too few states for a sub-model.
     fs::write(
         here.join("short.toml"),
         fs::read_to_string(here.join("case.toml")).unwrap().replace("states = 40", "states = 5"),

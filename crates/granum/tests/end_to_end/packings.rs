@@ -1,4 +1,4 @@
-//! Runs from packings: what is printed is what was run, and no key is silently without effect.
+//! Runs from packings: the output describes the actual run, and no key is silently without effect.
 
 use std::path::Path;
 
@@ -8,14 +8,14 @@ use serde_json::Value;
 use crate::common::{run, stderr};
 use crate::{SMALL, digest, done, done_json, refused};
 
-/// The packing that a prepared sample of a case is.
+/// Writes a packing file with the grains of a prepared sample.
 fn packing_of_a_sample(here: &Path, name: &str, seed: &str) {
     done(here, &["prepare", "case.toml", "--seed", seed, "--out", &format!("made-{name}")]);
     let assembly = Run::at(here.join(format!("made-{name}"))).unwrap().snapshot("start").unwrap();
     granum_io::write_packing(here.join(name), &Packing::from_assembly(&assembly)).unwrap();
 }
 
-/// Grains of two sizes on a wide lattice: they do not touch.
+/// A packing of grains of two sizes on a lattice so wide that they do not touch.
 fn loose(here: &Path, name: &str) {
     let edge = 6.0 * 1.3e-4;
     let mut text = format!(
@@ -39,7 +39,7 @@ fn record(here: &Path, folder: &str) -> Value {
 fn a_run_from_a_packing_says_whose_grains_it_ran_and_its_digest_covers_them() {
     let base = tempfile::tempdir().unwrap();
     let here = base.path();
-    // Neither number nor diameter of the case are those of the packings.
+    // Number and diameter of the grains in the case differ from those of the packings.
     std::fs::write(here.join("case.toml"), SMALL.replace("count = 150", "count = 120")).unwrap();
     packing_of_a_sample(here, "one.csv", "1");
     packing_of_a_sample(here, "two.csv", "2");
@@ -78,7 +78,7 @@ fn a_run_from_a_packing_says_whose_grains_it_ran_and_its_digest_covers_them() {
     assert!(page.contains("0.1 mm") && !page.contains("300 grains") && !page.contains("; seed"));
     let case = std::fs::read_to_string(here.join("a/case.toml")).unwrap();
     assert!(case.contains("count = 300  # no part in this run"), "{case}");
-    // A sample of a packing is resumed and read as any other.
+    // A sample made from a packing can be resumed and read like any other.
     done(here, &["resume", "a"]);
     done(here, &["status", "c"]);
 }
@@ -110,7 +110,7 @@ fn keys_without_a_part_in_a_run_from_a_packing_are_named_or_refused() {
     let notes = record(here, "s")["notes"].to_string();
     assert!(notes.contains("grains.count = 150 has no part"), "{notes}");
 
-    // It carries its load, so no friction is to blame for its density.
+    // The packing carries its load, so that its density does not depend on a preparation friction.
     let told = done_json(
         here,
         &[
@@ -174,7 +174,7 @@ fn a_loose_packing_is_compacted_as_the_case_says() {
     let reached = measure(&searched, "solid_fraction");
     assert!(measure(&searched, "preparation_trials") >= 2.0, "{searched}");
     assert!((reached - 0.5 * (most + least)).abs() < 0.01, "{reached} {most} {least}");
-    // Every trial begins from the packing again, also after an interruption.
+    // Every trial starts from the packing again, even after an interruption.
     with("often", &[&search[..], &["--checkpoint-every", "0.001"]].concat());
     assert_eq!(digest(here, "often"), digest(here, "searched"));
     let record = record(here, "searched");

@@ -1,4 +1,4 @@
-//! What a run leaves to look at: spaced states, snapshots, the history of the preparation, peak and late values.
+//! The output of a run: spacing of states, snapshots, history of the preparation, peak and late values.
 
 use std::path::Path;
 
@@ -23,7 +23,7 @@ fn states_and_snapshots_stand_where_the_case_says() {
     done(here, &["prepare", "case.toml", "--out", "sample"]);
     let told = shear(here, "usual", &[]);
 
-    // The elastic rise of q/p lies between the first two of the usual states.
+    // The initial elastic rise of q/p lies between the first two states of the default spacing.
     let slow = ["--set", "shear.inertial_number=3e-4", "--set", "recording.observations_per_state=1"];
     let spaced = ["--set", "recording.first_strain=1e-5"];
     shear(here, "geometric", &[&slow[..], &spaced].concat());
@@ -50,7 +50,7 @@ fn states_and_snapshots_stand_where_the_case_says() {
         let deviator = strain[0][0] - 0.5 * (strain[1][1] + strain[2][2]);
         assert!((deviator - wanted).abs() < 2e-4, "{name}: {deviator}");
     }
-    // Snapshots and the spacing of states change nothing of the test itself.
+    // Snapshots and the spacing of states do not change the test itself.
     let end = |name: &str| Run::at(here.join(name)).unwrap().snapshot("end").unwrap();
     assert_eq!(end("listed"), end("usual"));
 
@@ -67,19 +67,20 @@ fn states_and_snapshots_stand_where_the_case_says() {
         refused(here, 1, &["shear", "case.toml", "--out", "r", "--set", "recording.snapshots=0.05"]);
     assert!(message.contains("recording.snapshots goes up to 0.05, but the test ends at"), "{message}");
     done(here, &["report", "geometric"]);
-    // Three states are too few to learn from, and the sub-model that misses them is named.
+    // Three states are too few for training, and the message names the sub-model that lacks states.
     let message = refused(here, 1, &["train", "listed", "--out", "study"]);
     assert!(message.contains("F1 sub-model 1") && message.contains("record more states"), "{message}");
 }
 
-/// Peak and late values in the answer are those of the series.
+/// Peak and late values in the output agree with the series.
 fn peak_and_late(told: &serde_json::Value, series: &Table) {
     let measure = |name: &str| told["measures"][name].as_f64().unwrap_or_else(|| panic!("no {name}"));
     let column = |name: &str| series.column(name).unwrap();
     let largest = |name: &str| column(name).iter().copied().fold(f64::MIN, f64::max);
     assert_eq!(measure("peak_stress_ratio"), largest("stress_ratio"));
     assert_eq!(measure("peak_deviator_fabric"), largest("deviator_fabric"));
-    // Of eight intervals the last quarter holds the last two and a bit: the mean is near that of the last three states.
+    // The last quarter of the strain comprises a little more than the last two of eight intervals, so that the mean is
+    // close to that of the last three states.
     for (name, of) in [
         ("late_stress_ratio", "stress_ratio"),
         ("late_deviator_fabric", "deviator_fabric"),
@@ -119,7 +120,7 @@ fn a_preparation_leaves_its_course() {
     assert!(page.contains("Compression curve") && page.contains("150 grains") && page.contains("<svg"));
     assert!(!page.contains("Rate of strain"), "a sample has no rate");
 
-    // However often it is stopped, the same course; a test takes it over from its sample.
+    // The history does not depend on interruptions, and a test copies it from its sample.
     done(here, &["prepare", "case.toml", "--out", "often", "--checkpoint-every", "0.001"]);
     let bytes = |name: &str| std::fs::read(here.join(name).join("preparation.parquet")).unwrap();
     assert_eq!(bytes("often"), bytes("sample"));
@@ -171,17 +172,17 @@ fn another_mean_stress_is_reached_before_the_test_and_judged() {
             assert!(names.contains(&format!("consolidation_{check}").as_str()), "{names:?}");
             assert!(names.contains(&format!("sample_{check}").as_str()), "{names:?}");
         }
-        // The start is the sample as the test begins.
+        // The snapshot `start` is the sample at the beginning of the test.
         let start = Run::at(here.join("r")).unwrap().snapshot("start").unwrap();
         assert_eq!(start.target_mean_stress, Some(pascal));
     }
-    // The same bits, however often it is stopped.
+    // Interruptions do not change any bit of the result.
     shear(here, "often", &["--checkpoint-every", "0.001", "--set", "shear.mean_stress=5 kPa"]);
     assert_eq!(digest(here, "often"), digest(here, "r"));
-    // Asked for by name, the sample's own mean stress is no other.
+    // No consolidation takes place if the mean stress of the sample is given explicitly.
     let same = shear(here, "same", &["--set", "shear.mean_stress=20 kPa"]);
     assert!(same["steps"].get("consolidation").is_none(), "{same}");
-    // A stress that crushes the grains into each other is said of a sample too.
+    // Excessive overlaps at a very high stress are reported for a sample as well.
     let crushed = done_json(
         here,
         &["prepare", "case.toml", "--out", "crushed", "--set", "preparation.mean_stress=1 GPa"],

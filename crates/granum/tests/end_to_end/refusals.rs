@@ -1,4 +1,4 @@
-//! Bad input ends with another status than success, and with the file and line that is wrong.
+//! Invalid input ends with an error status and with a message that names the file and the line.
 
 use crate::common::{json, run, stderr};
 use crate::{SMALL, done, refused};

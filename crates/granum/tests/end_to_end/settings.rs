@@ -1,4 +1,4 @@
-//! `--set` and `--seed`: one case, many runs, with the errors of the case file.
+//! `--set` and `--seed`: many runs from one case, with the same error messages as for the case file.
 
 use crate::{SMALL, digest, done, done_json, refused};
 

@@ -1,8 +1,8 @@
-//! Tests along paths and stages, as the book has them.
+//! Tests along paths and stages, as in the book.
 
 use super::{SMALL, done, done_json, refused};
 
-/// The small case without what stages say themselves.
+/// The small case without the sections that stages replace.
 fn case() -> String {
     let start = SMALL.find("[shear]").unwrap();
     format!("{}[recording]\nobservations_per_state = 3\n", &SMALL[..start])
@@ -33,7 +33,7 @@ fn a_drained_and_an_undrained_test_of_one_sample() {
             "{values:?}"
         );
         assert_eq!(table.column("stage").unwrap()[3], 1.0);
-        // The case in the folder is that of the path, and can be run as it is.
+        // The case in the folder contains the path and can be run unchanged.
         let text = std::fs::read_to_string(place.join(path).join("case.toml")).unwrap();
         assert!(text.contains(&format!("path = \"{path}\"")) && !text.contains("[shear]"), "{text}");
         assert!(done(place, &["status", path]).contains("finished"));
@@ -58,7 +58,7 @@ fn shear_runs_the_stages_of_a_case_and_flags_set_them() {
     assert_eq!((stage[0], state[0]), (1.0, 0.0));
     assert_eq!(stage.last(), Some(&2.0));
     assert!(state.iter().zip(stage).any(|pair| pair == (&0.0, &2.0)));
-    // Networks learn from tests of one stage so far.
+    // Networks can only be trained on tests of a single stage so far.
     let text = refused(place, 1, &["train", "one", "--out", "study"]);
     assert!(text.contains("it is a test of several stages"), "{text}");
     let text =

@@ -1,4 +1,4 @@
-//! Samples and tests: prepare, shear, report, digest, status, interrupt, resume; forces of the shipped packing.
+//! Samples and tests: prepare, shear, report, digest, status, interrupt, resume; forces of the packing in `data`.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -38,7 +38,7 @@ fn a_small_case_from_sample_to_report_and_one_digest_on_any_hardware() {
     reports(here);
 }
 
-/// Reports of a run: in its folder, as one page elsewhere, never over an older one.
+/// Reports of a run: in its folder, or as a single page elsewhere, but never over an existing one.
 fn reports(here: &Path) {
     let told = done_json(here, &["report", "one"]);
     let figures = std::fs::read_dir(here.join("one/figures")).unwrap().count();
@@ -48,7 +48,7 @@ fn reports(here: &Path) {
     for words in ["The paper", "the paper", "paper\u{2019}s", "We kept"] {
         assert!(!page.contains(words), "a run's own report says {words:?}");
     }
-    // The energy balance closes to one figure, that of the check.
+    // The report shows the same gap of the energy balance as the quality check.
     let gap =
         page.split("Energy balance, gap over boundary work").nth(1).and_then(|rest| rest.split("<b>").nth(1));
     let gap = gap.and_then(|rest| rest.split("</b>").next()).unwrap();
@@ -137,7 +137,7 @@ fn forces_of_the_shipped_packing_are_those_known() {
     for name in ["tx", "ty", "tz"] {
         assert!(table.column(name).unwrap().iter().all(|torque| *torque == 0.0), "{name}");
     }
-    // Typical contact forces are 1e-4 N; action and reaction cancel.
+    // Contact forces are typically 1e-4 N, and their sum vanishes, since action and reaction cancel.
     for name in ["fx", "fy", "fz"] {
         let sum: f64 = table.column(name).unwrap().iter().sum();
         assert!(sum.abs() < 1e-15, "{name} {sum}");

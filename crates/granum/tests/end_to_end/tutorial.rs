@@ -1,10 +1,10 @@
-//! The tutorial as it stands: what a reader types works.
+//! The commands of the tutorial work exactly as they are printed.
 
 use crate::{done, refused};
 
 const TUTORIAL: &str = include_str!("../../../../docs/src/tutorial.md");
 
-/// The blocks of a language, in their order.
+/// The code blocks of a language, in order.
 fn blocks(language: &str) -> Vec<String> {
     let fence = format!("```{language}\n");
     let after = |text: &str| text.split("```").next().unwrap_or_default().to_string();
@@ -18,7 +18,7 @@ fn what_the_tutorial_says_works() {
     let case = &blocks("toml")[0];
     assert!(TUTORIAL.contains("into a new file, `my-sand.toml`"));
     granum_io::Case::parse(case, "my-sand.toml").unwrap();
-    // Smaller and shorter: the same keys in less time.
+    // The same keys with fewer grains and less strain, to save time.
     let small = case
         .replace("count = 1000", "count = 150")
         .replace("deviator_strain = 0.1", "deviator_strain = 0.01")
@@ -29,7 +29,7 @@ fn what_the_tutorial_says_works() {
     let mut commands = 0;
     for line in blocks("sh").iter().flat_map(|block| block.lines()) {
         let words: Vec<&str> = line.split_whitespace().take_while(|word| *word != "#").collect();
-        // The study takes an hour, a quick one minutes: tests of their own.
+        // A reproduction takes an hour, and a quick one minutes; it has its own tests.
         if words.first() == Some(&"granum") && words[1] != "reproduce" {
             done(here, &words[1..]);
             commands += 1;
@@ -38,7 +38,7 @@ fn what_the_tutorial_says_works() {
     assert!(commands >= 5, "{commands} commands");
     assert!(here.join("run-1/report.html").is_file() && here.join("run-2/run.json").is_file());
 
-    // What the block says about a whole case file holds: a key stands in it once.
+    // The statement of the block about complete case files holds: a key may occur only once.
     let both = std::fs::read_to_string(here.join("every-key.toml")).unwrap() + case;
     std::fs::write(here.join("both.toml"), both).unwrap();
     let message = refused(here, 1, &["shear", "both.toml", "--out", "no"]);

@@ -1,4 +1,4 @@
-//! Messages name the key, both values and what would be right.
+//! Error messages name the key, both values and the remedy.
 
 use crate::common::{run, stderr, stdout};
 use crate::{SMALL, done, refused};
@@ -10,7 +10,7 @@ fn a_sample_of_another_case_is_refused_by_the_keys_that_differ() {
     std::fs::write(here.join("case.toml"), SMALL).unwrap();
     done(here, &["prepare", "case.toml", "--out", "sample"]);
     let other = SMALL.replace("friction = 0.1", "friction = 0.2").replace("count = 150", "count = 160");
-    // What is not of the sample may differ.
+    // Keys that do not determine the sample may differ.
     std::fs::write(here.join("other.toml"), other.replace("states = 8", "states = 9")).unwrap();
     let message = refused(here, 1, &["shear", "other.toml", "--sample", "sample", "--out", "one"]);
     for part in [
@@ -21,7 +21,7 @@ fn a_sample_of_another_case_is_refused_by_the_keys_that_differ() {
     }
     assert!(!message.contains("recording.states"), "{message}");
 
-    // A finished test is no sample, and is not called unfinished.
+    // A finished test is refused as a sample, with a message that does not call it unfinished.
     done(here, &["shear", "case.toml", "--out", "test"]);
     let message = refused(here, 1, &["shear", "case.toml", "--sample", "test", "--out", "two"]);
     assert!(message.contains("the folder of a test, not of a sample"), "{message}");

@@ -1,4 +1,4 @@
-//! A full disk, folders that cannot be written, two processes, signals.
+//! Behaviour with a full disk, folders that cannot be written, two processes and signals.
 #![cfg(unix)]
 
 use std::fs;
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use crate::common::{json, run, stderr, stdout};
 use crate::{CASE, assert_same, done};
 
-/// Runs granum where no file may grow beyond so many blocks of 512 bytes, as on a disk that is full: writing fails with an
+/// Runs granum with a limit on the file size, in blocks of 512 bytes, which acts like a full disk: writing fails with an
 /// error of the operating system.
 fn with_full_disk(here: &Path, blocks: u32, arguments: &[&str]) -> Output {
     let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
@@ -21,7 +21,7 @@ fn with_full_disk(here: &Path, blocks: u32, arguments: &[&str]) -> Output {
         .unwrap()
 }
 
-/// Begins a run and ends it by a signal once it has something to lose.
+/// Starts a command and ends it by a signal as soon as a given file exists.
 fn interrupted(here: &Path, signal: &str, arguments: &[&str], wait_for: &str) -> Output {
     let child = Command::new(env!("CARGO_BIN_EXE_granum"))
         .args(arguments)
@@ -46,7 +46,7 @@ fn a_full_disk_costs_nothing_that_was_there() {
     fs::write(here.join("case.toml"), CASE).unwrap();
     done(here, &["shear", "case.toml", "--out", "straight"]);
 
-    // From the start: the checkpoint is larger than what fits.
+    // The disk is full from the start: the first checkpoint does not fit.
     let output = with_full_disk(here, 32, &["shear", "case.toml", "--out", "run"]);
     let told = stderr(&output);
     assert_eq!(output.status.code(), Some(1), "{told}");
@@ -54,7 +54,7 @@ fn a_full_disk_costs_nothing_that_was_there() {
     let told = stdout(&run(here, &["status", "run"]));
     assert!(told.contains("failed") && told.contains("granum resume run"), "{told}");
 
-    // In the middle: what was there stays as it was.
+    // The disk becomes full during the run: existing files remain unchanged.
     interrupted(here, "-TERM", &["shear", "case.toml", "--out", "later"], "later/checkpoint");
     let before = fs::read(here.join("later/checkpoint")).unwrap();
     let output = with_full_disk(here, 32, &["resume", "later", "--checkpoint-every", "0"]);
@@ -62,7 +62,7 @@ fn a_full_disk_costs_nothing_that_was_there() {
     assert!(stderr(&output).contains("cannot write later/checkpoint"), "{}", stderr(&output));
     assert!(fs::read(here.join("later/checkpoint")).unwrap() == before);
 
-    // With space again both go on.
+    // When there is space again, both runs can be resumed.
     for name in ["run", "later"] {
         done(here, &["resume", name]);
         assert_same(&here.join("straight"), &here.join(name));
@@ -83,7 +83,7 @@ fn a_full_disk_ends_a_training_that_goes_on_later() {
     let train = |out: &'static str, seed: &'static str| {
         ["train", "run", "--trainer", "traingdx", "--epoch-factor", "1e-4", "--seed", seed, "--out", out]
     };
-    // F1-1 has 3 x 20 x 20 neurons: its file is larger than 16 kB, the plan of the training is not.
+    // F1-1 has 3 x 20 x 20 neurons, and its file is larger than the limit, whereas the manifest of the training is smaller.
     let output = with_full_disk(here, 20, &train("study", "1"));
     let told = stderr(&output);
     assert_eq!(output.status.code(), Some(1), "{told}");
@@ -114,7 +114,7 @@ fn folders_that_cannot_be_written_are_told() {
         assert!(told.contains("cannot make the folder") && told.contains(out), "{told}");
     }
     assert_eq!(fs::read_to_string(here.join("file")).unwrap(), "mine");
-    // A file where the folder of snapshots should be.
+    // A file is in the place of the folder of snapshots.
     interrupted(here, "-INT", &["shear", "case.toml", "--out", "run"], "run/checkpoint");
     fs::write(here.join("run/snapshots"), "in the way").unwrap();
     let output = run(here, &["resume", "run"]);
@@ -167,7 +167,7 @@ fn signals_end_a_preparation_in_good_order_and_a_second_process_is_refused() {
     }
     child.kill().unwrap();
     child.wait().unwrap();
-    // Broken off before the test: what there is to do is told.
+    // The run was interrupted before its test, and the message states how to continue.
     let output = run(here, &["report", "busy"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(stderr(&output).contains("continue it with `granum resume busy`"), "{}", stderr(&output));

@@ -11,7 +11,7 @@ use granum_io::{Case, Run};
 use crate::common::{run, stdout};
 use crate::{CASE, assert_same, done, files};
 
-/// Numbers that look random and are the same every time (Lehmer's generator).
+/// A reproducible sequence of pseudo-random numbers (Lehmer generator).
 struct Random(u64);
 
 impl Random {
@@ -31,7 +31,7 @@ fn spawn(here: &Path, arguments: &[&str]) -> Child {
         .unwrap()
 }
 
-/// Starts the program and kills it after a while; false if it had come to its end.
+/// Starts the program and kills it after a given time; returns false if it had already ended.
 fn killed(here: &Path, arguments: &[&str], after: Duration) -> bool {
     let mut child = spawn(here, arguments);
     std::thread::sleep(after);
@@ -43,14 +43,14 @@ fn killed(here: &Path, arguments: &[&str], after: Duration) -> bool {
     !ended
 }
 
-/// Every file that is in its place can be read as what it is.
+/// Checks that every complete file in a folder can be read in its format.
 fn check_readable(folder: &Path) {
     for path in files(folder) {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         let text = || std::fs::read_to_string(&path).unwrap();
         match name.as_str() {
             ".granum-lock" => {}
-            // Still being written when the kill came; removed or replaced by the next process.
+            // This file was being written at the moment of the kill; the next process removes or replaces it.
             _ if name.ends_with(".granum-unfinished") || name.ends_with(".part") => {}
             "case.toml" => drop(Case::read(&path).unwrap()),
             "checkpoint" | "checkpoint.previous" => {
@@ -58,7 +58,7 @@ fn check_readable(folder: &Path) {
             }
             _ if name.ends_with(".json") => drop(crate::common::json(&text())),
             _ if name.ends_with(".parquet") => drop(granum_io::formats::parquet::read(&path, None).unwrap()),
-            // Checksum and content of a network under way.
+            // The state of an unfinished network: a checksum and the content.
             _ if name.ends_with(".unfinished") => {
                 let text = text();
                 let (sum, rest) = text.split_once('\n').unwrap();
@@ -98,7 +98,7 @@ fn kill_tests_of_grains(here: &Path, random: &mut Random) -> BTreeMap<String, us
                 check_readable(&folder);
                 if folder.join("run.json").is_file() {
                     let record = Run::at(&folder).unwrap().record().unwrap();
-                    // One word for every trial.
+                    // The number of the trial is removed.
                     phase = record.phase.split(',').next().unwrap().to_string();
                 }
             }
@@ -137,7 +137,7 @@ fn kill_training(here: &Path, random: &mut Random) -> usize {
         let folder = here.join(&name);
         loop {
             let begun = folder.join("training.json").is_file();
-            // Both ways to go on.
+            // The run is continued alternately with `resume` and with the original command.
             let line = if begun && kills % 2 == 1 {
                 format!("resume {name} --threads 2 --checkpoint-every 0.02")
             } else {
@@ -150,12 +150,12 @@ fn kill_training(here: &Path, random: &mut Random) -> usize {
             if folder.is_dir() {
                 check_readable(&folder);
             }
-            // The last file was there when the kill came: nothing is left to go on with.
+            // The last file had already been written when the process was killed, so that nothing is left to do.
             if folder.join("study.json").is_file() {
                 break;
             }
         }
-        // 36 networks, the study, its baselines and its plan.
+        // The files are 36 networks, the study, its baselines and its manifest.
         assert_eq!(assert_same(&here.join("study"), &folder), 39);
     }
     kills

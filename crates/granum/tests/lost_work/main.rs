@@ -1,4 +1,4 @@
-//! Nothing is lost and no bit changes, whatever ends the program: kills, signals, a full disk, a second process.
+//! No work is lost and no bit of a result changes, whatever ends the program: kills, signals, a full disk, a second process.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use common::{run, stderr};
 
-/// A case that searches its friction in several trials and shears, in a second or two.
+/// A case that needs several trials of the preparation friction and then shears, all within one or two seconds.
 pub const CASE: &str = r#"
 [grains]
 count = 120
@@ -36,7 +36,7 @@ pub fn done(folder: &Path, arguments: &[&str]) {
     assert!(output.status.success(), "granum {}: {}", arguments.join(" "), stderr(&output));
 }
 
-/// Every file under a folder by its name, but for those that hold times or the past.
+/// All files under a folder by their names, except those that contain times or earlier states.
 pub fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     const OTHER: [&str; 5] =
         [".granum-lock", "run.json", "seconds.json", "checkpoint.previous", "checkpoint.refused"];
@@ -60,7 +60,7 @@ pub fn files(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// Two folders hold the same files with the same bytes; gives how many.
+/// Asserts that two folders contain the same files with the same bytes; returns the number of files.
 pub fn assert_same(a: &Path, b: &Path) -> usize {
     let (one, two) = (contents(a), contents(b));
     let names = |all: &BTreeMap<PathBuf, Vec<u8>>| all.keys().cloned().collect::<Vec<_>>();

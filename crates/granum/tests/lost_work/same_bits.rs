@@ -1,4 +1,5 @@
-//! One case, one result: threads, instruction set, way to the sample, recording, interval of checkpoints.
+//! A case has one result, independently of threads, instruction set, source of the sample, recording and interval of
+//! checkpoints.
 
 use std::fs;
 
@@ -10,7 +11,7 @@ use crate::{CASE, assert_same, done};
 fn any_threads_instruction_set_and_interval_leave_the_same_bytes() {
     let base = tempfile::tempdir().unwrap();
     let here = base.path();
-    // Enough grains for several pieces of work a step.
+    // There are enough grains to divide the work of a step among threads.
     let case = CASE
         .replace("count = 120", "count = 200")
         .replace("solid_fraction = 0.52", "friction = 0.1\nsolid_fraction = \"none\"")
@@ -29,7 +30,7 @@ fn any_threads_instruction_set_and_interval_leave_the_same_bytes() {
     done(here, &["prepare", "case.toml", "--out", "sample"]);
     shear("from-sample", &["--sample", "sample", "--threads", "4"]);
 
-    // Other recordings see other series of the very same grains.
+    // Another recording gives another series of exactly the same simulation.
     let more = case.replace("states = 8", "states = 50").replace("per_state = 3", "per_state = 10");
     fs::write(here.join("case.toml"), more).unwrap();
     done(here, &["shear", "case.toml", "--out", "recorded"]);

@@ -1,5 +1,5 @@
-//! What the fuzz targets check, on the stable toolchain: every kept input and find, and some thousand mutations of the
-//! seeds, the same ones in every run.
+//! The checks of the fuzz targets on the stable toolchain: all stored inputs and findings, and some thousand reproducible
+//! mutations of the seeds.
 
 #[path = "../../../../fuzz/src/checks.rs"]
 mod checks;
@@ -10,12 +10,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Mutations of the seeds of a target.
+/// Number of mutations of the seeds of a target.
 const MUTATIONS: usize = 12_000;
-/// Nothing that small may take longer (the tests share a busy machine).
+/// Time limit for one small input; it is generous, because the tests may run on a busy computer.
 const LONGEST: Duration = Duration::from_secs(10);
 
-/// Checks an input; one that fails is kept, so that it can be looked at.
+/// Checks an input; an input that fails is stored for inspection.
 fn check(target: &str, check: fn(&[u8]), name: &str, input: &[u8]) {
     let start = Instant::now();
     if catch_unwind(AssertUnwindSafe(|| check(input))).is_err() {
@@ -34,7 +34,7 @@ fn kept(folder: &str, target: &str) -> Vec<PathBuf> {
     files
 }
 
-/// Numbers from a seed: Marsaglia's xorshift.
+/// Pseudo-random numbers from a seed (xorshift of Marsaglia).
 struct Random(u64);
 
 impl Random {
@@ -46,7 +46,7 @@ impl Random {
     }
 }
 
-/// Bytes that mean something to one reader or another.
+/// Byte sequences that have a meaning in one of the formats.
 const TOKENS: [&[u8]; 16] = [
     b"nan",
     b"inf",
@@ -92,7 +92,7 @@ fn mutated(seed: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
     bytes
 }
 
-/// Runs a target on what is kept of it and on mutations.
+/// Runs a target on its stored inputs and on mutations of its seeds.
 fn replay(target: &str) {
     let (_, work) = checks::ALL.into_iter().find(|(name, _)| *name == target).unwrap();
     let mut inputs = Vec::new();
@@ -145,7 +145,7 @@ fn tables_as_parquet() {
     replay("parquet");
 }
 
-/// The seeds are what the checks accept: else the mutations would test nothing but the first look at a file.
+/// The checks accept the seeds; otherwise the mutations would only test the first stage of reading a file.
 #[test]
 fn seeds_are_good() {
     for (name, bytes) in seeds::of("checkpoint") {

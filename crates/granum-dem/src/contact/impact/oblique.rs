@@ -1,14 +1,15 @@
-//! Oblique impact of smooth spheres against an independent scheme on the line, and against the exact solution.
+//! Oblique impact of smooth spheres, compared with an independent one-dimensional scheme and with the exact solution.
 //!
-//! The scheme is law 4.2 (Mindlin and Deresiewicz for collinear paths) or no-slip Mindlin with rescaling, integrated by
-//! Euler's method in units of `E* = R* = m* = 1`. At 12,000 steps a contact time it gives the published columns to their
-//! last digit; both laws still move by up to 3e-4 from there to no step, and that limit is what [`collide`] gives.
+//! The scheme uses law 4.2 (Mindlin and Deresiewicz for collinear paths) or no-slip Mindlin with rescaling, integrated by
+//! Euler's method in units of `E* = R* = m* = 1`. With 12,000 steps per contact time it reproduces the published columns to
+//! their last digit; the results of both laws still change by up to 3e-4 from there to zero step, and [`collide`] gives that
+//! limit.
 
 use super::*;
 use crate::config::{NormalKind, TangentialKind};
 
-/// psi_1; psi_2 by the exact solution (Maw, Barber and Fawcett 1976), by Mindlin-Deresiewicz, and without micro-slip,
-/// both with 12,000 steps a contact time.
+/// psi_1; psi_2 of the exact solution (Maw, Barber and Fawcett 1976), of Mindlin-Deresiewicz, and without micro-slip, the
+/// latter two with 12,000 steps per contact time.
 const TABLE: [(f64, f64, f64, f64); 10] = [
     (0.5, 0.0479, 0.1700, 0.2445),
     (1.0, -0.0597, 0.0796, 0.3527),
@@ -25,7 +26,7 @@ const FRICTION: f64 = 0.3;
 /// k_t / k_n of Hertz-Mindlin at nu = 0.3.
 const STIFFNESS_RATIO: f64 = 1.4 / 1.7;
 
-/// Tangential force on the line; `step` takes the displacement, the stiffness, the load and its change.
+/// Tangential force in one dimension; `step` takes the slip, the stiffness and its growth, the load and its change.
 trait Line: Default {
     fn step(&mut self, slip: f64, stiffness: f64, growth: f64, load: f64, change: f64) -> f64;
 }
@@ -85,7 +86,7 @@ impl Line for Turning {
     }
 }
 
-/// psi_2 of a psi_1, with so many steps a contact time.
+/// psi_2 for a given psi_1, with a given number of steps per contact time.
 fn rebound<T: Line>(psi1: f64, steps: f64) -> f64 {
     let approach = 1.0f64;
     let time_step = 2.86826569919533 / steps;
@@ -104,7 +105,7 @@ fn rebound<T: Line>(psi1: f64, steps: f64) -> f64 {
             law.step(across * time_step, 2.0 * STIFFNESS_RATIO * now, growth, force, force - load);
         (radius, load) = (now, force);
         normal -= time_step * load;
-        // The spin that friction gives a solid sphere adds 5/2.
+        // The spin that friction gives to a solid sphere adds 5/2.
         across -= 3.5 * time_step * tangential;
     }
 }
@@ -132,14 +133,14 @@ fn oblique_impact_is_the_limit_of_no_step() {
         ];
         for (k, (tangential, expected)) in laws.into_iter().enumerate() {
             let law = Contact::new(NormalKind::HERTZ, tangential, 0.0);
-            // Slow, so that the pair hardly turns during the contact.
+            // A slow impact, so that the pair hardly rotates during the contact.
             let angle = (psi1 * FRICTION / STIFFNESS_RATIO).atan();
             let impact = collide(&law, &material, 1e-4, 1e-6, angle.to_degrees()).unwrap();
             assert!((impact.psi1 - psi1).abs() < 1e-9);
             println!("psi1 {psi1}: {tangential:?} {:.5}, limit {expected:.5}, exact {exact}", impact.psi2);
             worst[k] = worst[k].max((impact.psi2 - expected).abs());
             if k == 0 && psi1 >= 3.0 {
-                // From here the law's micro-slip is that of the exact solution, known to 1e-4.
+                // From here on the micro-slip of the law is that of the exact solution, which is known to 1e-4.
                 worst[2] = worst[2].max((impact.psi2 - exact).abs());
             }
         }

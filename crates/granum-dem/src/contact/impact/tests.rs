@@ -1,4 +1,4 @@
-//! Collisions against analysis.
+//! Collisions compared with analytical solutions.
 
 use super::*;
 use crate::config::AdhesionKind;
@@ -54,7 +54,7 @@ fn adhesive_grains_rebound_or_stick() {
             "v/v_s {ratio}: e {:.10}, off by {error:.1e}, {:.1e} s a step",
             impact.restitution, impact.time_step
         );
-        // An error of energy counts 1 / e times.
+        // A relative error of the energy is amplified by 1 / e.
         assert!(error.abs() * exact < 1e-9, "{ratio}: {} {exact}", impact.restitution);
     }
     let stuck = collide(&jkr, &material, DIAMETER, 0.999 * sticking, 0.0).unwrap();
@@ -117,7 +117,7 @@ fn gross_slip_does_not_depend_on_the_law() {
         let law = contact(NormalKind::HERTZ, tangential, 0.0);
         let impact = collide(&law, &material, DIAMETER, 1e-4, 75.0).unwrap();
         assert!((impact.psi2 - (impact.psi1 - 4.0 * 1.441_176_470_588)).abs() < 1e-4);
-        // Impulse mu J_n turns both: 2.5 mu (1 + e) m* v_n / (m R).
+        // The impulse mu J_n spins both grains: 2.5 mu (1 + e) m* v_n / (m R).
         let spin = 2.5 * 0.3 * impact.normal_velocity_in / 5e-5;
         assert!((impact.spin_out / spin - 1.0).abs() < 1e-4, "{} {spin}", impact.spin_out);
     }
@@ -125,7 +125,7 @@ fn gross_slip_does_not_depend_on_the_law() {
 
 #[test]
 fn an_impact_that_no_step_settles_is_answered_with_its_uncertainty() {
-    // Barely apart after many swings in the bond: the paper's grains near their sticking velocity.
+    // The grains barely separate after many oscillations of the bond: those of the paper near their sticking velocity.
     let law = Contact::default();
     let impact = collide(&law, &Material::default(), DIAMETER, 0.09, 5.0).unwrap();
     assert!(impact.uncertainty > AGREEMENT, "{}", impact.uncertainty);

@@ -16,7 +16,7 @@ const FOUR_THIRDS_MODULUS: usize = 1;
 const TWICE_MODULUS: usize = 2;
 const ROOT_MODULUS: usize = 3;
 
-/// The contact of Hertz that carries a load, N: `a^3 = 3 R* N / 4 E*`.
+/// The Hertz contact under a load, N: `a^3 = 3 R* N / 4 E*`.
 pub(super) fn under_load(pair: &PairProperties, load: f64) -> Normal<f64> {
     let radius = (0.75 * load * pair.effective_radius / pair.effective_modulus).cbrt();
     let stiffness = 2.0 * pair.effective_modulus * radius;

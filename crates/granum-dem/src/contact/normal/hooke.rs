@@ -1,13 +1,14 @@
-//! Normal contact with a linear spring of a stiffness of its own (Hooke; Cundall and Strack 1979).
+//! Normal contact with a linear spring of given stiffness (Hooke; Cundall and Strack 1979).
 //!
-//! `N = k_n alpha` where the overlap alpha is positive. `k_n` is a parameter in N/m, the same for every pair, as codes that
-//! use this law have it: nothing of it follows from Young's modulus or from the radii. For stiff grains `k_n` should be
-//! large against `p d` (a thousand times and more), with the mean stress p and the diameter d.
+//! `N = k_n alpha` where the overlap alpha is positive. `k_n` is a parameter in N/m, the same for every pair, as in other
+//! codes with this law: it does not depend on Young's modulus or on the radii. To represent stiff grains, `k_n` should be
+//! large compared with `p d` (by a factor of a thousand or more), with the mean stress p and the diameter d.
 //!
-//! A head-on impact is a damped half oscillation. With the fraction of critical damping zeta and `w_0 = (k_n / m*)^(1/2)` it ends
-//! with the overlap, after `pi / (w_0 (1 - zeta^2)^(1/2))`, with the restitution `exp(-pi zeta / (1 - zeta^2)^(1/2))`.
+//! A head-on impact is a damped half oscillation. With the fraction of critical damping zeta and `w_0 = (k_n / m*)^(1/2)` it
+//! ends when the overlap vanishes, after `pi / (w_0 (1 - zeta^2)^(1/2))`, with the restitution
+//! `exp(-pi zeta / (1 - zeta^2)^(1/2))`.
 //!
-//! There is no contact area: the tangential law brings a stiffness ratio.
+//! There is no contact area: the tangential law needs a stiffness ratio.
 
 use granum_simd::Real;
 
@@ -124,8 +125,8 @@ mod tests {
         }
     }
 
-    /// With `k_t/k_n = 2/7` the tangential motion of solid spheres swings half a period in the normal one's: what sticks
-    /// comes back with the opposite velocity.
+    /// With `k_t/k_n = 2/7` the tangential motion of solid spheres completes half a period within the half period of the
+    /// normal motion: a sticking contact rebounds with the opposite tangential velocity.
     #[test]
     fn a_sticking_oblique_impact_reverses_its_tangential_velocity() {
         let material = Material { friction: 5e3, ..Material::default() };

@@ -29,18 +29,18 @@ const BREAKING_LOSS: usize = 5;
 
 /// Overlap at rupture over d_0: `-6^(-1/3) / 2`.
 const BREAK: f64 = -0.275_160_604_074_552_22;
-/// Energies lost in a make and in a break over `N_c d_0`: `2/5 (2/3)^(4/3)` and `4/15 6^(-4/3)`.
+/// Energies lost by the formation and by the breaking of a contact, over `N_c d_0`: `2/5 (2/3)^(4/3)` and `4/15 6^(-4/3)`.
 const MAKE: f64 = 0.232_954_790_596_346_38;
 const SPLIT: f64 = 0.024_458_720_362_182_42;
-/// Smallest d_0 / R* used: far below any real one, so that without adhesion the law is Hertz's.
+/// Smallest d_0 / R* used: far below any real value, so that without adhesion the law is that of Hertz.
 const LEAST_LENGTH: f64 = 1e-30;
-/// Share of `2 E* a` below which the stiffness for the dashpot does not fall.
+/// Lower bound of the stiffness for the dashpot, as a fraction of `2 E* a`.
 const LEAST_STIFFNESS: f64 = 0.1;
 
-/// Largest overlap over d_0 (about 2000 N_c) for which the rational function serves.
+/// Largest overlap over d_0 (about 2000 N_c) for which the rational function is used.
 const RATIONAL_END: f64 = 64.0;
-/// Numerator and denominator of `x(t)`, `t = sqrt(h - BREAK)`, lowest power first: a weighted minimax fit on
-/// `0 <= t <= 8`, exact at t = 0, all terms positive. Its error in `N / max(N_c, |N|)` and in `x / x` is below 2.7e-14.
+/// Numerator and denominator of `x(t)`, `t = sqrt(h - BREAK)`, lowest power first: a weighted minimax fit on `0 <= t <= 8`,
+/// exact at t = 0, all terms positive. Its error in `N / max(N_c, |N|)` and in `x / x` is below 2.7e-14.
 const NUMERATOR: [f64; 10] = [
     0.550_321_208_149_104_4,
     3.292_020_144_824_188,
@@ -65,12 +65,12 @@ const DENOMINATOR: [f64; 10] = [
     0.000_091_174_507_397_229_55,
     1.936_640_979_881_158e-7,
 ];
-/// Series of g in `g^4 = 1 + e g`, highest power of e first: beyond the rational function
-/// `x = h^(1/4) g(2/3 h^(-3/4))`, to the last bits.
+/// Series of g in `g^4 = 1 + e g`, highest power of e first. It gives `x = h^(1/4) g(2/3 h^(-3/4))` to the last bits where
+/// the rational function is not used.
 const SERIES: [f64; 7] =
     [0.000_595_092_773_437_5, -0.001_953_125, 0.003_417_968_75, 0.0, -0.031_25, 0.25, 1.0];
 
-/// A polynomial of degree nine, in the order that waits least for its own results.
+/// A polynomial of degree nine, evaluated in the order with the shortest chain of dependent operations.
 #[inline(always)]
 fn polynomial<R: Real>(c: &[f64; 10], t: R, t2: R, t4: R, t8: R) -> R {
     let low = t2.mul_add(line(c, 2, t), line(c, 0, t));
@@ -83,10 +83,10 @@ fn line<R: Real>(c: &[f64; 10], k: usize, t: R) -> R {
     t.mul_add(R::splat(c[k + 1]), R::splat(c[k]))
 }
 
-/// `x = sqrt(a / a_0)` on the stable branch, at an overlap h over d_0 from [`BREAK`] on.
+/// `x = sqrt(a / a_0)` on the stable branch, for an overlap h over d_0 of at least [`BREAK`].
 ///
-/// The error of N over `max(N_c, |N|)` is below 4e-14 up to `h = 64` and a few bits beyond, except that x is
-/// ill-conditioned next to the break: the rounding of h there grows by `1 / (h - BREAK)^(1/2)`.
+/// The error of N over `max(N_c, |N|)` is below 4e-14 up to `h = 64` and a few bits beyond, except that x is ill-conditioned
+/// close to the break: the rounding error of h there is amplified by `1 / (h - BREAK)^(1/2)`.
 #[inline(always)]
 fn invert<R: Real>(h: R) -> R {
     let t2 = h - R::splat(BREAK);
@@ -145,7 +145,7 @@ impl NormalLaw for Jkr {
         let touching = overlap.gt(R::zero()) | (touched & h.ge(R::splat(BREAK)));
         let x = invert(h.max(R::splat(BREAK)));
         let s = x * x * x;
-        // (6 s - 3) / (6 s - 1), falling to minus infinity at the break.
+        // (6 s - 3) / (6 s - 1), which tends to minus infinity at the break.
         let slope = s.mul_add(R::splat(6.0), -one).max(R::splat(1e-12));
         let ratio = (one - R::splat(2.0) / slope).max(R::splat(LEAST_STIFFNESS));
         let root_stiffness = (c[ROOT_STIFFNESS] * x * ratio.sqrt()).keep(touching);
@@ -163,12 +163,12 @@ impl NormalLaw for Jkr {
         }
     }
 
-    /// Without adhesion: contacts are first made before anything is known of their loads.
+    /// Without adhesion: contacts are created before anything is known about their loads.
     fn loaded(pair: &PairProperties, _parameters: &[f64], load: f64) -> Normal<f64> {
         hertz::under_load(pair, load)
     }
 
-    /// `N_c d_0 (8/5 x^10 - 8/3 x^7 + 2/3 x^4)`: elastic energy less that of the surfaces joined.
+    /// `N_c d_0 (8/5 x^10 - 8/3 x^7 + 2/3 x^4)`: elastic energy minus the energy of the joined surfaces.
     fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64) -> f64 {
         let primitive = |x: f64| {
             let s = x * x * x;
@@ -190,9 +190,9 @@ impl NormalLaw for Jkr {
 
 /// `T_s / (4 mu N_c)` of Thornton (1991), given s and `N / 4 N_c`.
 ///
-/// `T_s / mu` is `N + 2 N_c` from `N = -0.3 N_c` on. Below, it is the Hertz load of the zone in compression,
-/// `N_1 (1 - (N_1 - N) / 3 N_1)^(3/2)`: with `N_1 = 4 s^2 N_c` that is `4 N_c (s - 1/3) sqrt(s (s - 1/3))`, and none
-/// below `s = 1/3`.
+/// `T_s / mu` is `N + 2 N_c` for `N >= -0.3 N_c`. Below that it is the Hertz load of the zone in compression,
+/// `N_1 (1 - (N_1 - N) / 3 N_1)^(3/2)`: with `N_1 = 4 s^2 N_c` this is `4 N_c (s - 1/3) sqrt(s (s - 1/3))`, and zero below
+/// `s = 1/3`.
 #[inline(always)]
 fn friction_load<R: Real>(s: R, scaled: R, touching: R::Mask) -> R {
     let load = scaled + R::splat(0.5);

@@ -1,20 +1,20 @@
-//! Elastic-plastic resistance to rolling with a dashpot: model C of Ai, Chen, Rotter and Ooi (2011), Powder Technology 206,
+//! Elastic-plastic rolling resistance with a dashpot: model C of Ai, Chen, Rotter and Ooi (2011), Powder Technology 206,
 //! 269-282.
 //!
-//! With the relative spin in the contact plane `w = (1 - n n).(w_i - w_j)` and the stiffness `k = 9/4 k_n (mu_r R*)^2`, k_n that
-//! of the normal law at its present overlap:
+//! With the relative spin in the contact plane `w = (1 - n n).(w_i - w_j)` and the stiffness `k = 9/4 k_n (mu_r R*)^2`,
+//! where k_n is the stiffness of the normal law at the present overlap:
 //!
 //! `M += k w dt`, then `|M| <= mu_r R* F` with the friction load F of the normal law (N without adhesion).
 //!
-//! The couple is `-M` on grain i and `+M` on j. Below the limit a dashpot adds `2 zeta_r (I_r k)^(1/2) w` to M; at the limit there
-//! is none (f = 0 in the paper). It is no part of the remembered couple. `1/I_r = sum of 1/(I + m R^2)`.
+//! The couple is `-M` on grain i and `+M` on j. Below the limit a dashpot adds `2 zeta_r (I_r k)^(1/2) w` to M; at the limit
+//! there is none (f = 0 in the paper). The dashpot is not a part of the stored couple. `1/I_r = sum of 1/(I + m R^2)`.
 //!
-//! The relative spin is the same for every observer and conjugate to opposite couples for any radii; multiplied by R* it is
-//! the rolling velocity of Luding (2008), Granular Matter 10, 235, and of Wang, Alonso-Marroquin, Xue and Xie (2015),
-//! Particuology 18, 35. The couple is remembered in the frame of the contact and turns with it.
+//! The relative spin is the same for every observer and work-conjugate to opposite couples for any radii; multiplied by R*
+//! it is the rolling velocity of Luding (2008), Granular Matter 10, 235, and of Wang, Alonso-Marroquin, Xue and Xie (2015),
+//! Particuology 18, 35. The couple is stored in the frame of the contact and rotates with it.
 //!
-//! Where k falls, M falls with it, lest unloading makes energy. The couple stores `M^2 / 2k`; what its work
-//! `(M_old + M) . w dt / 2` does not store is lost.
+//! Where k decreases, M decreases with it, so that unloading does not create energy. The couple stores `M^2 / 2k`; the part
+//! of its work `(M_old + M) . w dt / 2` that is not stored is lost.
 
 use granum_simd::Real;
 
@@ -30,14 +30,16 @@ pub struct ElasticPlasticRolling;
 
 /// `mu_r R*`, m.
 const ARM: usize = 0;
-/// `9/4 (mu_r R*)^2`, m2: times the normal stiffness it is k.
+/// `9/4 (mu_r R*)^2`, m2: multiplied by the normal stiffness it gives k.
 const STIFFNESS_AREA: usize = 1;
-/// `3 zeta_r mu_r R* I_r^(1/2)`: times the root of the normal stiffness it is the dashpot's coefficient.
+/// `3 zeta_r mu_r R* I_r^(1/2)`: multiplied by the square root of the normal stiffness it gives the coefficient of the
+/// dashpot.
 const DASHPOT: usize = 2;
-/// `9/4 (mu_r R*)^2 / R^2` with the smaller radius R: times the normal stiffness it counts as a tangential stiffness.
+/// `9/4 (mu_r R*)^2 / R^2` with the smaller radius R: multiplied by the normal stiffness it counts as a tangential
+/// stiffness.
 const STEP: usize = ElasticPlasticRolling::STEP;
 
-/// Columns of history after the couple.
+/// The history column that follows the couple: the stiffness before the step.
 const STIFFNESS_BEFORE: usize = 2;
 
 const FRICTION: usize = 0;

@@ -1,4 +1,4 @@
-//! Laws of the moments of a contact, one file each.
+//! Moment laws of a contact, one file each.
 
 pub mod elastic_plastic;
 pub mod elastic_plastic_twisting;

@@ -39,7 +39,7 @@ pub(super) fn slide<R: Real, const D: usize>(
         sum[k] = held[k] + couple[k];
     }
     let work = half * dot(sum, turned);
-    // No couple, no energy: also where the stiffness is nothing.
+    // Without a couple there is no energy, even where the stiffness is zero.
     let energy = |couple: [R; D], stiffness: R| half * dot(couple, couple) / stiffness.max(tiny);
     let gained = energy(couple, stiffness) - energy(held, before);
     Slid { couple, at_limit, work, loss: work - gained }

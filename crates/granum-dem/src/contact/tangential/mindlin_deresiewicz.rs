@@ -1,26 +1,27 @@
-//! Tangential contact with micro-slip and turning points: the incremental law of Mindlin and Deresiewicz (1953) as Thornton
-//! and Randall (1988) and Thornton and Yin (1991) use it, in a vector form for three dimensions.
+//! Tangential contact with micro-slip and turning points: the incremental law of Mindlin and Deresiewicz (1953) as used by
+//! Thornton and Randall (1988) and Thornton and Yin (1991), in a vector form for three dimensions.
 //!
-//! A loading curve starts from zero (stage 0), an unloading curve from the turning point `P` (stage 1), a reloading
-//! curve from `Q` (stage 2). With `S` the force counted from the start of the present curve, `e = S / |S|`,
-//! `c = 1` on stage 0 and 2 otherwise, the limit `L = mu F` (F the friction load of the normal law) and its step `dL`:
+//! A loading curve starts from zero (stage 0), an unloading curve from the turning point `P` (stage 1), a reloading curve
+//! from `Q` (stage 2). With `S` the force measured from the start of the present curve, `e = S / |S|`, `c = 1` on stage 0
+//! and 2 otherwise, the limit `L = mu F` (F the friction load of the normal law) and its step `dL`:
 //!
 //! `theta^3 = 1 - (|S| + c dL) / (c L)` in `[0, 1]`, and `theta = 1` where `dL > 0` and `8 G* a |ddelta| < dL`,
 //!
 //! `T += 8 G* a [theta (e.ddelta) e + (ddelta - (e.ddelta) e)] + (1 - theta) dL e`.
 //!
-//! A step against `S` is a turning point. A turning point moves out with the limit (`P -= dL e` on stage 1,
-//! `Q -= dL e` and `P += dL P/|P|` on stage 2), and is discarded when the force passes it: `|T - Q| >= |P - Q|`
-//! on stage 2, `|T - P| >= 2 |P|` on stage 1. At the limit the force slides: `T *= L / |T|`, stage 0.
+//! A step against `S` makes a turning point. A turning point moves outwards with the limit (`P -= dL e` on stage 1,
+//! `Q -= dL e` and `P += dL P/|P|` on stage 2), and is discarded when the force passes it: `|T - Q| >= |P - Q|` on stage 2,
+//! `|T - P| >= 2 |P|` on stage 1. At the limit the force slides: `T *= L / |T|`, stage 0.
 //!
-//! Energy, by the equivalent row of springs (Popov and Hess 2015, ch. 5), exact along a line at constant load. At the
-//! share x of the contact radius a spring has the limit `l(x) = 3/2 L (1 - x^2)`, and springs beyond `theta` have
-//! slipped. So a curve adds `c e 3/2 L (1 - max(x, theta)^2)`, the whole stores the integral of the sum squared over
-//! `16 G* a`, and while slip spreads the springs beyond theta lose their limit times what they slip:
-//! `L (1 - theta)^2 (1 + theta/2) (e.ddelta - dL / 8 G* a)`. A contact that grows without slip stiffens under its force:
-//! `T^2 dL / 6 L` over `8 G* a` is lost (`a^3` goes with L). A turning point that is discarded takes along what the state
-//! stored beyond a loading curve to the same force. With a changing load the law, which remembers forces only, does
-//! not know all that a contact stores (Elata and Berryman 1996); what it makes or loses so is in no column.
+//! The energy is that of the equivalent array of springs (Popov and Hess 2015, ch. 5), which is exact in one dimension at
+//! constant load. At the fraction x of the contact radius a spring has the limit `l(x) = 3/2 L (1 - x^2)`, and springs
+//! beyond `theta` have slipped. A curve therefore adds the spring force `c e 3/2 L (1 - max(x, theta)^2)`, the stored energy
+//! is the integral of the squared sum over `16 G* a`, and while slip spreads, the springs beyond theta lose their limit
+//! times their slip: `L (1 - theta)^2 (1 + theta/2) (e.ddelta - dL / 8 G* a)`. A contact that grows without slip becomes
+//! stiffer under its force: `T^2 dL / 6 L` over `8 G* a` is lost (`a^3` is proportional to L). With a discarded turning
+//! point, the energy that the state stored beyond a loading curve to the same force is lost. Under a changing load the law,
+//! whose history contains forces only, does not know all the energy that a contact stores (Elata and Berryman 1996); the
+//! energy that it creates or loses in this way appears in no column.
 
 use granum_simd::{Real, cbrt};
 
@@ -38,14 +39,14 @@ pub(super) const ROOT_MODULI: usize = 2;
 const STAGE: usize = 6;
 const LOAD: usize = 7;
 
-/// A force counted from the start of the present curve is nothing below this share of the limit.
+/// Below this fraction of the limit, a force measured from the start of the present curve counts as zero.
 const NOTHING: f64 = 1e-12;
-/// On the loading curve a force whose square is at least this share of the limit's slides.
+/// On the loading curve the contact slides if the squared force is at least this fraction of the squared limit.
 const AT_LIMIT: f64 = 1.0 - 1e-10;
-/// Keeps reciprocals finite; what it touches is multiplied by zero or discarded.
+/// Keeps reciprocals finite; values that it affects are multiplied by zero or discarded.
 const TINY: f64 = 1e-200;
 
-/// What the law remembers, in the frame of the contact.
+/// The history of the law, in the frame of the contact.
 pub(super) struct State<R> {
     pub(super) force: [R; 2],
     pub(super) turning: [R; 2],
@@ -53,12 +54,12 @@ pub(super) struct State<R> {
     pub(super) stage: R,
 }
 
-/// What a step gave besides the new state.
+/// The result of a step apart from the new state.
 pub(super) struct Outcome<R: Real> {
     pub(super) sliding: R::Mask,
-    /// Lost by sliding at the limit, J.
+    /// Energy lost by sliding at the limit, J.
     pub(super) friction_loss: R,
-    /// Lost in the zone of slip below the limit, J.
+    /// Energy lost in the slip zone below the limit, J.
     pub(super) micro_slip_loss: R,
     /// Where a turning point was discarded.
     pub(super) discards: R::Mask,
@@ -89,7 +90,7 @@ pub(super) fn select<R: Real>(mask: R::Mask, yes: [R; 2], no: [R; 2]) -> [R; 2] 
     [R::select(mask, yes[0], no[0]), R::select(mask, yes[1], no[1])]
 }
 
-/// One step of the law: `step` in m, `stiffness` 8 G* a, `limit` mu F now and before.
+/// One step of the law: `step` in m, `stiffness` 8 G* a, `limit` mu F after and before the step.
 #[inline(always)]
 pub(super) fn advance<R: Real>(
     state: &mut State<R>,
@@ -102,7 +103,7 @@ pub(super) fn advance<R: Real>(
     let growth = limit - limit_before;
     let before = state.force;
 
-    // The force counted from the start of the present curve, and whether the step turns against it.
+    // The force measured from the start of the present curve, and whether the step reverses it.
     let loading = state.stage.lt(R::splat(0.5));
     let unloading = state.stage.eq(one);
     let origin = select::<R>(unloading, state.turning, state.returning);
@@ -122,7 +123,7 @@ pub(super) fn advance<R: Real>(
     let curve_limit = R::select(loading, limit, limit + limit);
     let curve_before = R::select(loading, limit_before, limit_before + limit_before);
 
-    // Direction along which slip spreads.
+    // The direction in which slip spreads.
     let along = directed & !turn;
     let step_square = square(step);
     let vector = select::<R>(along, counted, step);
@@ -139,7 +140,7 @@ pub(super) fn advance<R: Real>(
     let elastic = add_scaled(state.force, stiffness, step);
     let force = add_scaled(elastic, slip, direction);
 
-    // Turning points move out with the limit and are discarded when passed.
+    // Turning points move outwards with the limit and are discarded when passed.
     let outward = growth / square(state.turning).sqrt().max(tiny);
     let moved = select::<R>(reloading, state.turning, [-direction[0], -direction[1]]);
     let by = R::select(reloading, outward, growth).keep(!loading);
@@ -152,35 +153,35 @@ pub(super) fn advance<R: Real>(
     let passed = square(subtract(force, base)).ge(span);
 
     let trial_square = square(force);
-    // A force that stays at the limit may fall short of it by rounding.
+    // A force that stays at the limit may be below it by a rounding error.
     let limit_square = limit * limit;
     let at_limit = loading & trial_square.ge(R::splat(AT_LIMIT) * limit_square);
     let sliding = at_limit | trial_square.ge(limit_square);
     let trial_inverse = trial_square.sqrt() * (one / trial_square.max(tiny));
     let factor = R::select(sliding, limit * trial_inverse, one);
-    // What the step would have loaded without slip, less the limit, is what slid.
+    // The force that the step would have reached without slip, minus the limit, corresponds to the sliding distance.
     let excess = square(elastic).sqrt() - limit;
     let compliance = one / stiffness.max(tiny);
     let share = theta.mul_add(theta, theta).mul_add(R::splat(-0.5), one);
-    // A contact that grows without slip holds its force with a stiffer spring.
+    // A contact that grows without slip carries its force with a stiffer spring.
     let stiffened = square(before) * (growth / limit.max(tiny)).keep(stick) * R::splat(1.0 / 6.0);
     let micro_slip_loss = (limit * share).mul_add(-slip, stiffened).max(zero).keep(!sliding) * compliance;
     state.force = [factor * force[0], factor * force[1]];
     let leaves = loading | passed | sliding;
     state.stage = R::select(unloading, one, two).keep(!leaves);
     let discards = remembered & (leaves | turns);
-    // The mean force along the slip in the step.
+    // The mean force in the direction of slip during the step.
     let pull = R::splat(0.5) * dot(before, force).mul_add(trial_inverse, limit);
     let friction_loss = (excess * compliance * pull).max(zero).keep(sliding);
     Outcome { sliding, friction_loss, micro_slip_loss, discards }
 }
 
-/// Stored energy of a state, J, of a contact with a reciprocal of its stiffness 8 G* a, m/N.
+/// Stored energy of a state, J, for a contact with the given compliance, the reciprocal of the stiffness 8 G* a, m/N.
 #[inline(always)]
 pub(super) fn energy<R: Real>(state: &State<R>, compliance: R, limit: R) -> R {
     let (zero, one) = (R::zero(), R::splat(1.0));
     let (first, third) = (state.stage.lt(R::splat(0.5)), state.stage.gt(R::splat(1.5)));
-    // Start and end of each curve; one that is not there ends where it starts.
+    // Start and end of each curve; an absent curve ends where it starts.
     let turn = select::<R>(first, state.force, state.turning);
     let end = select::<R>(third, state.returning, state.force);
     let twice = limit + limit;
@@ -200,7 +201,7 @@ pub(super) fn energy<R: Real>(state: &State<R>, compliance: R, limit: R) -> R {
     spring(compliance, limit) * sum
 }
 
-/// What a state stores beyond a loading curve to the same force, J.
+/// Energy that a state stores beyond a loading curve to the same force, J.
 #[inline(always)]
 pub(super) fn excess<R: Real>(state: &State<R>, stiffness: R, limit: R) -> R {
     let compliance = R::splat(1.0) / stiffness.max(R::splat(TINY));
@@ -208,13 +209,14 @@ pub(super) fn excess<R: Real>(state: &State<R>, stiffness: R, limit: R) -> R {
     energy(state, compliance, limit) - spring(compliance, limit) * overlap(theta, theta)
 }
 
-/// `L^2 / 2 k`, zero where there is no limit.
+/// `L^2 / 2 k`, zero where the limit is zero.
 #[inline(always)]
 fn spring<R: Real>(compliance: R, limit: R) -> R {
     (R::splat(0.5) * limit * limit * compliance).keep(limit.gt(R::zero()))
 }
 
-/// Direction of a curve of that limit times a multiple, and the share of the radius within which nothing slipped on it.
+/// Direction of a curve with the given limit, multiplied by `multiple`, and the fraction of the radius within which nothing
+/// has slipped on it.
 #[inline(always)]
 fn curve<R: Real>(vector: [R; 2], limit: R, multiple: R) -> ([R; 2], R) {
     let (one, tiny) = (R::splat(1.0), R::splat(TINY));
@@ -234,7 +236,7 @@ fn overlap<R: Real>(a: R, b: R) -> R {
     (a * a * a).mul_add(R::splat(1.5) * (square - R::splat(1.0)), outer)
 }
 
-/// The state that a history holds.
+/// The state stored in a history.
 #[inline(always)]
 pub(super) fn state_of<R: Real>(history: &[R; MAX_HISTORY]) -> State<R> {
     State {

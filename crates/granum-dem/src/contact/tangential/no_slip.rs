@@ -1,14 +1,14 @@
-//! Tangential contact without micro-slip, the force rescaled when the contact shrinks (Thornton, Cummins and
+//! Tangential contact without micro-slip, with a force that is rescaled when the contact shrinks (Thornton, Cummins and
 //! Cleary 2013; Agnolin and Roux 2007).
 //!
-//! `T <- T a / a_old` where the contact radius a falls, then `T += 8 G* a ddelta`, then `|T| <= mu F` with the
-//! friction load F of the normal law.
+//! `T <- T a / a_old` where the contact radius a decreases, then `T += 8 G* a ddelta`, then `|T| <= mu F` with the friction
+//! load F of the normal law.
 //!
-//! What the spring of the contact stored and a changed radius no longer holds is lost: with `r = a / a_old`,
-//! `T^2 / 16 G* a_old` times `1 - r` where the contact shrinks, times `1 - 1/r` where it grows.
+//! The energy that the contact spring stored and cannot store at the changed radius is lost: with `r = a / a_old`, this is
+//! `T^2 / 16 G* a_old` times `1 - r` where the contact shrinks, and times `1 - 1/r` where it grows.
 //!
-//! With a normal law that has no contact area the stiffness is `k_t = (k_t/k_n) k_n` with a ratio of its own, and the law is the
-//! linear spring with a slider of Cundall and Strack (1979).
+//! With a normal law without a contact area the stiffness is `k_t = (k_t/k_n) k_n`, with the ratio as a parameter, and the
+//! law is the linear spring with a slider of Cundall and Strack (1979).
 
 use granum_simd::{Mask, Real};
 
@@ -21,14 +21,14 @@ use crate::contact::{
 #[derive(Clone, Copy, Debug)]
 pub struct NoSlip;
 
-/// Tangential stiffness over the measure of the normal law.
+/// Ratio of the tangential stiffness to the tangential measure of the normal law.
 const COEFFICIENT: usize = 0;
 const FRICTION: usize = 1;
 const ROOT_COEFFICIENT: usize = 2;
 const STEP_COEFFICIENT: usize = 3;
 const MEASURE_BEFORE: usize = 2;
 
-/// Below this ratio of tangential to normal stiffness grains no longer swing fastest by spinning.
+/// Below this ratio of tangential to normal stiffness, spinning is no longer the fastest mode of oscillation of the grains.
 const LEAST_STEP_RATIO: f64 = 1.0 / 3.0;
 
 impl TangentialLaw for NoSlip {
@@ -39,7 +39,7 @@ impl TangentialLaw for NoSlip {
         parameters: &[Parameter {
             key: "tangential_stiffness_ratio",
             unit: Unit::NUMBER,
-            // Equal half periods of the normal and the tangential motion of solid spheres.
+            // Gives equal half periods of the normal and the tangential motion of solid spheres.
             default: 2.0 / 7.0,
             bounds: [0.0, 1.0],
             meaning: "Tangential stiffness over the normal stiffness, k_t/k_n, for a normal law without contact area",
@@ -101,7 +101,7 @@ impl TangentialLaw for NoSlip {
         history[MEASURE_BEFORE] = normal.tangential_measure;
         let compliance = one / stiffness.max(tiny);
         let slipped = ((length - limit) * compliance).max(R::zero()).keep(sliding);
-        // Mean force along the slip in the step.
+        // Mean force in the direction of slip during the step.
         let along = (held[0].mul_add(trial[0], held[1] * trial[1])) * shrink / length.max(tiny);
         let pull = R::splat(0.5) * (limit + along).max(R::zero());
         // Twice the energy before the step: T^2 / k_old = ratio T^2 / k.

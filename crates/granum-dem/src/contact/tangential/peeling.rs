@@ -1,16 +1,17 @@
-//! Tangential contact of adhesive spheres that peel before they slip (Savkoor and Briggs 1977), as Thornton and Yin
-//! (1991) put it in front of the Mindlin-Deresiewicz law. For the normal law of Johnson, Kendall and Roberts.
+//! Tangential contact of adhesive spheres that peel before they slip (Savkoor and Briggs 1977), combined with the
+//! Mindlin-Deresiewicz law as by Thornton and Yin (1991). For the normal law of Johnson, Kendall and Roberts.
 //!
-//! With `N_1 = 4 E* a^3 / 3 R*` of the normal law and `D = N_1 - (N + 2 N_c)`, which is
-//! `(4 N N_c + 4 N_c^2)^(1/2)` on the stable branch:
+//! With `N_1 = 4 E* a^3 / 3 R*` of the normal law and `D = N_1 - (N + 2 N_c)`, which is `(4 N N_c + 4 N_c^2)^(1/2)` on the
+//! stable branch:
 //!
-//! - *not yet peeled*: the tangential force shrinks the contact, `a^3 = 3 R* (N + 2 N_c + (D^2 - T^2 E*/4 G*)^(1/2)) / 4 E*`,
-//!   and there is no slip, `T += 8 G* a ddelta`. It peels at `T_c = 2 |D| (G*/E*)^(1/2)`.
-//! - *at the end of peeling* `a^3 = 3 R* (N + 2 N_c) / 4 E*`. With `T_c` at or above the sliding force `T_s = mu F` the
-//!   force drops to `T_s`: the contact slides. With `T_c` below it the force is held at `T_c` while the
-//!   Mindlin-Deresiewicz loading curve of that contact has less at the displacement gone through so far.
-//! - *peeled*: Mindlin-Deresiewicz with that radius and the limit `T_s`, until the contact breaks. A step back during
-//!   the hold leads here at once.
+//! - *not yet peeled*: the tangential force shrinks the contact,
+//!   `a^3 = 3 R* (N + 2 N_c + (D^2 - T^2 E*/4 G*)^(1/2)) / 4 E*`, and there is no slip, `T += 8 G* a ddelta`. It peels at
+//!   `T_c = 2 |D| (G*/E*)^(1/2)`.
+//! - *at the end of peeling*: `a^3 = 3 R* (N + 2 N_c) / 4 E*`. With `T_c` at or above the sliding force `T_s = mu F` the
+//!   force drops to `T_s`: the contact slides. With `T_c` below it, the force is held at `T_c` as long as the
+//!   Mindlin-Deresiewicz loading curve of that contact gives less at the accumulated displacement.
+//! - *peeled*: Mindlin-Deresiewicz with that radius and the limit `T_s`, until the contact breaks. A reversal during the
+//!   hold leads to this stage at once.
 //!
 //! `F` is the friction load of the normal law (Thornton 1991): `N + 2 N_c` above `-0.3 N_c`.
 
@@ -28,13 +29,13 @@ use crate::contact::{
 #[derive(Clone, Copy, Debug)]
 pub struct Peeling;
 
-/// `4 E* / 3 R*`: times a^3 it is a load.
+/// `4 E* / 3 R*`: multiplied by a^3 it gives a load.
 const LOAD_OF_CUBE: usize = 3;
 const TWICE_PULL_OFF: usize = 4;
 /// `E* / 4 G*`.
 const COMPLIANCE_RATIO: usize = 5;
 
-/// While peeling, the column of the turning point keeps the displacement gone through, m.
+/// Until the contact has peeled, the column of the turning point holds the accumulated displacement, m.
 const DISPLACEMENT: usize = 2;
 const STAGE: usize = 6;
 const LOAD: usize = 7;
@@ -97,7 +98,7 @@ impl TangentialLaw for Peeling {
         let fresh = history[STATUS].lt(R::splat(0.5));
         let held = history[STATUS].eq(one);
 
-        // Radius of the contact: shrunk by the force while it peels, that of N + 2 N_c afterwards.
+        // Radius of the contact: during peeling reduced by the force, afterwards that of N + 2 N_c.
         let cube = normal.radius * normal.radius * normal.radius;
         let core = normal.force + c[TWICE_PULL_OFF];
         let rim = c[LOAD_OF_CUBE].mul_add(cube, -core);
@@ -108,7 +109,7 @@ impl TangentialLaw for Peeling {
         let stiffness = c[EIGHT_MODULI] * radius;
         let root_stiffness = c[ROOT_MODULI] * radius.sqrt();
 
-        // Peeling: no slip up to T_c, then the drop or the hold.
+        // Peeling: no slip up to T_c, then the force drops or is held.
         let trial = add_scaled(force, stiffness, increment);
         let trial_length = square(trial).sqrt();
         let critical = (rim_square / c[COMPLIANCE_RATIO].max(tiny)).sqrt();
@@ -124,7 +125,7 @@ impl TangentialLaw for Peeling {
         let factor = R::select(peeling, one, reached);
         let stuck = [trial[0] * factor, trial[1] * factor];
 
-        // Peeled: Mindlin-Deresiewicz. What leaves the hold starts there from the loading curve.
+        // Peeled: Mindlin-Deresiewicz. A contact that leaves the hold starts there on the loading curve.
         let old = !(fresh | held);
         let mut state = State {
             force,
@@ -162,7 +163,7 @@ impl TangentialLaw for Peeling {
         excess(&state_of(history), stiffness, c[FRICTION] * history[LOAD])
     }
 
-    /// Once peeled, by Mindlin and Deresiewicz with the radius of `N + 2 N_c`.
+    /// Once peeled, the energy is that of Mindlin and Deresiewicz with the radius of `N + 2 N_c`.
     fn energy(c: &[f64; LAW_CONSTANTS], stiffness: f64, history: &[f64; MAX_HISTORY]) -> f64 {
         let load = history[LOAD];
         if history[STATUS] < 1.5 {

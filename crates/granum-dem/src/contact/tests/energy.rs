@@ -1,4 +1,4 @@
-//! Where the work of a tangential force goes: stored, slipped, slid.
+//! The balance of the work of a tangential force: stored, lost in micro-slip, lost in sliding.
 
 use proptest::prelude::*;
 
@@ -15,12 +15,12 @@ struct Sums {
     friction: f64,
     micro_slip: f64,
     stored: f64,
-    /// Work had the force stood at the limit all the way.
+    /// Work if the force were at the limit throughout.
     size: f64,
 }
 
 impl Sums {
-    /// What no mechanism accounts for.
+    /// The part of the work that is not accounted for.
     fn gap(&self) -> f64 {
         self.work - self.stored - self.friction - self.micro_slip
     }
@@ -42,7 +42,7 @@ impl<N: NormalLaw, T: TangentialLaw> Bench<N, T> {
         sums.stored = T::energy(&self.constants.tangential, out.tangential_stiffness, &self.memory.history);
     }
 
-    /// A way along one direction, the approach going evenly to another.
+    /// A displacement in one direction, with a linear change of the approach from one value to another.
     fn way(&mut self, [from, to]: [f64; 2], slip: f64, steps: usize, sums: &mut Sums) {
         for k in 1..=steps {
             let approach = from + (to - from) * k as f64 / steps as f64;
@@ -53,7 +53,7 @@ impl<N: NormalLaw, T: TangentialLaw> Bench<N, T> {
 
 const APPROACH: f64 = 2e-8;
 
-/// Limit, and the displacement that reaches it, `3/2 L / 8 G* a`.
+/// The limit force, and the displacement at which it is reached, `3/2 L / 8 G* a`.
 fn limits(bench: &Bench<Hertz, MindlinDeresiewicz>) -> (f64, f64) {
     let normal = Hertz::evaluate(&bench.constants.normal, APPROACH, true);
     let stiffness = MindlinDeresiewicz::stiffness(&bench.constants.tangential, &normal);
@@ -84,12 +84,12 @@ fn a_cycle_loses_what_mindlin_and_deresiewicz_say() {
         let exact = 7.2 * limit * limit * 1.5 / (limit / reach * 1.5 * 1.5) * bracket;
         assert!((lost / exact - 1.0).abs() < 2e-4, "{share}: {lost:e} {exact:e}");
         assert!((work / exact - 1.0).abs() < 2e-3, "{share}: {work:e} {exact:e}");
-        // Back at the turning point with what was stored there.
+        // Back at the turning point, with the energy that was stored there.
         assert!((cycle[1].stored / loading.stored - 1.0).abs() < 1e-3);
     }
 }
 
-/// At the limit every spring stands at its own: `9/4 L^2 / 2 k` times the integral of `(1 - x^2)^2`, 8/15.
+/// At the limit every spring is at its own limit: `9/4 L^2 / 2 k` times the integral of `(1 - x^2)^2`, 8/15.
 #[test]
 fn a_sliding_contact_stores_six_fifths_of_its_spring() {
     let mut bench = Bench::<Hertz, MindlinDeresiewicz>::new(spheres(0.0));
@@ -103,7 +103,7 @@ fn a_sliding_contact_stores_six_fifths_of_its_spring() {
     assert!((sums.gap() / sums.work).abs() < 1e-3);
 }
 
-/// Ways along one line at constant load, or with a changing one: the gap over the size of the work.
+/// Displacements in one direction at constant load, or with a changing one: the gap relative to the amount of work.
 struct Line<'a>(&'a [(f64, f64)], bool);
 impl LawVisitor for Line<'_> {
     type Output = f64;
@@ -121,7 +121,7 @@ impl LawVisitor for Line<'_> {
     }
 }
 
-/// Nothing is worked, stored or lost without a tangential displacement, whatever the load does.
+/// Without a tangential displacement no work is done, stored or lost, whatever the load does.
 struct NoWay;
 impl LawVisitor for NoWay {
     type Output = ();
@@ -146,13 +146,13 @@ proptest! {
         path in prop::collection::vec((3e-9f64..3e-8, -8e-10f64..8e-10), 1..6)
     ) {
         for (normal, tangential) in ALL {
-            // While a contact peels, part of its energy is in the area lost.
+            // While a contact peels, a part of its energy is in the lost area.
             if tangential == TangentialKind::PEELING {
                 continue;
             }
             let gap = with_law(normal, tangential, Line(&path, false));
             prop_assert!(gap.abs() < 2e-4, "{normal:?} {tangential:?}: {gap:e}");
-            // With a changing load the incremental law does not know all that a contact stores.
+            // Under a changing load the incremental law does not know all the energy that a contact stores.
             if tangential == TangentialKind::NO_SLIP {
                 let gap = with_law(normal, tangential, Line(&path, true));
                 prop_assert!(gap.abs() < 1e-10, "changing load, {normal:?}: {gap:e}");

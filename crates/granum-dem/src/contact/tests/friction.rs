@@ -1,11 +1,11 @@
-//! Tangential laws against analysis: Mindlin-Deresiewicz curves and loops, sliding, passivity.
+//! Tangential laws compared with analytical solutions: Mindlin-Deresiewicz curves and loops, sliding, passivity.
 
 use super::*;
 use crate::config::TangentialKind;
 use crate::contact::{LAW_CONSTANTS, MAX_HISTORY, Normal};
 use proptest::prelude::*;
 
-/// Column of the stage in the law's history.
+/// Column of the stage in the history of the law.
 const STAGE: usize = 6;
 
 /// A contact in the units `mu F = 1`, `8 G* a = 1`, driven along one direction.
@@ -37,7 +37,7 @@ impl Unit {
             friction_load: load,
             touching: true,
         };
-        // Oblique in the plane, so that both components work.
+        // Oblique in the plane, so that both components are tested.
         let increment = [0.6 * slip, -0.8 * slip];
         let out = MindlinDeresiewicz::update(&self.constants, &normal, increment, &mut self.history);
         self.force = 0.6 * out.force[0] - 0.8 * out.force[1];
@@ -45,7 +45,7 @@ impl Unit {
         self.force
     }
 
-    /// Moves by a total slip in equal steps at load 2 and returns the work done.
+    /// Moves by a total slip in equal steps at a load of 2 and returns the work done.
     fn travel(&mut self, total: f64, steps: usize) -> f64 {
         let slip = total / steps as f64;
         (0..steps)
@@ -57,8 +57,8 @@ impl Unit {
     }
 }
 
-/// Share t of the limit at the turn, displacement there, force back at no displacement, work lost in a cycle, and that
-/// of the incremental law with 200 steps per quarter.
+/// Fraction t of the limit at the reversal, displacement there, force after the return to zero displacement, work lost in a
+/// cycle, and the same for the incremental law with 200 steps per quarter.
 const LOOP: [(f64, f64, f64, f64, f64); 5] = [
     (0.25, 0.261777281665, -0.005980776538, 0.004175495657, 0.00417549),
     (0.50, 0.555059212579, -0.028532643274, 0.042260535347, 0.04226164),
@@ -128,7 +128,7 @@ fn growing_together_does_not_slip() {
     }
 }
 
-/// Load first, then shear: the running sum of the theta = 1 test would fail this.
+/// Load first, then shear: an implementation that accumulates the condition for theta = 1 would fail this test.
 #[test]
 fn load_then_shear_is_the_constant_load_curve() {
     let mut contact = Unit::new();
@@ -139,7 +139,7 @@ fn load_then_shear_is_the_constant_load_curve() {
     assert!((contact.force - (1.0 - (1.0 - 0.4f64).powf(1.5))).abs() < 2e-5);
 }
 
-/// A small loop closes where it turned, and beyond the turning point the virgin curve goes on.
+/// A small loop closes at its turning point, and beyond that point the curve of first loading continues.
 #[test]
 fn turning_points_are_met_again() {
     let mut contact = Unit::new();
@@ -156,7 +156,7 @@ fn turning_points_are_met_again() {
     assert_eq!(contact.history[STAGE], 0.0);
     let virgin = 1.0 - (1.0 - 1.1f64 / 1.5).powf(1.5);
     assert!((contact.force - virgin).abs() < 1e-3, "{} {virgin}", contact.force);
-    // The other way round, past the mirror image of the turning point.
+    // In the opposite direction, past the mirror image of the turning point.
     let turn = contact.force;
     contact.travel(-2.3, 23_000);
     assert_eq!(contact.history[STAGE], 0.0);
@@ -170,7 +170,7 @@ fn no_slip_rescales_when_the_contact_shrinks() {
     let mut bench = Bench::<Hertz, NoSlip>::new(pair);
     bench.step(4e-8, [0.0; 2]);
     let high = tangential(&bench.step(4e-8, [1e-10, 0.0]))[0];
-    // Half the radius, then back: scaled down once, not up again.
+    // Half the radius, then back: the force is scaled down, but not up again.
     let low = tangential(&bench.step(1e-8, [0.0; 2]))[0];
     assert!((low / high - 0.5).abs() < 1e-11);
     let again = tangential(&bench.step(4e-8, [0.0; 2]))[0];
@@ -197,7 +197,7 @@ impl LawVisitor for SlidesAtTheLimit {
             assert!(last.sliding);
             assert!((force[0].hypot(force[1]) / (0.3 * load) - 1.0).abs() < 1e-10);
             assert!((force[1] / force[0] - 4.0 / 3.0).abs() < 1e-9);
-            // What slides past the limit is lost there; less than all work, more than most of it.
+            // The energy of the sliding beyond the limit is lost: less than all the work, but more than half of it.
             assert!(friction > 0.5 * work && friction < work, "{friction} {work}");
         }
     }
@@ -208,12 +208,12 @@ fn sliding_stands_at_the_limit() {
     every_pair_of_laws!(SlidesAtTheLimit);
 }
 
-/// The slip that a path takes, in steps of 1e-11 m.
+/// A path of slip, in steps of 1e-11 m.
 fn path() -> impl Strategy<Value = Vec<(usize, f64, f64)>> {
     prop::collection::vec((1usize..60, 0.0f64..std::f64::consts::TAU, 0.2f64..1.0), 1..8)
 }
 
-/// From rest, no path at constant load gives back more than was put in.
+/// Starting from zero force, no path at constant load returns more energy than was put in.
 struct Passive<'a>(&'a [(usize, f64, f64)], f64);
 impl LawVisitor for Passive<'_> {
     type Output = f64;
@@ -234,7 +234,7 @@ impl LawVisitor for Passive<'_> {
     }
 }
 
-/// A closed path along one line, three times over: the last time it loses, or nothing at all.
+/// A closed path in one direction, repeated three times: the last cycle loses energy or nothing at all.
 struct ClosedCycle<'a>(&'a [f64], f64);
 impl LawVisitor for ClosedCycle<'_> {
     type Output = f64;
@@ -269,7 +269,7 @@ proptest! {
     fn no_path_at_constant_load_makes_energy(path in path(), approach in 2e-9f64..3e-8) {
         for (normal, tangential) in super::ALL {
             let least = super::with_law(normal, tangential, Passive(&path, approach));
-            // Peeling is reversible on a curve: the error of its steps.
+            // Peeling is reversible along a curve: this bounds the discretization error.
             let bound = if tangential == TangentialKind::PEELING { -1e-3 } else { -1e-9 };
             prop_assert!(least > bound, "{normal:?} {tangential:?}: {least:e}");
         }
@@ -279,14 +279,14 @@ proptest! {
     fn closed_cycles_lose(targets in prop::collection::vec(-1e-9f64..1e-9, 1..6), approach in 2e-9f64..3e-8) {
         for (normal, tangential) in super::ALL {
             let lost = super::with_law(normal, tangential, ClosedCycle(&targets, approach));
-            // Peeling is reversible on a curve: the error of its steps.
+            // Peeling is reversible along a curve: this bounds the discretization error.
             let bound = if tangential == TangentialKind::PEELING { -1e-3 } else { -1e-6 };
             prop_assert!(lost > bound, "{normal:?} {tangential:?}: {lost:e}");
         }
     }
 
-    /// Approach and slip together, in small steps: what comes back beyond what was put in, over what sliding
-    /// all the way would lose.
+    /// Approach and slip change together in small steps: energy returned beyond that put in, over the loss of sliding
+    /// throughout.
     #[test]
     fn little_energy_is_made_with_changing_load(
         path in prop::collection::vec((3e-9f64..3e-8, -4e-10f64..4e-10, -4e-10f64..4e-10), 2..12)
@@ -296,15 +296,15 @@ proptest! {
                 continue;
             }
             let least = super::with_law(normal, tangential, Varying(&path));
-            // Rescaling makes the no-slip law passive. The incremental law is exact at constant load only: of 3000
-            // paths the worst made a tenth (Elata and Berryman 1996 show why it must).
+            // Rescaling makes the no-slip law passive. The incremental law is exact at constant load only: of 3000 paths the
+            // worst created a tenth (Elata and Berryman 1996 show why this is unavoidable).
             let bound = if tangential == TangentialKind::NO_SLIP { -1e-3 } else { -BOUND };
             prop_assert!(least > bound, "{normal:?} {tangential:?}: {least:e}");
         }
     }
 }
 
-/// Bound on what the incremental law makes.
+/// Bound on the energy that the incremental law creates.
 const BOUND: f64 = 0.15;
 
 /// A path of approach and slip.
@@ -330,7 +330,8 @@ impl LawVisitor for Varying<'_> {
     }
 }
 
-/// A contact that opens discards, and a closed cycle of make and break of an adhesive contact loses its share.
+/// A contact that opens loses its history, and a closed cycle of making and breaking an adhesive contact loses the
+/// corresponding energy.
 #[test]
 fn make_and_break_lose_the_adhesion() {
     let pair = spheres(0.6);

@@ -1,4 +1,5 @@
-//! The same bits alone, in lanes, side by side, on every instruction set, and after a restart.
+//! The same bits for a single contact, in lanes, for two batches side by side, on every instruction set, and after a
+//! restart.
 
 use std::marker::PhantomData;
 
@@ -13,7 +14,7 @@ use granum_simd::{Isa, Kernel, LANES, Lanes, Twice, dispatch};
 const STEPS: usize = 400;
 /// Columns of motion: branch, velocity, rolling, mean spin, relative spin.
 const MOTION: usize = 15;
-/// Columns of an answer.
+/// Number of columns of a result.
 const ANSWER: usize = 24;
 
 /// Every pair of laws with resistance to rolling and twisting and with bridges, so that all slots work.
@@ -25,7 +26,7 @@ const BRIDGE: f64 = 1e-12;
 type Motion = [f64; MOTION];
 type Answer = [u64; ANSWER];
 
-/// A generator that needs nothing.
+/// A generator without dependencies.
 struct Sequence(u64);
 impl Sequence {
     fn next(&mut self) -> f64 {
@@ -34,7 +35,8 @@ impl Sequence {
     }
 }
 
-/// Pairs that touch and part, turn, roll, slip back and forth, some across the equator of normals, some head-on to an axis.
+/// Pairs that touch and separate, rotate, roll and slip back and forth; some normals cross the equator, some are parallel to
+/// an axis.
 fn motions(lane: usize) -> Vec<Motion> {
     let mut sequence = Sequence(17 + lane as u64);
     let mut n = [sequence.next(), sequence.next(), 0.02 * sequence.next()];
@@ -51,7 +53,7 @@ fn motions(lane: usize) -> Vec<Motion> {
             let size = dot(n, n).sqrt();
             n = n.map(|x| x / size);
             let overlap = 1.5e-8 * (0.02 * step as f64 + lane as f64).sin() + 8e-9;
-            // Once a turn too large for the series.
+            // One rotation that is too large for the series.
             if step == 250 && lane == 5 {
                 n = [n[1], n[2], n[0]];
             }
@@ -69,7 +71,7 @@ fn motions(lane: usize) -> Vec<Motion> {
         .collect()
 }
 
-/// Spins that go to and fro; apart from the sequence, which other tests were made with.
+/// Spins that oscillate; independent of the sequence, which other tests rely on.
 fn wave(step: usize, lane: usize, axis: usize) -> f64 {
     (0.05 * step as f64 * (1.0 + 0.1 * axis as f64) + lane as f64).sin()
 }
@@ -191,7 +193,7 @@ impl<N: NormalLaw, T: TangentialLaw> Kernel for SideBySide<'_, N, T> {
     }
 }
 
-/// The same laws called through their slots, in one batch or two.
+/// The same laws called through their slots, in one batch or in two.
 struct ThroughSlots<'a>(&'a Slots, &'a PairConstants<f64>, &'a [Vec<Motion>]);
 impl Kernel for ThroughSlots<'_> {
     type Output = Vec<Vec<Answer>>;
@@ -221,7 +223,7 @@ impl Kernel for ThroughSlots<'_> {
     }
 }
 
-/// One contact after the other through the slots.
+/// The contacts one after another through the slots.
 fn alone_through_slots(
     contact: &Contact,
     isa: Isa,
@@ -281,7 +283,7 @@ fn every_law_has_the_same_bits_everywhere() {
             let [touching, sliding, bridged, ruptured] =
                 super::with_law(normal, tangential, SameBits(energy, contact));
             let all = 2 * LANES * STEPS;
-            // The motions do visit contact and its absence, sticking and sliding.
+            // The motions include contact and separation, sticking and sliding.
             assert!(touching > all / 3 && touching < all, "{normal:?} {tangential:?}: {touching}");
             assert!(bridged > all / 3 && bridged < all && ruptured > 10, "{normal:?}: {bridged} {ruptured}");
             assert!(

@@ -1,4 +1,4 @@
-//! Verification of every pair of laws, through the function that the engine runs.
+//! Verification of every pair of laws, through the function that the engine uses.
 
 mod energy;
 mod friction;
@@ -26,7 +26,7 @@ fn spheres(interface_energy: f64) -> PairProperties {
     PairProperties::new((&material, 5e-5), (&material, 5e-5), 0.0)
 }
 
-/// A pair held in place in a fixed direction, its surfaces moved by hand.
+/// A pair in a fixed direction whose approach and slip are prescribed.
 struct Bench<N, T> {
     pair: PairProperties,
     constants: PairConstants<f64>,
@@ -44,7 +44,7 @@ impl<N: NormalLaw, T: TangentialLaw> Bench<N, T> {
         Bench { pair, constants, memory: Memory::new(), laws: std::marker::PhantomData }
     }
 
-    /// One step to an approach, with increments along two directions across the normal.
+    /// One step to an approach, with slip increments in two directions perpendicular to the normal.
     fn step(&mut self, approach: f64, slip: [f64; 2]) -> Interaction<f64> {
         let distance = self.pair.radius_sum - approach;
         let kinematics = Kinematics {
@@ -74,14 +74,14 @@ fn constants<N: NormalLaw, T: TangentialLaw, M: MomentLaw>(pair: &PairProperties
     Compiled::<N, T, M>::constants(pair, [&n, &t, &m, &[]])
 }
 
-/// What a normal law with a contact area and without adhesion says of itself.
+/// The traits of a normal law with a contact area and without adhesion.
 const PLAIN: NormalTraits = NormalTraits { name: "hertz", contact_area: true, adhesive: false };
 
-/// Something to be done with a pair of laws, compiled for each pair.
+/// An operation on a pair of laws, compiled for each pair.
 trait LawVisitor {
     /// What it returns.
     type Output;
-    /// Does it with the normal law `N` and the tangential law `T`.
+    /// Executes it with the normal law `N` and the tangential law `T`.
     fn visit<N: NormalLaw, T: TangentialLaw>(self) -> Self::Output;
 }
 
@@ -108,7 +108,7 @@ fn with_law<V: LawVisitor>(normal: NormalKind, tangential: TangentialKind, visit
     }
 }
 
-/// The list holds every pair of granum's laws that goes together.
+/// The list contains every pair of granum's laws that can be combined.
 #[test]
 fn no_pair_of_laws_is_left_out() {
     let sets = super::registry::sets();

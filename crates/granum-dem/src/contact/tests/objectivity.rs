@@ -1,10 +1,10 @@
-//! A loaded pair that turns as one body feels nothing: one turn about (1, 2, 3).
+//! A loaded pair that rotates as a rigid body keeps its forces: one full rotation about (1, 2, 3).
 
 use super::*;
 use crate::contact::frame::{Frame, Turn};
 use crate::contact::interaction::{add_scaled, cross, scale};
 
-/// The vector turned by an angle about the unit axis (1, 2, 3) / sqrt 14.
+/// The vector rotated by an angle about the unit axis (1, 2, 3) / sqrt 14.
 fn turned(v: [f64; 3], angle: f64) -> [f64; 3] {
     let part = scale(dot(NORMAL, v), NORMAL);
     let across: [f64; 3] = std::array::from_fn(|a| v[a] - part[a]);
@@ -14,7 +14,7 @@ fn turned(v: [f64; 3], angle: f64) -> [f64; 3] {
 
 const START: [f64; 3] = [1.0, 0.0, 0.0];
 
-/// The force that a pair in the first direction remembers.
+/// The force stored in the history of a pair in the initial direction.
 fn force_of(memory: &Memory<f64>) -> [f64; 3] {
     law::tangential_force(&Memory { normal: START, ..*memory })
 }
@@ -24,7 +24,7 @@ fn swap<T: TangentialLaw>(memory: &mut Memory<f64>) {
     memory.normal = memory.normal.map(|x| -x);
 }
 
-/// Error of the remembered force over its size after one turn, from the turning of the history alone.
+/// Relative error of the stored force after one full rotation, from the rotation of the history alone.
 fn history_alone(steps: usize) -> f64 {
     let angle = std::f64::consts::TAU / steps as f64;
     let mut vector = [0.8, -0.6];
@@ -48,12 +48,14 @@ fn turning_of_the_history_is_of_second_order() {
     assert!((errors[0] / errors[1] / 100.0 - 1.0).abs() < 0.05);
 }
 
-/// Error of the force over its size after one turn of a pair with alpha / R = 1e-3 and T = mu N / 2, and of its size.
+/// Relative errors of the force and of its magnitude after one full rotation of a pair with alpha / R = 1e-3 and T = mu N /
+/// 2.
 struct OneTurn {
     steps: usize,
     unlike: bool,
     energy: f64,
-    /// Velocity of the middle of the step as of the true rotation; else as leapfrog has it, the chord of the step.
+    /// If true, the mid-step velocity is that of the exact rotation; otherwise it is that of the leapfrog scheme, the chord
+    /// of the step.
     tangent: bool,
 }
 impl LawVisitor for OneTurn {
@@ -65,7 +67,7 @@ impl LawVisitor for OneTurn {
         let constants = constants::<N, T, NoMoments>(&pair);
         let mut memory = Memory::<f64>::new();
         let distance = pair.radius_sum - 1e-3 * ri;
-        // Shear it at rest to half the limit.
+        // Shear it without rotation to half the limit.
         let across = cross(START, NORMAL);
         let across = scale(1.0 / dot(across, across).sqrt(), across);
         let limit = pair.friction * N::evaluate(&constants.normal, 1e-3 * ri, true).friction_load;
@@ -84,7 +86,7 @@ impl LawVisitor for OneTurn {
         }
         let angle = std::f64::consts::TAU / self.steps as f64;
         for k in 0..self.steps {
-            // Leapfrog: the velocity of the middle of the step carries the branch from its start to its end.
+            // Leapfrog: the mid-step velocity carries the branch vector from its start to its end.
             let (old, new) = (turned(START, k as f64 * angle), turned(START, (k + 1) as f64 * angle));
             let spin = scale(angle, NORMAL);
             let velocity: [f64; 3] = if self.tangent {
@@ -108,8 +110,8 @@ impl LawVisitor for OneTurn {
     }
 }
 
-/// Errors of 3.5e-2, 3.5e-4 and 3.5e-6 of |T| with 1e3, 1e4 and 1e5 steps a turn; other lever arms or another normal
-/// than that of the middle of the step would leave 0.84 to 84 |T|.
+/// Errors of 3.5e-2, 3.5e-4 and 3.5e-6 of |T| with 1e3, 1e4 and 1e5 steps per rotation; with other lever arms, or with a
+/// normal other than that of mid-step, the errors would be 0.84 to 84 |T|.
 #[test]
 fn a_turning_pair_keeps_its_force() {
     let errors = [1000, 10_000, 100_000].map(|steps| {
@@ -142,10 +144,10 @@ fn every_law_keeps_its_force_in_a_turn() {
     }
 }
 
-/// How vectors look in another frame.
+/// The transformation of vectors to another frame.
 type Map<'a> = &'a dyn Fn([f64; 3]) -> [f64; 3];
 
-/// The same motion seen in another frame, and with the grains' sides changed, gives the same.
+/// The same motion in another frame of reference, and with the roles of the grains exchanged, gives the same result.
 struct OtherFrames;
 impl LawVisitor for OtherFrames {
     type Output = ();
@@ -175,7 +177,7 @@ impl LawVisitor for OtherFrames {
             let permuted = |v: [f64; 3]| [v[2], v[0], v[1]];
             let oblique = |v: [f64; 3]| turned(v, 2.3);
             let negated = |v: [f64; 3]| v.map(|x| -x);
-            // Spins are axial: they keep their sign when i and j change sides.
+            // Spins are axial vectors: they keep their sign when i and j change roles.
             let swapped =
                 Kinematics { branch: negated(motion.branch), velocity: negated(motion.velocity), ..motion };
             let reference = interact(&Compiled::<N, T>::new(), &constants, &motion, 1e-8, &mut memories[0]);
@@ -184,7 +186,7 @@ impl LawVisitor for OtherFrames {
                 [(seen(&permuted), &permuted), (seen(&oblique), &oblique), (swapped, &negated)];
             for (k, (motion, map)) in cases.iter().enumerate() {
                 if k == 2 && step % 50 == 0 {
-                    // There and back, as when the engine sorts its grains anew.
+                    // Exchanged twice, as when the engine sorts its grains again.
                     swap::<T>(&mut memories[3]);
                     swap::<T>(&mut memories[3]);
                 }
@@ -196,7 +198,7 @@ impl LawVisitor for OtherFrames {
                 }
             }
         }
-        // The memory of (i, j) rewritten for (j, i) is that of the pair seen from j.
+        // The history of (i, j) rewritten for (j, i) is that of the pair seen from j.
         let mut mine = memories[0];
         swap::<T>(&mut mine);
         for a in 0..3 {

@@ -1,8 +1,8 @@
-//! Savkoor and Briggs (1977) peeling in front of Mindlin-Deresiewicz.
+//! Savkoor and Briggs (1977) peeling, followed by Mindlin-Deresiewicz.
 
 use super::*;
 
-/// Approach of a load on the stable branch, m.
+/// Approach under a load on the stable branch, m.
 fn approach_of(pair: &PairProperties, load: f64) -> f64 {
     let c = Jkr::prepare(pair, &[]);
     let unit = 1.5 * std::f64::consts::PI * pair.interface_energy * pair.effective_radius;
@@ -14,7 +14,7 @@ fn approach_of(pair: &PairProperties, load: f64) -> f64 {
     alpha
 }
 
-/// The largest force before the first slip and the force long after it, over the pull-off force.
+/// The largest force before the first slip and the force long afterwards, over the pull-off force.
 fn shear(friction: f64, load: f64) -> (f64, f64) {
     let pair = PairProperties { friction, ..spheres(0.6) };
     let unit = 1.5 * std::f64::consts::PI * pair.interface_energy * pair.effective_radius;
@@ -43,7 +43,7 @@ fn critical(load: f64) -> f64 {
     4.0 * ((load + 1.0) * (0.7 / 3.4)).sqrt()
 }
 
-/// At the mean load of the paper's sample the first slip needs 3.55 N_c, the sliding after it 1.45 N_c.
+/// At the mean load of the paper's sample the first slip needs a force of 3.55 N_c, the sliding after it 1.45 N_c.
 #[test]
 fn first_slip_needs_the_peeling_force() {
     let (peak, after) = shear(0.3, 2.829421);
@@ -56,7 +56,7 @@ fn first_slip_needs_the_peeling_force() {
     assert!((after / (0.3 * 4.829421) - 1.0).abs() < 1e-10, "{after}");
 }
 
-/// T_c = T_s at these loads: below, the force drops; above, it goes on to T_s.
+/// T_c = T_s at these loads: at lower loads the force drops, at higher loads it increases to T_s.
 #[test]
 fn drop_and_hold_meet_where_the_table_says() {
     for (friction, load) in [(0.3, 33.572), (0.1, 326.41), (0.5, 10.086)] {
@@ -72,7 +72,7 @@ fn drop_and_hold_meet_where_the_table_says() {
     }
 }
 
-/// While peeling nothing is lost to slip, and the force comes back along its own curve.
+/// During peeling nothing is lost to slip, and the force returns along the same curve.
 #[test]
 fn peeling_is_reversible() {
     let pair = spheres(0.6);

@@ -1,4 +1,5 @@
-//! Resistance to rolling against analysis: stiffness and limit, cycles, paths in the plane, turning, passivity.
+//! Rolling resistance compared with analytical solutions: stiffness and limit, cycles, paths in the plane, rigid rotation,
+//! passivity.
 
 use super::*;
 use crate::contact::law::{Moment, Normal, RelativeSpin};
@@ -7,10 +8,10 @@ use proptest::prelude::*;
 
 type Rolling = ElasticPlasticRolling;
 
-/// Load of the golden table, N.
+/// Load of the reference table, N.
 const LOAD: f64 = 2e-4;
 
-/// A contact of Hertz under a load, turned by hand.
+/// A Hertz contact under a load whose rotation is prescribed.
 struct Cradle {
     constants: [f64; LAW_CONSTANTS],
     normal: Normal<f64>,
@@ -20,7 +21,7 @@ struct Cradle {
 }
 
 impl Cradle {
-    /// With the radii R_i and R_j, m.
+    /// A contact of spheres with the radii R_i and R_j, m.
     fn new(radii: [f64; 2]) -> Cradle {
         let material = Material { interface_energy: 0.0, ..Material::default() };
         let pair = PairProperties::new((&material, radii[0]), (&material, radii[1]), 0.0);
@@ -29,7 +30,7 @@ impl Cradle {
         Cradle { constants, normal, history: [0.0; MAX_MOMENT_HISTORY], work: 0.0, lost: 0.0 }
     }
 
-    /// Turns i against j by two angles in one step; the couple on j.
+    /// Rotates i relative to j by two angles in one step; returns the state of the contact, with the couple on j.
     fn turn(&mut self, by: [f64; 2]) -> Moment<f64> {
         let spin = RelativeSpin { rolling: by, twisting: 0.0 };
         let out = Rolling::update(&self.constants, &self.normal, spin, 1.0, &mut self.history);
@@ -42,7 +43,7 @@ impl Cradle {
         Rolling::energy(&self.constants, &self.history)
     }
 
-    /// Stiffness and limit, measured.
+    /// Measured stiffness and limit.
     fn measured(mut self) -> [f64; 2] {
         let stiffness = self.turn([1e-9, 0.0]).couple[0] / 1e-9;
         [stiffness, self.turn([1.0, 0.0]).couple[0]]
@@ -60,7 +61,7 @@ fn stiffness_and_limit_are_those_of_the_paper() {
     assert!((limit / 3.3333333333e-10 - 1.0).abs() < 1e-9, "{limit:e}");
 }
 
-/// A cycle of rolling, in units of the angle and of the couple at which it yields: angle, couple, lost.
+/// A cycle of rolling, in units of the angle and of the couple at the yield point: angle, couple, energy lost.
 #[test]
 fn a_cycle_stores_and_loses_as_spring_and_slider() {
     let mut cradle = Cradle::new([5e-5; 2]);
@@ -93,7 +94,8 @@ fn a_cycle_stores_and_loses_as_spring_and_slider() {
     }
 }
 
-/// Along one axis by twice the angle of yield and then across: the couple is `(sech 2, tanh 2)` and `1 + ln cosh 2` is lost.
+/// Along one axis by twice the yield angle and then perpendicular to it: the couple is `(sech 2, tanh 2)`, and
+/// `1 + ln cosh 2` is lost.
 #[test]
 fn a_path_with_a_corner_follows_the_exact_solution() {
     let mut cradle = Cradle::new([5e-5; 2]);
@@ -115,7 +117,7 @@ fn a_path_with_a_corner_follows_the_exact_solution() {
     }
 }
 
-/// Where the load falls the couple falls with the stiffness: unloading and loading again makes no energy.
+/// Where the load decreases the couple decreases with the stiffness: unloading and reloading creates no energy.
 #[test]
 fn a_changing_load_makes_no_energy() {
     let mut cradle = Cradle::new([5e-5; 2]);
@@ -145,7 +147,7 @@ fn the_dashpot_ends_at_the_limit() {
     assert!(beyond.at_limit && beyond.dashpot == 0.0);
 }
 
-/// A rolled pair that turns as one body keeps its couple, in the directions of space.
+/// A rolled pair that rotates as a rigid body keeps its couple, which rotates with it.
 #[test]
 fn a_turning_pair_keeps_its_couple() {
     let error = |steps: usize| {
@@ -155,7 +157,7 @@ fn a_turning_pair_keeps_its_couple() {
         let mut memory = Memory::<f64>::new();
         let distance = pair.radius_sum - 1e-8;
         let turned = |angle: f64| {
-            // About (1, 2, 3): its part of the x axis stays, the rest turns.
+            // About (1, 2, 3): the component of the x axis along this axis is unchanged, the rest rotates.
             let along = NORMAL.map(|n| n * NORMAL[0]);
             let across: [f64; 3] = std::array::from_fn(|a| [1.0, 0.0, 0.0][a] - along[a]);
             let side = super::super::interaction::cross(NORMAL, [1.0, 0.0, 0.0]);
@@ -174,12 +176,12 @@ fn a_turning_pair_keeps_its_couple() {
                 velocity: std::array::from_fn(|a| if first { 0.0 } else { distance * (new[a] - old[a]) }),
                 rolling: spin,
                 mean_spin: spin,
-                // Rolled in the first step, then both grains turn alike.
+                // Rolled in the first step, then both grains rotate together.
                 relative_spin: if first { [0.0, 2e-4, -1e-4] } else { [0.0; 3] },
             };
             couples.push(interact(&laws, &constants, &motion, 1.0, &mut memory));
         }
-        // The couple without the dashpot, which acts in the first step alone.
+        // The couple without the dashpot, which acts only in the first step.
         let first = crate::contact::frame::Frame::of(turned(0.0));
         let held = |memory: &Memory<f64>| first.vector([memory.moments[0], memory.moments[1]]);
         let mut start = Memory::<f64>::new();
@@ -200,7 +202,7 @@ fn a_turning_pair_keeps_its_couple() {
     assert!(errors[0] < 2.7e-6 && errors[1] < 2.7e-8, "{errors:?}");
 }
 
-/// The other grain feels the opposite couple, whoever is called i; one observer sees what another sees.
+/// The other grain feels the opposite couple, whichever is called i; the result is the same for all observers.
 #[test]
 fn couples_are_opposite_and_the_same_for_all() {
     let laws = Compiled::<Hertz, NoSlip, Rolling>::new();

@@ -1,4 +1,4 @@
-//! Normal laws against analysis: the JKR table, Hertz, energies, limits, unlike grains.
+//! Normal laws compared with analytical solutions: the JKR table, Hertz, energies, limits, unlike grains.
 
 use super::*;
 use proptest::prelude::*;
@@ -27,7 +27,7 @@ const JKR: [(f64, f64, f64, f64); 15] = [
     (-0.2, 0.0990455512648090028, -0.120797939438139321, f64::NAN),
 ];
 
-/// d_0, a_0 and N_c of the law, from its constants' meaning.
+/// d_0, a_0 and N_c of the law, computed from the definitions of its constants.
 fn units(pair: &PairProperties) -> (f64, f64, f64) {
     let force = 1.5 * std::f64::consts::PI * pair.interface_energy * pair.effective_radius;
     let radius = (3.0 * force * pair.effective_radius / pair.effective_modulus).cbrt();
@@ -54,7 +54,7 @@ fn jkr_follows_the_table() {
     let mut worst = [0.0f64; 3];
     for (h, radius, force, stiffness) in JKR {
         if stiffness.is_nan() {
-            // The unstable twin solves the equations; the law takes the other.
+            // The solution on the unstable branch also satisfies the equations; the law takes the other one.
             let x = radius.sqrt();
             assert!((x.powi(4) - 2.0 / 3.0 * x - h).abs() < 1e-15);
             assert!((4.0 * x.powi(3) * (x.powi(3) - 1.0) - force).abs() < 1e-15);
@@ -62,7 +62,7 @@ fn jkr_follows_the_table() {
             assert!(n.radius > 5.0 * radius * unit_radius);
             continue;
         }
-        // Just inside the break, where rounding decides what touches.
+        // Slightly inside the breaking point, where rounding decides which pairs touch.
         let inside = if stiffness.is_infinite() { h + 1e-15 } else { h };
         let n = Jkr::evaluate(&c, inside * length, true);
         assert!(n.touching);
@@ -72,7 +72,7 @@ fn jkr_follows_the_table() {
             let found = n.stiffness / (2.0 * pair.effective_modulus * n.radius);
             worst[2] = worst[2].max((found - stiffness).abs());
         } else {
-            // Kept positive for the dashpot.
+            // The law keeps it positive for the dashpot.
             assert!((n.stiffness / (0.2 * pair.effective_modulus * n.radius) - 1.0).abs() < 1e-12);
         }
         assert!((n.root_stiffness * n.root_stiffness / n.stiffness - 1.0).abs() < 1e-14);
@@ -82,11 +82,11 @@ fn jkr_follows_the_table() {
         "JKR table, largest errors: radius {:.1e}, force {:.1e}, stiffness {:.1e}",
         worst[0], worst[1], worst[2]
     );
-    // The radius at the break itself has the root of the 1e-15 above.
+    // The error of the radius at the breaking point is the square root of the 1e-15 above.
     assert!(worst[0] < 2e-7 && worst[1] < 1e-7 && worst[2] < 1e-11, "{worst:?}");
 }
 
-/// The force over the whole range, against the force at a chosen x and its exact approach.
+/// The force over the whole range, compared with that at a chosen x and its exact approach.
 #[test]
 fn jkr_inversion_is_accurate() {
     let pair = spheres(0.6);
@@ -101,7 +101,7 @@ fn jkr_inversion_is_accurate() {
         let force = 4.0 * s * (s - 1.0);
         let n = Jkr::evaluate(&c, h * length, true);
         let error = (n.force / unit_force - force).abs() / force.abs().max(1.0);
-        // Rounding of h itself (1e-16 of its parts) counts by dN/dh.
+        // The rounding error of h itself (1e-16 of its terms) is multiplied by dN/dh.
         let t = h + 0.275160604074552;
         let band = if t < 1e-6 {
             0
@@ -145,7 +145,7 @@ fn a_contact_is_made_at_zero_and_broken_at_the_end() {
     assert!((made.force / PULL_OFF + 8.0 / 9.0).abs() < 1e-8);
 }
 
-/// Integral of the force, by Gauss's rule with three points on fine intervals.
+/// Integral of the force by three-point Gauss quadrature on fine intervals.
 fn integral(from: f64, to: f64, f: impl Fn(f64) -> f64) -> f64 {
     let n = 4000;
     let (h, offset) = ((to - from) / n as f64, 0.6f64.sqrt() / 2.0);
@@ -161,7 +161,7 @@ fn integral(from: f64, to: f64, f: impl Fn(f64) -> f64) -> f64 {
 fn energies_are_integrals_of_the_force() {
     let pair = spheres(0.6);
     let (h, j) = (Hertz::prepare(&pair, &[]), Jkr::prepare(&pair, &[]));
-    // What the surfaces release when they touch is gone before a force could take it up.
+    // The energy that the surfaces release at first contact is lost before any force can absorb it.
     let made = Jkr::losses(&j).made;
     for approach in [1e-10, 1e-8, 5e-7] {
         let hertz = integral(0.0, approach, |a| Hertz::evaluate(&h, a, true).force);
@@ -170,9 +170,10 @@ fn energies_are_integrals_of_the_force() {
         assert!(((Jkr::energy(&j, approach) + made) / jkr - 1.0).abs() < 1e-8);
     }
     let end = Jkr::breaking_overlap(&j);
-    // The stiffness is infinite at the break: the root of the distance as the variable.
+    // The stiffness is infinite at the breaking point: the square root of the distance is the integration variable.
     let jkr = integral(0.0, 1.0, |u| Jkr::evaluate(&j, end * (1.0 - u * u), true).force * 2.0 * u * end);
-    // From touch to break the bond pulls: the work against it is what making and breaking lose.
+    // From first contact to breaking the bond is in tension: the work against it is the loss by making and breaking the
+    // contact.
     assert!(((made + Jkr::losses(&j).broken) / jkr - 1.0).abs() < 1e-8);
     assert!((Jkr::energy(&j, end * (1.0 - 1e-12)) / Jkr::losses(&j).broken - 1.0).abs() < 1e-6);
 }
@@ -187,7 +188,7 @@ fn states_of_the_sample_have_their_stiffness() {
         (2e-4, 6.70387e-7, 9.87e-5, 3.846436e4, 4.246798e4),
         (1e-3, 9.37754e-7, 2.56e-4, 6.158565e4, 5.940525e4),
     ] {
-        // The printed approach has three digits: Newton on the force.
+        // The printed approach has three digits: Newton iterations for the force.
         let mut alpha = approach * 1e-4;
         for _ in 0..20 {
             let n = Jkr::evaluate(&c, alpha, true);
@@ -228,7 +229,7 @@ fn friction_load_of_adhesive_contacts() {
     }
     assert!(((zone(-0.3) / 1.7 - 1.0).abs() - 0.0089).abs() < 5e-5);
     assert!((zone(-0.32523) - (2.0 - 0.32523)).abs() < 1e-5);
-    // Where no zone is in compression there is no friction.
+    // Without a zone in compression there is no friction.
     assert_eq!(at(0.3).1, 0.0);
     assert!(at(0.34).1 > 0.0);
 }

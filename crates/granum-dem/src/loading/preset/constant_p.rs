@@ -1,5 +1,5 @@
 //! Axisymmetric compression at constant mean stress, the test of Antony, Zhou and Wang (2006): axis x is strained at a
-//! constant rate, axes y and z move together so that p = (sigma_1 + sigma_2 + sigma_3)/3 keeps its target.
+//! constant rate, axes y and z move together so that p = (sigma_1 + sigma_2 + sigma_3)/3 stays at its target.
 
 use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, generous, number, stress};
 use crate::config::{Rate, Recording, Shear};
@@ -49,7 +49,7 @@ fn stage(speed: Speed, sense: f64, mean_stress: Option<f64>, until: Until) -> St
     Stage::new("shear", control, vec![until])
 }
 
-/// The test of the paper as the section `[shear]` of a case says it, on a sample prepared at `sample_stress`, Pa.
+/// The test of the paper as defined by the section `[shear]` of a case, on a sample prepared at `sample_stress`, Pa.
 pub fn antony2006(shear: &Shear, recording: &Recording, sample_stress: f64) -> Stage {
     let mean_stress = shear.mean_stress.unwrap_or(sample_stress);
     let speed = match shear.rate {

@@ -13,7 +13,7 @@ pub(super) const PRESET: Preset = Preset {
         let (free, fixed) = (Drive::Free, Drive::Fixed);
         let held = values.target("mean_stress");
         let proportional = Target::held(0.0);
-        // The larger b is, the faster axis z expands: up to twice as fast as x is compressed.
+        // With increasing b axis z expands faster: up to twice as fast as x is compressed.
         let axial = Drive::Rate(1.0 / (1.0 + b));
         let control = Control::of(values.speed(), [axial, free, free, fixed, fixed, fixed])
             .with(Constraint::mean_stress(held))

@@ -1,4 +1,4 @@
-//! Drained triaxial test: axis x is strained, the lateral stresses are held.
+//! Drained triaxial test: axis x is strained, the lateral stresses are held constant.
 
 use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, generous, number, stress};
 use crate::loading::{Control, Drive, Measure, Record, Stage, Until};

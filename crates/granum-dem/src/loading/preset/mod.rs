@@ -35,7 +35,7 @@ pub use self::parameter::{
 pub struct Preset {
     /// Its name.
     pub name: &'static str,
-    /// What it is, in one or two sentences.
+    /// What it does, in one or two sentences.
     pub help: &'static str,
     /// What it takes beside what every preset takes ([`Preset::parameters`]).
     pub own: &'static [Parameter],
@@ -71,7 +71,7 @@ pub fn all() -> Vec<&'static Preset> {
     ALL.iter().chain(own.iter().copied()).collect()
 }
 
-/// The preset of that name.
+/// The preset of a given name.
 pub fn named(name: &str) -> Option<&'static Preset> {
     all().into_iter().find(|preset| preset.name == name)
 }
@@ -181,12 +181,12 @@ impl Preset {
         own.iter().chain(common)
     }
 
-    /// The parameter of that key.
+    /// The parameter of a given key.
     pub fn parameter(&self, key: &str) -> Option<&'static Parameter> {
         self.parameters().find(|parameter| parameter.key == key)
     }
 
-    /// Its stages with these parameters; those not given have their defaults.
+    /// Its stages with the given parameters; the others have their defaults.
     pub fn expand(&self, given: &Given) -> Vec<Stage> {
         let values = Values { preset: self, given };
         let mut stages = (self.stages)(&values);
@@ -206,7 +206,7 @@ impl Values<'_> {
         self.optional(key).map_or_else(Target::current, Target::held)
     }
 
-    /// A stage that brings the sample to rest at the stress of a parameter, where it is given.
+    /// A stage that brings the sample to rest at the stress given by a parameter, if it is given.
     pub fn consolidation(&self, key: &str) -> Option<Stage> {
         self.optional(key).map(|stress| consolidation(stress, self.number(INERTIAL_NUMBER.key)))
     }
@@ -215,7 +215,7 @@ impl Values<'_> {
 /// Unbalanced force below which a sample is at rest.
 const AT_REST: f64 = 1e-3;
 
-/// All three axes are brought to a stress, and the sample to rest there.
+/// All three axes are brought to a given stress, and the sample comes to rest there.
 fn consolidation(stress: f64, inertial_number: f64) -> Stage {
     let held = Drive::Stress(Target::held(stress));
     let fixed = Drive::Fixed;
@@ -225,7 +225,7 @@ fn consolidation(stress: f64, inertial_number: f64) -> Stage {
     Stage { settling: true, ..Stage::new("consolidation", control, vec![rest]) }
 }
 
-/// A strain from which a test may go further than asked before it counts as one that does not end.
+/// A generous bound on the strain of a test, after which it counts as one that does not end.
 fn generous(strain: f64) -> Option<f64> {
     Some(4.0 * strain.abs() + 0.01)
 }
@@ -253,7 +253,7 @@ mod tests {
         for stage in &stages {
             assert_eq!(stage.control.check(), Ok(()), "{} {}", preset.name, stage.name);
             assert!(!stage.until.is_empty() && stage.most_arc_length.is_some(), "{}", preset.name);
-            // NaN would be no equal of itself.
+            // A stage with a NaN would not be equal to itself.
             assert_eq!(stage, &stage.clone(), "{}", preset.name);
             kept |= stage.start == Start::Kept;
             assert!(stage.start != Start::Back || kept, "{}: nothing to go back to", preset.name);

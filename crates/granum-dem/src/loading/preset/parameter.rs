@@ -17,9 +17,9 @@ pub struct Parameter {
     pub kind: Kind,
     /// The SI unit of a number; `1` for a pure number.
     pub unit: &'static str,
-    /// What it is, in one or two sentences.
+    /// Its meaning, in one or two sentences.
     pub help: &'static str,
-    /// Its default; `None` where it may be left out, with what then holds.
+    /// Its default; where it may be omitted without having one, a description of what applies then.
     pub default: Default,
     /// Smallest and largest value of a number.
     pub bounds: [f64; 2],
@@ -38,7 +38,7 @@ pub enum Kind {
     History,
 }
 
-/// What holds where a parameter is not given.
+/// What applies where a parameter is not given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Default {
     /// This number.
@@ -47,7 +47,7 @@ pub enum Default {
     Word(&'static str),
     /// These numbers.
     List(&'static [f64]),
-    /// What this sentence says.
+    /// No value; the sentence describes what applies instead.
     Absent(&'static str),
     /// Nothing: it must be given.
     Needed,
@@ -90,7 +90,7 @@ impl From<&str> for Value {
 /// Values by the keys of their parameters; those not given have their defaults.
 pub type Given = BTreeMap<String, Value>;
 
-/// The parameters of a preset, given or by default.
+/// The parameters of a preset, given or default.
 pub struct Values<'a> {
     pub(super) preset: &'a Preset,
     pub(super) given: &'a Given,

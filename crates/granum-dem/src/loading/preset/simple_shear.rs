@@ -1,4 +1,5 @@
-//! Simple shear at constant normal stress: x is moved by y, the stress along y is held, the others do not strain.
+//! Simple shear at constant normal stress: grains move along x in proportion to y, the stress along y is held constant, the
+//! other axes are not strained.
 
 use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, generous, number, stress};
 use crate::loading::{Control, Drive, Kinematics, Measure, Record, Speed, Stage, Until};
@@ -21,7 +22,7 @@ const PARAMETERS: &[Parameter] = &[
     STATES,
 ];
 
-/// Simple shear in the plane xy, with the axis y driven in some way.
+/// Simple shear in the plane xy, with a given drive of the axis y.
 pub(super) fn shear(speed: Speed, normal: Drive, strain: f64, states: usize) -> Stage {
     let fixed = Drive::Fixed;
     let control = Control {

@@ -1,4 +1,4 @@
-//! Simple shear at constant volume: x is moved by y, and no axis strains.
+//! Simple shear at constant volume: grains move along x in proportion to y, and no axis is strained.
 
 use super::simple_shear::shear;
 use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, number, stress};

@@ -1,4 +1,5 @@
-//! Undrained triaxial test: the volume of a saturated sample stays, and so the two lateral strains are half the axial one.
+//! Undrained triaxial test: the volume of a saturated sample is constant, so that each lateral strain is minus half the
+//! axial one.
 
 use super::{Default, INERTIAL_NUMBER, Parameter, Preset, STATES, generous, number, stress};
 use crate::loading::{Constraint, Control, Drive, Measure, Record, Stage, Target, Until};

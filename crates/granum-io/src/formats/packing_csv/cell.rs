@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::formats::csv::Lines;
 use granum_core::quantity::format_number;
 
-/// What such a line looks like.
+/// An example of such a line.
 pub(super) const EXAMPLE: &str =
     "the first line must be as \"# periodic box, m: xlo=0 ylo=0 zlo=0 xhi=1e-3 yhi=1e-3 zhi=1e-3\"";
 
@@ -62,7 +62,7 @@ fn from_edges(n: &[f64; 12]) -> (Vector, Matrix) {
     ([n[0], n[1], n[2]], std::array::from_fn(|row| std::array::from_fn(|edge| n[3 + 3 * edge + row])))
 }
 
-/// The line for a cell: a box where adding origin and length gives the same length back, else its edges.
+/// The line for a cell: a box, if adding origin and length gives exactly the same length back, otherwise its edges.
 pub(super) fn text(origin: &Vector, cell: &Matrix) -> String {
     let high: Vector = std::array::from_fn(|a| origin[a] + cell[a][a]);
     let upper = cell[1][0] == 0.0 && cell[2][0] == 0.0 && cell[2][1] == 0.0;

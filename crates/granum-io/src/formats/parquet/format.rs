@@ -16,7 +16,7 @@ pub(super) const FILE_METADATA: Fields = &[
     (9, Bytes),
 ];
 
-/// What stands before every page.
+/// The structure before every page.
 pub(super) const PAGE_HEADER: Fields = &[
     (1, I32),
     (2, I32),

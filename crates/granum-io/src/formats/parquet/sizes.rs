@@ -1,5 +1,5 @@
-//! What a Parquet file claims, checked against its size before the decoder believes it: the decoder makes room for what a
-//! damaged header says, gigabytes for a file of some hundred bytes.
+//! Checks of the sizes given in a Parquet file against its actual size before the decoder uses them: the decoder allocates
+//! what a damaged header says, gigabytes for a file of some hundred bytes.
 
 use std::io::Read;
 
@@ -10,18 +10,18 @@ use parquet::file::reader::ChunkReader;
 use super::format::{FILE_METADATA, PAGE_HEADER};
 use super::thrift::{Flaw, walk};
 
-/// Most bytes that snappy can make of one: a copy of 64 bytes takes three.
+/// Largest expansion factor of snappy: a copy of 64 bytes takes three.
 const SNAPPY: u64 = 32;
-/// What a page may hold beyond that, bytes.
+/// Additional size permitted for a page, bytes.
 const FREE_BYTES: u64 = 1024;
-/// Longest header of a page of numbers.
+/// Largest length of the header of a page of numbers.
 const LONGEST_HEADER: u64 = 1 << 16;
-/// What most headers fit into.
+/// A length that is sufficient for most headers.
 const SHORT_HEADER: u64 = 256;
 
 const DAMAGED: &str = "is no Parquet file or is damaged";
 
-/// Goes over the metadata at the end of a file as bytes.
+/// Checks the metadata at the end of a file byte by byte.
 pub(super) fn check_footer(reader: &impl ChunkReader) -> Result<(), String> {
     let bytes = reader.len();
     let read = |start: u64, length: u64| {
@@ -44,7 +44,8 @@ pub(super) fn check_footer(reader: &impl ChunkReader) -> Result<(), String> {
     }
 }
 
-/// The wanted columns lie inside the file, do not lie on each other, and their pages claim no more than they can hold.
+/// Checks that the requested columns are inside the file and do not overlap, and that their pages claim no more than they
+/// can hold.
 pub(super) fn check_columns(
     reader: &impl ChunkReader,
     metadata: &ParquetMetaData,
@@ -67,7 +68,7 @@ pub(super) fn check_columns(
     Ok(())
 }
 
-/// Start and length of a column in the file; the decoder asserts that they are no negative numbers.
+/// Start and length of a column in the file; the decoder panics if they are negative.
 fn place(column: &ColumnChunkMetaData, bytes: u64) -> Option<(u64, u64)> {
     let data = u64::try_from(column.data_page_offset()).ok()?;
     let start = match column.dictionary_page_offset() {
@@ -78,7 +79,7 @@ fn place(column: &ColumnChunkMetaData, bytes: u64) -> Option<(u64, u64)> {
     (data <= bytes && start.checked_add(length)? <= bytes).then_some((start, length))
 }
 
-/// What the header of a page says of its size.
+/// The sizes in the header of a page.
 #[derive(Default)]
 struct Header {
     length: u64,
@@ -108,7 +109,7 @@ fn check_pages(
         if !u64::try_from(header.plain_size).is_ok_and(|plain| plain <= most) {
             return Err(format!("a page of {size} bytes claims to hold {}", header.plain_size));
         }
-        // A boolean takes a bit.
+        // A boolean takes one bit.
         if !u64::try_from(header.dictionary_values).is_ok_and(|values| values <= 8 * most) {
             return Err(format!("a page of {size} bytes claims {} values", header.dictionary_values));
         }

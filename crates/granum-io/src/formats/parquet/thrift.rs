@@ -1,19 +1,19 @@
-//! A look over bytes of the Thrift compact protocol before the decoder sees them: it makes room for, and goes through,
-//! whatever number of elements they claim, and takes a field for what its number says whatever type it has.
+//! A check of bytes of the Thrift compact protocol before the decoder reads them: the decoder allocates and iterates over
+//! any number of elements that they claim, and interprets a field by its number, whatever its type.
 
-/// Deepest nesting; the metadata of Parquet need less than ten.
+/// Largest nesting depth; the metadata of Parquet need less than ten.
 const DEEPEST: usize = 32;
 
-/// What ends a look.
+/// What ends a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Flaw {
     /// The bytes end inside the structure.
     TooShort,
-    /// It is no structure of Parquet.
+    /// It is not a structure of Parquet.
     Wrong,
 }
 
-/// What a field holds.
+/// The type of a field.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Kind {
     Flag,
@@ -27,11 +27,11 @@ pub(super) enum Kind {
     Struct(Fields),
 }
 
-/// The fields of a structure with their numbers. Others are passed over by the type that they say they have.
+/// The fields of a structure with their numbers. Others are skipped according to the type that they declare.
 pub(super) type Fields = &'static [(i16, Kind)];
 
 impl Kind {
-    /// True for the type that the bytes tell.
+    /// True for the type code found in the bytes.
     fn is(self, told: u8) -> bool {
         match self {
             Kind::Flag => matches!(told, 1 | 2),
@@ -47,7 +47,7 @@ impl Kind {
     }
 }
 
-/// Goes through one structure; returns the bytes that it takes. `note` gets every whole number with the fields that
+/// Walks through one structure; returns its number of bytes. `note` is called for every whole number, with the fields that
 /// lead to it.
 pub(super) fn walk(bytes: &[u8], fields: Fields, note: &mut dyn FnMut(&[i16], i64)) -> Result<usize, Flaw> {
     let mut walker = Walker { rest: bytes, path: Vec::new(), note };
@@ -76,7 +76,7 @@ impl Walker<'_> {
                 0 => i16::try_from(self.whole()?).map_err(|_| Flaw::Wrong)?,
                 step => last.checked_add(i16::from(step)).ok_or(Flaw::Wrong)?,
             };
-            // The decoder takes the last of two values; nobody writes two.
+            // The decoder would use the last of two values; no writer writes two.
             if id <= last {
                 return Err(Flaw::Wrong);
             }
@@ -110,7 +110,7 @@ impl Walker<'_> {
                 self.structure(if let Some(Kind::Struct(fields)) = known { fields } else { &[] }, depth + 1)
             }
             13 => self.skip(16),
-            // Maps are not in the format.
+            // The format has no maps.
             _ => Err(Flaw::Wrong),
         }
     }
@@ -118,7 +118,7 @@ impl Walker<'_> {
     fn list(&mut self, known: Option<Kind>, depth: usize) -> Result<(), Flaw> {
         let head = self.byte()?;
         let size = if head >> 4 == 15 { self.variable()? } else { u64::from(head >> 4) };
-        // Booleans are in no list here, and the decoder passes over any number of them without need of a byte.
+        // No list here contains booleans, and the decoder would iterate over any number of them without consuming a byte.
         if matches!(head & 15, 1 | 2) || depth > DEEPEST {
             return Err(Flaw::Wrong);
         }
@@ -144,7 +144,7 @@ impl Walker<'_> {
         Ok(())
     }
 
-    /// Seven bits a byte, the lowest first.
+    /// Seven bits in each byte, the lowest first.
     fn variable(&mut self) -> Result<u64, Flaw> {
         let mut value = 0u64;
         for shift in (0..64).step_by(7) {
@@ -198,13 +198,13 @@ mod tests {
 
     #[test]
     fn claims_beyond_the_bytes_are_refused() {
-        // A list of 2^28 structures, a text of 2^28 bytes, 2^28 booleans, a map, a field twice.
+        // A list of 2^28 structures, a text of 2^28 bytes, 2^28 booleans, a map, a repeated field.
         assert_eq!(numbers(&[0x19, 0xfc, 0x80, 0x80, 0x80, 0x80, 1, 0, 0]), Err(Flaw::TooShort));
         assert_eq!(numbers(&[0x18, 0x80, 0x80, 0x80, 0x80, 1, 0, 0]), Err(Flaw::TooShort));
         assert_eq!(numbers(&[0x19, 0xf1, 0x80, 0x80, 0x80, 0x80, 1, 0, 0]), Err(Flaw::Wrong));
         assert_eq!(numbers(&[0x1b, 1, 0x55, 1, 1, 0]), Err(Flaw::Wrong));
         assert_eq!(numbers(&[0x15, 2, 0x05, 2, 4, 0]), Err(Flaw::Wrong));
-        // Structures within structures without end.
+        // Endlessly nested structures.
         assert_eq!(numbers(&[0x1c; 100]), Err(Flaw::Wrong));
         assert_eq!(numbers(&[0x19; 100]), Err(Flaw::Wrong));
     }

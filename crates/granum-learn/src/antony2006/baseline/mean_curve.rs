@@ -1,12 +1,12 @@
-//! The trivial answer: the curve of the training runs against strain, with no network at all.
+//! The trivial predictor: the mean curve of the training runs as a function of strain, without any network.
 
 use serde::{Deserialize, Serialize};
 
 use crate::antony2006::mapping::Quantity;
 use crate::antony2006::study_data::{Run, State, StudyData, state_at};
 
-/// The mean over the training runs at the strains of the training states of the first, linear between them. It knows
-/// strain only.
+/// The mean over the training runs at the strains of the training states of the first run, with linear interpolation. It
+/// is a function of strain only.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MeanCurve {
@@ -29,12 +29,13 @@ impl MeanCurve {
         MeanCurve { states: strains.filter_map(|strain| mean_at(&runs, strain)).collect() }
     }
 
-    /// Its answer at a strain; that of its first or last state outside them, and empty if no run has a training state.
+    /// The prediction at a strain. Outside the range of its states it is that of the first or last state; it is empty if
+    /// no run has a training state.
     pub fn answer(&self, quantity: Quantity, strain: f64) -> Vec<f64> {
         state_at(&self.states, strain).map_or(Vec::new(), |state| state.values(quantity).to_vec())
     }
 
-    /// True if every state has that many bins of f, every value is finite and the strains rise.
+    /// True if every state has the given number of bins of f, all values are finite, and the strains increase.
     pub(super) fn is_sound(&self, bins: usize) -> bool {
         let finite = |state: &State| {
             let numbers = [state.strain, state.stress_ratio, state.deviator_fabric];
@@ -44,7 +45,7 @@ impl MeanCurve {
     }
 }
 
-/// The mean of all runs at a strain.
+/// The mean state of all runs at a strain.
 fn mean_at(runs: &[Run], strain: f64) -> Option<State> {
     let at: Vec<State> = runs.iter().filter_map(|run| run.at(strain)).collect();
     let first = at.first()?;
@@ -74,7 +75,7 @@ mod tests {
         let answer = curve.answer(Quantity::StressRatio, x.strain);
         assert!((answer[0] - 0.5 * (x.stress_ratio + y.stress_ratio)).abs() < 1e-12);
         assert_eq!(curve.answer(Quantity::ForceDistribution, 0.1).len(), 14);
-        // A held-out state is answered from its neighbours, not from itself.
+        // The prediction for a held-out state follows from its neighbours and not from the state itself.
         let run = &dataset.training_runs[0].states;
         let alone = StudyData::new(&[named(&a)], &[], &StudyDataOptions::default()).unwrap();
         let answer = MeanCurve::new(&alone).answer(Quantity::StressRatio, run[9].strain);

@@ -1,11 +1,12 @@
-//! What stands beside the networks: answers that need no network at all.
+//! Baselines: predictors without networks, with which the networks are compared.
 //!
-//! - The **mean curve** of the training runs, which knows strain only.
-//! - **Ridge regression**: strain on splines, with the same sensors as the networks and without any. It is linear in the
-//!   sensors and has one setting for all mappings; a network that does worse has not earned its place.
+//! - The **mean curve** of the training runs, which is a function of strain only.
+//! - **Ridge regression** with splines of strain, both with the sensors of the networks and without them. It is linear in
+//! the
+//!   sensors and has the same settings for all mappings; a network that performs worse is not worthwhile.
 //!
-//! They are fitted to the training states of all training runs and kept with the study, so that it can be judged
-//! where its training runs are gone.
+//! They are fitted to the training states of all training runs and stored with the study, so that it can be evaluated
+//! without its training runs.
 
 mod mean_curve;
 mod ridge;
@@ -35,9 +36,9 @@ pub struct Baselines {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MappingBaselines {
-    /// On strain and the sensors of the mapping.
+    /// Regression on strain and the sensors of the mapping.
     pub ridge: Ridge,
-    /// On strain alone.
+    /// Regression on strain alone.
     pub strain_only: Ridge,
 }
 
@@ -71,7 +72,7 @@ impl Baselines {
         })
     }
 
-    /// True if these are baselines of these mappings, for so many bins of f.
+    /// True if these are the baselines of the given mappings with so many bins of f.
     pub fn are_of<'a>(&self, mappings: impl IntoIterator<Item = &'a Mapping>, bins: usize) -> bool {
         let fits = |mapping: &Mapping| {
             self.mappings.get(&mapping.name).is_some_and(|both| {

@@ -4,10 +4,11 @@
 //! answer = B(strain) a + sum_k b_k z_k,   z_k = (sensor_k - B(strain) c_k) / s_k
 //! ```
 //!
-//! with `B` the cubic B-splines of `crate::regression::spline`. A sensor enters as its deviation from its own mean over strain
-//! (`c_k`, by the same splines), divided by the standard deviation `s_k` of that. The coefficients minimise the sum of
-//! squared errors over the training states plus `1e-6 |a|^2 + 0.05 n |b|^2` for `n` states (Hoerl and Kennard 1970). A
-//! distribution as a sensor enters with each of its bins, and as an answer has coefficients of its own for each of them.
+//! with `B` the cubic B-splines of `crate::regression::spline`. A sensor enters as its deviation from its mean as a
+//! function of strain (`c_k`, with the same splines), divided by the standard deviation `s_k` of this deviation. The
+//! coefficients minimise the sum of squared errors over the training states plus `1e-6 |a|^2 + 0.05 n |b|^2` for `n`
+//! states (Hoerl and Kennard 1970). If a sensor is a distribution, each of its bins is an input; if the output is a
+//! distribution, each bin has separate coefficients.
 
 use serde::{Deserialize, Serialize};
 
@@ -28,9 +29,9 @@ pub struct Ridge {
     end: f64,
     sensors: Vec<Quantity>,
     output: Quantity,
-    /// One a value of the sensors.
+    /// One deviation for each value of the sensors.
     deviations: Vec<Deviation>,
-    /// For each value of the output those of the splines, then those of the deviations.
+    /// For each value of the output the coefficients of the splines, followed by those of the deviations.
     coefficients: Vec<Vec<f64>>,
 }
 
@@ -43,8 +44,8 @@ impl Ridge {
         Ridge::fit_with(mapping, states, &|_, _| SENSOR_PENALTY * states.len() as f64)
     }
 
-    /// As [`Ridge::fit`] with the penalties on the coefficients of the sensors given for each value of a quantity, told by
-    /// its standard deviation from its mean over strain.
+    /// As [`Ridge::fit`], with given penalties on the coefficients of the sensors. The penalty is a function of the
+    /// quantity and of the standard deviation of the value from its mean as a function of strain.
     pub(crate) fn fit_with(
         mapping: &Mapping,
         states: &[&State],
@@ -77,7 +78,7 @@ impl Ridge {
         Ok(ridge)
     }
 
-    /// What it answers a state: one value, or one a bin of f.
+    /// The prediction for a state: one value, or one value for each bin of f.
     pub fn answer(&self, state: &State) -> Vec<f64> {
         let row = self.row(state);
         self.coefficients.iter().map(|coefficients| dot(coefficients, &row)).collect()
@@ -88,7 +89,7 @@ impl Ridge {
         row(&self.deviations, &basis(state.strain, self.end), values)
     }
 
-    /// True if it was fitted to the inputs and the output of this mapping, with so many bins of f.
+    /// True if it was fitted to the inputs and the output of the given mapping, with so many bins of f.
     pub(super) fn is_of(&self, mapping: &Mapping, bins: usize) -> bool {
         let values = |quantity: &Quantity| if *quantity == Quantity::ForceDistribution { bins } else { 1 };
         let sensors: Vec<Quantity> =
@@ -103,7 +104,7 @@ impl Ridge {
     }
 }
 
-/// The values of quantities at states, one column a value.
+/// The values of quantities at states, one column for each value.
 fn columns(states: &[&State], quantities: &[Quantity]) -> Vec<Vec<f64>> {
     let mut columns = Vec::new();
     for &quantity in quantities {
@@ -118,7 +119,7 @@ mod tests {
     use super::*;
     use crate::antony2006::mapping::paper_mapping;
 
-    /// Sensors far from any function of strain: +1, -1 by turns about a curve.
+    /// States with sensors that are far from any function of strain: they alternate by +1 and -1 about a curve.
     fn states(slope: f64) -> Vec<State> {
         (1..=240)
             .map(|k| {
@@ -134,8 +135,8 @@ mod tests {
             .collect()
     }
 
-    /// A target that is a spline and a multiple of a deviation that no spline follows: by hand the penalty of 0.05 n on
-    /// a coefficient whose inputs have squares that sum to n takes it down to 1 / 1.05.
+    /// The target is the sum of a spline and a multiple of a deviation that no spline can represent. The squares of the
+    /// inputs of this coefficient sum to n, so that the penalty of 0.05 n reduces it by the factor 1 / 1.05.
     #[test]
     fn coefficients_as_solved_by_hand() {
         let mut mapping = paper_mapping("F4").unwrap();
@@ -151,7 +152,7 @@ mod tests {
         let before = ridge.answer(&state)[0];
         state.deviator_fabric += 0.005;
         assert!((ridge.answer(&state)[0] - before - 0.005 * 3.0 / 1.05).abs() < 1e-7);
-        // Strain alone answers with the curve.
+        // The regression on strain alone predicts the curve.
         let alone = Ridge::fit(&mapping.strain_only(), &all).unwrap();
         assert!((alone.answer(&state)[0] - (0.5 + 2.0 * state.strain)).abs() < 2e-3);
         assert_eq!(alone.deviations.len(), 0);
@@ -165,7 +166,7 @@ mod tests {
         let all: Vec<&State> = states.iter().collect();
         let read = Ridge::fit(&paper_mapping("F1").unwrap(), &all).unwrap();
         assert_eq!((read.deviations.len(), read.coefficients.len()), (2, 1));
-        // The first bin is a function of strain: what is left of it after its mean is rounding, and teaches nothing.
+        // The first bin is a function of strain: its deviation from the mean is rounding and contains no information.
         assert!(read.deviations[0].standard_deviation < 1e-3);
         let given = Ridge::fit(&paper_mapping("F5").unwrap(), &all).unwrap();
         assert_eq!((given.deviations.len(), given.coefficients.len()), (2, 2));

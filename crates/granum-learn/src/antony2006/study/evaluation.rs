@@ -18,18 +18,17 @@ use crate::score::{Score, Scorer};
 pub struct RunScore {
     /// Name of the mapping.
     pub mapping: String,
-    /// Its networks.
+    /// Score of the networks.
     pub network: Score,
-    /// Networks of the same sizes that see strain only.
+    /// Score of strain-only networks of the same size.
     pub strain_only: Score,
-    /// Ridge regression on the same sensors, the same on strain alone, and the mean curve of the training runs; null of a
-    /// study that does not hold them.
+    /// Score of ridge regression on the same sensors; null for a study without baselines.
     pub ridge: Option<Score>,
-    /// See `ridge`.
+    /// Score of ridge regression on strain alone; null for a study without baselines.
     pub ridge_strain_only: Option<Score>,
-    /// See `ridge`.
+    /// Score of the mean curve of the training runs; null for a study without baselines.
     pub mean_curve: Option<Score>,
-    /// States of the run that lie, in strain or in an input, outside what the networks were trained on.
+    /// Number of states of the run whose strain or another input lies outside the trained range of the networks.
     pub states_outside: usize,
 }
 
@@ -37,7 +36,7 @@ impl Study {
     /// Scores every mapping on any run.
     ///
     /// # Errors
-    /// If a state holds a value that is not finite.
+    /// If a state contains a value that is not finite.
     pub fn score_run(&self, run: &Run) -> Result<Vec<RunScore>> {
         let score = |trained: &TrainedMapping| -> Result<RunScore> {
             let mapping = trained.surrogate.mapping();
@@ -60,10 +59,10 @@ impl Study {
         self.mappings.iter().map(score).collect()
     }
 
-    /// What every mapping makes of the sensors of unseen runs.
+    /// The use that every mapping makes of the sensors of unseen runs.
     ///
     /// # Errors
-    /// If a state holds a value that is not finite.
+    /// If a state contains a value that is not finite.
     pub fn sensor_use(&self, runs: &[&Run]) -> Result<Vec<SensorUse>> {
         self.mappings.iter().map(|trained| SensorUse::new(trained, runs)).collect()
     }
@@ -71,7 +70,7 @@ impl Study {
     /// Scores every mapping.
     ///
     /// # Errors
-    /// If a state holds a value that is not finite, or a baseline must be fitted and cannot be.
+    /// If a state contains a value that is not finite, or a missing baseline cannot be fitted.
     pub fn evaluate(&self, dataset: &StudyData) -> Result<Vec<Evaluation>> {
         let fit = || Baselines::fit(self.mappings.iter().map(|trained| trained.surrogate.mapping()), dataset);
         let baselines = self.baselines.clone().map_or_else(fit, Ok)?;
@@ -82,11 +81,11 @@ impl Study {
 /// Scores on the parts of a data set.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Parts {
-    /// On the states that trained.
+    /// Score on the training states.
     pub training: Score,
-    /// On the held-out states of the training runs.
+    /// Score on the held-out states of the training runs.
     pub held_out: Score,
-    /// On the unseen runs.
+    /// Score on the unseen runs.
     pub unseen: Score,
 }
 
@@ -100,36 +99,36 @@ impl Parts {
     }
 }
 
-/// A mapping, judged.
+/// The evaluation of a mapping.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evaluation {
     /// The mapping.
     pub mapping: Mapping,
-    /// Its networks.
+    /// Scores of the networks.
     pub network: Parts,
-    /// Networks of the same sizes that see strain only.
+    /// Scores of strain-only networks of the same size.
     pub strain_only: Parts,
-    /// The mean curve of the training runs, with no network.
+    /// Scores of the mean curve of the training runs.
     pub mean_curve: Parts,
-    /// Ridge regression on the same sensors.
+    /// Scores of ridge regression on the same sensors.
     pub ridge: Parts,
-    /// Ridge regression on strain alone.
+    /// Scores of ridge regression on strain alone.
     pub ridge_strain_only: Parts,
-    /// What the networks make of the sensors of the unseen runs.
+    /// The use that the networks make of the sensors of the unseen runs.
     pub sensor_use: SensorUse,
-    /// Scatter between all runs, relative, within the ranges of the mapping; `None` of a single run.
+    /// Relative scatter between all runs within the ranges of the mapping; `None` for a single run.
     pub seed_scatter: Option<f64>,
     /// Number of training runs.
     pub training_runs: usize,
-    /// Each network.
+    /// The summary of each network.
     pub sub_models: Vec<SubModelSummary>,
 }
 
 impl Evaluation {
-    /// Judges a trained mapping.
+    /// Evaluates a trained mapping.
     ///
     /// # Errors
-    /// If a state holds a value that is not finite, or the baselines lack the mapping and cannot be fitted.
+    /// If a state contains a value that is not finite, or if the baselines of the mapping are missing and cannot be fitted.
     pub fn new(trained: &TrainedMapping, baselines: &Baselines, dataset: &StudyData) -> Result<Evaluation> {
         let mapping = trained.surrogate.mapping();
         let kept = baselines.mappings.get(&mapping.name).cloned();
@@ -156,7 +155,7 @@ impl Evaluation {
         })
     }
 
-    /// Relative RMSE that the mean of the training runs would have on an unseen run if it were free of error.
+    /// Expected relative RMSE of the mean of the training runs on an unseen run.
     pub fn best_without_sensors(&self) -> Option<f64> {
         self.seed_scatter.map(|scatter| scatter * best_without_sensors(self.training_runs))
     }
@@ -169,7 +168,7 @@ pub(crate) fn scatter(dataset: &StudyData, mapping: &Mapping, quantity: Quantity
     Scatter::new(quantity, &runs, [first.strain_range[0], last.strain_range[1]])
 }
 
-/// Scores answers to the states within the ranges of a mapping.
+/// The score of predictions for the states within the ranges of a mapping.
 fn score_answers(mapping: &Mapping, states: &[&State], answer: &dyn Fn(&State) -> Vec<f64>) -> Score {
     let mut scorer = Scorer::default();
     for state in states_of(mapping, states.iter().copied(), None) {

@@ -1,4 +1,4 @@
-//! Trains every sub-model of every mapping, each beside a network of the same size that sees strain only, and scores them.
+//! Trains every sub-model of every mapping, and for each a strain-only network of the same size, and scores them.
 
 mod evaluation;
 mod training;
@@ -17,18 +17,18 @@ pub(crate) use evaluation::scatter;
 pub use evaluation::{Evaluation, Parts, RunScore};
 pub(crate) use training::{Job, network_seed, train_all};
 
-/// Fewest training states of a sub-model.
+/// Smallest number of training states of a sub-model.
 pub const FEWEST_STATES: usize = 3;
-/// The trainer whose epochs are those of the tables; others end by their own rule.
+/// The trainer with the numbers of epochs of the tables; other trainers have their own stopping rule.
 pub(crate) const PAPER_TRAINER: &str = "traingdx";
 
-/// What to train, and how.
+/// Options of a study.
 ///
 /// ```
 /// use granum_learn::StudyOptions;
 /// use granum_nets::trainer::LevenbergMarquardt;
 ///
-/// // Any trainer will do, one of a program's own too.
+/// // Any trainer can be used, including a user-defined one.
 /// let trainer = LevenbergMarquardt { epochs: 100, ..Default::default() };
 /// let options = StudyOptions { trainer: trainer.into(), ..StudyOptions::default() };
 /// assert_eq!((options.trainer.name(), options.mappings.len()), ("levenberg-marquardt", 6));
@@ -37,16 +37,19 @@ pub(crate) const PAPER_TRAINER: &str = "traingdx";
 pub struct StudyOptions {
     /// The mappings.
     pub mappings: Vec<Mapping>,
-    /// How the force distribution enters.
+    /// Form in which the force distribution enters the networks.
     pub form: Form,
-    /// The trainer, one of a program's own too. A network has its own first regularisation and, with the paper's trainer, its
-    /// own epochs; the trainer is asked to take them by [`granum_nets::trainer::Trainer::adapted`].
+    /// The trainer, which may be defined by the user. The initial regularisation and, with the trainer of the paper, the
+    /// number of epochs depend on the network; they are passed to the trainer by
+    /// [`granum_nets::trainer::Trainer::adapted`].
     pub trainer: SharedTrainer,
-    /// Factor on the epochs of the tables, for the paper's trainer `traingdx`; others end by their own rule.
+    /// Factor on the numbers of epochs of the tables, for the trainer `traingdx` of the paper; other trainers have their own
+    /// stopping rule.
     pub epoch_factor: f64,
-    /// Seed of the study; every network has its own, derived from it and its name.
+    /// Seed of the study; the seed of every network is derived from it and from the name of the network.
     pub seed: u64,
-    /// Threads, one network each; 0 for as many as the machine has. The result does not depend on it.
+    /// Number of threads, each of which trains one network at a time; 0 for the number of processors. The result does not
+    /// depend on it.
     pub threads: usize,
 }
 
@@ -63,27 +66,27 @@ impl Default for StudyOptions {
     }
 }
 
-/// Where a study stands, told from the thread that trains.
+/// The progress of a study, reported by the thread that trains a network.
 #[derive(Clone, Copy, Debug)]
 pub struct StudyProgress<'a> {
-    /// Name of the network: `F1-2`, or `F1-strain-only-2` for the one that sees strain only.
+    /// Name of the network: `F1-2`, or `F1-strain-only-2` for a strain-only network.
     pub network: &'a str,
-    /// Epochs done.
+    /// Number of completed epochs.
     pub epoch: u64,
-    /// Most epochs that will be done.
+    /// Largest number of epochs.
     pub epochs: u64,
     /// Mean squared error, in scaled units.
     pub error: f64,
 }
 
-/// Hears of a study, keeps its networks as they come, and may end it. Every method has a default that does nothing.
+/// An observer of a study, which may store its networks and may stop it. Every method has a default that does nothing.
 ///
 /// ```
 /// use std::sync::atomic::{AtomicUsize, Ordering};
 ///
 /// use granum_learn::StudyObserver;
 ///
-/// /// Counts the networks, and ends the study after the third.
+/// /// Counts the networks, and stops the study after the third.
 /// #[derive(Default)]
 /// struct Three(AtomicUsize);
 ///
@@ -100,27 +103,28 @@ pub struct StudyProgress<'a> {
 pub trait StudyObserver: Sync {
     /// Called after every epoch of every network.
     fn progress(&self, _progress: &StudyProgress) {}
-    /// Called when a network is trained, with the seconds that took, or was found finished (0).
+    /// Called when the training of a network is complete, with its duration in seconds, or when a finished network was found
+    /// (then the duration is 0).
     fn trained(&self, _network: &str, _model: &Model, _seconds: f64) {}
-    /// Called after every epoch with what is needed to go on from here, for a training that is told by `key`. `last` is
-    /// true if the training ends here because [`StudyObserver::stop`] asks for it.
+    /// Called after every epoch with the state from which the training can be resumed; `key` identifies the training.
+    /// `last` is true if the training ends here because [`StudyObserver::stop`] asks for it.
     fn under_way(&self, _network: &str, _key: &str, _last: bool, _state: &dyn Fn() -> TrainerState) {}
-    /// The state of an unfinished training that is told by `key`, to go on from.
+    /// The state from which the unfinished training identified by `key` can be resumed.
     fn state(&self, _network: &str, _key: &str) -> Option<TrainerState> {
         None
     }
-    /// A network of an earlier, unfinished study. It is used if it was trained on the same rows with the same size,
-    /// seed, trainer and epochs, and else trained again.
+    /// A network of an earlier, unfinished study. It is used if it was trained on the same rows with the same size, seed,
+    /// trainer and number of epochs; otherwise the network is trained again.
     fn finished(&self, _network: &str) -> Option<Model> {
         None
     }
-    /// True to end the study.
+    /// Returns true to stop the study.
     fn stop(&self) -> bool {
         false
     }
 }
 
-/// An observer that looks away.
+/// An observer that does nothing.
 pub struct Silent;
 
 impl StudyObserver for Silent {}
@@ -134,7 +138,7 @@ impl StudyObserver for Silent {}
 /// use granum_learn::dataset::{ColumnGroup, RunStates};
 /// use granum_learn::paper_mappings;
 ///
-/// // Two runs as tables: strain rises, the stress ratio follows the fabric, and P(f) has two bins.
+/// // Runs as tables: strain increases, the stress ratio is proportional to the fabric, and P(f) has two bins.
 /// let run = |name: &str, shift: f64| -> Result<RunStates, Box<dyn std::error::Error>> {
 ///     let strain: Vec<f64> = (0..=60).map(|k| 0.005 * f64::from(k)).collect();
 ///     let fabric: Vec<f64> = strain.iter().map(|e| 0.1 * (1.0 - (-40.0 * e).exp()) + shift).collect();
@@ -161,9 +165,9 @@ impl StudyObserver for Silent {}
 /// ```
 #[derive(Clone, Debug)]
 pub struct Study {
-    /// How the force distribution enters.
+    /// Form in which the force distribution enters the networks.
     pub form: Form,
-    /// Trainer.
+    /// Name of the trainer.
     pub trainer: String,
     /// Seed of the study.
     pub seed: u64,
@@ -175,20 +179,20 @@ pub struct Study {
     pub bin_width: f64,
     /// The mappings, each with its strain-only networks.
     pub mappings: Vec<TrainedMapping>,
-    /// What stands beside the networks; `None` of a study that was saved before they were kept.
+    /// The baselines; `None` for a study that was saved by a version that did not store them.
     pub baselines: Option<Baselines>,
 }
 
-/// A mapping, trained.
+/// A trained mapping.
 #[derive(Clone, Debug)]
 pub struct TrainedMapping {
     /// The networks.
     pub surrogate: MappingNetworks,
-    /// Networks of the same sizes that see strain only.
+    /// Strain-only networks of the same size.
     pub strain_only: MappingNetworks,
-    /// Seconds of training of each network of `surrogate`; 0 for one that was found finished.
+    /// Training time of each network of `surrogate`, s; 0 for a network that was found finished.
     pub seconds: Vec<f64>,
-    /// The same for `strain_only`.
+    /// Training times of the networks of `strain_only`, s.
     pub strain_only_seconds: Vec<f64>,
 }
 
@@ -199,10 +203,10 @@ pub fn network_name(mapping: &Mapping, strain_only: bool, sub_model: usize) -> S
 }
 
 impl Study {
-    /// Trains all networks, independent ones side by side.
+    /// Trains all networks in parallel.
     ///
     /// # Errors
-    /// If a sub-model has too few training states, the trainer refuses, or the observer ends it.
+    /// If a sub-model has too few training states, the trainer returns an error, or the observer stops the study.
     pub fn train(dataset: &StudyData, options: &StudyOptions, observer: &dyn StudyObserver) -> Result<Study> {
         let alone: Vec<Mapping> = options.mappings.iter().map(Mapping::strain_only).collect();
         let mut jobs = Vec::new();
@@ -240,10 +244,10 @@ impl Study {
         })
     }
 
-    /// The mapping of that name.
+    /// The mapping of the given name.
     ///
     /// # Errors
-    /// [`LearnError::Unknown`].
+    /// [`LearnError::Unknown`] if there is no such mapping.
     pub fn mapping(&self, name: &str) -> Result<&TrainedMapping> {
         let names = || self.mappings.iter().map(|m| m.surrogate.mapping().name.as_str()).collect::<Vec<_>>();
         self.mappings.iter().find(|m| m.surrogate.mapping().name == name).ok_or_else(|| LearnError::Unknown {
@@ -253,7 +257,7 @@ impl Study {
         })
     }
 
-    /// Draws from any record the states that the networks can answer.
+    /// Takes from any record the states in the form that the networks need.
     ///
     /// # Errors
     /// As [`Run::new`].
@@ -261,13 +265,13 @@ impl Study {
         Run::new(record, &self.forces, self.bin_width)
     }
 
-    /// Seconds of training of all networks that answer (strain-only networks left out).
+    /// Total training time of all networks except the strain-only ones, s.
     pub fn training_seconds(&self) -> f64 {
         self.mappings.iter().flat_map(|mapping| &mapping.seconds).sum()
     }
 }
 
-/// The next networks of an iterator as the surrogate of a mapping.
+/// Collects the next networks of an iterator into the surrogate of a mapping.
 fn gather(
     mapping: &Mapping,
     form: Form,

@@ -1,4 +1,4 @@
-//! The training of the networks of a study, independent ones side by side.
+//! The training of the networks of a study, in parallel.
 
 use granum_core::parallel;
 use granum_nets::trainer::{self, Control, Options};
@@ -19,7 +19,7 @@ pub(crate) struct Job<'a> {
     pub(crate) seed: u64,
 }
 
-/// Trains jobs over threads.
+/// Trains the networks of all jobs with several threads.
 pub(crate) fn train_all(
     dataset: &StudyData,
     jobs: &[Job],
@@ -44,7 +44,7 @@ pub(crate) fn train_all(
     })
 }
 
-/// Trains one network; `None` if the observer ended it.
+/// Trains one network; `None` if the observer stopped it.
 fn train_one(
     dataset: &StudyData,
     states: &[&State],
@@ -109,11 +109,11 @@ fn train_one(
     let state = observer.state(&job.name, &key);
     let (model, report) = Model::resume(&recipe, &data, trainer.as_ref(), state, &mut listen)
         .map_err(|error| failed(error.to_string()))?;
-    // A network that took no time at all is told apart from one that was found.
+    // The time must be positive, since a time of zero marks a network that was found finished.
     Ok((!stopped).then_some((model, report.seconds.max(1e-9))))
 }
 
-/// True if a model is what training by the recipe would give.
+/// True if a model is the result that training with the recipe would give.
 fn is_the_same(model: &Model, recipe: &Recipe, data: &Data, trainer: &str, epochs: Option<u64>) -> bool {
     let provenance = model.provenance();
     let ended_alike = match epochs {
@@ -134,14 +134,14 @@ fn is_the_same(model: &Model, recipe: &Recipe, data: &Data, trainer: &str, epoch
         && *model.output() == recipe.output
 }
 
-/// The seed of a network, from that of the study and its name: stable when mappings are added or left out. Below 2^32,
-/// so that every reader of JSON keeps it exactly. The hash of Fowler, Noll and Vo serves to mix a name into a seed here, and is
-/// no digest: another one would give other networks.
+/// The seed of a network from the seed of the study and the name of the network, so that it does not change when mappings
+/// are added or removed. It is below 2^32, so that every JSON reader represents it exactly. The hash of Fowler, Noll and
+/// Vo mixes the name into the seed here and is not used as a digest; another hash would give other networks.
 pub(crate) fn network_seed(seed: u64, name: &str) -> u64 {
     let mut hash = name.bytes().fold(seed ^ 0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
     });
-    // Final mixing of SplitMix64 (Steele, Lea and Flood 2014).
+    // This is the final mixing of SplitMix64 (Steele, Lea and Flood 2014).
     hash = (hash ^ (hash >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     hash = (hash ^ (hash >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     hash >> 32

@@ -3,7 +3,7 @@
 use crate::trainer::state::MOST;
 use crate::trainer::{Evidence, TrainerState, TrainingError};
 
-/// What a state holds beside weights and history.
+/// The part of the state that is specific to this trainer.
 pub(super) struct Method {
     pub damping: f64,
     pub evidence: Evidence,
@@ -28,7 +28,7 @@ impl Method {
         }
     }
 
-    /// Reads it from a state; refuses numbers with which the search for a step would not end.
+    /// Reads it from a state; refuses values with which the search for a step would not terminate.
     pub fn of(state: &TrainerState, weights: usize) -> Result<Method, TrainingError> {
         let start = state.values("start").map(|_| state.vector("start", weights)).transpose()?;
         let evidence = state.vector("evidence", 3)?;

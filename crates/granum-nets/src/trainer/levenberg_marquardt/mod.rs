@@ -1,13 +1,13 @@
 //! Levenberg-Marquardt with Bayesian regularisation: the default trainer.
 //!
-//! It minimises `E_D + (alpha / beta) E_W`, with `E_D` the weighted sum of squared errors and `E_W` that of the weights.
-//! A step solves `(J^T J + (alpha / beta + damping) I) s = -(J^T e + (alpha / beta) w)` (Marquardt 1963; Hagan and Menhaj
-//! 1994), in the form that is cheaper, see `curvature.rs`. A step that lowers the objective is taken and the damping
-//! divided by ten, otherwise the damping is multiplied by ten and the step tried again.
+//! It minimises `E_D + (alpha / beta) E_W`, where `E_D` is the weighted sum of squared errors and `E_W` the sum of squared
+//! weights. A step solves `(J^T J + (alpha / beta + damping) I) s = -(J^T e + (alpha / beta) w)` (Marquardt 1963; Hagan and
+//! Menhaj 1994) in the form of `curvature.rs`. A step that lowers the objective is accepted, and the damping is divided by
+//! ten; otherwise the damping is multiplied by ten, and the step is computed again.
 //!
-//! Near a minimum (the last step lowered the objective by less than 0.3 %) the precisions of weights and noise are estimated
-//! anew from the evidence before the step (MacKay 1992; Foresee and Hagan 1997), with `n` errors and `gamma` effective
-//! parameters:
+//! Near a minimum, that is if the last step lowered the objective by less than 0.3 %, the precisions of weights and noise
+//! are re-estimated from the evidence before the step (MacKay 1992; Foresee and Hagan 1997), with `n` errors and `gamma`
+//! effective parameters:
 //!
 //! ```text
 //! gamma = sum of lambda / (lambda + alpha / beta) over the eigenvalues of J^T J
@@ -15,11 +15,11 @@
 //! ```
 //!
 //! `exp(-beta E_D / 2)` is the likelihood and `exp(-alpha E_W / 2)` the prior, so `1 / beta` is the variance of the noise.
-//! Rows that share their noise count as fewer errors, see [`Data::with_observations`].
+//! Rows with common noise count as fewer errors, see [`Data::with_observations`].
 //!
-//! These estimates hold at a minimum only. Used from the first step on, as `trainbr` does, they run away to rough functions
-//! that go through noisy rows; so training starts with a firm ratio `alpha / beta`, waits for the weights to settle, and lets
-//! the ratio fall by no more than a factor of ten at a time.
+//! These estimates are valid only at a minimum. If they are used from the first step on, as in `trainbr`, they diverge
+//! towards rough functions that interpolate noisy rows. Training therefore starts with a large ratio `alpha / beta`, waits
+//! until the weights have settled, and lets the ratio decrease by at most a factor of ten at a time.
 
 mod method;
 
@@ -40,70 +40,74 @@ use crate::data::Data;
 use crate::kernels::blocks;
 use crate::network::Network;
 
-/// Most memory for the matrices, in bytes.
+/// Limit on the memory for the matrices, bytes.
 const MEMORY: usize = 2 << 30;
 
-/// How it is found by name.
+/// The entry of the registry.
 pub(super) const KIND: TrainerKind = TrainerKind {
     name: LevenbergMarquardt::NAME,
     help: "Levenberg-Marquardt with Bayesian regularisation",
     make: |options| LevenbergMarquardt::with_options(options).into(),
 };
 
-/// How large weights are held back.
+/// The regularisation of the weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Regularisation {
-    /// By the evidence in the data.
+    /// The ratio `alpha / beta` is determined from the evidence.
     Bayesian,
-    /// By a fixed ratio `alpha / beta`; zero for none.
+    /// The ratio `alpha / beta` is fixed; zero for no regularisation.
     Fixed(f64),
 }
 
 /// Levenberg-Marquardt with Bayesian regularisation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LevenbergMarquardt {
-    /// Most epochs (500).
+    /// Largest number of epochs (500).
     pub epochs: u64,
     /// Mean squared error at which training ends (0).
     pub goal: f64,
     /// Norm of the gradient of the objective over the number of errors at which training ends (1e-9).
     pub minimum_gradient: f64,
-    /// Accepted steps without a fall of the validation error after which training ends (6).
+    /// Number of accepted steps without a decrease of the validation error after which training ends (6).
     pub maximum_failures: u64,
     /// Regularisation (Bayesian).
     pub regularisation: Regularisation,
-    /// First ratio `alpha / beta` of Bayesian regularisation over the mean squared deviation of the targets (0.04). Training finds
-    /// the smoothest function first that the data allow from here on; a function with a sharp shape that the data determine
-    /// well, such as a distribution, wants a looser start, or the search ends at a coarse likeness of it.
+    /// Initial ratio `alpha / beta` of Bayesian regularisation over the mean squared deviation of the targets (0.04).
+    /// Training first finds the smoothest function that the data allow with this ratio. A function with sharp features
+    /// that the data determine well, such as a distribution, needs a smaller initial ratio, since otherwise the search
+    /// ends at a coarse approximation of it.
     pub first_ratio: f64,
-    /// First damping (1).
+    /// Initial damping (1).
     pub damping: f64,
-    /// Damping at which training ends, as no step lowers the objective (1e10).
+    /// Damping at which training ends, since no step lowers the objective (1e10).
     pub maximum_damping: f64,
-    /// Relative change of the objective below which an epoch is quiet (1e-3); three quiet epochs in a row end the training.
+    /// Relative change of the objective below which an epoch counts as converged (1e-3); three such epochs in a row end the
+    /// training.
     pub tolerance: f64,
-    /// Instruction set; the bits are the same on each.
+    /// Instruction set; results do not depend on it.
     pub isa: Isa,
 }
 
-/// Quiet epochs in a row that end the training.
+/// Number of converged epochs in a row that ends the training.
 const QUIET: u64 = 3;
-/// Relative change of the effective number of parameters below which an epoch is quiet.
+/// Relative change of the effective number of parameters below which an epoch counts as converged.
 const GAMMA_TOLERANCE: f64 = 0.02;
-/// With no more independent observations than this the regularisation never gets firmer than where something was learned
-/// first; with more, by as much as they are more.
+/// With at most this number of independent observations, the ratio `alpha / beta` may not exceed the value with which the
+/// network first learned something; with more observations the limit grows in proportion to their number.
 const FEW_OBSERVATIONS: f64 = 8.0;
-/// Least damping: below this it no longer matters.
+/// Lower limit of the damping, below which it has no effect.
 const LEAST_DAMPING: f64 = 1e-20;
-/// If the first minimum leaves more than this share of the deviation, the regularisation was too firm (all weights vanish).
+/// If the error at the first minimum exceeds this share of the squared deviation of the targets, the regularisation was too
+/// strong, so that all weights vanish.
 const NOTHING_LEARNED: f64 = 0.9;
-/// Least first ratio over the squared deviation.
+/// Lower limit of the initial ratio over the squared deviation.
 const LEAST_RATIO: f64 = 1e-8;
-/// Relative fall of the objective in a step below which the weights count as near a minimum.
+/// Relative decrease of the objective in a step below which the weights are considered to be near a minimum.
 const SETTLED: f64 = 0.003;
-/// The ratio `alpha / beta` falls by no more than this in an epoch, so that smooth functions are tried before rough ones.
+/// Largest decrease of the ratio `alpha / beta` in an epoch, as a factor, so that smooth functions are tried before rough
+/// ones.
 const LARGEST_FALL: f64 = 0.1;
-/// Least share of the errors that counts as noise, so that data without noise keep a finite precision.
+/// Smallest share of the errors that is attributed to noise, so that the precision remains finite for data without noise.
 const LEAST_NOISE: f64 = 1e-3;
 
 impl Default for LevenbergMarquardt {
@@ -124,7 +128,7 @@ impl Default for LevenbergMarquardt {
 }
 
 impl LevenbergMarquardt {
-    /// Its name in commands and records.
+    /// Name of the trainer in commands and records.
     pub const NAME: &'static str = "levenberg-marquardt";
 
     /// The defaults, changed by the options.
@@ -132,7 +136,7 @@ impl LevenbergMarquardt {
         LevenbergMarquardt::default().changed(options)
     }
 
-    /// The same, changed by the options.
+    /// The same trainer with the given options applied.
     fn changed(&self, options: &Options) -> LevenbergMarquardt {
         LevenbergMarquardt {
             epochs: options.epochs.unwrap_or(self.epochs),
@@ -145,7 +149,7 @@ impl LevenbergMarquardt {
         }
     }
 
-    /// Where regularisation starts: firmly enough to find a smooth function first, loosely enough not to find none.
+    /// Initial regularisation: strong enough to find a smooth function first, but not so strong that all weights vanish.
     fn first_evidence(&self, data: &Data, weights: usize) -> Evidence {
         let ratio = match self.regularisation {
             Regularisation::Bayesian => self.first_ratio * deviation(data) / data.observations(),
@@ -155,7 +159,7 @@ impl LevenbergMarquardt {
     }
 }
 
-/// Sum over all targets of the weighted squared deviation from their column's mean.
+/// Weighted sum over all targets of the squared deviation from the mean of their column.
 fn deviation(data: &Data) -> f64 {
     let m = data.target_columns();
     let weight = |r: usize| data.weights().map_or(1.0, |w| w[r]);
@@ -210,7 +214,7 @@ impl Trainer for LevenbergMarquardt {
     }
 }
 
-/// A search on its way.
+/// The state of a Levenberg-Marquardt search.
 struct Search<'a> {
     rule: &'a LevenbergMarquardt,
     workspace: Workspace,
@@ -227,16 +231,16 @@ struct Search<'a> {
     squared_weights: f64,
     damping: f64,
     evidence: Evidence,
-    /// The weights to start again from, until the first regularisation has proved not to be too firm.
+    /// The initial weights for another attempt, as long as the initial regularisation may turn out to be too strong.
     start: Option<Vec<f64>>,
     /// Squared deviation of the targets from their means.
     deviation: f64,
-    /// Largest ratio `alpha / beta`, from that with which something was learned first. With a handful of independent
-    /// observations the evidence alone would let all weights vanish.
+    /// Upper limit of the ratio `alpha / beta`, derived from the one with which the network first learned something. With
+    /// few independent observations, the evidence alone would let all weights vanish.
     ceiling: f64,
-    /// The last step changed little: the weights are near a minimum for the present regularisation.
+    /// True if the last step changed little, so that the weights are near a minimum for the current regularisation.
     settled: bool,
-    /// Epochs in a row without change.
+    /// Number of converged epochs in a row.
     quiet: u64,
     validation_error: Option<f64>,
     history: TrainingHistory,
@@ -362,7 +366,7 @@ impl<'a> Search<'a> {
         self.evidence.alpha / self.evidence.beta
     }
 
-    /// One accepted step, or the reason why there is none.
+    /// Performs one accepted step, or returns the reason why there is none.
     fn epoch(&mut self) -> Result<(), TerminationReason> {
         if self.settled && self.start.is_some() {
             self.judge_start();
@@ -401,8 +405,8 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// If the first minimum is that of vanishing weights, where no gradient leads away, starts again with a tenth of the
-    /// regularisation.
+    /// Starts again with a tenth of the regularisation if the weights vanish at the first minimum, since there the gradient
+    /// vanishes as well.
     fn judge_start(&mut self) {
         let Some(start) = self.start.take() else { return };
         let decay = self.decay();
@@ -419,7 +423,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Takes a step that lowers the objective; its value there.
+    /// Finds a step that lowers the objective, and returns the new value of the objective.
     fn descend(&mut self, decay: f64, before: f64) -> Result<f64, TerminationReason> {
         while self.damping <= self.rule.maximum_damping {
             let shift = decay + self.damping;
@@ -439,7 +443,7 @@ impl<'a> Search<'a> {
                     self.damping = (self.damping * 0.1).max(LEAST_DAMPING);
                     return Ok(after);
                 }
-                // The deltas still belong to the old weights, the outputs must again.
+                // The outputs must be recomputed for the old weights, to which the deltas still belong.
                 self.workspace.squared_error(&self.weights);
             }
             self.damping *= 10.0;
@@ -447,7 +451,8 @@ impl<'a> Search<'a> {
         Err(TerminationReason::MaximumDamping)
     }
 
-    /// Errors of the observations of each block if the block had not been trained on; nothing for a single block.
+    /// Errors that the observations of each block would have if it had not been used for training; `None` for a single
+    /// block.
     fn left_out(&mut self, weights: &[f64], data: &Data) -> Option<Vec<f64>> {
         if data.block_count() < 2 || data.target_columns() > 1 || self.decay() <= 0.0 {
             return None;
@@ -468,7 +473,7 @@ impl<'a> Search<'a> {
         Some(errors)
     }
 
-    /// Estimates the precisions of weights and noise at the present weights.
+    /// Estimates the precisions of weights and noise at the current weights.
     fn update_evidence(&mut self) {
         let decay = self.decay();
         if !self.curvature.factorise(decay) {

@@ -1,7 +1,7 @@
-//! What the processor alone gives to several threads: sums that never leave its registers.
+//! The speed-up that the processor itself provides with several threads, measured with sums that stay in its registers.
 //!
-//! Cores that share their clock, or a machine shared with others, make two threads less than twice as fast as one whatever
-//! they do. No speed-up of the engine can be judged without that.
+//! If cores share a limit on their clock frequency, or if other programs use the computer, two threads are less than twice
+//! as fast as one for any computation. The speed-up of the engine must be compared with this value.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -9,10 +9,10 @@ use std::time::Instant;
 use granum_dem::simulation::Hardware;
 use granum_simd::{Kernel, Lanes, dispatch};
 
-/// Sums at a time: enough to hide that each waits for the one before.
+/// Number of independent sums, enough to hide the latency of the additions.
 const SUMS: usize = 8;
 
-/// Rounds of fused multiplications and additions.
+/// A number of rounds of fused multiply-add operations.
 struct Rounds(u64);
 
 impl Kernel for Rounds {
@@ -35,7 +35,7 @@ impl Kernel for Rounds {
     }
 }
 
-/// Rounds a second that all threads make together, over about so many seconds.
+/// Rounds per second of all threads together, measured for about so many seconds.
 pub fn rounds_per_second(hardware: Hardware, seconds: f64) -> f64 {
     let work = |rounds| {
         let clock = Instant::now();
@@ -64,7 +64,7 @@ mod tests {
     #[test]
     fn rounds_are_made_and_counted_on_every_instruction_set() {
         for isa in granum_dem::Isa::ALL {
-            // Where a sum starts it stays: 0.999 + 0.001 is 1.
+            // The sums start at a fixed point of the iteration: 0.999 + 0.001 is 1.
             let all = dispatch(isa, Rounds(1000));
             assert!((all - 64.0).abs() < 1e-9, "{}: {all}", isa.name());
             for threads in [1, 2] {

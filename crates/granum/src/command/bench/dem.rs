@@ -14,35 +14,35 @@ use super::arithmetic::rounds_per_second;
 use crate::context::Context;
 use crate::failure::Failure;
 
-/// Steps between list rebuilds that a figure should see, so that it holds their share.
+/// Smallest number of steps for a measurement, so that rebuilds of the neighbour list contribute with their usual share.
 const FEWEST_STEPS: u64 = 400;
-/// But no longer than this many times the time of a figure.
+/// A measurement with that many steps may take at most this many times the requested time.
 const PATIENCE: f64 = 6.0;
-/// A fraction of critical damping, as a test has it.
+/// Fraction of critical damping, as in a test.
 const DAMPING: f64 = 0.1;
 /// Inertial number and mean stress, Pa, of the shear.
 const INERTIAL_NUMBER: f64 = 1e-3;
 const MEAN_STRESS: f64 = 20e3;
 
-/// A set of laws.
+/// A set of contact laws.
 #[derive(Clone, Copy)]
 pub struct Law(Contact);
 
 impl Law {
-    /// The law of moments, if there are any.
+    /// Name of the rolling law, if there is one.
     fn rolling(self) -> Option<&'static str> {
         self.0.rolling.law().acts().then(|| self.0.rolling.name())
     }
 }
 
-/// The three sets of laws that other programs are compared with.
+/// The three sets of contact laws for which the speed is compared with that of other programs.
 pub const LAWS: [Law; 3] = [
     Law(Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, DAMPING)),
     Law(Contact::new(NormalKind::HERTZ, TangentialKind::MINDLIN_DERESIEWICZ, DAMPING)),
     Law(Contact::new(NormalKind::JKR, TangentialKind::MINDLIN_DERESIEWICZ, DAMPING)),
 ];
 
-/// A set of laws from its names.
+/// The set of contact laws with the given names, separated by commas.
 pub fn law(text: &str) -> Result<Law, Failure> {
     let names: Vec<&str> = text.split(',').collect();
     if !(2..=3).contains(&names.len()) {
@@ -59,53 +59,53 @@ pub fn law(text: &str) -> Result<Law, Failure> {
     Ok(Law(case.contact))
 }
 
-/// What to measure.
+/// Settings of the measurements.
 pub struct Measurement {
     pub laws: Vec<Law>,
     pub grains: Vec<usize>,
     pub threads: Vec<usize>,
     pub isa: Isa,
-    /// The instruction sets beside `isa` too, for the last law at the first size.
+    /// True to measure the other instruction sets as well, for the last law at the first size.
     pub others: bool,
     pub seconds: f64,
-    /// One segment of given steps in place of the best of several.
+    /// A single segment of given steps instead of the best of several.
     pub segment: Option<Segment>,
     pub time_step: Option<f64>,
     pub strain_rate: Option<f64>,
 }
 
-/// Steps that are measured once: other programs can go through the same ones.
+/// A fixed range of steps that is measured once, so that other programs can be measured on the same steps.
 #[derive(Clone, Copy)]
 pub struct Segment {
-    /// Steps from the packing to the first that counts.
+    /// Number of steps before the measurement.
     pub skipped: u64,
-    /// Steps that count.
+    /// Number of measured steps.
     pub steps: u64,
 }
 
-/// A figure.
+/// The result of one measurement.
 #[derive(Serialize)]
 pub struct Figure {
     normal: &'static str,
     tangential: &'static str,
-    /// Law of moments, where there is one.
+    /// Name of the rolling law, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     rolling: Option<&'static str>,
     grains: usize,
     threads: usize,
     isa: &'static str,
-    /// Of the best segment.
+    /// Speed in the fastest segment.
     grain_steps_per_second: f64,
-    /// Of all stretches together: all their steps over all their time.
+    /// Mean speed over all segments: the sum of their steps over the sum of their times.
     mean_grain_steps_per_second: f64,
-    /// Over the first number of threads.
+    /// Speed relative to that with the first number of threads.
     speed_up: f64,
-    /// The same of arithmetic alone, measured in between.
+    /// The same ratio for arithmetic in registers, measured between the segments.
     arithmetic_speed_up: Option<f64>,
     steps: u64,
 }
 
-/// All figures, printed as they come. All laws are measured at the first size, the last law at the others.
+/// Measures all figures and prints each at once. All laws are measured at the first size, and the last law at the others.
 pub fn measure(
     context: &Context,
     packing: &Packing,
@@ -170,7 +170,7 @@ fn print(figure: &Figure, compared: bool) {
     );
 }
 
-/// Refuses a size that the machine cannot hold.
+/// Refuses a size that does not fit into memory.
 fn check_memory(grains: usize) -> Result<(), Failure> {
     use granum_run::laboratory::LaboratoryError::Memory;
     memory::check_grains(grains).map_err(|error| match error {
@@ -182,7 +182,7 @@ fn check_memory(grains: usize) -> Result<(), Failure> {
     })
 }
 
-/// Refuses a size that whole copies of the packing do not make: another would be measured than was asked for.
+/// Refuses a number of grains that is not a multiple of that of the packing, since another size would be measured.
 fn check_size(grains: usize, base: usize) -> Result<(), Failure> {
     if grains > 0 && grains.is_multiple_of(base) {
         return Ok(());
@@ -195,7 +195,7 @@ fn check_size(grains: usize, base: usize) -> Result<(), Failure> {
     )))
 }
 
-/// Copies of the packing side by side that make so many grains, as near a cube as it comes.
+/// A sample of so many grains from copies of the packing, with a shape as close to a cube as the number of copies allows.
 fn enlarged(packing: &Packing, grains: usize) -> Result<Packing, Failure> {
     let mut copies = grains / packing.grains.len();
     let mut counts = [1usize; 3];
@@ -216,8 +216,9 @@ fn enlarged(packing: &Packing, grains: usize) -> Result<Packing, Failure> {
     Ok(packing.repeated(counts)?)
 }
 
-/// Shears the packing and measures stretches of steps, for each number of threads the best. In a segment all of them go
-/// through the same steps, one after another: a ratio of two knows neither other steps nor another hour of the machine.
+/// Shears the packing and measures segments of steps; the best counts for each number of threads. In each segment all
+/// numbers of threads compute the same steps one after another, so that their ratios are affected neither by differences
+/// between steps nor by slow changes of the speed of the computer.
 fn figures(
     context: &Context,
     law: Law,
@@ -232,7 +233,7 @@ fn figures(
         return one_segment(context, law, packing.grains.len(), &from, hardware, wanted);
     }
     let warm = warm_up(context, &mut from, 0.2 * measurement.seconds)?;
-    // At most about the patience: slow machines and instruction sets see fewer steps than a list lives.
+    // The time is limited: on slow computers and instruction sets there are fewer steps than a neighbour list lasts.
     let enough = FEWEST_STEPS.min((PATIENCE * measurement.seconds / warm) as u64);
     let steps = enough.max((measurement.seconds / 3.0 / warm) as u64).max(1);
     let mut best = vec![f64::INFINITY; hardware.len()];
@@ -250,7 +251,7 @@ fn figures(
         }
         let mut end = None;
         for ((hardware, best), sum) in hardware.iter().zip(&mut best).zip(&mut sums) {
-            // Only two are there at a time: they may be large.
+            // At most two simulations exist at a time, because they may be large.
             drop(end.take());
             let mut simulation = from.clone();
             simulation.set_hardware(*hardware);
@@ -286,7 +287,7 @@ fn figures(
     Ok((0..hardware.len()).map(figure).collect())
 }
 
-/// Goes through the same steps once for each number of threads, all of them from the packing as it is.
+/// Measures a fixed range of steps once for each number of threads, always starting from the original packing.
 fn one_segment(
     context: &Context,
     law: Law,
@@ -299,7 +300,7 @@ fn one_segment(
     for hardware in hardware {
         let mut simulation = from.clone();
         simulation.set_hardware(*hardware);
-        // Before anything is known of the machine a call is short.
+        // The speed of the computer is still unknown, and the guess must keep the calls short.
         let guess = 1e-6 * grains as f64;
         let each = match wanted.skipped {
             0 => guess,
@@ -317,7 +318,7 @@ fn one_segment(
             grain_steps_per_second: rate,
             mean_grain_steps_per_second: rate,
             speed_up: rate / first,
-            // Steps that are measured once leave no time in between.
+            // With a single segment there are no pauses in which the arithmetic could be measured.
             arithmetic_speed_up: None,
             steps: wanted.steps,
         });
@@ -325,7 +326,7 @@ fn one_segment(
     Ok(figures)
 }
 
-/// The packing under shear.
+/// A simulation of the packing under shear.
 fn sheared(law: Law, packing: &Packing, measurement: &Measurement) -> Result<Simulation, Failure> {
     let properties = Properties::new(Material::default(), law.0);
     let mut simulation = Simulation::new(cell(packing), &spheres(packing), properties)?;
@@ -340,7 +341,7 @@ fn sheared(law: Law, packing: &Packing, measurement: &Measurement) -> Result<Sim
     Ok(simulation)
 }
 
-/// Advances for so many seconds; returns the time of a step, s.
+/// Advances for the given number of seconds; returns the time of a step, s.
 fn warm_up(context: &Context, simulation: &mut Simulation, seconds: f64) -> Result<f64, Failure> {
     let clock = Instant::now();
     let (mut made, mut next) = (0, 1);
@@ -356,9 +357,10 @@ fn warm_up(context: &Context, simulation: &mut Simulation, seconds: f64) -> Resu
     }
 }
 
-/// Advances by so many steps, each of about `each` seconds; returns the time of a step, s.
+/// Advances by the given number of steps, which take about `each` seconds each; returns the time of a step, s.
 fn segment(context: &Context, simulation: &mut Simulation, steps: u64, each: f64) -> Result<f64, Failure> {
-    // Threads start anew with each call; a user who interrupts waits for the end of one.
+    // Every call starts the threads again, so that calls should be long; but an interruption has to wait for the end of a
+    // call.
     let call = ((0.1 / each) as u64).clamp(1, 1000);
     let clock = Instant::now();
     let mut left = steps;

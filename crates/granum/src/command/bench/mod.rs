@@ -1,4 +1,4 @@
-//! `granum bench`: the yardsticks of BENCHMARKS.md on the user's machine.
+//! `granum bench`: the measurements of BENCHMARKS.md on the user's computer.
 
 mod arithmetic;
 mod dem;
@@ -16,15 +16,16 @@ use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 
-/// The packing that every figure of BENCHMARKS.md stands on.
+/// The packing with which all values of BENCHMARKS.md were measured.
 const PACKING: &str = include_str!("../../../data/packing-5000.csv");
 
-/// Measure speed on this machine: grain-steps per second by law, size, threads and instruction set, and the networks.
+/// Measure the speed of this computer: grain-steps per second by law, size, threads and instruction set, and the speed of
+/// the networks.
 ///
-/// The packing is sheared at constant volume at an inertial number of 1e-3; larger samples are copies of it side by side.
-/// Every figure is the best of several stretches, with the mean of all of them beside it; in a segment all numbers of threads
-/// go through the same steps by turns. Beside their speed-up stands that of arithmetic in registers: what the processor itself
-/// gives. About a minute on two cores.
+/// The packing is sheared at constant volume with an inertial number of 1e-3; larger samples are periodic copies of it.
+/// Every figure is the best of several segments of steps, together with the mean of all segments; in each segment all
+/// numbers of threads compute the same steps one after another. Their speed-up is printed next to that of arithmetic in
+/// registers, which is what the processor itself provides. The measurement takes about a minute on two cores.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum bench\n  granum bench --threads 1,8 --grains 5000,1000000 --json > bench.json\n  granum bench \
@@ -34,31 +35,31 @@ pub struct Bench {
     /// The packing (CSV); 5000 equal spheres of 0.1 mm at 20 kPa by default.
     #[arg(long, value_name = "FILE")]
     packing: Option<PathBuf>,
-    /// Numbers of threads; one and all processors by default.
+    /// Numbers of threads; by default one, and as many as there are processors.
     #[arg(long, value_name = "N,...", value_delimiter = ',')]
     threads: Vec<usize>,
-    /// Instruction set: portable, avx2 or avx512; the widest for every figure and the others for one by default.
+    /// Instruction set: portable, avx2 or avx512; by default the widest for all figures, and the others for one figure.
     #[arg(long, value_name = "NAME")]
     isa: Option<String>,
-    /// Sizes, multiples of the packing's number of grains; the packing itself and 20 copies by default.
+    /// Numbers of grains, multiples of that of the packing; by default the packing itself and 20 copies of it.
     #[arg(long, value_name = "N,...", value_delimiter = ',')]
     grains: Vec<usize>,
-    /// One set of laws, as jkr,mindlin-deresiewicz or hertz,no-slip,elastic-plastic; three sets by default.
+    /// One set of contact laws, e.g. jkr,mindlin-deresiewicz or hertz,no-slip,elastic-plastic; three sets by default.
     #[arg(long, value_name = "NORMAL,TANGENTIAL")]
     law: Option<String>,
     /// Time for each figure, s.
     #[arg(long, value_name = "S", default_value_t = 1.0, allow_negative_numbers = true)]
     seconds: f64,
-    /// Measure this many steps once, the same ones on every machine, in place of the best of several stretches.
+    /// Measure this many steps once, the same steps on every computer, instead of the best of several segments.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     steps: Option<u64>,
-    /// Steps from the packing to the first of --steps.
+    /// Number of steps before those that --steps measures.
     #[arg(long, value_name = "N", requires = "steps", default_value_t = 0)]
     skip_steps: u64,
-    /// Time step of the engine's figures, s; a fraction of the stiffest contact's period by default.
+    /// Time step for the figures of the engine, s; by default a fraction of the period of the stiffest contact.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     time_step: Option<f64>,
-    /// Strain rate of the engine's figures, 1/s; that of an inertial number of 1e-3 by default.
+    /// Strain rate for the figures of the engine, 1/s; by default that of an inertial number of 1e-3.
     #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
     strain_rate: Option<f64>,
     /// Measure only the engine (dem) or the networks (nets).
@@ -97,7 +98,7 @@ impl Bench {
         if context.json { output::say(context, &answer, String::new) } else { Ok(()) }
     }
 
-    /// What to measure of the engine.
+    /// Settings for the measurements of the engine.
     fn measurement(&self, isa: Option<Isa>, base: usize) -> Result<dem::Measurement, Failure> {
         for threads in &self.threads {
             if !(1..=1024).contains(threads) {
@@ -133,7 +134,7 @@ impl Bench {
     }
 }
 
-/// Best time of one call, s, over about `seconds`.
+/// Shortest time of one call, s, measured for about `seconds`.
 fn best(
     context: &Context,
     seconds: f64,

@@ -12,13 +12,13 @@ use super::best;
 use crate::context::Context;
 use crate::failure::Failure;
 
-/// Rows of one of the paper's sub-models.
+/// Number of rows of one sub-model of the paper.
 const ROWS: usize = 280;
-/// Hidden neurons of its largest class of network.
+/// Number of hidden neurons of the largest class of networks of the paper.
 const HIDDEN: usize = 60;
-/// Rows of a large table.
+/// Number of rows of a large table.
 const TABLE: usize = 1_000_000;
-/// Inputs and neurons of the eighteen networks of Tables 1 to 6.
+/// Numbers of inputs and hidden neurons of the eighteen networks of Tables 1 to 6.
 const PAPER: [(usize, [usize; 3]); 6] = [
     (3, [60, 55, 50]),
     (3, [25, 40, 65]),
@@ -28,7 +28,7 @@ const PAPER: [(usize, [usize; 3]); 6] = [
     (3, [50, 60, 65]),
 ];
 
-/// A figure.
+/// The result of one measurement.
 #[derive(Serialize)]
 pub struct Figure {
     name: &'static str,
@@ -38,7 +38,7 @@ pub struct Figure {
     isa: &'static str,
 }
 
-/// Rows like (strain, f, P(f), ...) with a smooth target between 0.1 and 0.9.
+/// Synthetic rows similar to (strain, f, P(f), ...) with a smooth target between 0.1 and 0.9.
 fn rows(columns: usize) -> Result<Data, Failure> {
     let mut inputs = Vec::new();
     let mut targets = Vec::new();
@@ -52,7 +52,7 @@ fn rows(columns: usize) -> Result<Data, Failure> {
     Ok(Data::new(inputs, columns, targets)?)
 }
 
-/// All figures, printed as they come.
+/// Measures all figures and prints each at once.
 pub fn measure(
     context: &Context,
     isa: Option<Isa>,
@@ -121,7 +121,7 @@ fn second_order(context: &Context, isa: Isa, seconds: f64) -> Result<f64, Failur
     Ok(epochs as f64 / each)
 }
 
-/// Seconds to train all eighteen, a network a thread.
+/// Time for training all eighteen networks, s, with one network per thread.
 fn eighteen(context: &Context, isa: Isa, threads: usize) -> Result<f64, Failure> {
     let jobs: Vec<(usize, usize)> = PAPER.iter().flat_map(|(c, h)| h.map(|h| (*c, h))).collect();
     let data = [rows(3)?, rows(4)?];

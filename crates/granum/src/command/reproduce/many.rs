@@ -1,4 +1,4 @@
-//! What the networks of the mappings learn from more runs than the paper's one.
+//! Training of the mappings with more runs than the single run of the paper.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -15,7 +15,8 @@ use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
 use crate::progress::Progress;
 
-/// Shows training and passes on the wish to stop. The networks are not kept: all of them take less time than one run.
+/// Shows the progress of training and stops it when the user asks for it. There are no checkpoints, because all networks
+/// together take less time than one run.
 struct Show<'a> {
     context: &'a Context,
     progress: Mutex<Progress>,
@@ -33,7 +34,8 @@ impl StudyObserver for Show<'_> {
     }
 }
 
-/// Trains on 1, 2, 4, ... of the further runs and scores on the further unseen ones; `None` if there are none.
+/// Trains with 1, 2, 4, ... of the additional training runs and scores on the additional unseen runs; `None` if there are
+/// none.
 pub fn curve(
     context: &Context,
     folder: &OutputFolder,

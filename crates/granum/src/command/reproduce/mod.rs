@@ -1,4 +1,4 @@
-//! `granum reproduce`: the whole paper in one command.
+//! `granum reproduce`: reproduces the whole paper with one command.
 
 mod many;
 mod plan;
@@ -24,30 +24,30 @@ use crate::failure::Failure;
 use crate::output;
 use crate::progress::readable;
 
-/// Folders in that of a reproduction.
+/// Folders inside the folder of a reproduction.
 const FOLDERS: [&str; 4] = ["runs", "models", "figures", "sizes"];
 
 /// Recompute Antony, Zhou and Wang (2006): DEM tests, soft sensors, eighteen networks, comparison, report.
 ///
-/// As in the paper one run trains the networks; two with other seeds are seen by none and judge them. Beside it stands what
-/// the same networks learn from more runs, and which soft sensors help them then. The folder keeps the options that it
-/// was made with: the same command, or `granum resume DIR`, goes on with it, and other options are refused.
+/// As in the paper, the networks are trained on one run; two unseen runs with other seeds serve for evaluation. In addition,
+/// the same networks are trained on more runs, which shows the soft sensors that then improve them. The folder stores the
+/// options with which it was created: the same command, or `granum resume DIR`, continues it, and other options are refused.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum reproduce\n  granum reproduce --quick --out quick\n  granum reproduce --trainer traingdx\n  granum \
                   reproduce --training-runs 16 --out more"
 )]
 pub struct Reproduce {
-    /// 1000 grains, fewer states and a faster test: a minute to see that everything works, not to be cited.
+    /// Use 1000 grains, fewer states and a faster test: takes a minute and shows that everything works; not to be cited.
     #[arg(long)]
     quick: bool,
-    /// Folder of the results; made if it is not there, gone on with if it holds this very reproduction.
+    /// Folder of the results; created if it does not exist, and continued if it holds the same reproduction.
     #[arg(short, long, default_value = "reproduction", value_name = "DIR")]
     out: PathBuf,
     #[arg(long, default_value = granum_nets::trainer::NAMES[0], value_name = "NAME", help = super::train::trainers())]
     trainer: String,
-    /// Runs that the same mappings learn from beside the paper's one, 0 to 64 (0 leaves that part out); 8 runs of 2000 grains
-    /// by default, with --quick 4 of 1000.
+    /// Number of additional training runs for the same mappings, 0 to 64 (0 omits this part); by default 8 runs of 2000
+    /// grains, with --quick 4 runs of 1000 grains.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(0..=64))]
     training_runs: Option<u64>,
     #[command(flatten)]
@@ -71,7 +71,7 @@ impl Reproduce {
         self.print(context, &folder, &summary, Some(started))
     }
 
-    /// The same reproduction again, as its folder says.
+    /// The reproduction in a folder, with the options that the folder records.
     pub fn resumed(
         out: &Path,
         options: ReproductionOptions,
@@ -83,13 +83,14 @@ impl Reproduce {
         Reproduce { quick, out: out.to_path_buf(), trainer, training_runs, checkpoints, hardware }
     }
 
-    /// The options that decide the results.
+    /// The options that determine the results.
     fn options(&self) -> ReproductionOptions {
         let training_runs = self.training_runs.map(|runs| runs as usize);
         ReproductionOptions { quick: self.quick, trainer: self.trainer.clone(), training_runs }
     }
 
-    /// The folder: new, that of this very reproduction to go on with, or with `--force` any reproduction's.
+    /// The output folder: a new one, that of the same reproduction, which is continued, or, with `--force`, that of any
+    /// reproduction.
     fn folder(&self, context: &Context, plan: &Plan) -> Result<OutputFolder, Failure> {
         let wanted = Reproduction::new(self.options(), plan.names());
         let Contents::Reproduction { .. } = Contents::of(&self.out)? else {
@@ -106,7 +107,7 @@ impl Reproduce {
             None => " that does not say with which options it was made".to_string(),
         };
         if !context.force {
-            // Unlocked, so that nothing is at work in it.
+            // The lock must be released first, since otherwise the folder would appear to be in use.
             drop(folder);
             let mut refusal = taken(&self.out, &Contents::of(&self.out)?, "this one", true);
             if let LearnError::Taken { holds, .. } = &mut refusal {
@@ -114,20 +115,20 @@ impl Reproduce {
             }
             return Err(refusal.into());
         }
-        // Runs and networks that fit are used again, others replaced one by one.
+        // Runs and networks of the same settings are used again, and the others are replaced one by one.
         folder.clear(&[SUMMARY_FILE, "report.html", "models/study.json", "models/seconds.json"])?;
         folder.clear_inside("figures", &[".svg"])?;
         wanted.write(folder.path())?;
         Ok(folder)
     }
 
-    /// True if there is nothing left to do.
+    /// True if the reproduction is complete.
     fn is_finished(&self, folder: &OutputFolder, plan: &Plan, version: &str) -> bool {
         [SUMMARY_FILE, "report.html"].iter().all(|name| folder.file(name).is_file())
             && runs::are_finished(folder.path(), plan, version)
     }
 
-    /// Tells of a reproduction that is finished, just now or before.
+    /// Prints the result of a reproduction that finished now or earlier.
     fn print(
         &self,
         context: &Context,
@@ -152,7 +153,7 @@ impl Reproduce {
     }
 }
 
-/// Reads the numbers of a finished reproduction.
+/// Reads the summary of a finished reproduction.
 pub(super) fn read_summary(folder: &Path) -> Result<Summary, Failure> {
     let path = folder.join(SUMMARY_FILE);
     let text = std::fs::read_to_string(&path).map_err(granum_io::Error::file("read", &path))?;
@@ -160,7 +161,7 @@ pub(super) fn read_summary(folder: &Path) -> Result<Summary, Failure> {
         .map_err(|error| Failure::new(format!("{}: is no summary of a study ({error})", path.display())))
 }
 
-/// The mappings with their errors, for the terminal.
+/// A table of the mappings with their errors, for the terminal.
 fn table(summary: &Summary) -> String {
     let mut lines = scores::lines(&summary.mappings, "seed scatter");
     lines.push(format!(

@@ -1,26 +1,27 @@
-//! Which DEM runs a reproduction makes, and what each is for.
+//! The DEM runs of a reproduction and their roles.
 
 use granum_dem::config::Rate;
 use granum_io::Case;
 use granum_learn::antony2006::reproduction::ReproductionOptions;
 
-/// Seeds of the paper's own protocol: one run trains, two judge. Not 1 to 3 nor 101 to 124: samples of those seeds were looked
-/// at when defaults of the training were chosen, so they can no longer judge it.
+/// Seeds of the protocol of the paper: one training run and two unseen runs. Seeds 1 to 3 and 101 to 124 are excluded, since
+/// samples with these seeds were used to choose the defaults of the training and can no longer serve to evaluate it.
 const PAPER: [(Role, u64); 3] = [(Role::Training, 11), (Role::Unseen, 12), (Role::Unseen, 13)];
-/// First seed of the further training runs and of the further unseen runs.
+/// First seeds of the additional training runs and of the additional unseen runs.
 const MORE: (u64, u64) = (21, 91);
-/// Grains of the further runs at full size: with the time that is left, many small runs tell more than few large ones.
+/// Number of grains of the additional runs at full size: for the same computing time, many small runs give more information
+/// than a few large ones.
 const FEWER_GRAINS: u64 = 2000;
-/// Further training runs and unseen runs by default, at full size and in the quick version.
+/// Default numbers of additional training and unseen runs, at full size and in the quick version.
 const FULL: (usize, usize) = (8, 4);
 const QUICK: (usize, usize) = (4, 3);
 
-/// What a run is for.
+/// The role of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// It trains networks.
+    /// Networks are trained on it.
     Training,
-    /// No network sees it.
+    /// It is used for evaluation only.
     Unseen,
 }
 
@@ -33,7 +34,7 @@ impl Role {
     }
 }
 
-/// One run to make.
+/// A run of a reproduction.
 #[derive(Clone, Debug)]
 pub struct Planned {
     /// Name of its folder.
@@ -46,9 +47,9 @@ pub struct Planned {
 /// All runs of a reproduction.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// The paper's first.
+    /// The runs; those of the protocol of the paper come first.
     pub runs: Vec<Planned>,
-    /// Which of them teach and judge networks that learn from more than one run.
+    /// Indices of the runs that serve to train and evaluate networks with more than one training run.
     pub many: Vec<usize>,
 }
 
@@ -63,7 +64,8 @@ impl Plan {
             return Plan { runs, many: Vec::new() };
         }
         let (prefix, small) = if options.quick { ("", case) } else { ("small-", smaller(case)) };
-        // The runs of the quick version are all of one case: those of the paper's protocol serve here too.
+        // All runs of the quick version have the same case, so that those of the protocol of the paper can be used here as
+        // well.
         let mut many: Vec<usize> = if options.quick { (0..runs.len()).collect() } else { Vec::new() };
         for (role, count, first) in [(Role::Training, training, MORE.0), (Role::Unseen, unseen, MORE.1)] {
             let there = many.iter().filter(|&&k| runs[k].role == role).count();
@@ -75,12 +77,12 @@ impl Plan {
         Plan { runs, many }
     }
 
-    /// Number of runs of the paper's own protocol; they come first.
+    /// Number of runs of the protocol of the paper, which come first.
     pub fn paper(&self) -> usize {
         PAPER.len()
     }
 
-    /// Names of the folders of the runs.
+    /// Names of the run folders.
     pub fn names(&self) -> Vec<String> {
         self.runs.iter().map(|run| run.name.clone()).collect()
     }
@@ -92,7 +94,7 @@ fn planned(prefix: &str, role: Role, seed: u64, case: &Case) -> Planned {
     Planned { name: format!("{prefix}{}-{seed}", role.name()), role, seed, case }
 }
 
-/// The paper's case, or a small and fast one like it.
+/// The case of the paper, or a similar one that is small and fast.
 fn case(quick: bool) -> Case {
     let mut case = Case::default();
     if quick {
@@ -106,7 +108,7 @@ fn case(quick: bool) -> Case {
     case
 }
 
-/// The same with fewer grains and as fast as is still quasi-static.
+/// The same case with fewer grains, and with the largest strain rate that is still quasi-static.
 fn smaller(mut case: Case) -> Case {
     case.grains.count = FEWER_GRAINS as _;
     case.shear.rate = Rate::InertialNumber(1e-3);

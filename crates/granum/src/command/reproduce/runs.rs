@@ -1,4 +1,4 @@
-//! The DEM runs of a reproduction, one a core, those that are finished used again.
+//! The DEM runs of a reproduction. They are executed in parallel, one on each core, and finished runs are used again.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -17,7 +17,7 @@ use crate::progress::{Progress, Room};
 
 /// Folder of the runs.
 const FOLDER: &str = granum_learn::antony2006::reproduction::RUNS;
-/// Share of the work that the preparation is of a whole run, for the bar.
+/// Share of the preparation in the work of a run, for the display of progress.
 const PREPARATION_SHARE: f64 = 0.15;
 
 /// A finished run.
@@ -27,14 +27,14 @@ pub struct Done {
     pub folder: PathBuf,
 }
 
-/// Where each run stands.
+/// The progress of all runs.
 struct Board<'a> {
     context: &'a Context,
     plan: &'a Plan,
     progress: Mutex<(Progress, Vec<f64>)>,
 }
 
-/// One run's eyes.
+/// The observer of one run.
 struct Eyes<'a> {
     board: &'a Board<'a>,
     number: usize,
@@ -65,14 +65,14 @@ impl Observer for Eyes<'_> {
     }
 }
 
-/// Share of all runs that is done; a run counts by its grains.
+/// Completed share of all runs, weighted by their numbers of grains.
 fn share_done(plan: &Plan, done: &[f64]) -> f64 {
     let grains = |k: usize| plan.runs[k].case.grains.count as f64;
     let all: f64 = (0..done.len()).map(grains).sum();
     done.iter().enumerate().map(|(k, share)| share * grains(k)).sum::<f64>() / all
 }
 
-/// True if every run has reached its end.
+/// True if all runs are finished.
 pub fn are_finished(folder: &Path, plan: &Plan, version: &str) -> bool {
     plan.runs.iter().all(|planned| {
         let record = Run::at(folder.join(FOLDER).join(&planned.name)).and_then(|run| run.record());
@@ -80,7 +80,7 @@ pub fn are_finished(folder: &Path, plan: &Plan, version: &str) -> bool {
     })
 }
 
-/// Makes all runs that are not there yet.
+/// Executes all runs that are not finished.
 pub fn all(
     context: &Context,
     laboratory: &Laboratory,
@@ -101,7 +101,8 @@ pub fn all(
         .collect::<granum_io::Result<_>>()?;
     for (case, path) in &jobs {
         match check_own(&laboratory, case, path) {
-            // At once, so that a kill leaves no run that would be refused when this goes on without --force.
+            // All such folders are replaced first, so that after a kill no run is left that would be refused when the
+            // reproduction is resumed without --force.
             Err(_) if context.force => drop(RunFolder::create(path, true)?),
             other => other?,
         }
@@ -110,7 +111,7 @@ pub fn all(
     progress.phase("DEM");
     let board = Board { context, plan, progress: Mutex::new((progress, vec![0.0; jobs.len()])) };
     let threads = laboratory.hardware.threads.max(1);
-    // One that fails keeps no other from its end: they need not be run again.
+    // A run that fails does not stop the others, which then need not be repeated.
     let records = parallel::map(jobs.len(), threads, |number| {
         let (case, path): &(&Case, PathBuf) = &jobs[number];
         let _entered = shared.enter();
@@ -131,8 +132,8 @@ pub fn all(
     Ok(done.map(|(planned, (_, folder))| Done { role: planned.role, seed: planned.seed, folder }).collect())
 }
 
-/// Refuses the folder of a run that is of another case or version, or whose record cannot be read: to make the run of this
-/// reproduction there would replace it.
+/// Refuses a folder with a run of another case or version, or whose record cannot be read, since the run of this
+/// reproduction would replace it.
 fn check_own(laboratory: &Laboratory, case: &Case, path: &Path) -> Result<(), Failure> {
     if !path.join("run.json").is_file() {
         return Ok(());
@@ -149,12 +150,12 @@ fn check_own(laboratory: &Laboratory, case: &Case, path: &Path) -> Result<(), Fa
     }
 }
 
-/// True if a run is or will be the run of this case by this version.
+/// True if a record, finished or not, is that of a run of this case with this version.
 fn is_of(record: &RunRecord, laboratory: &Laboratory, case: &Case) -> bool {
     record.is_of(case) && record.granum_version == laboratory.version
 }
 
-/// One run: used again if finished, gone on with if it was begun, else made anew.
+/// Executes one run: a finished run is used again, an unfinished one is resumed, and otherwise a new one is started.
 fn one(laboratory: &Laboratory, case: &Case, path: &Path, eyes: &mut Eyes) -> Result<RunRecord, Failure> {
     if let Ok(record) = Run::at(path).and_then(|run| run.record()) {
         if record.answers(case, &laboratory.version) {
@@ -163,7 +164,7 @@ fn one(laboratory: &Laboratory, case: &Case, path: &Path, eyes: &mut Eyes) -> Re
         if is_of(&record, laboratory, case) {
             let folder = RunFolder::open(path)?;
             match laboratory.resume(&folder, eyes) {
-                // A damaged checkpoint costs time, not the study: the run is made anew.
+                // After damage to a checkpoint the run is repeated, which costs time but does not end the study.
                 Err(LaboratoryError::Checkpoint { .. } | LaboratoryError::Unusable { .. }) => {}
                 other => return Ok(other?),
             }

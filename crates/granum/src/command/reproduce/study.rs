@@ -1,4 +1,4 @@
-//! The networks of a reproduction: trained, judged, written down.
+//! The networks of a reproduction: training, evaluation and output.
 
 use granum_io::{OutputFolder, Run};
 use granum_learn::antony2006::figures::figures;
@@ -20,12 +20,12 @@ use crate::command::train::Show;
 use crate::context::Context;
 use crate::failure::Failure;
 
-/// Folder of the networks of the study of sizes while that is under way.
+/// Folder for the networks of the study of network sizes while it runs.
 const SIZES: &str = "sizes";
-/// Times the networks' answer so often.
+/// Number of repetitions when the time of a prediction is measured.
 const REPETITIONS: usize = 50;
 
-/// Trains, judges, writes models, figures, report and summary.
+/// Trains and evaluates the networks, and writes models, figures, report and summary.
 pub fn all(
     context: &Context,
     folder: &OutputFolder,
@@ -65,10 +65,10 @@ pub fn all(
     show.end(|| format!("{networks} networks and as many that see strain only"));
     save_study(&models, &study, &known(runs)?)?;
 
-    // Only needed until the summary holds what came of them.
+    // The folder is only needed until the summary contains the results.
     let sizes_folder = folder.subfolder(SIZES)?;
     let show = Show::new(context, "sizes", &sizes_folder, every);
-    // Sizes are compared with the default trainer: the paper's would take an hour and end in the same place.
+    // Sizes are compared with the default trainer, since that of the paper would take an hour and give the same result.
     let sizes = SizeStudyOptions {
         study: StudyOptions { threads, ..StudyOptions::default() },
         neurons: if arguments.quick { vec![1, 2, 4, 8, 20] } else { SizeStudyOptions::default().neurons },
@@ -111,7 +111,7 @@ pub fn all(
     Ok(report.summary)
 }
 
-/// What the study remembers of its runs.
+/// The descriptions of the runs that the study stores.
 fn known(runs: &[Done]) -> Result<Vec<StudyRun>, Failure> {
     let role = |run: &Done| match run.role {
         PlannedRole::Training => RunRole::Training,
