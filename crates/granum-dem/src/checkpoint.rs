@@ -262,12 +262,12 @@ fn check_state(state: &State) -> Result<(), CheckpointError> {
     require(inside && state.cell.edges.iter().flatten().all(near), "size of the cell")
 }
 
-/// The second grain of a pair is a grain of the sample or the distant phantom, which touches nothing.
+/// The second grain of a pair is a grain of the sample or the distant phantom, on which nothing acts.
 fn check_seconds(p: &Pairs, grains: usize) -> Result<(), CheckpointError> {
     let good = |(second, marks): (&[u32; LANES], &Marks)| {
         (0..LANES).all(|l| {
-            let touched = marks.touched >> l & 1 != 0;
-            (second[l] as usize) < grains || (second[l] as usize == grains + 1 && !touched)
+            let acted = (marks.touched | marks.attracting) >> l & 1 != 0;
+            (second[l] as usize) < grains || (second[l] as usize == grains + 1 && !acted)
         })
     };
     if p.second.iter().zip(&p.marks).all(good) { Ok(()) } else { Err(inconsistent("places of grains")) }
@@ -387,6 +387,31 @@ pub(crate) mod tests {
             assert!(matches!(found, Some(CheckpointError::Inconsistent(_))), "{k}: {found:?}");
         }
         assert!(forged(|_| {}).is_ok());
+    }
+
+    /// Found by mutation: an attraction between a grain and the phantom, which has no place among the grains.
+    #[test]
+    fn nothing_acts_on_the_phantom() {
+        let found = forged(|s| {
+            let phantom = s.grains() as u32 + 1;
+            let lanes = s
+                .pairs
+                .second
+                .iter()
+                .enumerate()
+                .flat_map(|(b, row)| row.iter().enumerate().map(move |(l, j)| (b, l, *j)));
+            let (batch, lane, _) =
+                lanes.into_iter().find(|(_, _, j)| *j == phantom).expect("a lane without a pair");
+            s.pairs.marks[batch].attracting = 1 << lane;
+            let inner = s
+                .pairs
+                .blocks
+                .iter_mut()
+                .find(|block| (block.batches[0]..block.batches[2]).contains(&(batch as u32)));
+            let block = inner.expect("the batch is in a block");
+            block.inner_ends = [block.batches[1], block.batches[2]];
+        });
+        assert_eq!(found.err(), Some(inconsistent("places of grains")));
     }
 
     /// Found by fuzzing: adhesion that reaches the phantom.

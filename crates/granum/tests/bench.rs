@@ -59,7 +59,10 @@ fn a_packing_of_the_user_is_measured_and_wrong_flags_are_refused() {
     for (wrong, message) in [
         (&["--threads", "0"][..], "--threads 0: from 1 to 1024"),
         (&["--grains", "5000,100000000000"], "--grains 100000000000: up to 230000.1 GB of memory"),
-        (&["--isa", "sse"], "--isa sse: granum has no such instruction set; choose portable, avx2 or avx512"),
+        (
+            &["--isa", "sse"],
+            "--isa sse: granum has no such instruction set; choose portable, neon, avx2 or avx512",
+        ),
         (&["--grains", "300"], "--grains 300: the packing has 5000 grains"),
         (&["--grains", "12000"], "(here 10000 or 15000)"),
         (&["--grains", "0"], "--grains 0: the packing has 5000 grains"),
