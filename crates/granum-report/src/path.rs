@@ -41,7 +41,9 @@ impl Traits {
             let sheared = control.components[3..].iter().any(|drive| moves(*drive));
             found.oedometer |= alone && !sheared;
             found.compression |= is_isotropic(stage);
-            found.undrained |= keeps_volume(control) && (sheared || moves(x));
+            // A combination of stresses that turns round drives the axes without a rate of their own.
+            let driven = sheared || moves(x) || stage.turns.is_some();
+            found.undrained |= keeps_volume(control) && driven;
             found.simple_shear |=
                 moves(control.components[5]) && stage.start == Start::Here && !is_history(stage);
             found.cyclic |= stage.turns.is_some();

@@ -1,5 +1,6 @@
 //! The laws that names in files refer to. To add one to granum, add its file and its line here.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{PoisonError, RwLock};
 
 use serde::de::{Deserialize, Deserializer, Error};
@@ -90,6 +91,15 @@ pub enum LawError {
     },
 }
 
+/// How many laws were registered.
+static REGISTERED: AtomicUsize = AtomicUsize::new(0);
+
+/// How many laws of the caller's own were registered so far: a list made from the registries is up to date while this does not
+/// change.
+pub fn registered() -> usize {
+    REGISTERED.load(Ordering::Acquire)
+}
+
 macro_rules! list {
     ($list:ident, $kind:ident, $what:literal, $own:ident, $all:ident, $register:ident, $named:ident) => {
         static $own: RwLock<Vec<$kind>> = RwLock::new(Vec::new());
@@ -112,6 +122,7 @@ macro_rules! list {
                 None => check_parameters(law.law().description())?,
             }
             $own.write().unwrap_or_else(PoisonError::into_inner).push(law);
+            REGISTERED.fetch_add(1, Ordering::Release);
             Ok(())
         }
 

@@ -156,8 +156,13 @@ impl Field {
             (Kind::List { set, .. }, Value::List(value)) => set(case, value),
             (Kind::Names { set, .. }, Value::Names(value)) => set(case, value),
             (Kind::Law(parameter), Value::Number(Some(value))) => {
-                // There is room for all parameters that are registered.
-                let _ = case.contact.parameters.set(parameter.key, value);
+                // The default counts as not given, so that a case with every key written out is the same case.
+                if value == parameter.default {
+                    case.contact.parameters.unset(parameter.key);
+                } else {
+                    // There is room for all parameters that are registered.
+                    let _ = case.contact.parameters.set(parameter.key, value);
+                }
             }
             _ => {}
         }

@@ -1,6 +1,6 @@
 //! The list of all keys of the case file.
 
-use std::sync::LazyLock;
+use std::sync::{PoisonError, RwLock};
 
 use granum_dem::config::{Rate, Spacing};
 use granum_dem::contact::registry;
@@ -81,13 +81,43 @@ fn entry(section: &'static str, key: &'static str, help: &'static str, example: 
 }
 
 /// All keys of the case file, in the order of the file: those of the case, with the parameters of all contact laws that are
-/// registered at the first access inserted after `contact.damping`.
-pub static FIELDS: LazyLock<Vec<Field>> = LazyLock::new(|| {
-    let mut fields = fields();
+/// registered inserted after `contact.damping`.
+pub static FIELDS: Fields = Fields(RwLock::new(None));
+
+/// A list of fields that grows when a contact law is registered.
+pub struct Fields(RwLock<Option<Known>>);
+
+/// The fields while so many laws of the caller's own are registered.
+#[derive(Clone, Copy)]
+struct Known {
+    registered: usize,
+    fields: &'static [Field],
+}
+
+impl Fields {
+    /// The fields, in the order of the file.
+    pub fn iter(&self) -> std::slice::Iter<'static, Field> {
+        self.known().iter()
+    }
+
+    fn known(&self) -> &'static [Field] {
+        let registered = registry::registered();
+        let known = *self.0.read().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = known.filter(|known| known.registered == registered) {
+            return known.fields;
+        }
+        // References to fields live as long as the program; laws are registered a few times at most.
+        let fields: &'static [Field] = Vec::leak(with_parameters_of_laws(fields()));
+        *self.0.write().unwrap_or_else(PoisonError::into_inner) = Some(Known { registered, fields });
+        fields
+    }
+}
+
+fn with_parameters_of_laws(mut fields: Vec<Field>) -> Vec<Field> {
     let after = fields.iter().rposition(|field| field.section == "contact").map_or(0, |at| at + 1);
     fields.splice(after..after, registry::parameters().into_iter().map(Field::of_law));
     fields
-});
+}
 
 #[rustfmt::skip]
 fn fields() -> Vec<Field> { vec![

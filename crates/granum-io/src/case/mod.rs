@@ -318,7 +318,7 @@ mod tests {
 
     /// A random value within the bounds of each field; rules between fields may still reject the case.
     fn any_case() -> impl Strategy<Value = Case> {
-        (proptest::collection::vec(0.0..=1.0f64, FIELDS.len()), any::<bool>()).prop_filter_map(
+        (proptest::collection::vec(0.0..=1.0f64, FIELDS.iter().len()), any::<bool>()).prop_filter_map(
             "rules between fields",
             |(draws, by_rate)| {
                 let mut case = Case::default();

@@ -327,6 +327,8 @@ impl TableReader<'_, '_> {
         let mut until = Vec::new();
         match table.get("until").map(|value| (value, value.get_ref())) {
             Some((_, DeValue::Table(ends))) => {
+                let mut ends: Vec<_> = ends.iter().collect();
+                ends.sort_by_key(|(key, _)| key.span().start);
                 for (key, value) in ends {
                     let found = end(key.get_ref(), value);
                     until.extend(self.take(&format!("until.{}", key.get_ref()), found));

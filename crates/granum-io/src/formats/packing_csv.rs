@@ -103,8 +103,7 @@ fn read_lines<R: BufRead>(lines: &mut Lines<R>) -> Result<Packing> {
     };
     let packing = Packing::checked(lines.file(), origin, cell, grains)?;
     of.sort_unstable();
-    materials.of = of.into_iter().map(|(_, material)| material).collect();
-    Ok(Packing { materials, ..packing })
+    Ok(Packing { materials: materials.in_order(of.into_iter().map(|(_, material)| material)), ..packing })
 }
 
 /// The material that a row names.

@@ -54,6 +54,17 @@ impl PackedMaterials {
         }
         (place < MOST_MATERIALS).then_some(place as u8)
     }
+
+    /// The same names in the order in which the grains, given by their places among the names, first use them.
+    pub(crate) fn in_order(&self, of: impl Iterator<Item = u8>) -> PackedMaterials {
+        let mut ordered = PackedMaterials::default();
+        for place in of {
+            let name = self.names.get(usize::from(place));
+            let place = name.and_then(|name| ordered.place(name)).unwrap_or_default();
+            ordered.of.push(place);
+        }
+        ordered
+    }
 }
 
 /// Grains in a periodic cell.
