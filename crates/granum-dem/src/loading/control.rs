@@ -449,6 +449,11 @@ impl Control {
     }
 }
 
+/// The same weights with zero in place of minus zero, which a case file does not distinguish.
+fn without_minus_zero(weights: [f64; 6]) -> [f64; 6] {
+    weights.map(|weight| weight + 0.0)
+}
+
 impl Constraint {
     /// The mean stress, controlled through the components that are free.
     pub fn mean_stress(target: Target) -> Constraint {
@@ -457,12 +462,13 @@ impl Constraint {
 
     /// A combination of stresses.
     pub fn stresses(stress: [f64; 6], target: Target) -> Constraint {
-        Constraint { stress, target, ..Constraint::default() }
+        Constraint { stress: without_minus_zero(stress), target, ..Constraint::default() }
     }
 
     /// A combination of strain rates, as a multiple of the speed of the stage.
     pub fn strains(strain: [f64; 6], rate: f64) -> Constraint {
-        Constraint { strain, target: Target::current().moving(rate), ..Constraint::default() }
+        let target = Target::current().moving(rate);
+        Constraint { strain: without_minus_zero(strain), target, ..Constraint::default() }
     }
 
     /// The same with given strain rates by which it is controlled.

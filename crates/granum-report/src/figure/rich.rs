@@ -143,6 +143,9 @@ impl Rich {
             let text = escape(&span.text);
             if attributes.is_empty() {
                 out.push_str(&text);
+            } else if let Some(rest) = text.strip_prefix(' ') {
+                // Some programs drop a space at the start of a raised or lowered part.
+                let _ = write!(out, "<tspan{attributes}>\u{a0}{rest}</tspan>");
             } else {
                 let _ = write!(out, "<tspan{attributes}>{text}</tspan>");
             }

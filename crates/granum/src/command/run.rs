@@ -58,8 +58,24 @@ impl Run {
 fn list(context: &Context) -> Result<(), Failure> {
     let paths: Vec<Value> = preset::all().into_iter().map(described).collect();
     output::say(context, &json!({ "paths": paths }), || {
-        preset::all().into_iter().map(text).collect::<Vec<_>>().join("\n\n")
+        let paths = preset::all();
+        let common = common(&paths);
+        let mut parts: Vec<String> = paths.iter().map(|path| text(path, &common)).collect();
+        parts.push(
+            std::iter::once("Every path also takes".to_string())
+                .chain(lines_of(common.iter()))
+                .collect::<Vec<_>>()
+                .join("\n"),
+        );
+        parts.join("\n\n")
     })
+}
+
+/// The parameters that every path takes in the same way.
+fn common(paths: &[&'static Preset]) -> Vec<&'static Parameter> {
+    let Some(first) = paths.first() else { return Vec::new() };
+    let everywhere = |p: &&Parameter| paths.iter().all(|path| path.parameters().any(|other| other == *p));
+    first.parameters().filter(everywhere).collect()
 }
 
 fn described(path: &Preset) -> Value {
@@ -88,18 +104,24 @@ fn described(path: &Preset) -> Value {
     json!({ "name": path.name, "help": path.help, "parameters": parameters })
 }
 
-fn text(path: &Preset) -> String {
+fn text(path: &'static Preset, common: &[&Parameter]) -> String {
     let mut lines = vec![path.name.to_string(), format!("  {}", path.help)];
-    for p in path.parameters() {
+    let own: Vec<&Parameter> = path.parameters().filter(|p| !common.contains(p)).collect();
+    lines.extend(lines_of(own.iter()));
+    lines.join("\n")
+}
+
+/// Parameters with what they mean, their defaults and words, a line each.
+fn lines_of<'a>(parameters: impl Iterator<Item = &'a &'a Parameter>) -> Vec<String> {
+    let mut lines = Vec::new();
+    for p in parameters {
         let unit = if p.unit == "1" { String::new() } else { format!(" {}", p.unit) };
         let default = match p.default {
             Default::Value(value) => format!("Default: {}{unit}.", format_number(value)),
             Default::Word(word) => format!("Default: {word}."),
             Default::List(values) => {
-                format!(
-                    "Default: {}.",
-                    values.iter().copied().map(format_number).collect::<Vec<_>>().join(",")
-                )
+                let values: Vec<String> = values.iter().copied().map(format_number).collect();
+                format!("Default: {}.", values.join(","))
             }
             Default::Absent(meaning) => format!("Default: {meaning}."),
             Default::Needed => "It must be given.".to_string(),
@@ -109,5 +131,5 @@ fn text(path: &Preset) -> String {
             lines.extend(words.iter().map(|[word, meaning]| format!("    {word}: {meaning}.")));
         }
     }
-    lines.join("\n")
+    lines
 }
