@@ -7,9 +7,7 @@
 use std::f64::consts::PI;
 
 use granum::dem::contact::registry::register_normal;
-use granum::dem::contact::{
-    Description, LAW_CONSTANTS, Mixing, Normal, NormalLaw, PairProperties, Parameter, Unit,
-};
+use granum::dem::contact::{Description, LAW_CONSTANTS, Normal, NormalLaw, PairProperties, Parameter, Unit};
 use granum::prelude::*;
 use granum::simd::Real;
 
@@ -17,20 +15,18 @@ use granum::simd::Real;
 struct Foundation;
 
 impl NormalLaw for Foundation {
-    const DESCRIPTION: Description = Description {
-        name: "elastic-foundation",
-        label: "elastic foundation",
-        help: "spheres on an elastic foundation (Winkler)",
-        parameters: &[Parameter {
-            key: "foundation_modulus",
-            unit: Unit::NUMBER,
-            default: 1.0,
-            bounds: [0.01, 100.0],
-            meaning: "Modulus of the foundation over E*/R*",
-            without_area: false,
-            mixing: Mixing::Geometric,
-        }],
-    };
+    const DESCRIPTION: Description = Description::new(
+        "elastic-foundation",
+        "elastic foundation",
+        "spheres on an elastic foundation (Winkler)",
+        &[Parameter::new(
+            "foundation_modulus",
+            Unit::NUMBER,
+            1.0,
+            [0.01, 100.0],
+            "Modulus of the foundation over E*/R*",
+        )],
+    );
 
     fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
         let mut c = [0.0; LAW_CONSTANTS];

@@ -5,8 +5,38 @@ use serde::{Deserialize, Serialize};
 pub use crate::contact::{AdhesionKind, NormalKind, ParameterValues, RollingKind, TangentialKind};
 pub use crate::mixture::{Component, Mixture, PairRule};
 
+/// Gives configurations the method `with`, which changes fields of a value: fields can be added to them without breaking anybody.
+macro_rules! with {
+    ($($kind:ident: $field:ident = $value:expr),+) => {
+        $(impl $kind {
+            /// The same with some fields changed.
+            ///
+            /// ```
+            #[doc = concat!("use granum_dem::config::", stringify!($kind), ";")]
+            ///
+            #[doc = concat!("let changed = ", stringify!($kind), "::default().with(|new| new.", stringify!($field), " = ", stringify!($value), ");")]
+            #[doc = concat!("assert_eq!(changed.", stringify!($field), ", ", stringify!($value), ");")]
+            /// ```
+            pub fn with(mut self, change: impl FnOnce(&mut $kind)) -> $kind {
+                change(&mut self);
+                self
+            }
+        })+
+    };
+}
+with!(
+    Grains: count = 300,
+    Material: friction = 0.5,
+    Contact: damping = 0.2,
+    Preparation: seed = 7,
+    Shear: deviator_strain = 0.1,
+    Recording: states = 50,
+    Numerics: time_step_factor = 0.1
+);
+
 /// The grains: number, sizes and material.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Grains {
     /// Number of grains.
     pub count: usize,
@@ -46,6 +76,7 @@ impl Grains {
 
 /// Properties of the solid and of its surface.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Material {
     /// Density rho of the solid, kg/m3.
     pub density: f64,
@@ -105,6 +136,7 @@ impl Default for Material {
 /// # Ok::<(), granum_dem::contact::parameters::TooManyParameters>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Contact {
     /// Normal law.
     pub normal: NormalKind,
@@ -202,6 +234,7 @@ impl Default for Contact {
 
 /// How a sample is prepared: random insertion from a seed, isotropic compression, then relaxation with the final properties.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Preparation {
     /// Seed of the loose initial state.
     pub seed: u64,
@@ -258,6 +291,7 @@ pub enum Rate {
 
 /// Axisymmetric compression at constant mean stress: `eps_1` grows, `sigma_2 = sigma_3` follow the servo.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Shear {
     /// Deviator strain `eps_1 - eps_3` at the end.
     pub deviator_strain: f64,
@@ -291,6 +325,7 @@ pub enum Spacing {
 
 /// The times of observation by the sensors, and the bins of the force distribution.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Recording {
     /// Number of intervals of deviator strain; a state is recorded at each end of an interval. Not used with
     /// [`Spacing::Strains`].
@@ -302,7 +337,8 @@ pub struct Recording {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub snapshots: Vec<f64>,
     /// Number of observations averaged for one state, spread evenly over one interval around it.
-    pub looks: usize,
+    #[serde(alias = "looks")]
+    pub observations_per_state: usize,
     /// Width of a bin of `f = N/<N>`.
     pub bin_width: f64,
     /// Largest f with its own bin; larger forces are counted separately.
@@ -318,7 +354,7 @@ impl Default for Recording {
             states: 120,
             spacing: Spacing::Equal,
             snapshots: Vec::new(),
-            looks: 20,
+            observations_per_state: 20,
             bin_width: 0.25,
             largest_force: 6.0,
             sensors: Vec::new(),
@@ -332,6 +368,7 @@ fn is_equal(spacing: &Spacing) -> bool {
 
 /// Numerical choices that should not change a result beyond scatter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Numerics {
     /// Time step as a fraction of `sqrt(m / k_t)` of the stiffest contact.
     pub time_step_factor: f64,

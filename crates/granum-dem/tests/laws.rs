@@ -6,9 +6,7 @@ use granum_dem::cell::Cell;
 use granum_dem::config::{Contact, Grains, Material, NormalKind, RollingKind, TangentialKind};
 use granum_dem::contact::normal::Hertz;
 use granum_dem::contact::registry::{RegisterError, normal_named, register_normal};
-use granum_dem::contact::{
-    Description, LAW_CONSTANTS, Mixing, Normal, NormalLaw, PairProperties, Parameter, Unit,
-};
+use granum_dem::contact::{Description, LAW_CONSTANTS, Normal, NormalLaw, PairProperties, Parameter, Unit};
 use granum_dem::random_insertion::random_insertion;
 use granum_dem::servo::Control;
 use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation, SimulationError};
@@ -16,7 +14,7 @@ use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation, Si
 const DIAMETER: f64 = 1e-4;
 
 fn plain() -> Material {
-    Material { interface_energy: 0.0, ..Material::default() }
+    Material::default().with(|material| material.interface_energy = 0.0)
 }
 
 /// A linear spring with rolling resistance.
@@ -109,8 +107,15 @@ fn rolling_ends_in_losses_that_are_counted() {
 }
 
 fn sample(properties: Properties, spread: f64, hardware: Hardware) -> Simulation {
-    let (cell, spheres) =
-        random_insertion(&Grains { count: 200, spread, ..Grains::default() }, 0.35, 9).unwrap();
+    let (cell, spheres) = random_insertion(
+        &Grains::default().with(|grains| {
+            grains.count = 200;
+            grains.spread = spread;
+        }),
+        0.35,
+        9,
+    )
+    .unwrap();
     let mut s = Simulation::new(cell, &spheres, properties).unwrap();
     s.set_hardware(hardware);
     s.set_control(Control::isotropic(20e3, 2e4));
@@ -165,11 +170,11 @@ fn energy_is_in_balance(mut s: Simulation) {
 fn laws_can_be_changed_in_the_middle() {
     let mut contact = soft(0.1, 0.2, 0.3);
     contact.rolling = RollingKind::NONE;
-    let free = Contact { parameters: contact.parameters, ..contact };
+    let free = contact.with(|new| new.parameters = contact.parameters);
     let mut parameters = free.parameters;
     parameters.unset("rolling_friction");
     parameters.unset("rolling_damping");
-    let free = Contact { parameters, ..free };
+    let free = free.with(|contact| contact.parameters = parameters);
     let mut s = sample(Properties::new(plain(), free), 0.3, Hardware::default());
     let before = s.assembly();
     s.set_properties(Properties::new(plain(), soft(0.1, 0.2, 0.3))).unwrap();
@@ -190,11 +195,11 @@ fn parameters_are_checked() {
         let properties = Properties::new(plain(), contact);
         Simulation::new(Cell::cuboid([1e-3; 3]), &[sphere], properties).err().map(|e| e.to_string()).unwrap()
     };
-    let unused = Contact { rolling: RollingKind::NONE, ..soft(0.1, 0.2, 0.3) };
+    let unused = soft(0.1, 0.2, 0.3).with(|contact| contact.rolling = RollingKind::NONE);
     assert!(refused(unused).contains("contact.rolling_damping means nothing with"), "{}", refused(unused));
     let rough = soft(0.1, 3.0, 0.3);
     assert_eq!(refused(rough), "contact.rolling_friction is 3; it must be from 0 to 2");
-    let hertz = Contact { normal: NormalKind::HERTZ, ..soft(0.1, 0.1, 0.3) };
+    let hertz = soft(0.1, 0.1, 0.3).with(|contact| contact.normal = NormalKind::HERTZ);
     assert!(matches!(
         Simulation::new(
             Cell::cuboid([1e-3; 3]),
@@ -210,20 +215,18 @@ fn parameters_are_checked() {
 struct OtherModulus;
 
 impl NormalLaw for OtherModulus {
-    const DESCRIPTION: Description = Description {
-        name: "other-modulus",
-        label: "Hertz with another modulus",
-        help: "elastic spheres whose modulus is a multiple of the material's",
-        parameters: &[Parameter {
-            key: "modulus_factor",
-            unit: Unit::NUMBER,
-            default: 1.0,
-            bounds: [0.1, 10.0],
-            meaning: "The modulus over that of the material",
-            without_area: false,
-            mixing: Mixing::Geometric,
-        }],
-    };
+    const DESCRIPTION: Description = Description::new(
+        "other-modulus",
+        "Hertz with another modulus",
+        "elastic spheres whose modulus is a multiple of the material's",
+        &[Parameter::new(
+            "modulus_factor",
+            Unit::NUMBER,
+            1.0,
+            [0.1, 10.0],
+            "The modulus over that of the material",
+        )],
+    );
     fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
         let effective_modulus = parameters[0] * pair.effective_modulus;
         Hertz::prepare(&PairProperties { effective_modulus, ..*pair }, &[])
@@ -265,7 +268,7 @@ fn names_stand_for_one_law() {
     #[derive(Clone, Copy)]
     struct Impostor;
     impl NormalLaw for Impostor {
-        const DESCRIPTION: Description = Description { name: "hertz", ..Hertz::DESCRIPTION };
+        const DESCRIPTION: Description = Description::new("hertz", "Hertz", "another law of that name", &[]);
         fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
             Hertz::prepare(pair, parameters)
         }

@@ -5,12 +5,12 @@ pub mod prelude;
 /// What a contact law of one's own needs, and where it is registered; `examples/extend/` has one.
 pub mod law {
     pub use granum_dem::contact::registry::{
-        RegisterError, register_normal, register_rolling, register_tangential,
+        RegisterError, register_adhesion, register_normal, register_rolling, register_tangential,
     };
     pub use granum_dem::contact::{
-        AdhesionLosses, Description, LAW_CONSTANTS, MAX_HISTORY, MAX_MOMENT_HISTORY, Moment, MomentLaw,
-        Normal, NormalLaw, NormalTraits, PairProperties, Parameter, RelativeSpin, Tangential, TangentialLaw,
-        Unit,
+        AdhesionLaw, AdhesionLosses, Attraction, Description, LAW_CONSTANTS, MAX_ADHESION_HISTORY,
+        MAX_HISTORY, MAX_MOMENT_HISTORY, Mixing, Moment, MomentLaw, Normal, NormalLaw, NormalTraits,
+        PairProperties, Parameter, RelativeSpin, Tangential, TangentialLaw, Unit,
     };
     pub use granum_simd::{Mask, Real};
 }
@@ -18,7 +18,8 @@ pub mod law {
 /// What a loading path of one's own needs, and where it is registered; `examples/extend/` has one.
 pub mod path {
     pub use granum_dem::loading::preset::{
-        Default, INERTIAL_NUMBER, Parameter, Preset, RegisterError, STATES, Values, register,
+        Default, INERTIAL_NUMBER, INTERVAL, Kind, Parameter, Preset, RegisterError, STATES, Values, deviator,
+        number, optional, register, stress, word,
     };
     pub use granum_dem::loading::{
         Constraint, Control, Drive, Kinematics, Measure, Record, Speed, Stage, Target, Turns, Until,

@@ -2,8 +2,8 @@
 //!
 //! `cargo run --release`
 
-mod granular_temperature;
-mod plane_strain;
+mod biaxial;
+mod fluctuating_speeds;
 mod rolling_spring;
 mod spheres;
 
@@ -23,9 +23,9 @@ friction = 0.3
 unbalanced_force = 0.01
 [recording]
 observations_per_state = 4
-sensors = ["granular_temperature"]
+sensors = ["fluctuating_speeds"]
 [[stage]]
-path = "plane-strain"
+path = "biaxial-at-constant-mean"
 axial_strain = 0.02
 inertial_number = 0.005
 states = 8
@@ -34,9 +34,9 @@ states = 8
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // From here on case files know the law and the path by their names, and their parameters by their keys.
     granum::law::register_rolling(RollingKind::new(&rolling_spring::RollingSpring))?;
-    granum::path::register(&plane_strain::PLANE_STRAIN)?;
+    granum::path::register(&biaxial::BIAXIAL)?;
     let laboratory = Laboratory::here()
-        .with_sensor(granular_temperature::GranularTemperature)?
+        .with_sensor(fluctuating_speeds::FluctuatingSpeeds)?
         .with_formats(Formats::standard().with_packing(spheres::Spheres));
 
     let file = std::env::temp_dir().join(format!("granum-extend-{}.spheres", std::process::id()));
@@ -46,11 +46,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     std::fs::remove_file(&file)?;
     let test = test?;
 
-    let columns = ["axial_strain", "lateral_strain_3", "von_mises_ratio", "granular_temperature"];
-    let [strain, fixed, ratio, temperature] = test.record.series.select(columns)?;
-    println!("eps_1    q/p    T_g (m2/s2)");
+    let columns = ["axial_strain", "lateral_strain_3", "von_mises_ratio", "fluctuating_speed"];
+    let [strain, fixed, ratio, speed] = test.record.series.select(columns)?;
+    println!("eps_1    q/p    v (m/s)");
     for k in 0..strain.len() {
-        println!("{:.4}  {:.3}  {:.2e}", strain[k], ratio[k], temperature[k]);
+        println!("{:.4}  {:.3}  {:.2e}", strain[k], ratio[k], speed[k]);
     }
     let speeds = test.record.histograms("speeds").iter().map(Histogram::total).sum::<u64>();
     let rolled = test.simulation.assembly().energy.rolling;
@@ -58,7 +58,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     assert!(fixed.iter().all(|strain| strain.abs() < 1e-12), "the path holds axis z");
     assert!(ratio.iter().any(|ratio| *ratio > 0.2), "the sample resists");
-    assert!(temperature.iter().skip(1).all(|temperature| *temperature > 0.0), "the sensor measures");
+    assert!(speed.iter().skip(1).all(|speed| *speed > 0.0), "the sensor measures");
     assert!(speeds > 0 && rolled > 0.0, "the histogram counts, and the law takes energy");
     Ok(())
 }

@@ -16,19 +16,18 @@ const STEP: usize = 2;
 const STIFFNESS_BEFORE: usize = 2;
 
 impl MomentLaw for RollingSpring {
-    const DESCRIPTION: Description = Description {
-        name: "rolling-spring",
-        label: "rolling spring",
-        help: "a spring and a slider against rolling (Iwashita and Oda 1998)",
-        parameters: &[Parameter {
-            key: "rolling_spring_friction",
-            unit: Unit::NUMBER,
-            default: 0.1,
-            bounds: [0.0, 1.0],
-            meaning: "Coefficient mu_r: the rolling couple is at most mu_r R* F",
-            without_area: false,
-        }],
-    };
+    const DESCRIPTION: Description = Description::new(
+        "rolling-spring",
+        "rolling spring",
+        "a spring and a slider against rolling (Iwashita and Oda 1998)",
+        &[Parameter::new(
+            "rolling_spring_friction",
+            Unit::NUMBER,
+            0.1,
+            [0.0, 1.0],
+            "Coefficient mu_r: the rolling couple is at most mu_r R* F",
+        )],
+    );
     const HISTORY: usize = 3;
     const PLANE_VECTORS: usize = 1;
 

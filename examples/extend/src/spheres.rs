@@ -59,5 +59,5 @@ pub fn loose_lattice(n: usize) -> Packing {
             place.map(|at| (at as f64 + 0.5 + 0.04 * ((7 * k + 3 * at) % 11) as f64 / 11.0) * spacing);
         PackedGrain { id: k as u64 + 1, position, radius: if k % 2 == 0 { 5e-5 } else { 4.2e-5 } }
     });
-    Packing { origin: [0.0; 3], cell: Cell::cuboid([edge; 3]).edges, grains: grains.collect() }
+    Packing::new([0.0; 3], Cell::cuboid([edge; 3]).edges, grains.collect())
 }

@@ -87,6 +87,7 @@ impl Mixing {
 
 /// A parameter of a law: the key `contact.<key>` of a case.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Parameter {
     /// Key, e.g. `rolling_friction`.
     pub key: &'static str,
@@ -104,8 +105,33 @@ pub struct Parameter {
     pub mixing: Mixing,
 }
 
+impl Parameter {
+    /// A parameter between two bounds with a default, all in SI units. Between two materials it is the root of the product of
+    /// the two values ([`Mixing::Geometric`]).
+    pub const fn new(
+        key: &'static str,
+        unit: Unit,
+        default: f64,
+        bounds: [f64; 2],
+        meaning: &'static str,
+    ) -> Parameter {
+        Parameter { key, unit, default, bounds, meaning, without_area: false, mixing: Mixing::Geometric }
+    }
+
+    /// The same with another rule for its value between two materials.
+    pub const fn mixed_by(self, mixing: Mixing) -> Parameter {
+        Parameter { mixing, ..self }
+    }
+
+    /// The same for a parameter that matters only with a normal law that has no contact area.
+    pub const fn without_contact_area(self) -> Parameter {
+        Parameter { without_area: true, ..self }
+    }
+}
+
 /// Description of a law.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Description {
     /// Name in case files and messages, e.g. `jkr`.
     pub name: &'static str,
@@ -115,6 +141,18 @@ pub struct Description {
     pub help: &'static str,
     /// Its parameters.
     pub parameters: &'static [Parameter],
+}
+
+impl Description {
+    /// A law of that name (in case files and messages), label (in reports), help (in a few words) and parameters.
+    pub const fn new(
+        name: &'static str,
+        label: &'static str,
+        help: &'static str,
+        parameters: &'static [Parameter],
+    ) -> Description {
+        Description { name, label, help, parameters }
+    }
 }
 
 /// Properties of the normal law that the other laws of a set depend on.

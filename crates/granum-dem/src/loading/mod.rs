@@ -102,6 +102,21 @@ pub struct Turns {
 }
 
 impl Stage {
+    /// The same with some fields changed.
+    ///
+    /// ```
+    /// use granum_dem::loading::{Control, Drive, Measure, Speed, Stage, Until};
+    ///
+    /// let control = Control::of(Speed::StrainRate(1.0), [Drive::Rate(1.0); 6]);
+    /// let end = Until::Reaches { measure: Measure::Strain(0), value: 0.1 };
+    /// let stage = Stage::new("strain", control, vec![end]).with(|stage| stage.resets = true);
+    /// assert!(stage.resets);
+    /// ```
+    pub fn with(mut self, change: impl FnOnce(&mut Stage)) -> Stage {
+        change(&mut self);
+        self
+    }
+
     /// A stage that records nothing and has at most an arc length of strain of one.
     pub fn new(name: impl Into<String>, control: Control, until: Vec<Until>) -> Stage {
         Stage {
@@ -228,7 +243,7 @@ pub fn follow(
         let here = measure.of(&simulation.state().macro_state()) - origin;
         while observer.next_look() <= here {
             let due = observer.next_look();
-            observer.look(simulation);
+            observer.observe(simulation);
             if observer.next_look() == due {
                 // The observer computes the measure in another way and finds it short by a rounding error: it will be
                 // reached in the next step.
@@ -236,7 +251,7 @@ pub fn follow(
             }
         }
         turn(stage, stage_progress, simulation);
-        let end = stage_progress.look(&stage.until, simulation.state());
+        let end = stage_progress.check(&stage.until, simulation.state());
         if let Some(reason) = end.or_else(|| cut_short(stage, stage_progress, simulation, most_time)) {
             return Ok(Ending::Complete(reason));
         }

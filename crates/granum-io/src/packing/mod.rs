@@ -69,6 +69,7 @@ impl PackedMaterials {
 
 /// Grains in a periodic cell.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Packing {
     /// Corner of the cell, m.
     pub origin: Vector,
@@ -81,6 +82,12 @@ pub struct Packing {
 }
 
 impl Packing {
+    /// Grains, in order of their ids, in a cell with a corner and an edge matrix (column k is edge k), m. Nothing is checked: see
+    /// [`Packing::checked`].
+    pub fn new(origin: Vector, cell: Matrix, grains: Vec<PackedGrain>) -> Packing {
+        Packing { origin, cell, grains, materials: PackedMaterials::default() }
+    }
+
     /// The grains and cell of an assembly, whose cell has a corner at the origin.
     pub fn from_assembly(assembly: &Assembly) -> Packing {
         let grain = |g: &granum_core::assembly::Grain| PackedGrain {

@@ -1,0 +1,28 @@
+//! A sensor with a column and a histogram: the root mean square of the fluctuating velocities, and the distribution of the speeds
+//! over it.
+
+use granum::prelude::*;
+
+pub struct FluctuatingSpeeds;
+
+impl Sensor for FluctuatingSpeeds {
+    fn description(&self) -> Description {
+        Description::new("fluctuating_speeds", "fluctuating motion of the grains")
+            .columns([SensorColumn::new("fluctuating_speed", "m/s", "root mean square of v'")])
+            .needing(&[Part::Velocities])
+    }
+
+    fn histograms(&self, _: &Recording) -> Vec<Bins> {
+        vec![Bins::new("speeds", "speed", "1").width(0.1).range(0.0, 4.0)]
+    }
+
+    fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
+        let grains = &observation.assembly.grains;
+        let squares = || grains.iter().map(|grain| grain.velocity.map(|v| v * v).iter().sum::<f64>());
+        let mean = squares().fold(0.0, |sum, square| sum + square) / grains.len().max(1) as f64;
+        values.push(mean.sqrt());
+        if mean > 0.0 {
+            values.count(0, squares().map(|square| (square / mean).sqrt()));
+        }
+    }
+}
