@@ -5,7 +5,7 @@ use granum::prelude::*;
 
 /// The whole program.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let grains = Grains { count: 200, ..Grains::default() };
+    let grains = Grains::default().with(|grains| grains.count = 200);
     // Grains without contacts at a solid fraction of 0.35, placed with the seed 1.
     let (cell, spheres) = random_insertion(&grains, 0.35, 1)?;
     let properties = Properties::new(grains.material, Contact::default());

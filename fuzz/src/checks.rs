@@ -138,8 +138,12 @@ pub fn tested() -> Case {
     case.preparation.unbalanced_force = 1e-1;
     case.shear.deviator_strain = 0.01;
     case.shear.rate = Rate::InertialNumber(1e-2);
-    case.recording =
-        Recording { states: 3, looks: 2, bin_width: 2.0, largest_force: 4.0, ..Recording::default() };
+    case.recording = Recording::default().with(|recording| {
+        recording.states = 3;
+        recording.observations_per_state = 2;
+        recording.bin_width = 2.0;
+        recording.largest_force = 4.0;
+    });
     case
 }
 

@@ -111,7 +111,10 @@ fn models() -> Vec<Seed> {
 
 /// A few grains that were pressed together for so many steps.
 fn running(count: usize, spread: f64, contact: Contact, steps: u64) -> Simulation {
-    let grains = Grains { count, spread, ..Grains::default() };
+    let grains = Grains::default().with(|grains| {
+        grains.count = count;
+        grains.spread = spread;
+    });
     let (cell, spheres) = random_insertion(&grains, 0.35, 11).expect("a loose initial state");
     let properties = Properties::new(Material::default(), contact);
     let mut simulation = Simulation::new(cell, &spheres, properties).expect("a simulation");

@@ -302,7 +302,7 @@ pub struct Recording {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub snapshots: Vec<f64>,
     /// Number of observations averaged for one state, spread evenly over one interval around it.
-    pub looks: usize,
+    pub observations_per_state: usize,
     /// Width of a bin of `f = N/<N>`.
     pub bin_width: f64,
     /// Largest f with its own bin; larger forces are counted separately.
@@ -318,7 +318,7 @@ impl Default for Recording {
             states: 120,
             spacing: Spacing::Equal,
             snapshots: Vec::new(),
-            looks: 20,
+            observations_per_state: 20,
             bin_width: 0.25,
             largest_force: 6.0,
             sensors: Vec::new(),

@@ -95,13 +95,13 @@ pub trait Observer {
         Flow::Continue
     }
 
-    /// Value of the measure that a stage records by at which [`Observer::look`] is to be called next; infinity for never.
+    /// Value of the measure that a stage records by at which [`Observer::observe`] is to be called next; infinity for never.
     fn next_look(&self) -> f64 {
         f64::INFINITY
     }
 
     /// That value has been reached, at the first step at which it is.
-    fn look(&mut self, simulation: &Simulation) {
+    fn observe(&mut self, simulation: &Simulation) {
         let _ = simulation;
     }
 
@@ -155,11 +155,11 @@ impl Observer for Observers<'_> {
         self.0.iter().map(|observer| observer.next_look()).fold(f64::INFINITY, f64::min)
     }
 
-    fn look(&mut self, simulation: &Simulation) {
+    fn observe(&mut self, simulation: &Simulation) {
         let due = self.next_look();
         for observer in &mut self.0 {
             if observer.next_look() <= due {
-                observer.look(simulation);
+                observer.observe(simulation);
             }
         }
     }

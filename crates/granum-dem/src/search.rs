@@ -154,7 +154,13 @@ impl Kernel for GridSearch<'_> {
                 let (y, sy) = grid.beside(1, here[1], step % 3 - 1);
                 for (low, high, sz) in grid.stretches(here[2]) {
                     let code = image_code([sx, sy, sz]);
-                    seeker.look(&grid, grid.run(x, y, low, high), code, &images[code as usize].0, &mut found);
+                    seeker.search_box(
+                        &grid,
+                        grid.run(x, y, low, high),
+                        code,
+                        &images[code as usize].0,
+                        &mut found,
+                    );
                 }
             }
             found[from..].sort_unstable();
@@ -185,7 +191,7 @@ impl<L: Lanes> Seeker<L> {
 
     /// Appends the members of a range that are close enough.
     #[inline(always)]
-    fn look(&self, grid: &Grid, range: [usize; 2], code: u32, image: &[f64; 4], found: &mut Vec<Near>) {
+    fn search_box(&self, grid: &Grid, range: [usize; 2], code: u32, image: &[f64; 4], found: &mut Vec<Near>) {
         let [start, end] = range;
         for from in (start..end).step_by(LANES) {
             let mut square = L::zero();

@@ -14,7 +14,7 @@ use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation, Si
 const DIAMETER: f64 = 1e-4;
 
 fn plain() -> Material {
-    Material { interface_energy: 0.0, ..Material::default() }
+    Material::default().with(|material| material.interface_energy = 0.0)
 }
 
 fn wet(damping: f64) -> Contact {
@@ -99,8 +99,15 @@ fn slow_grains_stay_together() {
 }
 
 fn compressed(properties: Properties, spread: f64, hardware: Hardware) -> Simulation {
-    let (cell, spheres) =
-        random_insertion(&Grains { count: 200, spread, ..Grains::default() }, 0.35, 9).unwrap();
+    let (cell, spheres) = random_insertion(
+        &Grains::default().with(|grains| {
+            grains.count = 200;
+            grains.spread = spread;
+        }),
+        0.35,
+        9,
+    )
+    .unwrap();
     let mut s = Simulation::new(cell, &spheres, properties).unwrap();
     s.set_hardware(hardware);
     s.set_control(Control::isotropic(20e3, 2e4));

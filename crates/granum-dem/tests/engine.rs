@@ -56,14 +56,16 @@ fn lattices_have_their_stress() {
 }
 
 fn small_sample(hardware: Hardware, spread: f64) -> Simulation {
-    let grains = Grains { count: 200, spread, ..Grains::default() };
-    let preparation = Preparation {
-        friction: Some(0.1),
-        solid_fraction: None,
-        inertial_number: 5e-3,
-        unbalanced_force: 1e-2,
-        ..Preparation::default()
-    };
+    let grains = Grains::default().with(|grains| {
+        grains.count = 200;
+        grains.spread = spread;
+    });
+    let preparation = Preparation::default().with(|preparation| {
+        preparation.friction = Some(0.1);
+        preparation.solid_fraction = None;
+        preparation.inertial_number = 5e-3;
+        preparation.unbalanced_force = 1e-2;
+    });
     let contact = Contact::default();
     let recipe = Recipe {
         grains: &grains,
@@ -75,13 +77,13 @@ fn small_sample(hardware: Hardware, spread: f64) -> Simulation {
     prepare(&recipe, &mut |_: &Progress| Flow::Continue).unwrap().simulation
 }
 
-/// An observer that looks often and thoroughly.
+/// An observer that measures often and thoroughly.
 struct Everything(f64);
 impl Observer for Everything {
     fn next_look(&self) -> f64 {
         self.0
     }
-    fn look(&mut self, simulation: &Simulation) {
+    fn observe(&mut self, simulation: &Simulation) {
         assert!(!simulation.assembly().contacts.is_empty());
         self.0 += 1.7e-5;
     }
@@ -115,9 +117,12 @@ fn same_bits_on_any_machine_and_whoever_looks() {
 
 #[test]
 fn momentum_and_energy_of_an_elastic_gas_are_kept() {
-    let grains = Grains { count: 100, ..Grains::default() };
+    let grains = Grains::default().with(|grains| grains.count = 100);
     let (cell, spheres) = random_insertion(&grains, 0.3, 5).unwrap();
-    let material = Material { friction: 0.0, interface_energy: 0.0, ..Material::default() };
+    let material = Material::default().with(|material| {
+        material.friction = 0.0;
+        material.interface_energy = 0.0;
+    });
     let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.0);
     let mut s = Simulation::new(cell, &spheres, Properties::new(material, contact)).unwrap();
     let velocities: Vec<[f64; 3]> =

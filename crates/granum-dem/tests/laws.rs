@@ -16,7 +16,7 @@ use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation, Si
 const DIAMETER: f64 = 1e-4;
 
 fn plain() -> Material {
-    Material { interface_energy: 0.0, ..Material::default() }
+    Material::default().with(|material| material.interface_energy = 0.0)
 }
 
 /// A linear spring with rolling resistance.
@@ -109,8 +109,15 @@ fn rolling_ends_in_losses_that_are_counted() {
 }
 
 fn sample(properties: Properties, spread: f64, hardware: Hardware) -> Simulation {
-    let (cell, spheres) =
-        random_insertion(&Grains { count: 200, spread, ..Grains::default() }, 0.35, 9).unwrap();
+    let (cell, spheres) = random_insertion(
+        &Grains::default().with(|grains| {
+            grains.count = 200;
+            grains.spread = spread;
+        }),
+        0.35,
+        9,
+    )
+    .unwrap();
     let mut s = Simulation::new(cell, &spheres, properties).unwrap();
     s.set_hardware(hardware);
     s.set_control(Control::isotropic(20e3, 2e4));
@@ -165,11 +172,11 @@ fn energy_is_in_balance(mut s: Simulation) {
 fn laws_can_be_changed_in_the_middle() {
     let mut contact = soft(0.1, 0.2, 0.3);
     contact.rolling = RollingKind::NONE;
-    let free = Contact { parameters: contact.parameters, ..contact };
+    let free = contact.with(|new| new.parameters = contact.parameters);
     let mut parameters = free.parameters;
     parameters.unset("rolling_friction");
     parameters.unset("rolling_damping");
-    let free = Contact { parameters, ..free };
+    let free = free.with(|contact| contact.parameters = parameters);
     let mut s = sample(Properties::new(plain(), free), 0.3, Hardware::default());
     let before = s.assembly();
     s.set_properties(Properties::new(plain(), soft(0.1, 0.2, 0.3))).unwrap();
@@ -190,11 +197,11 @@ fn parameters_are_checked() {
         let properties = Properties::new(plain(), contact);
         Simulation::new(Cell::cuboid([1e-3; 3]), &[sphere], properties).err().map(|e| e.to_string()).unwrap()
     };
-    let unused = Contact { rolling: RollingKind::NONE, ..soft(0.1, 0.2, 0.3) };
+    let unused = soft(0.1, 0.2, 0.3).with(|contact| contact.rolling = RollingKind::NONE);
     assert!(refused(unused).contains("contact.rolling_damping means nothing with"), "{}", refused(unused));
     let rough = soft(0.1, 3.0, 0.3);
     assert_eq!(refused(rough), "contact.rolling_friction is 3; it must be from 0 to 2");
-    let hertz = Contact { normal: NormalKind::HERTZ, ..soft(0.1, 0.1, 0.3) };
+    let hertz = soft(0.1, 0.1, 0.3).with(|contact| contact.normal = NormalKind::HERTZ);
     assert!(matches!(
         Simulation::new(
             Cell::cuboid([1e-3; 3]),

@@ -19,16 +19,18 @@ use granum_dem::simulation::{Hardware, Simulation};
 fn sample() -> Simulation {
     static SAMPLE: OnceLock<Simulation> = OnceLock::new();
     let make = || {
-        let material = Material { interface_energy: 0.0, ..Material::default() };
+        let material = Material::default().with(|material| material.interface_energy = 0.0);
         let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
-        let grains = Grains { count: 300, material, ..Grains::default() };
-        let preparation = Preparation {
-            friction: Some(0.1),
-            solid_fraction: None,
-            inertial_number: 3e-3,
-            unbalanced_force: 2e-3,
-            ..Preparation::default()
-        };
+        let grains = Grains::default().with(|grains| {
+            grains.count = 300;
+            grains.material = material;
+        });
+        let preparation = Preparation::default().with(|preparation| {
+            preparation.friction = Some(0.1);
+            preparation.solid_fraction = None;
+            preparation.inertial_number = 3e-3;
+            preparation.unbalanced_force = 2e-3;
+        });
         let hardware = Hardware::default();
         let recipe = Recipe {
             grains: &grains,
@@ -59,7 +61,7 @@ impl Observer for Notes {
     fn next_look(&self) -> f64 {
         self.next
     }
-    fn look(&mut self, simulation: &Simulation) {
+    fn observe(&mut self, simulation: &Simulation) {
         self.taken.push((simulation.state().stress(), simulation.state().strain()));
         self.next += 2e-4;
     }

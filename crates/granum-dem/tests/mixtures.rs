@@ -10,11 +10,16 @@ use granum_dem::servo::Control;
 use granum_dem::simulation::{Hardware, Properties, Simulation, SimulationError};
 
 fn plain() -> Material {
-    Material { interface_energy: 0.0, ..Material::default() }
+    Material::default().with(|material| material.interface_energy = 0.0)
 }
 
 fn soft() -> Material {
-    Material { youngs_modulus: 7e9, poissons_ratio: 0.4, density: 1200.0, friction: 0.6, ..plain() }
+    plain().with(|material| {
+        material.youngs_modulus = 7e9;
+        material.poissons_ratio = 0.4;
+        material.density = 1200.0;
+        material.friction = 0.6;
+    })
 }
 
 fn hertz() -> Contact {
@@ -31,8 +36,15 @@ fn two(contact: Contact) -> Properties {
 }
 
 fn compressed(properties: Properties, spread: f64, hardware: Hardware) -> Simulation {
-    let (cell, spheres) =
-        random_insertion(&Grains { count: 200, spread, ..Grains::default() }, 0.35, 9).unwrap();
+    let (cell, spheres) = random_insertion(
+        &Grains::default().with(|grains| {
+            grains.count = 200;
+            grains.spread = spread;
+        }),
+        0.35,
+        9,
+    )
+    .unwrap();
     let mut s = Simulation::new(cell, &spheres, properties).unwrap();
     s.set_hardware(hardware);
     s.set_control(Control::isotropic(20e3, 2e4));

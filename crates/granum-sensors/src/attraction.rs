@@ -6,7 +6,7 @@
 
 use granum_core::Part;
 
-use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 
 /// The sensor.
 pub struct Attraction;
@@ -32,8 +32,8 @@ impl Sensor for Attraction {
         .needing(&[Part::Contacts, Part::ContactEnergies, Part::EnergyBalance])
     }
 
-    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
-        let assembly = look.assembly;
+    fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
+        let assembly = observation.assembly;
         let pairs = assembly.contacts.iter().chain(&assembly.apart);
         let energy: f64 = pairs.map(|pair| pair.attraction_energy).sum();
         // The sum over no contacts is minus zero.

@@ -13,8 +13,8 @@
 use granum_core::Part;
 use granum_core::assembly::Contact;
 
-use crate::look::mean;
-use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+use crate::observation::mean;
+use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 
 /// The sensor.
 pub struct CoordinationNumbers;
@@ -50,15 +50,15 @@ impl Sensor for CoordinationNumbers {
             .needing(&[Part::Contacts])
     }
 
-    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
-        let z = Coordination::of(look);
+    fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
+        let z = Coordination::of(observation);
         values.extend([
             z.all,
             z.mechanical,
             z.compressive,
             z.backbone,
             z.rattler_fraction,
-            look.assembly.contacts.len() as f64,
+            observation.assembly.contacts.len() as f64,
         ]);
     }
 }
@@ -80,11 +80,15 @@ pub struct Coordination {
 
 impl Coordination {
     /// Computes the coordination numbers; 0 where there is no grain to divide by.
-    pub fn of(look: &Look) -> Self {
-        let grains = look.assembly.grains.len();
+    pub fn of(observation: &Observation) -> Self {
+        let grains = observation.assembly.grains.len();
         // A contact with a grain that does not exist (in a file of another code) is not counted.
-        let contacts: Vec<&Contact> =
-            look.assembly.contacts.iter().filter(|contact| contact.i.max(contact.j) < grains).collect();
+        let contacts: Vec<&Contact> = observation
+            .assembly
+            .contacts
+            .iter()
+            .filter(|contact| contact.i.max(contact.j) < grains)
+            .collect();
         let mut degree = vec![0u32; grains];
         for contact in &contacts {
             degree[contact.i] += 1;
@@ -136,7 +140,7 @@ mod tests {
             (lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4), 6.0),
             (lattice::face_centred_cubic(3, 1e-4, 1e-4, 1e-4), 12.0),
         ] {
-            let c = Coordination::of(&Look::new(&assembly));
+            let c = Coordination::of(&Observation::new(&assembly));
             assert_eq!(
                 c,
                 Coordination { all: z, mechanical: z, compressive: z, backbone: z, rattler_fraction: 0.0 }
@@ -155,7 +159,7 @@ mod tests {
             ..Default::default()
         });
         let assembly = Assembly { grains, contacts: contacts.to_vec(), ..Default::default() };
-        let c = Coordination::of(&Look::new(&assembly));
+        let c = Coordination::of(&Observation::new(&assembly));
         assert!((c.all - 10.0 / 6.0).abs() < 1e-15);
         assert!((c.mechanical - 9.0 / 4.0).abs() < 1e-15, "grains 0 to 3 have 2, 2, 3 and 2 contacts");
         assert!((c.compressive - 8.0 / 6.0).abs() < 1e-15);

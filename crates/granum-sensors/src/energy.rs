@@ -8,7 +8,7 @@
 //! `rolling_work` of [`crate::rolling`] comes to the right side, and so do the change of energy and the loss of
 //! [`crate::attraction`] where grains attract each other beyond touch.
 
-use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 use granum_core::Part;
 
 /// The sensor.
@@ -64,15 +64,15 @@ impl Sensor for Energy {
         ])
     }
 
-    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
+    fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
         let (mut normal, mut tangential) = (0.0, 0.0);
-        for contact in &look.assembly.contacts {
+        for contact in &observation.assembly.contacts {
             normal += contact.normal_energy;
             tangential += contact.tangential_energy;
         }
-        let balance = &look.assembly.energy;
+        let balance = &observation.assembly.energy;
         values.extend([
-            kinetic_energy(look),
+            kinetic_energy(observation),
             normal,
             tangential,
             balance.boundary_work,
@@ -87,9 +87,10 @@ impl Sensor for Energy {
 }
 
 /// Kinetic energy of the fluctuating motion and the spins (solid spheres: inertia 2/5 m R^2), J.
-pub fn kinetic_energy(look: &Look) -> f64 {
+pub fn kinetic_energy(observation: &Observation) -> f64 {
     let square = |v: &[f64; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-    look.assembly
+    observation
+        .assembly
         .grains
         .iter()
         .map(|grain| {
@@ -114,6 +115,6 @@ mod tests {
             ..Default::default()
         };
         let assembly = Assembly { grains: vec![grain], ..Default::default() };
-        assert!((kinetic_energy(&Look::new(&assembly)) - 0.7 * 2.0 * 9.0).abs() < 1e-12);
+        assert!((kinetic_energy(&Observation::new(&assembly)) - 0.7 * 2.0 * 9.0).abs() < 1e-12);
     }
 }

@@ -10,7 +10,7 @@ use granum_core::Part;
 use granum_core::assembly::{Contact, Matrix};
 
 use crate::tensor::{add_dyad, deviator, eigenvalues, scaled};
-use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 
 /// The sensor.
 pub struct Fabric;
@@ -40,9 +40,9 @@ impl Sensor for Fabric {
         .needing(&[Part::Contacts])
     }
 
-    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
-        let (strong, strong_count) = fabric(look, |contact| look.is_strong(contact));
-        let (weak, weak_count) = fabric(look, |contact| !look.is_strong(contact));
+    fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
+        let (strong, strong_count) = fabric(observation, |contact| observation.is_strong(contact));
+        let (weak, weak_count) = fabric(observation, |contact| !observation.is_strong(contact));
         let count = (strong_count + weak_count).max(1) as f64;
         let (a, b) = (strong_count as f64 / count, weak_count as f64 / count);
         let all: Matrix = std::array::from_fn(|i| std::array::from_fn(|j| a * strong[i][j] + b * weak[i][j]));
@@ -53,10 +53,10 @@ impl Sensor for Fabric {
 }
 
 /// Fabric tensor of the selected contacts, and their number; zero without any.
-pub fn fabric(look: &Look, chosen: impl Fn(&Contact) -> bool) -> (Matrix, usize) {
+pub fn fabric(observation: &Observation, chosen: impl Fn(&Contact) -> bool) -> (Matrix, usize) {
     let mut sum = [[0.0; 3]; 3];
     let mut count = 0;
-    for contact in look.assembly.contacts.iter().filter(|contact| chosen(contact)) {
+    for contact in observation.assembly.contacts.iter().filter(|contact| chosen(contact)) {
         add_dyad(&mut sum, 1.0, &contact.normal, &contact.normal);
         count += 1;
     }
@@ -64,8 +64,8 @@ pub fn fabric(look: &Look, chosen: impl Fn(&Contact) -> bool) -> (Matrix, usize)
 }
 
 /// Deviator fabric `phi_d` of all contacts.
-pub fn deviator_fabric(look: &Look) -> f64 {
-    deviator(&fabric(look, |_| true).0)
+pub fn deviator_fabric(observation: &Observation) -> f64 {
+    deviator(&fabric(observation, |_| true).0)
 }
 
 #[cfg(test)]
@@ -81,7 +81,7 @@ mod tests {
         for assembly in
             [lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4), lattice::face_centred_cubic(3, 1e-4, 1e-4, 1e-4)]
         {
-            let (tensor, count) = fabric(&Look::new(&assembly), |_| true);
+            let (tensor, count) = fabric(&Observation::new(&assembly), |_| true);
             assert_eq!(count, assembly.contacts.len());
             for i in 0..3 {
                 for j in 0..3 {
@@ -96,10 +96,10 @@ mod tests {
     fn contacts_along_the_axis_give_one_and_across_it_minus_a_half() {
         let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4);
         assembly.contacts.retain(|contact| contact.normal[0].abs() > 0.5);
-        assert!((deviator_fabric(&Look::new(&assembly)) - 1.0).abs() < 1e-12);
+        assert!((deviator_fabric(&Observation::new(&assembly)) - 1.0).abs() < 1e-12);
         let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4);
         assembly.contacts.retain(|contact| contact.normal[0].abs() < 0.5);
-        assert!((deviator_fabric(&Look::new(&assembly)) + 0.5).abs() < 1e-12);
+        assert!((deviator_fabric(&Observation::new(&assembly)) + 0.5).abs() < 1e-12);
     }
 
     #[test]
@@ -120,8 +120,8 @@ mod tests {
     #[test]
     fn the_rose_gives_the_same_fabric() {
         let assembly = lattice::random_contacts(400, 7);
-        let look = Look::new(&assembly);
-        let rose = crate::rose::Rose::of(&look);
+        let observation = Observation::new(&assembly);
+        let rose = crate::rose::Rose::of(&observation);
         let by_rose: f64 = (0..crate::rose::BINS)
             .map(|b| {
                 let (high, low) = (crate::rose::EDGE_COSINES[b], crate::rose::EDGE_COSINES[b + 1]);
@@ -129,7 +129,7 @@ mod tests {
             })
             .sum::<f64>()
             / assembly.contacts.len() as f64;
-        let tensor = fabric(&look, |_| true).0;
+        let tensor = fabric(&observation, |_| true).0;
         assert!((tensor[0][0] - by_rose).abs() < 0.01, "{} {by_rose}", tensor[0][0]);
     }
 
@@ -143,8 +143,8 @@ mod tests {
             let assembly = lattice::random_contacts(60, seed);
             let q = lattice::rotation(axis, 0.7);
             let turned = lattice::rotated(&assembly, &q);
-            let before = fabric(&Look::new(&assembly), |_| true).0;
-            let after = fabric(&Look::new(&turned), |_| true).0;
+            let before = fabric(&Observation::new(&assembly), |_| true).0;
+            let after = fabric(&Observation::new(&turned), |_| true).0;
             let expected = lattice::conjugate(&q, &before);
             prop_assert!((trace(&before) - 1.0).abs() < 1e-12);
             for i in 0..3 {

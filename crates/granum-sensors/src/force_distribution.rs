@@ -7,9 +7,9 @@
 //!
 //! Without contacts, or where `<N>` is not positive, f is undefined and every moment is 0.
 
-use crate::look::mean;
 use crate::numerics::{ln, mills_ratio};
-use crate::{Bins, Description, Histogram, Look, Memory, Sensor, SensorColumn, Values};
+use crate::observation::mean;
+use crate::{Bins, Description, Histogram, Memory, Observation, Sensor, SensorColumn, Values};
 use granum_core::Part;
 use granum_dem::config::Recording;
 
@@ -42,14 +42,14 @@ impl Sensor for ForceDistribution {
         vec![bins(recording.bin_width, recording.largest_force)]
     }
 
-    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
-        let contacts = &look.assembly.contacts;
+    fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
+        let contacts = &observation.assembly.contacts;
         let tensile = contacts.iter().filter(|contact| contact.normal_force < 0.0).count();
         let mut squares = 0.0;
         let (mut tail, mut tail_sum, mut tail_squares) = (0, 0.0, 0.0);
-        if look.mean_normal_force > 0.0 {
+        if observation.mean_normal_force > 0.0 {
             for contact in contacts {
-                let f = contact.normal_force / look.mean_normal_force;
+                let f = contact.normal_force / observation.mean_normal_force;
                 squares += f * f;
                 if f > 1.0 {
                     tail += 1;
@@ -60,7 +60,7 @@ impl Sensor for ForceDistribution {
         }
         let fit = TailFit::new(mean(tail_sum, tail), mean(tail_squares, tail));
         values.extend([
-            look.mean_normal_force,
+            observation.mean_normal_force,
             mean(squares, contacts.len()),
             mean(tensile as f64, contacts.len()),
             fit.exponential_decay,
@@ -68,7 +68,7 @@ impl Sensor for ForceDistribution {
             fit.exponential_likelihood - fit.half_gaussian_likelihood,
         ]);
         if let Some(histogram) = values.histogram(0) {
-            count(look, histogram);
+            count(observation, histogram);
         }
     }
 }
@@ -79,12 +79,12 @@ pub fn bins(width: f64, largest_force: f64) -> Bins {
 }
 
 /// Counts `f = N/<N>` of every contact; nothing where `<N>` is not positive.
-fn count(look: &Look, histogram: &mut Histogram) {
-    if look.mean_normal_force.is_nan() || look.mean_normal_force <= 0.0 {
+fn count(observation: &Observation, histogram: &mut Histogram) {
+    if observation.mean_normal_force.is_nan() || observation.mean_normal_force <= 0.0 {
         return;
     }
-    let per_bin = 1.0 / (look.mean_normal_force * histogram.bin_width);
-    for contact in &look.assembly.contacts {
+    let per_bin = 1.0 / (observation.mean_normal_force * histogram.bin_width);
+    for contact in &observation.assembly.contacts {
         histogram.add_in_widths(contact.normal_force * per_bin);
     }
 }
@@ -173,9 +173,12 @@ mod tests {
 
     /// The histogram of an assembly.
     fn counted(assembly: &granum_core::assembly::Assembly, bin_width: f64, largest_force: f64) -> Histogram {
-        let recording = Recording { bin_width, largest_force, ..Recording::default() };
+        let recording = Recording::default().with(|recording| {
+            recording.bin_width = bin_width;
+            recording.largest_force = largest_force;
+        });
         let mut histogram = ForceDistribution.histograms(&recording)[0].empty();
-        count(&Look::new(assembly), &mut histogram);
+        count(&Observation::new(assembly), &mut histogram);
         histogram
     }
 
@@ -235,8 +238,8 @@ mod tests {
     #[test]
     fn negative_forces_fall_into_bins_below_zero_and_ends_are_counted_apart() {
         let assembly = assembly_of([-0.3, 0.1, 0.2, 4.0, -4.0, 6.0].into_iter());
-        let look = Look::new(&assembly);
-        assert!((look.mean_normal_force - 1.0).abs() < 1e-15);
+        let observation = Observation::new(&assembly);
+        assert!((observation.mean_normal_force - 1.0).abs() < 1e-15);
         let histogram = counted(&assembly, 0.25, 5.0);
         assert_eq!((histogram.below, histogram.above), (1, 1));
         assert_eq!(histogram.counts[6], 1, "-0.3 lies in [-0.5, -0.25)");

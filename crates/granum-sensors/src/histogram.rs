@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::look::ratio;
+use crate::observation::ratio;
 
 /// Most bins of a histogram.
 const MOST_BINS: i64 = 1_000_000;

@@ -5,7 +5,7 @@
 //! scaling, since it is computed from the masses), p the measured mean stress. 0 where p is not positive.
 
 use crate::solid_fraction::grain_volume;
-use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 use granum_core::Part;
 
 /// The sensor.
@@ -26,20 +26,20 @@ impl Sensor for InertialNumber {
             ])
     }
 
-    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
-        values.push(inertial_number(look));
+    fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
+        values.push(inertial_number(observation));
     }
 }
 
 /// The inertial number.
-pub fn inertial_number(look: &Look) -> f64 {
-    let grains = &look.assembly.grains;
-    let p = look.stress.mean();
-    let volume = grain_volume(look);
+pub fn inertial_number(observation: &Observation) -> f64 {
+    let grains = &observation.assembly.grains;
+    let p = observation.stress.mean();
+    let volume = grain_volume(observation);
     if grains.is_empty() || volume == 0.0 || p.is_nan() || p <= 0.0 {
         return 0.0;
     }
-    let rate = look.assembly.velocity_gradient.iter().flatten().fold(0.0, |a: f64, b| a.max(b.abs()));
+    let rate = observation.assembly.velocity_gradient.iter().flatten().fold(0.0, |a: f64, b| a.max(b.abs()));
     let diameter = 2.0 * grains.iter().map(|grain| grain.radius).sum::<f64>() / grains.len() as f64;
     let density = grains.iter().map(|grain| grain.mass).sum::<f64>() / volume;
     rate * diameter * (density / p).sqrt()
@@ -54,7 +54,7 @@ mod tests {
     #[test]
     fn the_papers_rate_with_its_density_scaling() {
         let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 2e-4);
-        let p = Look::new(&assembly).stress.mean();
+        let p = Observation::new(&assembly).stress.mean();
         for contact in &mut assembly.contacts {
             contact.normal_force *= 20e3 / p;
         }
@@ -64,7 +64,7 @@ mod tests {
                 grain.mass = 2650.0 * scaling * volume;
             }
             assembly.velocity_gradient = [[-rate, 0.0, 0.0], [0.0, 0.5 * rate, 0.0], [0.0, 0.0, 0.5 * rate]];
-            let value = inertial_number(&Look::new(&assembly));
+            let value = inertial_number(&Observation::new(&assembly));
             assert!((value / 3.640e-4 - 1.0).abs() < 1e-4, "{value}");
         }
     }

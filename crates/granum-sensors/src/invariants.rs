@@ -6,8 +6,8 @@ use granum_dem::invariants::{
     deviatoric_strain, intermediate_ratio, lode_cosine, mean, mobilised_friction, signed_von_mises,
 };
 
-use crate::look::ratio;
-use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+use crate::observation::ratio;
+use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 
 /// The sensor. It is recorded in tests that are given as stages: the series of the paper's test keeps its columns.
 pub struct Invariants;
@@ -59,11 +59,11 @@ impl Sensor for Invariants {
         ])
     }
 
-    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
-        let (stress, strain) = (look.stress.tensor(), &look.assembly.strain);
+    fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
+        let (stress, strain) = (observation.stress.tensor(), &observation.assembly.strain);
         let q = signed_von_mises(&stress);
         values.extend([
-            look.assembly.arc_length,
+            observation.assembly.arc_length,
             strain[1][2] + strain[2][1],
             strain[2][0] + strain[0][2],
             strain[0][1] + strain[1][0],

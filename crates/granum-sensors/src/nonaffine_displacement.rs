@@ -11,8 +11,8 @@ use granum_core::Part;
 use granum_core::assembly::{Matrix, Vector};
 use granum_core::geometry::{apply, determinant, invert};
 
-use crate::look::{mean, ratio};
-use crate::{Averaging, Description, Look, Memory, Sensor, SensorColumn, Values};
+use crate::observation::{mean, ratio};
+use crate::{Averaging, Description, Memory, Observation, Sensor, SensorColumn, Values};
 
 /// The sensor.
 pub struct NonaffineDisplacement;
@@ -40,8 +40,8 @@ impl Sensor for NonaffineDisplacement {
         .remembering()
     }
 
-    fn measure(&self, look: &Look, memory: &mut Memory, values: &mut Values) {
-        let assembly = look.assembly;
+    fn measure(&self, observation: &Observation, memory: &mut Memory, values: &mut Values) {
+        let assembly = observation.assembly;
         let (cell, grains) = (&assembly.cell, &assembly.grains);
         let regular = determinant(cell) != 0.0;
         let inverse = if regular { invert(cell) } else { [[0.0; 3]; 3] };
@@ -86,7 +86,11 @@ mod tests {
 
     fn observe(memory: &mut Memory, assembly: &Assembly) -> [f64; 2] {
         let mut row = Vec::new();
-        NonaffineDisplacement.measure(&Look::new(assembly), memory, &mut Values::new(&mut row, &mut []));
+        NonaffineDisplacement.measure(
+            &Observation::new(assembly),
+            memory,
+            &mut Values::new(&mut row, &mut []),
+        );
         [row[0], row[1]]
     }
 

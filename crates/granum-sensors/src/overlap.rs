@@ -1,7 +1,7 @@
 //! Largest overlap `alpha / (R_i + R_j)`: elastic spheres are a reasonable model while it is small (below about 1e-2).
 
-use crate::look::ratio;
-use crate::{Averaging, Description, Look, Memory, Sensor, SensorColumn, Values};
+use crate::observation::ratio;
+use crate::{Averaging, Description, Memory, Observation, Sensor, SensorColumn, Values};
 use granum_core::Part;
 
 /// The sensor.
@@ -19,15 +19,16 @@ impl Sensor for Overlap {
             .needing(&[Part::Radii, Part::Contacts, Part::Overlaps])
     }
 
-    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
-        values.push(largest_overlap(look));
+    fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
+        values.push(largest_overlap(observation));
     }
 }
 
 /// Largest `alpha / (R_i + R_j)`; 0 without contacts, and for contacts in tension whose grains no longer overlap.
-pub fn largest_overlap(look: &Look) -> f64 {
-    let grains = &look.assembly.grains;
-    look.assembly
+pub fn largest_overlap(observation: &Observation) -> f64 {
+    let grains = &observation.assembly.grains;
+    observation
+        .assembly
         .contacts
         .iter()
         .filter_map(|contact| {
@@ -45,6 +46,6 @@ mod tests {
     #[test]
     fn a_lattice_overlaps_by_its_strain() {
         let assembly = lattice::simple_cubic(3, 1e-4, 1e-3, 2e-4);
-        assert!((largest_overlap(&Look::new(&assembly)) - 1e-3).abs() < 1e-12);
+        assert!((largest_overlap(&Observation::new(&assembly)) - 1e-3).abs() < 1e-12);
     }
 }

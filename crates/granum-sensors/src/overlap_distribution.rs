@@ -8,8 +8,8 @@ use granum_core::Part;
 use granum_core::assembly::Contact;
 use granum_dem::config::Recording;
 
-use crate::look::{mean, ratio};
-use crate::{Bins, Description, Look, Memory, Sensor, SensorColumn, Values};
+use crate::observation::{mean, ratio};
+use crate::{Bins, Description, Memory, Observation, Sensor, SensorColumn, Values};
 
 /// The sensor.
 pub struct OverlapDistribution;
@@ -30,9 +30,9 @@ impl Sensor for OverlapDistribution {
         vec![bins.range(0.0, recording.largest_force)]
     }
 
-    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
-        let grains = &look.assembly.grains;
-        let pressed = || look.assembly.contacts.iter().filter(|contact| contact.approach > 0.0);
+    fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
+        let grains = &observation.assembly.grains;
+        let pressed = || observation.assembly.contacts.iter().filter(|contact| contact.approach > 0.0);
         let relative = |contact: &Contact| {
             let radii = grains.get(contact.i)?.radius + grains.get(contact.j)?.radius;
             Some(ratio(contact.approach, radii))
@@ -56,7 +56,7 @@ mod tests {
         let mut histograms = [sensor.histograms(&Recording::default())[0].empty()];
         let mut values = Vec::new();
         sensor.measure(
-            &Look::new(assembly),
+            &Observation::new(assembly),
             &mut Memory::new(),
             &mut Values::new(&mut values, &mut histograms),
         );

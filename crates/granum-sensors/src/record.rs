@@ -53,7 +53,7 @@ pub enum RecordError {
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// One row a state: `state`, `looks`, every column of every sensor, then for each histogram how many values lie outside its
+    /// One row a state: `state`, `observations`, every column of every sensor, then for each histogram how many values lie outside its
     /// bins, as `forces_below` and `forces_above`. A test that is given as stages has a column `stage` before `state`, which
     /// counts from 0 in each.
     pub series: Table,
@@ -93,7 +93,7 @@ impl Record {
             table.push(number("stage", &|(stage, _)| *stage as f64));
         }
         table.push(number("state", &|(_, sums)| sums.state as f64));
-        table.push(number("looks", &|(_, sums)| sums.looks as f64));
+        table.push(number("observations", &|(_, sums)| sums.observations as f64));
         let mut first = 0;
         for sensor in sensors {
             let places = first..first + sensor.len();
@@ -328,13 +328,18 @@ mod tests {
 
     fn record() -> Record {
         let sensors = vec!["overlap_distribution".to_string()];
-        let recording = Recording { states: 3, looks: 2, bin_width: 0.1, sensors, ..Default::default() };
+        let recording = Recording::default().with(|recording| {
+            recording.states = 3;
+            recording.observations_per_state = 2;
+            recording.bin_width = 0.1;
+            recording.sensors = sensors;
+        });
         let mut recorder = Recorder::new(&Sensors::standard(), &recording, 0.3).unwrap();
         for k in 0..=60 {
             let mut assembly = lattice::random_contacts(50, k);
             assembly.strain[0][0] = 0.005 * k as f64;
             assembly.contacts.iter_mut().for_each(|contact| contact.approach = contact.normal_force.abs());
-            recorder.look(&assembly);
+            recorder.observe(&assembly);
         }
         recorder.record()
     }

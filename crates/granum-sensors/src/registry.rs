@@ -8,7 +8,7 @@ use granum_core::{Assembly, Part, Parts};
 use granum_dem::config::Recording;
 
 use crate::histogram::{Bins, Histogram};
-use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 use crate::{
     attraction, coordination, energy, fabric, force_distribution, inertial_number, invariants,
     nonaffine_displacement, overlap, overlap_distribution, rolling, rose, second_order_work, servo, sliding,
@@ -144,7 +144,7 @@ impl Sensors {
             return Err(taken("name", description.name));
         }
         let mut columns: Vec<&str> = self.columns().map(|column| column.name).collect();
-        columns.extend(["stage", "state", "looks"]);
+        columns.extend(["stage", "state", "observations"]);
         for column in &description.columns {
             if !is_word(column.name) || columns.contains(&column.name) {
                 return Err(taken("column", column.name));
@@ -161,7 +161,11 @@ impl Sensors {
         }
         let (mut row, mut counts) = (Vec::new(), bins.iter().map(Bins::empty).collect::<Vec<_>>());
         let nothing = Assembly::default();
-        sensor.measure(&Look::new(&nothing), &mut Memory::new(), &mut Values::new(&mut row, &mut counts));
+        sensor.measure(
+            &Observation::new(&nothing),
+            &mut Memory::new(),
+            &mut Values::new(&mut row, &mut counts),
+        );
         let (sensor, columns, values) = (description.name, description.columns.len(), row.len());
         if values == columns { Ok(()) } else { Err(SensorError::Values { sensor, columns, values }) }
     }
@@ -229,7 +233,7 @@ impl Sensors {
 
     /// Measures everything that can be measured on an assembly of which these parts are known, and says what cannot and why.
     pub fn measure(&self, assembly: &Assembly, parts: Parts) -> Measurement {
-        let look = Look::new(assembly);
+        let observation = Observation::new(assembly);
         let mut found = Measurement::default();
         for known in &self.0 {
             let Description { name, columns, needs, remembers, .. } = &known.description;
@@ -245,7 +249,7 @@ impl Sensors {
             }
             let bins = known.sensor.histograms(&Recording::default());
             let (mut row, mut counts) = (Vec::new(), bins.iter().map(Bins::empty).collect::<Vec<_>>());
-            known.sensor.measure(&look, &mut Memory::new(), &mut Values::new(&mut row, &mut counts));
+            known.sensor.measure(&observation, &mut Memory::new(), &mut Values::new(&mut row, &mut counts));
             for (column, value) in columns.iter().zip(row) {
                 match parts.missing(column.needs) {
                     missing if missing.is_empty() => found.columns.push((*column, value)),
@@ -340,10 +344,10 @@ pub fn column_index(name: &str) -> Option<usize> {
 
 /// Measures an assembly of which everything is known: one value a column of [`columns`].
 pub fn measure_row(assembly: &Assembly) -> Vec<f64> {
-    let look = Look::new(assembly);
+    let observation = Observation::new(assembly);
     let mut row = Vec::with_capacity(columns().count());
     for known in always() {
-        known.sensor.measure(&look, &mut Memory::new(), &mut Values::new(&mut row, &mut []));
+        known.sensor.measure(&observation, &mut Memory::new(), &mut Values::new(&mut row, &mut []));
     }
     row
 }

@@ -4,7 +4,7 @@
 //! `rolling_work = change of elastic rolling energy + rolling_loss`; the loss in dashpots against rolling is part of
 //! `damping_loss`.
 
-use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 use granum_core::Part;
 
 /// The sensor.
@@ -36,10 +36,14 @@ impl Sensor for Rolling {
             .needing(&[Part::Contacts, Part::ContactEnergies, Part::EnergyBalance])
     }
 
-    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
-        let stored: f64 = look.assembly.contacts.iter().map(|contact| contact.rolling_energy).sum();
+    fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
+        let stored: f64 = observation.assembly.contacts.iter().map(|contact| contact.rolling_energy).sum();
         // The sum over no contacts is minus zero.
-        values.extend([stored + 0.0, look.assembly.energy.rolling_work, look.assembly.energy.rolling]);
+        values.extend([
+            stored + 0.0,
+            observation.assembly.energy.rolling_work,
+            observation.assembly.energy.rolling,
+        ]);
     }
 }
 
@@ -63,10 +67,13 @@ mod tests {
         let series = |energy: f64| {
             let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4);
             assembly.contacts[0].rolling_energy = energy;
-            let mut recorder =
-                Recorder::new(&Sensors::standard(), &Recording { states: 2, ..Recording::default() }, 0.1)
-                    .unwrap();
-            recorder.look(&assembly);
+            let mut recorder = Recorder::new(
+                &Sensors::standard(),
+                &Recording::default().with(|recording| recording.states = 2),
+                0.1,
+            )
+            .unwrap();
+            recorder.observe(&assembly);
             recorder.record().series
         };
         assert!(series(0.0).values("rolling_loss").is_none());

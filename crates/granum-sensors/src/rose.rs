@@ -4,8 +4,8 @@
 //! assembly, `(n_b / N_k) / (cos low - cos high)`, so that it is 1 everywhere without anisotropy; the mean force is
 //! `<N>_b / <N>` (Rothenburg and Bathurst 1989).
 
-use crate::look::{mean, ratio};
-use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+use crate::observation::{mean, ratio};
+use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 use granum_core::Part;
 
 /// Number of bins.
@@ -63,11 +63,11 @@ impl Sensor for RoseOfContacts {
             .needing(&[Part::Contacts])
     }
 
-    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
-        let rose = Rose::of(look);
+    fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
+        let rose = Rose::of(observation);
         values.extend((0..BINS).map(|b| rose.density(b)));
         values.extend(
-            (0..BINS).map(|b| ratio(mean(rose.force_sums[b], rose.counts[b]), look.mean_normal_force)),
+            (0..BINS).map(|b| ratio(mean(rose.force_sums[b], rose.counts[b]), observation.mean_normal_force)),
         );
     }
 }
@@ -83,9 +83,9 @@ pub struct Rose {
 
 impl Rose {
     /// Counts the contacts.
-    pub fn of(look: &Look) -> Self {
+    pub fn of(observation: &Observation) -> Self {
         let mut rose = Rose::default();
-        for contact in &look.assembly.contacts {
+        for contact in &observation.assembly.contacts {
             let cosine = contact.normal[0].abs();
             let bin = (1..BINS).find(|&b| cosine > EDGE_COSINES[b]).unwrap_or(BINS) - 1;
             rose.counts[bin] += 1;
@@ -127,8 +127,8 @@ mod tests {
     #[test]
     fn a_random_assembly_is_round_and_normalised() {
         let assembly = lattice::random_contacts(4000, 11);
-        let look = Look::new(&assembly);
-        let rose = Rose::of(&look);
+        let observation = Observation::new(&assembly);
+        let rose = Rose::of(&observation);
         let total: f64 = (0..BINS).map(|b| rose.density(b) * (EDGE_COSINES[b] - EDGE_COSINES[b + 1])).sum();
         assert!((total - 1.0).abs() < 1e-12);
         for b in 2..BINS {

@@ -7,7 +7,7 @@
 use granum_core::Part;
 use granum_core::assembly::Matrix;
 
-use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 
 /// The sensor.
 pub struct SecondOrderWork;
@@ -24,11 +24,12 @@ impl Sensor for SecondOrderWork {
             .remembering()
     }
 
-    fn measure(&self, look: &Look, memory: &mut Memory, values: &mut Values) {
+    fn measure(&self, observation: &Observation, memory: &mut Memory, values: &mut Values) {
         let symmetric = |t: &Matrix| -> Matrix {
             std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (t[i][j] + t[j][i])))
         };
-        let (stress, strain) = (symmetric(&look.stress.tensor()), symmetric(&look.assembly.strain));
+        let (stress, strain) =
+            (symmetric(&observation.stress.tensor()), symmetric(&observation.assembly.strain));
         let now: Vec<f64> = stress.iter().chain(&strain).flatten().copied().collect();
         let work = match memory.len() == now.len() {
             true => (0..9).map(|k| (now[k] - memory[k]) * (now[9 + k] - memory[9 + k])).sum::<f64>() + 0.0,
@@ -51,11 +52,15 @@ mod tests {
         let mut memory = Memory::new();
         let mut observe = |assembly: &granum_core::Assembly| {
             let mut row = Vec::new();
-            SecondOrderWork.measure(&Look::new(assembly), &mut memory, &mut Values::new(&mut row, &mut []));
+            SecondOrderWork.measure(
+                &Observation::new(assembly),
+                &mut memory,
+                &mut Values::new(&mut row, &mut []),
+            );
             row[0]
         };
         assert_eq!(observe(&assembly), 0.0);
-        let before = Look::new(&assembly).stress.tensor()[0][0];
+        let before = Observation::new(&assembly).stress.tensor()[0][0];
         let push = |assembly: &mut granum_core::Assembly, force: f64| {
             let along_x = assembly.contacts.iter_mut().filter(|contact| contact.normal[0].abs() > 0.5);
             along_x.for_each(|contact| contact.normal_force = force);

@@ -3,7 +3,7 @@
 use granum_core::Part;
 use granum_dem::config::Recording;
 
-use crate::Look;
+use crate::Observation;
 use crate::histogram::{Bins, Histogram};
 
 /// How the observations around a recorded state are reduced to one value.
@@ -109,7 +109,7 @@ pub type Memory = Vec<f64>;
 /// ```
 /// use granum_core::{Assembly, Part};
 /// use granum_dem::config::Recording;
-/// use granum_sensors::{Bins, Description, Look, Memory, Sensor, SensorColumn, Sensors, Values};
+/// use granum_sensors::{Bins, Description, Observation, Memory, Sensor, SensorColumn, Sensors, Values};
 ///
 /// /// The radii of the grains: a scalar, a histogram, and a number that is remembered.
 /// struct Sizes;
@@ -126,9 +126,9 @@ pub type Memory = Vec<f64>;
 ///     fn histograms(&self, _: &Recording) -> Vec<Bins> {
 ///         vec![Bins::new("radii", "radius", "m").width(1e-5).range(0.0, 1e-3)]
 ///     }
-///     fn measure(&self, look: &Look, memory: &mut Memory, values: &mut Values) {
-///         let radii = || look.assembly.grains.iter().map(|grain| grain.radius);
-///         let count = look.assembly.grains.len() as f64;
+///     fn measure(&self, observation: &Observation, memory: &mut Memory, values: &mut Values) {
+///         let radii = || observation.assembly.grains.iter().map(|grain| grain.radius);
+///         let count = observation.assembly.grains.len() as f64;
 ///         values.push(radii().fold(0.0, f64::max));
 ///         values.push(memory.first().map_or(0.0, |before| count - before));
 ///         values.count(0, radii());
@@ -151,7 +151,7 @@ pub trait Sensor: Send + Sync {
     }
 
     /// Measures: one value for each column, in their order, and counts into the histograms.
-    fn measure(&self, look: &Look, memory: &mut Memory, values: &mut Values);
+    fn measure(&self, observation: &Observation, memory: &mut Memory, values: &mut Values);
 }
 
 /// Takes what a sensor measures.
@@ -192,6 +192,6 @@ impl<'a> Values<'a> {
 #[cfg(test)]
 pub(crate) fn measured(sensor: &dyn Sensor, assembly: &granum_core::Assembly) -> Vec<f64> {
     let mut row = Vec::new();
-    sensor.measure(&Look::new(assembly), &mut Memory::new(), &mut Values::new(&mut row, &mut []));
+    sensor.measure(&Observation::new(assembly), &mut Memory::new(), &mut Values::new(&mut row, &mut []));
     row
 }

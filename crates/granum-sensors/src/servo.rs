@@ -2,7 +2,7 @@
 //!
 //! Relative error `p/p_target - 1`; 0 where the servo has no target for the mean stress.
 
-use crate::{Averaging, Description, Look, Memory, Sensor, SensorColumn, Values};
+use crate::{Averaging, Description, Memory, Observation, Sensor, SensorColumn, Values};
 use granum_core::Part;
 
 /// The sensor.
@@ -34,16 +34,16 @@ impl Sensor for Servo {
             ])
     }
 
-    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
-        let error = servo_error(look);
+    fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
+        let error = servo_error(observation);
         values.extend([error, error.abs()]);
     }
 }
 
 /// `p/p_target - 1`; 0 without a target or with a target of zero.
-pub fn servo_error(look: &Look) -> f64 {
-    match look.assembly.target_mean_stress {
-        Some(target) if target != 0.0 => look.stress.mean() / target - 1.0,
+pub fn servo_error(observation: &Observation) -> f64 {
+    match observation.assembly.target_mean_stress {
+        Some(target) if target != 0.0 => observation.stress.mean() / target - 1.0,
         _ => 0.0,
     }
 }
@@ -57,8 +57,8 @@ mod tests {
     #[test]
     fn the_error_is_relative_to_the_target() {
         let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 2e-4);
-        let p = Look::new(&assembly).stress.mean();
-        assert_eq!(servo_error(&Look::new(&assembly)), 0.0);
+        let p = Observation::new(&assembly).stress.mean();
+        assert_eq!(servo_error(&Observation::new(&assembly)), 0.0);
         assembly.target_mean_stress = Some(p / 1.02);
         let row = measured(&Servo, &assembly);
         assert!((row[0] - 0.02).abs() < 1e-12 && (row[1] - 0.02).abs() < 1e-12);

@@ -1,7 +1,7 @@
 //! Sliding fraction: the fraction of the contacts, and of the strong ones, that were at the friction limit in the last step.
 
-use crate::look::mean;
-use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+use crate::observation::mean;
+use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 use granum_core::Part;
 
 /// The sensor.
@@ -22,15 +22,15 @@ impl Sensor for Sliding {
             .needing(&[Part::Contacts, Part::Sliding])
     }
 
-    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
+    fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
         let (mut sliding, mut strong, mut both) = (0, 0, 0);
-        for contact in &look.assembly.contacts {
-            let is_strong = look.is_strong(contact);
+        for contact in &observation.assembly.contacts {
+            let is_strong = observation.is_strong(contact);
             sliding += usize::from(contact.sliding);
             strong += usize::from(is_strong);
             both += usize::from(is_strong && contact.sliding);
         }
-        values.extend([mean(sliding as f64, look.assembly.contacts.len()), mean(both as f64, strong)]);
+        values.extend([mean(sliding as f64, observation.assembly.contacts.len()), mean(both as f64, strong)]);
     }
 }
 

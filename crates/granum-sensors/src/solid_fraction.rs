@@ -1,7 +1,7 @@
 //! Solid fraction: `sum (4/3) pi R^3 / V`, with overlaps counted twice as is usual (they are some 1e-4 of the volume).
 
-use crate::look::ratio;
-use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+use crate::observation::ratio;
+use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 use granum_core::Part;
 
 /// The sensor.
@@ -18,21 +18,21 @@ impl Sensor for SolidFraction {
             .needing(&[Part::Cell, Part::Radii])
     }
 
-    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
-        values.push(solid_fraction(look));
+    fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
+        values.push(solid_fraction(observation));
     }
 }
 
 /// Volume of all grains, m3.
-pub fn grain_volume(look: &Look) -> f64 {
+pub fn grain_volume(observation: &Observation) -> f64 {
     let cubes: f64 =
-        look.assembly.grains.iter().map(|grain| grain.radius * grain.radius * grain.radius).sum();
+        observation.assembly.grains.iter().map(|grain| grain.radius * grain.radius * grain.radius).sum();
     4.0 / 3.0 * std::f64::consts::PI * cubes
 }
 
 /// Solid fraction; 0 for a cell without a volume.
-pub fn solid_fraction(look: &Look) -> f64 {
-    ratio(grain_volume(look), look.volume)
+pub fn solid_fraction(observation: &Observation) -> f64 {
+    ratio(grain_volume(observation), observation.volume)
 }
 
 #[cfg(test)]
@@ -44,8 +44,8 @@ mod tests {
     fn lattices_have_their_known_solid_fractions() {
         let pi = std::f64::consts::PI;
         let simple = lattice::simple_cubic(3, 1e-4, 1e-9, 0.0);
-        assert!((solid_fraction(&Look::new(&simple)) - pi / 6.0).abs() < 1e-8);
+        assert!((solid_fraction(&Observation::new(&simple)) - pi / 6.0).abs() < 1e-8);
         let dense = lattice::face_centred_cubic(3, 1e-4, 1e-9, 0.0);
-        assert!((solid_fraction(&Look::new(&dense)) - pi / 18f64.sqrt()).abs() < 1e-8);
+        assert!((solid_fraction(&Observation::new(&dense)) - pi / 18f64.sqrt()).abs() < 1e-8);
     }
 }

@@ -8,7 +8,7 @@ use granum_core::Part;
 use granum_core::assembly::Assembly;
 
 use crate::tensor::{deviator, trace};
-use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 
 /// The sensor.
 pub struct Strain;
@@ -30,15 +30,15 @@ impl Sensor for Strain {
         .needing(&[Part::Strain])
     }
 
-    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
-        let strain = &look.assembly.strain;
+    fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
+        let strain = &observation.assembly.strain;
         values.extend([
-            deviator_strain(look.assembly),
+            deviator_strain(observation.assembly),
             strain[0][0],
             strain[1][1],
             strain[2][2],
-            volumetric_strain(look.assembly),
-            look.assembly.time,
+            volumetric_strain(observation.assembly),
+            observation.assembly.time,
         ]);
     }
 }

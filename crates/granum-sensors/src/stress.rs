@@ -12,9 +12,9 @@
 use granum_core::Part;
 use granum_core::assembly::{Matrix, Vector};
 
-use crate::look::ratio;
+use crate::observation::ratio;
 use crate::tensor::{add_dyad, deviator, scaled, trace};
-use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 
 /// The sensor.
 pub struct StressSensor;
@@ -52,8 +52,8 @@ impl Sensor for StressSensor {
         .needing(&[Part::Cell, Part::Contacts, Part::NormalForces, Part::TangentialForces])
     }
 
-    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
-        let stress = &look.stress;
+    fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
+        let stress = &observation.stress;
         let tensor: [Vector; 3] = stress.tensor();
         let p = stress.mean();
         let share = |a: &Matrix, b: &Matrix| ratio(deviator(a) + deviator(b), p);
@@ -87,14 +87,14 @@ pub struct Stress {
 }
 
 impl Stress {
-    /// Computes the stress; all zero for a cell without a volume. Users find it in [`Look::stress`].
-    pub(crate) fn of(look: &Look) -> Self {
+    /// Computes the stress; all zero for a cell without a volume. Users find it in [`Observation::stress`].
+    pub(crate) fn of(observation: &Observation) -> Self {
         let mut stress = Stress::default();
-        if look.volume == 0.0 {
+        if observation.volume == 0.0 {
             return stress;
         }
-        for contact in &look.assembly.contacts {
-            let (normal, tangential) = if look.is_strong(contact) {
+        for contact in &observation.assembly.contacts {
+            let (normal, tangential) = if observation.is_strong(contact) {
                 (&mut stress.strong_normal, &mut stress.strong_tangential)
             } else {
                 (&mut stress.weak_normal, &mut stress.weak_tangential)
@@ -103,13 +103,13 @@ impl Stress {
             add_dyad(tangential, -1.0, &contact.tangential_force, &contact.branch);
         }
         // Pairs that act on each other without touching: tension, and so weak.
-        for pair in &look.assembly.apart {
+        for pair in &observation.assembly.apart {
             add_dyad(&mut stress.weak_normal, pair.normal_force, &pair.normal, &pair.branch);
         }
-        for grain in &look.assembly.grains {
+        for grain in &observation.assembly.grains {
             add_dyad(&mut stress.kinetic, grain.mass, &grain.velocity, &grain.velocity);
         }
-        let per_volume = 1.0 / look.volume;
+        let per_volume = 1.0 / observation.volume;
         Stress {
             strong_normal: scaled(&stress.strong_normal, per_volume),
             strong_tangential: scaled(&stress.strong_tangential, per_volume),
@@ -149,7 +149,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn stress(assembly: &Assembly) -> Stress {
-        Look::new(assembly).stress
+        Observation::new(assembly).stress
     }
 
     /// Lattices of equal spheres: SC `p = N/L^2`, FCC `p = 2 sqrt(2) N/L^2`, `L = d (1 - eps)`, with the Hertz and JKR

@@ -5,8 +5,8 @@
 //! contacts); f_c is the elastic force of a contact. It is close to 0 in equilibrium. Definitions differ between codes: some
 //! use maxima, some divide by the largest contact force, which gives a smaller value.
 
-use crate::look::{mean, ratio};
-use crate::{Description, Look, Memory, Sensor, SensorColumn, Values};
+use crate::observation::{mean, ratio};
+use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 use granum_core::Part;
 
 /// The sensor.
@@ -23,15 +23,15 @@ impl Sensor for UnbalancedForce {
             .needing(&[Part::ResultantForces, Part::Contacts, Part::NormalForces, Part::TangentialForces])
     }
 
-    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
-        values.push(unbalanced_force(look));
+    fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
+        values.push(unbalanced_force(observation));
     }
 }
 
 /// The unbalanced force; 0 without contact forces.
-pub fn unbalanced_force(look: &Look) -> f64 {
-    let grains = &look.assembly.grains;
-    let contacts = &look.assembly.contacts;
+pub fn unbalanced_force(observation: &Observation) -> f64 {
+    let grains = &observation.assembly.grains;
+    let contacts = &observation.assembly.contacts;
     let resultant: f64 = grains.iter().map(|grain| norm(&grain.force)).sum();
     let contact: f64 = contacts.iter().map(|contact| norm(&contact.force())).sum();
     ratio(mean(resultant, grains.len()), mean(contact, contacts.len()))
@@ -49,9 +49,9 @@ mod tests {
     #[test]
     fn one_free_push_among_equal_contacts() {
         let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 2e-4);
-        assert_eq!(unbalanced_force(&Look::new(&assembly)), 0.0);
+        assert_eq!(unbalanced_force(&Observation::new(&assembly)), 0.0);
         assembly.grains[4].force = [0.0, -3e-4, 4e-4];
-        let value = unbalanced_force(&Look::new(&assembly));
+        let value = unbalanced_force(&Observation::new(&assembly));
         assert!((value - 5e-4 / 27.0 / 2e-4).abs() < 1e-12, "{value}");
     }
 }

@@ -39,6 +39,6 @@ pub use granum_run::{
     Engine, Flow, Laboratory, NoObserver, Observer, PlannedRun, Progress, Source, Task, TestResult,
 };
 pub use granum_sensors::{
-    Bins, Description, Histogram, Look, Memory, Record, Sensor, SensorColumn, Sensors, Values, column_index,
-    measure_row,
+    Bins, Description, Histogram, Memory, Observation, Record, Sensor, SensorColumn, Sensors, Values,
+    column_index, measure_row,
 };

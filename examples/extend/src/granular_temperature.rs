@@ -16,8 +16,8 @@ impl Sensor for GranularTemperature {
         vec![Bins::new("speeds", "speed", "1").width(0.1).range(0.0, 4.0)]
     }
 
-    fn measure(&self, look: &Look, _: &mut Memory, values: &mut Values) {
-        let grains = &look.assembly.grains;
+    fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
+        let grains = &observation.assembly.grains;
         let squares = || grains.iter().map(|grain| grain.velocity.map(|v| v * v).iter().sum::<f64>());
         let mean = squares().fold(0.0, |sum, square| sum + square) / grains.len().max(1) as f64;
         values.push(mean / 3.0);

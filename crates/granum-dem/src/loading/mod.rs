@@ -228,7 +228,7 @@ pub fn follow(
         let here = measure.of(&simulation.state().macro_state()) - origin;
         while observer.next_look() <= here {
             let due = observer.next_look();
-            observer.look(simulation);
+            observer.observe(simulation);
             if observer.next_look() == due {
                 // The observer computes the measure in another way and finds it short by a rounding error: it will be
                 // reached in the next step.
@@ -236,7 +236,7 @@ pub fn follow(
             }
         }
         turn(stage, stage_progress, simulation);
-        let end = stage_progress.look(&stage.until, simulation.state());
+        let end = stage_progress.check(&stage.until, simulation.state());
         if let Some(reason) = end.or_else(|| cut_short(stage, stage_progress, simulation, most_time)) {
             return Ok(Ending::Complete(reason));
         }

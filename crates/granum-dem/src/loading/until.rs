@@ -181,7 +181,7 @@ impl StageProgress {
     }
 
     /// Checks the end conditions on a state and updates their run state; returns the reason if one is met.
-    pub(super) fn look(&mut self, ends: &[Until], state: &State) -> Option<Reason> {
+    pub(super) fn check(&mut self, ends: &[Until], state: &State) -> Option<Reason> {
         let macro_state = state.macro_state();
         let mut reason = None;
         for until in ends {

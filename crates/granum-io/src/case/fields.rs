@@ -15,7 +15,8 @@ pub fn field(path: &str) -> Option<&'static Field> {
 
 /// Keys that had another name: the old one and the new one. An old name is rejected with a hint to the new one; digests are
 /// computed from the old names and do not change.
-pub(super) const RENAMED: &[[&str; 2]] = &[["recording.looks", "recording.observations_per_state"]];
+pub(super) const RENAMED: &[[&str; 2]] =
+    &[["recording.observations_per_state", "recording.observations_per_state"]];
 
 /// Help and meaning of every section, in the order of the file.
 pub(super) const SECTIONS: &[[&str; 2]] = &[
@@ -240,7 +241,7 @@ fn fields() -> Vec<Field> { vec![
         set: |case, names| case.recording.sensors = names,
     }),
     entry("recording", "observations_per_state", "Observations averaged for one recorded state, spread evenly over one interval of strain around it.", "20",
-        count!(1..=100_000, recording.looks)),
+        count!(1..=100_000, recording.observations_per_state)),
     entry("recording", "bin_width", "Width of a bin of f = N/<N>.", "0.25",
         number!(NUMBER, "0.001"..="10", recording.bin_width)),
     entry("recording", "largest_force", "Largest f with a bin of its own; what lies above is counted apart.", "6",

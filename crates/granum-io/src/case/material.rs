@@ -81,7 +81,8 @@ pub(super) fn means_nothing(contact: &Contact, place: &str, field: &Field) -> Op
     let mut parameters = ParameterValues::NONE;
     let known = registry::parameters().into_iter().find(|parameter| parameter.key == field.key)?;
     parameters.set(known.key, known.default).ok()?;
-    let error = registry::check(&Contact { parameters, ..*contact }).err()?.to_string();
+    let error =
+        registry::check(&(*contact).with(|contact| contact.parameters = parameters)).err()?.to_string();
     Some(error.replace(&format!("contact.{}", field.key), &format!("{place}.{}", field.key)))
 }
 

@@ -124,7 +124,7 @@ mod tests {
         leaves(&serde_json::to_value(Case::default()).unwrap(), "", &mut paths);
         for path in paths {
             let path = path.replace("shear.rate.inertial-number", "shear.inertial_number");
-            let path = path.replace("recording.looks", "recording.observations_per_state");
+            let path = path.replace("recording.observations_per_state", "recording.observations_per_state");
             assert!(
                 field(&path).is_some(),
                 "{path} is in granum_dem::config, but is no key of the case file"

@@ -233,9 +233,14 @@ impl Case {
         };
         let mut case = self.clone();
         case.shear = Default::default();
-        let Recording { looks, bin_width, largest_force, .. } = self.recording;
+        let Recording { observations_per_state, bin_width, largest_force, .. } = self.recording;
         let sensors = self.recording.sensors.clone();
-        case.recording = Recording { looks, bin_width, largest_force, sensors, ..Recording::default() };
+        case.recording = Recording::default().with(|recording| {
+            recording.observations_per_state = observations_per_state;
+            recording.bin_width = bin_width;
+            recording.largest_force = largest_force;
+            recording.sensors = sensors;
+        });
         case.stages =
             vec![CaseStage::Path { name: name.to_string(), parameters: Given::new(), resets: true }];
         for (key, text) in parameters {

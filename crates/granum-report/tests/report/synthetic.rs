@@ -52,7 +52,7 @@ pub fn record(seed: u64, states: usize) -> Record {
     let count = strain.len();
     let simple = |name: &str, f: &dyn Fn(usize) -> f64| Column::new(name, "", (0..count).map(f).collect());
     columns.push(simple("state", &|k| k as f64));
-    columns.push(simple("looks", &|_| 20.0));
+    columns.push(simple("observations", &|_| 20.0));
     columns.push(simple("forces_below", &|_| 0.0));
     columns.push(simple("forces_above", &|_| 40.0));
     let forces = strain.iter().map(|&e| histogram(e, &mut noise)).collect();

@@ -44,24 +44,26 @@ impl Laws {
 
     fn grains(self, count: usize) -> Grains {
         let material = match self {
-            Laws::Plain => Material { interface_energy: 0.0, ..Material::default() },
+            Laws::Plain => Material::default().with(|material| material.interface_energy = 0.0),
             Laws::Paper => Material::default(),
         };
-        Grains { count, material, ..Grains::default() }
+        Grains::default().with(|grains| {
+            grains.count = count;
+            grains.material = material;
+        })
     }
 }
 
 /// A sample from a loose random state, compacted with a given friction coefficient.
 pub fn sample(laws: Laws, count: usize, friction: f64, seed: u64) -> Result<Simulation, Box<dyn Error>> {
     let (contact, grains) = (laws.contact(), laws.grains(count));
-    let preparation = Preparation {
-        seed,
-        friction: Some(friction),
-        solid_fraction: None,
-        inertial_number: 2e-3,
-        unbalanced_force: 2e-3,
-        ..Preparation::default()
-    };
+    let preparation = Preparation::default().with(|preparation| {
+        preparation.seed = seed;
+        preparation.friction = Some(friction);
+        preparation.solid_fraction = None;
+        preparation.inertial_number = 2e-3;
+        preparation.unbalanced_force = 2e-3;
+    });
     Ok(prepare(&recipe(&grains, &contact, &preparation), &mut NoObserver)?.simulation)
 }
 
@@ -95,7 +97,7 @@ impl Default for Test {
 }
 
 /// Number of samples that are averaged for a state.
-const LOOKS: usize = 7;
+const OBSERVATIONS: usize = 7;
 
 /// The measurements of a test at constant mean stress.
 pub fn sheared(sample: &Simulation, test: Test) -> Result<Table, Box<dyn Error>> {
@@ -106,7 +108,10 @@ pub fn sheared(sample: &Simulation, test: Test) -> Result<Table, Box<dyn Error>>
         mean_stress: Some(MEAN_STRESS),
         deviator_strain: test.deviator_strain,
     };
-    let recording = Recording { states: test.states, looks: LOOKS, ..Recording::default() };
+    let recording = Recording::default().with(|recording| {
+        recording.states = test.states;
+        recording.observations_per_state = OBSERVATIONS;
+    });
     let mut watch = Watch(Recorder::new(&Sensors::standard(), &recording, test.deviator_strain)?);
     let stage = preset::antony2006(&shear, &recording, MEAN_STRESS);
     let mut stage_progress = begin(&stage, &mut simulation)?;
@@ -129,8 +134,8 @@ impl Observer for Watch {
     fn next_look(&self) -> f64 {
         self.0.next_look()
     }
-    fn look(&mut self, simulation: &Simulation) {
-        self.0.look(&simulation.assembly());
+    fn observe(&mut self, simulation: &Simulation) {
+        self.0.observe(&simulation.assembly());
     }
 }
 

@@ -111,8 +111,11 @@ impl Draws {
             Rate::StrainRate { strain_rate: number * slow / grains.diameter, density_scaling }
         };
         let states = self.even(2.0, 9.0) as usize;
-        let looks = self.even(1.0, 4.0) as usize;
-        case.recording = Recording { states, looks, ..Recording::default() };
+        let observations = self.even(1.0, 4.0) as usize;
+        case.recording = Recording::default().with(|recording| {
+            recording.states = states;
+            recording.observations_per_state = observations;
+        });
         case.numerics.time_step_factor = self.even(0.08, 0.22);
         case
     }

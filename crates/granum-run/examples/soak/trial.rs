@@ -44,16 +44,16 @@ pub struct Outcome {
 }
 
 /// An observer that stops a run after a number of observations, or when it takes too long.
-struct Eyes {
-    looks: u64,
+struct Stopper {
+    observations: u64,
     stop_at: u64,
     since: Instant,
 }
 
-impl Observer for Eyes {
+impl Observer for Stopper {
     fn progress(&mut self, _: &Progress) -> Flow {
-        self.looks += 1;
-        let over = self.looks >= self.stop_at || self.since.elapsed() > LONGEST;
+        self.observations += 1;
+        let over = self.observations >= self.stop_at || self.since.elapsed() > LONGEST;
         if over { Flow::Stop } else { Flow::Continue }
     }
 }
@@ -79,9 +79,9 @@ fn attempt(case: &Case, way: Way, place: f64, outcome: &mut Outcome) -> Result<(
     let base = tempfile::tempdir().map_err(|error| error.to_string())?;
     case.check().map_err(|error| format!("the draw is no case: {error}"))?;
     let one = folder(base.path(), "one")?;
-    let mut eyes = Eyes { looks: 0, stop_at: u64::MAX, since: Instant::now() };
+    let mut stopper = Stopper { observations: 0, stop_at: u64::MAX, since: Instant::now() };
     let hardware = Hardware::default();
-    let Some(record) = run(case, hardware, &one, &mut eyes, outcome)? else { return Ok(()) };
+    let Some(record) = run(case, hardware, &one, &mut stopper, outcome)? else { return Ok(()) };
     look_over(case, &one, &record, outcome)?;
     let other = match way {
         Way::Plain => return Ok(()),
@@ -89,12 +89,13 @@ fn attempt(case: &Case, way: Way, place: f64, outcome: &mut Outcome) -> Result<(
         Way::TwoThreads => Hardware { threads: 2, ..hardware },
         Way::Portable => Hardware { isa: Isa::Portable, ..hardware },
     };
-    let stop_at = if way == Way::Interrupted { 1 + (place * eyes.looks as f64) as u64 } else { u64::MAX };
+    let stop_at =
+        if way == Way::Interrupted { 1 + (place * stopper.observations as f64) as u64 } else { u64::MAX };
     let two = folder(base.path(), "two")?;
-    let mut again = Eyes { looks: 0, stop_at, since: Instant::now() };
+    let mut again = Stopper { observations: 0, stop_at, since: Instant::now() };
     let Some(record) = run(case, other, &two, &mut again, outcome)? else { return Ok(()) };
     if record.status == RunStatus::Interrupted {
-        let mut rest = Eyes { looks: 0, stop_at: u64::MAX, since: Instant::now() };
+        let mut rest = Stopper { observations: 0, stop_at: u64::MAX, since: Instant::now() };
         let record = laboratory(hardware).resume(&two, &mut rest).map_err(|error| error.to_string())?;
         if record.status != RunStatus::Finished {
             outcome.given_up = true;
@@ -127,11 +128,11 @@ fn run(
     case: &Case,
     hardware: Hardware,
     folder: &RunFolder,
-    eyes: &mut Eyes,
+    stopper: &mut Stopper,
     outcome: &mut Outcome,
 ) -> Result<Option<RunRecord>, String> {
     outcome.runs += 1;
-    let record = match laboratory(hardware).shear(case, &Source::Case, folder, eyes) {
+    let record = match laboratory(hardware).shear(case, &Source::Case, folder, stopper) {
         Ok(record) => record,
         Err(error) => {
             let text = error.to_string();
@@ -142,7 +143,7 @@ fn run(
         }
     };
     outcome.grain_steps += record.grain_steps() as f64;
-    let early = record.status == RunStatus::Interrupted && eyes.looks < eyes.stop_at;
+    let early = record.status == RunStatus::Interrupted && stopper.observations < stopper.stop_at;
     outcome.given_up |= early;
     Ok((!early).then_some(record))
 }

@@ -16,7 +16,7 @@ pub(super) fn wanted(case: &Case) -> Option<Preparation> {
         return None;
     }
     let mean_stress = case.shear.mean_stress.filter(|stress| *stress != case.preparation.mean_stress)?;
-    Some(Preparation { mean_stress, ..case.preparation.clone() })
+    Some(case.preparation.clone().with(|preparation| preparation.mean_stress = mean_stress))
 }
 
 impl Laboratory {

@@ -41,8 +41,8 @@ impl Observer for Record<'_> {
     fn next_look(&self) -> f64 {
         self.0.next_look()
     }
-    fn look(&mut self, simulation: &Simulation) {
-        self.0.look(&simulation.assembly());
+    fn observe(&mut self, simulation: &Simulation) {
+        self.0.observe(&simulation.assembly());
     }
 }
 
@@ -61,7 +61,7 @@ impl Observer for Snapshots<'_> {
     fn next_look(&self) -> f64 {
         self.due.first().copied().unwrap_or(f64::INFINITY)
     }
-    fn look(&mut self, simulation: &Simulation) {
+    fn observe(&mut self, simulation: &Simulation) {
         let here =
             self.measure.of(&simulation.state().macro_state()) - self.stage_progress.origin(self.measure);
         while self.due.first().is_some_and(|due| *due <= here) {

@@ -11,20 +11,20 @@ use super::*;
 
 /// An observer that stops the run after a number of observations and stores the warnings.
 struct Stopper {
-    looks: u32,
+    observations: u32,
     warnings: Vec<String>,
 }
 
 impl Stopper {
-    fn after(looks: u32) -> Stopper {
-        Stopper { looks, warnings: Vec::new() }
+    fn after(observations: u32) -> Stopper {
+        Stopper { observations, warnings: Vec::new() }
     }
 }
 
 impl Observer for Stopper {
     fn progress(&mut self, _: &Progress) -> Flow {
-        self.looks = self.looks.saturating_sub(1);
-        if self.looks == 0 { Flow::Stop } else { Flow::Continue }
+        self.observations = self.observations.saturating_sub(1);
+        if self.observations == 0 { Flow::Stop } else { Flow::Continue }
     }
     fn warn(&mut self, text: &str) {
         self.warnings.push(text.to_string());
@@ -114,8 +114,10 @@ fn staged() -> Case {
     case.shear = Default::default();
     // Sensors that compare observations, and a further histogram, are resumed with identical bytes as well.
     let sensors = ["nonaffine_displacement", "second_order_work", "overlap_distribution"].map(String::from);
-    case.recording =
-        granum_dem::config::Recording { looks: 3, sensors: sensors.to_vec(), ..Default::default() };
+    case.recording = granum_dem::config::Recording::default().with(|recording| {
+        recording.observations = 3;
+        recording.sensors = sensors.to_vec();
+    });
     case
 }
 

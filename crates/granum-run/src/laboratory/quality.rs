@@ -6,7 +6,7 @@ use granum_dem::simulation::Simulation;
 use granum_dem::state::ServoError;
 use granum_io::run::QualityFlag;
 use granum_sensors::overlap::largest_overlap;
-use granum_sensors::{Look, Record, Shortfall};
+use granum_sensors::{MissedObservations, Observation, Record};
 use serde::{Deserialize, Serialize};
 
 use super::test::Test;
@@ -102,7 +102,7 @@ pub(super) fn judge_rest(
         ),
         QualityFlag::at_most(
             format!("{what}_largest_overlap"),
-            largest_overlap(&Look::new(&simulation.assembly())),
+            largest_overlap(&Observation::new(&simulation.assembly())),
             LARGEST_OVERLAP,
             "contacts are too deep for the theory of small contacts; lower the stress or raise Young's modulus",
         ),
@@ -116,16 +116,16 @@ pub(super) fn judge_rest(
 }
 
 /// A remark for the user if states were averaged over fewer samples than the case asks for.
-pub(super) fn remark_on_samples(shortfall: &Shortfall) -> Option<String> {
-    let Shortfall { wanted, missing, states, empty_states } = *shortfall;
+pub(super) fn remark_on_samples(missed_observations: &MissedObservations) -> Option<String> {
+    let MissedObservations { wanted, missing, states, empty_states } = *missed_observations;
     let none = match empty_states {
         0 => String::new(),
         some => format!(" ({some} of them with none: they are not recorded)"),
     };
     (missing > 0).then(|| {
         format!(
-            "{missing} of the {wanted} samples asked for by recording.looks were not taken, at {states} states{none}: the test takes \
-             fewer steps there; lower recording.looks or shear.inertial_number, or ask for fewer states"
+            "{missing} of the {wanted} samples asked for by recording.observations_per_state were not taken, at {states} states{none}: the test takes \
+             fewer steps there; lower recording.observations_per_state or shear.inertial_number, or ask for fewer states"
         )
     })
 }

@@ -257,7 +257,7 @@ fn complete(
         measures::of_oedometers(&seen, test.list(), &mut record.measures);
         record_stages(test, record, observer);
     }
-    if let Some(remark) = quality::remark_on_samples(&test.shortfall()) {
+    if let Some(remark) = quality::remark_on_samples(&test.missed_observations()) {
         observer.warn(&remark);
         record.notes.push(remark);
     }

@@ -177,8 +177,11 @@ impl Test {
     }
 
     /// Number of samples that could not be taken, summed over all stages.
-    pub(super) fn shortfall(&self) -> granum_sensors::Shortfall {
-        self.recorders.iter().map(Recorder::shortfall).fold(Default::default(), |sum, one| sum.plus(one))
+    pub(super) fn missed_observations(&self) -> granum_sensors::MissedObservations {
+        self.recorders
+            .iter()
+            .map(Recorder::missed_observations)
+            .fold(Default::default(), |sum, one| sum.plus(one))
     }
 
     /// Number of steps of all stages; `step` is the current step of the simulation.

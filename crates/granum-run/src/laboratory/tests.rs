@@ -16,7 +16,10 @@ pub(super) fn small() -> Case {
     case.preparation.unbalanced_force = 1e-2;
     case.shear.deviator_strain = 0.02;
     case.shear.rate = Rate::InertialNumber(3e-3);
-    case.recording = Recording { states: 8, looks: 3, ..Recording::default() };
+    case.recording = Recording::default().with(|recording| {
+        recording.states = 8;
+        recording.observations_per_state = 3;
+    });
     case
 }
 
@@ -117,7 +120,7 @@ fn density_scaling_of_a_stage_says_the_same_physics() {
         let text =
             format!("[[stage]]\npath = \"drained-triaxial\"\naxial_strain = 0.003\nstates = 4\n{speed}\n");
         let stages = Case::parse(&text, "case.toml").unwrap().stages;
-        let recording = Recording { looks: 3, ..Recording::default() };
+        let recording = Recording::default().with(|recording| recording.observations_per_state = 3);
         let case = Case { stages, recording, shear: Default::default(), ..small() };
         let test = laboratory().test(&case).unwrap();
         let gap = test.about.quality.iter().find(|flag| flag.name == "energy_gap").unwrap().value;
@@ -136,7 +139,7 @@ fn density_scaling_of_a_stage_says_the_same_physics() {
 fn the_lateral_stress_ratio_of_an_oedometer_stands_in_the_record() {
     let text = "[[stage]]\npath = \"oedometer\"\naxial_stress = \"100 kPa\"\nunloading_stress = \"40 kPa\"\ninterval = 1e-5\n";
     let stages = Case::parse(text, "case.toml").unwrap().stages;
-    let recording = Recording { looks: 1, ..Recording::default() };
+    let recording = Recording::default().with(|recording| recording.observations_per_state = 1);
     let case = Case { stages, recording, shear: Default::default(), ..small() };
     let measures = laboratory().test(&case).unwrap().about.measures;
     let [loading, unloading] = ["k0_loading", "k0_unloading"].map(|name| measures[name]);

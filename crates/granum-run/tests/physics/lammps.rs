@@ -21,8 +21,8 @@ fn the_start_of_the_curves_is_that_of_lammps() {
     let packing = granum_io::read_packing(data("packing-5000.csv")).unwrap();
     let properties = properties(0.3, 0.1);
     let simulation = Simulation::new(cell(&packing), &spheres(&packing), properties.clone()).unwrap();
-    let grains = Grains { material: properties.material, ..Grains::default() };
-    let preparation = Preparation { unbalanced_force: 5e-3, ..Preparation::default() };
+    let grains = Grains::default().with(|grains| grains.material = properties.material);
+    let preparation = Preparation::default().with(|preparation| preparation.unbalanced_force = 5e-3);
     let hardware = Hardware { threads: 2, ..Hardware::default() };
     let recipe = Recipe {
         grains: &grains,
@@ -35,11 +35,14 @@ fn the_start_of_the_curves_is_that_of_lammps() {
     s.set_hardware(hardware);
     compress(&mut s, 0, 1e-3);
     // The states are those of the stored table: 0, 0.005, 0.01.
-    let recording = Recording { states: 2, looks: 7, ..Recording::default() };
+    let recording = Recording::default().with(|recording| {
+        recording.states = 2;
+        recording.observations_per_state = 7;
+    });
     let mut recorder = Recorder::new(&Sensors::standard(), &recording, 0.01).unwrap();
     loop {
         if s.state().deviator_strain() >= recorder.next_look() {
-            recorder.look(&s.assembly());
+            recorder.observe(&s.assembly());
         }
         if recorder.is_complete() {
             break;

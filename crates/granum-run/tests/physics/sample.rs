@@ -12,7 +12,10 @@ use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation};
 pub const MEAN_STRESS: f64 = 20e3;
 
 pub fn properties(friction: f64, damping: f64) -> Properties {
-    let material = Material { friction, interface_energy: 0.0, ..Material::default() };
+    let material = Material::default().with(|material| {
+        material.friction = friction;
+        material.interface_energy = 0.0;
+    });
     Properties::new(material, Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, damping))
 }
 
@@ -21,20 +24,22 @@ pub fn sample() -> &'static Simulation {
     static SAMPLE: OnceLock<Simulation> = OnceLock::new();
     SAMPLE.get_or_init(|| {
         let Properties { material, contact, .. } = properties(0.3, 0.1);
-        let grains = Grains { count: 300, material, ..Grains::default() };
+        let grains = Grains::default().with(|grains| {
+            grains.count = 300;
+            grains.material = material;
+        });
         prepared(&grains, &contact)
     })
 }
 
 /// A sample that was compacted with a friction coefficient of 0.1.
 pub fn prepared(grains: &Grains, contact: &Contact) -> Simulation {
-    let preparation = Preparation {
-        friction: Some(0.1),
-        solid_fraction: None,
-        inertial_number: 3e-3,
-        unbalanced_force: 2e-3,
-        ..Preparation::default()
-    };
+    let preparation = Preparation::default().with(|preparation| {
+        preparation.friction = Some(0.1);
+        preparation.solid_fraction = None;
+        preparation.inertial_number = 3e-3;
+        preparation.unbalanced_force = 2e-3;
+    });
     let hardware = Hardware::default();
     let recipe = Recipe { grains, contact, preparation: &preparation, time_step_factor: 0.2, hardware };
     prepare(&recipe, &mut |_: &Progress| Flow::Continue).unwrap().simulation

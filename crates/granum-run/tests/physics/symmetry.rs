@@ -6,14 +6,14 @@ use super::sample::{compress, mapped, multiply, properties, sample};
 
 /// Strain and stress, in the frame of the unmapped test, during a test along the image of axis 1, at equal intervals of
 /// steps.
-fn curve(map: &Matrix, looks: usize) -> Vec<(f64, Matrix)> {
+fn curve(map: &Matrix, observations_per_state: usize) -> Vec<(f64, Matrix)> {
     let mut s = mapped(&sample().assembly(), map, properties(0.3, 0.1));
     s.fix_time_step(Some(3e-8));
     let image = multiply(map, [1.0, 0.0, 0.0]);
     let axis = (0..3).find(|&a| image[a].abs() > 0.5).unwrap();
     compress(&mut s, axis, 2e-3);
     let mut curve = Vec::new();
-    for _ in 0..looks {
+    for _ in 0..observations {
         s.advance(400).unwrap();
         let stress = s.state().stress();
         // The stress in the original frame is M^T sigma M.
@@ -29,8 +29,8 @@ fn curve(map: &Matrix, looks: usize) -> Vec<(f64, Matrix)> {
 
 #[test]
 fn permuted_turned_and_mirrored_tests_give_the_same_curves() {
-    let looks = 10;
-    let reference = curve(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], looks);
+    let observations = 10;
+    let reference = curve(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], observations);
     let maps: [(&str, Matrix); 4] = [
         ("axes permuted", [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
         ("the other way", [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]),
@@ -38,7 +38,7 @@ fn permuted_turned_and_mirrored_tests_give_the_same_curves() {
         ("mirrored", [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
     ];
     for (name, map) in maps {
-        let other = curve(&map, looks);
+        let other = curve(&map, observations);
         for ((strain, a), (_, b)) in reference.iter().zip(&other) {
             let p = (a[0][0] + a[1][1] + a[2][2]) / 3.0;
             let apart = (0..9).map(|k| (a[k / 3][k % 3] - b[k / 3][k % 3]).abs() / p).fold(0.0, f64::max);

@@ -74,7 +74,7 @@ fn boundary_work_is_stress_times_strain() {
     while s.state().deviator_strain() < 0.01 {
         s.advance(10).unwrap();
         let now = s.assembly();
-        let stress = |a: &Assembly| granum_sensors::Look::new(a).stress.tensor();
+        let stress = |a: &Assembly| granum_sensors::Observation::new(a).stress.tensor();
         let (a, b) = (stress(&before), stress(&now));
         for k in 0..3 {
             let mean = 0.5 * (a[k][k] * before.volume() + b[k][k] * now.volume());

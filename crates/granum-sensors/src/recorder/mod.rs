@@ -13,23 +13,23 @@ use serde::{Deserialize, Serialize, Serializer};
 use self::schedule::Schedule;
 pub(crate) use self::sums::StateSums;
 use crate::registry::Known;
-use crate::{Bins, Look, Memory, Record, SensorColumn, SensorError, Sensors, Values};
+use crate::{Bins, Memory, Observation, Record, SensorColumn, SensorError, Sensors, Values};
 
-/// Takes looks at a test and averages them into states.
+/// Takes observations at a test and averages them into states.
 ///
 /// Of a stage of a test the states may stand at values of another measure than the deviator strain, which the following
 /// speaks of, and be asked for at equal intervals without an end ([`Recorder::of_stage`]).
 ///
 /// State k of `0..=states` stands at the deviator strain `k / states` of the end, and its window is one interval
-/// wide around it (half a window at the end). Looks are spread evenly over a window, half a spacing off its edges, so
+/// wide around it (half a window at the end). Observations are spread evenly over a window, half a spacing off its edges, so
 /// that the test is looked at in equal strides. A column of strain is averaged like every other, so each row pairs
-/// mean values of the same looks.
+/// mean values of the same observations.
 ///
 /// With another [`Spacing`](granum_dem::config::Spacing) the window of a state is centred on it too, and as wide as the
 /// nearer of its two neighbours is far (the first state's neighbour below is the start, the last one's above is the end), so
 /// that windows never overlap.
 ///
-/// State 0 is the sample before it is strained: one look at strain zero. Its window would hold the elastic rise of the
+/// State 0 is the sample before it is strained: one observation at strain zero. Its window would hold the elastic rise of the
 /// stress, which stiff grains have behind them after some 1e-3 of strain; a mean over that is neither the sample nor
 /// the sheared state.
 ///
@@ -40,12 +40,12 @@ use crate::{Bins, Look, Memory, Record, SensorColumn, SensorError, Sensors, Valu
 /// use granum_dem::{assembly::Assembly, config::Recording};
 /// use granum_sensors::{Recorder, Sensors};
 ///
-/// let recording = Recording { states: 2, looks: 4, ..Default::default() };
+/// let recording = Recording::default().with(|recording| { recording.states = 2; recording.observations_per_state = 4; });
 /// let mut recorder = Recorder::new(&Sensors::standard(), &recording, 0.3)?;
 /// let mut assembly = Assembly::default();
 /// while assembly.strain[0][0] < 0.3 {
 ///     if assembly.strain[0][0] >= recorder.next_look() {
-///         recorder.look(&assembly);
+///         recorder.observe(&assembly);
 ///     }
 ///     assembly.strain[0][0] += 0.001;
 /// }
@@ -79,7 +79,7 @@ struct Instance {
 
 /// Observations that were requested and could not be made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Shortfall {
+pub struct MissedObservations {
     /// Number of observations requested.
     pub wanted: usize,
     /// Number of observations that were not made.
@@ -90,10 +90,10 @@ pub struct Shortfall {
     pub empty_states: usize,
 }
 
-impl Shortfall {
-    /// The sum of two shortfalls.
-    pub fn plus(self, other: Shortfall) -> Shortfall {
-        Shortfall {
+impl MissedObservations {
+    /// The sum of two missed observations.
+    pub fn plus(self, other: MissedObservations) -> MissedObservations {
+        MissedObservations {
             wanted: self.wanted + other.wanted,
             missing: self.missing + other.missing,
             states: self.states + other.states,
@@ -147,7 +147,7 @@ impl Recorder {
         Recorder::with_schedule(sensors, Schedule::of_test(recording, end), false)
     }
 
-    /// A recorder for a stage whose measure counts from `origin`. Of the recording only the number of looks, the bins and the
+    /// A recorder for a stage whose measure counts from `origin`. Of the recording only the number of observations, the bins and the
     /// sensors are used.
     ///
     /// # Errors
@@ -192,15 +192,15 @@ impl Recorder {
     pub fn is_like(&self, fresh: &Recorder) -> bool {
         let empty = fresh.empty_state(0);
         let (own, other) = (&self.saved, &fresh.saved);
-        let looks = other.schedule.recording.looks;
+        let observations = other.schedule.recording.observations_per_state;
         own.schedule.is_like(&other.schedule)
             && (&own.sensors, own.memories.len()) == (&other.sensors, other.memories.len())
-            && own.states.iter().all(|sums| sums.is_like(&empty, looks))
+            && own.states.iter().all(|sums| sums.is_like(&empty, observations))
             && own.states.windows(2).all(|pair| pair[0].state < pair[1].state)
             && own.states.last().is_none_or(|last| last.state <= own.schedule.next_state())
     }
 
-    /// Value of the measure (in the paper's test the deviator strain) at which the next look is due; infinite when there
+    /// Value of the measure (in the paper's test the deviator strain) at which the next observation is due; infinite when there
     /// is none.
     pub fn next_look(&self) -> f64 {
         self.saved.schedule.next_look()
@@ -211,23 +211,23 @@ impl Recorder {
         self.saved.schedule.is_complete()
     }
 
-    /// Looks once, for the last look that is due, and goes on to the first that is not. Before anything is due it does
+    /// Observes once, for the last observation that is due, and goes on to the first that is not. Before anything is due it does
     /// nothing, so it may be called at any time.
-    pub fn look(&mut self, assembly: &Assembly) {
+    pub fn observe(&mut self, assembly: &Assembly) {
         let Some(state) = self.saved.schedule.due(assembly) else { return };
         if self.saved.states.last().is_none_or(|sums| sums.state != state) {
             let fresh = self.empty_state(state);
             self.saved.states.push(fresh);
         }
         let Some(sums) = self.saved.states.last_mut() else { return };
-        let look = Look::new(assembly);
+        let observation = Observation::new(assembly);
         let mut row = Vec::with_capacity(sums.sums.len());
         let mut first = 0;
         for (Instance { known, bins }, memory) in self.sensors.iter().zip(&mut self.saved.memories) {
             let columns = row.len() + known.description.columns.len();
             let end = (first + bins.len()).min(sums.histograms.len());
             let histograms = sums.histograms.get_mut(first..end).unwrap_or_default();
-            known.sensor.measure(&look, memory, &mut Values::new(&mut row, histograms));
+            known.sensor.measure(&observation, memory, &mut Values::new(&mut row, histograms));
             // What a sensor gives too much or too little must not move the columns of those after it.
             row.resize(columns, f64::NAN);
             first = end;
@@ -240,16 +240,16 @@ impl Recorder {
         self.saved.memories.iter_mut().for_each(|memory| *memory = Memory::new());
     }
 
-    /// The shortfall of the completed states: the number of states that were recorded with fewer observations than
+    /// The missed observations of the completed states: the number of states that were recorded with fewer observations than
     /// requested, or with none, and the number of missing observations. It occurs if the steps of the test are long compared
     /// with a window.
-    pub fn shortfall(&self) -> Shortfall {
-        let mut found = Shortfall::default();
+    pub fn missed_observations(&self) -> MissedObservations {
+        let mut found = MissedObservations::default();
         let (schedule, states) = (&self.saved.schedule, &self.saved.states);
         for state in 0..schedule.next_state().min(schedule.last_state().saturating_add(1)) {
-            let wanted = schedule.looks_of(state);
+            let wanted = schedule.observations_of(state);
             let at = states.binary_search_by_key(&state, |sums| sums.state);
-            let taken = at.map_or(0, |at| states[at].looks as usize);
+            let taken = at.map_or(0, |at| states[at].observations as usize);
             found.wanted += wanted;
             if taken < wanted {
                 found.missing += wanted - taken;

@@ -5,7 +5,7 @@ use granum_dem::config::{Recording, Spacing};
 use granum_dem::loading::{self, MacroState, Measure};
 use serde::{Deserialize, Serialize};
 
-/// Where the states of a test or stage stand, how many looks each takes, and which comes next.
+/// Where the states of a test or stage stand, how many observations each takes, and which comes next.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Schedule {
     pub(super) recording: Recording,
@@ -19,11 +19,15 @@ pub(super) struct Schedule {
 }
 
 impl Schedule {
-    /// Of a test that ends at a deviator strain `end`. Numbers of states or looks of zero count as one.
+    /// Of a test that ends at a deviator strain `end`. Numbers of states or observations of zero count as one.
     pub(super) fn of_test(recording: &Recording, end: f64) -> Schedule {
-        let (states, looks) = (recording.states.max(1), recording.looks.max(1));
+        let (states, observations) = (recording.states.max(1), recording.observations_per_state.max(1));
         // The recorder does not take snapshots.
-        let recording = Recording { states, looks, snapshots: Vec::new(), ..recording.clone() };
+        let recording = recording.clone().with(|recording| {
+            recording.states = states;
+            recording.observations_per_state = observations;
+            recording.snapshots = Vec::new();
+        });
         Schedule {
             recording,
             measure: Measure::AxialDeviatorStrain,
@@ -35,19 +39,21 @@ impl Schedule {
 
     /// Of a stage whose measure counts from `origin`.
     pub(super) fn of_stage(recording: &Recording, record: &loading::Record, origin: f64) -> Schedule {
-        let recording =
-            Recording { states: record.states, spacing: record.spacing.clone(), ..recording.clone() };
+        let recording = recording.clone().with(|recording| {
+            recording.states = record.states;
+            recording.spacing = record.spacing.clone();
+        });
         let end = record.end.is_finite().then_some(record.end);
         Schedule { measure: record.measure, origin, end, ..Schedule::of_test(&recording, 0.0) }
     }
 
     /// True if it can be what a fresh schedule has come to, with these states observed.
     pub(super) fn is_like(&self, fresh: &Schedule) -> bool {
-        let (state, look) = self.next;
+        let (state, observation) = self.next;
         self.recording == fresh.recording
             && (self.measure, self.origin, self.end) == (fresh.measure, fresh.origin, fresh.end)
             && state <= fresh.last_state().saturating_add(1)
-            && look < fresh.recording.looks
+            && observation < fresh.recording.observations_per_state
     }
 
     /// The state that comes next.
@@ -104,16 +110,16 @@ impl Schedule {
         if here < self.end() { below.min(self.end() - here) } else { below }
     }
 
-    /// Value of the measure at which the next look is due; infinite when there is none.
+    /// Value of the measure at which the next observation is due; infinite when there is none.
     pub(super) fn next_look(&self) -> f64 {
-        let (state, look) = self.next;
+        let (state, observation) = self.next;
         if state > self.last_state() {
             return f64::INFINITY;
         }
         if state == 0 {
             return 0.0;
         }
-        let offset = (2 * look + 1) as f64 / (2 * self.recording.looks) as f64 - 0.5;
+        let offset = (2 * observation + 1) as f64 / (2 * self.recording.observations_per_state) as f64 - 0.5;
         match self.recording.spacing {
             Spacing::Equal => self.end() * ((state as f64 + offset) / self.recording.states as f64),
             _ => self.strain_of(state) + 2.0 * self.half_window(state) * offset,
@@ -121,12 +127,14 @@ impl Schedule {
     }
 
     /// Number of observations of a state: half of them where the window ends with the test.
-    pub(super) fn looks_of(&self, state: usize) -> usize {
-        let looks = self.recording.looks;
+    pub(super) fn observations_of(&self, state: usize) -> usize {
+        let observations = self.recording.observations_per_state;
         match state {
             0 => 1,
-            last if last == self.last_state() && self.strain_of(last) >= self.end() => looks.div_ceil(2),
-            _ => looks,
+            last if last == self.last_state() && self.strain_of(last) >= self.end() => {
+                observations.div_ceil(2)
+            }
+            _ => observations,
         }
     }
 
@@ -135,7 +143,7 @@ impl Schedule {
         self.next.0 > self.last_state()
     }
 
-    /// The state that a look at an assembly belongs to, if one is due; then goes on to the first look that is not. A strain that
+    /// The state that an observation at an assembly belongs to, if one is due; then goes on to the first that is not. A strain that
     /// falls short by rounding only is due: the caller may have added it up in another order.
     pub(super) fn due(&mut self, assembly: &Assembly) -> Option<usize> {
         let reading = match self.measure.needs_stress() {
@@ -156,7 +164,11 @@ impl Schedule {
     }
 
     pub(super) fn advance(&mut self) {
-        let (state, look) = self.next;
-        self.next = if look + 1 < self.looks_of(state) { (state, look + 1) } else { (state + 1, 0) };
+        let (state, observation) = self.next;
+        self.next = if observation + 1 < self.observations_of(state) {
+            (state, observation + 1)
+        } else {
+            (state + 1, 0)
+        };
     }
 }

@@ -14,20 +14,23 @@ fn recorder(recording: &Recording, end: f64) -> Recorder {
 }
 
 fn run(recorder: &mut Recorder, steps: usize, end: f64) -> usize {
-    let mut looks = 0;
+    let mut observations = 0;
     for k in 0..=steps {
         let strain = end * (k as f64 / steps as f64);
         if strain >= recorder.next_look() {
-            recorder.look(&at(strain));
-            looks += 1;
+            recorder.observe(&at(strain));
+            observations += 1;
         }
     }
-    looks
+    observations
 }
 
 #[test]
 fn windows_are_centred_with_half_a_window_at_the_end() {
-    let recording = Recording { states: 4, looks: 6, ..Default::default() };
+    let recording = Recording::default().with(|recording| {
+        recording.states = 4;
+        recording.observations_per_state = 6;
+    });
     let mut recorder = recorder(&recording, 0.4);
     assert_eq!(run(&mut recorder, 2400, 0.4), 1 + 3 * 6 + 3);
     assert!(recorder.is_complete() && recorder.next_look().is_infinite());
@@ -35,7 +38,10 @@ fn windows_are_centred_with_half_a_window_at_the_end() {
         recorder.is_like(&self::recorder(&recording, 0.4))
             && !recorder.is_like(&self::recorder(&recording, 0.3))
     );
-    assert!(!recorder.is_like(&self::recorder(&Recording { looks: 5, ..recording.clone() }, 0.4)));
+    assert!(!recorder.is_like(&self::recorder(
+        &recording.clone().with(|recording| recording.observations_per_state = 5),
+        0.4
+    )));
     let record = recorder.record();
     let strain = record.series.values("deviator_strain").unwrap();
     let step = 0.4 / 2400.0;
@@ -43,14 +49,17 @@ fn windows_are_centred_with_half_a_window_at_the_end() {
         let centre = [0.0, 0.1, 0.2, 0.3, 0.375][k];
         assert!((value - centre).abs() <= step, "state {k}: {value}");
     }
-    assert_eq!(record.series.values("looks").unwrap(), [1.0, 6.0, 6.0, 6.0, 3.0]);
+    assert_eq!(record.series.values("observations").unwrap(), [1.0, 6.0, 6.0, 6.0, 3.0]);
     assert_eq!(record.forces()[1].total(), 6 * 81);
     assert_eq!(record.forces()[0].total(), 81);
 }
 
 #[test]
 fn a_single_look_a_state_stands_on_the_state() {
-    let recording = Recording { states: 3, looks: 1, ..Default::default() };
+    let recording = Recording::default().with(|recording| {
+        recording.states = 3;
+        recording.observations_per_state = 1;
+    });
     let mut recorder = recorder(&recording, 0.3);
     assert_eq!(recorder.next_look(), 0.0);
     assert_eq!(run(&mut recorder, 300, 0.3), 4);
@@ -61,11 +70,14 @@ fn a_single_look_a_state_stands_on_the_state() {
 
 #[test]
 fn averages_follow_what_the_column_asks_for() {
-    let recording = Recording { states: 1, looks: 2, ..Default::default() };
+    let recording = Recording::default().with(|recording| {
+        recording.states = 1;
+        recording.observations_per_state = 2;
+    });
     let mut recorder = recorder(&recording, 0.2);
-    recorder.look(&at(0.0));
-    recorder.look(&at(0.16));
-    let p = Look::new(&at(0.16)).stress.mean();
+    recorder.observe(&at(0.0));
+    recorder.observe(&at(0.16));
+    let p = Observation::new(&at(0.16)).stress.mean();
     let record = recorder.record();
     let value = |name: &str| record.series.values(name).unwrap()[1];
     assert!((value("mean_stress") / p - 1.0).abs() < 1e-12);
@@ -76,10 +88,13 @@ fn averages_follow_what_the_column_asks_for() {
 
 #[test]
 fn strides_longer_than_a_window_leave_states_out_and_early_looks_do_nothing() {
-    let recording = Recording { states: 10, looks: 4, ..Default::default() };
+    let recording = Recording::default().with(|recording| {
+        recording.states = 10;
+        recording.observations_per_state = 4;
+    });
     let mut recorder = recorder(&recording, 1.0);
     for strain in [0.0, 0.01, 0.02, 0.5, 0.5, 1.0] {
-        recorder.look(&at(strain));
+        recorder.observe(&at(strain));
     }
     assert_eq!(recorder.record().series.values("state").unwrap(), [0.0, 5.0, 10.0]);
     assert!(recorder.is_complete());
@@ -103,13 +118,16 @@ fn states_stand_where_a_geometric_spacing_or_a_list_says() {
             assert!((a - b).abs() <= 1e-12 * b.abs(), "{found:?}");
         }
     };
-    let one = Recording { states: 4, looks: 1, ..Default::default() };
-    let geometric = Recording { spacing: Spacing::Geometric(1e-4), ..one.clone() };
+    let one = Recording::default().with(|recording| {
+        recording.states = 4;
+        recording.observations_per_state = 1;
+    });
+    let geometric = one.clone().with(|recording| recording.spacing = Spacing::Geometric(1e-4));
     near(&due(recorder(&geometric, 0.1)), &[0.0, 1e-4, 1e-3, 1e-2, 0.1]);
-    let list = Recording { spacing: Spacing::Strains(vec![0.01, 0.02, 0.05]), ..one };
+    let list = one.with(|recording| recording.spacing = Spacing::Strains(vec![0.01, 0.02, 0.05]));
     near(&due(recorder(&list, 0.1)), &[0.0, 0.01, 0.02, 0.05]);
     // The width of a window is the distance of the nearer neighbour, so that windows never overlap.
-    let two = Recording { looks: 2, ..list.clone() };
+    let two = list.clone().with(|recording| recording.observations_per_state = 2);
     near(&due(recorder(&two, 0.1)), &[0.0, 0.0075, 0.0125, 0.0175, 0.0225, 0.0425, 0.0575]);
     // At the end of the test half a window is left, with half of the observations.
     near(&due(recorder(&two, 0.05)), &[0.0, 0.0075, 0.0125, 0.0175, 0.0225, 0.0425]);
@@ -121,36 +139,54 @@ fn states_stand_where_a_geometric_spacing_or_a_list_says() {
             && !recorder.is_like(&self::recorder(&geometric, 0.1))
     );
     assert_eq!(recorder.record().series.values("state").unwrap(), [0.0, 1.0, 2.0, 3.0]);
-    assert_eq!(recorder.shortfall(), Shortfall { wanted: 4, ..Shortfall::default() });
+    assert_eq!(
+        recorder.missed_observations(),
+        MissedObservations { wanted: 4, ..MissedObservations::default() }
+    );
 }
 
 #[test]
 fn looks_that_could_not_be_taken_are_counted() {
-    let recording = Recording { states: 10, looks: 4, ..Default::default() };
+    let recording = Recording::default().with(|recording| {
+        recording.states = 10;
+        recording.observations_per_state = 4;
+    });
     let mut recorder = recorder(&recording, 1.0);
-    assert_eq!(recorder.shortfall(), Shortfall::default());
+    assert_eq!(recorder.missed_observations(), MissedObservations::default());
     for strain in [0.0, 0.5, 1.0] {
-        recorder.look(&at(strain));
+        recorder.observe(&at(strain));
     }
     // State 0 has one observation, the last state two, the others four; one was made at each of states 0, 5 and 10.
-    let found = recorder.shortfall();
+    let found = recorder.missed_observations();
     assert_eq!((found.wanted, found.missing), (1 + 9 * 4 + 2, 9 * 4 - 1 + 1));
     assert_eq!((found.states, found.empty_states), (10, 8));
 }
 
 #[test]
 fn a_strain_short_by_rounding_is_due() {
-    let mut recorder = recorder(&Recording { states: 3, looks: 2, ..Default::default() }, 0.3);
-    recorder.look(&at(0.0));
+    let mut recorder = recorder(
+        &Recording::default().with(|recording| {
+            recording.states = 3;
+            recording.observations_per_state = 2;
+        }),
+        0.3,
+    );
+    recorder.observe(&at(0.0));
     let before = recorder.next_look();
     assert!(before > 0.0);
-    recorder.look(&at(before * (1.0 - 1e-15)));
+    recorder.observe(&at(before * (1.0 - 1e-15)));
     assert!(recorder.next_look() > before);
 }
 
 #[test]
 fn nothing_looked_at_is_an_empty_record() {
-    let recorder = recorder(&Recording { states: 0, looks: 0, ..Default::default() }, 0.3);
+    let recorder = recorder(
+        &Recording::default().with(|recording| {
+            recording.states = 0;
+            recording.observations_per_state = 0;
+        }),
+        0.3,
+    );
     assert_eq!(recorder.record().series.rows(), 0);
     assert!(recorder.record().forces().is_empty());
 }
@@ -161,7 +197,11 @@ fn nothing_looked_at_is_an_empty_record() {
 fn a_resumed_recorder_goes_on_with_the_same_bits() {
     let names = ["nonaffine_displacement", "second_order_work", "overlap_distribution"];
     let sensors = names.map(String::from).to_vec();
-    let recording = Recording { states: 5, looks: 4, sensors, ..Default::default() };
+    let recording = Recording::default().with(|recording| {
+        recording.states = 5;
+        recording.observations_per_state = 4;
+        recording.sensors = sensors;
+    });
     let mut whole = recorder(&recording, 0.3);
     let mut first = recorder(&recording, 0.3);
     let moving = |strain: f64| {
@@ -174,17 +214,17 @@ fn a_resumed_recorder_goes_on_with_the_same_bits() {
     };
     let strains: Vec<f64> = (0..=600).map(|k| 0.3 * k as f64 / 600.0).collect();
     for &strain in &strains {
-        whole.look(&moving(strain));
+        whole.observe(&moving(strain));
     }
     for &strain in &strains[..250] {
-        first.look(&moving(strain));
+        first.observe(&moving(strain));
     }
     let text = serde_json::to_string(&first).unwrap();
     let saved: SavedRecorder = serde_json::from_str(&text).unwrap();
     let mut second = saved.with_sensors(&Sensors::standard()).unwrap();
     assert!(second == first && second.is_like(&recorder(&recording, 0.3)));
     for &strain in &strains[250..] {
-        second.look(&moving(strain));
+        second.observe(&moving(strain));
     }
     assert_eq!(whole, second);
     assert_eq!(whole.record(), second.record());
@@ -199,14 +239,17 @@ fn a_resumed_recorder_goes_on_with_the_same_bits() {
 
 #[test]
 fn sensors_that_are_not_asked_for_change_nothing() {
-    let recording = Recording { states: 3, looks: 2, ..Default::default() };
+    let recording = Recording::default().with(|recording| {
+        recording.states = 3;
+        recording.observations_per_state = 2;
+    });
     let sensors = vec!["invariants".to_string(), "second_order_work".to_string()];
     let (mut plain, mut more) =
-        (recorder(&recording, 0.3), recorder(&Recording { sensors, ..recording }, 0.3));
+        (recorder(&recording, 0.3), recorder(&recording.with(|recording| recording.sensors = sensors), 0.3));
     assert!(!plain.is_like(&more) && !more.is_like(&plain));
     for k in 0..=60 {
-        plain.look(&at(0.005 * k as f64));
-        more.look(&at(0.005 * k as f64));
+        plain.observe(&at(0.005 * k as f64));
+        more.observe(&at(0.005 * k as f64));
     }
     let (plain, more) = (plain.record(), more.record());
     let names: Vec<&str> = more.series.names().collect();

@@ -19,7 +19,7 @@ fn every_sensor_gives_as_many_finite_values_as_columns_and_names_are_unique() {
             let mut row = Vec::new();
             let bins = sensor.histograms(&Recording::default());
             let mut counts: Vec<Histogram> = bins.iter().map(Bins::empty).collect();
-            sensor.measure(&Look::new(assembly), &mut memory, &mut Values::new(&mut row, &mut counts));
+            sensor.measure(&Observation::new(assembly), &mut memory, &mut Values::new(&mut row, &mut counts));
             assert_eq!(row.len(), description.columns.len(), "{}", description.name);
             assert!(row.iter().chain(&memory).all(|x| x.is_finite()), "{}: {row:?}", description.name);
             assert!(
@@ -133,7 +133,7 @@ impl Sensor for Bad {
     fn description(&self) -> Description {
         Description::new(self.0, "bad").columns([SensorColumn::new(self.1, "1", "bad")])
     }
-    fn measure(&self, _: &Look, _: &mut Memory, values: &mut Values) {
+    fn measure(&self, _: &Observation, _: &mut Memory, values: &mut Values) {
         values.extend(std::iter::repeat_n(0.0, self.2));
     }
 }
@@ -144,7 +144,7 @@ fn sensors_that_would_break_a_series_are_refused() {
         |bad: Bad| Sensors::standard().with(bad).err().map(|error| error.to_string()).unwrap_or_default();
     assert!(message(Bad("stress", "own", 1)).contains("has the name \"stress\", which is taken"));
     assert!(message(Bad("own", "time", 1)).contains("has the column \"time\""));
-    assert!(message(Bad("own", "looks", 1)).contains("has the column \"looks\""));
+    assert!(message(Bad("own", "observations", 1)).contains("has the column \"observations\""));
     assert!(message(Bad("a/b", "own", 1)).contains("no plain word"));
     assert!(message(Bad("own", "own", 2)).contains("has 1 columns but measures 2 values"));
     assert_eq!(message(Bad("own", "own", 1)), "");
@@ -154,9 +154,9 @@ fn sensors_that_would_break_a_series_are_refused() {
 
 #[test]
 fn a_test_records_the_usual_sensors_and_those_that_are_named() {
-    let named = |names: &[&str]| Recording {
-        sensors: names.iter().map(|name| name.to_string()).collect(),
-        ..Recording::default()
+    let named = |names: &[&str]| {
+        Recording::default()
+            .with(|recording| recording.sensors = names.iter().map(|name| name.to_string()).collect())
     };
     let usual = STANDARD.of_test(&named(&[]), false).unwrap();
     assert_eq!((usual.len(), usual[0], usual[13]), (14, "strain", "rose"));

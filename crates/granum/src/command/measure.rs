@@ -112,7 +112,7 @@ impl Measure {
         let mut parts =
             Parts::of(&[Part::Cell, Part::Positions, Part::Radii, Part::Contacts, Part::Overlaps]);
         let Some(case) = &self.case else {
-            let material = Material { interface_energy: 0.0, ..Material::default() };
+            let material = Material::default().with(|material| material.interface_energy = 0.0);
             let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
             return Ok((simulation(&packing, Properties::new(material, contact))?.assembly(), parts));
         };

@@ -149,7 +149,10 @@ fn samples_that_could_not_be_taken_are_told() {
     );
     let said = stderr(&output);
     assert!(output.status.success(), "{said}");
-    assert!(said.contains("samples asked for by recording.looks were not taken, at 8 states"), "{said}");
+    assert!(
+        said.contains("samples asked for by recording.observations_per_state were not taken, at 8 states"),
+        "{said}"
+    );
     let record = std::fs::read_to_string(here.join("r/run.json")).unwrap();
     assert!(record.contains("were not taken"), "{record}");
 }

@@ -103,7 +103,7 @@ fn case(quick: bool) -> Case {
         case.preparation.inertial_number = 2e-3;
         case.preparation.solid_fraction_tolerance = 0.008;
         case.recording.states = 60;
-        case.recording.looks = 10;
+        case.recording.observations_per_state = 10;
     }
     case
 }

@@ -28,28 +28,28 @@ pub struct Done {
 }
 
 /// The progress of all runs.
-struct Board<'a> {
+struct ProgressOfRuns<'a> {
     context: &'a Context,
     plan: &'a Plan,
     progress: Mutex<(Progress, Vec<f64>)>,
 }
 
 /// The observer of one run.
-struct Eyes<'a> {
-    board: &'a Board<'a>,
+struct ProgressOfRun<'a> {
+    progress_of_runs: &'a ProgressOfRuns<'a>,
     number: usize,
 }
 
-impl Observer for Eyes<'_> {
+impl Observer for ProgressOfRun<'_> {
     fn progress(&mut self, status: &RunProgress) -> Flow {
-        let mut held = self.board.progress.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut held = self.progress_of_runs.progress.lock().unwrap_or_else(PoisonError::into_inner);
         let (progress, done) = &mut *held;
         done[self.number] = match status.phase {
             Phase::Shear => PREPARATION_SHARE + (1.0 - PREPARATION_SHARE) * status.fraction.unwrap_or(0.0),
             _ => done[self.number].max(PREPARATION_SHARE * status.simulation.state().solid_fraction()),
         };
-        let all = share_done(self.board.plan, done);
-        let (seed, phase) = (self.board.plan.runs[self.number].seed, status.phase.name());
+        let all = share_done(self.progress_of_runs.plan, done);
+        let (seed, phase) = (self.progress_of_runs.plan.runs[self.number].seed, status.phase.name());
         progress.update(Some(all), |room| match room {
             Room::Line => vec![Field::new(0, format!("seed {seed} {phase}  {}", laboratory::line(status)))],
             Room::Screen => {
@@ -58,10 +58,10 @@ impl Observer for Eyes<'_> {
                 fields
             }
         });
-        self.board.context.flow()
+        self.progress_of_runs.context.flow()
     }
     fn warn(&mut self, text: &str) {
-        self.board.context.warn(text);
+        self.progress_of_runs.context.warn(text);
     }
 }
 
@@ -109,14 +109,16 @@ pub fn all(
     }
     let mut progress = context.progress();
     progress.phase("DEM");
-    let board = Board { context, plan, progress: Mutex::new((progress, vec![0.0; jobs.len()])) };
+    let progress_of_runs =
+        ProgressOfRuns { context, plan, progress: Mutex::new((progress, vec![0.0; jobs.len()])) };
     let threads = laboratory.hardware.threads.max(1);
     // A run that fails does not stop the others, which then need not be repeated.
     let records = parallel::map(jobs.len(), threads, |number| {
         let (case, path): &(&Case, PathBuf) = &jobs[number];
         let _entered = shared.enter();
-        let record = one(&laboratory, case, path, &mut Eyes { board: &board, number });
-        board.progress.lock().unwrap_or_else(PoisonError::into_inner).1[number] = 1.0;
+        let record =
+            one(&laboratory, case, path, &mut ProgressOfRun { progress_of_runs: &progress_of_runs, number });
+        progress_of_runs.progress.lock().unwrap_or_else(PoisonError::into_inner).1[number] = 1.0;
         Ok::<_, Failure>(record)
     })?;
     for record in records {
@@ -126,7 +128,7 @@ pub fn all(
             return Err(Interrupted { left }.into());
         }
     }
-    let (mut progress, _) = board.progress.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let (mut progress, _) = progress_of_runs.progress.into_inner().unwrap_or_else(PoisonError::into_inner);
     progress.end(|| format!("{} runs", jobs.len()));
     let done = plan.runs.iter().zip(jobs);
     Ok(done.map(|(planned, (_, folder))| Done { role: planned.role, seed: planned.seed, folder }).collect())
@@ -156,14 +158,19 @@ fn is_of(record: &RunRecord, laboratory: &Laboratory, case: &Case) -> bool {
 }
 
 /// Executes one run: a finished run is used again, an unfinished one is resumed, and otherwise a new one is started.
-fn one(laboratory: &Laboratory, case: &Case, path: &Path, eyes: &mut Eyes) -> Result<RunRecord, Failure> {
+fn one(
+    laboratory: &Laboratory,
+    case: &Case,
+    path: &Path,
+    progress_of_run: &mut ProgressOfRun,
+) -> Result<RunRecord, Failure> {
     if let Ok(record) = Run::at(path).and_then(|run| run.record()) {
         if record.answers(case, &laboratory.version) {
             return Ok(record);
         }
         if is_of(&record, laboratory, case) {
             let folder = RunFolder::open(path)?;
-            match laboratory.resume(&folder, eyes) {
+            match laboratory.resume(&folder, progress_of_run) {
                 // After damage to a checkpoint the run is repeated, which costs time but does not end the study.
                 Err(LaboratoryError::Checkpoint { .. } | LaboratoryError::Unusable { .. }) => {}
                 other => return Ok(other?),
@@ -171,5 +178,5 @@ fn one(laboratory: &Laboratory, case: &Case, path: &Path, eyes: &mut Eyes) -> Re
         }
     }
     let folder = RunFolder::create(path, true)?;
-    Ok(laboratory.shear(case, &Source::Case, &folder, eyes)?)
+    Ok(laboratory.shear(case, &Source::Case, &folder, progress_of_run)?)
 }

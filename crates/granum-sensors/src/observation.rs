@@ -5,7 +5,7 @@ use granum_core::assembly::{Assembly, Contact};
 use crate::stress::Stress;
 
 /// An assembly with its volume, its mean normal force, which separates strong from weak contacts, and its stress.
-pub struct Look<'a> {
+pub struct Observation<'a> {
     /// The observed assembly.
     pub assembly: &'a Assembly,
     /// Mean `<N>` of the elastic normal forces of all contacts, tension negative, N; 0 without contacts.
@@ -16,18 +16,18 @@ pub struct Look<'a> {
     pub stress: Stress,
 }
 
-impl<'a> Look<'a> {
+impl<'a> Observation<'a> {
     /// Observes an assembly.
     pub fn new(assembly: &'a Assembly) -> Self {
         let sum: f64 = assembly.contacts.iter().map(|contact| contact.normal_force).sum();
-        let mut look = Look {
+        let mut observation = Observation {
             assembly,
             mean_normal_force: mean(sum, assembly.contacts.len()),
             volume: assembly.volume(),
             stress: Stress::default(),
         };
-        look.stress = Stress::of(&look);
-        look
+        observation.stress = Stress::of(&observation);
+        observation
     }
 
     /// True for a contact of the strong network: `N > <N>` (Radjai et al. 1998).

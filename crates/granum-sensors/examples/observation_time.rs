@@ -1,6 +1,6 @@
 //! Measures the time of one observation of an assembly as large as that of the paper: 5000 grains, 13000 contacts.
 //!
-//! `cargo run --release -p granum-sensors --example look_time`
+//! `cargo run --release -p granum-sensors --example observation_time`
 
 use granum_core::assembly::{Assembly, Contact, Grain};
 use granum_dem::config::Recording;
@@ -33,14 +33,21 @@ fn main() {
             .collect(),
         ..Default::default()
     };
-    let looks = 1000;
-    let recording = Recording { states: looks, looks: 1, ..Default::default() };
+    let observations = 1000;
+    let recording = Recording::default().with(|recording| {
+        recording.states = observations;
+        recording.observations_per_state = 1;
+    });
     let Ok(mut recorder) = Recorder::new(&Sensors::standard(), &recording, 1.0) else { return };
     let start = Instant::now();
-    for k in 0..looks {
-        assembly.strain[0][0] = (k as f64 + 0.5) / looks as f64;
-        recorder.look(&assembly);
+    for k in 0..observations {
+        assembly.strain[0][0] = (k as f64 + 0.5) / observations as f64;
+        recorder.observe(&assembly);
     }
-    let taken = start.elapsed().as_secs_f64() / looks as f64;
-    println!("{} states recorded, {:.0} microseconds a look", recorder.record().series.rows(), 1e6 * taken);
+    let taken = start.elapsed().as_secs_f64() / observations as f64;
+    println!(
+        "{} states recorded, {:.0} microseconds an observation",
+        recorder.record().series.rows(),
+        1e6 * taken
+    );
 }
