@@ -27,12 +27,12 @@ use crate::team::RawSlice;
 pub(crate) use choice::{Stage, Stages};
 pub(crate) use contacts::ContactStage;
 pub(crate) use grains::{GrainStage, larger, resultant};
-pub(crate) use laws::{AnyLaws, StageLaws};
+pub(crate) use laws::{AnyLaws, StageLaws, WithMoments};
 pub(crate) use prune::{InnerList, Nearness, PruneStage};
 pub(crate) use source::{Alike, AlikeOrByBatch, ByBatch, ConstantSource};
 
 /// Number of history columns before those of the laws: the old normal.
-pub(crate) const NORMAL_COLUMNS: usize = 3;
+pub(crate) const NORMAL_COLUMNS: usize = crate::contact::slots::DIRECTION;
 
 /// Sums over the contacts of a block (or of all blocks).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -58,6 +58,8 @@ pub struct ContactSums {
     pub moment_loss: f64,
     /// Lost in this step where attractions beyond touch begin or end, J.
     pub attraction_loss: f64,
+    /// Lost in this step by plastic deformation, J.
+    pub plastic_loss: f64,
     /// Power that the deformation of the cell supplies to the contacts, W.
     pub boundary_power: f64,
     /// `sum of k_n D^2`, J.
@@ -85,6 +87,7 @@ impl ContactSums {
             t.moment_work += c.moment_work;
             t.moment_loss += c.moment_loss;
             t.attraction_loss += c.attraction_loss;
+            t.plastic_loss += c.plastic_loss;
             t.boundary_power += c.boundary_power;
             t.stiffness += c.stiffness;
             t.normal_force += c.normal_force;
