@@ -103,6 +103,8 @@ pub struct EnergyBalance {
     /// Lost where attractions beyond touch begin or end: bridges that rupture.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub attraction_loss: f64,
+    /// Lost by plastic deformation of contacts, J.
+    pub plastic_loss: f64,
 }
 
 /// True for what files without a law of moments or of adhesion leave out.

@@ -40,7 +40,7 @@ pub(crate) fn rebuild(
     cell: &Cell,
     particles: &[Row8],
     change: &Change,
-    columns: [usize; 3],
+    columns: [usize; 4],
 ) -> Pairs {
     let grains = particles.len();
     let kept = Kept::of(&old, near, change, grains);
@@ -312,7 +312,7 @@ mod tests {
         let near = find(Isa::detect(), &cell, &particles, 0.05);
         let none = vec![[0; 3]; COUNT];
         let change = Change { moved: &none, new_place: None, swap: &negate };
-        let mut pairs = rebuild(Pairs::default(), &near, &cell, &particles, &change, [7, 0, 0]);
+        let mut pairs = rebuild(Pairs::default(), &near, &cell, &particles, &change, [7, 0, 0, 0]);
         assert!(pairs.blocks.len() > 3 && pairs.forces.len() > COUNT);
         // Store the direction and the branch vector itself as history, and let every pair pull with its branch vector.
         let slots: Vec<usize> = real(&pairs).collect();
@@ -347,7 +347,7 @@ mod tests {
         let particles: Vec<Row8> = order.iter().map(|&o| particles[o as usize]).collect();
         let near = find(Isa::detect(), &cell, &particles, 0.05);
         let change = Change { moved: &moved, new_place: Some(&new_place), swap: &negate };
-        let again = rebuild(pairs.clone(), &near, &cell, &particles, &change, [7, 0, 0]);
+        let again = rebuild(pairs.clone(), &near, &cell, &particles, &change, [7, 0, 0, 0]);
         assert_eq!((again.count, again.contacts()), (pairs.count, pairs.count));
         assert_eq!(real(&again).count(), again.count);
         let slid = |pairs: &Pairs| real(pairs).filter(|&s| pairs.sliding(s)).count();
@@ -373,7 +373,7 @@ mod tests {
         let near = find(Isa::detect(), &cell, &particles, 0.3);
         let none = vec![[0; 3]; COUNT];
         let change = Change { moved: &none, new_place: None, swap: &negate };
-        let pairs = rebuild(Pairs::default(), &near, &cell, &particles, &change, [5, 0, 0]);
+        let pairs = rebuild(Pairs::default(), &near, &cell, &particles, &change, [5, 0, 0, 0]);
         let mut owner = vec![usize::MAX; pairs.forces.len()];
         for (k, block) in pairs.blocks.iter().enumerate() {
             for [from, to] in [block.grains, block.outer] {

@@ -19,7 +19,7 @@ use crate::state::State;
 const MAGIC: &[u8; 8] = b"GRANUMCP";
 const HEADER: usize = 24;
 /// Version that this granum writes.
-pub const VERSION: u32 = 6;
+pub const VERSION: u32 = 7;
 
 /// Reasons why bytes are not a usable checkpoint.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -155,8 +155,8 @@ impl Simulation {
         integrator.time_step_factor = body.time_step_factor;
         integrator.fixed_time_step = body.fixed_time_step;
         integrator.expected_force = body.expected_force;
-        let [tangential, moments, adhesion] = integrator.properties.contact.history();
-        if integrator.state.pairs.columns != [NORMAL_COLUMNS + tangential, moments, adhesion] {
+        let [tangential, moments, adhesion, normal] = integrator.properties.contact.history();
+        if integrator.state.pairs.columns != [NORMAL_COLUMNS + tangential, moments, adhesion, normal] {
             return Err(inconsistent("contact memory does not fit the contact laws"));
         }
         integrator.prepare_constants();

@@ -26,6 +26,8 @@ pub struct ContactSums {
     pub moment_loss: f64,
     /// Lost in this step where attractions beyond touch begin or end, J.
     pub attraction_loss: f64,
+    /// Lost in this step by plastic deformation, J.
+    pub plastic_loss: f64,
     /// Power that the deformation of the cell supplies to the contacts, W.
     pub boundary_power: f64,
     /// `sum of k_n D^2`, J.
@@ -53,6 +55,7 @@ impl ContactSums {
             t.moment_work += c.moment_work;
             t.moment_loss += c.moment_loss;
             t.attraction_loss += c.attraction_loss;
+            t.plastic_loss += c.plastic_loss;
             t.boundary_power += c.boundary_power;
             t.stiffness += c.stiffness;
             t.normal_force += c.normal_force;

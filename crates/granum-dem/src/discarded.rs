@@ -78,7 +78,7 @@ impl Discarded {
         let count = self.count.min(LANES);
         let place = L::load(&std::array::from_fn(|l| l as f64));
         let mut history = [L::zero(); MAX_HISTORY];
-        for (c, column) in history.iter_mut().enumerate().take(laws.tangential_columns()) {
+        for (c, column) in history.iter_mut().enumerate().take(laws.history()[0]) {
             *column = L::load(&rows[LAW_CONSTANTS + 1 + c].0);
         }
         let constants = std::array::from_fn(|c| L::load(&rows[c].0));

@@ -160,8 +160,8 @@ impl Integrator {
         self.range = self.table.range(self.largest_radius);
         let near =
             search::find(self.hardware.isa, &state.cell, &state.particles[..n], state.skin + self.range);
-        let [tangential, moments, adhesion] = laws.history();
-        let columns = [NORMAL_COLUMNS + tangential, moments, adhesion];
+        let [tangential, moments, adhesion, normal] = laws.history();
+        let columns = [NORMAL_COLUMNS + tangential, moments, adhesion, normal];
         let old = std::mem::take(&mut state.pairs);
         let change = Change {
             moved: &moved,
@@ -311,6 +311,7 @@ impl Integrator {
         state.energy_balance.rolling_work += state.sums.moment_work;
         state.energy_balance.rolling += state.sums.moment_loss;
         state.energy_balance.attraction_loss += state.sums.attraction_loss;
+        state.energy_balance.plastic_loss += state.sums.plastic_loss;
         state.time += state.dt;
         state.step += 1;
         state.steps_since_rebuild += 1;

@@ -9,12 +9,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::cell::Cell;
 use crate::contact::interaction::Memory;
-use crate::contact::{MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY};
+use crate::contact::{MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY};
 use crate::rows;
 use granum_core::geometry::{apply, invert};
 
 /// Number of history columns before those of the laws: the old normal.
-pub(crate) const NORMAL_COLUMNS: usize = 3;
+pub(crate) const NORMAL_COLUMNS: usize = crate::contact::slots::DIRECTION;
 
 /// A range of grains and the pairs whose first grain is in it: the unit of work of a thread.
 ///
@@ -62,11 +62,12 @@ pub struct Pairs {
     /// Code of the image of j.
     pub(crate) image: Vec<[u32; LANES]>,
     /// Columns of memory, by batch: the old normal (3), the tangential law's history, that of the law of moments, that of the
-    /// law of adhesion.
+    /// law of adhesion, that of the normal law.
     #[serde(with = "rows::eight")]
     pub(crate) memory: Vec<Row8>,
-    /// Number of columns of memory: of the normal and the tangential law, of the law of moments, of the law of adhesion.
-    pub(crate) columns: [usize; 3],
+    /// Number of columns of memory: of the old normal and the tangential law, of the law of moments, of the law of adhesion, of the
+    /// normal law.
+    pub(crate) columns: [usize; 4],
     /// State of the lanes of a batch in the last step.
     pub(crate) marks: Vec<Marks>,
     /// Constants by batch, where grains differ; empty where all pairs are equal.
@@ -113,15 +114,19 @@ impl Pairs {
         for (c, value) in adhesion.iter_mut().enumerate().take(self.columns[2]) {
             *value = self.column(b, self.columns[0] + self.columns[1] + c)[l];
         }
-        Memory { normal: [0, 1, 2].map(|c| self.column(b, c)[l]), history, moments, adhesion }
+        let mut loading = [0.0; MAX_NORMAL_HISTORY];
+        for (c, value) in loading.iter_mut().enumerate().take(self.columns[3]) {
+            *value = self.column(b, self.columns[..3].iter().sum::<usize>() + c)[l];
+        }
+        Memory { normal: [0, 1, 2].map(|c| self.column(b, c)[l]), history, moments, adhesion, loading }
     }
 
     pub(crate) fn set_memory(&mut self, slot: usize, memory: &Memory<f64>) {
         let (b, l) = (slot / LANES, slot % LANES);
         let history = self.columns[0] - NORMAL_COLUMNS;
         let of_contact = memory.normal.iter().chain(&memory.history[..history]);
-        let values =
-            of_contact.chain(&memory.moments[..self.columns[1]]).chain(&memory.adhesion[..self.columns[2]]);
+        let others = memory.moments[..self.columns[1]].iter().chain(&memory.adhesion[..self.columns[2]]);
+        let values = of_contact.chain(others).chain(&memory.loading[..self.columns[3]]);
         let first = b * self.columns_in_all();
         for (row, value) in self.memory[first..].iter_mut().zip(values) {
             row.0[l] = *value;

@@ -379,12 +379,13 @@ impl Integrator {
             now.tangential == before.tangential && measured_alike,
             now.rolling == before.rolling && measured_alike,
             now.adhesion == before.adhesion,
+            now.normal == before.normal,
         ];
-        if same == [true; 3] {
+        if same == [true; 4] {
             return;
         }
-        let [tangential, moments, adhesion] = now.history();
-        let columns = NORMAL_COLUMNS + tangential + moments + adhesion;
+        let [tangential, moments, adhesion, normal] = now.history();
+        let columns = NORMAL_COLUMNS + tangential + moments + adhesion + normal;
         let old = &self.state.pairs;
         // Columns of the new history, with their positions in the old one.
         let mut kept: Vec<[usize; 2]> = (0..NORMAL_COLUMNS).map(|c| [c, c]).collect();
@@ -398,6 +399,10 @@ impl Integrator {
             let (to, from) = (NORMAL_COLUMNS + tangential + moments, old.columns[0] + old.columns[1]);
             kept.extend((0..adhesion).map(|c| [to + c, from + c]));
         }
+        if same[3] {
+            let from: usize = old.columns[..3].iter().sum();
+            kept.extend((0..normal).map(|c| [columns - normal + c, from + c]));
+        }
         let stride = old.columns_in_all();
         let mut memory = vec![Row8::default(); old.batches() * columns];
         for b in 0..old.batches() {
@@ -406,7 +411,7 @@ impl Integrator {
             }
         }
         self.state.pairs.memory = memory;
-        self.state.pairs.columns = [NORMAL_COLUMNS + tangential, moments, adhesion];
+        self.state.pairs.columns = [NORMAL_COLUMNS + tangential, moments, adhesion, normal];
         if !same[2] {
             // Another law starts without what this one remembered of pairs apart.
             self.state.pairs.marks.iter_mut().for_each(|marks| marks.attracting = 0);

@@ -82,15 +82,18 @@ mod energy_row {
             rolling_work,
             rolling,
             attraction_loss,
+            plastic_loss,
         } = *energy_balance;
-        let lost = [friction, micro_slip, damping, adhesion_made, adhesion_broken, attraction_loss];
+        let lost =
+            [friction, micro_slip, damping, adhesion_made, adhesion_broken, attraction_loss, plastic_loss];
         ([boundary_work, tangential_work], lost, [rolling_work, rolling]).serialize(to)
     }
 
     pub(super) fn deserialize<'d, D: Deserializer<'d>>(from: D) -> Result<EnergyBalance, D::Error> {
         let ([boundary_work, tangential_work], lost, [rolling_work, rolling]) =
-            <([f64; 2], [f64; 6], [f64; 2])>::deserialize(from)?;
-        let [friction, micro_slip, damping, adhesion_made, adhesion_broken, attraction_loss] = lost;
+            <([f64; 2], [f64; 7], [f64; 2])>::deserialize(from)?;
+        let [friction, micro_slip, damping, adhesion_made, adhesion_broken, attraction_loss, plastic_loss] =
+            lost;
         Ok(EnergyBalance {
             boundary_work,
             tangential_work,
@@ -102,6 +105,7 @@ mod energy_row {
             rolling_work,
             rolling,
             attraction_loss,
+            plastic_loss,
         })
     }
 }
@@ -422,7 +426,7 @@ impl State {
         let attraction = laws.attraction(&pair, approach, touching, &memory);
         let attraction_energy = laws.attraction_energy(&pair, approach, &memory);
         // A pair apart has what acts at a distance alone.
-        let contact_of = |overlap: f64| laws.normal_contact(&pair, overlap);
+        let contact_of = |overlap: f64| laws.normal_contact_of(&pair, overlap, &memory);
         let normal = if touching { contact_of(approach) } else { contact_of(-pair.radius_sum) };
         let t = law::tangential_force(&memory);
         // By rank, so that i < j holds for ids whatever the storage order.
@@ -438,7 +442,7 @@ impl State {
             tangential_force: t.map(|x| sign * x),
             radius: normal.radius,
             sliding: self.pairs.sliding(slot),
-            normal_energy: if touching { laws.normal_energy(&pair, approach) } else { 0.0 },
+            normal_energy: if touching { laws.normal_energy(&pair, approach, &memory) } else { 0.0 },
             tangential_energy: laws.tangential_energy(&pair, &normal, &memory),
             rolling_energy: laws.moment_energy(&pair, &memory),
             attraction_energy,

@@ -44,7 +44,9 @@ impl Balance {
         let rolling = [("rolling", "rolling_loss"), (ELASTIC[2], "elastic_rolling_energy")];
         // These columns exist only if grains attract each other at a distance.
         let attraction = [("attraction ended", "attraction_loss"), (ELASTIC[3], "attraction_energy")];
-        for (name, column) in rolling.into_iter().chain(attraction) {
+        // This column exists only if contacts deform plastically.
+        let plastic = [("plastic deformation", "plastic_loss")];
+        for (name, column) in rolling.into_iter().chain(attraction).chain(plastic) {
             parts.extend(since_start(column).map(|values| (name, values)));
         }
         Some(Balance { work: since_start("boundary_work")?, parts })

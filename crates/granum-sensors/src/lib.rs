@@ -29,6 +29,7 @@ mod numerics;
 mod observation;
 pub mod overlap;
 pub mod overlap_distribution;
+pub mod plasticity;
 mod record;
 mod recorder;
 mod registry;

@@ -11,8 +11,8 @@ use crate::histogram::{Bins, Histogram};
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 use crate::{
     attraction, coordination, energy, fabric, force_distribution, inertial_number, invariants,
-    nonaffine_displacement, overlap, overlap_distribution, rolling, rose, second_order_work, servo, sliding,
-    solid_fraction, strain, stress, unbalanced_force,
+    nonaffine_displacement, overlap, overlap_distribution, plasticity, rolling, rose, second_order_work,
+    servo, sliding, solid_fraction, strain, stress, unbalanced_force,
 };
 
 /// When a sensor is recorded.
@@ -105,6 +105,7 @@ static STANDARD: LazyLock<Sensors> = LazyLock::new(|| {
     sensors.add(Always, energy::Energy);
     sensors.add(Always, rolling::Rolling);
     sensors.add(Always, attraction::Attraction);
+    sensors.add(Always, plasticity::Plasticity);
     sensors.add(Always, rose::RoseOfContacts);
     sensors.add(InStages, invariants::Invariants);
     sensors.add(WhereNamed, overlap_distribution::OverlapDistribution);

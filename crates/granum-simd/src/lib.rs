@@ -28,7 +28,7 @@ mod tests;
 
 pub use dispatch::{Isa, Kernel, dispatch, dispatch_or};
 pub use lanes::{Lanes, Mask, Real};
-pub use math::{cbrt, exp, sigmoid, tanh};
+pub use math::{cbrt, exp, power, sigmoid, tanh};
 pub use portable::Portable;
 pub use prefetch::prefetch;
 pub use rows::{Row4, Row8};

@@ -46,6 +46,36 @@ pub fn exp<R: Real>(x: R) -> R {
     p.mul_add(r, R::splat(1.0)) * k.exp2_integer()
 }
 
+/// A positive number between 2^-255 and 2^255 to the power of an exponent, relative error below 1e-15 times `1 + |exponent ln x|`.
+///
+/// The logarithm is that of the number itself or of its reciprocal, whichever is below one, scaled by powers of two into
+/// `[1/sqrt 2, sqrt 2)`, where `ln m = 2 artanh((m - 1)/(m + 1))` is a short series.
+#[inline(always)]
+pub fn power<R: Real>(x: R, exponent: R) -> R {
+    let one = R::splat(1.0);
+    let large = x.gt(one);
+    let mut m = R::select(large, one / x, x);
+    let mut twos = R::zero();
+    for k in [128i32, 64, 32, 16, 8, 4, 2, 1] {
+        let raised = m * R::splat(2f64.powi(k));
+        let small = raised.le(one);
+        m = R::select(small, raised, m);
+        twos = R::select(small, twos - R::splat(f64::from(k)), twos);
+    }
+    let low = m.lt(R::splat(std::f64::consts::FRAC_1_SQRT_2));
+    m = R::select(low, m + m, m);
+    twos = R::select(low, twos - one, twos);
+    let s = (m - one) / (m + one);
+    let square = s * s;
+    let mut series = R::zero();
+    for k in (0..11).rev() {
+        series = series.mul_add(square, R::splat(2.0 / f64::from(2 * k + 1)));
+    }
+    let logarithm = twos.mul_add(R::splat(std::f64::consts::LN_2), s * series);
+    let signed = R::select(large, -logarithm, logarithm);
+    exp(signed * exponent)
+}
+
 /// Hyperbolic tangent as in equation (1) of Antony, Zhou and Wang (2006), absolute error below 5e-16.
 ///
 /// `1 - 2 / (exp(2x) + 1)` with a separate exponential: `2x = k ln 2 + 2t`, and a minimax polynomial of degree ten for

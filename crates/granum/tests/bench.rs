@@ -68,7 +68,7 @@ fn a_packing_of_the_user_is_measured_and_wrong_flags_are_refused() {
         (&["--grains", "0"], "--grains 0: the packing has 5000 grains"),
         (&["--skip-steps", "5"], "--steps"),
         (&["--steps", "0"], "--steps"),
-        (&["--law", "jkr"], "--law jkr: two or three names are needed"),
+        (&["--law", "jkr"], "--law jkr: two to four names are needed"),
         (&["--law", "jkr,slippery"], "slippery"),
         (&["--law", "hertz,peeling"], "nothing peels without adhesion"),
         (&["--seconds", "-1"], "--seconds -1"),

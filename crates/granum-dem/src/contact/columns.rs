@@ -1,9 +1,12 @@
 //! Transfer of the numbers of contacts to a law that is called through a function pointer, and back.
+//!
+//! Constants and histories are read and written where they lie, in rows of eight; everything else goes through the columns of a
+//! [`Sheet`], in which one law finds what another wrote.
 
 use granum_simd::{Lanes, Real, Row8, Twice};
 
+use super::LAW_CONSTANTS;
 use super::law::Normal;
-use super::{LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY};
 
 /// One number of a contact, for up to two batches of eight contacts.
 pub type Column = [Row8; 2];
@@ -29,6 +32,10 @@ pub trait Width {
     fn read(column: &Column) -> Self::Value;
     /// Writes them to a column.
     fn write(value: Self::Value, column: &mut Column);
+    /// Reads them from row `c` of each batch; one batch is the first.
+    fn read_rows(rows: [&[Row8]; 2], c: usize) -> Self::Value;
+    /// Writes them to row `c` of each batch.
+    fn write_rows(value: Self::Value, rows: &mut [&mut [Row8]; 2], c: usize);
     /// Writes a mask as ones and zeros.
     #[inline(always)]
     fn write_mask(mask: <Self::Value as Real>::Mask, column: &mut Column) {
@@ -62,6 +69,14 @@ impl Width for One {
     fn write(value: f64, column: &mut Column) {
         column[0].0[0] = value;
     }
+    #[inline(always)]
+    fn read_rows(rows: [&[Row8]; 2], c: usize) -> f64 {
+        rows[0][c].0[0]
+    }
+    #[inline(always)]
+    fn write_rows(value: f64, rows: &mut [&mut [Row8]; 2], c: usize) {
+        rows[0][c].0[0] = value;
+    }
 }
 impl<L: Lanes> Width for Batch<L> {
     type Value = L;
@@ -73,6 +88,14 @@ impl<L: Lanes> Width for Batch<L> {
     #[inline(always)]
     fn write(value: L, column: &mut Column) {
         value.store(&mut column[0].0);
+    }
+    #[inline(always)]
+    fn read_rows(rows: [&[Row8]; 2], c: usize) -> L {
+        L::load(&rows[0][c].0)
+    }
+    #[inline(always)]
+    fn write_rows(value: L, rows: &mut [&mut [Row8]; 2], c: usize) {
+        value.store(&mut rows[0][c].0);
     }
 }
 impl<L: Lanes> Width for TwoBatches<L> {
@@ -87,11 +110,20 @@ impl<L: Lanes> Width for TwoBatches<L> {
         value.0.store(&mut column[0].0);
         value.1.store(&mut column[1].0);
     }
+    #[inline(always)]
+    fn read_rows(rows: [&[Row8]; 2], c: usize) -> Twice<L> {
+        Twice(L::load(&rows[0][c].0), L::load(&rows[1][c].0))
+    }
+    #[inline(always)]
+    fn write_rows(value: Twice<L>, rows: &mut [&mut [Row8]; 2], c: usize) {
+        value.0.store(&mut rows[0][c].0);
+        value.1.store(&mut rows[1][c].0);
+    }
 }
 
 /// Reads consecutive columns.
 #[inline(always)]
-pub(super) fn read<W: Width, const N: usize>(columns: &[Column], from: usize) -> [W::Value; N] {
+pub(super) fn read<W: Width, const N: usize>(columns: &ProgressOfRuns, from: usize) -> [W::Value; N] {
     std::array::from_fn(
         #[inline(always)]
         |c| W::read(&columns[from + c]),
@@ -100,18 +132,98 @@ pub(super) fn read<W: Width, const N: usize>(columns: &[Column], from: usize) ->
 
 /// Writes consecutive columns.
 #[inline(always)]
-pub(super) fn write<W: Width, const N: usize>(values: [W::Value; N], columns: &mut [Column], from: usize) {
+pub(super) fn write<W: Width, const N: usize>(
+    values: [W::Value; N],
+    columns: &mut ProgressOfRuns,
+    from: usize,
+) {
     for (c, value) in values.into_iter().enumerate() {
         W::write(value, &mut columns[from + c]);
     }
 }
 
-/// Columns of the normal part of a contact, as it is passed between slots: the numbers of [`Normal`] and the mask of
-/// touching pairs.
-pub(super) const NORMAL_COLUMNS: usize = 8;
+/// Columns through which the laws of a set and their caller pass numbers to each other.
+pub(super) mod at {
+    pub const OVERLAP: usize = 0;
+    pub const TOUCHED: usize = 1;
+    /// The normal part of a contact: the numbers of [`super::Normal`] and the mask of touching pairs.
+    pub const CONTACT: usize = 2;
+    pub const TOUCHING: usize = CONTACT + 7;
+    /// Energy lost by making, by breaking, and by plastic deformation.
+    pub const LOSSES: usize = TOUCHING + 1;
+    pub const INCREMENT: usize = LOSSES + 3;
+    /// Cosine and sine by which stored vectors are turned.
+    pub const TURN: usize = INCREMENT + 2;
+    /// Rolling, twisting, time step.
+    pub const SPIN: usize = TURN + 2;
+    /// Force before the step, force, stiffness, its root, losses, stiffness for the time step.
+    pub const TANGENTIAL: usize = SPIN + 4;
+    pub const SLIDING: usize = TANGENTIAL + 9;
+    pub const DISCARDS: usize = SLIDING + 1;
+    /// Couple, dashpots, work, loss, stiffness for the time step.
+    pub const MOMENT: usize = DISCARDS + 1;
+    pub const AT_LIMIT: usize = MOMENT + 8;
+    /// Force, stiffness, loss.
+    pub const ADHESION: usize = AT_LIMIT + 1;
+    pub const ACTING: usize = ADHESION + 3;
+    pub const ALL: usize = ACTING + 1;
+}
+
+/// The columns of a call.
+pub(super) type ProgressOfRuns = [Column; at::ALL];
+
+/// What a law is called with: where the constants and the history of one batch or of two lie, and the columns.
+pub struct Sheet<'a> {
+    pub(super) constants: [&'a [Row8]; 2],
+    pub(super) history: [&'a mut [Row8]; 2],
+    pub(super) columns: &'a mut ProgressOfRuns,
+}
+
+impl Sheet<'_> {
+    /// The constants of the law.
+    #[inline(always)]
+    pub(super) fn constants<W: Width>(&self) -> [W::Value; LAW_CONSTANTS] {
+        let rows = self.constants.map(
+            #[inline(always)]
+            |rows| &rows[..LAW_CONSTANTS],
+        );
+        std::array::from_fn(
+            #[inline(always)]
+            |c| W::read_rows(rows, c),
+        )
+    }
+
+    /// The first columns of the history; the rest is zero.
+    #[inline(always)]
+    pub(super) fn history<W: Width, const N: usize>(&self, used: usize) -> [W::Value; N] {
+        let rows = [&*self.history[0], &*self.history[1]];
+        let mut history = [W::Value::zero(); N];
+        for (c, value) in history.iter_mut().enumerate().take(used) {
+            *value = W::read_rows(rows, c);
+        }
+        history
+    }
+
+    /// Writes the first columns of the history.
+    #[inline(always)]
+    pub(super) fn keep<W: Width, const N: usize>(&mut self, history: &[W::Value; N], used: usize) {
+        for (c, value) in history.iter().enumerate().take(used) {
+            W::write_rows(*value, &mut self.history, c);
+        }
+    }
+
+    /// Exchanges the two batches.
+    pub(super) fn exchange(&mut self) {
+        self.constants.swap(0, 1);
+        self.history.swap(0, 1);
+        for column in self.columns.iter_mut() {
+            column.swap(0, 1);
+        }
+    }
+}
 
 #[inline(always)]
-pub(super) fn write_normal<W: Width>(normal: &Normal<W::Value>, columns: &mut [Column], from: usize) {
+pub(super) fn write_normal<W: Width>(normal: &Normal<W::Value>, columns: &mut ProgressOfRuns) {
     let numbers = [
         normal.force,
         normal.radius,
@@ -121,12 +233,12 @@ pub(super) fn write_normal<W: Width>(normal: &Normal<W::Value>, columns: &mut [C
         normal.root_tangential_measure,
         normal.friction_load,
     ];
-    write::<W, 7>(numbers, columns, from);
-    W::write_mask(normal.touching, &mut columns[from + 7]);
+    write::<W, 7>(numbers, columns, at::CONTACT);
+    W::write_mask(normal.touching, &mut columns[at::TOUCHING]);
 }
 
 #[inline(always)]
-pub(super) fn read_normal<W: Width>(columns: &[Column], from: usize) -> Normal<W::Value> {
+pub(super) fn read_normal<W: Width>(columns: &ProgressOfRuns) -> Normal<W::Value> {
     let [
         force,
         radius,
@@ -135,7 +247,7 @@ pub(super) fn read_normal<W: Width>(columns: &[Column], from: usize) -> Normal<W
         tangential_measure,
         root_tangential_measure,
         friction_load,
-    ] = read::<W, 7>(columns, from);
+    ] = read::<W, 7>(columns, at::CONTACT);
     Normal {
         force,
         radius,
@@ -144,51 +256,6 @@ pub(super) fn read_normal<W: Width>(columns: &[Column], from: usize) -> Normal<W
         tangential_measure,
         root_tangential_measure,
         friction_load,
-        touching: W::read_mask(&columns[from + 7]),
+        touching: W::read_mask(&columns[at::TOUCHING]),
     }
-}
-
-/// Columns of a call to a normal law: constants, overlap, whether the pair touched; then the contact and the losses.
-pub(super) mod normal_call {
-    use super::{LAW_CONSTANTS, NORMAL_COLUMNS};
-    pub const OVERLAP: usize = LAW_CONSTANTS;
-    pub const TOUCHED: usize = OVERLAP + 1;
-    pub const CONTACT: usize = TOUCHED + 1;
-    pub const LOSSES: usize = CONTACT + NORMAL_COLUMNS;
-    pub const ALL: usize = LOSSES + 2;
-}
-
-/// Columns of a call to a tangential law: constants, contact, increment, history; then force, stiffnesses, masks, losses.
-pub(super) mod tangential_call {
-    use super::{LAW_CONSTANTS, MAX_HISTORY, NORMAL_COLUMNS};
-    pub const CONTACT: usize = LAW_CONSTANTS;
-    pub const INCREMENT: usize = CONTACT + NORMAL_COLUMNS;
-    pub const HISTORY: usize = INCREMENT + 2;
-    pub const RESULT: usize = HISTORY + MAX_HISTORY;
-    pub const SLIDING: usize = RESULT + 7;
-    pub const DISCARDS: usize = SLIDING + 1;
-    pub const ALL: usize = DISCARDS + 1;
-}
-
-/// Columns of a call to a law of moments: constants, contact, spins, time step, history; then couple, dashpots, losses.
-pub(super) mod moment_call {
-    use super::{LAW_CONSTANTS, MAX_MOMENT_HISTORY, NORMAL_COLUMNS};
-    pub const CONTACT: usize = LAW_CONSTANTS;
-    pub const SPIN: usize = CONTACT + NORMAL_COLUMNS;
-    pub const TIME_STEP: usize = SPIN + 3;
-    pub const HISTORY: usize = TIME_STEP + 1;
-    pub const RESULT: usize = HISTORY + MAX_MOMENT_HISTORY;
-    pub const AT_LIMIT: usize = RESULT + 8;
-    pub const ALL: usize = AT_LIMIT + 1;
-}
-
-/// Columns of a call to a law of adhesion: constants, overlap, whether it touches, history; then force, stiffness, loss.
-pub(super) mod adhesion_call {
-    use super::{LAW_CONSTANTS, MAX_ADHESION_HISTORY};
-    pub const OVERLAP: usize = LAW_CONSTANTS;
-    pub const TOUCHING: usize = OVERLAP + 1;
-    pub const HISTORY: usize = TOUCHING + 1;
-    pub const RESULT: usize = HISTORY + MAX_ADHESION_HISTORY;
-    pub const ACTING: usize = RESULT + 3;
-    pub const ALL: usize = ACTING + 1;
 }

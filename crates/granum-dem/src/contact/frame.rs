@@ -75,8 +75,8 @@ pub fn swap_sides(normal: [f64; 3], vector: [f64; 2]) -> [f64; 2] {
 /// A rotation in the contact plane: the rotation of a stored vector in one step, relative to the frames.
 #[derive(Clone, Copy)]
 pub struct Turn<R> {
-    cosine: R,
-    sine: R,
+    pub(super) cosine: R,
+    pub(super) sine: R,
 }
 
 impl<R: Real> Turn<R> {

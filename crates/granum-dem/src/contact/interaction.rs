@@ -7,7 +7,7 @@ use granum_simd::{Mask, Real};
 use super::frame::{Frame, Turn};
 use super::law::RelativeSpin;
 use super::set::Laws;
-use super::{MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, PairConstants};
+use super::{MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY, PairConstants};
 
 /// Relative position and motion of the grains of a pair.
 #[derive(Clone, Copy)]
@@ -35,6 +35,8 @@ pub struct Memory<R> {
     pub moments: [R; MAX_MOMENT_HISTORY],
     /// The columns of the law of adhesion, which may last beyond touch.
     pub adhesion: [R; MAX_ADHESION_HISTORY],
+    /// The columns of the normal law.
+    pub loading: [R; MAX_NORMAL_HISTORY],
 }
 
 impl<R: Real> Memory<R> {
@@ -46,6 +48,7 @@ impl<R: Real> Memory<R> {
             history: [R::zero(); MAX_HISTORY],
             moments: [R::zero(); MAX_MOMENT_HISTORY],
             adhesion: [R::zero(); MAX_ADHESION_HISTORY],
+            loading: [R::zero(); MAX_NORMAL_HISTORY],
         }
     }
 }
@@ -57,7 +60,7 @@ impl<R: Real> Default for Memory<R> {
 }
 
 /// What a contact does to its grains in a step. Everything is zero where the pair does not touch, but for
-/// `adhesion_broken`, `moment_work` and `moment_loss`, which fall due just then, and for what a law of adhesion does.
+/// `adhesion_broken`, `moment_work`, `moment_loss` and `plastic_loss`, which fall due just then, and for what a law of adhesion does.
 #[derive(Clone, Copy)]
 pub struct Interaction<R: Real> {
     /// Force on i, dashpots included, N.
@@ -105,6 +108,8 @@ pub struct Interaction<R: Real> {
     pub moment_work: R,
     /// The part of it that was dissipated, J.
     pub moment_loss: R,
+    /// Energy lost by plastic deformation in this step, J.
+    pub plastic_loss: R,
 }
 
 /// Dot product, in a fixed order of fused operations.
@@ -188,7 +193,7 @@ pub fn interact<R: Real, S: Laws<R>>(
     // The stored normal is zero where the pair did not touch.
     let cosine = dot(memory.normal, normal);
     let touched = cosine.gt(zero);
-    let (contact, losses) = laws.normal(&constants.normal, overlap, touched);
+    let (contact, losses, plastic) = laws.normal(&constants.normal, overlap, touched, &mut memory.loading);
     let touching = contact.touching;
 
     // A new contact starts in its own contact plane.
@@ -199,12 +204,6 @@ pub fn interact<R: Real, S: Laws<R>>(
     let middle = scale(inverse, sum);
     let spin = dt * dot(kinematics.mean_spin, sum) * inverse;
     let turn = Turn::new(old, normal, cosine, spin);
-    let [columns, vectors] = laws.tangential_history();
-    for v in 0..vectors {
-        let turned = turn.apply([memory.history[2 * v], memory.history[2 * v + 1]]);
-        [memory.history[2 * v], memory.history[2 * v + 1]] = turned;
-    }
-    let before = [memory.history[0], memory.history[1]];
 
     // Velocity of the surface of j relative to that of i.
     let surface = add_scaled(kinematics.velocity, -distance, cross(kinematics.rolling, middle));
@@ -212,8 +211,8 @@ pub fn interact<R: Real, S: Laws<R>>(
     let frame = Frame::of(normal);
     let slip_velocity = frame.components(in_plane);
     let slip = [dt * slip_velocity[0], dt * slip_velocity[1]];
-    let (tangential, step_stiffness) =
-        laws.tangential(&constants.tangential, &contact, slip, &mut memory.history);
+    let (tangential, step_stiffness, before) =
+        laws.tangential(&constants.tangential, &contact, slip, &turn, &mut memory.history);
 
     let work = slip[0].mul_add(before[0] + tangential.force[0], slip[1] * (before[1] + tangential.force[1]));
     let normal_dashpot = constants.damping * contact.root_stiffness;
@@ -238,15 +237,9 @@ pub fn interact<R: Real, S: Laws<R>>(
         let step_stiffness = step_stiffness.max(found.step_stiffness);
         moments = Moments { step_stiffness, ..found };
         damping_power = damping_power + power;
-        for c in 0..laws.moment_history()[0] {
-            memory.moments[c] = memory.moments[c].keep(touching);
-        }
     }
 
     memory.normal = keep::<R>(touching, normal);
-    for c in 0..columns {
-        memory.history[c] = memory.history[c].keep(touching);
-    }
     let out = Interaction {
         force: keep::<R>(touching, add_scaled(frame.vector(pull), push, normal)),
         moment: keep::<R>(touching, moment),
@@ -271,6 +264,7 @@ pub fn interact<R: Real, S: Laws<R>>(
         // The energy still stored in a contact that breaks is lost.
         moment_work: moments.work.keep(touching | touched),
         moment_loss: moments.loss.keep(touching | touched),
+        plastic_loss: plastic.keep(touching | touched),
     };
     if S::MAY_HAVE_ADHESION && laws.has_adhesion() {
         return attract(laws, constants, normal, overlap, memory, out);
@@ -293,9 +287,6 @@ fn attract<R: Real, S: Laws<R>>(
 ) -> Interaction<R> {
     let found = laws.adhesion(&constants.adhesion, overlap, contact.touching, &mut memory.adhesion);
     let force = found.force.keep(found.acting);
-    for value in &mut memory.adhesion {
-        *value = value.keep(found.acting);
-    }
     let step_stiffness = R::splat(THIRD).mul_add(found.stiffness.keep(found.acting), contact.step_stiffness);
     Interaction {
         force: add_scaled(contact.force, force, normal),
@@ -337,14 +328,10 @@ fn resist<R: Real, S: Laws<R>>(
     dt: R,
     memory: &mut Memory<R>,
 ) -> (Moments<R>, R) {
-    for v in 0..laws.moment_history()[1] {
-        let turned = turn.apply([memory.moments[2 * v], memory.moments[2 * v + 1]]);
-        [memory.moments[2 * v], memory.moments[2 * v + 1]] = turned;
-    }
     let twisting = dot(kinematics.relative_spin, middle);
     let [x, y] = frame.components(add_scaled(kinematics.relative_spin, -twisting, middle));
     let spin = RelativeSpin { rolling: [x, y], twisting };
-    let found = laws.moment(&constants.rolling, contact, spin, dt, &mut memory.moments);
+    let found = laws.moment(&constants.rolling, contact, spin, dt, turn, &mut memory.moments);
     let [a, b, c] = found.couple;
     let [rolling_x, rolling_y] = [found.dashpot.mul_add(x, a), found.dashpot.mul_add(y, b)];
     let about_normal = found.twisting_dashpot.mul_add(twisting, c);

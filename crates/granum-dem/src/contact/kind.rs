@@ -3,9 +3,9 @@
 use std::fmt;
 use std::hash::{Hash, Hasher};
 
-use super::adhesion::{CapillaryBridge, NoAdhesion};
+use super::adhesion::{CapillaryBridge, NoAdhesion, VanDerWaals};
 use super::law::{AdhesionLaw, MomentLaw, NormalLaw, TangentialLaw};
-use super::normal::{Hertz, Hooke, Jkr};
+use super::normal::{Dmt, Hertz, Hooke, Jkr, JkrDmt, Luding, RoughHertz};
 use super::rolling::{ElasticPlasticRolling, ElasticPlasticTwisting, NoMoments};
 use super::slot::{AdhesionSlot, MomentSlot, NormalSlot, TangentialSlot};
 use super::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
@@ -78,6 +78,10 @@ kind! {
     HERTZ = Hertz,
     JKR = Jkr,
     HOOKE = Hooke,
+    DMT = Dmt,
+    JKR_DMT = JkrDmt,
+    ROUGH_HERTZ = RoughHertz,
+    LUDING = Luding,
 }
 kind! {
     TangentialKind, TangentialSlot, TangentialLaw, "tangential law",
@@ -95,4 +99,5 @@ kind! {
     AdhesionKind, AdhesionSlot, AdhesionLaw, "law of adhesion on top of the contact",
     NONE = NoAdhesion,
     CAPILLARY_BRIDGE = CapillaryBridge,
+    VAN_DER_WAALS = VanDerWaals,
 }

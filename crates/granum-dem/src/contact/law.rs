@@ -7,7 +7,10 @@ use granum_simd::Real;
 
 use super::elementary::{arc_cosine, cosine};
 use super::interaction::Memory;
-use super::{LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, PairProperties, frame};
+use super::{
+    LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY, PairProperties,
+    frame,
+};
 
 /// SI unit of a parameter, with its powers of kilogram, metre and second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +32,8 @@ impl Unit {
     pub const LENGTH: Unit = Unit { symbol: "m", powers: [0, 1, 0] };
     /// A time, s.
     pub const TIME: Unit = Unit { symbol: "s", powers: [0, 0, 1] };
+    /// An energy, J.
+    pub const ENERGY: Unit = Unit { symbol: "J", powers: [1, 2, -2] };
     /// An angle, rad.
     pub const ANGLE: Unit = Unit { symbol: "rad", powers: [0, 0, 0] };
 }
@@ -51,6 +56,8 @@ pub enum Mixing {
     Arithmetic,
     /// `2 / (1/a + 1/b)`: springs in a row.
     Harmonic,
+    /// The root of the mean of the squares: rms roughness.
+    Quadratic,
     /// The smaller of the two.
     Smaller,
     /// The angle whose cosine is the mean of the two cosines.
@@ -68,6 +75,7 @@ impl Mixing {
             Mixing::Arithmetic => 0.5 * (a + b),
             Mixing::Harmonic if a == 0.0 || b == 0.0 => 0.0,
             Mixing::Harmonic => 2.0 / (1.0 / a + 1.0 / b),
+            Mixing::Quadratic => (0.5 * (a * a + b * b)).sqrt(),
             Mixing::Smaller => a.min(b),
             Mixing::Cosine => arc_cosine(0.5 * (cosine(a) + cosine(b))),
         }
@@ -79,6 +87,7 @@ impl Mixing {
             Mixing::Geometric => "the geometric mean",
             Mixing::Arithmetic => "the mean",
             Mixing::Harmonic => "the harmonic mean",
+            Mixing::Quadratic => "the root of the mean square",
             Mixing::Smaller => "the smaller one",
             Mixing::Cosine => "the angle of the mean cosine",
         }
@@ -217,16 +226,34 @@ pub trait NormalLaw: Copy + Send + Sync + 'static {
     const CONTACT_AREA: bool = true;
     /// True if contacts carry tension.
     const ADHESIVE: bool = false;
+    /// Columns of history used by a law with memory: plain numbers, the same for the pair (j, i) as for (i, j). They are kept while
+    /// the pair touches.
+    const HISTORY: usize = 0;
     /// The constants of a pair that [`NormalLaw::evaluate`] needs; `parameters` in the order of the description.
     fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS];
     /// Force, contact radius, stiffness and friction load at an overlap, m; `touched` tells whether the pair touched one
     /// step before. Where the pair does not touch, force, radius and load are zero.
     fn evaluate<R: Real>(constants: &[R; LAW_CONSTANTS], overlap: R, touched: R::Mask) -> Normal<R>;
+    /// A step to an overlap, and the energy lost in it by plastic deformation, J. The history is all zeros for a new contact. A
+    /// law without memory leaves this to [`NormalLaw::evaluate`], which for one with memory is the first loading.
+    #[inline(always)]
+    fn update<R: Real>(
+        constants: &[R; LAW_CONSTANTS],
+        overlap: R,
+        touched: R::Mask,
+        _history: &mut [R; MAX_NORMAL_HISTORY],
+    ) -> (Normal<R>, R) {
+        (Self::evaluate(constants, overlap, touched), R::zero())
+    }
     /// A contact under a load, N, as an estimate before any contact exists: the initial time step is derived from it.
     fn loaded(pair: &PairProperties, parameters: &[f64], load: f64) -> Normal<f64>;
     /// Energy of a touching pair relative to a separated one, J: the integral of N from zero overlap, minus the loss by
     /// formation of the contact that [`NormalLaw::losses`] returns.
     fn energy(constants: &[f64; LAW_CONSTANTS], overlap: f64) -> f64;
+    /// The same for a contact with memory: what is stored at its present overlap, J.
+    fn stored(constants: &[f64; LAW_CONSTANTS], overlap: f64, _history: &[f64; MAX_NORMAL_HISTORY]) -> f64 {
+        Self::energy(constants, overlap)
+    }
     /// Energy lost when a contact forms and when it breaks, J: zero without adhesion.
     #[inline(always)]
     fn losses<R: Real>(_constants: &[R; LAW_CONSTANTS]) -> AdhesionLosses<R> {

@@ -6,7 +6,7 @@
 //!
 //! - [`law`]: what a law is;
 //! - [`interaction`]: what all laws share: kinematics, rotation of the history, damping, energy;
-//! - [`kind`], [`slot`]: a law as a value that is chosen at run time, and how it is called then;
+//! - [`kind`], [`slot`], [`slots`]: a law as a value that is chosen at run time, and how it is called then;
 //! - [`set`]: what the engine asks of the laws of a set together.
 
 use crate::config::Material;
@@ -28,6 +28,7 @@ pub mod registry;
 pub mod rolling;
 pub mod set;
 pub mod slot;
+pub mod slots;
 pub mod tangential;
 
 #[cfg(test)]
@@ -47,6 +48,8 @@ pub const MAX_HISTORY: usize = 10;
 pub const MAX_MOMENT_HISTORY: usize = 6;
 /// Most columns of history that a law of adhesion may keep.
 pub const MAX_ADHESION_HISTORY: usize = 4;
+/// Largest number of history columns of a normal law.
+pub const MAX_NORMAL_HISTORY: usize = 4;
 /// Number of constants that a law may prepare for a pair.
 pub const LAW_CONSTANTS: usize = 6;
 

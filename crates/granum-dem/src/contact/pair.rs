@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::columns::One;
 use super::interaction::{Kinematics, Memory, dot, interact};
 use super::registry::{LawError, check};
-use super::set::{Open, Slots};
+use super::slots::{Open, Slots};
 use super::{PairConstants, PairProperties};
 use crate::config::Contact;
 

@@ -9,7 +9,7 @@ use super::law::Parameter;
 use super::registry;
 
 /// Largest number of parameters of a set of laws that may have given values; more are an error.
-pub const MOST_PARAMETERS: usize = 16;
+pub const MOST_PARAMETERS: usize = 32;
 
 /// Values given to parameters of contact laws, in SI units, by key; the others have their defaults.
 ///
@@ -139,6 +139,7 @@ mod tests {
         let mut values = ParameterValues::NONE;
         for key in ["a", "b", "c", "d", "e", "f", "g", "h", "j", "k", "l", "m", "n", "o", "p", "q"] {
             values.set(key, 1.0).unwrap();
+            values.set(key.to_uppercase().leak(), 1.0).unwrap();
         }
         assert_eq!(values.set("i", 1.0), Err(TooManyParameters { key: "i" }));
         values.set("a", 2.0).unwrap();

@@ -11,7 +11,15 @@ use super::parameters::MOST_PARAMETERS;
 use crate::config::Contact;
 
 /// granum's normal laws.
-const NORMAL: &[NormalKind] = &[NormalKind::HERTZ, NormalKind::JKR, NormalKind::HOOKE];
+const NORMAL: &[NormalKind] = &[
+    NormalKind::HERTZ,
+    NormalKind::JKR,
+    NormalKind::HOOKE,
+    NormalKind::DMT,
+    NormalKind::JKR_DMT,
+    NormalKind::ROUGH_HERTZ,
+    NormalKind::LUDING,
+];
 /// granum's tangential laws.
 const TANGENTIAL: &[TangentialKind] =
     &[TangentialKind::MINDLIN_DERESIEWICZ, TangentialKind::NO_SLIP, TangentialKind::PEELING];
@@ -19,7 +27,8 @@ const TANGENTIAL: &[TangentialKind] =
 const ROLLING: &[RollingKind] =
     &[RollingKind::NONE, RollingKind::ELASTIC_PLASTIC, RollingKind::ELASTIC_PLASTIC_TWISTING];
 /// granum's laws of adhesion on top of the contact.
-const ADHESION: &[AdhesionKind] = &[AdhesionKind::NONE, AdhesionKind::CAPILLARY_BRIDGE];
+const ADHESION: &[AdhesionKind] =
+    &[AdhesionKind::NONE, AdhesionKind::CAPILLARY_BRIDGE, AdhesionKind::VAN_DER_WAALS];
 
 /// A law that cannot be registered.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -1,15 +1,11 @@
 //! The laws of a set together: compiled into one loop, or called one by one through their slots.
 
-use std::cell::RefCell;
 use std::marker::PhantomData;
 
-use granum_simd::{Isa, Real, Row8};
+use granum_simd::Real;
 
 use super::adhesion::NoAdhesion;
-use super::columns::{
-    Column, Width, adhesion_call, moment_call, normal_call, read, read_normal, tangential_call, write,
-    write_normal,
-};
+use super::frame::Turn;
 use super::interaction::Memory;
 use super::law::{
     AdhesionLaw, AdhesionLosses, Attraction, Moment, MomentLaw, Normal, NormalLaw, RelativeSpin, Tangential,
@@ -17,39 +13,40 @@ use super::law::{
 };
 use super::rolling::NoMoments;
 use super::{
-    LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, PairConstants, PairProperties,
+    LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY, PairConstants,
+    PairProperties,
 };
 use crate::config::Contact;
 
-/// What [`super::interaction::interact`] needs from the laws of a set.
+/// What [`super::interaction::interact`] needs from the laws of a set. Histories are given as the last step left them, and are
+/// turned into the present contact plane here.
 pub trait Laws<R: Real> {
     /// True if the set may have moments.
     const MAY_HAVE_MOMENTS: bool;
     /// True if the set may have a law of adhesion.
     const MAY_HAVE_ADHESION: bool;
-    /// Number of history columns of the tangential law, and of plane vectors at their beginning.
-    fn tangential_history(&self) -> [usize; 2];
-    /// Number of history columns of the moment law, and of plane vectors at their beginning.
-    fn moment_history(&self) -> [usize; 2];
     /// True if the set has moments.
     fn has_moments(&self) -> bool;
     /// True if the set has a law of adhesion.
     fn has_adhesion(&self) -> bool;
-    /// The normal law at a given overlap.
+    /// A step of the normal law to an overlap: the contact, the losses by making and breaking it, and the energy lost by plastic
+    /// deformation, J.
     fn normal(
         &self,
         constants: &[R; LAW_CONSTANTS],
         overlap: R,
         touched: R::Mask,
-    ) -> (Normal<R>, AdhesionLosses<R>);
-    /// A step of the tangential law, and its stiffness for the time step.
+        history: &mut [R; MAX_NORMAL_HISTORY],
+    ) -> (Normal<R>, AdhesionLosses<R>, R);
+    /// A step of the tangential law, its stiffness for the time step, and the force before the step, turned.
     fn tangential(
         &self,
         constants: &[R; LAW_CONSTANTS],
         normal: &Normal<R>,
         increment: [R; 2],
+        turn: &Turn<R>,
         history: &mut [R; MAX_HISTORY],
-    ) -> (Tangential<R>, R);
+    ) -> (Tangential<R>, R, [R; 2]);
     /// A step of the moment law.
     fn moment(
         &self,
@@ -57,6 +54,7 @@ pub trait Laws<R: Real> {
         normal: &Normal<R>,
         spin: RelativeSpin<R>,
         dt: R,
+        turn: &Turn<R>,
         history: &mut [R; MAX_MOMENT_HISTORY],
     ) -> Moment<R>;
     /// A step of the law of adhesion.
@@ -67,8 +65,76 @@ pub trait Laws<R: Real> {
         touching: R::Mask,
         history: &mut [R; MAX_ADHESION_HISTORY],
     ) -> Attraction<R>;
-    /// Energy lost where a step of the tangential law discarded a part of the history, J.
-    fn discarded(&self, constants: &[R; LAW_CONSTANTS], stiffness: R, history: &[R; MAX_HISTORY]) -> R;
+}
+
+/// A step of a normal law. The history is kept while the pair touches.
+#[inline(always)]
+pub(super) fn normal_step<R: Real, N: NormalLaw>(
+    constants: &[R; LAW_CONSTANTS],
+    overlap: R,
+    touched: R::Mask,
+    history: &mut [R; MAX_NORMAL_HISTORY],
+) -> (Normal<R>, R) {
+    let (contact, loss) = N::update(constants, overlap, touched, history);
+    for value in history.iter_mut().take(N::HISTORY) {
+        *value = value.keep(contact.touching);
+    }
+    (contact, loss)
+}
+
+/// A step of a tangential law: what it gives, its stiffness for the time step, and the force before.
+#[inline(always)]
+pub(super) fn tangential_step<R: Real, T: TangentialLaw>(
+    constants: &[R; LAW_CONSTANTS],
+    normal: &Normal<R>,
+    increment: [R; 2],
+    turn: &Turn<R>,
+    history: &mut [R; MAX_HISTORY],
+) -> (Tangential<R>, R, [R; 2]) {
+    for v in 0..T::PLANE_VECTORS {
+        [history[2 * v], history[2 * v + 1]] = turn.apply([history[2 * v], history[2 * v + 1]]);
+    }
+    let before = [history[0], history[1]];
+    let out = T::update(constants, normal, increment, history);
+    for value in history.iter_mut().take(T::HISTORY) {
+        *value = value.keep(normal.touching);
+    }
+    (out, T::step_stiffness(constants, normal), before)
+}
+
+/// A step of a moment law.
+#[inline(always)]
+pub(super) fn moment_step<R: Real, M: MomentLaw>(
+    constants: &[R; LAW_CONSTANTS],
+    normal: &Normal<R>,
+    spin: RelativeSpin<R>,
+    dt: R,
+    turn: &Turn<R>,
+    history: &mut [R; MAX_MOMENT_HISTORY],
+) -> Moment<R> {
+    for v in 0..M::PLANE_VECTORS {
+        [history[2 * v], history[2 * v + 1]] = turn.apply([history[2 * v], history[2 * v + 1]]);
+    }
+    let out = M::update(constants, normal, spin, dt, history);
+    for value in history.iter_mut().take(M::HISTORY) {
+        *value = value.keep(normal.touching);
+    }
+    out
+}
+
+/// A step of a law of adhesion. The history is kept while it acts.
+#[inline(always)]
+pub(super) fn adhesion_step<R: Real, A: AdhesionLaw>(
+    constants: &[R; LAW_CONSTANTS],
+    overlap: R,
+    touching: R::Mask,
+    history: &mut [R; MAX_ADHESION_HISTORY],
+) -> Attraction<R> {
+    let out = A::update(constants, overlap, touching, history);
+    for value in history.iter_mut().take(A::HISTORY) {
+        *value = value.keep(out.acting);
+    }
+    out
 }
 
 /// Laws known when the program is compiled.
@@ -115,14 +181,6 @@ impl<R: Real, N: NormalLaw, T: TangentialLaw, M: MomentLaw, A: AdhesionLaw> Laws
     const MAY_HAVE_MOMENTS: bool = M::ACTS;
     const MAY_HAVE_ADHESION: bool = A::ACTS;
     #[inline(always)]
-    fn tangential_history(&self) -> [usize; 2] {
-        [T::HISTORY, T::PLANE_VECTORS]
-    }
-    #[inline(always)]
-    fn moment_history(&self) -> [usize; 2] {
-        [M::HISTORY, M::PLANE_VECTORS]
-    }
-    #[inline(always)]
     fn has_moments(&self) -> bool {
         M::ACTS
     }
@@ -136,8 +194,10 @@ impl<R: Real, N: NormalLaw, T: TangentialLaw, M: MomentLaw, A: AdhesionLaw> Laws
         constants: &[R; LAW_CONSTANTS],
         overlap: R,
         touched: R::Mask,
-    ) -> (Normal<R>, AdhesionLosses<R>) {
-        (N::evaluate(constants, overlap, touched), N::losses(constants))
+        history: &mut [R; MAX_NORMAL_HISTORY],
+    ) -> (Normal<R>, AdhesionLosses<R>, R) {
+        let (contact, plastic) = normal_step::<R, N>(constants, overlap, touched, history);
+        (contact, N::losses(constants), plastic)
     }
     #[inline(always)]
     fn tangential(
@@ -145,9 +205,10 @@ impl<R: Real, N: NormalLaw, T: TangentialLaw, M: MomentLaw, A: AdhesionLaw> Laws
         constants: &[R; LAW_CONSTANTS],
         normal: &Normal<R>,
         increment: [R; 2],
+        turn: &Turn<R>,
         history: &mut [R; MAX_HISTORY],
-    ) -> (Tangential<R>, R) {
-        (T::update(constants, normal, increment, history), T::step_stiffness(constants, normal))
+    ) -> (Tangential<R>, R, [R; 2]) {
+        tangential_step::<R, T>(constants, normal, increment, turn, history)
     }
     #[inline(always)]
     fn moment(
@@ -156,9 +217,10 @@ impl<R: Real, N: NormalLaw, T: TangentialLaw, M: MomentLaw, A: AdhesionLaw> Laws
         normal: &Normal<R>,
         spin: RelativeSpin<R>,
         dt: R,
+        turn: &Turn<R>,
         history: &mut [R; MAX_MOMENT_HISTORY],
     ) -> Moment<R> {
-        M::update(constants, normal, spin, dt, history)
+        moment_step::<R, M>(constants, normal, spin, dt, turn, history)
     }
     #[inline(always)]
     fn adhesion(
@@ -168,232 +230,7 @@ impl<R: Real, N: NormalLaw, T: TangentialLaw, M: MomentLaw, A: AdhesionLaw> Laws
         touching: R::Mask,
         history: &mut [R; MAX_ADHESION_HISTORY],
     ) -> Attraction<R> {
-        A::update(constants, overlap, touching, history)
-    }
-    #[inline(always)]
-    fn discarded(&self, constants: &[R; LAW_CONSTANTS], stiffness: R, history: &[R; MAX_HISTORY]) -> R {
-        T::discarded(constants, stiffness, history)
-    }
-}
-
-/// The slots of a set, with the working memory through which they are called.
-pub struct Slots {
-    laws: Contact,
-    isa: Isa,
-    tangential_history: [usize; 2],
-    moment_history: [usize; 2],
-    has_moments: bool,
-    adhesion_history: usize,
-    has_adhesion: bool,
-    discards: bool,
-    /// Every call first writes everything that it reads.
-    columns: RefCell<[Column; MOST_COLUMNS]>,
-}
-
-const MOST_COLUMNS: usize = 40;
-const _: () = assert!(normal_call::ALL <= MOST_COLUMNS && tangential_call::ALL <= MOST_COLUMNS);
-const _: () = assert!(adhesion_call::ALL <= MOST_COLUMNS);
-const _: () = assert!(moment_call::ALL <= MOST_COLUMNS && LAW_CONSTANTS + 1 + MAX_HISTORY <= MOST_COLUMNS);
-
-impl Slots {
-    /// The laws of a set for an instruction set.
-    pub fn new(laws: &Contact, isa: Isa) -> Self {
-        Slots {
-            laws: *laws,
-            isa,
-            tangential_history: laws.tangential.law().history(),
-            moment_history: laws.rolling.law().history(),
-            has_moments: laws.rolling.law().acts(),
-            adhesion_history: laws.adhesion.law().history(),
-            has_adhesion: laws.adhesion.law().acts(),
-            discards: laws.tangential.law().discards(),
-            columns: RefCell::new([EMPTY; MOST_COLUMNS]),
-        }
-    }
-
-    /// Number of history columns of the tangential law.
-    #[inline(always)]
-    pub(crate) fn tangential_columns(&self) -> usize {
-        self.tangential_history[0]
-    }
-
-    /// Number of history columns of the moment law.
-    #[inline(always)]
-    pub(crate) fn moment_columns(&self) -> usize {
-        self.moment_history[0]
-    }
-
-    /// True if the set has moments.
-    #[inline(always)]
-    pub(crate) fn has_moments(&self) -> bool {
-        self.has_moments
-    }
-
-    /// Columns of history of the law of adhesion.
-    #[inline(always)]
-    pub(crate) fn adhesion_columns(&self) -> usize {
-        self.adhesion_history
-    }
-
-    /// True if the set has a law of adhesion.
-    #[inline(always)]
-    pub(crate) fn has_adhesion(&self) -> bool {
-        self.has_adhesion
-    }
-
-    /// True if the tangential law discards parts of its history that store energy.
-    #[inline(always)]
-    pub(crate) fn discards(&self) -> bool {
-        self.discards
-    }
-}
-
-/// Laws chosen at run time, each called through its slot, for contacts of the width `W`: one contact, or lanes of the
-/// instruction set of the slots.
-pub struct Open<'a, W> {
-    slots: &'a Slots,
-    width: PhantomData<W>,
-}
-
-impl<'a, W> Open<'a, W> {
-    /// The laws of these slots.
-    #[inline(always)]
-    pub fn new(slots: &'a Slots) -> Self {
-        Open { slots, width: PhantomData }
-    }
-}
-
-const EMPTY: Column = [Row8([0.0; 8]); 2];
-
-impl<W: Width> Laws<W::Value> for Open<'_, W> {
-    const MAY_HAVE_MOMENTS: bool = true;
-    const MAY_HAVE_ADHESION: bool = true;
-    #[inline(always)]
-    fn tangential_history(&self) -> [usize; 2] {
-        self.slots.tangential_history
-    }
-    #[inline(always)]
-    fn moment_history(&self) -> [usize; 2] {
-        self.slots.moment_history
-    }
-    #[inline(always)]
-    fn has_moments(&self) -> bool {
-        self.slots.has_moments
-    }
-    #[inline(always)]
-    fn has_adhesion(&self) -> bool {
-        self.slots.has_adhesion
-    }
-    #[inline(always)]
-    fn normal(
-        &self,
-        constants: &[W::Value; LAW_CONSTANTS],
-        overlap: W::Value,
-        touched: <W::Value as Real>::Mask,
-    ) -> (Normal<W::Value>, AdhesionLosses<W::Value>) {
-        use normal_call::*;
-        let columns = &mut self.slots.columns.borrow_mut()[..ALL];
-        write::<W, LAW_CONSTANTS>(*constants, columns, 0);
-        W::write(overlap, &mut columns[OVERLAP]);
-        W::write_mask(touched, &mut columns[TOUCHED]);
-        self.slots.laws.normal.law().evaluate(self.slots.isa, W::COUNT, columns);
-        let [made, broken] = read::<W, 2>(columns, LOSSES);
-        (read_normal::<W>(columns, CONTACT), AdhesionLosses { made, broken })
-    }
-    #[inline(always)]
-    fn tangential(
-        &self,
-        constants: &[W::Value; LAW_CONSTANTS],
-        normal: &Normal<W::Value>,
-        increment: [W::Value; 2],
-        history: &mut [W::Value; MAX_HISTORY],
-    ) -> (Tangential<W::Value>, W::Value) {
-        use tangential_call::*;
-        let columns = &mut self.slots.columns.borrow_mut()[..ALL];
-        write::<W, LAW_CONSTANTS>(*constants, columns, 0);
-        write_normal::<W>(normal, columns, CONTACT);
-        write::<W, 2>(increment, columns, INCREMENT);
-        let used = self.tangential_history()[0];
-        for (c, value) in history.iter().enumerate().take(used) {
-            W::write(*value, &mut columns[HISTORY + c]);
-        }
-        self.slots.laws.tangential.law().update(self.slots.isa, W::COUNT, columns);
-        for (c, value) in history.iter_mut().enumerate().take(used) {
-            *value = W::read(&columns[HISTORY + c]);
-        }
-        let [x, y, stiffness, root_stiffness, friction_loss, micro_slip_loss, step] =
-            read::<W, 7>(columns, RESULT);
-        let out = Tangential {
-            force: [x, y],
-            stiffness,
-            root_stiffness,
-            sliding: W::read_mask(&columns[SLIDING]),
-            friction_loss,
-            micro_slip_loss,
-            discards: W::read_mask(&columns[DISCARDS]),
-        };
-        (out, step)
-    }
-    #[inline(always)]
-    fn moment(
-        &self,
-        constants: &[W::Value; LAW_CONSTANTS],
-        normal: &Normal<W::Value>,
-        spin: RelativeSpin<W::Value>,
-        dt: W::Value,
-        history: &mut [W::Value; MAX_MOMENT_HISTORY],
-    ) -> Moment<W::Value> {
-        use moment_call::*;
-        if !self.has_moments() {
-            return Moment::none();
-        }
-        let columns = &mut self.slots.columns.borrow_mut()[..ALL];
-        write::<W, LAW_CONSTANTS>(*constants, columns, 0);
-        write_normal::<W>(normal, columns, CONTACT);
-        let [x, y] = spin.rolling;
-        write::<W, 4>([x, y, spin.twisting, dt], columns, SPIN);
-        write::<W, MAX_MOMENT_HISTORY>(*history, columns, HISTORY);
-        self.slots.laws.rolling.law().update(self.slots.isa, W::COUNT, columns);
-        *history = read::<W, MAX_MOMENT_HISTORY>(columns, HISTORY);
-        let [a, b, c, dashpot, twisting_dashpot, work, loss, step_stiffness] = read::<W, 8>(columns, RESULT);
-        let at_limit = W::read_mask(&columns[AT_LIMIT]);
-        Moment { couple: [a, b, c], dashpot, twisting_dashpot, at_limit, work, loss, step_stiffness }
-    }
-    #[inline(always)]
-    fn adhesion(
-        &self,
-        constants: &[W::Value; LAW_CONSTANTS],
-        overlap: W::Value,
-        touching: <W::Value as Real>::Mask,
-        history: &mut [W::Value; MAX_ADHESION_HISTORY],
-    ) -> Attraction<W::Value> {
-        use adhesion_call::*;
-        if !self.has_adhesion() {
-            return Attraction::none();
-        }
-        let columns = &mut self.slots.columns.borrow_mut()[..ALL];
-        write::<W, LAW_CONSTANTS>(*constants, columns, 0);
-        W::write(overlap, &mut columns[OVERLAP]);
-        W::write_mask(touching, &mut columns[TOUCHING]);
-        write::<W, MAX_ADHESION_HISTORY>(*history, columns, HISTORY);
-        self.slots.laws.adhesion.law().update(self.slots.isa, W::COUNT, columns);
-        *history = read::<W, MAX_ADHESION_HISTORY>(columns, HISTORY);
-        let [force, stiffness, loss] = read::<W, 3>(columns, RESULT);
-        Attraction { force, stiffness, acting: W::read_mask(&columns[ACTING]), loss }
-    }
-    #[inline(always)]
-    fn discarded(
-        &self,
-        constants: &[W::Value; LAW_CONSTANTS],
-        stiffness: W::Value,
-        history: &[W::Value; MAX_HISTORY],
-    ) -> W::Value {
-        let columns = &mut self.slots.columns.borrow_mut()[..LAW_CONSTANTS + 1 + MAX_HISTORY];
-        write::<W, LAW_CONSTANTS>(*constants, columns, 0);
-        W::write(stiffness, &mut columns[LAW_CONSTANTS]);
-        write::<W, MAX_HISTORY>(*history, columns, LAW_CONSTANTS + 1);
-        self.slots.laws.tangential.law().discarded(self.slots.isa, W::COUNT, columns);
-        W::read(&columns[0])
+        adhesion_step::<R, A>(constants, overlap, touching, history)
     }
 }
 
@@ -404,10 +241,10 @@ impl Contact {
         !self.rolling.law().acts() && !self.adhesion.law().acts()
     }
 
-    /// Columns of history: of the tangential law, of the law of moments, of the law of adhesion.
-    pub(crate) fn history(&self) -> [usize; 3] {
+    /// Columns of history: of the tangential law, of the law of moments, of the law of adhesion, of the normal law.
+    pub(crate) fn history(&self) -> [usize; 4] {
         let [tangential, moments] = [self.tangential.law().history()[0], self.rolling.law().history()[0]];
-        [tangential, moments, self.adhesion.law().history()]
+        [tangential, moments, self.adhesion.law().history(), self.normal.law().history()]
     }
 
     /// Number of values of [`PairConstants::to_array`] that the engine stores for a pair.
@@ -431,14 +268,29 @@ impl Contact {
         }
     }
 
-    /// The contact of a touching pair at a given overlap, m.
+    /// The contact of a touching pair at a given overlap, m, that has no memory of another.
     pub fn normal_contact(&self, constants: &PairConstants<f64>, overlap: f64) -> Normal<f64> {
-        self.normal.law().of_touching(&constants.normal, overlap)
+        self.normal.law().of_touching(&constants.normal, overlap, &[0.0; MAX_NORMAL_HISTORY])
+    }
+
+    /// The contact of a touching pair at its present overlap, m, with its memory.
+    pub(crate) fn normal_contact_of(
+        &self,
+        constants: &PairConstants<f64>,
+        overlap: f64,
+        memory: &Memory<f64>,
+    ) -> Normal<f64> {
+        self.normal.law().of_touching(&constants.normal, overlap, &memory.loading)
     }
 
     /// Elastic energy of the overlap, J.
-    pub fn normal_energy(&self, constants: &PairConstants<f64>, overlap: f64) -> f64 {
-        self.normal.law().energy(&constants.normal, overlap)
+    pub(crate) fn normal_energy(
+        &self,
+        constants: &PairConstants<f64>,
+        overlap: f64,
+        memory: &Memory<f64>,
+    ) -> f64 {
+        self.normal.law().stored(&constants.normal, overlap, &memory.loading)
     }
 
     /// Elastic energy of the tangential displacement, J.

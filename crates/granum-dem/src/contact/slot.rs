@@ -1,32 +1,35 @@
 //! A law behind function pointers.
 //!
 //! A law is written over any lanes ([`NormalLaw`] and so on). A slot is such a law behind one function pointer that is
-//! called once for two batches of eight contacts; the numbers are passed through memory as [`Column`]s. Each law is thus
+//! called once for two batches of eight contacts; the numbers are passed through memory ([`Sheet`]). Each law is thus
 //! compiled once for an instruction set, whatever laws it is combined with, and a program outside this workspace can add its
 //! own.
 
 use std::any::TypeId;
 
-use granum_simd::{Isa, Kernel, Lanes, Real, dispatch};
+use granum_simd::{Isa, Kernel, Lanes, dispatch};
 
 use super::columns::{
-    Batch, Column, Count, One, TwoBatches, Width, adhesion_call, moment_call, normal_call, read, read_normal,
-    tangential_call, write, write_normal,
+    Batch, Count, One, Sheet, TwoBatches, Width, at, read, read_normal, write, write_normal,
 };
+use super::frame::Turn;
 use super::law::{
     AdhesionLaw, AdhesionLosses, Description, MomentLaw, Normal, NormalLaw, NormalTraits, RelativeSpin,
     TangentialLaw,
 };
-use super::{LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, PairProperties};
+use super::set::{adhesion_step, moment_step, normal_step, tangential_step};
+use super::{
+    LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY, PairProperties,
+};
 
 /// A computation over columns, compiled for every width and instruction set.
 trait Call {
-    fn call<W: Width>(columns: &mut [Column]);
+    fn call<W: Width>(sheet: &mut Sheet<'_>);
 }
 
-struct Run<'a, C>(Count, &'a mut [Column], std::marker::PhantomData<C>);
+struct Run<'a, 'b, C>(Count, &'a mut Sheet<'b>, std::marker::PhantomData<C>);
 
-impl<C: Call> Kernel for Run<'_, C> {
+impl<C: Call> Kernel for Run<'_, '_, C> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
@@ -37,106 +40,105 @@ impl<C: Call> Kernel for Run<'_, C> {
             Count::TwoBatches if L::PAIRED => C::call::<TwoBatches<L>>(self.1),
             Count::TwoBatches => {
                 C::call::<Batch<L>>(self.1);
-                exchange(self.1);
+                self.1.exchange();
                 C::call::<Batch<L>>(self.1);
-                exchange(self.1);
+                self.1.exchange();
             }
         }
     }
 }
 
-fn exchange(columns: &mut [Column]) {
-    for column in columns {
-        column.swap(0, 1);
-    }
-}
-
-fn run<C: Call>(isa: Isa, count: Count, columns: &mut [Column]) {
-    dispatch(isa, Run::<C>(count, columns, std::marker::PhantomData));
+fn run<C: Call>(isa: Isa, count: Count, sheet: &mut Sheet<'_>) {
+    dispatch(isa, Run::<C>(count, sheet, std::marker::PhantomData));
 }
 
 struct NormalCall<N>(std::marker::PhantomData<N>);
 impl<N: NormalLaw> Call for NormalCall<N> {
     #[inline(always)]
-    fn call<W: Width>(columns: &mut [Column]) {
-        use normal_call::*;
-        let constants = read::<W, LAW_CONSTANTS>(columns, 0);
-        let contact = N::evaluate(&constants, W::read(&columns[OVERLAP]), W::read_mask(&columns[TOUCHED]));
-        write_normal::<W>(&contact, columns, CONTACT);
+    fn call<W: Width>(sheet: &mut Sheet<'_>) {
+        let constants = sheet.constants::<W>();
+        let mut history = sheet.history::<W, MAX_NORMAL_HISTORY>(N::HISTORY);
+        let overlap = W::read(&sheet.columns[at::OVERLAP]);
+        let touched = W::read_mask(&sheet.columns[at::TOUCHED]);
+        let (contact, plastic) = normal_step::<_, N>(&constants, overlap, touched, &mut history);
+        sheet.keep::<W, MAX_NORMAL_HISTORY>(&history, N::HISTORY);
+        write_normal::<W>(&contact, sheet.columns);
         let AdhesionLosses { made, broken } = N::losses(&constants);
-        write::<W, 2>([made, broken], columns, LOSSES);
+        write::<W, 3>([made, broken, plastic], sheet.columns, at::LOSSES);
     }
 }
 
 struct TangentialCall<T>(std::marker::PhantomData<T>);
 impl<T: TangentialLaw> Call for TangentialCall<T> {
     #[inline(always)]
-    fn call<W: Width>(columns: &mut [Column]) {
-        use tangential_call::*;
-        let constants = read::<W, LAW_CONSTANTS>(columns, 0);
-        let contact = read_normal::<W>(columns, CONTACT);
-        let increment = read::<W, 2>(columns, INCREMENT);
-        let mut history = [W::Value::zero(); MAX_HISTORY];
-        for (c, value) in history.iter_mut().enumerate().take(T::HISTORY) {
-            *value = W::read(&columns[HISTORY + c]);
-        }
-        let out = T::update(&constants, &contact, increment, &mut history);
-        for (c, value) in history.iter().enumerate().take(T::HISTORY) {
-            W::write(*value, &mut columns[HISTORY + c]);
-        }
+    fn call<W: Width>(sheet: &mut Sheet<'_>) {
+        let constants = sheet.constants::<W>();
+        let contact = read_normal::<W>(sheet.columns);
+        let [x, y, cosine, sine] = read::<W, 4>(sheet.columns, at::INCREMENT);
+        let mut history = sheet.history::<W, MAX_HISTORY>(T::HISTORY);
+        let turn = Turn { cosine, sine };
+        let (out, step, before) = tangential_step::<_, T>(&constants, &contact, [x, y], &turn, &mut history);
+        sheet.keep::<W, MAX_HISTORY>(&history, T::HISTORY);
         let [x, y] = out.force;
-        let step = T::step_stiffness(&constants, &contact);
-        let numbers = [x, y, out.stiffness, out.root_stiffness, out.friction_loss, out.micro_slip_loss, step];
-        write::<W, 7>(numbers, columns, RESULT);
-        W::write_mask(out.sliding, &mut columns[SLIDING]);
-        W::write_mask(out.discards, &mut columns[DISCARDS]);
+        let numbers = [
+            before[0],
+            before[1],
+            x,
+            y,
+            out.stiffness,
+            out.root_stiffness,
+            out.friction_loss,
+            out.micro_slip_loss,
+            step,
+        ];
+        write::<W, 9>(numbers, sheet.columns, at::TANGENTIAL);
+        W::write_mask(out.sliding, &mut sheet.columns[at::SLIDING]);
+        W::write_mask(out.discards, &mut sheet.columns[at::DISCARDS]);
     }
 }
 
-/// Columns: constants, stiffness, history; the loss is returned in the first.
+/// The stiffness is in the first column, and so is the loss when it returns.
 struct DiscardedCall<T>(std::marker::PhantomData<T>);
 impl<T: TangentialLaw> Call for DiscardedCall<T> {
     #[inline(always)]
-    fn call<W: Width>(columns: &mut [Column]) {
-        let constants = read::<W, LAW_CONSTANTS>(columns, 0);
-        let stiffness = W::read(&columns[LAW_CONSTANTS]);
-        let history = read::<W, MAX_HISTORY>(columns, LAW_CONSTANTS + 1);
-        W::write(T::discarded(&constants, stiffness, &history), &mut columns[0]);
+    fn call<W: Width>(sheet: &mut Sheet<'_>) {
+        let constants = sheet.constants::<W>();
+        let history = sheet.history::<W, MAX_HISTORY>(T::HISTORY);
+        let lost = T::discarded(&constants, W::read(&sheet.columns[0]), &history);
+        W::write(lost, &mut sheet.columns[0]);
     }
 }
 
 struct MomentCall<M>(std::marker::PhantomData<M>);
 impl<M: MomentLaw> Call for MomentCall<M> {
     #[inline(always)]
-    fn call<W: Width>(columns: &mut [Column]) {
-        use moment_call::*;
-        let constants = read::<W, LAW_CONSTANTS>(columns, 0);
-        let contact = read_normal::<W>(columns, CONTACT);
-        let [x, y, twisting] = read::<W, 3>(columns, SPIN);
-        let dt = W::read(&columns[TIME_STEP]);
-        let mut history = read::<W, MAX_MOMENT_HISTORY>(columns, HISTORY);
-        let spin = RelativeSpin { rolling: [x, y], twisting };
-        let out = M::update(&constants, &contact, spin, dt, &mut history);
-        write::<W, MAX_MOMENT_HISTORY>(history, columns, HISTORY);
+    fn call<W: Width>(sheet: &mut Sheet<'_>) {
+        let constants = sheet.constants::<W>();
+        let contact = read_normal::<W>(sheet.columns);
+        let [cosine, sine, x, y, twisting, dt] = read::<W, 6>(sheet.columns, at::TURN);
+        let mut history = sheet.history::<W, MAX_MOMENT_HISTORY>(M::HISTORY);
+        let (spin, turn) = (RelativeSpin { rolling: [x, y], twisting }, Turn { cosine, sine });
+        let out = moment_step::<_, M>(&constants, &contact, spin, dt, &turn, &mut history);
+        sheet.keep::<W, MAX_MOMENT_HISTORY>(&history, M::HISTORY);
         let [a, b, c] = out.couple;
         let numbers = [a, b, c, out.dashpot, out.twisting_dashpot, out.work, out.loss, out.step_stiffness];
-        write::<W, 8>(numbers, columns, RESULT);
-        W::write_mask(out.at_limit, &mut columns[AT_LIMIT]);
+        write::<W, 8>(numbers, sheet.columns, at::MOMENT);
+        W::write_mask(out.at_limit, &mut sheet.columns[at::AT_LIMIT]);
     }
 }
 
 struct AdhesionCall<A>(std::marker::PhantomData<A>);
 impl<A: AdhesionLaw> Call for AdhesionCall<A> {
     #[inline(always)]
-    fn call<W: Width>(columns: &mut [Column]) {
-        use adhesion_call::*;
-        let constants = read::<W, LAW_CONSTANTS>(columns, 0);
-        let mut history = read::<W, MAX_ADHESION_HISTORY>(columns, HISTORY);
-        let touching = W::read_mask(&columns[TOUCHING]);
-        let out = A::update(&constants, W::read(&columns[OVERLAP]), touching, &mut history);
-        write::<W, MAX_ADHESION_HISTORY>(history, columns, HISTORY);
-        write::<W, 3>([out.force, out.stiffness, out.loss], columns, RESULT);
-        W::write_mask(out.acting, &mut columns[ACTING]);
+    fn call<W: Width>(sheet: &mut Sheet<'_>) {
+        let constants = sheet.constants::<W>();
+        let mut history = sheet.history::<W, MAX_ADHESION_HISTORY>(A::HISTORY);
+        let touching = W::read_mask(&sheet.columns[at::TOUCHING]);
+        let overlap = W::read(&sheet.columns[at::OVERLAP]);
+        let out = adhesion_step::<_, A>(&constants, overlap, touching, &mut history);
+        sheet.keep::<W, MAX_ADHESION_HISTORY>(&history, A::HISTORY);
+        write::<W, 3>([out.force, out.stiffness, out.loss], sheet.columns, at::ADHESION);
+        W::write_mask(out.acting, &mut sheet.columns[at::ACTING]);
     }
 }
 
@@ -150,16 +152,28 @@ pub trait NormalSlot: Send + Sync {
     fn id(&self) -> TypeId;
     /// [`NormalLaw::prepare`].
     fn prepare(&self, pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS];
-    /// [`NormalLaw::evaluate`] and [`NormalLaw::losses`] over columns.
-    fn evaluate(&self, isa: Isa, count: Count, columns: &mut [Column]);
+    /// [`NormalLaw::HISTORY`].
+    fn history(&self) -> usize;
+    /// [`NormalLaw::update`] and [`NormalLaw::losses`] over columns.
+    fn evaluate(&self, isa: Isa, count: Count, sheet: &mut Sheet<'_>);
     /// [`NormalLaw::loaded`].
     fn loaded(&self, pair: &PairProperties, parameters: &[f64], load: f64) -> Normal<f64>;
-    /// [`NormalLaw::energy`].
-    fn energy(&self, constants: &[f64; LAW_CONSTANTS], overlap: f64) -> f64;
+    /// [`NormalLaw::stored`].
+    fn stored(
+        &self,
+        constants: &[f64; LAW_CONSTANTS],
+        overlap: f64,
+        history: &[f64; MAX_NORMAL_HISTORY],
+    ) -> f64;
     /// [`NormalLaw::breaking_overlap`].
     fn breaking_overlap(&self, constants: &[f64; LAW_CONSTANTS]) -> f64;
-    /// [`NormalLaw::evaluate`] for one contact that touched.
-    fn of_touching(&self, constants: &[f64; LAW_CONSTANTS], overlap: f64) -> Normal<f64>;
+    /// [`NormalLaw::update`] for one contact that touched with this history.
+    fn of_touching(
+        &self,
+        constants: &[f64; LAW_CONSTANTS],
+        overlap: f64,
+        history: &[f64; MAX_NORMAL_HISTORY],
+    ) -> Normal<f64>;
 }
 
 impl<N: NormalLaw> NormalSlot for N {
@@ -176,20 +190,33 @@ impl<N: NormalLaw> NormalSlot for N {
     fn prepare(&self, pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
         N::prepare(pair, parameters)
     }
-    fn evaluate(&self, isa: Isa, count: Count, columns: &mut [Column]) {
-        run::<NormalCall<N>>(isa, count, columns);
+    fn history(&self) -> usize {
+        N::HISTORY
+    }
+    fn evaluate(&self, isa: Isa, count: Count, sheet: &mut Sheet<'_>) {
+        run::<NormalCall<N>>(isa, count, sheet);
     }
     fn loaded(&self, pair: &PairProperties, parameters: &[f64], load: f64) -> Normal<f64> {
         N::loaded(pair, parameters, load)
     }
-    fn energy(&self, constants: &[f64; LAW_CONSTANTS], overlap: f64) -> f64 {
-        N::energy(constants, overlap)
+    fn stored(
+        &self,
+        constants: &[f64; LAW_CONSTANTS],
+        overlap: f64,
+        history: &[f64; MAX_NORMAL_HISTORY],
+    ) -> f64 {
+        N::stored(constants, overlap, history)
     }
     fn breaking_overlap(&self, constants: &[f64; LAW_CONSTANTS]) -> f64 {
         N::breaking_overlap(constants)
     }
-    fn of_touching(&self, constants: &[f64; LAW_CONSTANTS], overlap: f64) -> Normal<f64> {
-        N::evaluate(constants, overlap, true)
+    fn of_touching(
+        &self,
+        constants: &[f64; LAW_CONSTANTS],
+        overlap: f64,
+        history: &[f64; MAX_NORMAL_HISTORY],
+    ) -> Normal<f64> {
+        N::update(constants, overlap, true, &mut { *history }).0
     }
 }
 
@@ -216,9 +243,9 @@ pub trait TangentialSlot: Send + Sync {
         parameters: &[f64],
     ) -> [f64; LAW_CONSTANTS];
     /// [`TangentialLaw::update`] over columns.
-    fn update(&self, isa: Isa, count: Count, columns: &mut [Column]);
+    fn update(&self, isa: Isa, count: Count, sheet: &mut Sheet<'_>);
     /// [`TangentialLaw::discarded`] over columns.
-    fn discarded(&self, isa: Isa, count: Count, columns: &mut [Column]);
+    fn discarded(&self, isa: Isa, count: Count, sheet: &mut Sheet<'_>);
     /// [`TangentialLaw::stiffness`] and [`TangentialLaw::step_stiffness`] for one contact.
     fn stiffness(&self, constants: &[f64; LAW_CONSTANTS], normal: &Normal<f64>) -> [f64; 2];
     /// [`TangentialLaw::energy`].
@@ -249,12 +276,12 @@ impl<T: TangentialLaw> TangentialSlot for T {
     ) -> [f64; LAW_CONSTANTS] {
         T::prepare(pair, normal, parameters)
     }
-    fn update(&self, isa: Isa, count: Count, columns: &mut [Column]) {
-        run::<TangentialCall<T>>(isa, count, columns);
+    fn update(&self, isa: Isa, count: Count, sheet: &mut Sheet<'_>) {
+        run::<TangentialCall<T>>(isa, count, sheet);
     }
-    fn discarded(&self, isa: Isa, count: Count, columns: &mut [Column]) {
+    fn discarded(&self, isa: Isa, count: Count, sheet: &mut Sheet<'_>) {
         if T::DISCARDS {
-            run::<DiscardedCall<T>>(isa, count, columns);
+            run::<DiscardedCall<T>>(isa, count, sheet);
         }
     }
     fn stiffness(&self, constants: &[f64; LAW_CONSTANTS], normal: &Normal<f64>) -> [f64; 2] {
@@ -278,7 +305,7 @@ pub trait MomentSlot: Send + Sync {
     /// [`MomentLaw::prepare`].
     fn prepare(&self, pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS];
     /// [`MomentLaw::update`] over columns.
-    fn update(&self, isa: Isa, count: Count, columns: &mut [Column]);
+    fn update(&self, isa: Isa, count: Count, sheet: &mut Sheet<'_>);
     /// [`MomentLaw::energy`].
     fn energy(&self, constants: &[f64; LAW_CONSTANTS], history: &[f64; MAX_MOMENT_HISTORY]) -> f64;
 }
@@ -299,9 +326,9 @@ impl<M: MomentLaw> MomentSlot for M {
     fn prepare(&self, pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
         M::prepare(pair, parameters)
     }
-    fn update(&self, isa: Isa, count: Count, columns: &mut [Column]) {
+    fn update(&self, isa: Isa, count: Count, sheet: &mut Sheet<'_>) {
         if M::ACTS {
-            run::<MomentCall<M>>(isa, count, columns);
+            run::<MomentCall<M>>(isa, count, sheet);
         }
     }
     fn energy(&self, constants: &[f64; LAW_CONSTANTS], history: &[f64; MAX_MOMENT_HISTORY]) -> f64 {
@@ -327,7 +354,7 @@ pub trait AdhesionSlot: Send + Sync {
     /// [`AdhesionLaw::prepare`].
     fn prepare(&self, pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS];
     /// [`AdhesionLaw::update`] over columns.
-    fn update(&self, isa: Isa, count: Count, columns: &mut [Column]);
+    fn update(&self, isa: Isa, count: Count, sheet: &mut Sheet<'_>);
     /// Force and stiffness of a pair that just touches, N and N/m.
     fn at_touch(&self, constants: &[f64; LAW_CONSTANTS]) -> [f64; 2];
     /// Force of a pair with this history, N.
@@ -368,9 +395,9 @@ impl<A: AdhesionLaw> AdhesionSlot for A {
     fn prepare(&self, pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
         A::prepare(pair, parameters)
     }
-    fn update(&self, isa: Isa, count: Count, columns: &mut [Column]) {
+    fn update(&self, isa: Isa, count: Count, sheet: &mut Sheet<'_>) {
         if A::ACTS {
-            run::<AdhesionCall<A>>(isa, count, columns);
+            run::<AdhesionCall<A>>(isa, count, sheet);
         }
     }
     fn at_touch(&self, constants: &[f64; LAW_CONSTANTS]) -> [f64; 2] {

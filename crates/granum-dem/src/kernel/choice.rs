@@ -9,14 +9,15 @@ use std::ops::Range;
 use granum_simd::{dispatch, dispatch_or};
 
 use super::contacts::ContactStage;
-use super::laws::{AnyLaws, StageLaws};
+use super::laws::{AnyLaws, StageLaws, WithMoments};
 use super::source::{Alike, AlikeOrByBatch, ByBatch, ConstantSource};
 use super::views::Views;
 use crate::config::Contact;
 use crate::contact::normal::{Hertz, Jkr};
+use crate::contact::rolling::ElasticPlasticRolling;
 use crate::contact::set::Compiled;
 use crate::contact::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
-use crate::contact::{NormalKind, TangentialKind};
+use crate::contact::{NormalKind, RollingKind, TangentialKind};
 
 /// The contact stage over a range of blocks.
 pub(crate) type Stage = fn(&Views, Range<usize>);
@@ -62,6 +63,12 @@ impl Stages {
         let known = sets.iter().find(|(n, t, _)| *n == laws.normal && *t == laws.tangential);
         match known {
             Some((_, _, stages)) if laws.has_contact_only() => stages(),
+            _ if laws.normal == HERTZ && laws.tangential == NO_SLIP && rolls(laws) => {
+                // One loop for equal and for unequal grains: each costs time to compile.
+                type Rolling = WithMoments<Hertz, NoSlip, ElasticPlasticRolling>;
+                let stage = stage::<Rolling, AlikeOrByBatch>;
+                Stages { alike: stage, by_batch: stage }
+            }
             _ => Stages::any(),
         }
     }
@@ -70,6 +77,11 @@ impl Stages {
     pub(crate) fn any() -> Stages {
         Stages { alike: slots, by_batch: slots }
     }
+}
+
+/// True for a set with resistance to rolling alone beside the contact.
+fn rolls(laws: &Contact) -> bool {
+    laws.rolling == RollingKind::ELASTIC_PLASTIC && !laws.adhesion.law().acts()
 }
 
 #[cfg(test)]
@@ -87,7 +99,9 @@ mod tests {
         for spread in [0.0, 0.3] {
             let (cell, spheres) =
                 random_insertion(&Grains { count: 120, spread, ..Grains::default() }, 0.35, 3).unwrap();
-            for contact in sets().into_iter().filter(Contact::has_contact_only) {
+            let compiled =
+                |set: &Contact| set.has_contact_only() || set.normal == NormalKind::HERTZ && rolls(set);
+            for contact in sets().into_iter().filter(compiled) {
                 let properties = Properties::new(Material::default(), contact);
                 let run = |stages: Option<Stages>| {
                     let mut s = Simulation::new(cell, &spheres, properties.clone()).unwrap();

@@ -9,17 +9,17 @@ use std::ops::Range;
 use granum_simd::{Kernel, LANES, Lanes, Mask, Real, Row8, Twice};
 
 use super::fetch::{AHEAD, ROWS_AHEAD, coming_rows, fetch_ahead};
-use super::laws::{Couples, StageLaws};
+use super::laws::{Couples, Place, StageLaws};
 use super::push::Push;
 use super::source::ConstantSource;
 use super::views::Views;
-use crate::contact::PairConstants;
 use crate::contact::interaction::{Interaction, Kinematics, Memory, dot, scale};
+use crate::contact::{MAX_HISTORY, PairConstants};
 use crate::contact_sums::ContactSums;
 use crate::discarded::Discarded;
 use crate::pairs::{Block, Marks, NORMAL_COLUMNS};
 
-const SUMS: usize = 21;
+const SUMS: usize = 22;
 const SUMS_OF_EIGHT: usize = SUMS.next_multiple_of(LANES);
 
 /// The contact stage for a range of blocks.
@@ -152,6 +152,7 @@ impl<S: StageLaws, C: ConstantSource> Kernel for ContactStage<'_, S, C> {
                 moment_work: s[18],
                 moment_loss: s[19],
                 attraction_loss: s[20],
+                plastic_loss: s[21],
                 // For equal grains the single mass is divided by here.
                 fastest: fastest.reduce_max() / if C::by_batch(v) { 1.0 } else { mass },
             };
@@ -346,7 +347,7 @@ fn near_batch<L: Lanes, S: StageLaws, C: ConstantSource, const IMAGE: bool, cons
 /// Number of columns of the contact history of a batch.
 #[inline(always)]
 fn columns_of<S: StageLaws>(laws: &S) -> usize {
-    NORMAL_COLUMNS + laws.tangential_columns() + laws.moment_columns() + laws.adhesion_columns()
+    NORMAL_COLUMNS + laws.history().iter().sum::<usize>()
 }
 
 /// The rows that hold the contact history of a batch.
@@ -356,26 +357,22 @@ fn rows_of<S: StageLaws>(laws: &S, b: usize) -> Range<usize> {
     b * columns..(b + 1) * columns
 }
 
-/// The first column of the law of adhesion.
-#[inline(always)]
-fn adhesion_at<S: StageLaws>(laws: &S) -> usize {
-    NORMAL_COLUMNS + laws.tangential_columns() + laws.moment_columns()
-}
-
+/// The old normal, and the histories of laws that are compiled into the loop: the tangential one and that of moments. Others are
+/// advanced in place.
 #[inline(always)]
 fn load_memory<R: Real, S: StageLaws>(laws: &S, load: impl Fn(usize) -> R) -> Memory<R> {
     let mut memory = Memory::<R>::new();
     for k in 0..NORMAL_COLUMNS {
         memory.normal[k] = load(k);
     }
-    for k in 0..laws.tangential_columns() {
-        memory.history[k] = load(NORMAL_COLUMNS + k);
-    }
-    for k in 0..laws.moment_columns() {
-        memory.moments[k] = load(NORMAL_COLUMNS + laws.tangential_columns() + k);
-    }
-    for k in 0..laws.adhesion_columns() {
-        memory.adhesion[k] = load(adhesion_at(laws) + k);
+    if !S::IN_PLACE {
+        let [tangential, moments, ..] = laws.history();
+        for k in 0..tangential {
+            memory.history[k] = load(NORMAL_COLUMNS + k);
+        }
+        for k in 0..moments {
+            memory.moments[k] = load(NORMAL_COLUMNS + tangential + k);
+        }
     }
     memory
 }
@@ -399,13 +396,24 @@ fn alone<L: Lanes, S: StageLaws, C: ConstantSource>(
         #[inline(always)]
         |c| L::load(&rows[c].0),
     );
-    let out = laws.interact(&constants, &pair_batch.kinematics, common.dt, &mut memory);
+    // Before the new history overwrites the old one.
+    let past = discarded.as_ref().filter(|_| S::IN_PLACE).map(|_| past_of(laws, rows));
+    let place = Place { views: v, batch: b, history: &mut *rows };
+    let out = laws.interact(&constants, &pair_batch.kinematics, common.dt, &mut memory, place);
     if let Some(discarded) = discarded {
-        // Before the new history overwrites the old one.
-        let history = &rows[NORMAL_COLUMNS..];
+        let history = past.as_ref().map_or(&rows[NORMAL_COLUMNS..], |past| &past[..]);
         discarded.put(out.discards.bits(), &constants.tangential, out.tangential_stiffness, history);
     }
     finish_batch::<L, L, S, C, Whole>(v, laws, pair_batch, common, &constants, &memory, &out, totals)
+}
+
+/// A copy of the history of the tangential law.
+#[inline(always)]
+fn past_of<S: StageLaws>(laws: &S, rows: &[Row8]) -> [Row8; MAX_HISTORY] {
+    let mut past = [Row8::default(); MAX_HISTORY];
+    let used = laws.history()[0];
+    past[..used].copy_from_slice(&rows[NORMAL_COLUMNS..NORMAL_COLUMNS + used]);
+    past
 }
 
 #[inline(always)]
@@ -445,12 +453,21 @@ fn pair<L: Lanes, S: StageLaws, C: ConstantSource>(
         |c| Twice(L::load(&p[c].0), L::load(&q[c].0)),
     );
     let dt = Twice(common.dt, common.dt);
-    let out = laws.interact_two(&constants, &kinematics, dt, &mut memory);
+    // Before the new history overwrites the old one.
+    let past = discarded.as_ref().filter(|_| S::IN_PLACE).map(|_| [past_of(laws, p), past_of(laws, q)]);
+    let places = [
+        Place { views: v, batch: x.batch, history: &mut *p },
+        Place { views: v, batch: y.batch, history: &mut *q },
+    ];
+    let out = laws.interact_two(&constants, &kinematics, dt, &mut memory, places);
     if let Some(discarded) = discarded {
-        // Before the new history overwrites the old one.
+        let [a, b] = match &past {
+            Some([a, b]) => [&a[..], &b[..]],
+            None => [&p[NORMAL_COLUMNS..], &q[NORMAL_COLUMNS..]],
+        };
         let stiffness = out.tangential_stiffness;
-        discarded.put(out.discards.0.bits(), &own[0].tangential, stiffness.0, &p[NORMAL_COLUMNS..]);
-        discarded.put(out.discards.1.bits(), &own[1].tangential, stiffness.1, &q[NORMAL_COLUMNS..]);
+        discarded.put(out.discards.0.bits(), &own[0].tangential, stiffness.0, a);
+        discarded.put(out.discards.1.bits(), &own[1].tangential, stiffness.1, b);
     }
     [
         finish_batch::<L, Twice<L>, S, C, First>(v, laws, x, common, &own[0], &memory, &out, totals),
@@ -530,14 +547,14 @@ fn finish_batch<L: Lanes, R: Real, S: StageLaws, C: ConstantSource, P: Part<L, R
     for k in 0..NORMAL_COLUMNS {
         P::of(memory.normal[k]).store(&mut rows[k].0);
     }
-    for k in 0..laws.tangential_columns() {
-        P::of(memory.history[k]).store(&mut rows[NORMAL_COLUMNS + k].0);
-    }
-    for k in 0..laws.moment_columns() {
-        P::of(memory.moments[k]).store(&mut rows[NORMAL_COLUMNS + laws.tangential_columns() + k].0);
-    }
-    for k in 0..laws.adhesion_columns() {
-        P::of(memory.adhesion[k]).store(&mut rows[adhesion_at(laws) + k].0);
+    if !S::IN_PLACE {
+        let [tangential, moments, ..] = laws.history();
+        for k in 0..tangential {
+            P::of(memory.history[k]).store(&mut rows[NORMAL_COLUMNS + k].0);
+        }
+        for k in 0..moments {
+            P::of(memory.moments[k]).store(&mut rows[NORMAL_COLUMNS + tangential + k].0);
+        }
     }
     let sums = &mut totals.sums;
     let touching = P::mask(out.touching).bits() as u8;
@@ -549,6 +566,9 @@ fn finish_batch<L: Lanes, R: Real, S: StageLaws, C: ConstantSource, P: Part<L, R
     if S::MAY_HAVE_ADHESION && laws.has_adhesion() {
         attracting = P::mask(out.attracting).bits() as u8;
         sums[20] = sums[20] + P::of(out.attraction_loss);
+    }
+    if S::MAY_BE_PLASTIC {
+        sums[21] = sums[21] + P::of(out.plastic_loss);
     }
     *marks = Marks { touched: touching, sliding: P::mask(out.sliding).bits() as u8, attracting };
     let force = [P::of(out.force[0]), P::of(out.force[1]), P::of(out.force[2])];

@@ -1,12 +1,13 @@
 //! The laws as used by the contact stage: compiled into its loop, or called through their slots.
 
-use granum_simd::{Lanes, Twice};
+use granum_simd::{Lanes, Row8, Twice};
 
 use super::views::Views;
 use crate::contact::columns::{Batch, TwoBatches};
 use crate::contact::interaction::{Interaction, Kinematics, Memory, interact};
-use crate::contact::set::{Compiled, Laws, Open, Slots};
-use crate::contact::{LAW_CONSTANTS, MAX_HISTORY, NormalLaw, PairConstants, TangentialLaw};
+use crate::contact::set::Compiled;
+use crate::contact::slots::{InPlace, Slots};
+use crate::contact::{LAW_CONSTANTS, MAX_HISTORY, MomentLaw, NormalLaw, PairConstants, TangentialLaw};
 
 /// Couples on the grains of a batch, or an empty type for sets that never have any, so that nothing needs to be carried
 /// along.
@@ -47,22 +48,52 @@ impl<L: Lanes> Couples<L> for [[L; 3]; 2] {
     }
 }
 
+/// Couples of a set that may have some.
+#[derive(Clone, Copy)]
+pub(crate) struct AnyCouples<L> {
+    acting: bool,
+    moments: [[L; 3]; 2],
+}
+
+impl<L: Lanes> Couples<L> for AnyCouples<L> {
+    #[inline(always)]
+    fn none() -> Self {
+        AnyCouples { acting: false, moments: [[L::zero(); 3]; 2] }
+    }
+    #[inline(always)]
+    fn of(couple: [L; 3], inverse_radii: impl FnOnce() -> [L; 2]) -> Self {
+        AnyCouples { acting: true, moments: Couples::of(couple, inverse_radii) }
+    }
+    #[inline(always)]
+    fn moments(&self) -> Option<[[L; 3]; 2]> {
+        self.acting.then_some(self.moments)
+    }
+}
+
+/// Where a batch keeps its numbers: its rows of constants where grains differ, and its history.
+pub(crate) struct Place<'a> {
+    pub(crate) views: &'a Views,
+    pub(crate) batch: usize,
+    pub(crate) history: &'a mut [Row8],
+}
+
 /// The laws of a contact stage.
 pub(crate) trait StageLaws {
     /// True if the set may have moments.
     const MAY_HAVE_MOMENTS: bool;
     /// True if the set may have a law of adhesion.
     const MAY_HAVE_ADHESION: bool;
+    /// True if the normal law may have a memory, and contacts deform plastically.
+    const MAY_BE_PLASTIC: bool;
+    /// True if [`StageLaws::interact`] advances the histories of the laws where they lie; otherwise it takes and leaves them in the
+    /// [`Memory`].
+    const IN_PLACE: bool;
     /// Type of the couples on grains.
     type Couples<L: Lanes>: Couples<L>;
     /// The laws of the simulation behind the views.
     fn of(views: &Views) -> Self;
-    /// Number of history columns of the tangential law.
-    fn tangential_columns(&self) -> usize;
-    /// Number of history columns of the moment law.
-    fn moment_columns(&self) -> usize;
-    /// Columns of history of the law of adhesion.
-    fn adhesion_columns(&self) -> usize;
+    /// Columns of history: of the tangential law, of the law of moments, of the law of adhesion, of the normal law.
+    fn history(&self) -> [usize; 4];
     /// True if the set has moments.
     fn has_moments(&self) -> bool;
     /// True if the set has a law of adhesion.
@@ -76,6 +107,7 @@ pub(crate) trait StageLaws {
         kinematics: &Kinematics<L>,
         dt: L,
         memory: &mut Memory<L>,
+        place: Place<'_>,
     ) -> Interaction<L>;
     /// One step of two batches.
     fn interact_two<L: Lanes>(
@@ -84,6 +116,7 @@ pub(crate) trait StageLaws {
         kinematics: &Kinematics<Twice<L>>,
         dt: Twice<L>,
         memory: &mut Memory<Twice<L>>,
+        places: [Place<'_>; 2],
     ) -> Interaction<Twice<L>>;
     /// Energy lost with discarded parts of the histories, J.
     fn discarded<L: Lanes>(
@@ -97,22 +130,17 @@ pub(crate) trait StageLaws {
 impl<N: NormalLaw, T: TangentialLaw> StageLaws for Compiled<N, T> {
     const MAY_HAVE_MOMENTS: bool = false;
     const MAY_HAVE_ADHESION: bool = false;
+    const MAY_BE_PLASTIC: bool = false;
+    const IN_PLACE: bool = false;
     type Couples<L: Lanes> = ();
     #[inline(always)]
     fn of(_views: &Views) -> Self {
+        const { assert!(N::HISTORY == 0) };
         Compiled::new()
     }
     #[inline(always)]
-    fn tangential_columns(&self) -> usize {
-        T::HISTORY
-    }
-    #[inline(always)]
-    fn moment_columns(&self) -> usize {
-        0
-    }
-    #[inline(always)]
-    fn adhesion_columns(&self) -> usize {
-        0
+    fn history(&self) -> [usize; 4] {
+        [T::HISTORY, 0, 0, 0]
     }
     #[inline(always)]
     fn has_moments(&self) -> bool {
@@ -133,6 +161,7 @@ impl<N: NormalLaw, T: TangentialLaw> StageLaws for Compiled<N, T> {
         kinematics: &Kinematics<L>,
         dt: L,
         memory: &mut Memory<L>,
+        _place: Place<'_>,
     ) -> Interaction<L> {
         interact(self, constants, kinematics, dt, memory)
     }
@@ -143,6 +172,7 @@ impl<N: NormalLaw, T: TangentialLaw> StageLaws for Compiled<N, T> {
         kinematics: &Kinematics<Twice<L>>,
         dt: Twice<L>,
         memory: &mut Memory<Twice<L>>,
+        _places: [Place<'_>; 2],
     ) -> Interaction<Twice<L>> {
         interact(self, constants, kinematics, dt, memory)
     }
@@ -157,40 +187,35 @@ impl<N: NormalLaw, T: TangentialLaw> StageLaws for Compiled<N, T> {
     }
 }
 
-/// Any laws, called through their slots.
-pub(crate) struct AnyLaws(Slots);
+/// Laws with resistance to rolling or twisting that are compiled into the loop.
+pub(crate) struct WithMoments<N, T, M>(Compiled<N, T, M>);
 
-impl StageLaws for AnyLaws {
+impl<N: NormalLaw, T: TangentialLaw, M: MomentLaw> StageLaws for WithMoments<N, T, M> {
     const MAY_HAVE_MOMENTS: bool = true;
-    const MAY_HAVE_ADHESION: bool = true;
+    const MAY_HAVE_ADHESION: bool = false;
+    const MAY_BE_PLASTIC: bool = false;
+    const IN_PLACE: bool = false;
     type Couples<L: Lanes> = [[L; 3]; 2];
     #[inline(always)]
-    fn of(views: &Views) -> Self {
-        AnyLaws(Slots::new(&views.laws, views.isa))
+    fn of(_views: &Views) -> Self {
+        const { assert!(N::HISTORY == 0 && M::ACTS) };
+        WithMoments(Compiled::new())
     }
     #[inline(always)]
-    fn tangential_columns(&self) -> usize {
-        self.0.tangential_columns()
-    }
-    #[inline(always)]
-    fn moment_columns(&self) -> usize {
-        self.0.moment_columns()
-    }
-    #[inline(always)]
-    fn adhesion_columns(&self) -> usize {
-        self.0.adhesion_columns()
+    fn history(&self) -> [usize; 4] {
+        [T::HISTORY, M::HISTORY, 0, 0]
     }
     #[inline(always)]
     fn has_moments(&self) -> bool {
-        self.0.has_moments()
+        true
     }
     #[inline(always)]
     fn has_adhesion(&self) -> bool {
-        self.0.has_adhesion()
+        false
     }
     #[inline(always)]
     fn discards(&self) -> bool {
-        self.0.discards()
+        T::DISCARDS
     }
     #[inline(always)]
     fn interact<L: Lanes>(
@@ -199,8 +224,9 @@ impl StageLaws for AnyLaws {
         kinematics: &Kinematics<L>,
         dt: L,
         memory: &mut Memory<L>,
+        _place: Place<'_>,
     ) -> Interaction<L> {
-        interact(&Open::<Batch<L>>::new(&self.0), constants, kinematics, dt, memory)
+        interact(&self.0, constants, kinematics, dt, memory)
     }
     #[inline(always)]
     fn interact_two<L: Lanes>(
@@ -209,8 +235,9 @@ impl StageLaws for AnyLaws {
         kinematics: &Kinematics<Twice<L>>,
         dt: Twice<L>,
         memory: &mut Memory<Twice<L>>,
+        _places: [Place<'_>; 2],
     ) -> Interaction<Twice<L>> {
-        interact(&Open::<TwoBatches<L>>::new(&self.0), constants, kinematics, dt, memory)
+        interact(&self.0, constants, kinematics, dt, memory)
     }
     #[inline(always)]
     fn discarded<L: Lanes>(
@@ -219,6 +246,93 @@ impl StageLaws for AnyLaws {
         stiffness: L,
         history: &[L; MAX_HISTORY],
     ) -> L {
-        Open::<Batch<L>>::new(&self.0).discarded(constants, stiffness, history)
+        T::discarded(constants, stiffness, history)
+    }
+}
+
+/// Any laws, called through their slots.
+pub(crate) struct AnyLaws {
+    slots: Slots,
+    /// The constants of equal grains, in every lane.
+    alike: [Row8; PairConstants::COUNT],
+}
+
+impl AnyLaws {
+    /// The rows of constants of a batch.
+    #[inline(always)]
+    fn constants<'a>(&'a self, views: &'a Views, batch: usize) -> &'a [Row8] {
+        if views.equal {
+            return &self.alike;
+        }
+        let kept = views.constants_kept;
+        // SAFETY: constants are only read.
+        unsafe { &views.constants.read()[batch * kept..(batch + 1) * kept] }
+    }
+}
+
+impl StageLaws for AnyLaws {
+    const MAY_HAVE_MOMENTS: bool = true;
+    const MAY_HAVE_ADHESION: bool = true;
+    const MAY_BE_PLASTIC: bool = true;
+    const IN_PLACE: bool = true;
+    type Couples<L: Lanes> = AnyCouples<L>;
+    #[inline(always)]
+    fn of(views: &Views) -> Self {
+        AnyLaws {
+            slots: Slots::new(&views.laws, views.isa),
+            alike: views.alike.to_array().map(|value| Row8([value; 8])),
+        }
+    }
+    #[inline(always)]
+    fn history(&self) -> [usize; 4] {
+        self.slots.history()
+    }
+    #[inline(always)]
+    fn has_moments(&self) -> bool {
+        self.slots.has_moments()
+    }
+    #[inline(always)]
+    fn has_adhesion(&self) -> bool {
+        self.slots.has_adhesion()
+    }
+    #[inline(always)]
+    fn discards(&self) -> bool {
+        self.slots.discards()
+    }
+    #[inline(always)]
+    fn interact<L: Lanes>(
+        &self,
+        constants: &PairConstants<L>,
+        kinematics: &Kinematics<L>,
+        dt: L,
+        memory: &mut Memory<L>,
+        place: Place<'_>,
+    ) -> Interaction<L> {
+        let rows = self.constants(place.views, place.batch);
+        let laws = InPlace::<Batch<L>>::new(&self.slots, [rows, rows], [place.history, &mut []]);
+        interact(&laws, constants, kinematics, dt, memory)
+    }
+    #[inline(always)]
+    fn interact_two<L: Lanes>(
+        &self,
+        constants: &PairConstants<Twice<L>>,
+        kinematics: &Kinematics<Twice<L>>,
+        dt: Twice<L>,
+        memory: &mut Memory<Twice<L>>,
+        places: [Place<'_>; 2],
+    ) -> Interaction<Twice<L>> {
+        let [x, y] = places;
+        let rows = [self.constants(x.views, x.batch), self.constants(y.views, y.batch)];
+        let laws = InPlace::<TwoBatches<L>>::new(&self.slots, rows, [x.history, y.history]);
+        interact(&laws, constants, kinematics, dt, memory)
+    }
+    #[inline(always)]
+    fn discarded<L: Lanes>(
+        &self,
+        constants: &[L; LAW_CONSTANTS],
+        stiffness: L,
+        history: &[L; MAX_HISTORY],
+    ) -> L {
+        self.slots.discarded::<Batch<L>>(constants, stiffness, history)
     }
 }

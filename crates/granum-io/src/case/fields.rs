@@ -137,7 +137,7 @@ fn fields() -> Vec<Field> { vec![
         number!(NUMBER, "0"..="0.5", grains.material.poissons_ratio)),
     entry("grains.material", "friction", "Coefficient of friction mu between grains, in the test.", "0.3",
         number!(NUMBER, "0"..="10", grains.material.friction)),
-    entry("grains.material", "interface_energy", "Interface energy Gamma: work of adhesion per area, used by normal = \"jkr\"; 0 is no adhesion.", "0.6 J/m2",
+    entry("grains.material", "interface_energy", "Interface energy Gamma: work of adhesion per area, used by normal = \"jkr\", \"dmt\" and \"jkr-dmt\"; 0 is no adhesion.", "0.6 J/m2",
         number!(SURFACE_ENERGY, "0 J/m2"..="100 J/m2", grains.material.interface_energy)),
 
     entry("contact", "normal", "Normal law.", "jkr", Kind::Choice {

@@ -224,7 +224,7 @@ mod tests {
             "{apart}"
         );
         let unknown = message("[contact]\nnormal = \"hook\"\n");
-        assert!(unknown.contains("must be \"hertz\", \"jkr\" or \"hooke\""), "{unknown}");
+        assert!(unknown.contains("must be \"hertz\", \"jkr\", \"hooke\","), "{unknown}");
     }
 
     /// The reference chapter of the book lists every key of the contact laws with its help text.

@@ -47,7 +47,7 @@ fn energy_gap(before: &Stored, end: &Assembly) -> f64 {
     // The work of the tangential forces includes their elastic energy, which need not be separated here.
     let accounted =
         stored + e.tangential_work + e.damping + e.adhesion_made + e.adhesion_broken + e.rolling_work;
-    let accounted = accounted + e.attraction_loss;
+    let accounted = accounted + e.attraction_loss + e.plastic_loss;
     // Next to no work is done where all is held; the energy that is there is then the measure.
     let measure = e.boundary_work.abs().max(HARDLY_ANY * before.elastic_normal.abs());
     if measure == 0.0 { 0.0 } else { ((e.boundary_work - accounted) / measure).abs() }

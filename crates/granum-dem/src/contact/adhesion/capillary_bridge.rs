@@ -92,7 +92,9 @@ impl AdhesionLaw for CapillaryBridge {
 
     fn goes_with(normal: &NormalTraits) -> Result<(), &'static str> {
         if normal.adhesive {
-            Err("adds to a normal law without adhesion: choose contact.normal = \"hertz\" or \"hooke\"")
+            Err(
+                "adds to a normal law without adhesion: choose contact.normal = \"hertz\", \"rough-hertz\" or \"hooke\"",
+            )
         } else {
             Ok(())
         }

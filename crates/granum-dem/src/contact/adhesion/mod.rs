@@ -2,6 +2,8 @@
 
 pub mod capillary_bridge;
 pub mod none;
+pub mod van_der_waals;
 
 pub use capillary_bridge::CapillaryBridge;
 pub use none::NoAdhesion;
+pub use van_der_waals::VanDerWaals;

@@ -23,20 +23,23 @@ pub struct Hooke;
 const STIFFNESS: usize = 0;
 const ROOT_STIFFNESS: usize = 1;
 
+/// `contact.normal_stiffness`.
+pub(super) const NORMAL_STIFFNESS: Parameter = Parameter {
+    key: "normal_stiffness",
+    unit: Unit::STIFFNESS,
+    default: 1e4,
+    bounds: [1.0, 1e10],
+    meaning: "Stiffness k_n of the linear spring of every contact; at first loading where contacts are plastic",
+    without_area: false,
+    mixing: Mixing::Harmonic,
+};
+
 impl NormalLaw for Hooke {
     const DESCRIPTION: Description = Description {
         name: "hooke",
         label: "Hooke",
         help: "a linear spring of the stiffness contact.normal_stiffness, without adhesion",
-        parameters: &[Parameter {
-            key: "normal_stiffness",
-            unit: Unit::STIFFNESS,
-            default: 1e4,
-            bounds: [1.0, 1e10],
-            meaning: "Stiffness k_n of the linear spring of every contact",
-            without_area: false,
-            mixing: Mixing::Harmonic,
-        }],
+        parameters: &[NORMAL_STIFFNESS],
     };
     const CONTACT_AREA: bool = false;
 

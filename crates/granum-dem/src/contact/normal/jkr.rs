@@ -28,14 +28,14 @@ const MAKING_LOSS: usize = 4;
 const BREAKING_LOSS: usize = 5;
 
 /// Overlap at rupture over d_0: `-6^(-1/3) / 2`.
-const BREAK: f64 = -0.275_160_604_074_552_22;
+pub(super) const BREAK: f64 = -0.275_160_604_074_552_22;
 /// Energies lost by the formation and by the breaking of a contact, over `N_c d_0`: `2/5 (2/3)^(4/3)` and `4/15 6^(-4/3)`.
 const MAKE: f64 = 0.232_954_790_596_346_38;
 const SPLIT: f64 = 0.024_458_720_362_182_42;
 /// Smallest d_0 / R* used: far below any real value, so that without adhesion the law is that of Hertz.
-const LEAST_LENGTH: f64 = 1e-30;
+pub(super) const LEAST_LENGTH: f64 = 1e-30;
 /// Lower bound of the stiffness for the dashpot, as a fraction of `2 E* a`.
-const LEAST_STIFFNESS: f64 = 0.1;
+pub(super) const LEAST_STIFFNESS: f64 = 0.1;
 
 /// Largest overlap over d_0 (about 2000 N_c) for which the rational function is used.
 const RATIONAL_END: f64 = 64.0;
@@ -88,7 +88,7 @@ fn line<R: Real>(c: &[f64; 10], k: usize, t: R) -> R {
 /// The error of N over `max(N_c, |N|)` is below 4e-14 up to `h = 64` and a few bits beyond, except that x is ill-conditioned
 /// close to the break: the rounding error of h there is amplified by `1 / (h - BREAK)^(1/2)`.
 #[inline(always)]
-fn invert<R: Real>(h: R) -> R {
+pub(super) fn invert<R: Real>(h: R) -> R {
     let t2 = h - R::splat(BREAK);
     let t = t2.sqrt();
     let t4 = t2 * t2;

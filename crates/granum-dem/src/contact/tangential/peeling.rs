@@ -65,7 +65,7 @@ impl TangentialLaw for Peeling {
     const DISCARDS: bool = true;
 
     fn goes_with(normal: &NormalTraits) -> Result<(), &'static str> {
-        if normal.adhesive {
+        if normal.name == "jkr" {
             Ok(())
         } else {
             Err("needs contact.normal = \"jkr\": nothing peels without adhesion")

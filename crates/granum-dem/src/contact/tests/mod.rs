@@ -10,7 +10,7 @@ mod tables;
 mod twisting;
 
 use super::interaction::{Interaction, Kinematics, Memory, dot, interact};
-use super::normal::{Hertz, Hooke, Jkr};
+use super::normal::{Dmt, Hertz, Hooke, Jkr, JkrDmt, Luding, RoughHertz};
 use super::rolling::{ElasticPlasticRolling, ElasticPlasticTwisting, NoMoments};
 use super::set::Compiled;
 use super::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
@@ -86,25 +86,55 @@ trait LawVisitor {
 }
 
 /// Every pair of laws that can be used together.
-const ALL: [(NormalKind, TangentialKind); 6] = [
+const ALL: [(NormalKind, TangentialKind); 13] = [
     (NormalKind::HERTZ, TangentialKind::MINDLIN_DERESIEWICZ),
     (NormalKind::HERTZ, TangentialKind::NO_SLIP),
     (NormalKind::JKR, TangentialKind::MINDLIN_DERESIEWICZ),
     (NormalKind::JKR, TangentialKind::NO_SLIP),
     (NormalKind::JKR, TangentialKind::PEELING),
     (NormalKind::HOOKE, TangentialKind::NO_SLIP),
+    (NormalKind::DMT, TangentialKind::MINDLIN_DERESIEWICZ),
+    (NormalKind::DMT, TangentialKind::NO_SLIP),
+    (NormalKind::JKR_DMT, TangentialKind::MINDLIN_DERESIEWICZ),
+    (NormalKind::JKR_DMT, TangentialKind::NO_SLIP),
+    (NormalKind::ROUGH_HERTZ, TangentialKind::MINDLIN_DERESIEWICZ),
+    (NormalKind::ROUGH_HERTZ, TangentialKind::NO_SLIP),
+    (NormalKind::LUDING, TangentialKind::NO_SLIP),
 ];
 
-/// Runs the visitor with the laws of these names.
-fn with_law<V: LawVisitor>(normal: NormalKind, tangential: TangentialKind, visitor: V) -> V::Output {
+/// The pairs of laws that the engine compiles into loops of their own.
+const COMPILED: [(NormalKind, TangentialKind); 5] = [
+    (NormalKind::HERTZ, TangentialKind::MINDLIN_DERESIEWICZ),
+    (NormalKind::HERTZ, TangentialKind::NO_SLIP),
+    (NormalKind::JKR, TangentialKind::MINDLIN_DERESIEWICZ),
+    (NormalKind::JKR, TangentialKind::NO_SLIP),
+    (NormalKind::JKR, TangentialKind::PEELING),
+];
+
+/// Runs the visitor with the laws of these names, which must be among [`COMPILED`].
+fn with_compiled_law<V: LawVisitor>(normal: NormalKind, tangential: TangentialKind, visitor: V) -> V::Output {
     match (normal.name(), tangential.name()) {
         ("hertz", "mindlin-deresiewicz") => visitor.visit::<Hertz, MindlinDeresiewicz>(),
         ("hertz", "no-slip") => visitor.visit::<Hertz, NoSlip>(),
         ("jkr", "mindlin-deresiewicz") => visitor.visit::<Jkr, MindlinDeresiewicz>(),
         ("jkr", "no-slip") => visitor.visit::<Jkr, NoSlip>(),
         ("jkr", "peeling") => visitor.visit::<Jkr, Peeling>(),
-        ("hooke", "no-slip") => visitor.visit::<Hooke, NoSlip>(),
         other => panic!("{other:?}"),
+    }
+}
+
+/// Runs the visitor with the laws of these names.
+fn with_law<V: LawVisitor>(normal: NormalKind, tangential: TangentialKind, visitor: V) -> V::Output {
+    match (normal.name(), tangential.name()) {
+        ("hooke", "no-slip") => visitor.visit::<Hooke, NoSlip>(),
+        ("dmt", "mindlin-deresiewicz") => visitor.visit::<Dmt, MindlinDeresiewicz>(),
+        ("dmt", "no-slip") => visitor.visit::<Dmt, NoSlip>(),
+        ("jkr-dmt", "mindlin-deresiewicz") => visitor.visit::<JkrDmt, MindlinDeresiewicz>(),
+        ("jkr-dmt", "no-slip") => visitor.visit::<JkrDmt, NoSlip>(),
+        ("rough-hertz", "mindlin-deresiewicz") => visitor.visit::<RoughHertz, MindlinDeresiewicz>(),
+        ("rough-hertz", "no-slip") => visitor.visit::<RoughHertz, NoSlip>(),
+        ("luding", "no-slip") => visitor.visit::<Luding, NoSlip>(),
+        _ => with_compiled_law(normal, tangential, visitor),
     }
 }
 

@@ -138,7 +138,7 @@ fn every_law_keeps_its_force_in_a_turn() {
                 "{normal:?} {tangential:?} unlike {unlike}: error over |T| {:.2e} {:.2e}",
                 errors[0], errors[1]
             );
-            assert!(errors[0] < 0.2 && errors[1] < 2e-3, "{errors:?}");
+            assert!(errors[0] < 0.3 && errors[1] < 3e-3, "{errors:?}");
             assert!((errors[0] / errors[1] / 100.0 - 1.0).abs() < 0.2, "{errors:?}");
         }
     }

@@ -33,6 +33,11 @@ impl Law {
     fn rolling(self) -> Option<&'static str> {
         self.0.rolling.law().acts().then(|| self.0.rolling.name())
     }
+
+    /// Name of the law of adhesion, if there is one.
+    fn adhesion(self) -> Option<&'static str> {
+        self.0.adhesion.law().acts().then(|| self.0.adhesion.name())
+    }
 }
 
 /// The three sets of contact laws for which the speed is compared with that of other programs.
@@ -45,13 +50,15 @@ pub const LAWS: [Law; 3] = [
 /// The set of contact laws with the given names, separated by commas.
 pub fn law(text: &str) -> Result<Law, Failure> {
     let names: Vec<&str> = text.split(',').collect();
-    if !(2..=3).contains(&names.len()) {
+    if !(2..=4).contains(&names.len()) {
         return Err(Failure::new(format!(
-            "--law {text}: two or three names are needed, as jkr,mindlin-deresiewicz or hertz,no-slip,elastic-plastic"
+            "--law {text}: two to four names are needed, as jkr,mindlin-deresiewicz, hertz,no-slip,elastic-plastic or \
+             hertz,no-slip,none,capillary-bridge"
         )));
     }
     let mut case = Case::default();
-    for (key, name) in ["contact.normal", "contact.tangential", "contact.rolling"].into_iter().zip(names) {
+    let keys = ["contact.normal", "contact.tangential", "contact.rolling", "contact.adhesion"];
+    for (key, name) in keys.into_iter().zip(names) {
         case.set(key, name)?;
     }
     case.check()?;
@@ -91,6 +98,9 @@ pub struct Figure {
     /// Name of the rolling law, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     rolling: Option<&'static str>,
+    /// Name of the law of adhesion, if there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    adhesion: Option<&'static str>,
     grains: usize,
     threads: usize,
     isa: &'static str,
@@ -165,8 +175,10 @@ fn print(figure: &Figure, compared: bool) {
     } else {
         String::new()
     };
+    let others = [figure.rolling, figure.adhesion].into_iter().flatten();
+    let beside = others.fold(tangential.to_string(), |names, name| format!("{names}, {name}"));
     println!(
-        "{normal:<7} {tangential:<20} {grains:>9} {threads:>8} {isa:>9} {rate:>18.2} {mean:>9.2} {speed_up}"
+        "{normal:<7} {beside:<20} {grains:>9} {threads:>8} {isa:>9} {rate:>18.2} {mean:>9.2} {speed_up}"
     );
 }
 
@@ -271,6 +283,7 @@ fn figures(
         normal: law.0.normal.name(),
         tangential: law.0.tangential.name(),
         rolling: law.rolling(),
+        adhesion: law.adhesion(),
         grains: packing.grains.len(),
         threads: hardware[k].threads,
         isa: hardware[k].isa.name(),
@@ -312,6 +325,7 @@ fn one_segment(
             normal: law.0.normal.name(),
             tangential: law.0.tangential.name(),
             rolling: law.rolling(),
+            adhesion: law.adhesion(),
             grains,
             threads: hardware.threads,
             isa: hardware.isa.name(),

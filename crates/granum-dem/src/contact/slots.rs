@@ -1,0 +1,396 @@
+//! The laws of a set called one by one through their slots.
+
+use std::cell::RefCell;
+use std::marker::PhantomData;
+
+use granum_simd::{Isa, Real, Row8};
+
+use super::columns::{ProgressOfRuns, Sheet, Width, at, read, read_normal, write, write_normal};
+use super::frame::Turn;
+use super::law::{AdhesionLosses, Attraction, Moment, Normal, RelativeSpin, Tangential};
+use super::set::Laws;
+use super::{
+    LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY, PairConstants,
+};
+use crate::config::Contact;
+
+/// Columns of the history of a contact before those of the laws: the old normal.
+pub(crate) const DIRECTION: usize = 3;
+
+/// The slots of a set, with the working memory through which they are called.
+pub struct Slots {
+    laws: Contact,
+    isa: Isa,
+    /// Columns of history: of the tangential law, of the law of moments, of the law of adhesion, of the normal law.
+    history: [usize; 4],
+    has_moments: bool,
+    has_adhesion: bool,
+    discards: bool,
+    columns: RefCell<ProgressOfRuns>,
+}
+
+const EMPTY: Row8 = Row8([0.0; 8]);
+
+impl Slots {
+    /// The laws of a set for an instruction set.
+    pub fn new(laws: &Contact, isa: Isa) -> Self {
+        Slots {
+            laws: *laws,
+            isa,
+            history: laws.history(),
+            has_moments: laws.rolling.law().acts(),
+            has_adhesion: laws.adhesion.law().acts(),
+            discards: laws.tangential.law().discards(),
+            columns: RefCell::new([[EMPTY; 2]; at::ALL]),
+        }
+    }
+
+    /// Columns of history: of the tangential law, of the law of moments, of the law of adhesion, of the normal law.
+    #[inline(always)]
+    pub(crate) fn history(&self) -> [usize; 4] {
+        self.history
+    }
+
+    /// True if the set has moments.
+    #[inline(always)]
+    pub(crate) fn has_moments(&self) -> bool {
+        self.has_moments
+    }
+
+    /// True if the set has a law of adhesion.
+    #[inline(always)]
+    pub(crate) fn has_adhesion(&self) -> bool {
+        self.has_adhesion
+    }
+
+    /// True if the tangential law discards parts of its history that store energy.
+    #[inline(always)]
+    pub(crate) fn discards(&self) -> bool {
+        self.discards
+    }
+
+    /// Energy lost where a step of the tangential law discarded a part of the history, J.
+    #[inline(always)]
+    pub(crate) fn discarded<W: Width>(
+        &self,
+        constants: &[W::Value; LAW_CONSTANTS],
+        stiffness: W::Value,
+        history: &[W::Value; MAX_HISTORY],
+    ) -> W::Value {
+        let mut rows = Rows::<LAW_CONSTANTS>::of::<W>(constants);
+        let mut past = Rows::<MAX_HISTORY>::of::<W>(history);
+        let columns = &mut *self.columns.borrow_mut();
+        W::write(stiffness, &mut columns[0]);
+        let [a, b] = &mut rows.0;
+        let [c, d] = &mut past.0;
+        let mut sheet = Sheet { constants: [a, b], history: [c, d], columns };
+        self.laws.tangential.law().discarded(self.isa, W::COUNT, &mut sheet);
+        W::read(&sheet.columns[0])
+    }
+}
+
+/// Numbers of one batch or of two, by rows.
+struct Rows<const N: usize>([[Row8; N]; 2]);
+
+impl<const N: usize> Rows<N> {
+    #[inline(always)]
+    fn of<W: Width>(values: &[W::Value; N]) -> Self {
+        let mut rows = Rows([[EMPTY; N]; 2]);
+        let [a, b] = &mut rows.0;
+        let mut both: [&mut [Row8]; 2] = [a, b];
+        for (c, value) in values.iter().enumerate() {
+            W::write_rows(*value, &mut both, c);
+        }
+        rows
+    }
+
+    #[inline(always)]
+    fn values<W: Width>(&self) -> [W::Value; N] {
+        std::array::from_fn(
+            #[inline(always)]
+            |c| W::read_rows([&self.0[0], &self.0[1]], c),
+        )
+    }
+}
+
+/// Laws chosen at run time, each called through its slot, for contacts of the width `W`: one contact, or lanes of the
+/// instruction set of the slots. Constants and histories are copied to where the slots find them, and back.
+pub struct Open<'a, W> {
+    slots: &'a Slots,
+    width: PhantomData<W>,
+}
+
+impl<'a, W> Open<'a, W> {
+    /// The laws of these slots.
+    #[inline(always)]
+    pub fn new(slots: &'a Slots) -> Self {
+        Open { slots, width: PhantomData }
+    }
+}
+
+impl<W: Width> Open<'_, W> {
+    /// Calls a slot with its constants and its history, and returns what it left in the columns.
+    #[inline(always)]
+    fn with<const N: usize, T>(
+        &self,
+        constants: &[W::Value; LAW_CONSTANTS],
+        history: &mut [W::Value; N],
+        call: impl FnOnce(&mut Sheet<'_>) -> T,
+    ) -> T {
+        let rows = Rows::<LAW_CONSTANTS>::of::<W>(constants);
+        let mut past = Rows::<N>::of::<W>(history);
+        let [c, d] = &mut past.0;
+        let columns = &mut *self.slots.columns.borrow_mut();
+        let out = call(&mut Sheet { constants: [&rows.0[0], &rows.0[1]], history: [c, d], columns });
+        *history = past.values::<W>();
+        out
+    }
+}
+
+impl<W: Width> Laws<W::Value> for Open<'_, W> {
+    const MAY_HAVE_MOMENTS: bool = true;
+    const MAY_HAVE_ADHESION: bool = true;
+    #[inline(always)]
+    fn has_moments(&self) -> bool {
+        self.slots.has_moments
+    }
+    #[inline(always)]
+    fn has_adhesion(&self) -> bool {
+        self.slots.has_adhesion
+    }
+    #[inline(always)]
+    fn normal(
+        &self,
+        constants: &[W::Value; LAW_CONSTANTS],
+        overlap: W::Value,
+        touched: <W::Value as Real>::Mask,
+        history: &mut [W::Value; MAX_NORMAL_HISTORY],
+    ) -> (Normal<W::Value>, AdhesionLosses<W::Value>, W::Value) {
+        self.with(constants, history, |sheet| normal::<W>(self.slots, sheet, overlap, touched))
+    }
+    #[inline(always)]
+    fn tangential(
+        &self,
+        constants: &[W::Value; LAW_CONSTANTS],
+        normal: &Normal<W::Value>,
+        increment: [W::Value; 2],
+        turn: &Turn<W::Value>,
+        history: &mut [W::Value; MAX_HISTORY],
+    ) -> (Tangential<W::Value>, W::Value, [W::Value; 2]) {
+        self.with(constants, history, |sheet| {
+            write_normal::<W>(normal, sheet.columns);
+            tangential::<W>(self.slots, sheet, increment, turn)
+        })
+    }
+    #[inline(always)]
+    fn moment(
+        &self,
+        constants: &[W::Value; LAW_CONSTANTS],
+        normal: &Normal<W::Value>,
+        spin: RelativeSpin<W::Value>,
+        dt: W::Value,
+        turn: &Turn<W::Value>,
+        history: &mut [W::Value; MAX_MOMENT_HISTORY],
+    ) -> Moment<W::Value> {
+        self.with(constants, history, |sheet| {
+            write_normal::<W>(normal, sheet.columns);
+            moment::<W>(self.slots, sheet, spin, dt, turn)
+        })
+    }
+    #[inline(always)]
+    fn adhesion(
+        &self,
+        constants: &[W::Value; LAW_CONSTANTS],
+        overlap: W::Value,
+        touching: <W::Value as Real>::Mask,
+        history: &mut [W::Value; MAX_ADHESION_HISTORY],
+    ) -> Attraction<W::Value> {
+        self.with(constants, history, |sheet| adhesion::<W>(self.slots, sheet, overlap, touching))
+    }
+}
+
+/// The same for the batches of the engine, whose constants and histories are left where they lie. The normal law must be called
+/// first: the others read the contact that it left in the columns.
+pub(crate) struct InPlace<'a, 'b, W> {
+    slots: &'a Slots,
+    constants: [&'b [Row8]; 2],
+    history: RefCell<[&'b mut [Row8]; 2]>,
+    width: PhantomData<W>,
+}
+
+/// First constants of the laws among those of a pair.
+const NORMAL_CONSTANTS: usize = 3;
+const TANGENTIAL_CONSTANTS: usize = NORMAL_CONSTANTS + LAW_CONSTANTS;
+
+impl<'a, 'b, W: Width> InPlace<'a, 'b, W> {
+    /// The laws of these slots for batches with these rows of constants and of history.
+    #[inline(always)]
+    pub(crate) fn new(slots: &'a Slots, constants: [&'b [Row8]; 2], history: [&'b mut [Row8]; 2]) -> Self {
+        InPlace { slots, constants, history: RefCell::new(history), width: PhantomData }
+    }
+
+    #[inline(always)]
+    fn with<T>(&self, constants: usize, history: usize, call: impl FnOnce(&mut Sheet<'_>) -> T) -> T {
+        let [a, b] = &mut *self.history.borrow_mut();
+        let [x, y] = self.constants;
+        call(&mut Sheet {
+            constants: [&x[constants..], &y[constants..]],
+            // There is no second history where there is one batch.
+            history: [&mut a[history..], b.get_mut(history..).unwrap_or_default()],
+            columns: &mut self.slots.columns.borrow_mut(),
+        })
+    }
+}
+
+impl<W: Width> Laws<W::Value> for InPlace<'_, '_, W> {
+    const MAY_HAVE_MOMENTS: bool = true;
+    const MAY_HAVE_ADHESION: bool = true;
+    #[inline(always)]
+    fn has_moments(&self) -> bool {
+        self.slots.has_moments
+    }
+    #[inline(always)]
+    fn has_adhesion(&self) -> bool {
+        self.slots.has_adhesion
+    }
+    #[inline(always)]
+    fn normal(
+        &self,
+        _constants: &[W::Value; LAW_CONSTANTS],
+        overlap: W::Value,
+        touched: <W::Value as Real>::Mask,
+        _history: &mut [W::Value; MAX_NORMAL_HISTORY],
+    ) -> (Normal<W::Value>, AdhesionLosses<W::Value>, W::Value) {
+        let [tangential, moments, adhesion, _] = self.slots.history;
+        self.with(
+            NORMAL_CONSTANTS,
+            DIRECTION + tangential + moments + adhesion,
+            #[inline(always)]
+            |sheet| normal::<W>(self.slots, sheet, overlap, touched),
+        )
+    }
+    #[inline(always)]
+    fn tangential(
+        &self,
+        _constants: &[W::Value; LAW_CONSTANTS],
+        _normal: &Normal<W::Value>,
+        increment: [W::Value; 2],
+        turn: &Turn<W::Value>,
+        _history: &mut [W::Value; MAX_HISTORY],
+    ) -> (Tangential<W::Value>, W::Value, [W::Value; 2]) {
+        self.with(
+            TANGENTIAL_CONSTANTS,
+            DIRECTION,
+            #[inline(always)]
+            |sheet| tangential::<W>(self.slots, sheet, increment, turn),
+        )
+    }
+    #[inline(always)]
+    fn moment(
+        &self,
+        _constants: &[W::Value; LAW_CONSTANTS],
+        _normal: &Normal<W::Value>,
+        spin: RelativeSpin<W::Value>,
+        dt: W::Value,
+        turn: &Turn<W::Value>,
+        _history: &mut [W::Value; MAX_MOMENT_HISTORY],
+    ) -> Moment<W::Value> {
+        self.with(
+            PairConstants::WITHOUT_MOMENTS,
+            DIRECTION + self.slots.history[0],
+            #[inline(always)]
+            |sheet| moment::<W>(self.slots, sheet, spin, dt, turn),
+        )
+    }
+    #[inline(always)]
+    fn adhesion(
+        &self,
+        _constants: &[W::Value; LAW_CONSTANTS],
+        overlap: W::Value,
+        touching: <W::Value as Real>::Mask,
+        _history: &mut [W::Value; MAX_ADHESION_HISTORY],
+    ) -> Attraction<W::Value> {
+        let [tangential, moments, ..] = self.slots.history;
+        self.with(
+            PairConstants::WITHOUT_ADHESION,
+            DIRECTION + tangential + moments,
+            #[inline(always)]
+            |sheet| adhesion::<W>(self.slots, sheet, overlap, touching),
+        )
+    }
+}
+
+#[inline(always)]
+fn normal<W: Width>(
+    slots: &Slots,
+    sheet: &mut Sheet<'_>,
+    overlap: W::Value,
+    touched: <W::Value as Real>::Mask,
+) -> (Normal<W::Value>, AdhesionLosses<W::Value>, W::Value) {
+    W::write(overlap, &mut sheet.columns[at::OVERLAP]);
+    W::write_mask(touched, &mut sheet.columns[at::TOUCHED]);
+    slots.laws.normal.law().evaluate(slots.isa, W::COUNT, sheet);
+    let [made, broken, plastic] = read::<W, 3>(sheet.columns, at::LOSSES);
+    (read_normal::<W>(sheet.columns), AdhesionLosses { made, broken }, plastic)
+}
+
+#[inline(always)]
+fn tangential<W: Width>(
+    slots: &Slots,
+    sheet: &mut Sheet<'_>,
+    increment: [W::Value; 2],
+    turn: &Turn<W::Value>,
+) -> (Tangential<W::Value>, W::Value, [W::Value; 2]) {
+    write::<W, 4>([increment[0], increment[1], turn.cosine, turn.sine], sheet.columns, at::INCREMENT);
+    slots.laws.tangential.law().update(slots.isa, W::COUNT, sheet);
+    let columns = &*sheet.columns;
+    let [u, v, x, y, stiffness, root_stiffness, friction_loss, micro_slip_loss, step] =
+        read::<W, 9>(columns, at::TANGENTIAL);
+    let out = Tangential {
+        force: [x, y],
+        stiffness,
+        root_stiffness,
+        sliding: W::read_mask(&columns[at::SLIDING]),
+        friction_loss,
+        micro_slip_loss,
+        discards: W::read_mask(&columns[at::DISCARDS]),
+    };
+    (out, step, [u, v])
+}
+
+#[inline(always)]
+fn moment<W: Width>(
+    slots: &Slots,
+    sheet: &mut Sheet<'_>,
+    spin: RelativeSpin<W::Value>,
+    dt: W::Value,
+    turn: &Turn<W::Value>,
+) -> Moment<W::Value> {
+    if !slots.has_moments {
+        return Moment::none();
+    }
+    let [x, y] = spin.rolling;
+    write::<W, 6>([turn.cosine, turn.sine, x, y, spin.twisting, dt], sheet.columns, at::TURN);
+    slots.laws.rolling.law().update(slots.isa, W::COUNT, sheet);
+    let columns = &*sheet.columns;
+    let [a, b, c, dashpot, twisting_dashpot, work, loss, step_stiffness] = read::<W, 8>(columns, at::MOMENT);
+    let at_limit = W::read_mask(&columns[at::AT_LIMIT]);
+    Moment { couple: [a, b, c], dashpot, twisting_dashpot, at_limit, work, loss, step_stiffness }
+}
+
+#[inline(always)]
+fn adhesion<W: Width>(
+    slots: &Slots,
+    sheet: &mut Sheet<'_>,
+    overlap: W::Value,
+    touching: <W::Value as Real>::Mask,
+) -> Attraction<W::Value> {
+    if !slots.has_adhesion {
+        return Attraction::none();
+    }
+    W::write(overlap, &mut sheet.columns[at::OVERLAP]);
+    W::write_mask(touching, &mut sheet.columns[at::TOUCHING]);
+    slots.laws.adhesion.law().update(slots.isa, W::COUNT, sheet);
+    let [force, stiffness, loss] = read::<W, 3>(sheet.columns, at::ADHESION);
+    Attraction { force, stiffness, acting: W::read_mask(&sheet.columns[at::ACTING]), loss }
+}

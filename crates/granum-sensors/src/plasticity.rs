@@ -1,0 +1,38 @@
+//! Energy lost by plastic deformation of contacts since the start of the phase, with a normal law that has a memory. In a series
+//! without such a law the column is left out.
+//!
+//! `boundary_work` of [`crate::energy`] also comes to `plastic_loss`; what unloading would give back is part of
+//! `elastic_normal_energy`.
+
+use granum_core::Part;
+
+use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+
+/// The sensor.
+pub struct Plasticity;
+
+impl Sensor for Plasticity {
+    fn description(&self) -> Description {
+        Description::new("plasticity", "energy lost by plastic deformation of contacts")
+            .columns([
+                SensorColumn::new("plastic_loss", "J", "lost by plastic deformation of contacts").optional()
+            ])
+            .needing(&[Part::EnergyBalance])
+    }
+
+    fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
+        values.push(observation.assembly.energy.plastic_loss);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{column_index, lattice, measure_row};
+
+    #[test]
+    fn the_loss_is_that_of_the_engine() {
+        let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4);
+        assembly.energy.plastic_loss = 3e-9;
+        assert_eq!(measure_row(&assembly)[column_index("plastic_loss").unwrap()], 3e-9);
+    }
+}
