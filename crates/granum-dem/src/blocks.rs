@@ -11,8 +11,8 @@ use granum_simd::{LANES, Portable, Row8};
 
 use crate::cell::Cell;
 use crate::contact::interaction::Memory;
-use crate::kernel::resultant;
-use crate::pairs::{Block, Marks, NO_IMAGE, Pairs, REACH, image_code, image_vector};
+use crate::images::{NO_IMAGE, REACH, image_code, image_vector};
+use crate::pairs::{Block, Marks, Pairs, resultant};
 use crate::search::{Near, is_near};
 
 /// A small sample should have at least this many blocks, so that several threads have work.
@@ -46,7 +46,7 @@ pub(crate) fn rebuild(
     let kept = Kept::of(&old, near, change, grains);
     drop(old);
     let images: Vec<[f64; 3]> =
-        (0..crate::pairs::IMAGES as u32).map(|code| cell.image(image_vector(code))).collect();
+        (0..crate::images::IMAGES as u32).map(|code| cell.image(image_vector(code))).collect();
     let touches = |(pair, &from): (&Near, &u32)| {
         let (a, b) = (&particles[pair.i as usize], &particles[pair.j as usize]);
         from != 0 || is_near(a, b, &images[pair.image as usize], 0.0)
@@ -279,8 +279,9 @@ mod tests {
     use granum_simd::Isa;
 
     use super::*;
+    use crate::images::wrap;
+    use crate::pairs::spatial_order;
     use crate::pairs::tests::grains;
-    use crate::pairs::{spatial_order, wrap};
     use crate::search::find;
 
     const COUNT: usize = 700;

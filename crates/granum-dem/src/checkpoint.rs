@@ -9,9 +9,11 @@ use granum_simd::LANES;
 use postcard::ser_flavors::Flavor;
 use serde::{Deserialize, Serialize};
 
-use crate::kernel::NORMAL_COLUMNS;
-use crate::pairs::{IMAGES, Marks, Pairs};
-use crate::simulation::{Properties, Simulation, SimulationError};
+use crate::images::IMAGES;
+use crate::pairs::{Marks, NORMAL_COLUMNS, Pairs};
+use crate::properties::Properties;
+use crate::simulation::Simulation;
+use crate::simulation_error::SimulationError;
 use crate::state::State;
 
 const MAGIC: &[u8; 8] = b"GRANUMCP";
@@ -292,33 +294,6 @@ fn check_blocks(p: &Pairs, grains: usize) -> Result<(), CheckpointError> {
         (grain, batch, row) = (to, end, last);
     }
     require(grain as usize == grains && batch as usize == p.first.len() && row as usize == p.forces.len())
-}
-
-/// Rows of doubles as one flat list.
-pub(crate) mod rows {
-    macro_rules! flat {
-        ($name:ident, $row:ident, $width:literal) => {
-            pub(crate) mod $name {
-                use granum_simd::$row;
-                use serde::{Deserialize, Deserializer, Serializer, de::Error};
-
-                pub(crate) fn serialize<S: Serializer>(rows: &[$row], to: S) -> Result<S::Ok, S::Error> {
-                    to.collect_seq(rows.iter().flat_map(|r| r.0))
-                }
-
-                pub(crate) fn deserialize<'d, D: Deserializer<'d>>(from: D) -> Result<Vec<$row>, D::Error> {
-                    let flat = Vec::<f64>::deserialize(from)?;
-                    let (rows, rest) = flat.as_chunks::<$width>();
-                    if !rest.is_empty() {
-                        return Err(D::Error::custom("rows are not whole"));
-                    }
-                    Ok(rows.iter().map(|r| $row(*r)).collect())
-                }
-            }
-        };
-    }
-    flat!(eight, Row8, 8);
-    flat!(four, Row4, 4);
 }
 
 #[cfg(test)]

@@ -8,13 +8,18 @@ use crate::blocks::{self, Change};
 use crate::cell::Cell;
 use crate::config::{Contact, MOST_CONTACTS};
 use crate::contact::PairConstants;
-use crate::kernel::{ContactSums, InnerList, NORMAL_COLUMNS, Nearness, Stages, Views};
-use crate::loading::Event;
+use crate::contact_sums::ContactSums;
+use crate::hardware::Hardware;
+use crate::images::{self, IMAGES};
+use crate::inner_list::{InnerList, Nearness};
+use crate::kernel::{Stages, Views};
+use crate::loading::measure::Event;
 use crate::mixture::{Common, PairTable};
-use crate::pairs::{self, IMAGES};
+use crate::pairs::{self, NORMAL_COLUMNS};
+use crate::properties::Properties;
 use crate::search;
 use crate::servo::Sample;
-use crate::simulation::{Hardware, Properties, SimulationError};
+use crate::simulation_error::SimulationError;
 use crate::state::State;
 use crate::team::RawSlice;
 
@@ -148,7 +153,7 @@ impl Integrator {
         let n = self.state.grains();
         adapt_skin(&mut self.state, 2.0 * self.largest_radius);
         let state = &mut self.state;
-        let moved = pairs::wrap(&state.cell, &mut state.particles[..n]);
+        let moved = images::wrap(&state.cell, &mut state.particles[..n]);
         let reorder = state.rebuilds.is_multiple_of(REORDER_EVERY);
         let new_place = reorder.then(|| reorder_grains(state, 2.0 * self.largest_radius));
         let laws = self.properties.contact;
@@ -450,7 +455,7 @@ impl Kernel for Images<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> [Row4; IMAGES] {
-        pairs::image_table(self.0)
+        images::image_table(self.0)
     }
 }
 

@@ -18,12 +18,19 @@ pub mod simulation;
 pub mod state;
 
 mod blocks;
+mod contact_sums;
 mod discarded;
+mod hardware;
+mod images;
+mod initial_sphere;
+mod inner_list;
 mod integrator;
 mod kernel;
 mod pairs;
 mod properties;
+mod rows;
 mod search;
+mod simulation_error;
 mod stepping;
 mod team;
 

@@ -1,7 +1,31 @@
 //! Who follows a preparation or a test as it runs: one trait for showing progress, recording and stopping.
 
-use crate::preparation::Phase;
 use crate::simulation::Simulation;
+
+/// The phase of a preparation or test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Isotropic compression.
+    Compaction,
+    /// Relaxation to equilibrium with the final properties.
+    Relaxation,
+    /// Isotropic compression or unloading of a sample to another mean stress.
+    Consolidation,
+    /// The loading path.
+    Shear,
+}
+
+impl Phase {
+    /// Its name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Phase::Compaction => "compaction",
+            Phase::Relaxation => "relaxation",
+            Phase::Consolidation => "consolidation",
+            Phase::Shear => "shear",
+        }
+    }
+}
 
 /// What an observer asks for: to go on, or to stop in good order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

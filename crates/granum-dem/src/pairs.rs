@@ -4,46 +4,17 @@
 //! ([`crate::simulation`] checks this), and is then rebuilt by [`crate::blocks`]; each history is carried over with its
 //! pair.
 
-use granum_simd::{LANES, Row4, Row8};
+use granum_simd::{LANES, Lanes, Row8};
 use serde::{Deserialize, Serialize};
 
 use crate::cell::Cell;
-use crate::checkpoint::rows;
 use crate::contact::interaction::Memory;
 use crate::contact::{MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY};
-use crate::kernel::NORMAL_COLUMNS;
+use crate::rows;
 use granum_core::geometry::{apply, invert};
 
-/// Largest number of cells by which an image may be displaced along an edge.
-pub(crate) const REACH: i32 = 2;
-/// Number of different image vectors.
-pub(crate) const IMAGES: usize = 125;
-/// Code of the image vector (0, 0, 0).
-pub(crate) const NO_IMAGE: u32 = 62;
-
-/// Code of an image vector with entries from -2 to 2.
-pub(crate) fn image_code(s: [i32; 3]) -> u32 {
-    (((s[0] + REACH) * 5 + (s[1] + REACH)) * 5 + (s[2] + REACH)) as u32
-}
-
-/// Image vector of a code.
-#[inline(always)]
-pub(crate) fn image_vector(code: u32) -> [i32; 3] {
-    let c = code as i32;
-    [c / 25 - REACH, (c / 5) % 5 - REACH, c % 5 - REACH]
-}
-
-/// The image vectors of all codes, m. They are computed in every step, within a kernel, where fused operations are single
-/// instructions.
-#[inline(always)]
-pub(crate) fn image_table(cell: &Cell) -> [Row4; IMAGES] {
-    let mut table = [Row4::default(); IMAGES];
-    for (code, row) in table.iter_mut().enumerate() {
-        let [x, y, z] = cell.image(image_vector(code as u32));
-        row.0 = [x, y, z, 0.0];
-    }
-    table
-}
+/// Number of history columns before those of the laws: the old normal.
+pub(crate) const NORMAL_COLUMNS: usize = 3;
 
 /// A range of grains and the pairs whose first grain is in it: the unit of work of a thread.
 ///
@@ -193,23 +164,16 @@ impl Pairs {
     }
 }
 
-/// Moves grains into the cell; returns for each the image vector that was subtracted from its position.
-pub(crate) fn wrap(cell: &Cell, particles: &mut [Row8]) -> Vec<[i32; 3]> {
-    let inverse = invert(&cell.edges);
-    particles
-        .iter_mut()
-        .map(|row| {
-            let fraction = apply(&inverse, [row.0[0], row.0[1], row.0[2]]);
-            let moved: [i32; 3] = fraction.map(|x| x.floor() as i32);
-            if moved != [0; 3] {
-                let back = cell.image(moved);
-                for a in 0..3 {
-                    row.0[a] -= back[a];
-                }
-            }
-            moved
-        })
-        .collect()
+/// Sum of the force rows of a grain: force (entries 0..3) and torque over radius (4..7).
+#[inline(always)]
+pub(crate) fn resultant<L: Lanes>(forces: &[Row8], offsets: &[u32], outer: &[u32], g: usize) -> [f64; 8] {
+    let mut sum = L::load(&forces[g].0);
+    for &row in &outer[offsets[g] as usize..offsets[g + 1] as usize] {
+        sum = sum + L::load(&forces[row as usize].0);
+    }
+    let mut total = [0.0; 8];
+    sum.store(&mut total);
+    total
 }
 
 /// Order of grains along a space-filling (Morton) curve: `order[new index] = old index`.

@@ -6,7 +6,7 @@ use crate::config::{Contact, Grains, Material, Mixture};
 use crate::contact::PairProperties;
 use crate::contact::registry::check;
 use crate::mixture::{MixtureError, PairTable};
-use crate::simulation::SimulationError;
+use crate::simulation_error::SimulationError;
 
 /// Material of the grains and their contact laws.
 ///

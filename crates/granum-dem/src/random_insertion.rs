@@ -7,7 +7,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use crate::assembly::Vector;
 use crate::cell::Cell;
 use crate::config::Grains;
-use crate::simulation::InitialSphere;
+use crate::initial_sphere::InitialSphere;
 
 /// Number of attempts for one grain after which the initial state is reported as too dense.
 const TRIES: usize = 200_000;

@@ -8,7 +8,7 @@ use granum_simd::{Isa, Kernel, LANES, Lanes, Mask, Row8, dispatch};
 
 use crate::assembly::{Matrix, Vector};
 use crate::cell::Cell;
-use crate::pairs::{REACH, image_code, image_table};
+use crate::images::{REACH, image_code, image_table};
 use granum_core::geometry::{apply, invert};
 
 /// A pair found by the search: indices i < j (i <= j for an image of the same grain) and image code.

@@ -2,121 +2,28 @@
 
 use std::collections::HashSet;
 
-use granum_simd::{Isa, LANES, Row4, Row8};
+use granum_simd::{LANES, Row4, Row8};
 
 use crate::assembly::{Assembly, EnergyBalance, Vector};
 use crate::cell::Cell;
 use crate::config::Contact;
 use crate::contact::PairConstants;
-use crate::contact::registry::LawError;
+use crate::contact_sums::ContactSums;
+use crate::images;
+use crate::inner_list::InnerList;
 use crate::integrator::Integrator;
-use crate::kernel::{ContactSums, InnerList, NORMAL_COLUMNS, Stages};
-use crate::loading::Event;
-use crate::mixture::MixtureError;
-use crate::pairs::{self, Pairs};
+use crate::kernel::Stages;
+use crate::loading::measure::Event;
+use crate::pairs::{NORMAL_COLUMNS, Pairs};
 use crate::properties::{check_assignment, check_properties};
 use crate::servo::{Control, Servo};
 use crate::state::{ServoError, State};
 use crate::stepping;
 
+pub use crate::hardware::Hardware;
+pub use crate::initial_sphere::InitialSphere;
 pub use crate::properties::{LARGEST_REACH, Properties};
-
-/// Initial position of a grain.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct InitialSphere {
-    /// Its id.
-    pub id: u64,
-    /// Centre, m.
-    pub position: Vector,
-    /// Radius, m.
-    pub radius: f64,
-}
-
-/// Hardware settings of the simulation; none of them changes a result.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hardware {
-    /// Number of threads that share the work of a step.
-    pub threads: usize,
-    /// Instruction set.
-    pub isa: Isa,
-}
-
-impl Default for Hardware {
-    fn default() -> Self {
-        Hardware { threads: 1, isa: Isa::detect() }
-    }
-}
-
-/// Reasons why a simulation cannot start or continue.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SimulationError {
-    /// There are no grains.
-    #[error("a simulation needs at least one grain")]
-    NoGrains,
-    /// A grain is not usable.
-    #[error("grain {id}: {what}")]
-    Grain {
-        /// Its id.
-        id: u64,
-        /// What is wrong and what would be right.
-        what: String,
-    },
-    /// The cell has no volume.
-    #[error("the cell's volume is {0} m3; it must be positive")]
-    Cell(f64),
-    /// The laws cannot be combined.
-    #[error(transparent)]
-    Law(#[from] LawError),
-    /// The material is not possible.
-    #[error("the material's {name} is {value}; it must be {right}")]
-    Material {
-        /// The property.
-        name: &'static str,
-        /// Its value, in SI units.
-        value: f64,
-        /// The permitted values.
-        right: &'static str,
-    },
-    /// The materials cannot be together.
-    #[error(transparent)]
-    Mixture(#[from] MixtureError),
-    /// Materials are given for another number of grains, or there are not so many.
-    #[error("{what}")]
-    Assignment {
-        /// What is wrong and what would be right.
-        what: String,
-    },
-    /// Adhesion beyond the theory of small contacts.
-    #[error(
-        "the adhesion of grains of radius {radius:e} m would hold them up to {reach:e} m apart, beyond half the radius, where \
-         the theory of small contacts ends: lower interface_energy or raise youngs_modulus"
-    )]
-    Adhesion {
-        /// Smallest radius, m.
-        radius: f64,
-        /// Distance at which a contact breaks, m.
-        reach: f64,
-    },
-    /// A position, force or stress is no longer a number.
-    #[error(
-        "the simulation diverged at step {step} (a force or position is not finite): the time step {time_step:e} s is \
-         probably too long; lower numerics.time_step_factor"
-    )]
-    Diverged {
-        /// Step at which this was detected.
-        step: u64,
-        /// Time step, s.
-        time_step: f64,
-    },
-    /// The cell became too thin for the grains.
-    #[error("the cell is {height:e} m thin, less than half of a grain's diameter {diameter:e} m")]
-    Thin {
-        /// Smallest height of the cell, m.
-        height: f64,
-        /// Largest diameter, m.
-        diameter: f64,
-    },
-}
+pub use crate::simulation_error::SimulationError;
 
 /// A simulation.
 #[derive(Clone)]
@@ -163,7 +70,7 @@ impl Simulation {
                 Row8([x[0], x[1], x[2], s.radius, 0.0, 0.0, 0.0, mass])
             })
             .collect();
-        pairs::wrap(&cell, &mut particles);
+        images::wrap(&cell, &mut particles);
         let largest = spheres.iter().fold(0.0f64, |m, s| m.max(s.radius));
         let far = 1e6 * largest;
         particles.push(Row8([0.0, 0.0, 0.0, largest, 0.0, 0.0, 0.0, 1.0]));

@@ -5,13 +5,15 @@ use serde::{Deserialize, Serialize};
 
 use crate::assembly::{Assembly, Contact, EnergyBalance, Grain, Matrix};
 use crate::cell::Cell;
-use crate::checkpoint::rows;
 use crate::config::Contact as Laws;
 use crate::contact::{PairConstants, law};
+use crate::contact_sums::ContactSums;
+use crate::images::{self, image_vector};
+use crate::inner_list::InnerList;
 use crate::invariants;
-use crate::kernel::{ContactSums, InnerList};
-use crate::loading::MacroState;
-use crate::pairs::{Pairs, image_vector};
+use crate::loading::measure::MacroState;
+use crate::pairs::{Pairs, resultant};
+use crate::rows;
 use crate::servo::{Control, Servo};
 
 /// The state of a simulation.
@@ -309,7 +311,7 @@ impl State {
     /// Force on grain g (entries 0..3) and torque over radius (4..7).
     pub(crate) fn resultant(&self, g: usize) -> [f64; 8] {
         let p = &self.pairs;
-        crate::kernel::resultant::<granum_simd::Portable>(&p.forces, &p.outer_offsets, &p.outer, g)
+        resultant::<granum_simd::Portable>(&p.forces, &p.outer_offsets, &p.outer, g)
     }
 
     /// Mean resultant force on the grains that touch at least one other, over the mean normal force of the contacts.
@@ -350,7 +352,7 @@ impl State {
             rank[g] = r;
         }
         let mut inside = self.particles[..n].to_vec();
-        crate::pairs::wrap(&self.cell, &mut inside);
+        images::wrap(&self.cell, &mut inside);
         let grains = order
             .iter()
             .map(|&g| {

@@ -4,10 +4,11 @@ use std::cell::UnsafeCell;
 
 use granum_simd::dispatch;
 
+use crate::contact_sums::ContactSums;
 use crate::integrator::Integrator;
-use crate::kernel::{self, ContactSums, GrainStage, PruneStage, Views, larger};
+use crate::kernel::{self, GrainStage, PruneStage, Views, larger};
 use crate::pairs::Block;
-use crate::simulation::SimulationError;
+use crate::simulation_error::SimulationError;
 use crate::team::{Guard, Work};
 
 /// How the grains have moved.

@@ -8,7 +8,10 @@ use std::ops::Range;
 
 use granum_simd::{dispatch, dispatch_or};
 
-use super::{Alike, AlikeOrByBatch, AnyLaws, ByBatch, ConstantSource, ContactStage, StageLaws, Views};
+use super::contacts::ContactStage;
+use super::laws::{AnyLaws, StageLaws};
+use super::source::{Alike, AlikeOrByBatch, ByBatch, ConstantSource};
+use super::views::Views;
 use crate::config::Contact;
 use crate::contact::normal::{Hertz, Jkr};
 use crate::contact::set::Compiled;

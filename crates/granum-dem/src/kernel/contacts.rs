@@ -12,11 +12,12 @@ use super::fetch::{AHEAD, ROWS_AHEAD, coming_rows, fetch_ahead};
 use super::laws::{Couples, StageLaws};
 use super::push::Push;
 use super::source::ConstantSource;
-use super::{ContactSums, NORMAL_COLUMNS, Views};
+use super::views::Views;
 use crate::contact::PairConstants;
 use crate::contact::interaction::{Interaction, Kinematics, Memory, dot, scale};
+use crate::contact_sums::ContactSums;
 use crate::discarded::Discarded;
-use crate::pairs::{Block, Marks};
+use crate::pairs::{Block, Marks, NORMAL_COLUMNS};
 
 const SUMS: usize = 21;
 const SUMS_OF_EIGHT: usize = SUMS.next_multiple_of(LANES);

@@ -2,8 +2,8 @@
 
 use granum_simd::LANES;
 
-use super::Views;
 use super::source::ConstantSource;
+use super::views::Views;
 
 /// Number of batches between prefetching memory and using it.
 pub(super) const AHEAD: usize = 5;

@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use granum_simd::{Kernel, Lanes, Row4, Row8};
 
-use super::Views;
+use super::views::Views;
+use crate::pairs::resultant;
 
 /// The grain stage for a range of blocks: force sums, kicks and drifts.
 pub(crate) struct GrainStage<'a> {
@@ -71,18 +72,6 @@ fn fetch_ahead(v: &Views, outer: &[u32], from: usize, later: usize) {
 #[inline(always)]
 pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if b > a || b.is_nan() { b } else { a }
-}
-
-/// Sum of the force rows of a grain: force (entries 0..3) and torque over radius (4..7).
-#[inline(always)]
-pub(crate) fn resultant<L: Lanes>(forces: &[Row8], offsets: &[u32], outer: &[u32], g: usize) -> [f64; 8] {
-    let mut sum = L::load(&forces[g].0);
-    for &row in &outer[offsets[g] as usize..offsets[g + 1] as usize] {
-        sum = sum + L::load(&forces[row as usize].0);
-    }
-    let mut total = [0.0; 8];
-    sum.store(&mut total);
-    total
 }
 
 /// Factors that convert the force on a grain to a change of its velocity, and torque over radius to a change of its spin.

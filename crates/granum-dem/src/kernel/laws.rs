@@ -2,7 +2,7 @@
 
 use granum_simd::{Lanes, Twice};
 
-use super::Views;
+use super::views::Views;
 use crate::contact::columns::{Batch, TwoBatches};
 use crate::contact::interaction::{Interaction, Kinematics, Memory, interact};
 use crate::contact::set::{Compiled, Laws, Open, Slots};

@@ -9,62 +9,16 @@
 use std::ops::Range;
 
 use granum_simd::{Kernel, LANES, Lanes, Mask};
-use serde::{Deserialize, Serialize};
 
-use super::Views;
+use super::views::Views;
 use crate::contact::interaction::dot;
+use crate::inner_list::Nearness;
 use crate::team::RawSlice;
-
-/// The inner list should last this many steps; the inner skin is adapted to that.
-const WANTED_STEPS: Range<u64> = 20..60;
-
-/// The inner list: the pairs that touched or were closer than the inner skin when the pairs were last sorted.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct InnerList {
-    /// Pairs with a smaller gap belong to the inner list, m.
-    pub(crate) inner_skin: f64,
-    /// Bound on the displacement of any grain between the building of the neighbour list and the sorting of its pairs, m;
-    /// minus infinity before the first sorting.
-    pub(crate) travel: f64,
-    /// Bound on the strain over the same time.
-    pub(crate) distortion: f64,
-    /// Steps since the pairs were sorted.
-    pub(crate) steps: u64,
-}
-
-impl InnerList {
-    /// The inner list before the first sorting.
-    pub(crate) fn new(inner_skin: f64) -> InnerList {
-        InnerList { inner_skin, travel: f64::NEG_INFINITY, distortion: 0.0, steps: 0 }
-    }
-
-    /// True while no pair outside the inner list can have come to touch; `diameter` is the largest distance of a listed pair.
-    pub(crate) fn holds(&self, travel: f64, distortion: f64, diameter: f64) -> bool {
-        2.0 * (travel - self.travel) + 1.01 * (distortion - self.distortion) * diameter <= self.inner_skin
-    }
-
-    /// Widens the inner skin if the inner list lasted too few steps, and narrows it if it lasted too many.
-    pub(crate) fn adapt(&mut self, skin: f64) {
-        if self.steps < WANTED_STEPS.start {
-            self.inner_skin *= 1.25;
-        } else if self.steps > WANTED_STEPS.end {
-            self.inner_skin *= 0.9;
-        }
-        self.inner_skin = self.inner_skin.min(skin);
-    }
-}
 
 /// Sorts the pairs of a range of blocks.
 pub(crate) struct PruneStage<'a> {
     pub(crate) views: &'a Views,
     pub(crate) blocks: Range<usize>,
-}
-
-/// One bit for each pair of a batch: whether it touches, and whether it is within the inner skin.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Nearness {
-    touching: u8,
-    near: u8,
 }
 
 impl Kernel for PruneStage<'_> {
@@ -200,7 +154,7 @@ fn exchange_bits<B>(batches: &mut [B], bits: fn(&mut B) -> &mut u8, a: usize, b:
 #[cfg(test)]
 mod tests {
     use crate::checkpoint::tests::running;
-    use crate::pairs::image_vector;
+    use crate::images::image_vector;
     use crate::simulation::Simulation;
     use granum_simd::LANES;
 

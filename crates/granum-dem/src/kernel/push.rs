@@ -2,8 +2,8 @@
 
 use granum_simd::{LANES, Lanes};
 
-use super::Views;
 use super::laws::Couples;
+use super::views::Views;
 
 /// The forces and torques of a batch on its grains.
 #[derive(Clone, Copy)]

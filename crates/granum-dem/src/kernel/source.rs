@@ -1,6 +1,6 @@
 //! Source of the constants of a batch of pairs.
 
-use super::Views;
+use super::views::Views;
 
 /// Source of the constants of a batch.
 pub(crate) trait ConstantSource: Copy {

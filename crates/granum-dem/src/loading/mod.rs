@@ -3,7 +3,7 @@
 
 mod control;
 mod history;
-mod measure;
+pub(crate) mod measure;
 pub mod preset;
 mod record;
 mod until;
@@ -18,9 +18,9 @@ pub use self::measure::{Event, MacroState, Measure};
 pub use self::record::Record;
 pub use self::until::{Reason, StageProgress, Until};
 use crate::config::Rate;
-use crate::observer::{Flow, Observer, Progress};
-use crate::preparation::Phase;
-use crate::simulation::{Simulation, SimulationError};
+use crate::observer::{Flow, Observer, Phase, Progress};
+use crate::simulation::Simulation;
+use crate::simulation_error::SimulationError;
 use crate::state::ServoError;
 
 /// Largest number of steps between two calls of the observer.

@@ -27,9 +27,9 @@ mod progress;
 use serde::{Deserialize, Serialize};
 
 use self::friction_search::{next_friction, repeats};
-pub use self::progress::{Phase, Sample, Trial};
+pub use self::progress::{Sample, Trial};
 use crate::config::{Contact, Grains, Preparation};
-pub use crate::observer::{Flow, Observer, Progress};
+pub use crate::observer::{Flow, Observer, Phase, Progress};
 use crate::random_insertion::{InsertionError, random_insertion};
 use crate::servo::Control;
 use crate::simulation::{Hardware, Properties, Simulation, SimulationError};

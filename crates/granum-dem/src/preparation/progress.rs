@@ -1,33 +1,8 @@
-//! The phases of a run, and what a preparation gives.
+//! What a preparation gives.
 
 use serde::{Deserialize, Serialize};
 
 use crate::simulation::Simulation;
-
-/// The phase of a preparation or test.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase {
-    /// Isotropic compression.
-    Compaction,
-    /// Relaxation to equilibrium with the final properties.
-    Relaxation,
-    /// Isotropic compression or unloading of a sample to another mean stress.
-    Consolidation,
-    /// The loading path.
-    Shear,
-}
-
-impl Phase {
-    /// Its name in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Phase::Compaction => "compaction",
-            Phase::Relaxation => "relaxation",
-            Phase::Consolidation => "consolidation",
-            Phase::Shear => "shear",
-        }
-    }
-}
 
 /// One trial for the friction of the preparation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,0 +1,63 @@
+//! Sums over contacts, which the stages of a step collect.
+
+use serde::{Deserialize, Serialize};
+
+/// Sums over the contacts of a block (or of all blocks).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[repr(align(64))]
+pub struct ContactSums {
+    /// `- sum of (elastic force on i)_a (branch)_b`, J: the stress times the volume.
+    pub virial: [f64; 9],
+    /// Work of the elastic tangential forces in this step, positive where energy is absorbed, J.
+    pub tangential_work: f64,
+    /// Energy lost to sliding in this step, J.
+    pub friction_loss: f64,
+    /// Energy lost without sliding in this step, J.
+    pub micro_slip_loss: f64,
+    /// Energy lost in dashpots in this step, J.
+    pub damping_loss: f64,
+    /// Energy lost by the formation of contacts in this step, J.
+    pub adhesion_made: f64,
+    /// Energy lost by the breaking of contacts in this step, J.
+    pub adhesion_broken: f64,
+    /// Work of the elastic couples in this step, positive where energy is absorbed, J.
+    pub moment_work: f64,
+    /// The part of it that was dissipated, J.
+    pub moment_loss: f64,
+    /// Lost in this step where attractions beyond touch begin or end, J.
+    pub attraction_loss: f64,
+    /// Power that the deformation of the cell supplies to the contacts, W.
+    pub boundary_power: f64,
+    /// `sum of k_n D^2`, J.
+    pub stiffness: f64,
+    /// `sum of |N|` of the elastic normal forces, N.
+    pub normal_force: f64,
+    /// Largest `k_t / m` of a contact, with the smaller mass of the two, 1/s2.
+    pub fastest: f64,
+}
+
+impl ContactSums {
+    /// Total of the sums of blocks, added in the order of the blocks.
+    pub(crate) fn total(blocks: &[ContactSums]) -> ContactSums {
+        let mut t = ContactSums::default();
+        for c in blocks {
+            for a in 0..9 {
+                t.virial[a] += c.virial[a];
+            }
+            t.tangential_work += c.tangential_work;
+            t.friction_loss += c.friction_loss;
+            t.damping_loss += c.damping_loss;
+            t.micro_slip_loss += c.micro_slip_loss;
+            t.adhesion_made += c.adhesion_made;
+            t.adhesion_broken += c.adhesion_broken;
+            t.moment_work += c.moment_work;
+            t.moment_loss += c.moment_loss;
+            t.attraction_loss += c.attraction_loss;
+            t.boundary_power += c.boundary_power;
+            t.stiffness += c.stiffness;
+            t.normal_force += c.normal_force;
+            t.fastest = t.fastest.max(c.fastest);
+        }
+        t
+    }
+}

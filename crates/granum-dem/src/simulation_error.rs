@@ -1,0 +1,75 @@
+//! Reasons why a simulation cannot start or continue.
+
+use crate::contact::registry::LawError;
+use crate::mixture::MixtureError;
+
+/// Reasons why a simulation cannot start or continue.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SimulationError {
+    /// There are no grains.
+    #[error("a simulation needs at least one grain")]
+    NoGrains,
+    /// A grain is not usable.
+    #[error("grain {id}: {what}")]
+    Grain {
+        /// Its id.
+        id: u64,
+        /// What is wrong and what would be right.
+        what: String,
+    },
+    /// The cell has no volume.
+    #[error("the cell's volume is {0} m3; it must be positive")]
+    Cell(f64),
+    /// The laws cannot be combined.
+    #[error(transparent)]
+    Law(#[from] LawError),
+    /// The material is not possible.
+    #[error("the material's {name} is {value}; it must be {right}")]
+    Material {
+        /// The property.
+        name: &'static str,
+        /// Its value, in SI units.
+        value: f64,
+        /// The permitted values.
+        right: &'static str,
+    },
+    /// The materials cannot be together.
+    #[error(transparent)]
+    Mixture(#[from] MixtureError),
+    /// Materials are given for another number of grains, or there are not so many.
+    #[error("{what}")]
+    Assignment {
+        /// What is wrong and what would be right.
+        what: String,
+    },
+    /// Adhesion beyond the theory of small contacts.
+    #[error(
+        "the adhesion of grains of radius {radius:e} m would hold them up to {reach:e} m apart, beyond half the radius, where \
+         the theory of small contacts ends: lower interface_energy or raise youngs_modulus"
+    )]
+    Adhesion {
+        /// Smallest radius, m.
+        radius: f64,
+        /// Distance at which a contact breaks, m.
+        reach: f64,
+    },
+    /// A position, force or stress is no longer a number.
+    #[error(
+        "the simulation diverged at step {step} (a force or position is not finite): the time step {time_step:e} s is \
+         probably too long; lower numerics.time_step_factor"
+    )]
+    Diverged {
+        /// Step at which this was detected.
+        step: u64,
+        /// Time step, s.
+        time_step: f64,
+    },
+    /// The cell became too thin for the grains.
+    #[error("the cell is {height:e} m thin, less than half of a grain's diameter {diameter:e} m")]
+    Thin {
+        /// Smallest height of the cell, m.
+        height: f64,
+        /// Largest diameter, m.
+        diameter: f64,
+    },
+}
