@@ -7,7 +7,9 @@ use crate::model::Model;
 use crate::model_error::ModelError;
 use crate::prediction::{BatchPrediction, Prediction};
 use crate::recipe::Recipe;
-use crate::trainer::{Silent, Trainer, TrainingReport};
+use crate::trainer::observer::Silent;
+use crate::trainer::report::TrainingReport;
+use crate::trainer::trainer_trait::Trainer;
 
 /// Models of one recipe with different seeds.
 ///

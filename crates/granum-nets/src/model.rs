@@ -1,18 +1,19 @@
 //! A trained network with everything that is needed to use it: columns, scalers, ranges, provenance and uncertainty.
 
-use std::path::Path;
 use std::sync::OnceLock;
 
 use crate::data::Data;
 use crate::forward::RowNetwork;
 use crate::intervals::Intervals;
 use crate::model_error::ModelError;
-use crate::model_file;
 use crate::network::Network;
 use crate::provenance::{Fit, Provenance};
 use crate::recipe::{Column, Recipe};
 use crate::scaler::Scaler;
-use crate::trainer::{Observer, Trainer, TrainerState, TrainingReport};
+use crate::trainer::observer::Observer;
+use crate::trainer::report::TrainingReport;
+use crate::trainer::state::TrainerState;
+use crate::trainer::trainer_trait::Trainer;
 use crate::uncertainty::{Laplace, TrainingRows};
 
 /// Predictions whose range is below this fraction of the range of the targets are considered constant.
@@ -231,51 +232,6 @@ impl Model {
     pub fn quantile(&self, level: f64) -> f64 {
         let degrees = self.fit.intervals.as_ref().map_or(f64::INFINITY, |i| i.degrees_of_freedom);
         crate::student_t::two_sided_quantile(level, degrees)
-    }
-
-    /// Writes the model to a temporary file next to `path`, which is then renamed.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
-    pub fn save(&self, path: &Path) -> Result<(), ModelError> {
-        model_file::save(self, path)
-    }
-
-    /// Reads a model.
-    ///
-    /// # Errors
-    /// If the file cannot be read, is truncated or altered, was written by a newer version, or is not a model.
-    pub fn load(path: &Path) -> Result<Model, ModelError> {
-        model_file::load(path)
-    }
-
-    /// The text of the file that [`Model::save`] writes.
-    pub fn to_json(&self) -> String {
-        model_file::to_json(self)
-    }
-
-    /// Reads a model from the text of its file; `name` is used in error messages.
-    ///
-    /// # Errors
-    /// As [`Model::load`].
-    pub fn from_json(text: &str, name: &str) -> Result<Model, ModelError> {
-        model_file::from_json(text, name)
-    }
-
-    /// The content of [`Model::to_json`] without the checksum, as a part of a larger file.
-    ///
-    /// # Errors
-    /// If a number cannot be represented in JSON.
-    pub fn to_value(&self) -> Result<serde_json::Value, ModelError> {
-        model_file::to_value(self)
-    }
-
-    /// Recreates a model from the result of [`Model::to_value`]; `name` is used in error messages.
-    ///
-    /// # Errors
-    /// If the value is not a model, or is of a newer version.
-    pub fn from_value(value: &serde_json::Value, name: &str) -> Result<Model, ModelError> {
-        model_file::from_value(value, name)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::data::DataError;
 use crate::network::NetworkError;
-use crate::trainer::TrainingError;
+use crate::trainer::error::TrainingError;
 
 /// Why a model cannot be fitted, used, saved or loaded.
 #[derive(Debug, thiserror::Error)]

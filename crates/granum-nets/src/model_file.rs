@@ -14,7 +14,7 @@ use crate::network::Network;
 use crate::provenance::{Fit, Provenance};
 use crate::recipe::Column;
 use crate::scaler::Scaler;
-use crate::trainer::Evidence;
+use crate::trainer::report::Evidence;
 use crate::uncertainty::TrainingRows;
 
 const FORMAT: &str = "granum model";
@@ -69,6 +69,53 @@ struct Header {
     version: Option<u64>,
 }
 
+impl Model {
+    /// Writes the model to a temporary file next to `path`, which is then renamed.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn save(&self, path: &Path) -> Result<(), ModelError> {
+        save(self, path)
+    }
+
+    /// Reads a model.
+    ///
+    /// # Errors
+    /// If the file cannot be read, is truncated or altered, was written by a newer version, or is not a model.
+    pub fn load(path: &Path) -> Result<Model, ModelError> {
+        load(path)
+    }
+
+    /// The text of the file that [`Model::save`] writes.
+    pub fn to_json(&self) -> String {
+        to_json(self)
+    }
+
+    /// Reads a model from the text of its file; `name` is used in error messages.
+    ///
+    /// # Errors
+    /// As [`Model::load`].
+    pub fn from_json(text: &str, name: &str) -> Result<Model, ModelError> {
+        from_json(text, name)
+    }
+
+    /// The content of [`Model::to_json`] without the checksum, as a part of a larger file.
+    ///
+    /// # Errors
+    /// If a number cannot be represented in JSON.
+    pub fn to_value(&self) -> Result<serde_json::Value, ModelError> {
+        to_value(self)
+    }
+
+    /// Recreates a model from the result of [`Model::to_value`]; `name` is used in error messages.
+    ///
+    /// # Errors
+    /// If the value is not a model, or is of a newer version.
+    pub fn from_value(value: &serde_json::Value, name: &str) -> Result<Model, ModelError> {
+        from_value(value, name)
+    }
+}
+
 /// The content of the file.
 fn content(model: &Model) -> File {
     let column =
@@ -94,7 +141,7 @@ fn content(model: &Model) -> File {
     }
 }
 
-pub(crate) fn to_json(model: &Model) -> String {
+fn to_json(model: &Model) -> String {
     // Writing plain structures to memory cannot fail; an empty text would not pass the checksum when it is read.
     let mut text = json::readable(&content(model)).unwrap_or_default();
     text.truncate(text.trim_end_matches('}').trim_end().len());
@@ -117,14 +164,14 @@ fn fowler_noll_vo(text: &str) -> String {
 }
 
 /// The content of the file as a JSON value, which can be a part of another file.
-pub(crate) fn to_value(model: &Model) -> Result<serde_json::Value, ModelError> {
+fn to_value(model: &Model) -> Result<serde_json::Value, ModelError> {
     let failed =
         |error: serde_json::Error| ModelError::File { path: "model".into(), problem: error.to_string() };
     serde_json::to_value(content(model)).map_err(failed)
 }
 
 /// Recreates a model from such a value; `name` is used in error messages.
-pub(crate) fn from_value(value: &serde_json::Value, name: &str) -> Result<Model, ModelError> {
+fn from_value(value: &serde_json::Value, name: &str) -> Result<Model, ModelError> {
     let file = File::deserialize(value).map_err(|error| format!("not a usable model: {error}"));
     let version = |file: File| match (file.format.as_str(), file.version) {
         (FORMAT, 1..=VERSION) => Ok(file),
@@ -137,7 +184,7 @@ pub(crate) fn from_value(value: &serde_json::Value, name: &str) -> Result<Model,
     model.map_err(|problem| ModelError::File { path: name.to_string(), problem })
 }
 
-pub(crate) fn from_json(text: &str, name: &str) -> Result<Model, ModelError> {
+fn from_json(text: &str, name: &str) -> Result<Model, ModelError> {
     parse(text).map_err(|problem| ModelError::File { path: name.to_string(), problem })
 }
 
@@ -235,7 +282,7 @@ fn check_scaler(column: &FileColumn) -> Result<(), String> {
     Err(format!("column {}: its scaler needs finite minimum <= maximum and low < high", column.name))
 }
 
-pub(crate) fn save(model: &Model, path: &Path) -> Result<(), ModelError> {
+fn save(model: &Model, path: &Path) -> Result<(), ModelError> {
     let failed = |source| ModelError::Io { path: path.display().to_string(), source };
     let mut beside = path.as_os_str().to_owned();
     beside.push(".part");
@@ -257,7 +304,7 @@ pub(crate) fn save(model: &Model, path: &Path) -> Result<(), ModelError> {
     })
 }
 
-pub(crate) fn load(path: &Path) -> Result<Model, ModelError> {
+fn load(path: &Path) -> Result<Model, ModelError> {
     let name = path.display().to_string();
     let failed = |source| ModelError::Io { path: name.clone(), source };
     let mut bytes = Vec::new();

@@ -5,7 +5,8 @@ use granum_simd::Isa;
 use crate::backprop::Workspace;
 use crate::data::Data;
 use crate::network::Network;
-use crate::trainer::{TrainingError, check_columns};
+use crate::trainer::error::TrainingError;
+use crate::trainer::trainer_trait::check_columns;
 
 /// The mean squared error of a network as a function of its weights,
 ///

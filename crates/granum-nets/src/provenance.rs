@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::intervals::Intervals;
-use crate::trainer::{Evidence, TerminationReason};
+use crate::trainer::error::TerminationReason;
+use crate::trainer::report::Evidence;
 
 /// The origin of a model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

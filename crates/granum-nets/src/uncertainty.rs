@@ -17,7 +17,7 @@ use crate::backprop::Workspace;
 use crate::curvature::Curvature;
 use crate::data::Data;
 use crate::network::Network;
-use crate::trainer::Evidence;
+use crate::trainer::report::Evidence;
 
 /// Limit on the memory for the curvature, bytes.
 const MEMORY: usize = 2 << 30;

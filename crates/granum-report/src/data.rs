@@ -6,9 +6,12 @@ use granum_core::Table;
 use granum_core::assembly::Assembly;
 use granum_io::run::{RunRecord, RunStatus};
 use granum_io::{Case, Run};
-use granum_learn::LearnError;
+use granum_learn::antony2006::figures::Figure as FigureData;
+use granum_learn::{LearnError, Summary};
 use granum_sensors::Record;
 use serde::{Deserialize, Serialize};
+
+use super::symbols::STRAIN;
 
 /// One DEM run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -30,6 +33,23 @@ pub struct RunReport {
     pub start: Option<Assembly>,
     /// The assembly at the end, for pictures.
     pub end: Option<Assembly>,
+}
+
+/// The data of the report of a study.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StudyReport {
+    /// The numerical results of the study.
+    pub summary: Summary,
+    /// The curves of Figures 3-8.
+    pub figures: Vec<FigureData>,
+    /// The DEM runs, with the training runs first. The pictures show the first run.
+    pub runs: Vec<RunReport>,
+    /// The command with which the study can be repeated.
+    pub command: String,
+    /// Hash of the data set of the networks.
+    pub dataset_hash: String,
+    /// Seed of the study, from which the seeds of the networks are derived.
+    pub network_seed: u64,
 }
 
 /// The role of a run.
@@ -140,7 +160,7 @@ impl RunReport {
     pub fn strain_and_label(&self) -> (Cow<'_, [f64]>, &'static str) {
         let arcs = self.column("arc_length");
         if arcs.is_empty() {
-            return (Cow::Borrowed(self.column("deviator_strain")), super::material::STRAIN);
+            return (Cow::Borrowed(self.column("deviator_strain")), STRAIN);
         }
         let deviatoric = self.column("deviatoric_strain");
         if deviatoric.windows(2).all(|pair| pair[1] >= pair[0] - 1e-6) && deviatoric.last() > Some(&1e-4) {

@@ -3,9 +3,9 @@
 use granum_learn::Verdict;
 use granum_learn::antony2006::summary::MappingSummary;
 
+use super::data::StudyReport;
 use super::numbers::{factor, listed, percent, significant};
 use super::sample;
-use super::study::StudyReport;
 use super::symbols;
 
 /// An error of up to this multiple of the best possible one without soft sensors counts as being as good as the scatter

@@ -3,6 +3,7 @@
 //! [`run_report`] writes the report of one run, [`study_report`] that of the whole paper. Quantities that a record does not
 //! contain are omitted.
 
+mod case_details;
 pub mod data;
 mod deviatoric_plane;
 mod energy;
@@ -23,8 +24,8 @@ mod symbols;
 mod tables;
 mod trust;
 
-pub use data::{Role, RunReport};
+pub use data::{Role, RunReport, StudyReport};
 pub use page::Document;
 pub use preparation::report as sample_report;
 pub use run::report as run_report;
-pub use study::{StudyReport, report as study_report};
+pub use study::report as study_report;

@@ -3,9 +3,7 @@
 use super::data::{Role, RunReport};
 use super::figure::palette::{GREY, INK, color};
 use super::figure::{Axis, Figure, Layer, Legend, Panel, Plot, Stroke};
-
-/// Label of the strain axis of the paper's test.
-pub const STRAIN: &str = "Deviator strain *ε*_{d}";
+use super::symbols::STRAIN;
 
 /// The strain axis of runs: from 0 to the largest strain.
 pub fn strain_axis(runs: &[RunReport]) -> Axis {

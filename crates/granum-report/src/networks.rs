@@ -7,10 +7,9 @@ use granum_learn::antony2006::mapping::Quantity;
 use super::figure::palette::{COLORS, GREY, INK, PALE, color};
 use super::figure::ticks::fixed;
 use super::figure::{Axis, Figure, Layer, Legend, Note, Panel, Plot, SHAPES, Shape, Stroke};
-use super::material::STRAIN;
 use super::numbers::{percent, points};
 use super::page::Table;
-use super::symbols;
+use super::symbols::{self, STRAIN};
 
 /// Number of the figure of a mapping in the paper: F1 is Figure 3, F6 is Figure 8.
 pub fn figure_number(mapping: &str) -> Option<usize> {

@@ -2,12 +2,12 @@
 
 use maud::html;
 
+use super::case_details::{case_details, whose_grains};
 use super::data::RunReport;
 use super::figure::palette::color;
 use super::figure::{Axis, Figure, Layer, Panel, Plot};
 use super::numbers::{duration, quantity, significant};
 use super::page::{Document, Page, tiles};
-use super::run::{case_details, whose_grains};
 use super::{sample, trust};
 
 /// Names of the phases by their numbers in the table.

@@ -3,11 +3,12 @@
 use granum_io::Case;
 use maud::{Markup, html};
 
+use super::case_details::{case_details, whose_grains};
 use super::data::RunReport;
 use super::forces;
 use super::material;
-use super::numbers::{duration, factor, quantity, significant, whole};
-use super::page::{Document, Page, paragraphs, rich, tiles};
+use super::numbers::{duration, factor, quantity, significant};
+use super::page::{Document, Page, rich, tiles};
 use super::{path, preparation, sample, trust};
 
 /// The conventions for signs and axes, which every report states once.
@@ -72,15 +73,6 @@ fn test_of(case: &Case) -> String {
     }
     let stress = case.shear.mean_stress.unwrap_or(case.preparation.mean_stress);
     format!("axisymmetric compression at *p* = {}", quantity(stress, "Pa"))
-}
-
-/// The number of grains, and the packing if they are from one.
-pub fn whose_grains(run: &RunReport) -> String {
-    let grains = format!("{} grains", whole(run.grains() as f64));
-    match &run.run.packing {
-        Some(packing) => format!("{grains} of {}", packing.file_name),
-        None => grains,
-    }
 }
 
 fn headline(run: &RunReport) -> Vec<[String; 3]> {
@@ -164,27 +156,4 @@ pub fn force_section(page: &mut Page, run: &RunReport) -> Markup {
         page.own_figure("strong-network", &caption, &figure)
     });
     html! { (distribution) (roses) @if let Some(slices) = slices { (slices) } @if let Some(network) = network { (network) } }
-}
-
-/// The complete case, its digest, and the computer.
-pub fn case_details(run: &RunReport) -> Markup {
-    let digest = run.case.digest_with(run.run.packing_digest());
-    let mut facts = vec![match &run.run.packing {
-        Some(packing) => {
-            format!("Case digest {digest}; packing {}, SHA-256 {}.", packing.file_name, packing.sha256)
-        }
-        None => format!("Case digest {digest}; seed {}.", run.case.preparation.seed),
-    }];
-    let machine = &run.run.machine;
-    if !machine.system.is_empty() {
-        facts.push(format!(
-            "Computed on {} with {} and {} of {} threads.",
-            machine.system, machine.instruction_set, machine.threads, machine.available_threads
-        ));
-    }
-    facts.extend(run.run.notes.iter().cloned());
-    html! {
-        (paragraphs(&facts))
-        details { summary { "The case in full" } pre { (run.case.resolved_toml_with(run.run.packing.as_ref().map(|packing| packing.file_name.as_str()))) } }
-    }
 }

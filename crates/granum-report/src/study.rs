@@ -1,33 +1,14 @@
 //! The report of a study: the reproduction of the whole paper, with its interpretation.
 
-use granum_learn::Summary;
-use granum_learn::antony2006::figures::Figure as FigureData;
 use maud::{Markup, html};
-use serde::{Deserialize, Serialize};
 
-use super::data::RunReport;
+use super::case_details::case_details;
+use super::data::StudyReport;
 use super::headline;
 use super::numbers::{duration, factor, whole};
 use super::page::{Document, Page, Table, paragraphs, rich, tiles};
-use super::run::{SIGNS, behaviour, case_details, force_section};
+use super::run::{SIGNS, behaviour, force_section};
 use super::{many_runs, networks, sample, symbols, tables, trust};
-
-/// The data of the report of a study.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct StudyReport {
-    /// The numerical results of the study.
-    pub summary: Summary,
-    /// The curves of Figures 3-8.
-    pub figures: Vec<FigureData>,
-    /// The DEM runs, with the training runs first. The pictures show the first run.
-    pub runs: Vec<RunReport>,
-    /// The command with which the study can be repeated.
-    pub command: String,
-    /// Hash of the data set of the networks.
-    pub dataset_hash: String,
-    /// Seed of the study, from which the seeds of the networks are derived.
-    pub network_seed: u64,
-}
 
 /// Writes the report of a study.
 pub fn report(study: &StudyReport) -> Document {

@@ -1,5 +1,8 @@
 //! Symbols in the notation of the paper.
 
+/// Label of the strain axis of the paper's test.
+pub const STRAIN: &str = "Deviator strain *ε*_{d}";
+
 /// Marks up the symbols in a plain text from granum-learn: `φ_d` becomes φ with a subscript, `F1` an F with a subscript.
 pub fn markup(text: &str) -> String {
     let mut out = text.to_owned();

@@ -11,7 +11,6 @@ use miette::{
     SpanContents,
 };
 
-use crate::context::Context;
 use crate::interrupt::INTERRUPTED;
 
 /// Any error that ends a command. The operator `?` converts every error type into it.
@@ -42,9 +41,9 @@ impl Failure {
         Sentence(message.into()).into()
     }
 
-    /// Prints the failure to standard error and returns the exit status.
-    pub fn print(&self, context: &Context) -> ExitCode {
-        if context.json {
+    /// Prints the failure to standard error, as text or as JSON, and returns the exit status.
+    pub fn print(&self, json: bool) -> ExitCode {
+        if json {
             eprintln!("{}", self.json());
         } else {
             eprint!("{}", self.text(std::io::stderr().is_terminal()));

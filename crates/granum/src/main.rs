@@ -54,7 +54,7 @@ fn main() -> ExitCode {
     let context = Context::new(arguments.json, arguments.force, arguments.verbose, interrupt::install());
     match arguments.command.run(&context) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.print(&context),
+        Err(failure) => failure.print(context.json),
     }
 }
 

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
+use super::definition::Case;
 use super::field::Field;
-use super::{Case, FIELDS};
+use super::fields::FIELDS;
 
 /// The key that gives another sample of the same material: runs that differ only in it are repetitions of one test.
 pub const SEED: &str = "preparation.seed";

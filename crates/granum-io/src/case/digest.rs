@@ -2,8 +2,9 @@
 
 use granum_core::digest;
 
-use super::fields::RENAMED;
-use super::{Case, FIELDS, Field, Value};
+use super::definition::Case;
+use super::field::{Field, Value};
+use super::fields::{FIELDS, RENAMED};
 
 /// Sections that determine the sample.
 const PREPARATION: [&str; 5] = ["grains", "grains.material", "contact", "preparation", "numerics"];

@@ -2,7 +2,7 @@
 
 use granum_dem::contact::{Parameter, Unit, registry};
 
-use super::Case;
+use super::definition::Case;
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
 
 /// A value of a field in SI units.

@@ -8,8 +8,9 @@ use std::path::Path;
 use granum_dem::loading::{History, MOST_ROWS, Quantity};
 use toml::de::DeValue;
 
-use super::stage::{dimension, meant};
 use super::stage_values::{Mistake, Node, Parsed, number, text};
+use super::suggestion::meant;
+use super::unit::dimension;
 use crate::error::{Error, Result};
 use crate::formats::csv::{self, Lines};
 use granum_core::quantity::{Dimension, format_number, parse_quantity};

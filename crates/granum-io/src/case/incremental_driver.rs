@@ -9,7 +9,7 @@ use std::path::Path;
 use granum_dem::loading::preset::{Given, Value};
 use granum_dem::loading::{Constraint, Control, Drive, Measure, Ramp, Record, Speed, Stage, Target, Until};
 
-use super::stage::CaseStage;
+use super::case_stage::CaseStage;
 use crate::error::{Error, InputError, Result};
 
 /// Largest file that is read.

@@ -7,8 +7,10 @@ use granum_dem::config::{Component, Contact, Material, Mixture, PairRule, Parame
 use granum_dem::contact::registry;
 use granum_dem::simulation::Properties;
 
-use super::stage::meant;
-use super::{Case, FIELDS, Field, Value};
+use super::definition::Case;
+use super::field::{Field, Value};
+use super::fields::FIELDS;
+use super::suggestion::meant;
 use crate::error::{Error, Result};
 use granum_core::quantity::format_number;
 

@@ -6,33 +6,16 @@ use granum_dem::config::{Component, Mixture, PairRule};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::definition::Case;
+use super::field::Field;
 use super::material::{SMALLEST_SHARE, fields, is_name, means_nothing, pair_fields, put, put_into_pair};
-use super::read::{Reader, scalar};
-use super::stage::meant;
-use super::{Case, Field, Value};
+use super::material_table::{MaterialTable, PairTable, Values};
+use super::reader::{Reader, scalar};
+use super::suggestion::meant;
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
 
 /// A value with its position in the file.
 type Node<'a> = Spanned<DeValue<'a>>;
-
-/// Values of fields with the places of their keys.
-type Values = Vec<(&'static Field, Value, Range<usize>)>;
-
-/// A table `[[material]]` as it stands in the file.
-pub(super) struct MaterialTable {
-    place: String,
-    span: Range<usize>,
-    name: String,
-    share: Option<(f64, Range<usize>)>,
-    values: Values,
-}
-
-/// A table `[[pair]]` as it stands in the file.
-pub(super) struct PairTable {
-    place: String,
-    between: [(String, Range<usize>); 2],
-    values: Values,
-}
 
 /// The place of a table for messages: `material.2`.
 fn place_of(key: &str, number: usize) -> String {

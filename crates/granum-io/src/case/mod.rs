@@ -4,6 +4,8 @@
 //! digests all walk that list. A new key is one entry there. The tables `[[stage]]` stand beside it: named paths declare
 //! their own parameters ([`granum_dem::loading::preset`]); and the tables `[[material]]` and `[[pair]]`, which have keys of the list.
 
+mod case_stage;
+mod definition;
 mod difference;
 mod digest;
 mod field;
@@ -12,24 +14,26 @@ mod history;
 mod incremental_driver;
 mod material;
 mod material_read;
+mod material_table;
 mod read;
+mod reader;
 mod rules;
 mod schema;
 mod stage;
 mod stage_read;
 mod stage_values;
 mod stage_write;
+mod suggestion;
+mod unit;
 mod write;
 
-use granum_dem::config::{Contact, Grains, Numerics, Preparation, Recording, Shear};
-use serde::{Deserialize, Serialize};
-
+pub use case_stage::CaseStage;
+pub use definition::Case;
 pub use difference::{CaseValues, Difference, SEED, differences};
 pub use digest::decides_sample;
 pub use field::{Field, Value};
 pub use fields::{FIELDS, field};
 pub(crate) use material::is_name as is_material_name;
-pub use stage::CaseStage;
 
 /// Keys that are not used in a run whose sample is made from a packing: its grains replace the random insertion.
 pub const UNUSED_WITH_PACKING: [&str; 5] = [
@@ -47,35 +51,6 @@ impl Case {
         let drawn = !self.grains.mixture.is_empty();
         UNUSED_WITH_PACKING.into_iter().filter(move |key| !(drawn && *key == SEED))
     }
-}
-
-/// All the input that determines a result. [`Default`] is the case of Antony, Zhou and Wang (2006).
-///
-/// ```
-/// let case = granum_io::Case::parse("[grains]\ncount = 1000\ndiameter = \"0.2 mm\"\n", "case.toml").unwrap();
-/// assert_eq!(case.grains.count, 1000);
-/// assert_eq!(case.grains.diameter, 2e-4);
-/// let error = granum_io::Case::parse("[contact]\ndampling = 0.1\n", "case.toml").unwrap_err();
-/// assert!(error.to_string().starts_with("case.toml:2:1: unknown key contact.dampling"));
-/// assert!(error.to_string().contains("did you mean damping?"));
-/// ```
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Case {
-    /// The grains.
-    pub grains: Grains,
-    /// The contact law.
-    pub contact: Contact,
-    /// The preparation of the sample.
-    pub preparation: Preparation,
-    /// The test of the paper, used if no stages are given.
-    pub shear: Shear,
-    /// The test as stages, which replace `shear`; empty if there are none.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub stages: Vec<CaseStage>,
-    /// The states that the sensors record.
-    pub recording: Recording,
-    /// Numerical choices.
-    pub numerics: Numerics,
 }
 
 #[cfg(test)]

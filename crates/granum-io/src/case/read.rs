@@ -9,11 +9,12 @@ use granum_dem::contact::registry::{self, LawError};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::fields::{RENAMED, SECTIONS};
-use super::material_read::{MaterialTable, PairTable};
+use super::definition::Case;
+use super::field::{Field, Value};
+use super::fields::{FIELDS, RENAMED, SECTIONS, field};
+use super::reader::{Reader, scalar};
 use super::rules::RULES;
-use super::stage::{CaseStage, has_no_part};
-use super::{Case, FIELDS, Field, Value, field};
+use super::stage::has_no_part;
 use crate::error::{Error, InputError, Result};
 use granum_core::names::nearest;
 
@@ -108,37 +109,7 @@ impl Case {
 /// whole list; and the message.
 type ListError = (Option<(usize, Range<usize>)>, String);
 
-/// The text of a single value.
-pub(super) fn scalar(field: &Field, value: &DeValue<'_>) -> std::result::Result<String, String> {
-    match value {
-        DeValue::String(text) => Ok(text.to_string()),
-        DeValue::Float(number) => Ok(number.as_str().replace('_', "")),
-        DeValue::Integer(number) if number.radix() == 10 => Ok(number.as_str().replace('_', "")),
-        DeValue::Integer(_) => Err("must be written as a decimal number".into()),
-        other => Err(format!("is of type {}; it must be {}", other.type_str(), field.bounds_text())),
-    }
-}
-
-pub(super) struct Reader<'a> {
-    pub(super) file: &'a str,
-    text: Arc<str>,
-    pub(super) errors: Vec<InputError>,
-    /// Position of each key in the file, by path.
-    keys: HashMap<String, Range<usize>>,
-    /// Valid values, by path.
-    values: HashMap<String, Value>,
-    stages: Vec<CaseStage>,
-    materials: Vec<MaterialTable>,
-    pairs: Vec<PairTable>,
-}
-
 impl Reader<'_> {
-    pub(super) fn error(&mut self, span: Range<usize>, message: String) -> &mut InputError {
-        self.errors.push(InputError::in_text(self.file, &self.text, span, message));
-        let last = self.errors.len() - 1;
-        &mut self.errors[last]
-    }
-
     fn table(&mut self, table: &DeTable<'_>, section: &str) {
         for (key, value) in table {
             let path = if section.is_empty() {
@@ -275,17 +246,6 @@ impl Reader<'_> {
             let given = rule.fields.iter().find_map(|path| self.keys.get(*path));
             let span = given.cloned().unwrap_or(0..0);
             self.error(span, message);
-        }
-    }
-
-    /// The text of a value, short enough for a message.
-    pub(super) fn shown(&self, span: &Range<usize>) -> String {
-        let text = self.text.get(span.clone()).unwrap_or_default();
-        let line = text.lines().next().unwrap_or_default();
-        if line.chars().count() > 60 || text.lines().count() > 1 {
-            format!("{}...", line.chars().take(60).collect::<String>())
-        } else {
-            line.to_string()
         }
     }
 }

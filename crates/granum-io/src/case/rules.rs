@@ -4,7 +4,7 @@ use granum_dem::config::Spacing;
 use granum_dem::contact::registry;
 use granum_dem::simulation::{LARGEST_REACH, Properties};
 
-use super::Case;
+use super::definition::Case;
 use crate::error::{Error, Result};
 
 /// A rule: the fields concerned (the error points to the first one that the user has given), and what is wrong.

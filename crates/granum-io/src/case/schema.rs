@@ -5,12 +5,13 @@ use granum_dem::loading::preset::{self, Default, Kind, Parameter};
 use granum_dem::servo::COMPONENTS;
 use serde_json::{Map, Value, json};
 
-use super::fields::SECTIONS;
+use super::definition::Case;
+use super::field::Field;
+use super::fields::{FIELDS, SECTIONS};
 use super::material::{BETWEEN, NAME, SHARE};
 use super::stage::bounds;
 use super::stage_read::{DRIVER_KEYS, STAGE_KEYS};
 use super::stage_values::OTHER_ENDS;
-use super::{Case, FIELDS, Field};
 
 impl Case {
     /// The JSON schema (draft 2020-12) of a case file, for editors: every key with its meaning, bounds and default.

@@ -5,85 +5,14 @@ use std::path::Path;
 use granum_dem::config::Recording;
 use granum_dem::loading::preset::{self, Default as ParameterDefault, Given, Kind, Parameter, Preset, Value};
 use granum_dem::loading::{Stage, Start};
-use serde::{Deserialize, Serialize};
 
-use super::{Case, history};
+use super::case_stage::{CaseStage, MOST_STAGES};
+use super::definition::Case;
+use super::history;
+use super::suggestion::meant;
+use super::unit::dimension;
 use crate::error::{Error, Result};
-use granum_core::names::nearest;
-use granum_core::quantity::{Dimension, format_number, parse_quantity};
-
-/// Most stages that a test may come to, with its repetitions.
-pub(super) const MOST_STAGES: u64 = 10_000;
-
-/// One table `[[stage]]`.
-///
-/// ```
-/// let text = "[[stage]]\npath = 'isotropic'\n[[stage]]\nrepeat = 3\n[[stage.stage]]\npath = 'drained-triaxial'\n";
-/// let case = granum_io::Case::parse(text, "case.toml")?;
-/// assert_eq!(case.test_stages().len(), 1 + 3);
-/// # Ok::<(), granum_io::Error>(())
-/// ```
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum CaseStage {
-    /// A named path.
-    Path {
-        /// Its name.
-        name: String,
-        /// Its parameters in SI units; the others have their defaults.
-        parameters: Given,
-        /// False where strain, time and energy go on counting from an earlier stage.
-        #[serde(default = "yes")]
-        resets: bool,
-    },
-    /// A stage with an explicit control.
-    Control(Box<Stage>),
-    /// Stages that are repeated, one after another.
-    Repeat {
-        /// How often.
-        times: u64,
-        /// What.
-        stages: Vec<CaseStage>,
-    },
-}
-
-fn yes() -> bool {
-    true
-}
-
-impl CaseStage {
-    /// The stages that it expands to.
-    pub fn stages(&self) -> Vec<Stage> {
-        match self {
-            CaseStage::Path { name, parameters, resets } => {
-                let mut stages =
-                    preset::named(name).map_or_else(Vec::new, |preset| preset.expand(parameters));
-                for stage in &mut stages {
-                    stage.resets &= resets;
-                }
-                stages
-            }
-            CaseStage::Control(stage) => vec![(**stage).clone()],
-            CaseStage::Repeat { times, stages } => {
-                let once: Vec<Stage> = stages.iter().flat_map(CaseStage::stages).collect();
-                let most = usize::try_from(MOST_STAGES).unwrap_or(usize::MAX);
-                let times = usize::try_from(*times).unwrap_or(usize::MAX);
-                once.iter().cycle().take(once.len().saturating_mul(times).min(most)).cloned().collect()
-            }
-        }
-    }
-
-    /// How many stages it comes to.
-    pub(super) fn count(&self) -> u64 {
-        match self {
-            CaseStage::Path { .. } | CaseStage::Control(_) => self.stages().len() as u64,
-            CaseStage::Repeat { times, stages } => {
-                let once = stages.iter().fold(0u64, |sum, stage| sum.saturating_add(stage.count()));
-                once.saturating_mul(*times)
-            }
-        }
-    }
-}
+use granum_core::quantity::{format_number, parse_quantity};
 
 /// The number of a stage, from 1, that goes back to a state though none was kept before it, with the fault in words.
 pub(super) fn fault_of_order(stages: &[CaseStage]) -> Option<(usize, String)> {
@@ -119,17 +48,6 @@ pub(super) fn path_fault(preset: &Preset, given: &Given) -> Option<(&'static str
         return Some(("density_scaling", message.into()));
     }
     None
-}
-
-/// The dimension for the unit of a parameter or measure.
-pub(super) fn dimension(unit: &str) -> Dimension {
-    match unit {
-        "Pa" => Dimension::STRESS,
-        "Pa/s" => Dimension::STRESS_RATE,
-        "s" => Dimension::TIME,
-        "1/s" => Dimension::RATE,
-        _ => Dimension::NUMBER,
-    }
 }
 
 /// Reads a value of a parameter of a path from text, as a flag has it.
@@ -186,14 +104,6 @@ pub(super) fn bounds(parameter: &Parameter) -> String {
     let unit = if parameter.unit == "1" { String::new() } else { format!(" {}", parameter.unit) };
     let [low, high] = parameter.bounds.map(format_number);
     format!("from {low}{unit} to {high}{unit}")
-}
-
-/// "did you mean X?" or the list of existing names.
-pub(super) fn meant<'a>(wrong: &str, names: impl Iterator<Item = &'a str> + Clone) -> String {
-    match nearest(wrong, names.clone()) {
-        Some(name) => format!("did you mean {name}?"),
-        None => format!("known here: {}", names.collect::<Vec<_>>().join(", ")),
-    }
 }
 
 /// Keys of `[shear]` and `[recording]` that are not used in a case with stages.

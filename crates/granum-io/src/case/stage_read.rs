@@ -9,14 +9,16 @@ use granum_dem::servo::COMPONENTS;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::case_stage::{CaseStage, MOST_STAGES};
 use super::history::{self, HISTORY_KEYS};
 use super::incremental_driver::{self, Options};
-use super::read::Reader;
-use super::stage::{CaseStage, MOST_STAGES, fault_of_order, meant, parse_value, path_fault};
+use super::reader::Reader;
+use super::stage::{fault_of_order, parse_value, path_fault};
 use super::stage_values::{
     Mistake, Node, Parsed, boolean, constraint, drive, end, numbers, record, scalar, text, turns,
 };
 use super::stage_values::{number, whole};
+use super::suggestion::meant;
 use granum_core::quantity::Dimension;
 
 /// Keys of a stage with an explicit control, with their meaning.

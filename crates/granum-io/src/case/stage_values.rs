@@ -7,7 +7,8 @@ use granum_dem::loading::{Constraint, Drive, Measure, Ramp, Record, Target, Turn
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::stage::{dimension, meant};
+use super::suggestion::meant;
+use super::unit::dimension;
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
 
 /// A value with its position in the file.

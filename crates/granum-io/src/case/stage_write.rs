@@ -5,8 +5,8 @@ use granum_dem::loading::preset::{self, Given, Preset, Value};
 use granum_dem::loading::{Drive, Kinematics, Ramp, Record, Speed, Stage, Start, Target, Turns, Until};
 use granum_dem::servo::COMPONENTS;
 
+use super::case_stage::CaseStage;
 use super::history;
-use super::stage::CaseStage;
 use granum_core::quantity::format_number;
 
 impl CaseStage {

@@ -1,8 +1,9 @@
 //! Writing a case: resolved (SI numbers, stored with a result) and as a template that explains the keys.
 
-use super::fields::SECTIONS;
+use super::definition::Case;
+use super::field::Field;
+use super::fields::{FIELDS, SECTIONS};
 use super::stage::has_no_part;
-use super::{Case, FIELDS, Field};
 
 const TEMPLATE_HEAD: &str = "\
 # A granum case: everything that decides a result.

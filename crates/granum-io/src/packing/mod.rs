@@ -1,6 +1,7 @@
 //! Packings: grains in a periodic cell, and the checks that all formats of them share.
 
 mod overlap;
+mod packed_grain;
 mod repeat;
 
 use std::path::Path;
@@ -14,20 +15,10 @@ use crate::error::{Error, InputError, Result};
 use granum_core::quantity::format_number;
 
 pub use overlap::GROSS_OVERLAP;
+pub use packed_grain::PackedGrain;
 
 /// Tolerance for the position of a grain outside the cell, relative to the edge of the cell, because of rounding.
 const ROUNDING: f64 = 1e-9;
-
-/// One grain of a packing.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PackedGrain {
-    /// Its id, from 1.
-    pub id: u64,
-    /// Centre, m.
-    pub position: Vector,
-    /// Radius, m.
-    pub radius: f64,
-}
 
 /// Which grain of a packing is of which material, where its file says so.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -7,7 +7,7 @@
 use granum_core::Cell;
 use granum_core::geometry::{Matrix, Vector, apply, invert};
 
-use super::PackedGrain;
+use super::packed_grain::PackedGrain;
 use crate::error::{InputError, Result};
 
 /// Overlap as a fraction of the smaller diameter above which a packing is rejected.

@@ -19,11 +19,9 @@ use crate::snapshot;
 use granum_core::Table;
 
 pub use record::{
-    Machine, OWN_ENGINE, PackingRecord, QualityFlag, RunRecord, RunSource, RunStatus, nulls_are_nan,
+    Machine, OWN_ENGINE, PackingRecord, QualityFlag, RUN_FORMAT, RunRecord, RunSource, RunStatus,
+    nulls_are_nan,
 };
-
-/// Newest layout of `run.json` that this version reads and writes.
-pub const RUN_FORMAT: u32 = 1;
 
 const CASE: &str = "case.toml";
 const SERIES: &str = "series.parquet";

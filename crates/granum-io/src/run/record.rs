@@ -5,8 +5,10 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::RUN_FORMAT;
 use crate::case::Case;
+
+/// Newest layout of `run.json` that this version reads and writes.
+pub const RUN_FORMAT: u32 = 1;
 
 /// The status of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -7,7 +7,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::antony2006::mapping::{Mapping, Quantity};
-use crate::antony2006::study::{Study, TrainedMapping, scatter};
+use crate::antony2006::study::evaluation::scatter;
+use crate::antony2006::study::trained::{Study, TrainedMapping};
 use crate::antony2006::study_data::{Run, State, StudyData};
 use crate::error::Result;
 

@@ -3,11 +3,12 @@
 use granum_nets::{Deviation, Model};
 
 use crate::antony2006::mapping::{Form, Mapping, Quantity};
-use crate::antony2006::mapping_surrogate::columns_of;
 use crate::antony2006::study_data::{Rows, State};
+use crate::dataset::Variable;
 use crate::error::{LearnError, Result};
 use crate::score::{Score, Scorer};
-use crate::surrogate::{Columns, Outside};
+use crate::surrogate::prediction::Outside;
+use crate::surrogate::spec::Columns;
 
 /// A mapping with one trained network for each sub-model.
 ///
@@ -380,6 +381,21 @@ impl Spread {
         let half = self.quantile * self.deviations.as_ref()?[k].total;
         Some([self.values[k] - half, self.values[k] + half])
     }
+}
+
+/// The inputs and outputs of a mapping, all of which are dimensionless.
+pub(super) fn columns_of(mapping: &Mapping, forces: &[f64]) -> Columns {
+    let variable = |name: String| Variable { name, unit: String::new() };
+    let of = |quantity: &Quantity| -> Vec<Variable> {
+        let column = quantity.column();
+        match quantity {
+            Quantity::ForceDistribution => {
+                forces.iter().map(|force| variable(format!("{column}_{force}"))).collect()
+            }
+            _ => vec![variable(column.to_owned())],
+        }
+    };
+    Columns { inputs: mapping.inputs.iter().flat_map(of).collect(), outputs: of(&mapping.output) }
 }
 
 /// The states within the range of a sub-model, or within that of any sub-model.

@@ -7,14 +7,18 @@ use granum_nets::Model;
 use granum_nets::trainer::SharedTrainer;
 use serde::{Deserialize, Serialize};
 
-use super::study::{Job, Silent, StudyOptions, network_name, network_seed, train_all};
-use super::{MappingNetworks, RowAnswer, StudyData};
 use crate::antony2006::mapping::{Form, Mapping, Quantity, paper_mappings};
+use crate::antony2006::mapping_networks::{MappingNetworks, RowAnswer, columns_of};
+use crate::antony2006::study::observer::Silent;
+use crate::antony2006::study::options::StudyOptions;
+use crate::antony2006::study::training::{Job, network_name, network_seed, train_all};
+use crate::antony2006::study_data::StudyData;
 use crate::dataset::{Dataset, Variable};
 use crate::error::{LearnError, Result};
-use crate::surrogate::{
-    Columns, Content, Estimate, FitSpec, Outside, Prediction, Surrogate, SurrogateMethod, causes,
-};
+use crate::surrogate::content::Content;
+use crate::surrogate::prediction::{Estimate, Outside, Prediction, causes};
+use crate::surrogate::spec::{Columns, FitSpec};
+use crate::surrogate::surrogate_trait::{Surrogate, SurrogateMethod};
 
 const NAME: &str = "antony2006";
 
@@ -72,21 +76,6 @@ impl MappingMethod {
 
 fn failed(reason: impl Into<String>) -> LearnError {
     LearnError::Surrogate { method: NAME.into(), reason: reason.into() }
-}
-
-/// The inputs and outputs of a mapping, all of which are dimensionless.
-pub(super) fn columns_of(mapping: &Mapping, forces: &[f64]) -> Columns {
-    let variable = |name: String| Variable { name, unit: String::new() };
-    let of = |quantity: &Quantity| -> Vec<Variable> {
-        let column = quantity.column();
-        match quantity {
-            Quantity::ForceDistribution => {
-                forces.iter().map(|force| variable(format!("{column}_{force}"))).collect()
-            }
-            _ => vec![variable(column.to_owned())],
-        }
-    };
-    Columns { inputs: mapping.inputs.iter().flat_map(of).collect(), outputs: of(&mapping.output) }
 }
 
 /// Columns of a data set with the unit "1" of the sensors replaced by that of dimensionless numbers.

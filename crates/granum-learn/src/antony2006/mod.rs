@@ -21,7 +21,7 @@ pub mod layout;
 pub mod learning_curve;
 pub mod mapping;
 mod mapping_networks;
-mod mapping_surrogate;
+pub(crate) mod mapping_surrogate;
 pub mod reproduction;
 pub mod scatter;
 mod sensor_share;

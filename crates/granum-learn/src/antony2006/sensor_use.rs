@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::antony2006::mapping::Mapping;
 use crate::antony2006::mapping_networks::{MappingNetworks, states_of};
-use crate::antony2006::study::TrainedMapping;
+use crate::antony2006::study::trained::TrainedMapping;
 use crate::antony2006::study_data::{Run, State};
 use crate::error::Result;
 use crate::score::{Score, Scorer};

@@ -9,7 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::antony2006::mapping::{Mapping, paper_mappings};
 use crate::antony2006::mapping_networks::MappingNetworks;
-use crate::antony2006::study::{Job, StudyObserver, StudyOptions, network_seed, train_all};
+use crate::antony2006::study::observer::StudyObserver;
+use crate::antony2006::study::options::StudyOptions;
+use crate::antony2006::study::training::{Job, network_seed, train_all};
 use crate::antony2006::study_data::StudyData;
 use crate::error::Result;
 

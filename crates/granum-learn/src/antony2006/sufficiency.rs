@@ -2,7 +2,7 @@
 
 use crate::antony2006::mapping::Mapping;
 use crate::antony2006::mapping_networks::states_of;
-use crate::antony2006::study::FEWEST_STATES;
+use crate::antony2006::study::options::FEWEST_STATES;
 use crate::antony2006::study_data::StudyData;
 use crate::error::{LearnError, Result};
 

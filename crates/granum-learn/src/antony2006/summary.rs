@@ -10,9 +10,11 @@ use serde::{Deserialize, Serialize};
 use crate::antony2006::learning_curve::LearningCurve;
 use crate::antony2006::sensor_use::Verdict;
 use crate::antony2006::size_study::SizeStudy;
-use crate::antony2006::study::Evaluation;
+use crate::antony2006::study::evaluation::Evaluation;
 use crate::score::Score;
 use crate::student_t::PairedTest;
+
+pub use crate::antony2006::study::sub_model_summary::SubModelSummary;
 
 /// The contents of `summary.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -120,34 +122,6 @@ pub struct PartScores {
     pub unseen: Option<f64>,
     /// Score of a strain-only network of the same size, on unseen runs (on held-out states if there are none).
     pub strain_only: f64,
-}
-
-/// One network.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct SubModelSummary {
-    /// Range of deviator strain.
-    pub strain_range: [f64; 2],
-    /// Numbers of neurons of the hidden layers.
-    pub hidden: Vec<usize>,
-    /// Number of epochs of the training.
-    pub epochs: u64,
-    /// Name of the trainer.
-    pub trainer: String,
-    /// Number of training rows.
-    pub rows: usize,
-    /// Reason why the training ended.
-    pub termination: String,
-    /// Wall time of the training, s.
-    pub seconds: f64,
-    /// Effective number of parameters, if the trainer determines it.
-    pub effective_parameters: Option<f64>,
-    /// True if its predictions for all training states in its range are nearly equal, so that it has learned nothing.
-    #[serde(default)]
-    pub constant: bool,
-    /// Score on held-out states in its range.
-    pub held_out: Score,
-    /// Score on unseen runs in its range.
-    pub unseen: Score,
 }
 
 /// Computing time of the networks compared with DEM.

@@ -28,7 +28,7 @@ use granum_nets::{Data, DataError};
 use crate::antony2006::mapping::{Form, Mapping, Quantity};
 use crate::antony2006::mapping_networks::states_of;
 use crate::antony2006::sensor_share::sensor_share;
-use crate::antony2006::study::PAPER_TRAINER;
+use crate::antony2006::study::options::PAPER_TRAINER;
 use crate::antony2006::study_data::{Rows, State, StudyData};
 use crate::error::Result as OrError;
 

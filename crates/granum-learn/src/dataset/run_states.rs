@@ -8,7 +8,7 @@ use granum_io::{Case, Run};
 use granum_run::record::read_record;
 use granum_sensors::Record;
 
-use super::Variable;
+use super::variable::Variable;
 use crate::error::{LearnError, Result};
 
 /// The columns of the key.

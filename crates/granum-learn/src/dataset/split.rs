@@ -1,6 +1,7 @@
 //! The split of a data set into training, held-out and unseen parts.
 
-use super::{Dataset, RunStates};
+use super::named_columns::Dataset;
+use super::run_states::{RunStates, STATE};
 use crate::error::{LearnError, Result};
 
 /// The rule for splitting a data set: one of so many states of the training runs is used for training, the others are held
@@ -48,7 +49,7 @@ impl Split {
         Split { within: Some((column.into(), range)), ..self }
     }
 
-    pub(super) fn apply(&self, dataset: &Dataset) -> Result<SplitParts> {
+    fn apply(&self, dataset: &Dataset) -> Result<SplitParts> {
         let bad = |reason: String| Err(LearnError::Dataset(reason));
         if self.stride == 0 {
             return bad("the stride of training states must be 1 or more, not 0".into());
@@ -91,12 +92,19 @@ impl Split {
     }
 }
 
+impl Dataset {
+    /// Splits the data set into training, held-out and unseen parts.
+    ///
+    /// # Errors
+    /// If the split names a run that does not exist, or if there are no training rows left.
+    pub fn split(&self, split: &Split) -> Result<SplitParts> {
+        split.apply(self)
+    }
+}
+
 /// Number of the state of a row.
 fn state_of(run: &RunStates, row: usize) -> u64 {
-    run.table()
-        .values(super::run_states::STATE)
-        .and_then(|states| states.get(row))
-        .map_or(0, |state| *state as u64)
+    run.table().values(STATE).and_then(|states| states.get(row)).map_or(0, |state| *state as u64)
 }
 
 /// The parts of a data set.

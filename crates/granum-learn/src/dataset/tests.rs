@@ -6,6 +6,7 @@ use granum_sensors::Record;
 
 use super::*;
 use crate::antony2006::synthetic::{Law, record};
+use crate::error::Result;
 
 fn table(columns: &[(&str, &[f64])]) -> Table {
     Table::new(columns.iter().map(|(name, values)| Column::new(*name, "", values.to_vec())).collect())

@@ -5,10 +5,13 @@
 
 use granum_core::parallel;
 use granum_nets::trainer::{SharedTrainer, Silent};
-use granum_nets::{Column, Data, Deviation, Model, Recipe};
+use granum_nets::{Column, Data, Model, Recipe};
 use serde::{Deserialize, Serialize};
 
-use super::{Cause, Columns, Content, Estimate, FitSpec, Prediction, Surrogate, SurrogateMethod, outside_of};
+use super::content::Content;
+use super::prediction::{Estimate, Prediction, causes, outside_of};
+use super::spec::{Columns, FitSpec};
+use super::surrogate_trait::{Surrogate, SurrogateMethod};
 use crate::dataset::{Dataset, Variable};
 use crate::error::{LearnError, Result};
 
@@ -137,16 +140,6 @@ struct FittedNetworks {
 #[serde(deny_unknown_fields)]
 struct Kept {
     networks: Vec<serde_json::Value>,
-}
-
-/// The standard deviation of a network, split by cause.
-pub(crate) fn causes(deviation: &Deviation) -> Vec<(Cause, f64)> {
-    let all = [
-        (Cause::Noise, deviation.noise),
-        (Cause::Parameters, deviation.weights),
-        (Cause::Runs, deviation.blocks),
-    ];
-    all.into_iter().filter(|(_, deviation)| *deviation > 0.0).collect()
 }
 
 impl Surrogate for FittedNetworks {

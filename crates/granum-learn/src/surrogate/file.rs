@@ -6,10 +6,11 @@ use std::path::Path;
 use granum_core::{digest, json};
 use granum_io::Error;
 use granum_io::atomic::write_atomically;
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::{Columns, Surrogate};
+use super::content::Content;
+use super::spec::Columns;
+use super::surrogate_trait::Surrogate;
 use crate::error::{LearnError, Result};
 
 const FORMAT: &str = "granum surrogate";
@@ -18,29 +19,6 @@ const VERSION: u64 = 1;
 const DIGEST: &str = ",\n  \"sha256\": \"";
 /// Largest file that is read.
 const LARGEST_FILE: u64 = 1 << 28;
-
-/// The content of a surrogate in a file: any value that can be represented in JSON.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Content(serde_json::Value);
-
-impl Content {
-    /// The content from any serialisable value.
-    ///
-    /// # Errors
-    /// If the value cannot be represented in JSON.
-    pub fn of(value: &impl Serialize) -> Result<Content> {
-        let failed = |error: serde_json::Error| LearnError::Content(error.to_string());
-        Ok(Content(serde_json::to_value(value).map_err(failed)?))
-    }
-
-    /// Reads the value back, with bit-identical numbers.
-    ///
-    /// # Errors
-    /// If the content is not of the requested type.
-    pub fn read<T: DeserializeOwned>(&self) -> Result<T> {
-        T::deserialize(&self.0).map_err(|error| LearnError::Content(error.to_string()))
-    }
-}
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -1,6 +1,8 @@
 //! The prediction of a surrogate for a row.
 
-use super::Columns;
+use granum_nets::Deviation;
+
+use super::spec::Columns;
 
 /// The prediction of a surrogate for one row.
 ///
@@ -126,4 +128,14 @@ pub fn outside_of(columns: &Columns, ranges: &[[f64; 2]], row: &[f64]) -> Vec<Ou
     beyond
         .map(|((input, range), value)| Outside { name: input.name.clone(), value: *value, range: *range })
         .collect()
+}
+
+/// The standard deviation of a network, split by cause.
+pub(crate) fn causes(deviation: &Deviation) -> Vec<(Cause, f64)> {
+    let all = [
+        (Cause::Noise, deviation.noise),
+        (Cause::Parameters, deviation.weights),
+        (Cause::Runs, deviation.blocks),
+    ];
+    all.into_iter().filter(|(_, deviation)| *deviation > 0.0).collect()
 }

@@ -3,9 +3,11 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use super::feed_forward::FeedForward;
 use super::file::{self, Opened};
-use super::{FeedForward, RidgeRegression, Surrogate, SurrogateMethod};
-use crate::antony2006::MappingMethod;
+use super::ridge::RidgeRegression;
+use super::surrogate_trait::{Surrogate, SurrogateMethod};
+use crate::antony2006::mapping_surrogate::MappingMethod;
 use crate::error::{LearnError, Result};
 
 /// A registry of methods by name, for fitting and for reading files.

@@ -23,7 +23,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Cause, Columns, Content, Estimate, FitSpec, Prediction, Surrogate, SurrogateMethod, outside_of};
+use super::content::Content;
+use super::prediction::{Cause, Estimate, Prediction, outside_of};
+use super::spec::{Columns, FitSpec};
+use super::surrogate_trait::{Surrogate, SurrogateMethod};
 use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
 use crate::regression::cholesky::Cholesky;

@@ -8,7 +8,8 @@ use crate::antony2006::mapping::paper_mapping;
 use crate::antony2006::study::{Silent, Study, StudyOptions};
 use crate::antony2006::synthetic::{Law, record};
 use crate::antony2006::{MappingMethod, MappingNetworks, StudyData, StudyDataOptions};
-use crate::dataset::{NamedRecord, RunStates, Split, SplitParts};
+use crate::dataset::{Dataset, NamedRecord, RunStates, Split, SplitParts};
+use crate::error::Result;
 use crate::{SurrogateScores, compare, score_surrogate};
 
 /// A user-defined method: it predicts the outputs of the nearest training row, with the inputs scaled by their ranges.

@@ -2,15 +2,18 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::registry::NAMES;
-
 /// The reason why a trainer cannot be created or cannot train.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TrainingError {
     /// No trainer has this name.
-    #[error("there is no trainer \"{0}\"; known are {names}", names = NAMES.join(", "))]
-    UnknownTrainer(String),
+    #[error("there is no trainer \"{name}\"; known are {known}")]
+    UnknownTrainer {
+        /// The name.
+        name: String,
+        /// The names of the registry.
+        known: String,
+    },
     /// An option is out of bounds.
     #[error("trainer option {name} = {value}: {expected}")]
     Option {

@@ -1,19 +1,11 @@
 //! The registry of trainers. A new trainer needs a file in this folder and a line in [`ALL`].
 
-use granum_simd::Isa;
-
-use super::{SharedTrainer, TrainingError, levenberg_marquardt, traingdx};
-
-/// An entry of the registry: a name, and the function that creates the trainer from options.
-#[derive(Clone, Copy, Debug)]
-pub struct TrainerKind {
-    /// Its name in commands and records.
-    pub name: &'static str,
-    /// A short description.
-    pub help: &'static str,
-    /// Creates the trainer.
-    pub make: fn(&Options) -> SharedTrainer,
-}
+use super::error::TrainingError;
+use super::kind::TrainerKind;
+use super::levenberg_marquardt::{self, LevenbergMarquardt};
+use super::options::Options;
+use super::trainer_trait::SharedTrainer;
+use super::traingdx;
 
 /// The trainers of this crate, starting with the default.
 pub const ALL: [&TrainerKind; 2] = [&levenberg_marquardt::KIND, &traingdx::KIND];
@@ -29,21 +21,11 @@ pub const NAMES: [&str; ALL.len()] = {
     names
 };
 
-/// Options of a trainer. A field that is `None` has the value of the trainer.
-#[derive(Clone, Debug, PartialEq, Default)]
-pub struct Options {
-    /// Largest number of epochs.
-    pub epochs: Option<u64>,
-    /// Training ends when the mean squared error (scaled units) is at or below this.
-    pub goal: Option<f64>,
-    /// Training ends when the Euclidean norm of the gradient of the trainer's objective is at or below this.
-    pub minimum_gradient: Option<f64>,
-    /// Training with validation rows ends when their error has not fallen for so many accepted steps in a row.
-    pub maximum_failures: Option<u64>,
-    /// Initial ratio of Bayesian regularisation, see [`super::LevenbergMarquardt::first_ratio`].
-    pub first_ratio: Option<f64>,
-    /// The instruction set; by default the widest that the processor supports. Results do not depend on it.
-    pub isa: Option<Isa>,
+impl Default for SharedTrainer {
+    /// Levenberg-Marquardt with Bayesian regularisation.
+    fn default() -> SharedTrainer {
+        LevenbergMarquardt::default().into()
+    }
 }
 
 /// The trainer of the given name, see [`NAMES`].
@@ -65,7 +47,8 @@ pub fn by_name(name: &str, options: &Options) -> Result<SharedTrainer, TrainingE
     check("first_ratio", options.first_ratio)?;
     check("minimum_gradient", options.minimum_gradient)?;
     let kind = ALL.iter().find(|kind| kind.name == name);
-    kind.map(|kind| (kind.make)(options)).ok_or_else(|| TrainingError::UnknownTrainer(name.to_string()))
+    kind.map(|kind| (kind.make)(options))
+        .ok_or_else(|| TrainingError::UnknownTrainer { name: name.to_string(), known: NAMES.join(", ") })
 }
 
 fn check(name: &'static str, value: Option<f64>) -> Result<(), TrainingError> {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::TrainingError;
+use super::error::TrainingError;
 use crate::backprop::Workspace;
 use crate::data::Data;
 use crate::network::Network;

@@ -7,6 +7,8 @@ use granum_simd::Isa;
 use super::*;
 use crate::activation::Activation;
 use crate::backprop::Workspace;
+use crate::data::Data;
+use crate::network::Network;
 
 /// Deterministic noise of standard deviation one (sum of twelve uniform numbers).
 fn noise(k: usize) -> f64 {

@@ -16,11 +16,13 @@ use std::time::Instant;
 
 use granum_simd::{Isa, Kernel, LANES, Lanes, dispatch};
 
+use super::error::{TerminationReason, TrainingError};
+use super::kind::TrainerKind;
+use super::observer::{Control, Observer, Progress};
+use super::options::Options;
+use super::report::TrainingReport;
 use super::state::{TrainerState, TrainingHistory, Validation};
-use super::{
-    Control, Observer, Options, Progress, SharedTrainer, TerminationReason, Trainer, TrainerKind,
-    TrainingError, TrainingReport, check_columns,
-};
+use super::trainer_trait::{SharedTrainer, Trainer, check_columns};
 use crate::backprop::Workspace;
 use crate::data::Data;
 use crate::network::Network;

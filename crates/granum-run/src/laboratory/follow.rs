@@ -7,7 +7,9 @@ use granum_dem::observer::{Flow, Observer, Progress};
 use granum_dem::simulation::Simulation;
 use granum_sensors::Recorder;
 
-use super::{Interval, Speedometer, Store};
+use super::pace::Interval;
+use super::status::Speedometer;
+use super::store::Store;
 
 /// Passes on the progress to the observer of the run, and stops the current part at its request or for a checkpoint.
 pub(super) struct Follow<'a> {

@@ -7,8 +7,10 @@ use granum_io::case::field;
 use granum_io::run::{PackingRecord, RunSource, file_digest};
 use granum_io::{Case, Formats, Packing};
 
-use super::sample::{Source, simulation};
-use super::{Laboratory, LaboratoryError};
+use super::laboratory_error::LaboratoryError;
+use super::packing_simulation::simulation;
+use super::source::Source;
+use crate::engine::engine_trait::Laboratory;
 
 /// Keys that have an effect only if the packing is compacted.
 const USED_IN_COMPACTION: [&str; 2] = ["preparation.friction", "preparation.interface_energy"];

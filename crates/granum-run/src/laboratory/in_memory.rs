@@ -5,10 +5,12 @@ use granum_dem::simulation::{Hardware, Simulation};
 use granum_io::{Case, RunRecord, RunStatus};
 use granum_sensors::Record;
 
+use super::laboratory_error::LaboratoryError;
+use super::run;
 use super::run_state::Stage;
+use super::source::Source;
 use super::store::Store;
-use super::{Laboratory, LaboratoryError, Source, run};
-use crate::engine::Task;
+use crate::engine::engine_trait::{Laboratory, Task};
 use crate::engine::native::Native;
 
 /// The result of a test that was kept in memory.

@@ -2,9 +2,12 @@
 
 use std::fs;
 use std::path::PathBuf;
+use std::time::Duration;
 
-use granum_dem::observer::{Flow, NoObserver, Progress};
-use granum_io::run::{Machine, REFUSED_CHECKPOINT, Run, RunStatus};
+use granum_dem::observer::{Flow, NoObserver, Observer, Progress};
+use granum_dem::simulation::Hardware;
+use granum_io::Case;
+use granum_io::run::{Machine, REFUSED_CHECKPOINT, Run, RunFolder, RunRecord, RunStatus};
 
 use super::tests::{laboratory, small};
 use super::*;

@@ -2,7 +2,7 @@
 
 use granum_io::Case;
 
-use super::LaboratoryError;
+use super::laboratory_error::LaboratoryError;
 
 /// Upper bound on the memory that a run needs for each grain, bytes: the state with its neighbour list, and the old list as
 /// well while a new one is built (measured with a million grains; see BENCHMARKS.md).

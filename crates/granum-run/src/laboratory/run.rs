@@ -9,12 +9,15 @@ use granum_dem::observer::Observer;
 use granum_io::run::{RunFolder, RunRecord, RunSource, RunStatus};
 use granum_io::{Case, Error as FileError};
 
+use super::laboratory_error::LaboratoryError;
 use super::run_state::{self, RunState, Stage};
-use super::{
-    END, Laboratory, LaboratoryError, SAMPLE, Segment, Source, Speedometer, Store, Test, consolidation,
-    from_packing, measures, memory, quality, test,
-};
-use crate::engine::{Engine, Task};
+use super::segment::Segment;
+use super::source::Source;
+use super::status::Speedometer;
+use super::store::{END, SAMPLE, Store};
+use super::test_state::{STAGES_TOLD, Test};
+use super::{consolidation, from_packing, measures, memory, quality};
+use crate::engine::engine_trait::{Engine, Laboratory, Task};
 use crate::record::write_record;
 
 /// A run whose inputs have been checked and which has not written anything yet.
@@ -268,7 +271,7 @@ fn complete(
 /// Notes in the record how each stage ended; the observer is warned of a stage that ended before its goal. Of a test of very many stages only
 /// those, and the number of the others.
 fn record_stages(test: &Test, record: &mut RunRecord, observer: &mut dyn Observer) {
-    let many = test.ends.len() > test::STAGES_TOLD;
+    let many = test.ends.len() > STAGES_TOLD;
     for (k, end) in test.ends.iter().enumerate() {
         let StageEnd { name, reason, steps, .. } = end;
         let mut note = format!("stage {} ({name}) ended after {steps} steps: {reason}", k + 1);

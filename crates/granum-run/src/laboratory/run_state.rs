@@ -16,9 +16,9 @@ use granum_io::run::{
 use granum_sensors::Sensors;
 use serde::{Deserialize, Serialize};
 
-use super::LaboratoryError;
+use super::laboratory_error::LaboratoryError;
 use super::preparation_curve::PreparationCurve;
-use super::test::{SavedTest, Test};
+use super::test_state::{SavedTest, Test};
 
 /// The state of a run.
 pub(super) struct RunState {

@@ -3,6 +3,11 @@
 use granum_core::Assembly;
 use granum_io::RunFolder;
 
+/// Name of the snapshot of a sample; in the folder of a test it holds the state in which the test begins.
+pub const SAMPLE: &str = "start";
+/// Name of the snapshot at the end of a test.
+pub const END: &str = "end";
+
 /// The folder of a run; `None` for a run that stays in memory and writes no files.
 #[derive(Clone, Copy)]
 pub(super) struct Store<'a>(pub(super) Option<&'a RunFolder>);

@@ -1,7 +1,9 @@
 use granum_dem::config::{Rate, Recording};
-use granum_dem::observer::{Flow, NoObserver, Progress};
+use granum_dem::observer::{Flow, NoObserver, Observer, Progress};
 use granum_dem::preparation::Phase;
-use granum_io::run::{Run, RunStatus};
+use granum_dem::simulation::Hardware;
+use granum_io::Case;
+use granum_io::run::{Run, RunFolder, RunStatus};
 
 use super::*;
 use crate::record::read_record;

@@ -2,14 +2,14 @@
 
 use serde::Serialize;
 
-use super::{Study, TrainedMapping};
+use super::sub_model_summary::SubModelSummary;
+use super::trained::{Study, TrainedMapping};
 use crate::antony2006::baseline::{Baselines, MappingBaselines};
 use crate::antony2006::mapping::{Mapping, Quantity};
 use crate::antony2006::mapping_networks::states_of;
 use crate::antony2006::scatter::{Scatter, best_without_sensors};
 use crate::antony2006::sensor_use::{SensorUse, is_constant};
 use crate::antony2006::study_data::{Run, State, StudyData};
-use crate::antony2006::summary::SubModelSummary;
 use crate::error::Result;
 use crate::score::{Score, Scorer};
 

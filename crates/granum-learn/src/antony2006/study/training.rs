@@ -4,7 +4,8 @@ use granum_core::parallel;
 use granum_nets::trainer::{self, Control, Options};
 use granum_nets::{Column, Data, Model, Recipe};
 
-use super::{FEWEST_STATES, PAPER_TRAINER, StudyObserver, StudyOptions, StudyProgress};
+use super::observer::{StudyObserver, StudyProgress};
+use super::options::{FEWEST_STATES, PAPER_TRAINER, StudyOptions};
 use crate::antony2006::mapping::Mapping;
 use crate::antony2006::mapping_networks::states_of;
 use crate::antony2006::study_data::{State, StudyData};
@@ -132,6 +133,12 @@ fn is_the_same(model: &Model, recipe: &Recipe, data: &Data, trainer: &str, epoch
         && model.network().layers() == recipe.layers()
         && model.inputs() == recipe.inputs
         && *model.output() == recipe.output
+}
+
+/// Name of the network of a sub-model.
+pub fn network_name(mapping: &Mapping, strain_only: bool, sub_model: usize) -> String {
+    let mark = if strain_only { "-strain-only" } else { "" };
+    format!("{}{mark}-{}", mapping.name, sub_model + 1)
 }
 
 /// The seed of a network from the seed of the study and the name of the network, so that it does not change when mappings

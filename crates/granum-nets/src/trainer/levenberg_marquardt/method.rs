@@ -1,7 +1,8 @@
 //! What the state of an interrupted training holds of this trainer.
 
-use crate::trainer::state::MOST;
-use crate::trainer::{Evidence, TrainerState, TrainingError};
+use crate::trainer::error::TrainingError;
+use crate::trainer::report::Evidence;
+use crate::trainer::state::{MOST, TrainerState};
 
 /// The part of the state that is specific to this trainer.
 pub(super) struct Method {

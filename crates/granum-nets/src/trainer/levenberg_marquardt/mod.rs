@@ -28,12 +28,14 @@ use std::time::Instant;
 use granum_simd::{Isa, Row8};
 
 use self::method::Method;
+use super::error::{TerminationReason, TrainingError};
+use super::kind::TrainerKind;
+use super::observer::{Control, Observer, Progress};
+use super::options::Options;
+use super::report::{Evidence, TrainingReport};
 use super::state::{TrainerState, TrainingHistory, Validation};
+use super::trainer_trait::{SharedTrainer, Trainer, check_columns};
 use super::traingdx::norm;
-use super::{
-    Control, Evidence, Observer, Options, Progress, SharedTrainer, TerminationReason, Trainer, TrainerKind,
-    TrainingError, TrainingReport, check_columns,
-};
 use crate::backprop::Workspace;
 use crate::curvature::Curvature;
 use crate::data::Data;

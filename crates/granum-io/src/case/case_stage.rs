@@ -1,0 +1,78 @@
+//! One table `[[stage]]` of a case, and the stages that it expands to.
+
+use granum_dem::loading::Stage;
+use granum_dem::loading::preset::{self, Given};
+use serde::{Deserialize, Serialize};
+
+/// Most stages that a test may come to, with its repetitions.
+pub(super) const MOST_STAGES: u64 = 10_000;
+
+/// One table `[[stage]]`.
+///
+/// ```
+/// let text = "[[stage]]\npath = 'isotropic'\n[[stage]]\nrepeat = 3\n[[stage.stage]]\npath = 'drained-triaxial'\n";
+/// let case = granum_io::Case::parse(text, "case.toml")?;
+/// assert_eq!(case.test_stages().len(), 1 + 3);
+/// # Ok::<(), granum_io::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CaseStage {
+    /// A named path.
+    Path {
+        /// Its name.
+        name: String,
+        /// Its parameters in SI units; the others have their defaults.
+        parameters: Given,
+        /// False where strain, time and energy go on counting from an earlier stage.
+        #[serde(default = "yes")]
+        resets: bool,
+    },
+    /// A stage with an explicit control.
+    Control(Box<Stage>),
+    /// Stages that are repeated, one after another.
+    Repeat {
+        /// How often.
+        times: u64,
+        /// What.
+        stages: Vec<CaseStage>,
+    },
+}
+
+fn yes() -> bool {
+    true
+}
+
+impl CaseStage {
+    /// The stages that it expands to.
+    pub fn stages(&self) -> Vec<Stage> {
+        match self {
+            CaseStage::Path { name, parameters, resets } => {
+                let mut stages =
+                    preset::named(name).map_or_else(Vec::new, |preset| preset.expand(parameters));
+                for stage in &mut stages {
+                    stage.resets &= resets;
+                }
+                stages
+            }
+            CaseStage::Control(stage) => vec![(**stage).clone()],
+            CaseStage::Repeat { times, stages } => {
+                let once: Vec<Stage> = stages.iter().flat_map(CaseStage::stages).collect();
+                let most = usize::try_from(MOST_STAGES).unwrap_or(usize::MAX);
+                let times = usize::try_from(*times).unwrap_or(usize::MAX);
+                once.iter().cycle().take(once.len().saturating_mul(times).min(most)).cloned().collect()
+            }
+        }
+    }
+
+    /// How many stages it comes to.
+    pub(super) fn count(&self) -> u64 {
+        match self {
+            CaseStage::Path { .. } | CaseStage::Control(_) => self.stages().len() as u64,
+            CaseStage::Repeat { times, stages } => {
+                let once = stages.iter().fold(0u64, |sum, stage| sum.saturating_add(stage.count()));
+                once.saturating_mul(*times)
+            }
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! The case: all the input that determines a result.
+
+use granum_dem::config::{Contact, Grains, Numerics, Preparation, Recording, Shear};
+use serde::{Deserialize, Serialize};
+
+use super::case_stage::CaseStage;
+
+/// All the input that determines a result. [`Default`] is the case of Antony, Zhou and Wang (2006).
+///
+/// ```
+/// let case = granum_io::Case::parse("[grains]\ncount = 1000\ndiameter = \"0.2 mm\"\n", "case.toml").unwrap();
+/// assert_eq!(case.grains.count, 1000);
+/// assert_eq!(case.grains.diameter, 2e-4);
+/// let error = granum_io::Case::parse("[contact]\ndampling = 0.1\n", "case.toml").unwrap_err();
+/// assert!(error.to_string().starts_with("case.toml:2:1: unknown key contact.dampling"));
+/// assert!(error.to_string().contains("did you mean damping?"));
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Case {
+    /// The grains.
+    pub grains: Grains,
+    /// The contact law.
+    pub contact: Contact,
+    /// The preparation of the sample.
+    pub preparation: Preparation,
+    /// The test of the paper, used if no stages are given.
+    pub shear: Shear,
+    /// The test as stages, which replace `shear`; empty if there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stages: Vec<CaseStage>,
+    /// The states that the sensors record.
+    pub recording: Recording,
+    /// Numerical choices.
+    pub numerics: Numerics,
+}

@@ -1,0 +1,55 @@
+//! What has been read of a case file so far, with its mistakes.
+
+use std::collections::HashMap;
+use std::ops::Range;
+use std::sync::Arc;
+
+use toml::de::DeValue;
+
+use super::case_stage::CaseStage;
+use super::field::{Field, Value};
+use super::material_table::{MaterialTable, PairTable};
+use crate::error::InputError;
+
+/// The text of a single value.
+pub(super) fn scalar(field: &Field, value: &DeValue<'_>) -> std::result::Result<String, String> {
+    match value {
+        DeValue::String(text) => Ok(text.to_string()),
+        DeValue::Float(number) => Ok(number.as_str().replace('_', "")),
+        DeValue::Integer(number) if number.radix() == 10 => Ok(number.as_str().replace('_', "")),
+        DeValue::Integer(_) => Err("must be written as a decimal number".into()),
+        other => Err(format!("is of type {}; it must be {}", other.type_str(), field.bounds_text())),
+    }
+}
+
+pub(super) struct Reader<'a> {
+    pub(super) file: &'a str,
+    pub(super) text: Arc<str>,
+    pub(super) errors: Vec<InputError>,
+    /// Position of each key in the file, by path.
+    pub(super) keys: HashMap<String, Range<usize>>,
+    /// Valid values, by path.
+    pub(super) values: HashMap<String, Value>,
+    pub(super) stages: Vec<CaseStage>,
+    pub(super) materials: Vec<MaterialTable>,
+    pub(super) pairs: Vec<PairTable>,
+}
+
+impl Reader<'_> {
+    pub(super) fn error(&mut self, span: Range<usize>, message: String) -> &mut InputError {
+        self.errors.push(InputError::in_text(self.file, &self.text, span, message));
+        let last = self.errors.len() - 1;
+        &mut self.errors[last]
+    }
+
+    /// The text of a value, short enough for a message.
+    pub(super) fn shown(&self, span: &Range<usize>) -> String {
+        let text = self.text.get(span.clone()).unwrap_or_default();
+        let line = text.lines().next().unwrap_or_default();
+        if line.chars().count() > 60 || text.lines().count() > 1 {
+            format!("{}...", line.chars().take(60).collect::<String>())
+        } else {
+            line.to_string()
+        }
+    }
+}

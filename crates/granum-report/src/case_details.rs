@@ -1,0 +1,39 @@
+//! The case of a run, its grains, its digest, and the computer.
+
+use maud::{Markup, html};
+
+use super::data::RunReport;
+use super::numbers::whole;
+use super::page::paragraphs;
+
+/// The number of grains, and the packing if they are from one.
+pub fn whose_grains(run: &RunReport) -> String {
+    let grains = format!("{} grains", whole(run.grains() as f64));
+    match &run.run.packing {
+        Some(packing) => format!("{grains} of {}", packing.file_name),
+        None => grains,
+    }
+}
+
+/// The complete case, its digest, and the computer.
+pub fn case_details(run: &RunReport) -> Markup {
+    let digest = run.case.digest_with(run.run.packing_digest());
+    let mut facts = vec![match &run.run.packing {
+        Some(packing) => {
+            format!("Case digest {digest}; packing {}, SHA-256 {}.", packing.file_name, packing.sha256)
+        }
+        None => format!("Case digest {digest}; seed {}.", run.case.preparation.seed),
+    }];
+    let machine = &run.run.machine;
+    if !machine.system.is_empty() {
+        facts.push(format!(
+            "Computed on {} with {} and {} of {} threads.",
+            machine.system, machine.instruction_set, machine.threads, machine.available_threads
+        ));
+    }
+    facts.extend(run.run.notes.iter().cloned());
+    html! {
+        (paragraphs(&facts))
+        details { summary { "The case in full" } pre { (run.case.resolved_toml_with(run.run.packing.as_ref().map(|packing| packing.file_name.as_str()))) } }
+    }
+}

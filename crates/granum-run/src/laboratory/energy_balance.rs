@@ -1,0 +1,49 @@
+//! The energy balance of a test.
+
+use granum_core::assembly::Assembly;
+use serde::{Deserialize, Serialize};
+
+/// Kinetic and elastic energy of an assembly, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Stored {
+    kinetic: f64,
+    elastic_normal: f64,
+}
+
+impl Stored {
+    pub(super) fn of(assembly: &Assembly) -> Stored {
+        let square = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>();
+        Stored {
+            kinetic: assembly
+                .grains
+                .iter()
+                .map(|g| 0.5 * g.mass * (square(&g.velocity) + 0.4 * g.radius * g.radius * square(&g.spin)))
+                .sum(),
+            elastic_normal: assembly.contacts.iter().map(|c| c.normal_energy).sum::<f64>()
+                + attraction_energy(assembly),
+        }
+    }
+}
+
+/// Energy of attraction at contacts and between grains that do not touch, J.
+fn attraction_energy(assembly: &Assembly) -> f64 {
+    assembly.contacts.iter().chain(&assembly.apart).map(|pair| pair.attraction_energy).sum()
+}
+
+/// Relative gap of the energy balance: the work of the boundary is compared with the sum of the stored energy and of the
+/// losses by friction, damping and adhesion.
+pub(super) fn energy_gap(before: &Stored, end: &Assembly) -> f64 {
+    let after = Stored::of(end);
+    let e = &end.energy;
+    let stored = after.kinetic - before.kinetic + after.elastic_normal - before.elastic_normal;
+    // The work of the tangential forces includes their elastic energy, which need not be separated here.
+    let accounted =
+        stored + e.tangential_work + e.damping + e.adhesion_made + e.adhesion_broken + e.rolling_work;
+    let accounted = accounted + e.attraction_loss + e.plastic_loss;
+    // Next to no work is done where all is held; the energy that is there is then the measure.
+    let measure = e.boundary_work.abs().max(HARDLY_ANY * before.elastic_normal.abs());
+    if measure == 0.0 { 0.0 } else { ((e.boundary_work - accounted) / measure).abs() }
+}
+
+/// Work of the boundary over the elastic energy before the test that counts as hardly any.
+const HARDLY_ANY: f64 = 1e-3;

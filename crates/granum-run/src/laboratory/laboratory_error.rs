@@ -1,0 +1,82 @@
+//! Why a run failed.
+
+use std::path::PathBuf;
+
+use granum_dem::loading::ControlError;
+use granum_dem::preparation::PreparationError;
+use granum_dem::simulation::SimulationError;
+use granum_io::shell::quoted_path;
+use granum_sensors::SensorError;
+use thiserror::Error;
+
+use crate::engine::engine_error::EngineError;
+
+/// Why a run failed.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum LaboratoryError {
+    /// A file or folder cannot be read or written.
+    #[error(transparent)]
+    File(#[from] granum_io::Error),
+    /// The preparation failed.
+    #[error(transparent)]
+    Preparation(#[from] PreparationError),
+    /// The simulation failed.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// A stage of the test failed.
+    #[error(transparent)]
+    Control(#[from] ControlError),
+    /// A sensor of the recording cannot be used.
+    #[error("recording.sensors: {0}")]
+    Sensor(#[from] SensorError),
+    /// The requested engine cannot be used.
+    #[error(transparent)]
+    Engine(#[from] EngineError),
+    /// A state that stages go back to cannot be kept or used.
+    #[error("the state that later stages go back to: {0}")]
+    Kept(String),
+    /// No stage kept a state.
+    #[error("the stage {stage} goes back to a state, but no stage before it kept one (start = \"kept\")")]
+    NothingKept {
+        /// Name of the stage.
+        stage: String,
+    },
+    /// The run does not fit into the available memory.
+    #[error(
+        "{grains} grains need up to {needed:.1} GB of memory, and this machine has {available:.1} GB free: grains.count can be \
+         at most {fitting} here"
+    )]
+    Memory {
+        /// Number of grains of the case.
+        grains: usize,
+        /// Estimate of the memory that they need, GB.
+        needed: f64,
+        /// Free memory, GB.
+        available: f64,
+        /// Number of grains that would fit.
+        fitting: usize,
+    },
+    /// A packing that cannot be simulated.
+    #[error("the packing cannot be simulated: {0}")]
+    Packing(String),
+    /// A checkpoint cannot be used or written.
+    #[error("{}: {what}", path.display())]
+    Checkpoint {
+        /// The file of the checkpoint.
+        path: PathBuf,
+        /// What is wrong with it, and what to do.
+        what: String,
+    },
+    /// No checkpoint of a folder can be used.
+    #[error(
+        "{what}: no checkpoint can be used; run it again, e.g. `granum shear {} --out OTHER`",
+        quoted_path(&folder.join("case.toml"))
+    )]
+    Unusable {
+        /// The folder.
+        folder: PathBuf,
+        /// What is wrong with each checkpoint.
+        what: String,
+    },
+}
