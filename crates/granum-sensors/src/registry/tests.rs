@@ -159,10 +159,10 @@ fn a_test_records_the_usual_sensors_and_those_that_are_named() {
             .with(|recording| recording.sensors = names.iter().map(|name| name.to_string()).collect())
     };
     let usual = STANDARD.of_test(&named(&[]), false).unwrap();
-    assert_eq!((usual.len(), usual[0], usual[13]), (14, "strain", "rose"));
+    assert_eq!((usual.len(), usual[0], usual[14]), (15, "strain", "rose"));
     let further = STANDARD.of_test(&named(&["second_order_work", "invariants", "stress"]), false).unwrap();
-    assert_eq!(further[..14], usual[..]);
-    assert_eq!(further[14..], ["second_order_work", "invariants"]);
-    assert_eq!(STANDARD.of_test(&named(&["invariants"]), true).unwrap().len(), 15);
+    assert_eq!(further[..15], usual[..]);
+    assert_eq!(further[15..], ["second_order_work", "invariants"]);
+    assert_eq!(STANDARD.of_test(&named(&["invariants"]), true).unwrap().len(), 16);
     assert!(STANDARD.of_test(&named(&["nothing"]), false).is_err());
 }
