@@ -346,6 +346,39 @@ pub struct Recording {
     /// Names of sensors that are recorded beside those that always are.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sensors: Vec<String>,
+    /// The critical state line, for the state parameter.
+    #[serde(default, skip_serializing_if = "CriticalState::is_absent")]
+    pub critical_state: CriticalState,
+}
+
+/// A critical state line `e_c = e_0 - lambda (p / 100 kPa)^xi` (Li and Wang 1998), if it is given.
+///
+/// ```
+/// use granum_dem::config::CriticalState;
+///
+/// let line = CriticalState { void_ratio: Some(0.9), ..CriticalState::default() };
+/// assert_eq!(line.line(), Some([0.9, 0.0, 0.7]));
+/// assert_eq!(CriticalState::default().line(), None);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CriticalState {
+    /// Critical void ratio e_0 at zero mean stress.
+    pub void_ratio: Option<f64>,
+    /// Decrease lambda of the critical void ratio at 100 kPa; 0 if it is not given.
+    pub slope: Option<f64>,
+    /// Exponent xi of the mean stress; 0.7 if it is not given.
+    pub exponent: Option<f64>,
+}
+
+impl CriticalState {
+    /// `[e_0, lambda, xi]`; `None` without a void ratio.
+    pub fn line(&self) -> Option<[f64; 3]> {
+        Some([self.void_ratio?, self.slope.unwrap_or(0.0), self.exponent.unwrap_or(0.7)])
+    }
+
+    fn is_absent(&self) -> bool {
+        *self == CriticalState::default()
+    }
 }
 
 impl Default for Recording {
@@ -358,6 +391,7 @@ impl Default for Recording {
             bin_width: 0.25,
             largest_force: 6.0,
             sensors: Vec::new(),
+            critical_state: CriticalState::default(),
         }
     }
 }

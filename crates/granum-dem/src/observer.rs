@@ -119,6 +119,12 @@ pub trait Observer {
         Flow::Continue
     }
 
+    /// A stage of a test is under way, counted from 1; also called where a stage goes on after a checkpoint. Of a test that is
+    /// not given as stages there is one.
+    fn stage(&mut self, number: usize) {
+        let _ = number;
+    }
+
     /// Value of the measure that a stage records by at which [`Observer::observe`] is to be called next; infinity for never.
     fn next_look(&self) -> f64 {
         f64::INFINITY
@@ -173,6 +179,10 @@ impl Observer for Observers<'_> {
             }
         }
         flow
+    }
+
+    fn stage(&mut self, number: usize) {
+        self.0.iter_mut().for_each(|observer| observer.stage(number));
     }
 
     fn next_look(&self) -> f64 {

@@ -9,6 +9,7 @@ mod deviatoric_plane;
 mod energy;
 pub mod figure;
 mod forces;
+mod further;
 mod headline;
 mod many_runs;
 mod material;

@@ -6,6 +6,7 @@ use maud::{Markup, html};
 use super::case_details::{case_details, whose_grains};
 use super::data::RunReport;
 use super::forces;
+use super::further;
 use super::material;
 use super::numbers::{duration, factor, quantity, significant};
 use super::page::{Document, Page, rich, tiles};
@@ -26,6 +27,10 @@ pub fn report(run: &RunReport) -> Document {
     let mut page = Page::default();
     let runs = std::slice::from_ref(run);
     let behaviour = behaviour(&mut page, runs);
+    let further: Vec<Markup> = (further::figures(run).iter())
+        .map(|(file, figure, caption)| page.own_figure(file, caption, figure))
+        .collect();
+    let behaviour = html! { (behaviour) @for figure in further { (figure) } };
     page.section("behaviour", "Stress, volume and contacts", behaviour);
     let spread = force_section(&mut page, run);
     page.section("forces", "How the forces are spread", spread);

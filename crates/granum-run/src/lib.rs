@@ -8,6 +8,7 @@
 pub mod engine;
 pub mod laboratory;
 pub mod record;
+pub mod stiffness;
 
 pub use engine::{Engine, EngineError, Engines, PlannedRun, Task};
 pub use granum_dem::observer::{Flow, NoObserver, Observer, Observers, Progress};

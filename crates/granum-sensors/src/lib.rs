@@ -16,20 +16,34 @@
 //! assert_eq!(q_over_p, Some(0.0));
 //! ```
 
+pub mod anisotropies;
 pub mod attraction;
+pub mod chain_buckling;
+pub mod contact_motion;
 pub mod coordination;
+pub mod coordination_by_size;
+pub mod d2min;
+pub mod dilatancy;
+pub mod directions;
 pub mod energy;
 pub mod fabric;
+pub mod force_chains;
 pub mod force_distribution;
+pub mod friction_angle;
+pub mod granular_temperature;
 mod histogram;
 pub mod inertial_number;
 pub mod invariants;
+pub mod local_solid_fraction;
+mod neighbours;
+pub mod networks;
 pub mod nonaffine_displacement;
 mod numerics;
 mod observation;
 pub mod overlap;
 pub mod overlap_distribution;
 pub mod plasticity;
+pub mod radial_distribution;
 mod record;
 mod recorder;
 mod registry;
@@ -40,10 +54,12 @@ mod sensor;
 pub mod servo;
 pub mod sliding;
 pub mod solid_fraction;
+pub mod state_parameter;
 pub mod strain;
 pub mod stress;
 pub mod tensor;
 pub mod unbalanced_force;
+pub mod void_ratio;
 
 #[cfg(test)]
 mod lattice;

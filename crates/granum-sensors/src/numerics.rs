@@ -1,5 +1,6 @@
 //! Elementary functions composed of operations that give the same bits on every machine.
 
+use granum_dem::contact::elementary::arctan;
 use granum_simd::exp;
 
 /// Natural logarithm of a positive finite number; relative error below 1e-14.
@@ -31,6 +32,19 @@ pub(crate) fn mills_ratio(x: f64) -> f64 {
     sum * h * (2.0 / 45.0)
 }
 
+/// Arc sine in degrees; 90 and -90 beyond 1 and -1.
+pub(crate) fn asin_degrees(x: f64) -> f64 {
+    if x.abs() >= 1.0 {
+        return 90.0 * x.signum();
+    }
+    arctan(x / ((1.0 - x) * (1.0 + x)).sqrt()) * (180.0 / std::f64::consts::PI)
+}
+
+/// Arc cosine in degrees; 0 and 180 beyond 1 and -1.
+pub(crate) fn acos_degrees(x: f64) -> f64 {
+    90.0 - asin_degrees(x)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -52,5 +66,15 @@ mod tests {
         ] {
             assert!((mills_ratio(x) / exact - 1.0).abs() < 1e-9, "{x}: {}", mills_ratio(x));
         }
+    }
+
+    #[test]
+    fn inverse_functions_of_angles_agree_with_the_system() {
+        for k in -400..=400 {
+            let x = f64::from(k) / 400.0;
+            assert!((asin_degrees(x) - x.asin().to_degrees()).abs() < 2e-13, "{x}: {}", asin_degrees(x));
+            assert!((acos_degrees(x) - x.acos().to_degrees()).abs() < 2e-13, "{x}");
+        }
+        assert_eq!((asin_degrees(1.5), acos_degrees(-1.5)), (90.0, 180.0));
     }
 }

@@ -1,6 +1,9 @@
 //! One observation of an assembly: the assembly and the quantities that several sensors need.
 
+use std::sync::LazyLock;
+
 use granum_core::assembly::{Assembly, Contact};
+use granum_dem::config::Recording;
 
 use crate::stress::Stress;
 
@@ -14,7 +17,12 @@ pub struct Observation<'a> {
     pub volume: f64,
     /// Stress.
     pub stress: Stress,
+    /// The recording that the observation belongs to: parameters of sensors.
+    pub recording: &'a Recording,
 }
+
+/// The recording of an observation that belongs to none.
+static USUAL: LazyLock<Recording> = LazyLock::new(Recording::default);
 
 impl<'a> Observation<'a> {
     /// Observes an assembly.
@@ -25,9 +33,15 @@ impl<'a> Observation<'a> {
             mean_normal_force: mean(sum, assembly.contacts.len()),
             volume: assembly.volume(),
             stress: Stress::default(),
+            recording: &USUAL,
         };
         observation.stress = Stress::of(&observation);
         observation
+    }
+
+    /// The same observation as part of a recording, which has the parameters of sensors.
+    pub fn with_recording(self, recording: &'a Recording) -> Self {
+        Observation { recording, ..self }
     }
 
     /// True for a contact of the strong network: `N > <N>` (Radjai et al. 1998).

@@ -10,9 +10,12 @@ use granum_dem::config::Recording;
 use crate::histogram::{Bins, Histogram};
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 use crate::{
-    attraction, coordination, energy, fabric, force_distribution, inertial_number, invariants,
-    nonaffine_displacement, overlap, overlap_distribution, plasticity, rolling, rose, second_order_work,
-    servo, sliding, solid_fraction, strain, stress, unbalanced_force,
+    anisotropies, attraction, chain_buckling, contact_motion, coordination, coordination_by_size, d2min,
+    dilatancy, directions, energy, fabric, force_chains, force_distribution, friction_angle,
+    granular_temperature, inertial_number, invariants, local_solid_fraction, networks,
+    nonaffine_displacement, overlap, overlap_distribution, plasticity, radial_distribution, rolling, rose,
+    second_order_work, servo, sliding, solid_fraction, state_parameter, strain, stress, unbalanced_force,
+    void_ratio,
 };
 
 /// When a sensor is recorded.
@@ -49,6 +52,14 @@ pub enum SensorError {
         what: &'static str,
         /// The name.
         name: &'static str,
+    },
+    /// The recording names it without what it needs.
+    #[error("the sensor {sensor:?}: {what}")]
+    Lacks {
+        /// The sensor.
+        sensor: &'static str,
+        /// What it needs, and how that is set.
+        what: &'static str,
     },
     /// It measures another number of values than it has columns.
     #[error(
@@ -111,6 +122,21 @@ static STANDARD: LazyLock<Sensors> = LazyLock::new(|| {
     sensors.add(WhereNamed, overlap_distribution::OverlapDistribution);
     sensors.add(WhereNamed, nonaffine_displacement::NonaffineDisplacement);
     sensors.add(WhereNamed, second_order_work::SecondOrderWork);
+    sensors.add(WhereNamed, void_ratio::VoidRatio);
+    sensors.add(WhereNamed, friction_angle::FrictionAngle);
+    sensors.add(WhereNamed, dilatancy::Dilatancy);
+    sensors.add(WhereNamed, state_parameter::StateParameter);
+    sensors.add(WhereNamed, networks::Networks);
+    sensors.add(WhereNamed, anisotropies::Anisotropies);
+    sensors.add(WhereNamed, directions::Directions);
+    sensors.add(WhereNamed, contact_motion::ContactMotion);
+    sensors.add(WhereNamed, granular_temperature::GranularTemperature);
+    sensors.add(WhereNamed, coordination_by_size::CoordinationBySize);
+    sensors.add(WhereNamed, radial_distribution::RadialDistribution);
+    sensors.add(WhereNamed, d2min::D2Min);
+    sensors.add(WhereNamed, force_chains::ForceChains);
+    sensors.add(WhereNamed, chain_buckling::ChainBuckling);
+    sensors.add(WhereNamed, local_solid_fraction::LocalSolidFraction);
     sensors
 });
 
@@ -224,7 +250,11 @@ impl Sensors {
         let mut names: Vec<&'static str> =
             self.0.iter().filter(usual).map(|known| known.description.name).collect();
         for name in &recording.sensors {
-            let name = self.find(name)?.description.name;
+            let known = self.find(name)?;
+            let name = known.description.name;
+            if let Some(what) = known.sensor.lacks(recording) {
+                return Err(SensorError::Lacks { sensor: name, what });
+            }
             if !names.contains(&name) {
                 names.push(name);
             }
@@ -234,21 +264,28 @@ impl Sensors {
 
     /// Measures everything that can be measured on an assembly of which these parts are known, and says what cannot and why.
     pub fn measure(&self, assembly: &Assembly, parts: Parts) -> Measurement {
-        let observation = Observation::new(assembly);
+        self.measure_with(assembly, parts, &Recording::default())
+    }
+
+    /// As [`Sensors::measure`], with the parameters of sensors and the bins of a recording.
+    pub fn measure_with(&self, assembly: &Assembly, parts: Parts, recording: &Recording) -> Measurement {
+        let observation = Observation::new(assembly).with_recording(recording);
         let mut found = Measurement::default();
         for known in &self.0 {
             let Description { name, columns, needs, remembers, .. } = &known.description;
             let missing = parts.missing(needs);
-            if *remembers || !missing.is_empty() {
+            let lacks = known.sensor.lacks(recording);
+            if *remembers || !missing.is_empty() || lacks.is_some() {
                 found.left_out.push(LeftOut {
                     sensor: name,
                     columns: Vec::new(),
                     missing,
                     remembers: *remembers,
+                    lacks,
                 });
                 continue;
             }
-            let bins = known.sensor.histograms(&Recording::default());
+            let bins = known.sensor.histograms(recording);
             let (mut row, mut counts) = (Vec::new(), bins.iter().map(Bins::empty).collect::<Vec<_>>());
             known.sensor.measure(&observation, &mut Memory::new(), &mut Values::new(&mut row, &mut counts));
             for (column, value) in columns.iter().zip(row) {
@@ -295,7 +332,13 @@ impl Measurement {
     fn leave_out(&mut self, sensor: &'static str, column: &'static str, missing: Vec<Part>) {
         match self.left_out.iter_mut().find(|known| known.sensor == sensor && known.missing == missing) {
             Some(known) => known.columns.push(column),
-            None => self.left_out.push(LeftOut { sensor, columns: vec![column], missing, remembers: false }),
+            None => self.left_out.push(LeftOut {
+                sensor,
+                columns: vec![column],
+                missing,
+                remembers: false,
+                lacks: None,
+            }),
         }
     }
 }
@@ -312,6 +355,8 @@ pub struct LeftOut {
     pub missing: Vec<Part>,
     /// True if the sensor compares an observation with the one before, which a single assembly does not have.
     pub remembers: bool,
+    /// What it needs of a recording and does not find.
+    pub lacks: Option<&'static str>,
 }
 
 /// `fabric (strong_fraction): the data have no normal forces`.
@@ -323,6 +368,9 @@ impl std::fmt::Display for LeftOut {
         }
         if self.remembers {
             return write!(f, ": it compares two observations of a test, and this is one");
+        }
+        if let (Some(what), true) = (self.lacks, self.missing.is_empty()) {
+            return write!(f, ": {what}");
         }
         let names: Vec<&str> = self.missing.iter().map(|part| part.name()).collect();
         write!(f, ": the data have no {}", names.join(", no "))

@@ -150,6 +150,13 @@ pub trait Sensor: Send + Sync {
         Vec::new()
     }
 
+    /// What the sensor needs of a recording and does not find, with what to set; `None` if nothing. A recording without it is
+    /// refused where it names the sensor.
+    fn lacks(&self, recording: &Recording) -> Option<&'static str> {
+        let _ = recording;
+        None
+    }
+
     /// Measures: one value for each column, in their order, and counts into the histograms.
     fn measure(&self, observation: &Observation, memory: &mut Memory, values: &mut Values);
 }

@@ -143,12 +143,14 @@ impl Case {
         };
         let mut case = self.clone();
         case.shear = Default::default();
-        let Recording { observations_per_state, bin_width, largest_force, .. } = self.recording;
+        let Recording { observations_per_state, bin_width, largest_force, critical_state, .. } =
+            self.recording;
         let sensors = self.recording.sensors.clone();
         case.recording = Recording::default().with(|recording| {
             recording.observations_per_state = observations_per_state;
             recording.bin_width = bin_width;
             recording.largest_force = largest_force;
+            recording.critical_state = critical_state;
             recording.sensors = sensors;
         });
         case.stages =

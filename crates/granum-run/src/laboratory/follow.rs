@@ -34,6 +34,12 @@ impl Observer for Follow<'_> {
         self.stopped = self.observer.progress(&told) == Flow::Stop;
         if self.stopped || self.checkpoint.is_over() { Flow::Stop } else { Flow::Continue }
     }
+    fn next_look(&self) -> f64 {
+        self.observer.next_look()
+    }
+    fn observe(&mut self, simulation: &Simulation) {
+        self.observer.observe(simulation);
+    }
 }
 
 /// Calls the recorder of a stage.

@@ -50,6 +50,21 @@ impl Laboratory {
         Ok(RunState::new(preparing.simulation, Stage::Preparation(preparing.progress)))
     }
 
+    /// The simulation at the last checkpoint of a folder: of a finished preparation or test its end.
+    ///
+    /// # Errors
+    /// [`LaboratoryError::Checkpoint`] if there is none or it cannot be used.
+    pub fn last_state(&self, folder: &Path) -> Result<Simulation, LaboratoryError> {
+        let path = folder.join(CHECKPOINT);
+        match RunState::read(&path, None, &self.sensors)? {
+            Some(run_state) => Ok(run_state.simulation),
+            None => {
+                let what = "there is none; give the folder of a sample or of a run that granum made".into();
+                Err(LaboratoryError::Checkpoint { path, what })
+            }
+        }
+    }
+
     pub(super) fn recipe<'a>(
         &self,
         case: &'a Case,

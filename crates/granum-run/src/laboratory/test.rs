@@ -57,6 +57,7 @@ impl Laboratory {
             return Ok(Segment::Complete);
         };
         simulation.set_hardware(self.hardware_for(simulation.state().grains()));
+        observer.stage(at + 1);
         let before = test.stage_progress.clone();
         let mut follow = Follow {
             observer,

@@ -3,6 +3,7 @@
 use granum_core::assembly::Matrix;
 use granum_dem::servo::Control;
 use granum_dem::simulation::Simulation;
+use granum_run::stiffness::{Probing, degradation, measure};
 
 use super::sample::sample;
 
@@ -64,4 +65,46 @@ fn moduli_are_below_those_of_the_effective_medium() {
     assert!((0.85..1.0).contains(&(bulk / k)), "{}", bulk / k);
     assert!((0.4..0.75).contains(&(shear / g)), "{}", shear / g);
     assert!((twice / shear - 1.0).abs() < 0.02, "{}", twice / shear);
+}
+
+/// The 6 x 6 stiffness of a sample that was compressed isotropically: symmetric and nearly isotropic, its moduli those of the
+/// probes above; grains that follow the strain of the cell give the effective medium.
+#[test]
+fn the_tensor_of_a_sample_has_the_moduli_of_single_probes() {
+    let found = measure(sample(), &Probing::default()).unwrap();
+    let [k, g] = effective_medium(sample());
+    let (tensor, affine) = (&found.tensor, &found.affine);
+    println!(
+        "K {:.4e} ({:.4} of {k:.4e}), G {:.4e} ({:.4} of {g:.4e}), affine {:.5} {:.5}, anisotropy {:.4}, asymmetry {:.1e}, unsettled {:.1e}",
+        tensor.bulk_modulus(),
+        tensor.bulk_modulus() / k,
+        tensor.shear_modulus(),
+        tensor.shear_modulus() / g,
+        affine.bulk_modulus() / k,
+        affine.shear_modulus() / g,
+        tensor.anisotropy().unwrap(),
+        tensor.asymmetry(),
+        found.unsettled,
+    );
+    assert!(found.settled);
+    assert!(
+        (affine.bulk_modulus() / k - 1.0).abs() < 2e-3 && (affine.shear_modulus() / g - 1.0).abs() < 5e-3
+    );
+    let s = response([1e-7; 3]);
+    let bulk = (s[0][0] + s[1][1] + s[2][2]) / 9e-7;
+    assert!((tensor.bulk_modulus() / bulk - 1.0).abs() < 0.01, "{bulk}");
+    // Voigt's average over the sides of the cell and over single axes differ by the anisotropy of 300 grains.
+    assert!((0.4..0.75).contains(&(tensor.shear_modulus() / g)));
+    assert!(tensor.asymmetry() < 1e-3 && tensor.anisotropy().unwrap() < 0.2);
+}
+
+/// The secant modulus starts at the elastic one and falls with the strain.
+#[test]
+fn the_shear_modulus_falls_with_the_strain() {
+    let curve = degradation(sample(), &[1e-6, 1e-5, 1e-4, 1e-3], &Probing::default()).unwrap();
+    println!("{curve:?}");
+    let elastic = measure(sample(), &Probing::default()).unwrap().tensor.shear_modulus();
+    assert!(curve.windows(2).all(|pair| pair[1].shear_modulus < pair[0].shear_modulus));
+    assert!((0.7..1.1).contains(&(curve[0].shear_modulus / elastic)), "{elastic}");
+    assert!(curve[3].shear_modulus < 0.5 * elastic);
 }

@@ -154,3 +154,39 @@ fn stress_force_and_fabric_agree() {
     assert!((predicted / measured - 1.0).abs() < 0.05, "{predicted} {measured}");
     assert!(n > c && c > 0.0 && t > 0.0);
 }
+
+/// The sensor, which knows no axis, finds the anisotropies that the sums along the axis of compression give, and its relation the
+/// von Mises ratio.
+#[test]
+fn the_sensor_of_anisotropies_finds_those_along_the_axis() {
+    for a in sheared() {
+        let look = granum_sensors::Observation::new(a);
+        let found = granum_sensors::anisotropies::Anisotropy::of(&look);
+        let [contact, normal, tangential] = anisotropies(a);
+        for (value, along) in
+            [(found.contacts, contact), (found.normal, normal), (found.tangential, tangential)]
+        {
+            // What lies across the axis adds to the size of the tensor.
+            assert!(value >= along - 1e-12 && value < along + 0.1, "{found:?} {along}");
+        }
+        let relation = 0.4 * (found.contacts + found.normal + 1.5 * found.tangential);
+        let stress = look.stress.tensor();
+        let ratio = granum_dem::invariants::signed_von_mises(&stress) / look.stress.mean();
+        assert!((relation / ratio - 1.0).abs() < 0.15, "{relation} {ratio}");
+    }
+}
+
+/// Volumes of the Voronoi cells of a sheared sample add up to the cell, and its local solid fractions lie about the whole one.
+#[test]
+fn voronoi_cells_of_a_sheared_sample_fill_the_cell() {
+    let a = &sheared()[9];
+    let positions: Vec<[f64; 3]> = a.grains.iter().map(|grain| grain.position).collect();
+    let radii: Vec<f64> = a.grains.iter().map(|grain| grain.radius).collect();
+    let cells = granum_sensors::local_solid_fraction::radical_voronoi(&a.cell, &positions, &radii);
+    let volume: f64 = cells.iter().map(|cell| cell.volume).sum();
+    assert!((volume / a.volume() - 1.0).abs() < 1e-12, "{}", volume / a.volume() - 1.0);
+    let faces = cells.iter().map(|cell| cell.faces).sum::<usize>() as f64 / cells.len() as f64;
+    println!("{faces:.2} faces a cell");
+    // Random packings of equal spheres have some 14.3 (Finney 1970).
+    assert!((13.8..15.0).contains(&faces), "{faces}");
+}

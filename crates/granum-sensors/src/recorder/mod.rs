@@ -220,7 +220,7 @@ impl Recorder {
             self.saved.states.push(fresh);
         }
         let Some(sums) = self.saved.states.last_mut() else { return };
-        let observation = Observation::new(assembly);
+        let observation = Observation::new(assembly).with_recording(&self.saved.schedule.recording);
         let mut row = Vec::with_capacity(sums.sums.len());
         let mut first = 0;
         for (Instance { known, bins }, memory) in self.sensors.iter().zip(&mut self.saved.memories) {

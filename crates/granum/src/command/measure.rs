@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use granum_core::quantity::{Dimension, parse_quantity};
 use granum_core::{Assembly, Column, Part, Parts, Table};
-use granum_dem::config::{Contact, Material, NormalKind, TangentialKind};
+use granum_dem::config::{Contact, CriticalState, Material, NormalKind, Recording, TangentialKind};
 use granum_dem::simulation::Properties;
 use granum_io::{Case, Run};
 use granum_run::laboratory::simulation;
@@ -60,7 +60,9 @@ impl Measure {
             return list(context, &sensors);
         }
         let (assembly, parts) = self.read()?;
-        let measured = sensors.measure(&assembly, parts);
+        let critical_state = self.critical_state()?;
+        let recording = Recording::default().with(|recording| recording.critical_state = critical_state);
+        let measured = sensors.measure_with(&assembly, parts, &recording);
         if let Some(path) = &self.output {
             let column = |(column, value): &(granum_sensors::SensorColumn, f64)| {
                 Column::new(column.name, if column.unit == "1" { "" } else { column.unit }, vec![*value])
@@ -70,6 +72,15 @@ impl Measure {
             granum_io::write_table(path, &table)?;
         }
         output::say(context, &as_json(&assembly, &measured), || text(&assembly, &measured))
+    }
+
+    /// The critical state line of the run or of the case, if one is given.
+    fn critical_state(&self) -> Result<CriticalState, Failure> {
+        Ok(match (&self.case, &self.data) {
+            (Some(case), _) => Case::read(case)?.recording.critical_state,
+            (None, Some(data)) if data.is_dir() => Run::at(data)?.case()?.recording.critical_state,
+            _ => CriticalState::default(),
+        })
     }
 
     /// The assembly and which of its parts are known.

@@ -27,6 +27,7 @@ mod scores;
 mod shear;
 mod spread;
 mod status;
+mod stiffness;
 mod test_run;
 mod train;
 mod trained_range;
@@ -52,6 +53,7 @@ pub enum Command {
     Predict(predict::Predict),
     Evaluate(evaluate::Evaluate),
     Measure(measure::Measure),
+    Stiffness(stiffness::MeasureStiffness),
     Forces(forces::Forces),
     Pair(pair::Pair),
     Impact(impact::Impact),
@@ -75,6 +77,7 @@ impl Command {
             Command::Predict(command) => command.run(context),
             Command::Evaluate(command) => command.run(context),
             Command::Measure(command) => command.run(context),
+            Command::Stiffness(command) => command.run(context),
             Command::Forces(command) => command.run(context),
             Command::Pair(command) => command.run(context),
             Command::Impact(command) => command.run(context),

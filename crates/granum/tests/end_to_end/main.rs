@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod escape;
+mod further_sensors;
 mod materials;
 mod mixed;
 mod networks;

@@ -1,0 +1,117 @@
+//! Rolling against sliding at the contacts, from the motion of the grains (Kuhn and Bagi 2004; Luding 2008).
+//!
+//! Of the two surfaces at a contact the relative velocity has the tangential part
+//! `v_s = (1 - n n) (v_j - v_i + L l) - (R_i omega_i + R_j omega_j) x n`, the sliding velocity, with the velocity gradient L of
+//! the cell and the branch l; rolling has the velocity `v_r = R* (omega_i - omega_j) x n`, `1/R* = 1/R_i + 1/R_j`, which no
+//! rotation of the pair as a whole changes. A contact counts as rolling where `|v_r| > |v_s|`. The contacts at the limit of
+//! friction are those of [`crate::sliding`]: a contact may creep without reaching it.
+
+use granum_core::Part;
+use granum_core::assembly::{Assembly, Contact, Vector};
+use granum_core::geometry::apply;
+
+use crate::observation::{mean, ratio};
+use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+
+/// The sensor.
+pub struct ContactMotion;
+
+impl Sensor for ContactMotion {
+    fn description(&self) -> Description {
+        Description::new(
+            "contact_motion",
+            "rolling against sliding at the contacts, from the motion of the grains",
+        )
+        .columns([
+            SensorColumn::new(
+                "rolling_fraction",
+                "1",
+                "contacts that roll faster than they slide over all contacts",
+            ),
+            SensorColumn::new(
+                "rolling_sliding_ratio",
+                "1",
+                "root mean square rolling velocity over that of sliding; 0 where nothing slides",
+            ),
+        ])
+        .needing(&[Part::Contacts, Part::Radii, Part::Velocities, Part::Spins, Part::StrainRate])
+    }
+
+    fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
+        let (mut count, mut rolling) = (0, 0);
+        let (mut rolled, mut slid) = (0.0, 0.0);
+        for contact in &observation.assembly.contacts {
+            let Some([roll, slide]) = squares(observation.assembly, contact) else { continue };
+            count += 1;
+            rolling += usize::from(roll > slide);
+            rolled += roll;
+            slid += slide;
+        }
+        values.extend([mean(f64::from(rolling as u32), count), ratio(rolled, slid).sqrt()]);
+    }
+}
+
+/// Squares of the velocities of rolling and sliding at a contact; `None` for a grain that does not exist.
+fn squares(assembly: &Assembly, contact: &Contact) -> Option<[f64; 2]> {
+    let (i, j) = (assembly.grains.get(contact.i)?, assembly.grains.get(contact.j)?);
+    let n = &contact.normal;
+    let affine = apply(&assembly.velocity_gradient, contact.branch);
+    let centres: Vector = std::array::from_fn(|a| j.velocity[a] - i.velocity[a] + affine[a]);
+    let along: f64 = (0..3).map(|a| centres[a] * n[a]).sum();
+    let spins = cross(&std::array::from_fn(|a| i.radius * i.spin[a] + j.radius * j.spin[a]), n);
+    let slide: Vector = std::array::from_fn(|a| centres[a] - along * n[a] - spins[a]);
+    let reduced = ratio(i.radius * j.radius, i.radius + j.radius);
+    let roll = cross(&std::array::from_fn(|a| i.spin[a] - j.spin[a]), n).map(|x| reduced * x);
+    let square = |v: &Vector| v.iter().map(|x| x * x).sum::<f64>();
+    Some([square(&roll), square(&slide)])
+}
+
+fn cross(a: &Vector, b: &Vector) -> Vector {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sensor::measured;
+    use granum_core::assembly::Grain;
+
+    /// Two grains of radii 2 and 1 along x, each with a velocity along y and a spin about z.
+    fn pair(velocities: [f64; 2], spins: [f64; 2]) -> Assembly {
+        let grain = |k: usize| Grain {
+            radius: [2.0, 1.0][k],
+            velocity: [0.0, velocities[k], 0.0],
+            spin: [0.0, 0.0, spins[k]],
+            ..Default::default()
+        };
+        let contact =
+            Contact { i: 0, j: 1, normal: [1.0, 0.0, 0.0], branch: [3.0, 0.0, 0.0], ..Default::default() };
+        Assembly { grains: vec![grain(0), grain(1)], contacts: vec![contact], ..Default::default() }
+    }
+
+    #[test]
+    fn gears_roll_and_equal_spins_slide() {
+        // Surfaces move alike: 2 x 1 = -1 x -2. Rolling: R* = 2/3, (1 - -2) 2/3 = 2.
+        let gears = pair([0.0; 2], [1.0, -2.0]);
+        let [roll, slide] = squares(&gears, &gears.contacts[0]).unwrap();
+        assert!((roll - 4.0).abs() < 1e-14 && slide < 1e-28, "{roll} {slide}");
+        assert_eq!(measured(&ContactMotion, &gears), [1.0, 0.0], "no ratio to no sliding");
+        let [roll, slide] = squares(&pair([0.0; 2], [1.0; 2]), &gears.contacts[0]).unwrap();
+        assert!(roll == 0.0 && (slide - 9.0).abs() < 1e-14);
+        // Sliding of 1 against a rolling of 2.
+        let both = pair([0.0, 1.0], [1.0, -2.0]);
+        assert!((measured(&ContactMotion, &both)[1] - 2.0).abs() < 1e-14);
+    }
+
+    /// A pair that turns as a rigid body neither rolls nor slides: also where the turning is that of the cell.
+    #[test]
+    fn a_rigid_rotation_is_neither() {
+        let turning = pair([0.0, 3.0 * 0.7], [0.7; 2]);
+        let mut with_cell = pair([0.0; 2], [0.7; 2]);
+        with_cell.velocity_gradient = [[0.0, -0.7, 0.0], [0.7, 0.0, 0.0], [0.0; 3]];
+        for assembly in [turning, with_cell] {
+            let [roll, slide] = squares(&assembly, &assembly.contacts[0]).unwrap();
+            assert!(roll < 1e-28 && slide < 1e-28, "{roll} {slide}");
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! Coordination number by size: the grains in five classes of equal number from the smallest to the largest fifth, and the mean
+//! number of contacts of each class. Grains of equal size are told apart by their ids.
+//!
+//! In a polydisperse sample small grains have fewer contacts and are more often rattlers; many contacts sit on few large grains.
+
+use granum_core::Part;
+
+use crate::observation::mean;
+use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+
+/// Number of classes.
+pub const CLASSES: usize = 5;
+
+/// The sensor.
+pub struct CoordinationBySize;
+
+impl Sensor for CoordinationBySize {
+    fn description(&self) -> Description {
+        Description::new(
+            "coordination_by_size",
+            "mean number of contacts of the grains of each fifth by size",
+        )
+        .columns([
+            SensorColumn::new("coordination_size_1", "1", "mean contacts of a grain of the smallest fifth"),
+            SensorColumn::new("coordination_size_2", "1", "mean contacts of a grain of the second fifth"),
+            SensorColumn::new("coordination_size_3", "1", "mean contacts of a grain of the third fifth"),
+            SensorColumn::new("coordination_size_4", "1", "mean contacts of a grain of the fourth fifth"),
+            SensorColumn::new("coordination_size_5", "1", "mean contacts of a grain of the largest fifth"),
+        ])
+        .needing(&[Part::Radii, Part::Contacts])
+    }
+
+    fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
+        values.extend(coordination_by_size(observation));
+    }
+}
+
+/// Mean number of contacts of the grains of each class, the smallest first; 0 for a class without grains.
+pub fn coordination_by_size(observation: &Observation) -> [f64; CLASSES] {
+    let grains = &observation.assembly.grains;
+    let mut degree = vec![0u32; grains.len()];
+    for contact in &observation.assembly.contacts {
+        for end in [contact.i, contact.j] {
+            if let Some(degree) = degree.get_mut(end) {
+                *degree += 1;
+            }
+        }
+    }
+    let mut order: Vec<usize> = (0..grains.len()).collect();
+    order.sort_by(|&a, &b| grains[a].radius.total_cmp(&grains[b].radius).then(a.cmp(&b)));
+    std::array::from_fn(|class| {
+        let edge = |class: usize| class * grains.len() / CLASSES;
+        let own = &order[edge(class)..edge(class + 1)];
+        mean(own.iter().map(|&grain| f64::from(degree[grain])).sum::<f64>() + 0.0, own.len())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice;
+    use granum_core::assembly::{Assembly, Contact, Grain};
+
+    #[test]
+    fn every_fifth_of_a_lattice_has_six() {
+        let lattice = lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4);
+        assert_eq!(coordination_by_size(&Observation::new(&lattice)), [6.0; 5]);
+    }
+
+    /// A star: the largest of five grains touches all others, the smallest none but it.
+    #[test]
+    fn a_large_grain_has_the_contacts() {
+        let grain = |radius: f64| Grain { radius, ..Default::default() };
+        let grains = vec![grain(3.0), grain(9.0), grain(1.0), grain(2.0), grain(4.0)];
+        let to = |j: usize| Contact { i: 1, j, ..Default::default() };
+        let contacts = vec![to(0), to(2), to(3), to(4), Contact { i: 0, j: 4, ..Default::default() }];
+        let star = Assembly { grains, contacts, ..Default::default() };
+        assert_eq!(coordination_by_size(&Observation::new(&star)), [1.0, 1.0, 2.0, 2.0, 4.0]);
+    }
+}

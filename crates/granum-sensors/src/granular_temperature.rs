@@ -1,0 +1,69 @@
+//! Granular temperature `T = <(v' - <v'>)^2> / 3`, the mean square of one component of the fluctuating velocity (Ogawa 1978;
+//! Campbell 1990), and that of the rotation, `<(R omega)^2> / 3`.
+//!
+//! Over the speed `rate d` by which neighbours pass one another, with the rate of [`crate::inertial_number`] and the mean
+//! diameter d, its square root says how much faster grains move than the strain of the cell asks of them; in slow flow it
+//! tends to a constant.
+
+use granum_core::Part;
+use granum_core::assembly::{Assembly, Vector};
+
+use crate::observation::{mean, ratio};
+use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
+
+/// The sensor.
+pub struct GranularTemperature;
+
+impl Sensor for GranularTemperature {
+    fn description(&self) -> Description {
+        Description::new("granular_temperature", "mean square of the fluctuating velocities and spins")
+            .columns([
+                SensorColumn::new("granular_temperature", "m2/s2", "T = <(v' - <v'>)^2> / 3"),
+                SensorColumn::new("rotational_temperature", "m2/s2", "<(R omega)^2> / 3")
+                    .needing(&[Part::Spins]),
+                SensorColumn::new(
+                    "relative_velocity_fluctuation",
+                    "1",
+                    "sqrt(T) over strain rate times mean diameter; 0 without a strain rate",
+                )
+                .needing(&[Part::StrainRate]),
+            ])
+            .needing(&[Part::Velocities, Part::Radii])
+    }
+
+    fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
+        let Assembly { grains, velocity_gradient, .. } = observation.assembly;
+        let of = |value: &dyn Fn(usize) -> f64| {
+            mean((0..grains.len()).map(value).sum::<f64>() + 0.0, grains.len())
+        };
+        let square = |v: &Vector| v.iter().map(|x| x * x).sum::<f64>();
+        let drift: Vector = std::array::from_fn(|a| of(&|k| grains[k].velocity[a]));
+        let temperature = of(&|k| square(&std::array::from_fn(|a| grains[k].velocity[a] - drift[a]))) / 3.0;
+        let rotational = of(&|k| grains[k].radius * grains[k].radius * square(&grains[k].spin)) / 3.0;
+        let rate = velocity_gradient.iter().flatten().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let diameter = 2.0 * of(&|k| grains[k].radius);
+        values.extend([temperature, rotational, ratio(temperature.sqrt(), rate * diameter)]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice;
+    use crate::sensor::measured;
+
+    /// Half of the grains move by (3, 0, 4) and half by (1, 0, 4): T = 1/3 about the drift of (2, 0, 4).
+    #[test]
+    fn a_drift_is_no_temperature() {
+        let mut assembly = lattice::simple_cubic(4, 2.0, 0.0, 0.0);
+        for (k, grain) in assembly.grains.iter_mut().enumerate() {
+            grain.velocity = [if k % 2 == 0 { 3.0 } else { 1.0 }, 0.0, 4.0];
+            grain.spin = [0.0, 3.0, 0.0];
+        }
+        assembly.velocity_gradient[0][0] = -0.5;
+        let row = measured(&GranularTemperature, &assembly);
+        for (value, exact) in row.iter().zip([1.0 / 3.0, 3.0, (1.0f64 / 3.0).sqrt()]) {
+            assert!((value - exact).abs() < 1e-14, "{row:?}");
+        }
+    }
+}
