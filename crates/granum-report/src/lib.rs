@@ -3,6 +3,7 @@
 //! [`run_report`] writes the report of one run, [`study_report`] that of the whole paper. Quantities that a record does not
 //! contain are omitted.
 
+pub mod comparison;
 pub mod data;
 mod deviatoric_plane;
 mod energy;

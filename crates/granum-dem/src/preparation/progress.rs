@@ -13,6 +13,8 @@ pub enum Phase {
     Relaxation,
     /// Isotropic compression or unloading of a sample to another mean stress.
     Consolidation,
+    /// Strain cycles of a preparation.
+    Cycles,
     /// The loading path.
     Shear,
 }
@@ -24,6 +26,7 @@ impl Phase {
             Phase::Compaction => "compaction",
             Phase::Relaxation => "relaxation",
             Phase::Consolidation => "consolidation",
+            Phase::Cycles => "cycles",
             Phase::Shear => "shear",
         }
     }

@@ -14,6 +14,7 @@ mod consolidation;
 mod follow;
 mod from_packing;
 mod in_memory;
+pub mod limits;
 mod measures;
 pub mod memory;
 mod pace;
@@ -51,7 +52,7 @@ use self::store::Store;
 use self::test::Test;
 
 pub use granum_io::run::{CHECKPOINT, PREVIOUS_CHECKPOINT};
-pub use in_memory::TestResult;
+pub use in_memory::{PreparedSample, TestResult};
 pub use measures::late_mean;
 pub use preparation_curve::PREPARATION_COLUMNS;
 pub use run_state::check_beside;
