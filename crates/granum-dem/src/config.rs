@@ -2,8 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::properties::Properties;
+
 pub use crate::contact::{AdhesionKind, NormalKind, ParameterValues, RollingKind, TangentialKind};
 pub use crate::mixture::{Component, Mixture, PairRule};
+pub use crate::sizes::{SizeKind, Sizes};
 
 /// Gives configurations the method `with`, which changes fields of a value: fields can be added to them without breaking anybody.
 macro_rules! with {
@@ -44,6 +47,9 @@ pub struct Grains {
     pub diameter: f64,
     /// Half-width of the uniform distribution of radii relative to the mean (0: equal grains; 0.1: R (1 ± 0.1)).
     pub spread: f64,
+    /// Another distribution of sizes in place of that one.
+    #[serde(default, skip_serializing_if = "Sizes::is_standard")]
+    pub sizes: Sizes,
     /// Their material.
     pub material: Material,
     /// Several materials in place of that one; empty where there is one. In a case [`Preparation::seed`] is its seed.
@@ -57,6 +63,7 @@ impl Default for Grains {
             count: 5000,
             diameter: 1e-4,
             spread: 0.0,
+            sizes: Sizes::default(),
             material: Material::default(),
             mixture: Mixture::default(),
         }
@@ -247,8 +254,31 @@ pub struct Preparation {
     pub friction: Option<f64>,
     /// Interface energy during compaction, J/m2.
     pub interface_energy: f64,
-    /// Target solid fraction; granum then finds the preparation friction that meets it.
+    /// Coefficient of rolling friction during compaction; `None`: as the contact law has it. A sample whose contact law has no
+    /// resistance to rolling gets one while it is compacted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rolling_friction: Option<f64>,
+    /// Number of cycles of axial strain at constant mean stress after the compaction.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub cycles: u64,
+    /// Amplitude of the axial strain of these cycles.
+    #[serde(default = "usual_cycle_strain", skip_serializing_if = "is_usual_cycle_strain")]
+    pub cycle_strain: f64,
+    /// Target solid fraction; granum then finds the preparation friction that meets it. Not used with a target
+    /// void ratio or relative density.
     pub solid_fraction: Option<f64>,
+    /// Target void ratio e, in place of the solid fraction 1/(1 + e).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub void_ratio: Option<f64>,
+    /// Target relative density `(e_max - e) / (e_max - e_min)`, which needs the two void ratios below.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub relative_density: Option<f64>,
+    /// Void ratio e_min of the densest state.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub densest_void_ratio: Option<f64>,
+    /// Void ratio e_max of the loosest state.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub loosest_void_ratio: Option<f64>,
     /// Accepted difference from the target solid fraction.
     pub solid_fraction_tolerance: f64,
     /// Highest inertial number during compression, once grains carry load.
@@ -256,6 +286,70 @@ pub struct Preparation {
     /// The sample is in equilibrium when the unbalanced force is below this value.
     pub unbalanced_force: f64,
 }
+
+/// Amplitude of the strain cycles of a preparation where none is given.
+const USUAL_CYCLE_STRAIN: f64 = 0.01;
+
+fn usual_cycle_strain() -> f64 {
+    USUAL_CYCLE_STRAIN
+}
+
+fn is_usual_cycle_strain(strain: &f64) -> bool {
+    *strain == USUAL_CYCLE_STRAIN
+}
+
+fn is_zero(number: &u64) -> bool {
+    *number == 0
+}
+
+impl Preparation {
+    /// The solid fraction that the sample is to have, from whichever measure of density is given.
+    ///
+    /// ```
+    /// use granum_dem::config::Preparation;
+    ///
+    /// let mut preparation = Preparation { void_ratio: Some(0.6), ..Preparation::default() };
+    /// assert_eq!(preparation.target(), Some(0.625));
+    /// preparation.void_ratio = None;
+    /// preparation.relative_density = Some(0.25);
+    /// (preparation.densest_void_ratio, preparation.loosest_void_ratio) = (Some(0.55), Some(0.75));
+    /// assert_eq!(preparation.target(), Some(1.0 / 1.7));
+    /// ```
+    pub fn target(&self) -> Option<f64> {
+        let by_density = || {
+            let [densest, loosest] = [self.densest_void_ratio?, self.loosest_void_ratio?];
+            Some(loosest - self.relative_density? * (loosest - densest))
+        };
+        let void_ratio = self.void_ratio.or_else(by_density);
+        void_ratio.map(|e| 1.0 / (1.0 + e)).or(self.solid_fraction)
+    }
+
+    /// The properties during compaction with a coefficient of friction: with the interface energy of the preparation, for which
+    /// contacts that have none by their law (`hertz`) follow JKR, and with its rolling friction.
+    pub fn while_compacting(&self, properties: &Properties, friction: f64) -> Properties {
+        let mut properties = properties.with_surface(friction, self.interface_energy);
+        let contact = &mut properties.contact;
+        if self.interface_energy > 0.0 && contact.normal == NormalKind::HERTZ {
+            contact.normal = NormalKind::JKR;
+        }
+        let Some(rolling_friction) = self.rolling_friction else { return properties };
+        if contact.rolling == RollingKind::NONE {
+            contact.rolling = RollingKind::ELASTIC_PLASTIC;
+        }
+        // A key of a law of granum; there is room for the parameters of all laws.
+        let _ = contact.parameters.set(ROLLING_FRICTION, rolling_friction);
+        for component in &mut properties.mixture.components {
+            component.parameters.unset(ROLLING_FRICTION);
+        }
+        for rule in &mut properties.mixture.pairs {
+            rule.parameters.unset(ROLLING_FRICTION);
+        }
+        properties
+    }
+}
+
+/// Key of the coefficient of rolling friction.
+const ROLLING_FRICTION: &str = "rolling_friction";
 
 impl Default for Preparation {
     fn default() -> Self {
@@ -265,6 +359,13 @@ impl Default for Preparation {
             initial_solid_fraction: 0.35,
             friction: None,
             interface_energy: 0.0,
+            rolling_friction: None,
+            cycles: 0,
+            cycle_strain: USUAL_CYCLE_STRAIN,
+            void_ratio: None,
+            relative_density: None,
+            densest_void_ratio: None,
+            loosest_void_ratio: None,
             solid_fraction: Some(0.61),
             solid_fraction_tolerance: 0.005,
             inertial_number: 1e-3,

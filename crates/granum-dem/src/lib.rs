@@ -15,6 +15,7 @@ pub mod preparation;
 pub mod random_insertion;
 pub mod servo;
 pub mod simulation;
+pub mod sizes;
 pub mod state;
 
 mod blocks;

@@ -11,6 +11,8 @@ pub enum Phase {
     Relaxation,
     /// Isotropic compression or unloading of a sample to another mean stress.
     Consolidation,
+    /// Strain cycles of a preparation.
+    Cycles,
     /// The loading path.
     Shear,
 }
@@ -22,6 +24,7 @@ impl Phase {
             Phase::Compaction => "compaction",
             Phase::Relaxation => "relaxation",
             Phase::Consolidation => "consolidation",
+            Phase::Cycles => "cycles",
             Phase::Shear => "shear",
         }
     }

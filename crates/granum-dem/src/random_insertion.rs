@@ -8,6 +8,7 @@ use crate::assembly::Vector;
 use crate::cell::Cell;
 use crate::config::Grains;
 use crate::initial_sphere::InitialSphere;
+use crate::sizes::SizeError;
 
 /// Number of attempts for one grain after which the initial state is reported as too dense.
 const TRIES: usize = 200_000;
@@ -18,33 +19,44 @@ const ROOM: f64 = 1.0 / 3.0;
 const MOST_ROOMS: usize = 1024;
 
 /// The initial state cannot be made.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error(
-    "no room for grain {placed} of {count} at an initial solid fraction of {solid_fraction}: random placement reaches about \
-     0.38; choose preparation.initial_solid_fraction from 0.01 to 0.36"
-)]
-pub struct InsertionError {
-    placed: usize,
-    count: usize,
-    solid_fraction: f64,
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum InsertionError {
+    /// A grain found no place.
+    #[error(
+        "no room for grain {placed} of {count} at an initial solid fraction of {solid_fraction}: random placement reaches about \
+         0.38; choose preparation.initial_solid_fraction from 0.01 to 0.36"
+    )]
+    NoRoom {
+        /// Grains that have a place.
+        placed: usize,
+        /// Grains that need one.
+        count: usize,
+        /// Solid fraction that was asked for.
+        solid_fraction: f64,
+    },
+    /// The grains cannot have these sizes.
+    #[error(transparent)]
+    Sizes(#[from] SizeError),
 }
 
 /// A number in [0, 1) with 53 random bits.
-fn unit(rng: &mut ChaCha8Rng) -> f64 {
+pub(crate) fn unit(rng: &mut ChaCha8Rng) -> f64 {
     (rng.next_u64() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
 }
 
 /// Places grains one after the other at random in a cubic cell of the given solid fraction (random sequential addition).
-/// Radii are uniform in `d/2 (1 ± spread)`.
+/// The diameters are those of [`Grains::diameters`].
+///
+/// # Errors
+/// If the grains cannot have these sizes, or there is no room for one of them.
 pub fn random_insertion(
     grains: &Grains,
     solid_fraction: f64,
     seed: u64,
 ) -> Result<(Cell, Vec<InitialSphere>), InsertionError> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut radii: Vec<f64> = (0..grains.count)
-        .map(|_| 0.5 * grains.diameter * (1.0 + grains.spread * (2.0 * unit(&mut rng) - 1.0)))
-        .collect();
+    let mut radii: Vec<f64> =
+        grains.diameters(&mut rng)?.into_iter().map(|diameter| 0.5 * diameter).collect();
     // Large grains first: small ones fit between them.
     radii.sort_unstable_by(|a, b| b.total_cmp(a));
     let solid: f64 = radii.iter().map(|r| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3)).sum();
@@ -70,7 +82,7 @@ pub fn random_insertion(
             }
         }
         let Some(position) = found else {
-            return Err(InsertionError { placed: k, count: grains.count, solid_fraction });
+            return Err(InsertionError::NoRoom { placed: k, count: grains.count, solid_fraction });
         };
         boxes.insert(position, radius);
         if let Some(rooms) = &mut rooms {

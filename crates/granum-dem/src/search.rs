@@ -2,7 +2,9 @@
 //!
 //! The grains are sorted into boxes that are at least as wide as the interaction range of a pair. Three successive boxes
 //! along the third edge are contiguous in memory, so that a grain is compared with nine ranges of other grains, eight grains
-//! at a time.
+//! at a time. Grains of very different sizes have several grids ([`levels`]).
+
+mod levels;
 
 use granum_simd::{Isa, Kernel, LANES, Lanes, Mask, Row8, dispatch};
 
@@ -26,6 +28,11 @@ pub(crate) fn find(isa: Isa, cell: &Cell, particles: &[Row8], skin: f64) -> Vec<
     let limit = (particles.len() as f64).cbrt().ceil() as usize + 1;
     let counts = cell.heights().map(|h| ((h / cutoff).floor() as usize).clamp(1, limit.max(1)));
     if counts.iter().all(|&n| n >= 3) {
+        let smallest = particles.iter().fold(f64::INFINITY, |m, row| m.min(row.0[3]));
+        let found = (largest > levels::ONE_GRID * smallest).then(|| levels::find(isa, cell, particles, skin));
+        if let Some(found) = found.flatten() {
+            return found;
+        }
         return dispatch(isa, GridSearch { cell, particles, skin, counts });
     }
     let mut found = find_all_images(cell, particles, skin, cutoff);
@@ -92,6 +99,12 @@ impl Grid {
             *slot += 1;
         }
         Grid { counts, start, member, columns, of }
+    }
+
+    /// The box of a position, from the inverse of the cell's edges.
+    #[inline(always)]
+    fn place(&self, inverse: &Matrix, position: Vector) -> [u32; 3] {
+        box_of(inverse, &self.counts, position).map(|n| n as u32)
     }
 
     /// The neighbouring box index on an axis, and its displacement in cells.

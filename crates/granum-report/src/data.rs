@@ -120,7 +120,11 @@ impl RunReport {
 
     /// Mean diameter of the grains, m, and half the range of the diameters over the mean.
     pub fn diameter(&self) -> (f64, f64) {
-        let of_case = (self.case.grains.diameter, self.case.grains.spread);
+        let grains = &self.case.grains;
+        let mean = grains.mean_diameter().unwrap_or(grains.diameter);
+        let range = grains.size_range().ok().filter(|_| !grains.sizes.is_standard());
+        let spread = range.map_or(grains.spread, |[smallest, largest]| 0.5 * (largest - smallest) / mean);
+        let of_case = (mean, spread);
         self.run.packing.as_ref().map_or(of_case, |packing| (packing.mean_diameter, packing.spread))
     }
 

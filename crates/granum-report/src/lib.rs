@@ -4,6 +4,7 @@
 //! contain are omitted.
 
 mod case_details;
+pub mod comparison;
 pub mod data;
 mod deviatoric_plane;
 mod energy;

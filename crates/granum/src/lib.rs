@@ -15,6 +15,8 @@ pub mod law {
     pub use granum_simd::{Mask, Real};
 }
 
+pub mod gallery;
+
 /// What a loading path of one's own needs, and where it is registered; `examples/extend/` has one.
 pub mod path {
     pub use granum_dem::loading::preset::{

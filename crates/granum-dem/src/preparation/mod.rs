@@ -4,10 +4,12 @@
 //! 2. **Compaction**: all axes are servo-controlled to the target mean stress, with the friction and interface energy of
 //!    the preparation; the strain rate is bounded by an inertial number, which is ten times larger while hardly any load is
 //!    carried.
-//! 3. **Relaxation**: the final friction and interface energy are set (contacts keep their history), and the servo holds
+//! 3. **Cycles**, if the preparation has any: the axial strain goes to and fro at constant mean stress, which makes the sample
+//!    denser.
+//! 4. **Relaxation**: the final friction and interface energy are set (contacts keep their history), and the servo holds
 //!    the stress until the unbalanced force is small.
 //!
-//! A slight global damping of the fluctuating velocities acts in all three and is switched off in every test after them.
+//! A slight global damping of the fluctuating velocities acts in all of them and is switched off in every test after them.
 //!
 //! A target solid fraction is met by searching for the friction of the preparation: with less friction the sample becomes
 //! denser. Each trial is a complete preparation from the same seed.
@@ -21,6 +23,7 @@
 //! A preparation is a [`Preparing`] that advances in short series of steps. None of its state is on the stack, so that it
 //! can be saved at any check and resumed.
 
+mod cycles;
 mod friction_search;
 mod progress;
 
@@ -148,7 +151,7 @@ impl NextTrial {
     /// The first trial of a recipe.
     pub fn first(recipe: &Recipe) -> NextTrial {
         let p = recipe.preparation;
-        let friction = match (p.friction, p.solid_fraction) {
+        let friction = match (p.friction, p.target()) {
             (Some(friction), _) => friction,
             (None, Some(target)) => next_friction(&[], target),
             (None, None) => recipe.grains.mean_friction(),
@@ -158,7 +161,7 @@ impl NextTrial {
 
     /// Material and contact laws during the compaction of this trial.
     pub fn properties(&self, recipe: &Recipe) -> Properties {
-        recipe.properties().with_surface(self.friction, recipe.preparation.interface_energy)
+        recipe.preparation.while_compacting(&recipe.properties(), self.friction)
     }
 }
 
@@ -168,7 +171,7 @@ pub fn is_loose(packing: &Simulation, p: &Preparation) -> bool {
     let state = packing.state();
     let carries = state.mean_stress() >= STANDING * p.mean_stress;
     let below = |target: f64| state.solid_fraction() < target - p.solid_fraction_tolerance;
-    !carries && p.solid_fraction.is_none_or(below)
+    !carries && p.target().is_none_or(below)
 }
 
 /// A phase, with its run state.
@@ -191,6 +194,11 @@ enum Stage {
         /// Largest number of steps.
         limit: u64,
     },
+    /// Strain cycles.
+    Cycles {
+        /// Number of turns so far.
+        turns: u64,
+    },
 }
 
 /// Result of [`Preparing::go_on`].
@@ -210,6 +218,7 @@ impl PreparationState {
             Stage::Compaction { .. } => Phase::Compaction,
             Stage::Relaxation => Phase::Relaxation,
             Stage::Consolidation { .. } => Phase::Consolidation,
+            Stage::Cycles { .. } => Phase::Cycles,
         }
     }
 
@@ -226,6 +235,13 @@ impl PreparationState {
     /// Number of steps of the completed phases, in all trials.
     pub fn steps(&self) -> u64 {
         self.steps
+    }
+
+    /// Adds the steps and the time of a phase that is complete.
+    fn count(&mut self, simulation: &Simulation) {
+        self.steps += simulation.state().step();
+        self.time += simulation.state().time();
+        self.converged_checks = 0;
     }
 }
 
@@ -324,7 +340,8 @@ impl Preparing {
         let p = recipe.preparation;
         let (cell, spheres) = random_insertion(recipe.grains, p.initial_solid_fraction, p.seed)?;
         let s = Simulation::new(cell, &spheres, next.properties(recipe))?;
-        Ok(Preparing::compaction(s, recipe, next, recipe.grains.diameter))
+        let diameter = recipe.grains.mean_diameter().map_err(InsertionError::from)?;
+        Ok(Preparing::compaction(s, recipe, next, diameter))
     }
 
     /// Grains that do not carry the stress yet, ready to be compacted.
@@ -368,6 +385,10 @@ impl Preparing {
             let settled = match self.progress.stage {
                 Stage::Compaction { .. } => {
                     self.check_compaction(recipe)?;
+                    None
+                }
+                Stage::Cycles { .. } => {
+                    self.check_cycles(recipe)?;
                     None
                 }
                 Stage::Relaxation => self.check_relaxation(recipe.preparation, MOST_RELAXATION_STEPS),
@@ -417,12 +438,32 @@ impl Preparing {
                 target: p.mean_stress,
             });
         }
-        progress.steps += step;
-        progress.time += s.state().time();
+        if p.cycles == 0 {
+            return self.relax(recipe);
+        }
+        progress.count(s);
+        cycles::begin(s, p);
+        progress.stage = Stage::Cycles { turns: 0 };
+        Ok(())
+    }
+
+    /// Turns the straining round, and starts the relaxation after the last cycle.
+    fn check_cycles(&mut self, recipe: &Recipe) -> Result<(), PreparationError> {
+        let Stage::Cycles { turns } = &mut self.progress.stage else { return Ok(()) };
+        if cycles::turned(&mut self.simulation, recipe.preparation, turns) {
+            self.relax(recipe)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Starts the relaxation with the final properties.
+    fn relax(&mut self, recipe: &Recipe) -> Result<(), PreparationError> {
+        let (s, progress) = (&mut self.simulation, &mut self.progress);
+        progress.count(s);
         s.set_properties(recipe.properties())?;
-        begin_relaxation(s, p);
+        begin_relaxation(s, recipe.preparation);
         progress.stage = Stage::Relaxation;
-        progress.converged_checks = 0;
         Ok(())
     }
 
@@ -451,7 +492,7 @@ impl Preparing {
         let mut solid_fraction_met = true;
         if let Some(friction) = progress.friction {
             trials.push(Trial { friction, solid_fraction });
-            if let Some(target) = p.solid_fraction {
+            if let Some(target) = p.target() {
                 solid_fraction_met = (solid_fraction - target).abs() <= p.solid_fraction_tolerance;
                 let over = p.friction.is_some() || trials.len() >= MOST_TRIALS || repeats(&trials);
                 if !solid_fraction_met && !over {

@@ -160,3 +160,63 @@ fn an_observer_ends_a_preparation() {
     let error = prepare(&recipe, &mut |_: &Progress| Flow::Stop).err().unwrap();
     assert!(matches!(error, PreparationError::Stopped { phase: Phase::Compaction }), "{error}");
 }
+
+#[test]
+fn cycles_make_a_sample_denser_and_can_be_interrupted() {
+    let grains = grains(0.2);
+    let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
+    let plain = Preparation { solid_fraction: None, friction: Some(0.3), ..quick() };
+    let cycled = Preparation { cycles: 3, cycle_strain: 0.02, ..plain.clone() };
+    let sample = |preparation: &Preparation| {
+        prepare(&recipe(&grains, &contact, preparation), &mut |_: &Progress| Flow::Continue).unwrap()
+    };
+    let (before, after) = (sample(&plain), sample(&cycled));
+    let density = |sample: &Sample| sample.simulation.state().solid_fraction();
+    assert!(density(&after) > density(&before) + 0.002, "{} {}", density(&before), density(&after));
+    assert!(after.steps > before.steps);
+    let cycled_recipe = recipe(&grains, &contact, &cycled);
+    let (pieces, _, seen) = in_pieces(Preparing::new(&cycled_recipe).unwrap(), &cycled_recipe, 3);
+    assert!(seen.contains(&(1, Phase::Cycles)), "{seen:?}");
+    assert_same(&after, &pieces);
+}
+
+/// Attraction and resistance to rolling while compacting hold grains apart; both are gone in the finished sample.
+#[test]
+fn moist_tamping_makes_a_sample_looser() {
+    let grains = grains(0.0);
+    let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
+    let rough = Preparation { solid_fraction: None, friction: Some(1.0), ..quick() };
+    let moist = Preparation {
+        interface_energy: 4.0 * rough.mean_stress * grains.diameter,
+        rolling_friction: Some(0.5),
+        ..rough.clone()
+    };
+    let sample = |preparation: &Preparation| {
+        prepare(&recipe(&grains, &contact, preparation), &mut |_: &Progress| Flow::Continue).unwrap()
+    };
+    let (dry, wet) = (sample(&rough), sample(&moist));
+    let density = |sample: &Sample| sample.simulation.state().solid_fraction();
+    assert!(density(&wet) < density(&dry) - 0.01, "{} {}", density(&dry), density(&wet));
+    assert_eq!(wet.simulation.properties().contact, contact);
+    assert!((wet.simulation.state().mean_stress() / 20e3 - 1.0).abs() < 0.01);
+}
+
+/// A tenth of the largest diameter: placed at random, compacted, at rest, with a search that misses no contact.
+#[test]
+fn grains_of_a_tenth_of_the_largest_diameter_are_placed_and_compacted() {
+    use crate::sizes::{SizeKind, Sizes};
+    let sizes = Sizes::of(SizeKind::SIEVE_CURVE).with_curve(vec![[2e-5, 0.0], [2e-4, 1.0]]);
+    let grains = Grains { count: 1500, sizes, ..Grains::default() };
+    let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
+    let preparation =
+        Preparation { initial_solid_fraction: 0.45, friction: Some(0.1), solid_fraction: None, ..quick() };
+    let sample =
+        prepare(&recipe(&grains, &contact, &preparation), &mut |_: &Progress| Flow::Continue).unwrap();
+    let state = sample.simulation.state();
+    assert!(sample.settled && state.solid_fraction() > 0.66, "{}", state.solid_fraction());
+    let assembly = sample.simulation.assembly();
+    let [smallest, largest] = grains.size_range().unwrap();
+    assert!(largest > 8.0 * smallest);
+    let near = assembly.grains.iter().map(|g| g.radius).fold(0.0, f64::max);
+    assert!((2.0 * near / largest - 1.0).abs() < 1e-12);
+}

@@ -114,13 +114,24 @@ mod tests {
                 ];
                 users.iter().for_each(|(slot, law)| one.set(&format!("contact.{slot}"), law).unwrap());
             }
+            if field.is_of_sizes() {
+                let has = |kind: &&granum_dem::sizes::SizeKind| {
+                    let parameters = kind.distribution().description().parameters;
+                    parameters.iter().any(|known| known.key == field.key)
+                };
+                let kind = granum_dem::sizes::ALL.iter().find(has).unwrap();
+                one.set("grains.distribution", kind.name()).unwrap();
+            }
             let mut two = one.clone();
             let values = [0.1, 0.3, 0.55, 0.99].map(|place| field.draw(place));
             let value = values.into_iter().find(|value| Some(value) != field.value(&one).as_ref()).unwrap();
             field.apply(&mut two, value);
             let keys: Vec<String> = between(&one, &two).into_iter().map(|found| found.key).collect();
             // The two forms of the rate exclude each other, and a law adds its own keys.
-            let brings_keys = field.path() == "shear.inertial_number" || field.path().starts_with("contact.");
+            // Measures of density exclude each other.
+            let brings_keys = field.path() == "shear.inertial_number"
+                || field.path().starts_with("contact.")
+                || ["distribution", "void_ratio", "relative_density"].contains(&field.key);
             if brings_keys || keys.len() == 1 {
                 assert!(keys.contains(&field.path()), "{} is not compared", field.path());
             } else {

@@ -11,7 +11,18 @@ const PREPARATION: [&str; 5] = ["grains", "grains.material", "contact", "prepara
 
 /// Keys that were added after the first digests had been published: they are omitted where they are not in use, so that a
 /// case without them keeps its digest.
-const LATER: [&str; 9] = [
+const LATER: [&str; 20] = [
+    "grains.distribution",
+    "grains.smallest",
+    "grains.largest",
+    "grains.sieve_curve",
+    "preparation.rolling_friction",
+    "preparation.cycles",
+    "preparation.cycle_strain",
+    "preparation.void_ratio",
+    "preparation.relative_density",
+    "preparation.densest_void_ratio",
+    "preparation.loosest_void_ratio",
     "recording.first_strain",
     "recording.strains",
     "recording.snapshots",
@@ -50,16 +61,22 @@ impl Case {
         if let Some(sha256) = packing {
             text.push_str(&format!("packing={sha256}\n"));
         }
+        let standard = Case::default();
         for field in FIELDS.iter().filter(|field| wanted(field.section)) {
             let value = field.value(self);
             let unused = match &value {
                 Some(Value::List(values)) => values.is_empty(),
                 Some(Value::Names(names)) => names.is_empty(),
+                Some(Value::Curve(points)) => points.is_empty(),
                 Some(Value::Number(None)) | None => true,
                 Some(Value::Choice(name)) => *name == "none",
                 Some(_) => false,
             };
-            if unused && (field.is_of_law() || LATER.contains(&field.path().as_str())) {
+            let later = LATER.contains(&field.path().as_str());
+            if unused && (field.is_of_law() || field.is_of_sizes() || later) {
+                continue;
+            }
+            if later && value == field.value(&standard) {
                 continue;
             }
             let value = match value {
@@ -68,6 +85,9 @@ impl Case {
                 Some(Value::Count(value)) => value.to_string(),
                 Some(Value::Choice(name)) => name.to_string(),
                 Some(Value::Names(names)) => names.join(" "),
+                Some(Value::Curve(points)) => {
+                    points.iter().flatten().map(|value| format!("{:016x} ", value.to_bits())).collect()
+                }
                 Some(Value::List(values)) => {
                     values.iter().map(|value| format!("{:016x} ", value.to_bits())).collect()
                 }

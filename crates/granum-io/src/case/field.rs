@@ -1,9 +1,12 @@
 //! One key of the case file: its position, meaning and bounds, and the functions that transfer it to and from a [`Case`].
 
-use granum_dem::contact::{Parameter, Unit, registry};
+use std::path::Path;
 
 use super::definition::Case;
+use super::sieve;
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
+use granum_dem::contact::{Parameter, Unit, registry};
+use granum_dem::sizes;
 
 /// A value of a field in SI units.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +21,8 @@ pub enum Value {
     List(Vec<f64>),
     /// Names of what a program knows, in any order; empty where the field's keyword stands ("none").
     Names(Vec<String>),
+    /// Points of a sieve curve: diameter, m, and share of the mass that is finer; empty for the keyword ("none").
+    Curve(Vec<[f64; 2]>),
 }
 
 /// "a, b or c".
@@ -74,6 +79,15 @@ pub(super) enum Kind {
     },
     /// A parameter of contact laws, in use where one of the chosen laws has it.
     Law(&'static Parameter),
+    /// A parameter of size distributions, in use where the chosen one has it.
+    Size(&'static sizes::Parameter),
+    /// A sieve curve.
+    Curve {
+        /// The word for no curve, with its meaning.
+        absent: [&'static str; 2],
+        get: fn(&Case) -> Vec<[f64; 2]>,
+        set: fn(&mut Case, Vec<[f64; 2]>),
+    },
 }
 
 /// One key of the case file.
@@ -96,6 +110,28 @@ impl Field {
         let help = format!("{}; {laws}.", parameter.meaning.trim_end_matches('.'));
         let example = with_unit(parameter.default, parameter);
         Field { section: "contact", key: parameter.key, help, example, kind: Kind::Law(parameter) }
+    }
+
+    /// The field of a parameter of size distributions.
+    pub(super) fn of_sizes(parameter: &'static sizes::Parameter) -> Field {
+        let has = |kind: &&sizes::SizeKind| {
+            kind.distribution().description().parameters.iter().any(|known| known.key == parameter.key)
+        };
+        let names: Vec<String> =
+            sizes::ALL.iter().filter(has).map(|kind| format!("distribution = {:?}", kind.name())).collect();
+        let help = format!("{}; with {}.", parameter.meaning.trim_end_matches('.'), names.join(" or "));
+        let example = format_number(parameter.default);
+        Field { section: "grains", key: parameter.key, help, example, kind: Kind::Size(parameter) }
+    }
+
+    /// True if the field is a parameter of size distributions.
+    pub(super) fn is_of_sizes(&self) -> bool {
+        matches!(self.kind, Kind::Size(_))
+    }
+
+    /// True if the value of the field is a sieve curve.
+    pub(super) fn is_curve(&self) -> bool {
+        matches!(self.kind, Kind::Curve { .. })
     }
 
     /// True if the field is a parameter of contact laws.
@@ -124,6 +160,12 @@ impl Field {
                 let known = used.into_iter().find(|known| known.key == parameter.key)?;
                 Some(Value::Number(Some(case.contact.parameters.value(known))))
             }
+            Kind::Size(parameter) => {
+                let used = case.grains.sizes.distribution.distribution().description().parameters;
+                let known = used.iter().find(|known| known.key == parameter.key)?;
+                Some(Value::Number(Some(case.grains.sizes.value(known))))
+            }
+            Kind::Curve { get, .. } => Some(Value::Curve(get(case))),
         }
     }
 
@@ -155,6 +197,10 @@ impl Field {
             (Kind::Choice { set, .. }, Value::Choice(value)) => set(case, value),
             (Kind::List { set, .. }, Value::List(value)) => set(case, value),
             (Kind::Names { set, .. }, Value::Names(value)) => set(case, value),
+            (Kind::Curve { set, .. }, Value::Curve(points)) => set(case, points),
+            (Kind::Size(parameter), Value::Number(Some(value))) => {
+                case.grains.sizes.values.insert(parameter.key.to_string(), value);
+            }
             (Kind::Law(parameter), Value::Number(Some(value))) => {
                 // The default counts as not given, so that a case with every key written out is the same case.
                 if value == parameter.default {
@@ -191,6 +237,16 @@ impl Field {
                 let value = parse_quantity(text, dimension);
                 self.check_number(value.map_err(|why| in_units_of(parameter, why))?)
             }
+            Kind::Size(_) => self.check_number(parse_quantity(text, Dimension::NUMBER)?),
+            Kind::Curve { absent: [word, _], .. } => match text.trim() {
+                text if text == *word => Ok(Value::Curve(Vec::new())),
+                text if text.starts_with('[') => sieve::parse(text).map(Value::Curve),
+                text if text.is_empty() => Err(format!("is empty; it must be {}", sieve::bounds_text())),
+                file => {
+                    let points = sieve::read(Path::new(file));
+                    points.map(Value::Curve).map_err(|error| format!("cannot be used: {error}"))
+                }
+            },
             Kind::Count { .. } => {
                 let plain = text.trim().replace('_', "");
                 match plain.parse::<u64>() {
@@ -303,6 +359,7 @@ impl Field {
                 bounds.map(|bound| parse_quantity(bound, *dimension).unwrap_or(f64::NAN))
             }
             Kind::Law(parameter) => parameter.bounds,
+            Kind::Size(parameter) => parameter.bounds,
             _ => [f64::NEG_INFINITY, f64::INFINITY],
         }
     }
@@ -316,6 +373,11 @@ impl Field {
                 let [low, high] = parameter.bounds.map(|bound| with_unit(bound, parameter));
                 format!("from {low} to {high}")
             }
+            Kind::Size(parameter) => {
+                let [low, high] = parameter.bounds.map(format_number);
+                format!("from {low} to {high}")
+            }
+            Kind::Curve { .. } => sieve::bounds_text(),
             Kind::Choice { options, .. } => {
                 let names: Vec<_> = options.iter().map(|[name, _]| format!("\"{name}\"")).collect();
                 any_of(&names)
@@ -332,8 +394,10 @@ impl Field {
         match &self.kind {
             Kind::Number { absent, .. } => absent.as_slice(),
             Kind::Choice { options, .. } => options,
-            Kind::List { absent, .. } | Kind::Names { absent, .. } => std::slice::from_ref(absent),
-            Kind::Count { .. } | Kind::Law(_) => &[],
+            Kind::List { absent, .. } | Kind::Names { absent, .. } | Kind::Curve { absent, .. } => {
+                std::slice::from_ref(absent)
+            }
+            Kind::Count { .. } | Kind::Law(_) | Kind::Size(_) => &[],
         }
     }
 
@@ -344,6 +408,8 @@ impl Field {
             Value::Number(None) => format!("\"{}\"", self.words().first().map_or("none", |[word, _]| word)),
             Value::Count(value) => value.to_string(),
             Value::Choice(name) => format!("\"{name}\""),
+            Value::Curve(points) if points.is_empty() => self.toml(&Value::Number(None)),
+            Value::Curve(points) => sieve::toml(points),
             Value::List(values) if values.is_empty() => self.toml(&Value::Number(None)),
             Value::Names(names) if names.is_empty() => self.toml(&Value::Number(None)),
             Value::Names(names) => {
@@ -371,7 +437,7 @@ impl Field {
     pub(super) fn draw(&self, place: f64) -> Value {
         match &self.kind {
             Kind::Number { absent: Some(_), .. } if place < 0.2 => Value::Number(None),
-            Kind::Number { .. } | Kind::Law(_) => {
+            Kind::Number { .. } | Kind::Law(_) | Kind::Size(_) => {
                 let [low, high] = self.number_bounds();
                 Value::Number(Some((low + place * (high - low)).clamp(low, high)))
             }
@@ -381,6 +447,8 @@ impl Field {
             Kind::Choice { options, .. } => {
                 Value::Choice(options[(place * 0.999 * options.len() as f64) as usize][0])
             }
+            Kind::Curve { .. } if place < 0.5 => Value::Curve(Vec::new()),
+            Kind::Curve { .. } => Value::Curve(vec![[1e-4, 0.3 * place], [2e-4, 1.0]]),
             Kind::Names { .. } if place < 0.5 => Value::Names(Vec::new()),
             Kind::Names { .. } => Value::Names(vec![format!("sensor_{:.0}", 1e3 * place), "fabric".into()]),
             Kind::List { .. } if place < 0.5 => Value::List(Vec::new()),

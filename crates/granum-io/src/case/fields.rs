@@ -2,9 +2,11 @@
 
 use std::sync::{PoisonError, RwLock};
 
-use granum_dem::config::{Rate, Spacing};
+use granum_dem::config::{Preparation, Rate, Spacing};
 use granum_dem::contact::registry;
+use granum_dem::sizes;
 
+use super::Case;
 use super::field::{Field, Kind};
 use granum_core::quantity::Dimension;
 
@@ -77,6 +79,15 @@ macro_rules! count {
     };
 }
 
+/// Sets one of the measures of density of a sample; the others are then not given.
+fn density(case: &mut Case, value: Option<f64>, which: fn(&mut Preparation) -> &mut Option<f64>) {
+    let p = &mut case.preparation;
+    if value.is_some() {
+        (p.solid_fraction, p.void_ratio, p.relative_density) = (None, None, None);
+    }
+    *which(p) = value;
+}
+
 fn entry(section: &'static str, key: &'static str, help: &'static str, example: &str, kind: Kind) -> Field {
     Field { section, key, help: help.to_string(), example: example.to_string(), kind }
 }
@@ -115,6 +126,8 @@ impl Fields {
 }
 
 fn with_parameters_of_laws(mut fields: Vec<Field>) -> Vec<Field> {
+    let after = fields.iter().position(|field| field.key == "distribution").map_or(0, |at| at + 1);
+    fields.splice(after..after, sizes::parameters().into_iter().map(Field::of_sizes));
     let after = fields.iter().rposition(|field| field.section == "contact").map_or(0, |at| at + 1);
     fields.splice(after..after, registry::parameters().into_iter().map(Field::of_law));
     fields
@@ -124,10 +137,32 @@ fn with_parameters_of_laws(mut fields: Vec<Field>) -> Vec<Field> {
 fn fields() -> Vec<Field> { vec![
     entry("grains", "count", "Number of grains.", "5000",
         count!(50..=100_000_000, grains.count)),
-    entry("grains", "diameter", "Mean diameter d.", "0.1 mm",
-        number!(LENGTH, "10 nm"..="10 m", grains.diameter)),
+    entry("grains", "diameter", "Mean diameter d.", "0.1 mm", Kind::Number {
+        dimension: Dimension::LENGTH,
+        bounds: ["10 nm", "10 m"],
+        absent: None,
+        get: |case| {
+            let has_mean = case.grains.sizes.distribution.distribution().description().has_mean;
+            has_mean.then_some(case.grains.diameter)
+        },
+        set: |case, value| case.grains.diameter = value.unwrap_or(case.grains.diameter),
+    }),
     entry("grains", "spread", "Half-width of the uniform distribution of radii relative to the mean; 0 makes equal grains.", "0",
         number!(NUMBER, "0"..="0.9", grains.spread)),
+    entry("grains", "distribution", "Distribution of the diameters.", "uniform", Kind::Choice {
+        options: sizes::ALL.iter().map(|kind| [kind.name(), kind.distribution().description().help]).collect(),
+        get: |case| case.grains.sizes.distribution.name(),
+        set: |case, name| if let Some(kind) = sizes::SizeKind::named(name) { case.grains.sizes.distribution = kind },
+    }),
+    entry("grains", "smallest", "Smallest diameter: the distribution is cut there.", "none",
+        optional!(LENGTH, "1 nm"..="10 m", "none": "not cut", grains.sizes.smallest)),
+    entry("grains", "largest", "Largest diameter: the distribution is cut there.", "none",
+        optional!(LENGTH, "1 nm"..="10 m", "none": "not cut", grains.sizes.largest)),
+    entry("grains", "sieve_curve", "Sieve curve of distribution = \"sieve-curve\": the name of a CSV file with the columns diameter (mm),finer (%), or a list of points.", "none", Kind::Curve {
+        absent: ["none", "no curve"],
+        get: |case| case.grains.sizes.curve.clone(),
+        set: |case, points| case.grains.sizes.curve = points,
+    }),
 
     entry("grains.material", "density", "Density rho of the solid.", "2650 kg/m3",
         number!(DENSITY, "1 kg/m3"..="100000 kg/m3", grains.material.density)),
@@ -171,10 +206,42 @@ fn fields() -> Vec<Field> { vec![
         number!(NUMBER, "0.01"..="0.5", preparation.initial_solid_fraction)),
     entry("preparation", "friction", "Coefficient of friction while compacting.", "auto",
         optional!(NUMBER, "0"..="10", "auto": "found so that solid_fraction is met; without a target the friction of the material", preparation.friction)),
-    entry("preparation", "interface_energy", "Interface energy while compacting.", "0 J/m2",
+    entry("preparation", "interface_energy", "Interface energy while compacting; contacts of normal = \"hertz\" follow JKR meanwhile. It makes loose samples.", "0 J/m2",
         number!(SURFACE_ENERGY, "0 J/m2"..="100 J/m2", preparation.interface_energy)),
+    entry("preparation", "rolling_friction", "Coefficient of rolling friction while compacting, also where the contact law has none.", "auto",
+        optional!(NUMBER, "0"..="2", "auto": "as the contact law has it", preparation.rolling_friction)),
+    entry("preparation", "cycles", "Number of cycles of axial strain at constant mean stress after the compaction. They make dense samples.", "0",
+        count!(0..=100_000, preparation.cycles)),
+    entry("preparation", "cycle_strain", "Amplitude of the axial strain of these cycles.", "0.01",
+        number!(NUMBER, "1e-5"..="0.2", preparation.cycle_strain)),
     entry("preparation", "solid_fraction", "Target solid fraction of the sample.", "0.61",
-        optional!(NUMBER, "0.3"..="0.8", "none": "whatever comes out", preparation.solid_fraction)),
+        Kind::Number {
+            dimension: Dimension::NUMBER,
+            bounds: ["0.3", "0.8"],
+            absent: Some(["none", "whatever comes out"]),
+            get: |case| case.preparation.solid_fraction,
+            set: |case, value| density(case, value, |p| &mut p.solid_fraction),
+        }),
+    entry("preparation", "void_ratio", "Target void ratio e of the sample, in place of solid_fraction = 1/(1 + e).", "none",
+        Kind::Number {
+            dimension: Dimension::NUMBER,
+            bounds: ["0.2", "2"],
+            absent: Some(["none", "not given"]),
+            get: |case| case.preparation.void_ratio,
+            set: |case, value| density(case, value, |p| &mut p.void_ratio),
+        }),
+    entry("preparation", "relative_density", "Target relative density (e_max - e)/(e_max - e_min), in place of solid_fraction; it needs the two void ratios below.", "none",
+        Kind::Number {
+            dimension: Dimension::NUMBER,
+            bounds: ["-0.5", "1.5"],
+            absent: Some(["none", "not given"]),
+            get: |case| case.preparation.relative_density,
+            set: |case, value| density(case, value, |p| &mut p.relative_density),
+        }),
+    entry("preparation", "densest_void_ratio", "Void ratio e_min of the densest state, which `granum limits` finds.", "none",
+        optional!(NUMBER, "0.05"..="2", "none": "not given", preparation.densest_void_ratio)),
+    entry("preparation", "loosest_void_ratio", "Void ratio e_max of the loosest state, which `granum limits` finds.", "none",
+        optional!(NUMBER, "0.05"..="3", "none": "not given", preparation.loosest_void_ratio)),
     entry("preparation", "solid_fraction_tolerance", "How near to the target solid fraction is near enough.", "0.005",
         number!(NUMBER, "0.0001"..="0.1", preparation.solid_fraction_tolerance)),
     entry("preparation", "inertial_number", "Highest inertial number I while compressing, once grains carry load.", "1e-3",

@@ -14,6 +14,7 @@ use super::field::{Field, Value};
 use super::fields::{FIELDS, RENAMED, SECTIONS, field};
 use super::reader::{Reader, scalar};
 use super::rules::RULES;
+use super::sieve;
 use super::stage::has_no_part;
 use crate::error::{Error, InputError, Result};
 use granum_core::names::nearest;
@@ -56,6 +57,7 @@ impl Case {
         };
         reader.table(document.get_ref(), "");
         reader.check_rate();
+        reader.check_density();
         reader.check_spacing();
         reader.check_stages();
         let mut case = Case { stages: std::mem::take(&mut reader.stages), ..Case::default() };
@@ -152,6 +154,18 @@ impl Reader<'_> {
     fn field(&mut self, field: &'static Field, key: Range<usize>, value: &Spanned<DeValue<'_>>) {
         self.keys.insert(field.path(), key);
         let parsed = match value.get_ref() {
+            DeValue::Array(items) if field.is_curve() => {
+                Self::points(field, items).map_err(|why| (None, why))
+            }
+            DeValue::String(name)
+                if field.is_curve() && field.words().iter().all(|[word, _]| word != name) =>
+            {
+                match sieve::read(&Path::new(self.file).parent().unwrap_or(Path::new("")).join(name.as_ref()))
+                {
+                    Ok(points) => Ok(Value::Curve(points)),
+                    Err(error) => Err((None, format!("cannot be used: {error}"))),
+                }
+            }
             DeValue::Array(items) if field.is_list() => Self::list(field, items),
             other => scalar(field, other).and_then(|text| field.parse(&text)).map_err(|why| (None, why)),
         };
@@ -184,6 +198,22 @@ impl Reader<'_> {
             .map_err(|(at, why)| (at.and_then(|at| Some((at + 1, items.get(at)?.span()))), why))
     }
 
+    /// The points of a sieve curve.
+    fn points(field: &Field, items: &[Spanned<DeValue<'_>>]) -> std::result::Result<Value, String> {
+        let point = |item: &Spanned<DeValue<'_>>| {
+            let DeValue::Array(cells) = item.get_ref() else {
+                return Err(format!("must be {}", field.bounds_text()));
+            };
+            let cells: Vec<String> = cells
+                .iter()
+                .map(|cell| scalar(field, cell.get_ref()))
+                .collect::<std::result::Result<_, _>>()?;
+            sieve::point(&cells.iter().map(String::as_str).collect::<Vec<_>>())
+        };
+        let points = items.iter().map(point).collect::<std::result::Result<Vec<_>, _>>()?;
+        sieve::check(points).map(Value::Curve)
+    }
+
     /// Checks that the strains of the states are given in one way only.
     fn check_spacing(&mut self) {
         let first = self.values.get("recording.first_strain");
@@ -195,6 +225,19 @@ impl Reader<'_> {
             let message = "recording.strains and recording.first_strain both say where states are recorded";
             self.error(span, message.into()).help =
                 Some("keep strains, or first_strain with states; the other is \"none\"".into());
+        }
+    }
+
+    /// Checks that the density of the sample is given in one way only.
+    fn check_density(&mut self) {
+        let given = |key: &&str| matches!(self.values.get(*key), Some(Value::Number(Some(_))));
+        let keys = ["preparation.void_ratio", "preparation.relative_density", "preparation.solid_fraction"];
+        let keys: Vec<&str> = keys.into_iter().filter(|key| given(&key)).collect();
+        if let [first, second, ..] = keys.as_slice()
+            && let Some(span) = self.keys.get(*first).cloned()
+        {
+            let message = format!("{first} and {second} both say how dense the sample is to be");
+            self.error(span, message).help = Some("keep one of them".into());
         }
     }
 
@@ -240,6 +283,13 @@ impl Reader<'_> {
             let given = keys.iter().find_map(|key| self.keys.get(&format!("contact.{key}")));
             let span = given.cloned().unwrap_or(0..0);
             self.error(span, error.to_string());
+        }
+        if let Err(error) = case.grains.check_sizes() {
+            let span =
+                self.keys.get(&format!("grains.{}", error.key)).or(self.keys.get("grains.distribution"));
+            let span = span.cloned().unwrap_or(0..0);
+            self.error(span, error.to_string());
+            return;
         }
         for rule in RULES {
             let Some(message) = (rule.broken)(case) else { continue };

@@ -1,6 +1,6 @@
 //! Rules between fields: each field may be valid by itself while the combination is not.
 
-use granum_dem::config::Spacing;
+use granum_dem::config::{AdhesionKind, NormalKind, Spacing};
 use granum_dem::contact::registry;
 use granum_dem::simulation::{LARGEST_REACH, Properties};
 
@@ -27,11 +27,47 @@ pub(super) const RULES: &[Rule] = &[
         fields: &["preparation.initial_solid_fraction", "preparation.solid_fraction"],
         broken: |case| {
             let initial = case.preparation.initial_solid_fraction;
-            let target = case.preparation.solid_fraction.filter(|target| *target <= initial)?;
+            let target = case.preparation.target().filter(|target| *target <= initial)?;
             Some(format!(
                 "preparation.initial_solid_fraction = {initial} must be below preparation.solid_fraction = {target}: \
                  the loose initial state is compressed to the sample"
             ))
+        },
+    },
+    Rule {
+        fields: &[
+            "preparation.relative_density",
+            "preparation.densest_void_ratio",
+            "preparation.loosest_void_ratio",
+        ],
+        broken: limits_missing,
+    },
+    Rule {
+        fields: &["preparation.interface_energy", "contact.adhesion"],
+        broken: |case| {
+            let both = case.preparation.interface_energy > 0.0
+                && case.contact.normal == NormalKind::HERTZ
+                && case.contact.adhesion != AdhesionKind::NONE;
+            both.then(|| {
+                format!(
+                    "preparation.interface_energy needs contact.adhesion = \"none\" with normal = \"hertz\", since contacts follow JKR \
+                     while they are compacted, and {:?} does not go with that",
+                    case.contact.adhesion.name()
+                )
+            })
+        },
+    },
+    Rule {
+        fields: &["grains.diameter", "grains.distribution"],
+        broken: |case| {
+            let description = case.grains.sizes.distribution.distribution().description();
+            let given = case.grains.diameter != Case::default().grains.diameter;
+            (given && !description.has_mean).then(|| {
+                format!(
+                    "grains.diameter means nothing with grains.distribution = {:?}; leave it out",
+                    description.name
+                )
+            })
         },
     },
     Rule {
@@ -75,6 +111,28 @@ pub(super) const RULES: &[Rule] = &[
     },
 ];
 
+/// Smallest radius of the grains, m.
+fn smallest_radius(case: &Case) -> f64 {
+    0.5 * case.grains.size_range().map_or(case.grains.diameter, |[smallest, _]| smallest)
+}
+
+/// What is wrong with the void ratios between which a relative density is measured.
+fn limits_missing(case: &Case) -> Option<String> {
+    let p = &case.preparation;
+    match (p.densest_void_ratio, p.loosest_void_ratio) {
+        (Some(densest), Some(loosest)) if densest >= loosest => Some(format!(
+            "preparation.densest_void_ratio = {densest} must be below preparation.loosest_void_ratio = {loosest}"
+        )),
+        (Some(_), Some(_)) => None,
+        _ => p.relative_density.map(|density| {
+            format!(
+                "preparation.relative_density = {density} needs preparation.densest_void_ratio and preparation.loosest_void_ratio; \
+                 `granum limits CASE` finds them"
+            )
+        }),
+    }
+}
+
 /// The error message if a list of strains continues after the end of the test.
 fn beyond_the_end(case: &Case, key: &str, strains: &[f64]) -> Option<String> {
     let end = case.shear.deviator_strain;
@@ -87,9 +145,9 @@ fn materials_too_sticky(case: &Case) -> Option<String> {
     if case.grains.mixture.is_empty() {
         return None;
     }
-    let smallest = 0.5 * case.grains.diameter * (1.0 - case.grains.spread);
+    let smallest = smallest_radius(case);
     let properties = case.properties();
-    let compacting = properties.with_surface(case.grains.mean_friction(), case.preparation.interface_energy);
+    let compacting = case.preparation.while_compacting(&properties, case.grains.mean_friction());
     let reach =
         [properties, compacting].iter().filter_map(|p| p.adhesion_reach(smallest).ok()).fold(0.0, f64::max);
     (reach > LARGEST_REACH * smallest).then(|| {
@@ -102,11 +160,14 @@ fn materials_too_sticky(case: &Case) -> Option<String> {
 
 /// The error message if adhesion is beyond the range of the theory of small contacts.
 fn too_sticky(case: &Case, section: &str, interface_energy: f64) -> Option<String> {
-    let smallest = 0.5 * case.grains.diameter * (1.0 - case.grains.spread);
+    let smallest = smallest_radius(case);
     if !case.grains.mixture.is_empty() {
         return None;
     }
     let mut properties = Properties::new(case.grains.material, case.contact);
+    if section == "preparation" {
+        properties = case.preparation.while_compacting(&properties, case.grains.material.friction);
+    }
     properties.material.interface_energy = interface_energy;
     let largest = LARGEST_REACH * smallest;
     let reach = properties.adhesion_reach(smallest).ok().filter(|reach| *reach > largest)?;
@@ -136,6 +197,7 @@ impl Case {
             })?;
         }
         registry::check(&self.contact).map_err(|error| Error::Rule(error.to_string()))?;
+        self.grains.check_sizes().map_err(|error| Error::Rule(error.to_string()))?;
         self.check_materials()?;
         self.check_stages()?;
         for rule in RULES {

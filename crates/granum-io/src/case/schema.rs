@@ -66,6 +66,10 @@ fn quantity(help: &str, bounds: &str, unit: &str) -> Value {
 
 fn of_field(field: &Field) -> Value {
     let mut schema = match field.words() {
+        _ if field.is_curve() => {
+            let point = json!({ "type": "array", "items": { "type": ["number", "string"] }, "minItems": 2, "maxItems": 2 });
+            json!({ "anyOf": [{ "type": "array", "items": point }, { "type": "string" }], "description": field.help })
+        }
         _ if field.is_list() => {
             let items = json!({ "type": if field.is_names() { json!("string") } else { json!(["number", "string"]) } });
             let list = json!({ "type": "array", "items": items });

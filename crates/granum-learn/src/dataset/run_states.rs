@@ -302,7 +302,7 @@ fn numbers_of(case: &Case) -> Vec<(Variable, f64)> {
     let number = |value: Value| match value {
         Value::Number(number) => number,
         Value::Count(count) => Some(count as f64),
-        Value::Choice(_) | Value::List(_) | Value::Names(_) => None,
+        Value::Choice(_) | Value::List(_) | Value::Names(_) | Value::Curve(_) => None,
     };
     let field = |field: &granum_io::case::Field| {
         let value = number(field.value(case)?)?;

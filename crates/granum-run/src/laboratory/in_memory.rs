@@ -1,6 +1,7 @@
 //! Tests that stay in memory, for use from other programs.
 
 use granum_dem::observer::{NoObserver, Observer};
+use granum_dem::preparation::{Phase, PreparationError};
 use granum_dem::simulation::{Hardware, Simulation};
 use granum_io::{Case, RunRecord, RunStatus};
 use granum_sensors::Record;
@@ -24,7 +25,36 @@ pub struct TestResult {
     pub simulation: Simulation,
 }
 
+/// A sample that was kept in memory.
+#[derive(Clone)]
+pub struct PreparedSample {
+    /// The record of the preparation: measures, quality flags, notes, numbers of steps.
+    pub about: RunRecord,
+    /// The simulation, at rest at the mean stress of the preparation.
+    pub simulation: Simulation,
+}
+
 impl Laboratory {
+    /// Prepares the sample of a case, identical bit by bit to that of [`Laboratory::prepare`]; no files are written.
+    ///
+    /// # Errors
+    /// [`LaboratoryError`] if the sample cannot be prepared, or the observer stops the preparation.
+    pub fn sample(
+        &self,
+        case: &Case,
+        observer: &mut dyn Observer,
+    ) -> Result<PreparedSample, LaboratoryError> {
+        let task = Task::new("prepare", case, &Source::Case, self);
+        let run::Begun { record: mut about, run_state } = run::begin(&task, &Native, observer)?;
+        let run_state = self.go_on(case, run_state, Store(None), &mut about, observer)?;
+        if about.status == RunStatus::Interrupted {
+            return Err(PreparationError::Stopped { phase: Phase::Compaction }.into());
+        }
+        run_state.write_into(&mut about);
+        about.status = RunStatus::Finished;
+        Ok(PreparedSample { about, simulation: run_state.simulation })
+    }
+
     /// A laboratory that uses all processors of this computer.
     pub fn here() -> Laboratory {
         let threads = granum_core::parallel::available_threads();

@@ -17,6 +17,7 @@ mod from_packing;
 mod in_folders;
 mod in_memory;
 pub(crate) mod laboratory_error;
+pub mod limits;
 mod measures;
 pub mod memory;
 mod pace;
@@ -37,7 +38,7 @@ mod test;
 mod test_state;
 
 pub use granum_io::run::{CHECKPOINT, PREVIOUS_CHECKPOINT};
-pub use in_memory::TestResult;
+pub use in_memory::{PreparedSample, TestResult};
 pub use laboratory_error::LaboratoryError;
 pub use measures::late_mean;
 pub use packing_simulation::{cell, simulation, spheres};

@@ -46,6 +46,7 @@ fn number(phase: Phase) -> u8 {
         Phase::Relaxation => 1,
         Phase::Consolidation => 2,
         Phase::Shear => 3,
+        Phase::Cycles => 4,
     }
 }
 

@@ -36,7 +36,12 @@ impl Laboratory {
         let recipe = self.recipe(case, &case.preparation, case.grains.count);
         let preparing = match source {
             Source::Folder(path) => return take_sample(case, path, &self.sensors, record),
-            Source::Case => Preparing::new(&recipe)?,
+            Source::Case => {
+                if let Some(remark) = remark_on_sizes(case) {
+                    note(record, remark);
+                }
+                Preparing::new(&recipe)?
+            }
             Source::Packing(path) => {
                 let packing = packing.map_or_else(|| self.formats.read_packing(path), Ok)?;
                 let (preparing, why_not) = from_packing::begin(&packing, &recipe)?;
@@ -205,6 +210,28 @@ fn in_what(sample: &Case, case: &Case) -> String {
     keys.join("; ")
 }
 
+/// A sentence about the sizes of the grains where they are not those of `grains.spread`.
+fn remark_on_sizes(case: &Case) -> Option<String> {
+    let grains = &case.grains;
+    if grains.sizes.is_standard() {
+        return None;
+    }
+    let ([smallest, largest], mean) = (grains.size_range().ok()?, grains.mean_diameter().ok()?);
+    let left_out = grains.mass_left_out().filter(|share| *share > 1e-9).map_or_else(String::new, |share| {
+        format!(
+            "; {:.2} % of the mass of the sieve curve lies outside of them and is left out",
+            100.0 * share
+        )
+    });
+    let name = grains.sizes.distribution.name();
+    Some(format!(
+        "the diameters of the grains ({name}) go from {:.4} mm to {:.4} mm with a mean of {:.4} mm{left_out}",
+        1e3 * smallest,
+        1e3 * largest,
+        1e3 * mean
+    ))
+}
+
 /// Records how the sample was prepared. The advice mentions the preparation friction only if the sample was compacted.
 fn note_sample(case: &Case, sample: &Sample, compacted: bool, results: &mut RunResults) {
     let p = &case.preparation;
@@ -215,7 +242,12 @@ fn note_sample(case: &Case, sample: &Sample, compacted: bool, results: &mut RunR
         results.measures.insert("preparation_trials".into(), sample.trials.len() as f64);
     }
     results.quality.extend(quality::judge_rest("sample", &sample.simulation, sample.unbalanced_force, p));
-    if let Some(target) = p.solid_fraction {
+    if let (Some(densest), Some(loosest)) = (p.densest_void_ratio, p.loosest_void_ratio) {
+        let void_ratio = 1.0 / sample.simulation.state().solid_fraction() - 1.0;
+        let density = (loosest - void_ratio) / (loosest - densest);
+        results.measures.insert("relative_density".into(), density);
+    }
+    if let Some(target) = p.target() {
         let reached = sample.simulation.state().solid_fraction();
         let advice = if !compacted {
             format!(
@@ -229,9 +261,14 @@ fn note_sample(case: &Case, sample: &Sample, compacted: bool, results: &mut RunR
             )
         } else {
             let friction = sample.trials.last().map_or(0.0, |trial| (trial.friction * 1e3).round() / 1e3);
+            let means = if reached < target {
+                "preparation.cycles makes denser samples"
+            } else {
+                "preparation.interface_energy and preparation.rolling_friction make looser ones"
+            };
             format!(
                 "target {target} not reached: friction {friction} gives {reached:.4}, and no other came nearer; ask for another \
-                 preparation.solid_fraction, or \"none\""
+                 preparation.solid_fraction, or \"none\" ({means})"
             )
         };
         results.quality.push(run::QualityFlag::at_most(

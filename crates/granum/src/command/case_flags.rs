@@ -113,8 +113,13 @@ impl CaseFlags {
 }
 
 /// Pairs of keys that exclude each other; without this check the last one given would silently take precedence.
-const EXCLUSIVE: [[&str; 2]; 2] =
-    [["shear.inertial_number", "shear.strain_rate"], ["recording.first_strain", "recording.strains"]];
+const EXCLUSIVE: [[&str; 2]; 5] = [
+    ["shear.inertial_number", "shear.strain_rate"],
+    ["recording.first_strain", "recording.strains"],
+    ["preparation.solid_fraction", "preparation.void_ratio"],
+    ["preparation.solid_fraction", "preparation.relative_density"],
+    ["preparation.void_ratio", "preparation.relative_density"],
+];
 
 fn apply(case: &mut Case, settings: &[Setting]) -> Result<(), Failure> {
     let mut seen = BTreeSet::new();

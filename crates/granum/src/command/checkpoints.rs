@@ -15,6 +15,12 @@ pub struct CheckpointFlags {
     checkpoint_every: f64,
 }
 
+impl Default for CheckpointFlags {
+    fn default() -> Self {
+        CheckpointFlags { checkpoint_every: CHECKPOINT_EVERY.as_secs_f64() }
+    }
+}
+
 impl CheckpointFlags {
     pub fn every(&self) -> Result<Duration, Failure> {
         let seconds = self.checkpoint_every;

@@ -3,6 +3,7 @@
 mod bench;
 mod case_flags;
 mod checkpoints;
+mod compare;
 mod digest;
 mod evaluate;
 mod forces;
@@ -10,6 +11,7 @@ mod hardware;
 mod impact;
 mod init;
 mod law;
+mod limits;
 mod measure;
 mod pair;
 mod predict;
@@ -45,6 +47,8 @@ pub enum Command {
     Prepare(prepare::Prepare),
     Shear(shear::Shear),
     Run(run::Run),
+    Limits(limits::Limits),
+    Compare(compare::Compare),
     Resume(resume::Resume),
     Status(status::Status),
     Digest(digest::Digest),
@@ -69,6 +73,8 @@ impl Command {
             Command::Prepare(command) => command.run(context),
             Command::Shear(command) => command.run(context),
             Command::Run(command) => command.run(context),
+            Command::Limits(command) => command.run(context),
+            Command::Compare(command) => command.run(context),
             Command::Resume(command) => command.run(context),
             Command::Status(command) => command.run(context),
             Command::Digest(command) => command.run(context),

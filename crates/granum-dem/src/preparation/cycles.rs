@@ -1,0 +1,32 @@
+//! Strain cycles after compaction, which make a sample denser than compression alone.
+//!
+//! The axial strain goes to the amplitude, to its negative, and so on, at constant mean stress and with the friction of the
+//! compaction. A turn is noticed at the checks of the preparation, every few hundred steps.
+
+use super::{Preparation, Simulation};
+use crate::servo::Control;
+
+/// Largest rate that the servo adds, as a multiple of the axial strain rate.
+const SERVO_LIMIT: f64 = 30.0;
+
+/// Begins to strain a sample at the mean stress of the preparation.
+pub(super) fn begin(s: &mut Simulation, p: &Preparation) {
+    let rate = s.strain_rate(p.inertial_number, p.mean_stress);
+    s.set_control(Control::constant_mean_stress(0, rate, p.mean_stress, SERVO_LIMIT * rate));
+    s.reset_phase(0.0);
+}
+
+/// Turns round where the amplitude is reached; `turns` is the number of turns so far. True once all cycles are done.
+pub(super) fn turned(s: &mut Simulation, p: &Preparation, turns: &mut u64) -> bool {
+    let strain = s.state().strain()[0][0];
+    let sign = if turns.is_multiple_of(2) { 1.0 } else { -1.0 };
+    if sign * strain < p.cycle_strain {
+        return false;
+    }
+    *turns += 1;
+    if *turns >= 2 * p.cycles {
+        return true;
+    }
+    s.reverse();
+    false
+}

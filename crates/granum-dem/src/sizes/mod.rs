@@ -1,0 +1,430 @@
+//! Size distributions of the grains.
+//!
+//! A distribution gives the share of the grains, **by number**, that are smaller than a diameter, and its inverse. A sample of N
+//! grains has the N quantiles at the shares `(i + 1/2) / N`, so that it meets the distribution as closely as N grains can; the seed
+//! of the preparation decides where the grains lie, not how large they are. (The default, `uniform`, draws each radius at random
+//! instead, as the program always did.)
+//!
+//! A distribution can be cut at a smallest and a largest diameter ([`Sizes::smallest`], [`Sizes::largest`]): the shares between the
+//! cuts are then scaled to one. Curves by mass are turned into shares by number, since a grain of diameter d has a mass
+//! proportional to d³.
+//!
+//! To add a distribution, add its file and its line in [`SizeKind`] and [`ALL`].
+
+mod curve;
+mod equal;
+mod fractal;
+mod lognormal;
+mod normal;
+mod two_sizes;
+mod uniform;
+mod weibull;
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use rand_chacha::ChaCha8Rng;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+pub use curve::{SieveCurve, check_curve};
+pub use equal::Equal;
+pub use fractal::Fractal;
+pub use lognormal::Lognormal;
+pub use normal::Normal;
+pub use two_sizes::TwoSizes;
+pub use uniform::Uniform;
+pub use weibull::Weibull;
+
+use crate::config::Grains;
+
+/// Largest ratio of the largest to the smallest grain of a sample.
+pub const LARGEST_RATIO: f64 = 50.0;
+
+/// A parameter of a distribution, a pure number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Key in the section `[grains]` of a case file.
+    pub key: &'static str,
+    /// Default value.
+    pub default: f64,
+    /// Smallest and largest value.
+    pub bounds: [f64; 2],
+    /// Its meaning, in one or two sentences.
+    pub meaning: &'static str,
+}
+
+/// Description of a distribution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Description {
+    /// Name in case files, e.g. `lognormal`.
+    pub name: &'static str,
+    /// What it is, in a few words.
+    pub help: &'static str,
+    /// Its parameters.
+    pub parameters: &'static [Parameter],
+    /// True if `grains.diameter` is its mean (before a cut); otherwise the cuts or the curve decide.
+    pub has_mean: bool,
+    /// True if it can be cut at a smallest and a largest diameter.
+    pub can_be_cut: bool,
+}
+
+/// Reasons why grains cannot have these sizes.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("grains.{key} {message}")]
+pub struct SizeError {
+    /// The key in the section `[grains]` that is wrong.
+    pub key: &'static str,
+    /// What is wrong and what would be right, continuing the key.
+    pub message: String,
+}
+
+impl SizeError {
+    /// An error about a key.
+    pub fn new(key: &'static str, message: impl Into<String>) -> SizeError {
+        SizeError { key, message: message.into() }
+    }
+}
+
+/// A size distribution.
+pub trait SizeDistribution: Sync {
+    /// Its name, meaning and parameters.
+    fn description(&self) -> &'static Description;
+
+    /// Share of the grains, by number, whose diameter is below `diameter`, m, before any cut.
+    fn share_below(&self, grains: &Grains, diameter: f64) -> f64;
+
+    /// The diameter, m, below which a share of the grains lies, before any cut: the inverse of
+    /// [`SizeDistribution::share_below`].
+    fn quantile(&self, grains: &Grains, share: f64) -> f64;
+
+    /// Refuses grains for which the distribution is not defined.
+    ///
+    /// # Errors
+    /// The key that is wrong, and what would be right.
+    fn check(&self, _grains: &Grains) -> Result<(), SizeError> {
+        Ok(())
+    }
+
+    /// The diameters of the grains, m; unless overridden the quantiles at `(i + 1/2) / N` between the cuts, which use no random
+    /// numbers.
+    fn diameters(&self, grains: &Grains, _random: &mut ChaCha8Rng) -> Vec<f64> {
+        let [low, high] = between(self, grains);
+        let count = grains.count;
+        let share = |k: usize| low + (high - low) * ((k as f64 + 0.5) / count as f64);
+        (0..count).map(|k| self.quantile(grains, share(k))).collect()
+    }
+}
+
+/// Shares below the cuts.
+fn between(distribution: &(impl SizeDistribution + ?Sized), grains: &Grains) -> [f64; 2] {
+    let sizes = &grains.sizes;
+    let low = sizes.smallest.map_or(0.0, |cut| distribution.share_below(grains, cut));
+    let high = sizes.largest.map_or(1.0, |cut| distribution.share_below(grains, cut));
+    [low, high]
+}
+
+/// The choice of a distribution. Its name identifies it in files.
+#[derive(Clone, Copy)]
+pub struct SizeKind(&'static dyn SizeDistribution);
+
+macro_rules! kinds {
+    ($($name:ident = $type:ident,)*) => {
+        impl SizeKind {
+            $(
+                #[doc = concat!("[`", stringify!($type), "`].")]
+                pub const $name: SizeKind = SizeKind(&$type);
+            )*
+        }
+
+        /// All distributions that a name in a case file can stand for.
+        pub const ALL: &[SizeKind] = &[$(SizeKind::$name,)*];
+    };
+}
+
+kinds! {
+    UNIFORM = Uniform,
+    EQUAL = Equal,
+    NORMAL = Normal,
+    LOGNORMAL = Lognormal,
+    TWO_SIZES = TwoSizes,
+    WEIBULL = Weibull,
+    FRACTAL = Fractal,
+    SIEVE_CURVE = SieveCurve,
+}
+
+impl SizeKind {
+    /// A distribution of the caller's own, which a program can use without a name in case files.
+    pub const fn new(distribution: &'static dyn SizeDistribution) -> SizeKind {
+        SizeKind(distribution)
+    }
+
+    /// The distribution.
+    pub fn distribution(&self) -> &'static dyn SizeDistribution {
+        self.0
+    }
+
+    /// Its name in case files.
+    pub fn name(&self) -> &'static str {
+        self.0.description().name
+    }
+
+    /// The distribution of a name.
+    pub fn named(name: &str) -> Option<SizeKind> {
+        ALL.iter().copied().find(|kind| kind.name() == name)
+    }
+}
+
+/// The parameters of all distributions, each key once.
+pub fn parameters() -> Vec<&'static Parameter> {
+    let mut all: Vec<&'static Parameter> = Vec::new();
+    for parameter in ALL.iter().flat_map(|kind| kind.0.description().parameters) {
+        if all.iter().all(|known| known.key != parameter.key) {
+            all.push(parameter);
+        }
+    }
+    all
+}
+
+impl PartialEq for SizeKind {
+    fn eq(&self, other: &SizeKind) -> bool {
+        self.name() == other.name()
+    }
+}
+
+impl Eq for SizeKind {}
+
+impl Default for SizeKind {
+    fn default() -> Self {
+        SizeKind::UNIFORM
+    }
+}
+
+impl fmt::Debug for SizeKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl Serialize for SizeKind {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(self.name())
+    }
+}
+
+impl<'d> Deserialize<'d> for SizeKind {
+    fn deserialize<D: Deserializer<'d>>(from: D) -> Result<SizeKind, D::Error> {
+        let name = String::deserialize(from)?;
+        SizeKind::named(&name)
+            .ok_or_else(|| D::Error::custom(format!("no size distribution is called {name:?}")))
+    }
+}
+
+/// How large the grains are, beside their mean diameter and [`Grains::spread`].
+///
+/// ```
+/// use granum_dem::config::Grains;
+/// use granum_dem::sizes::{SizeKind, Sizes};
+///
+/// let mut grains = Grains { count: 1000, diameter: 1e-3, ..Grains::default() };
+/// grains.sizes = Sizes::of(SizeKind::LOGNORMAL).with("size_deviation", 0.3);
+/// assert!((grains.mean_diameter()? / 1e-3 - 1.0).abs() < 1e-3);
+/// let [smallest, largest] = grains.size_range()?;
+/// assert!(largest / smallest > 5.0);
+/// # Ok::<(), granum_dem::sizes::SizeError>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Sizes {
+    /// The distribution.
+    pub distribution: SizeKind,
+    /// Values given to its parameters; the others have their defaults.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub values: BTreeMap<String, f64>,
+    /// Smallest diameter, m: smaller grains are left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub smallest: Option<f64>,
+    /// Largest diameter, m: larger grains are left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub largest: Option<f64>,
+    /// Points of a sieve curve: a diameter, m, and the share of the mass that is finer, both rising.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub curve: Vec<[f64; 2]>,
+}
+
+impl Sizes {
+    /// A distribution with its defaults, without cuts.
+    pub fn of(distribution: SizeKind) -> Sizes {
+        Sizes { distribution, ..Sizes::default() }
+    }
+
+    /// The same with a value for a parameter.
+    pub fn with(mut self, key: &str, value: f64) -> Sizes {
+        self.values.insert(key.to_string(), value);
+        self
+    }
+
+    /// The same cut at a smallest and a largest diameter, m.
+    pub fn between(mut self, smallest: f64, largest: f64) -> Sizes {
+        (self.smallest, self.largest) = (Some(smallest), Some(largest));
+        self
+    }
+
+    /// The same with a sieve curve.
+    pub fn with_curve(mut self, curve: Vec<[f64; 2]>) -> Sizes {
+        self.curve = curve;
+        self
+    }
+
+    /// True where the sizes are those of [`Grains::spread`].
+    pub fn is_standard(&self) -> bool {
+        *self == Sizes::default()
+    }
+
+    /// The value of a parameter.
+    pub fn value(&self, parameter: &Parameter) -> f64 {
+        self.values.get(parameter.key).copied().unwrap_or(parameter.default)
+    }
+}
+
+impl Grains {
+    /// Refuses sizes that cannot be.
+    ///
+    /// # Errors
+    /// The first key that is wrong, and what would be right.
+    pub fn check_sizes(&self) -> Result<(), SizeError> {
+        let sizes = &self.sizes;
+        let distribution = sizes.distribution.0;
+        let Description { name, parameters, can_be_cut, .. } = *distribution.description();
+        for (key, value) in &sizes.values {
+            let known = crate::sizes::parameters().into_iter().find(|known| known.key == key);
+            let Some(known) = known else {
+                return Err(SizeError::new("distribution", format!("= {name:?} has no parameter {key:?}")));
+            };
+            if parameters.iter().all(|parameter| parameter.key != known.key) {
+                let message = format!("means nothing with grains.distribution = {name:?}; leave it out");
+                return Err(SizeError::new(known.key, message));
+            }
+            let [low, high] = known.bounds;
+            if !(*value >= low && *value <= high) {
+                return Err(SizeError::new(
+                    known.key,
+                    format!("is {value}; it must be from {low} to {high}"),
+                ));
+            }
+        }
+        if self.spread != 0.0 && sizes.distribution != SizeKind::UNIFORM {
+            let message =
+                format!("= {} means nothing with grains.distribution = {name:?}; leave it out", self.spread);
+            return Err(SizeError::new("spread", message));
+        }
+        if !sizes.curve.is_empty() && sizes.distribution != SizeKind::SIEVE_CURVE {
+            let message = format!(
+                "means nothing with grains.distribution = {name:?}; write distribution = \"sieve-curve\""
+            );
+            return Err(SizeError::new("sieve_curve", message));
+        }
+        for (key, cut) in [("smallest", sizes.smallest), ("largest", sizes.largest)] {
+            let Some(cut) = cut else { continue };
+            if !can_be_cut {
+                let message = format!("means nothing with grains.distribution = {name:?}; leave it out");
+                return Err(SizeError::new(key, message));
+            }
+            if !(cut.is_finite() && cut > 0.0) {
+                return Err(SizeError::new(key, format!("is {cut} m; it must be positive")));
+            }
+        }
+        if let (Some(smallest), Some(largest)) = (sizes.smallest, sizes.largest)
+            && smallest >= largest
+        {
+            let message = format!("= {smallest} m must be below grains.largest = {largest} m");
+            return Err(SizeError::new("smallest", message));
+        }
+        distribution.check(self)?;
+        self.check_range()
+    }
+
+    /// Refuses cuts between which nothing lies, diameters of zero, and too wide a range.
+    fn check_range(&self) -> Result<(), SizeError> {
+        let distribution = self.sizes.distribution.0;
+        let name = self.sizes.distribution.name();
+        let [low, high] = between(distribution, self);
+        // So few grains between the cuts that rounding would decide their sizes.
+        if high - low < 1e-9 {
+            let cut = if self.sizes.smallest.is_some() { "smallest" } else { "largest" };
+            let message = format!(
+                "leaves no grains of the distribution {name:?}: choose cuts between which grains lie"
+            );
+            return Err(SizeError::new(cut, message));
+        }
+        let [smallest, largest] = self.extremes();
+        let positive = smallest.is_finite() && smallest > 0.0;
+        if positive && largest <= LARGEST_RATIO * smallest {
+            return Ok(());
+        }
+        let reached = if positive {
+            format!(
+                "has grains from {smallest:.3e} m to {largest:.3e} m; a ratio of {LARGEST_RATIO} is possible"
+            )
+        } else {
+            "reaches diameters of zero".to_string()
+        };
+        let message = format!("= {name:?} {reached}: cut it with grains.smallest or grains.largest");
+        Err(SizeError::new("distribution", message))
+    }
+
+    /// The smallest and the largest diameter, m, without checks.
+    fn extremes(&self) -> [f64; 2] {
+        let distribution = self.sizes.distribution.0;
+        if self.sizes.distribution == SizeKind::UNIFORM {
+            return [1.0 - self.spread, 1.0 + self.spread].map(|factor| self.diameter * factor);
+        }
+        let [low, high] = between(distribution, self);
+        let half = 0.5 / self.count.max(1) as f64;
+        [half, 1.0 - half].map(|share| distribution.quantile(self, low + (high - low) * share))
+    }
+
+    /// The smallest and the largest diameter of a sample, m.
+    ///
+    /// # Errors
+    /// As [`Grains::check_sizes`].
+    pub fn size_range(&self) -> Result<[f64; 2], SizeError> {
+        self.check_sizes()?;
+        Ok(self.extremes())
+    }
+
+    /// The diameters of the grains of a sample, m.
+    ///
+    /// # Errors
+    /// As [`Grains::check_sizes`].
+    pub fn diameters(&self, random: &mut ChaCha8Rng) -> Result<Vec<f64>, SizeError> {
+        self.check_sizes()?;
+        Ok(self.sizes.distribution.0.diameters(self, random))
+    }
+
+    /// The mean diameter by number, m: [`Grains::diameter`] of the default distribution, otherwise that of the quantiles of which
+    /// a sample of so many grains consists.
+    ///
+    /// # Errors
+    /// As [`Grains::check_sizes`].
+    pub fn mean_diameter(&self) -> Result<f64, SizeError> {
+        if [SizeKind::UNIFORM, SizeKind::EQUAL].contains(&self.sizes.distribution) {
+            return Ok(self.diameter);
+        }
+        // A sample of very many grains has the mean of some thousand quantiles.
+        let few = Grains { count: self.count.clamp(1, 10_000), ..self.clone() };
+        few.check_sizes()?;
+        let [low, high] = between(self.sizes.distribution.0, &few);
+        let share = |k: usize| low + (high - low) * ((k as f64 + 0.5) / few.count as f64);
+        let sum: f64 = (0..few.count).map(|k| few.sizes.distribution.0.quantile(&few, share(k))).sum();
+        Ok(sum / few.count as f64)
+    }
+
+    /// Share of the mass that the cuts leave out, where that is known: of a sieve curve.
+    pub fn mass_left_out(&self) -> Option<f64> {
+        (self.sizes.distribution == SizeKind::SIEVE_CURVE).then(|| curve::mass_left_out(&self.sizes))
+    }
+}
+
+#[cfg(test)]
+mod tests;

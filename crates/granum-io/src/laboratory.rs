@@ -1,0 +1,345 @@
+//! Curves of laboratory tests: a CSV file with one row a reading, of one test or of several.
+//!
+//! The first line that is no comment names the columns, each with its unit, as in `axial_strain (%)` or `axial_stress_kPa`. Known
+//! are [`QUANTITIES`] and `test`, the name of the test of a row; other columns are ignored, and a column of another name can be
+//! mapped to a known one. Compression is positive and strains are engineering strains (changes over initial lengths and volume)
+//! unless a comment `# compression = negative` or `# strain = logarithmic`, or [`Conventions`], say otherwise.
+
+use std::path::Path;
+
+use granum_core::names::suggestion;
+use granum_core::quantity::{Dimension, parse_quantity};
+
+use crate::error::{Error, Result};
+use crate::formats::csv::{self, Lines};
+
+/// The quantities that a file can have, each with its dimension.
+pub const QUANTITIES: [(&str, Dimension); 8] = [
+    ("axial_strain", Dimension::NUMBER),
+    ("volumetric_strain", Dimension::NUMBER),
+    ("axial_stress", Dimension::STRESS),
+    ("lateral_stress", Dimension::STRESS),
+    ("deviator_stress", Dimension::STRESS),
+    ("mean_stress", Dimension::STRESS),
+    ("void_ratio", Dimension::NUMBER),
+    ("initial_void_ratio", Dimension::NUMBER),
+];
+
+/// Column with the name of the test.
+const TEST: &str = "test";
+
+/// How numbers of a file are to be read; what is `None` is as the comments of the file say.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Conventions {
+    /// True if compression is negative in the file.
+    pub compression_negative: Option<bool>,
+    /// True if strains are logarithmic.
+    pub logarithmic: Option<bool>,
+    /// Known quantities with the columns that hold them: `("axial_strain", "eps_1 (%)")`, where the unit may be left out if the
+    /// header has it.
+    pub columns: Vec<(String, String)>,
+}
+
+/// One test, in SI units, compression positive, strains engineering ones.
+///
+/// A quantity that the file does not have is empty.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LaboratoryTest {
+    /// Its name; empty if the file has one test without a name.
+    pub name: String,
+    /// Change of height over the initial height.
+    pub axial_strain: Vec<f64>,
+    /// Change of volume over the initial volume.
+    pub volumetric_strain: Vec<f64>,
+    /// Deviator stress q = axial minus lateral stress, Pa.
+    pub deviator_stress: Vec<f64>,
+    /// Effective mean stress p, Pa.
+    pub mean_stress: Vec<f64>,
+    /// Void ratio e.
+    pub void_ratio: Vec<f64>,
+}
+
+/// A column of the file that is used.
+struct Place {
+    quantity: usize,
+    factor: f64,
+}
+
+/// Reads all tests of a file, in the order in which they first appear.
+///
+/// # Errors
+/// If it cannot be read; with line and column for what is wrong in it.
+pub fn read_laboratory(path: impl AsRef<Path>, conventions: &Conventions) -> Result<Vec<LaboratoryTest>> {
+    let path = path.as_ref();
+    read(&mut Lines::open(path)?, conventions)
+}
+
+fn read<R: std::io::BufRead>(lines: &mut Lines<R>, conventions: &Conventions) -> Result<Vec<LaboratoryTest>> {
+    let mut stated = conventions.clone();
+    let mut header: Option<(Vec<Option<Place>>, Option<usize>)> = None;
+    let mut rows: Vec<(String, Vec<[f64; QUANTITIES.len()]>)> = Vec::new();
+    while lines.advance()? {
+        if lines.is_empty() {
+            comment(lines, conventions, &mut stated)?;
+            continue;
+        }
+        let Some((places, test)) = &header else {
+            header = Some(columns(lines, conventions)?);
+            continue;
+        };
+        let mut row = [f64::NAN; QUANTITIES.len()];
+        let (mut name, mut count) = (String::new(), 0);
+        for (start, cell) in lines.cells() {
+            if *test == Some(count) {
+                name = cell.trim_matches('"').to_string();
+            }
+            if let Some(Some(place)) = places.get(count) {
+                let value = csv::number(lines, QUANTITIES[place.quantity].0, start, cell)?;
+                if !value.is_finite() {
+                    let message = format!("{} = {cell} is not finite", QUANTITIES[place.quantity].0);
+                    return Err(lines.cell_error(start, cell, message).into());
+                }
+                row[place.quantity] = value * place.factor;
+            }
+            count += 1;
+        }
+        if count != places.len() {
+            let message = format!("the row has {count} cells, but the header names {} columns", places.len());
+            return Err(lines.error(0..lines.line().len(), message).into());
+        }
+        match rows.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, rows)) => rows.push(row),
+            None => rows.push((name, vec![row])),
+        }
+    }
+    let file = Path::new(lines.file());
+    if rows.is_empty() {
+        return Err(Error::content(
+            file,
+            "has no rows; a header of columns and a row for each reading are needed",
+        ));
+    }
+    rows.into_iter().map(|(name, rows)| test(file, name, &rows, &stated)).collect()
+}
+
+/// A comment may state a convention, unless the caller did.
+fn comment<R: std::io::BufRead>(
+    lines: &Lines<R>,
+    given: &Conventions,
+    stated: &mut Conventions,
+) -> Result<()> {
+    let text = lines.line().trim().trim_start_matches('#').trim();
+    let Some((key, value)) = text.split_once('=').map(|(key, value)| (key.trim(), value.trim())) else {
+        return Ok(());
+    };
+    let (place, given, words) = match key {
+        "compression" => {
+            (&mut stated.compression_negative, given.compression_negative, ["positive", "negative"])
+        }
+        "strain" => (&mut stated.logarithmic, given.logarithmic, ["engineering", "logarithmic"]),
+        _ => return Ok(()),
+    };
+    let Some(which) = words.iter().position(|word| *word == value) else {
+        let message = format!("{key} = {value} is not known; it must be {} or {}", words[0], words[1]);
+        return Err(lines.error(0..lines.line().len(), message).into());
+    };
+    *place = Some(given.unwrap_or(which == 1));
+    Ok(())
+}
+
+/// Name and unit of a column, e.g. `axial_stress (kPa)`, `axial_stress_kPa`, `axial_strain_percent`.
+fn split(cell: &str) -> (&str, &str) {
+    if let Some((name, unit)) = cell.split_once(['(', '[']) {
+        return (name.trim(), unit.trim_end_matches([')', ']']).trim());
+    }
+    for (ending, unit) in [("_percent", "%"), ("_kPa", "kPa"), ("_MPa", "MPa"), ("_Pa", "Pa")] {
+        if let Some(name) = cell.strip_suffix(ending) {
+            return (name, unit);
+        }
+    }
+    (cell.trim(), "")
+}
+
+fn columns<R: std::io::BufRead>(
+    lines: &Lines<R>,
+    conventions: &Conventions,
+) -> Result<(Vec<Option<Place>>, Option<usize>)> {
+    let names = csv::names(lines)?;
+    let mut mapped = Vec::new();
+    for (quantity, column) in &conventions.columns {
+        let known = QUANTITIES.iter().map(|(name, _)| *name).chain([TEST]);
+        if !known.clone().any(|name| name == quantity) {
+            let message =
+                format!("{quantity} is no quantity of a laboratory test; {}", suggestion(quantity, known));
+            return Err(Error::Rule(message));
+        }
+        let (name, unit) = split(column);
+        let at = names.iter().position(|cell| cell == column || split(cell).0 == name).ok_or_else(|| {
+            let help = suggestion(name, names.iter().map(String::as_str));
+            Error::content(Path::new(lines.file()), format!("there is no column {name}; {help}"))
+        })?;
+        mapped.push((at, quantity.as_str(), unit.to_string()));
+    }
+    let mut test = None;
+    let mut places = Vec::new();
+    for (at, (start, cell)) in lines.cells().enumerate() {
+        let (own, own_unit) = split(cell.trim_matches('"'));
+        let mapping = mapped.iter().find(|(place, _, _)| *place == at);
+        let taken = mapped.iter().any(|(_, quantity, _)| *quantity == own);
+        let (name, unit) = match mapping {
+            Some((_, quantity, unit)) => (*quantity, if unit.is_empty() { own_unit } else { unit.as_str() }),
+            None if taken => ("", ""),
+            None => (own, own_unit),
+        };
+        if name == TEST {
+            test = Some(at);
+        }
+        let Some(quantity) = QUANTITIES.iter().position(|(known, _)| *known == name) else {
+            places.push(None);
+            continue;
+        };
+        let (_, dimension) = QUANTITIES[quantity];
+        if unit.is_empty() && dimension == Dimension::STRESS {
+            let message = format!("the column {name} needs its unit");
+            return Err(lines
+                .cell_error(start, cell, message)
+                .with_help(format!("e.g. {name} (kPa)"))
+                .into());
+        }
+        let factor = if unit.is_empty() { Ok(1.0) } else { parse_quantity(&format!("1 {unit}"), dimension) };
+        let factor = factor.map_err(|why| {
+            Error::from(lines.cell_error(start, cell, format!("the unit of {name}: 1 {unit} {why}")))
+        })?;
+        places.push(Some(Place { quantity, factor }));
+    }
+    let has = |name: &str| places.iter().flatten().any(|place: &Place| QUANTITIES[place.quantity].0 == name);
+    if !has("axial_strain") {
+        let message = "there is no column axial_strain; name it in the header, or map a column to it";
+        return Err(Error::content(Path::new(lines.file()), message));
+    }
+    Ok((places, test))
+}
+
+/// A test from its rows.
+fn test(
+    file: &Path,
+    name: String,
+    rows: &[[f64; QUANTITIES.len()]],
+    stated: &Conventions,
+) -> Result<LaboratoryTest> {
+    let sign = if stated.compression_negative == Some(true) { -1.0 } else { 1.0 };
+    let logarithmic = stated.logarithmic == Some(true);
+    let column = |wanted: &str| -> Vec<f64> {
+        let Some(at) = QUANTITIES.iter().position(|(name, _)| *name == wanted) else { return Vec::new() };
+        if rows.iter().any(|row| row[at].is_nan()) {
+            Vec::new()
+        } else {
+            rows.iter().map(|row| row[at]).collect()
+        }
+    };
+    let strain = |wanted: &str| -> Vec<f64> {
+        column(wanted)
+            .into_iter()
+            .map(|x| if logarithmic { 1.0 - (-sign * x).exp() } else { sign * x })
+            .collect()
+    };
+    let stress = |wanted: &str| -> Vec<f64> { column(wanted).into_iter().map(|x| sign * x).collect() };
+    let (axial, lateral) = (stress("axial_stress"), stress("lateral_stress"));
+    let pairs = || axial.iter().zip(&lateral);
+    let mut found = LaboratoryTest {
+        axial_strain: strain("axial_strain"),
+        volumetric_strain: strain("volumetric_strain"),
+        deviator_stress: stress("deviator_stress"),
+        mean_stress: stress("mean_stress"),
+        void_ratio: column("void_ratio"),
+        name,
+    };
+    if found.deviator_stress.is_empty() {
+        found.deviator_stress = pairs().map(|(a, l)| a - l).collect();
+    }
+    if found.mean_stress.is_empty() {
+        found.mean_stress = pairs().map(|(a, l)| (a + 2.0 * l) / 3.0).collect();
+    }
+    let initial = column("initial_void_ratio");
+    if found.void_ratio.is_empty() && initial.len() == found.volumetric_strain.len() {
+        let later = |(e, volume): (&f64, &f64)| (1.0 + e) * (1.0 - volume) - 1.0;
+        found.void_ratio = initial.iter().zip(&found.volumetric_strain).map(later).collect();
+    }
+    let of = if found.name.is_empty() { String::new() } else { format!(" of the test {}", found.name) };
+    if found.axial_strain.windows(2).any(|pair| pair[1] < pair[0]) {
+        let what = "falls from row to row; curves of monotonic tests are compared (is compression = negative missing?)";
+        return Err(Error::content(file, format!("the axial strain{of} {what}")));
+    }
+    if found.deviator_stress.is_empty() && found.volumetric_strain.is_empty() && found.void_ratio.is_empty() {
+        let what = "has neither stresses (axial_stress with lateral_stress, or deviator_stress) nor volumetric_strain nor void_ratio";
+        return Err(Error::content(file, format!("the table{of} {what}")));
+    }
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tests(text: &str, conventions: &Conventions) -> Result<Vec<LaboratoryTest>> {
+        read(&mut Lines::new(text.as_bytes(), "lab.csv"), conventions)
+    }
+
+    #[test]
+    fn the_karlsruhe_tests_are_read() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/lab/karlsruhe-fine-sand-drained.csv");
+        let found = read_laboratory(path, &Conventions::default()).unwrap();
+        assert_eq!(found.len(), 15);
+        let loose = &found[0];
+        assert_eq!(
+            (loose.name.as_str(), loose.axial_strain[1], loose.void_ratio[0]),
+            ("TMD1", 0.001, 0.9961)
+        );
+        assert!((loose.deviator_stress[1] - 15.96e3).abs() < 1e-6);
+        assert!((loose.void_ratio[1] - (1.9961 * (1.0 - 0.000586) - 1.0)).abs() < 1e-12);
+        // The strength of the sand: 33 to 34 degrees loose, 40 to 43 degrees dense.
+        let angle = |test: &LaboratoryTest| {
+            let ratio =
+                test.deviator_stress.iter().zip(&test.mean_stress).map(|(q, p)| q / p).fold(0.0, f64::max);
+            (3.0 * ratio / (6.0 + ratio)).asin().to_degrees()
+        };
+        let angles: Vec<f64> = found.iter().map(angle).collect();
+        assert!(angles[..5].iter().all(|angle| (32.0..35.5).contains(angle)), "{angles:?}");
+        assert!(angles[10..].iter().all(|angle| (39.0..44.0).contains(angle)), "{angles:?}");
+    }
+
+    #[test]
+    fn conventions_stand_in_the_file_or_are_given() {
+        let text =
+            "# compression = negative\n# strain = logarithmic\neps (%),q (kPa)\n0,0\n-22.31435513,-5\n";
+        let columns = [("axial_strain", "eps"), ("deviator_stress", "q")];
+        let columns = columns.map(|(a, b)| (a.to_string(), b.to_string())).to_vec();
+        let given = Conventions { columns, ..Conventions::default() };
+        let found = tests(text, &given).unwrap();
+        assert!((found[0].axial_strain[1] - 0.2).abs() < 1e-9 && found[0].deviator_stress[1] == 5e3);
+        assert!(found[0].void_ratio.is_empty() && found[0].mean_stress.is_empty());
+        let engineering = Conventions { logarithmic: Some(false), ..given };
+        assert!((tests(text, &engineering).unwrap()[0].axial_strain[1] - 0.2231435513).abs() < 1e-12);
+    }
+
+    #[test]
+    fn mistakes_have_their_place() {
+        for (text, parts) in [
+            ("axial_strain (%),axial_stress\n0,1\n", &["lab.csv:1:18", "needs its unit", "(kPa)"][..]),
+            ("axial_strain (kg),q\n0,1\n", &[":1:1", "is a mass"]),
+            ("strain (%),axial_stress (kPa)\n0,1\n", &["no column axial_strain"]),
+            ("axial_strain (%),volumetric_strain (%)\n0,x\n", &[":2:3", "is not a number"]),
+            ("axial_strain (%),volumetric_strain (%)\n0,1,2\n", &[":2:1", "3 cells"]),
+            (
+                "axial_strain (%),volumetric_strain (%)\n0,0\n-1,0\n",
+                &["falls from row to row", "compression = negative"],
+            ),
+            ("axial_strain (%)\n0\n1\n", &["neither stresses"]),
+            ("# compression = up\naxial_strain\n0\n", &[":1:1", "positive or negative"]),
+            ("axial_strain (%)\n", &["has no rows"]),
+        ] {
+            let found = tests(text, &Conventions::default()).unwrap_err().to_string();
+            assert!(parts.iter().all(|part| found.contains(part)), "{text}: {found}");
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! Runs over the curves of laboratory tests: deviator stress, volumetric strain and void ratio against axial strain.
+
+use granum_io::LaboratoryTest;
+use granum_sensors::Record;
+
+use super::data::column;
+use super::figure::palette::{INK, color};
+use super::figure::{Axis, Figure, Layer, Panel, Plot, SHAPES, Stroke};
+
+/// The curves of a run in the measures of the laboratory: engineering strains, compression positive.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RunCurves {
+    /// Name of the run.
+    pub name: String,
+    /// The curves.
+    pub curves: LaboratoryTest,
+}
+
+/// Strain over the initial length, from a logarithmic strain.
+fn engineering(strain: &f64) -> f64 {
+    1.0 - (-strain).exp()
+}
+
+impl RunCurves {
+    /// The curves of the last stage of a record in which the axial strain grows; of a record without stages the whole of it.
+    pub fn of(name: &str, record: &Record) -> RunCurves {
+        let all = |name: &str| column(record, name);
+        let stages = all("stage");
+        let last = stages.last().copied();
+        let rows: Vec<usize> =
+            (0..all("axial_strain").len()).filter(|k| stages.get(*k).copied() == last).collect();
+        let take =
+            |name: &str| -> Vec<f64> { rows.iter().filter_map(|k| all(name).get(*k).copied()).collect() };
+        let [axial, y, z] = ["stress_11", "stress_22", "stress_33"].map(take);
+        let solid = take("solid_fraction");
+        let curves = LaboratoryTest {
+            name: name.to_owned(),
+            axial_strain: take("axial_strain").iter().map(engineering).collect(),
+            volumetric_strain: take("volumetric_strain").iter().map(engineering).collect(),
+            deviator_stress: (0..axial.len()).map(|k| axial[k] - 0.5 * (y[k] + z[k])).collect(),
+            mean_stress: (0..axial.len()).map(|k| (axial[k] + y[k] + z[k]) / 3.0).collect(),
+            void_ratio: solid.iter().map(|solid| (1.0 - solid) / solid).collect(),
+        };
+        RunCurves { name: name.to_owned(), curves }
+    }
+}
+
+/// The errors of a run against a test, over the axial strains that both have.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Errors {
+    /// Largest axial strain that both have.
+    pub up_to: f64,
+    /// Root mean square error of q over the largest q of the test; `None` if the test has none.
+    pub deviator_stress: Option<f64>,
+    /// Largest q of the run over that of the test, minus one.
+    pub peak: Option<f64>,
+    /// Root mean square error of the volumetric strain.
+    pub volumetric_strain: Option<f64>,
+    /// Root mean square error of the void ratio.
+    pub void_ratio: Option<f64>,
+}
+
+/// The value of a curve at x, by linear interpolation; `None` beyond its ends.
+fn at(x: f64, xs: &[f64], ys: &[f64]) -> Option<f64> {
+    let place = xs.windows(2).position(|pair| pair[0] <= x && x <= pair[1])?;
+    let [a, b] = [xs[place], xs[place + 1]];
+    let share = if b > a { (x - a) / (b - a) } else { 0.0 };
+    Some(ys.get(place)? + share * (ys.get(place + 1)? - ys.get(place)?))
+}
+
+/// Compares a run with a test at the axial strains of the test.
+pub fn errors(run: &RunCurves, test: &LaboratoryTest) -> Errors {
+    let strains = &run.curves.axial_strain;
+    let common = |x: &&f64| at(**x, strains, strains).is_some();
+    let up_to = test.axial_strain.iter().filter(common).fold(0.0, |most: f64, x| most.max(*x));
+    let rms = |own: &[f64], other: &[f64]| -> Option<f64> {
+        let pairs = test.axial_strain.iter().zip(other).filter_map(|(x, y)| Some(at(*x, strains, own)? - y));
+        let (sum, count) = pairs.fold((0.0, 0), |(sum, count), error| (sum + error * error, count + 1));
+        (count > 0).then(|| (sum / f64::from(count)).sqrt())
+    };
+    let largest = |values: &[f64], xs: &[f64]| {
+        values
+            .iter()
+            .zip(xs)
+            .filter(|(_, x)| **x <= up_to)
+            .fold(0.0, |most: f64, (value, _)| most.max(*value))
+    };
+    let run_curves = &run.curves;
+    let peak = largest(&test.deviator_stress, &test.axial_strain);
+    let own_peak = largest(&run_curves.deviator_stress, strains);
+    let has_peak = peak > 0.0;
+    Errors {
+        up_to,
+        deviator_stress: rms(&run_curves.deviator_stress, &test.deviator_stress)
+            .filter(|_| has_peak)
+            .map(|e| e / peak),
+        peak: has_peak.then(|| own_peak / peak - 1.0),
+        volumetric_strain: rms(&run_curves.volumetric_strain, &test.volumetric_strain),
+        void_ratio: rms(&run_curves.void_ratio, &test.void_ratio),
+    }
+}
+
+/// Draws runs as lines over tests as open marks.
+pub fn figure(runs: &[RunCurves], tests: &[&LaboratoryTest]) -> (Figure, String) {
+    let curves: [(&str, Axis, fn(&LaboratoryTest) -> &[f64]); 3] = [
+        ("deviator stress", Axis::new("Deviator stress *q*").unit("Pa").including(0.0), |test| {
+            &test.deviator_stress
+        }),
+        ("volumetric strain", Axis::new("Volumetric strain *ε*_{v}"), |test| &test.volumetric_strain),
+        ("void ratio", Axis::new("Void ratio *e*"), |test| &test.void_ratio),
+    ];
+    let mut panels = Vec::new();
+    let mut names = Vec::new();
+    for (what, axis, of) in curves {
+        let points = |test: &LaboratoryTest| -> Vec<[f64; 2]> {
+            test.axial_strain.iter().zip(of(test)).map(|(x, y)| [*x, *y]).collect()
+        };
+        if tests.iter().all(|test| of(test).is_empty()) {
+            continue;
+        }
+        let mut plot = Plot::new(Axis::new("Axial strain *ε*_{1}"), axis);
+        for (k, test) in tests.iter().enumerate() {
+            // About forty marks a curve can be told apart.
+            let every = points(test).len().div_ceil(40).max(1);
+            let marks = points(test).into_iter().step_by(every).collect();
+            let name = if test.name.is_empty() { "laboratory" } else { &test.name };
+            plot = plot.with(Layer::points(marks, SHAPES[k % SHAPES.len()], INK).named(name));
+        }
+        for (k, run) in runs.iter().enumerate() {
+            let stroke = Stroke::new(color(k), 1.6);
+            plot = plot.with(Layer::stroked(points(&run.curves), stroke).named(&run.name));
+        }
+        panels.push(Panel::plot(plot));
+        names.push(what);
+    }
+    let caption = format!(
+        "{} against axial strain: runs (lines) and laboratory tests (marks). Engineering strains, compression positive.",
+        names.join(", ")
+    );
+    (Figure::new(&caption, panels.len().clamp(1, 2), panels), caption)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn test(q: f64) -> LaboratoryTest {
+        let strain: Vec<f64> = (0..21).map(|k| 0.01 * f64::from(k)).collect();
+        LaboratoryTest {
+            name: "T1".into(),
+            deviator_stress: strain.iter().map(|x| q * (x / 0.2)).collect(),
+            volumetric_strain: strain.iter().map(|x| -0.1 * x).collect(),
+            void_ratio: strain.iter().map(|x| 0.7 + x).collect(),
+            mean_stress: Vec::new(),
+            axial_strain: strain,
+        }
+    }
+
+    #[test]
+    fn errors_are_those_between_the_curves() {
+        let run = RunCurves { name: "run".into(), curves: test(110e3) };
+        let found = errors(&run, &test(100e3));
+        assert!((found.up_to - 0.2).abs() < 1e-12);
+        assert!((found.peak.unwrap() - 0.1).abs() < 1e-9);
+        // The error grows as the strain: its root mean square is that of k/20 for k = 0 to 20.
+        let square = (0..21).map(|k| (f64::from(k) / 20.0).powi(2)).sum::<f64>() / 21.0;
+        assert!((found.deviator_stress.unwrap() - 0.1 * square.sqrt()).abs() < 1e-9);
+        assert_eq!((found.volumetric_strain, found.void_ratio), (Some(0.0), Some(0.0)));
+        let shorter =
+            LaboratoryTest { axial_strain: run.curves.axial_strain[..11].to_vec(), ..run.curves.clone() };
+        let found = errors(&RunCurves { name: "run".into(), curves: shorter }, &test(100e3));
+        assert!((found.up_to - 0.1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_a_test_lacks_is_not_compared() {
+        let run = RunCurves { name: "run".into(), curves: test(1e5) };
+        let lacking = LaboratoryTest { deviator_stress: Vec::new(), void_ratio: Vec::new(), ..test(1e5) };
+        let found = errors(&run, &lacking);
+        assert_eq!((found.deviator_stress, found.peak, found.void_ratio), (None, None, None));
+        let (figure, caption) = figure(&[run], &[&lacking]);
+        assert_eq!(figure.panels.len(), 1);
+        assert!(caption.starts_with("volumetric strain against"));
+        assert!(figure.to_svg().contains("T1"));
+    }
+}

@@ -1,0 +1,182 @@
+//! `granum compare`: runs over the curves of laboratory tests.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use granum_io::{Conventions, LaboratoryTest, Run, check_output_file, read_laboratory};
+use granum_report::comparison::{Errors, RunCurves, errors, figure};
+use granum_run::record::read_record;
+use serde_json::{Value, json};
+
+use super::records::check_begun;
+use crate::context::Context;
+use crate::failure::Failure;
+use crate::output;
+
+/// Draw runs over the curves of laboratory tests (deviator stress, volumetric strain, void ratio against axial strain) and print
+/// the differences.
+///
+/// The laboratory's file is a CSV with a row for each reading. Its header names the columns with their units, e.g. `axial_strain
+/// (%)` or `axial_stress_kPa`; known are axial_strain, volumetric_strain, axial_stress, lateral_stress, deviator_stress,
+/// mean_stress, void_ratio, initial_void_ratio and test (a name, where the file holds several tests). Compression is positive and
+/// strains are engineering strains, unless flags or comments `# compression = negative` and `# strain = logarithmic` in the file
+/// say otherwise. The logarithmic strains of runs are converted.
+#[derive(Args)]
+#[command(
+    after_help = "Example:\n  granum compare run-dense data/lab/karlsruhe-fine-sand-drained.csv --test TMD22\n  granum compare run-1 run-2 \
+                  lab.csv --map axial_strain='eps1 (%)' --map deviator_stress='q (kPa)' --compression negative"
+)]
+pub struct Compare {
+    /// Run folders, and the laboratory's file last.
+    #[arg(required = true, num_args = 2.., value_names = ["RUN", "LAB.csv"])]
+    files: Vec<PathBuf>,
+    /// A test of the file; can be repeated. All tests of a file with no more than three are drawn without it.
+    #[arg(long, value_name = "NAME")]
+    test: Vec<String>,
+    /// The column of a quantity, e.g. --map axial_strain='eps1 (%)'; can be repeated.
+    #[arg(long, value_name = "QUANTITY=COLUMN")]
+    map: Vec<String>,
+    /// Sign of compression in the file.
+    #[arg(long, value_enum)]
+    compression: Option<Sign>,
+    /// Kind of the strains in the file.
+    #[arg(long, value_enum)]
+    strain: Option<Strain>,
+    /// Figure to write.
+    #[arg(short, long, default_value = "compare.svg", value_name = "FILE")]
+    output: PathBuf,
+}
+
+/// Sign of compression.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Sign {
+    /// Compression is positive.
+    Positive,
+    /// Compression is negative.
+    Negative,
+}
+
+/// Kind of strain.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Strain {
+    /// Changes over initial lengths and volume.
+    Engineering,
+    /// Logarithms of ratios.
+    Logarithmic,
+}
+
+/// Largest number of tests that are drawn without being named.
+const MOST_TESTS: usize = 3;
+
+impl Compare {
+    pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        let Some((lab, folders)) = self.files.split_last() else {
+            return Err(Failure::new("nothing to compare"));
+        };
+        if lab.is_dir() {
+            return Err(Failure::new(format!(
+                "{}: is a folder; the laboratory's file comes last",
+                lab.display()
+            )));
+        }
+        check_output_file(&self.output, context.force)?;
+        let tests = read_laboratory(lab, &self.conventions()?)?;
+        let tests = self.chosen(&tests)?;
+        let runs = folders.iter().map(|folder| curves(folder)).collect::<Result<Vec<_>, _>>()?;
+        let (figure, _) = figure(&runs, &tests);
+        granum_io::atomic::write_atomically(&self.output, |file| {
+            std::io::Write::write_all(file, figure.to_svg().as_bytes())
+        })?;
+        let pairs: Vec<(String, String, Errors)> = (runs.iter())
+            .flat_map(|run| {
+                tests.iter().map(move |test| (run.name.clone(), test.name.clone(), errors(run, test)))
+            })
+            .collect();
+        output::say(context, &as_json(&pairs, &self.output), || {
+            format!("{}\nwrote {}", text(&pairs), self.output.display())
+        })
+    }
+
+    fn conventions(&self) -> Result<Conventions, Failure> {
+        let mut conventions = Conventions {
+            compression_negative: self.compression.map(|sign| sign == Sign::Negative),
+            logarithmic: self.strain.map(|strain| strain == Strain::Logarithmic),
+            ..Conventions::default()
+        };
+        for text in &self.map {
+            let Some((quantity, column)) = text.split_once('=') else {
+                return Err(Failure::new(format!(
+                    "--map {text:?}: a quantity and its column are needed, as --map axial_strain='eps1 (%)'"
+                )));
+            };
+            conventions.columns.push((quantity.trim().to_string(), column.trim().to_string()));
+        }
+        Ok(conventions)
+    }
+
+    /// The tests that are drawn.
+    fn chosen<'a>(&self, tests: &'a [LaboratoryTest]) -> Result<Vec<&'a LaboratoryTest>, Failure> {
+        let names = || tests.iter().map(|test| test.name.as_str()).collect::<Vec<_>>().join(", ");
+        if self.test.is_empty() {
+            if tests.len() > MOST_TESTS {
+                let message =
+                    format!("the file holds {} tests; choose some with --test: {}", tests.len(), names());
+                return Err(Failure::new(message));
+            }
+            return Ok(tests.iter().collect());
+        }
+        let find = |name: &String| {
+            tests.iter().find(|test| test.name == *name).ok_or_else(|| {
+                Failure::new(format!("--test {name}: there is no such test; there are {}", names()))
+            })
+        };
+        self.test.iter().map(find).collect()
+    }
+}
+
+fn curves(folder: &PathBuf) -> Result<RunCurves, Failure> {
+    let run = Run::at(folder)?;
+    check_begun(&run, &run.record()?)?;
+    let name = folder
+        .file_name()
+        .map_or_else(|| folder.display().to_string(), |name| name.to_string_lossy().into_owned());
+    Ok(RunCurves::of(&name, &read_record(&run)?))
+}
+
+fn as_json(pairs: &[(String, String, Errors)], output: &PathBuf) -> Value {
+    let pair = |(run, test, errors): &(String, String, Errors)| {
+        json!({
+            "run": run,
+            "test": test,
+            "up_to_axial_strain": errors.up_to,
+            "deviator_stress_error": errors.deviator_stress,
+            "peak_deviator_stress_error": errors.peak,
+            "volumetric_strain_error": errors.volumetric_strain,
+            "void_ratio_error": errors.void_ratio,
+        })
+    };
+    json!({ "comparisons": pairs.iter().map(pair).collect::<Vec<_>>(), "figure": output })
+}
+
+fn text(pairs: &[(String, String, Errors)]) -> String {
+    let percent =
+        |value: Option<f64>| value.map_or("-".to_string(), |value| format!("{:.1} %", 100.0 * value));
+    let mut lines = vec![format!(
+        "{:<20} {:<12} {:>12} {:>12} {:>12} {:>16} {:>12}",
+        "run", "test", "up to eps_1", "q (rms)", "largest q", "eps_v (rms)", "e (rms)"
+    )];
+    for (run, test, errors) in pairs {
+        let void_ratio = errors.void_ratio.map_or("-".to_string(), |value| format!("{value:.4}"));
+        let volume = errors
+            .volumetric_strain
+            .map_or("-".to_string(), |value| format!("{:.2} % strain", 100.0 * value));
+        lines.push(format!(
+            "{run:<20} {test:<12} {:>12} {:>12} {:>12} {volume:>16} {void_ratio:>12}",
+            percent(Some(errors.up_to)),
+            percent(errors.deviator_stress),
+            percent(errors.peak),
+        ));
+    }
+    lines.push("q: relative to the largest q of the test; largest q: run over test minus one".into());
+    lines.join("\n")
+}

@@ -1,0 +1,61 @@
+//! Ready cases, one file each in `crates/granum/gallery/`. A new one is its file and its line in [`CASES`].
+
+/// A ready case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct ReadyCase {
+    /// Its name, for `granum init --case NAME`.
+    pub name: &'static str,
+    /// The text of the case file, whose first comment line says what it is.
+    pub text: &'static str,
+}
+
+macro_rules! cases {
+    ($($name:literal,)*) => {
+        /// All ready cases.
+        ///
+        /// ```
+        /// use granum::gallery::CASES;
+        /// use granum_io::Case;
+        ///
+        /// let ready = CASES.iter().find(|ready| ready.name == "drained-dense").unwrap();
+        /// assert!(ready.title().contains("dense"));
+        /// let case = Case::parse(ready.text, "drained-dense.toml")?;
+        /// assert!(case.has_stages());
+        /// # Ok::<(), granum_io::Error>(())
+        /// ```
+        pub const CASES: &[ReadyCase] = &[$(
+            ReadyCase { name: $name, text: include_str!(concat!("../gallery/", $name, ".toml")) },
+        )*];
+    };
+}
+
+cases! {
+    "paper",
+    "drained-dense",
+    "drained-loose",
+    "undrained-loose",
+    "undrained-dense",
+    "cyclic-undrained",
+    "cyclic-drained",
+    "simple-shear",
+    "true-triaxial",
+    "powder-oedometer",
+    "wet-grains",
+    "rolling-resistance",
+    "karlsruhe-dense",
+    "karlsruhe-loose",
+    "strain-history",
+}
+
+impl ReadyCase {
+    /// What it is, from the first line of its file.
+    pub fn title(&self) -> &'static str {
+        self.text.lines().next().unwrap_or_default().trim_start_matches('#').trim()
+    }
+
+    /// The ready case of a name.
+    pub fn named(name: &str) -> Option<&'static ReadyCase> {
+        CASES.iter().find(|ready| ready.name == name)
+    }
+}

@@ -1,0 +1,237 @@
+//! Every ready case, small: does it show what it says?
+
+use granum::gallery::{CASES, ReadyCase};
+use granum_io::Case;
+use granum_run::Laboratory;
+use granum_run::laboratory::TestResult;
+
+/// A ready case with fewer grains, faster, and with keys changed.
+fn small(name: &str, changes: &[(&str, &str)]) -> Case {
+    let ready = ReadyCase::named(name).unwrap();
+    let mut case = Case::parse(ready.text, name).unwrap();
+    case.set("grains.count", "400").unwrap();
+    case.set("preparation.inertial_number", "5e-3").unwrap();
+    case.set("preparation.unbalanced_force", "5e-3").unwrap();
+    for (key, value) in changes {
+        case.set(key, value).unwrap_or_else(|error| panic!("{name}: {error}"));
+    }
+    case
+}
+
+fn test(case: &Case) -> TestResult {
+    Laboratory::here().test(case).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A column of the last stage.
+fn column(test: &TestResult, name: &str) -> Vec<f64> {
+    let series = &test.record.series;
+    let values = series.values(name).unwrap_or_else(|| panic!("no column {name}"));
+    let Some(stages) = series.values("stage") else { return values.to_vec() };
+    let last = stages[stages.len() - 1];
+    values.iter().zip(stages).filter(|(_, stage)| **stage == last).map(|(value, _)| *value).collect()
+}
+
+fn last(test: &TestResult, name: &str) -> f64 {
+    *column(test, name).last().unwrap()
+}
+
+/// Mean over the last fifth of the states.
+fn late(test: &TestResult, name: &str) -> f64 {
+    let values = column(test, name);
+    let from = values.len() - values.len().div_ceil(5);
+    values[from..].iter().sum::<f64>() / (values.len() - from) as f64
+}
+
+fn peak(test: &TestResult, name: &str) -> f64 {
+    column(test, name).into_iter().fold(f64::NEG_INFINITY, f64::max)
+}
+
+#[test]
+fn every_case_is_read_and_has_a_title() {
+    for ready in CASES {
+        let case = Case::parse(ready.text, ready.name).unwrap_or_else(|error| panic!("{error}"));
+        case.check().unwrap();
+        assert!(ready.title().len() > 30 && ready.title().ends_with('.'), "{}", ready.name);
+        assert_eq!(CASES.iter().filter(|other| other.name == ready.name).count(), 1);
+    }
+    assert_eq!(Case::parse(ReadyCase::named("paper").unwrap().text, "paper").unwrap(), Case::default());
+}
+
+/// The book shows every case, with its picture.
+#[test]
+fn every_case_has_a_section_and_a_picture_in_the_book() {
+    let book = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/src/");
+    let page = std::fs::read_to_string(format!("{book}gallery.md")).unwrap();
+    for ready in CASES {
+        assert!(page.contains(&format!("granum init --case {}", ready.name)), "{}", ready.name);
+        let section = page
+            .lines()
+            .find(|line| line.starts_with("![") && line.contains(&format!("gallery-{}", ready.name)));
+        let line = section.unwrap_or_else(|| panic!("no picture of {}", ready.name));
+        let file = line.split('(').nth(1).unwrap().trim_end_matches(')');
+        assert!(std::path::Path::new(&format!("{book}{file}")).is_file(), "{file}");
+    }
+}
+
+const DENSE: &[(&str, &str)] =
+    &[("stage.1.axial_strain", "0.2"), ("stage.1.inertial_number", "3e-3"), ("stage.1.states", "40")];
+
+/// Dense sand has a peak and dilates, loose sand contracts without a peak, and both end at one strength and one density.
+#[test]
+fn drained_samples_meet_at_the_critical_state() {
+    let far =
+        [("stage.1.axial_strain", "0.35"), ("stage.1.inertial_number", "3e-3"), ("stage.1.states", "60")];
+    let [dense, loose] = ["drained-dense", "drained-loose"].map(|name| test(&small(name, &far)));
+    let solid = |test: &TestResult| column(test, "solid_fraction");
+    assert!(solid(&dense)[0] > solid(&loose)[0] + 0.04, "{} {}", solid(&dense)[0], solid(&loose)[0]);
+    assert!(last(&dense, "volumetric_strain") < -0.03, "{}", last(&dense, "volumetric_strain"));
+    assert!(peak(&loose, "volumetric_strain") > 0.005, "{}", peak(&loose, "volumetric_strain"));
+    let ratio = "von_mises_ratio";
+    assert!(
+        peak(&dense, ratio) > 1.2 * late(&dense, ratio),
+        "{} {}",
+        peak(&dense, ratio),
+        late(&dense, ratio)
+    );
+    assert!((late(&dense, ratio) / late(&loose, ratio) - 1.0).abs() < 0.12);
+    assert!((late(&dense, "solid_fraction") - late(&loose, "solid_fraction")).abs() < 0.015);
+}
+
+/// At constant volume a loose sample loses its mean stress, and a dense one gains.
+#[test]
+fn undrained_samples_lose_or_gain_mean_stress_by_their_density() {
+    let [loose, dense] = ["undrained-loose", "undrained-dense"].map(|name| {
+        test(&small(
+            name,
+            &[
+                ("stage.1.axial_strain", "0.08"),
+                ("stage.1.inertial_number", "3e-3"),
+                ("stage.1.states", "40"),
+            ],
+        ))
+    });
+    let p = |test: &TestResult| column(test, "mean_stress");
+    assert!(p(&loose).into_iter().fold(f64::INFINITY, f64::min) < 40e3, "{:?}", p(&loose));
+    assert!(last(&dense, "mean_stress") > 300e3, "{:?}", p(&dense));
+}
+
+/// Undrained cycles take the mean stress away; drained ones leave a strain behind.
+#[test]
+fn cycles_liquefy_or_ratchet() {
+    let undrained = test(&small("cyclic-undrained", &[("stage.1.inertial_number", "3e-3")]));
+    let p = column(&undrained, "mean_stress");
+    assert!(p.iter().copied().fold(f64::INFINITY, f64::min) < 30e3, "{p:?}");
+    let drained = test(&small(
+        "cyclic-drained",
+        &[("stage.1.inertial_number", "3e-3"), ("stage.2.inertial_number", "3e-3"), ("stage.2.cycles", "6")],
+    ));
+    let strain = column(&drained, "axial_strain");
+    // The strain between the first and the last cycle is more than that of a single cycle.
+    let third = strain.len() / 3;
+    let middle = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    assert!(middle(&strain[2 * third..]) > middle(&strain[..third]), "{strain:?}");
+}
+
+/// The larger principal stress turns from the vertical towards 45 degrees.
+#[test]
+fn principal_axes_turn_in_simple_shear() {
+    let sheared = test(&small(
+        "simple-shear",
+        &[("stage.1.shear_strain", "0.15"), ("stage.1.inertial_number", "3e-3")],
+    ));
+    let [x, y, xy] = ["stress_11", "stress_22", "stress_12"].map(|name| late(&sheared, name));
+    let angle = 0.5 * (2.0 * xy).atan2(x - y).to_degrees();
+    assert!((30.0..60.0).contains(&angle.abs()), "{angle}");
+    assert!((y / 100e3 - 1.0).abs() < 0.02 && xy.abs() > 0.2 * y, "{x} {y} {xy}");
+}
+
+/// q/p falls with b, between Drucker and Prager's cone and Mohr and Coulomb's pyramid, as Matsuoka and Nakai or Lade and Duncan
+/// have it: for a friction angle of 20 to 35 degrees in compression the strength at b = 1 is 0.70 to 0.86 of that at b = 0.
+#[test]
+fn strength_falls_with_b() {
+    let tested = test(&small("true-triaxial", &[]));
+    let series = &tested.record.series;
+    let (stages, ratio) = (series.values("stage").unwrap(), series.values("von_mises_ratio").unwrap());
+    let mut of_stage: Vec<(f64, f64)> = Vec::new();
+    for (stage, value) in stages.iter().zip(ratio) {
+        match of_stage.iter_mut().find(|(known, _)| known == stage) {
+            Some((_, most)) => *most = most.max(value.abs()),
+            None => of_stage.push((*stage, value.abs())),
+        }
+    }
+    let strengths: Vec<f64> = of_stage.iter().rev().take(5).rev().map(|(_, most)| *most).collect();
+    assert_eq!(strengths.len(), 5);
+    let share = strengths[4] / strengths[0];
+    assert!((0.62..0.92).contains(&share), "{strengths:?}");
+    assert!(strengths[2] < strengths[0] && strengths[4] < strengths[1], "{strengths:?}");
+}
+
+/// A cohesive powder packs loosely, collapses under load and does not come back.
+#[test]
+fn a_powder_collapses_and_stays_so() {
+    let loaded = test(&small(
+        "powder-oedometer",
+        &[("stage.1.inertial_number", "5e-3"), ("stage.1.interval", "1e-2")],
+    ));
+    let series = &loaded.record.series;
+    let void: Vec<f64> =
+        series.values("solid_fraction").unwrap().iter().map(|solid| 1.0 / solid - 1.0).collect();
+    let least = void.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(void[0] > 0.9 && least < void[0] - 0.2, "{void:?}");
+    assert!(void[void.len() - 1] - least < 0.1 * (void[0] - least), "{void:?}");
+}
+
+/// Liquid bridges give strength where next to none presses the grains together.
+#[test]
+fn wet_grains_have_cohesion() {
+    let quick =
+        [("stage.1.axial_strain", "0.1"), ("stage.1.inertial_number", "5e-3"), ("stage.1.states", "20")];
+    let wet = test(&small("wet-grains", &quick));
+    let mut dry = small("wet-grains", &quick);
+    dry.set("contact.adhesion", "none").unwrap();
+    let dry = test(&dry);
+    let strength = |test: &TestResult| peak(test, "von_mises_stress");
+    assert!(strength(&wet) > 1.5 * strength(&dry), "{} {}", strength(&wet), strength(&dry));
+}
+
+#[test]
+fn resistance_to_rolling_makes_grains_stronger() {
+    let with = test(&small("rolling-resistance", DENSE));
+    let mut free = small("rolling-resistance", DENSE);
+    free.contact.parameters.unset("rolling_friction");
+    free.set("contact.rolling", "none").unwrap();
+    let without = test(&free);
+    let ratio = "von_mises_ratio";
+    assert!(
+        late(&with, ratio) > 1.1 * late(&without, ratio),
+        "{} {}",
+        late(&with, ratio),
+        late(&without, ratio)
+    );
+}
+
+/// Both samples of Karlsruhe sand have the sieve curve, and the dense one is stronger and dilates more, as in the laboratory.
+#[test]
+fn karlsruhe_sand_dilates_by_its_density() {
+    let quick =
+        [("stage.1.axial_strain", "0.12"), ("stage.1.inertial_number", "3e-3"), ("stage.1.states", "30")];
+    let [dense, loose] = ["karlsruhe-dense", "karlsruhe-loose"].map(|name| test(&small(name, &quick)));
+    assert!(peak(&dense, "von_mises_ratio") > 1.1 * peak(&loose, "von_mises_ratio"));
+    assert!(last(&dense, "volumetric_strain") < last(&loose, "volumetric_strain") - 0.02);
+    let radii: Vec<f64> = dense.simulation.assembly().grains.iter().map(|grain| grain.radius).collect();
+    let mass =
+        |of: &dyn Fn(f64) -> bool| radii.iter().filter(|r| of(2.0 * **r)).map(|r| r.powi(3)).sum::<f64>();
+    let finer = mass(&|d| d < 0.1249e-3) / mass(&|_| true);
+    assert!((finer - (0.2824 - 0.0153) / (1.0 - 0.0153)).abs() < 0.01, "{finer}");
+}
+
+#[test]
+fn a_history_of_strains_is_followed() {
+    let done = test(&small("strain-history", &[("stage.1.inertial_number", "3e-3")]));
+    let end = |name: &str| *done.record.series.values(name).unwrap().last().unwrap();
+    for (name, strain) in [("axial_strain", 0.009), ("lateral_strain_2", -0.001), ("shear_strain_xy", -0.01)]
+    {
+        assert!((end(name) - strain).abs() < 2e-5, "{name}: {}", end(name));
+    }
+    assert!(end("stress_12") < 0.0, "the last row shears the other way");
+}
