@@ -1,4 +1,4 @@
-//! What all parts of granum speak of: a periodic [`cell`], an [`assembly`] of grains and contacts at one moment, tables of
+//! Common types of granum: a periodic [`cell`], an [`assembly`] of grains and contacts at one moment, tables of
 //! named columns, [`quantity`] with units, the nearest name to one that is not
 //! known, one [`digest`], [`json`] that can be read, and [`parallel`] work.
 //!

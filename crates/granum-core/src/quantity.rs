@@ -201,12 +201,12 @@ fn unit(text: &str) -> Result<Unit, String> {
             _ => format!("has the unknown unit {factor:?}"),
         })?;
         let power = power.filter(|p| (-4..=4).contains(p)).ok_or_else(|| {
-            format!("has the unit {factor:?}, whose exponent is no whole number from -4 to 4")
+            format!("has the unit {factor:?}, whose exponent must be a whole number from -4 to 4")
         })? * if divides { -1 } else { 1 };
         total.dimension = total
             .dimension
             .times(known.dimension, power)
-            .ok_or_else(|| format!("has the unit {:?} with too large exponents", text.trim()))?;
+            .ok_or_else(|| format!("has the unit {:?}, whose exponents are too large", text.trim()))?;
         total.exponent += known.exponent * i32::from(power);
         total.factor *= known.factor.powi(i32::from(power));
     }
@@ -258,7 +258,7 @@ pub fn parse_quantity(text: &str, wanted: Dimension) -> Result<f64, String> {
         let what = if text.parse::<f64>().is_ok() { "is not finite" } else { "does not start with a number" };
         return Err(format!("{what}; {}", expected(wanted)));
     }
-    let number_error = || format!("is not a number that fits; {}", expected(wanted));
+    let number_error = || format!("is not a number in the range of a double; {}", expected(wanted));
     let value = if rest.trim().is_empty() {
         number.parse().map_err(|_| number_error())?
     } else {

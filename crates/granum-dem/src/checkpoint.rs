@@ -28,11 +28,14 @@ pub enum CheckpointError {
     #[error("this is not a granum checkpoint (it does not start with GRANUMCP)")]
     NotACheckpoint,
     /// Written by a newer granum.
-    #[error("the checkpoint has version {0}, this granum reads up to {VERSION}: use a newer granum")]
+    #[error(
+        "the checkpoint has version {0}, but this granum reads versions up to {VERSION}: use a newer granum"
+    )]
     Newer(u32),
     /// Written by an older granum.
     #[error(
-        "the checkpoint has version {0}, this granum reads version {VERSION}: run the case again, or use the granum that wrote it"
+        "the checkpoint has version {0}, but this granum reads version {VERSION}: run the case again, or use the \
+         granum that wrote it"
     )]
     Older(u32),
     /// Cut short.
@@ -44,7 +47,7 @@ pub enum CheckpointError {
         expected: u64,
     },
     /// The content does not match its checksum.
-    #[error("the checkpoint is damaged: its checksum does not fit its content")]
+    #[error("the checkpoint is damaged: its checksum does not match its content")]
     Damaged,
     /// The checksum is correct, but the content is impossible.
     #[error("the checkpoint contradicts itself: {0}")]
@@ -157,7 +160,7 @@ impl Simulation {
         integrator.expected_force = body.expected_force;
         let [tangential, moments, adhesion, normal] = integrator.properties.contact.history();
         if integrator.state.pairs.columns != [NORMAL_COLUMNS + tangential, moments, adhesion, normal] {
-            return Err(inconsistent("contact memory does not fit the contact laws"));
+            return Err(inconsistent("the contact history does not match the contact laws"));
         }
         integrator.prepare_constants();
         Ok((simulation, body.attachment))
@@ -239,8 +242,8 @@ fn check_state(state: &State) -> Result<(), CheckpointError> {
     let lists = [p.second.len(), p.target.len(), p.image.len(), p.marks.len()];
     require(lists == [batches; 4], "lists of pairs")?;
     let columns = p.columns.iter().fold(0usize, |sum, count| sum.saturating_add(*count));
-    require((NORMAL_COLUMNS..64).contains(&p.columns[0]) && columns < 64, "columns of contact memory")?;
-    require(p.memory.len() == batches * columns, "contact memory")?;
+    require((NORMAL_COLUMNS..64).contains(&p.columns[0]) && columns < 64, "columns of the contact history")?;
+    require(p.memory.len() == batches * columns, "contact history")?;
     require(p.outer_offsets.len() == n + 1, "offsets of grains")?;
     let ordered = p.outer_offsets.windows(2).all(|w| w[0] <= w[1]);
     require(p.blocks.len() < 1 << 20, "blocks of pairs")?;
@@ -270,7 +273,7 @@ fn check_seconds(p: &Pairs, grains: usize) -> Result<(), CheckpointError> {
             (second[l] as usize) < grains || (second[l] as usize == grains + 1 && !acted)
         })
     };
-    if p.second.iter().zip(&p.marks).all(good) { Ok(()) } else { Err(inconsistent("places of grains")) }
+    if p.second.iter().zip(&p.marks).all(good) { Ok(()) } else { Err(inconsistent("indices of grains")) }
 }
 
 /// Blocks must follow each other without a gap, and no two of them may write the same row: threads process them
@@ -411,7 +414,7 @@ pub(crate) mod tests {
             let block = inner.expect("the batch is in a block");
             block.inner_ends = [block.batches[1], block.batches[2]];
         });
-        assert_eq!(found.err(), Some(inconsistent("places of grains")));
+        assert_eq!(found.err(), Some(inconsistent("indices of grains")));
     }
 
     /// Found by fuzzing: adhesion that reaches the phantom.
@@ -429,7 +432,7 @@ pub(crate) mod tests {
         assert_eq!(refused(|_| {}), None);
         said(
             |m| m.youngs_modulus = 1e3,
-            "beyond half the radius, where the theory of small contacts ends: lower",
+            "beyond half the radius, where the theory of small contacts fails: lower",
         );
         said(|m| m.youngs_modulus = 0.0, "the material's youngs_modulus is 0; it must be positive");
         said(|m| m.poissons_ratio = 0.51, "poissons_ratio");

@@ -110,7 +110,7 @@ impl Material {
         let table = [
             ("density", density, positive(density), "positive"),
             ("youngs_modulus", youngs_modulus, positive(youngs_modulus), "positive"),
-            ("poissons_ratio", poissons_ratio, possible, "above -1, at most 0.5"),
+            ("poissons_ratio", poissons_ratio, possible, "above -1 and at most 0.5"),
             ("friction", friction, not_negative(friction), "zero or positive"),
             ("interface_energy", interface_energy, not_negative(interface_energy), "zero or positive"),
         ];

@@ -85,7 +85,7 @@ pub enum MixtureError {
     #[error("a material has no name; give each one")]
     NoName,
     /// A rule for a material that there is not.
-    #[error("a pair names the material {name:?}, which is not there; there are {known}")]
+    #[error("a pair names the material {name:?}, which does not exist; there are {known}")]
     UnknownName {
         /// The name.
         name: String,
@@ -507,13 +507,13 @@ mod tests {
         let rule = PairRule { between: ["hard".into(), "sott".into()], ..PairRule::default() };
         assert!(
             said(&two([0.5, 0.5]).with_pair(rule))
-                .contains("\"sott\", which is not there; there are hard, soft")
+                .contains("\"sott\", which does not exist; there are hard, soft")
         );
         let mut bad = two([0.5, 0.5]);
         bad.components[0].material.density = 0.0;
         assert_eq!(said(&bad), "density of the material \"hard\" is 0; it must be positive");
         let mut unused = two([0.5, 0.5]);
         unused.components[0].parameters.set("rolling_friction", 0.1).unwrap();
-        assert!(said(&unused).contains("the material \"hard\": contact.rolling_friction means nothing"));
+        assert!(said(&unused).contains("the material \"hard\": contact.rolling_friction has no effect"));
     }
 }

@@ -134,12 +134,16 @@ pub(crate) fn check_assignment(
     let wrong = |what: String| Err(SimulationError::Assignment { what });
     if materials.len() != wanted {
         return wrong(format!(
-            "materials are given for {} of {grains} grains, and there are {kinds} to choose from; each grain needs one",
+            "materials are given for {} grains, but there are {grains} grains and {kinds} materials; each grain needs \
+             one",
             materials.len()
         ));
     }
     match materials.iter().find(|k| **k as usize >= kinds) {
-        Some(k) => wrong(format!("a grain is of material {k}, but there are only {kinds}, from 0")),
+        Some(k) => wrong(format!(
+            "a grain has the material index {k}, but there are {kinds} materials, counted from \
+                                  0"
+        )),
         None => Ok(()),
     }
 }

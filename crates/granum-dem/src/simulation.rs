@@ -343,7 +343,8 @@ impl Integrator {
         if same {
             return Ok(ratio);
         }
-        let what = "the materials of a simulation can change their densities only by one factor".into();
+        let what =
+            "the densities of the materials of a simulation can be changed only by a common factor".into();
         Err(SimulationError::Assignment { what })
     }
 

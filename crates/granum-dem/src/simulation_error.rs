@@ -44,8 +44,8 @@ pub enum SimulationError {
     },
     /// Adhesion beyond the theory of small contacts.
     #[error(
-        "the adhesion of grains of radius {radius:e} m would hold them up to {reach:e} m apart, beyond half the radius, where \
-         the theory of small contacts ends: lower interface_energy or raise youngs_modulus"
+        "adhesion would hold grains of radius {radius:e} m together up to {reach:e} m apart, beyond half the radius, \
+         where the theory of small contacts fails: lower interface_energy or raise youngs_modulus"
     )]
     Adhesion {
         /// Smallest radius, m.
@@ -65,7 +65,7 @@ pub enum SimulationError {
         time_step: f64,
     },
     /// The cell became too thin for the grains.
-    #[error("the cell is {height:e} m thin, less than half of a grain's diameter {diameter:e} m")]
+    #[error("the cell is only {height:e} m thick, less than half of the diameter {diameter:e} m of a grain")]
     Thin {
         /// Smallest height of the cell, m.
         height: f64,

@@ -208,5 +208,5 @@ fn laws_that_do_not_go_together_are_refused() {
     assert!(said.to_string().starts_with(wanted), "{said}");
     let mut unused = wet(0.1);
     unused.adhesion = AdhesionKind::NONE;
-    assert!(refused(unused).to_string().starts_with("contact.bridge_volume means nothing with"));
+    assert!(refused(unused).to_string().starts_with("contact.bridge_volume has no effect with"));
 }

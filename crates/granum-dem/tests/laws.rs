@@ -196,7 +196,7 @@ fn parameters_are_checked() {
         Simulation::new(Cell::cuboid([1e-3; 3]), &[sphere], properties).err().map(|e| e.to_string()).unwrap()
     };
     let unused = soft(0.1, 0.2, 0.3).with(|contact| contact.rolling = RollingKind::NONE);
-    assert!(refused(unused).contains("contact.rolling_damping means nothing with"), "{}", refused(unused));
+    assert!(refused(unused).contains("contact.rolling_damping has no effect with"), "{}", refused(unused));
     let rough = soft(0.1, 3.0, 0.3);
     assert_eq!(refused(rough), "contact.rolling_friction is 3; it must be from 0 to 2");
     let hertz = soft(0.1, 0.1, 0.3).with(|contact| contact.normal = NormalKind::HERTZ);

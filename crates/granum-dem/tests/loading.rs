@@ -263,7 +263,7 @@ fn a_cyclic_stage_turns_round_and_counts() {
     stage.turns = Some(turns);
     let (ends, notes) = run(&mut s, &[stage]);
     assert_held(&ends[0]);
-    assert_eq!(ends[0].reason.to_string(), "it was turned round 4 times");
+    assert_eq!(ends[0].reason.to_string(), "it was reversed 4 times");
     let strains = || notes.taken.iter().map(|(_, strain)| strain[0][0]);
     let (low, high) = (strains().fold(1.0, f64::min), strains().fold(-1.0, f64::max));
     assert!(low < -0.8e-3 && low > -1.01e-3 && high > 0.8e-3 && high < 1.01e-3, "{low} {high}");
@@ -282,7 +282,7 @@ fn no_stage_can_hang() {
     stage.most_arc_length = Some(1e-3);
     let (ends, _) = run(&mut s, &[stage]);
     assert!(matches!(ends[0].reason, Reason::TooLong { .. }), "{}", ends[0].reason);
-    assert!(ends[0].reason.to_string().contains("none of its ends came"));
+    assert!(ends[0].reason.to_string().contains("none of its end conditions was met"));
 }
 
 /// With wide bands any steady segment counts as a critical state; the stage then ends before its strain is reached.

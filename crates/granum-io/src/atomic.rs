@@ -91,7 +91,7 @@ fn create_new(path: &Path) -> io::Result<File> {
 
 /// A name in the same folder, so that the renaming stays on one file system.
 fn name_beside(path: &Path) -> Result<PathBuf> {
-    let name = path.file_name().ok_or_else(|| Error::content(path, "is not the name of a file"))?;
+    let name = path.file_name().ok_or_else(|| Error::content(path, "is not a file name"))?;
     let mut hidden = OsString::from(".");
     hidden.push(name);
     hidden.push(format!(".{}-{}{UNFINISHED}", std::process::id(), COUNTER.fetch_add(1, Ordering::Relaxed)));

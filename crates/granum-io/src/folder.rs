@@ -9,7 +9,8 @@ use crate::error::{Error, Result};
 
 /// Largest length of a name that may come from a file.
 const LONGEST_NAME: usize = 100;
-const LINK: &str = "is a link; output stays in its folder, so put a real folder in its place or remove it";
+const LINK: &str =
+    "is a symbolic link; output must stay in its folder, so replace it by a folder or remove it";
 /// Longest content of a lock file: a process id.
 const LONGEST_LOCK: u64 = 32;
 
@@ -34,11 +35,14 @@ impl OutputFolder {
     /// set; [`Error::Locked`] if another process is using it; [`Error::File`] if it cannot be created.
     pub fn create(path: impl AsRef<Path>, force: bool) -> Result<OutputFolder> {
         let path = path.as_ref();
-        fs::create_dir_all(path).map_err(Error::file("make the folder", path))?;
+        fs::create_dir_all(path).map_err(Error::file("create the folder", path))?;
         // Checked before there is a lock file, so that a foreign folder is left unchanged.
         let granum = is_lock(&path.join(LOCK));
         if !granum && !is_empty(path)? {
-            return Err(Error::content(path, "holds files that granum did not write; choose another folder"));
+            return Err(Error::content(
+                path,
+                "contains files that granum did not write; choose another folder",
+            ));
         }
         let folder = OutputFolder::lock(path)?;
         if !force && !is_empty(path)? {
@@ -93,7 +97,7 @@ impl OutputFolder {
     fn lock(path: &Path) -> Result<OutputFolder> {
         let name = path.join(LOCK);
         if fs::symlink_metadata(&name).is_ok() && !is_lock(&name) {
-            return Err(Error::content(&name, "is no lock of granum's; choose another folder"));
+            return Err(Error::content(&name, "is not a lock file of granum; choose another folder"));
         }
         let mut file = OpenOptions::new()
             .create(true)
@@ -212,8 +216,7 @@ pub fn check_name(what: &str, name: &str) -> Result<()> {
     if !name.is_empty() && name.len() <= LONGEST_NAME && name.chars().all(plain) {
         return Ok(());
     }
-    let message =
-        format!("cannot be part of the name of a file; up to {LONGEST_NAME} letters, digits, - and _ can");
+    let message = format!("cannot be part of a file name; use up to {LONGEST_NAME} letters, digits, - and _");
     Err(Error::Value { name: what.into(), value: name.into(), message })
 }
 
@@ -229,7 +232,7 @@ pub fn inner_folder(folder: &Path, name: &str) -> Result<PathBuf> {
         Ok(kind) if kind.is_dir() => {}
         Ok(kind) if kind.is_symlink() => return Err(Error::content(&path, LINK)),
         Ok(_) => return Err(Error::content(&path, "is a file where a folder is needed; remove it")),
-        Err(_) => fs::create_dir_all(&path).map_err(Error::file("make the folder", &path))?,
+        Err(_) => fs::create_dir_all(&path).map_err(Error::file("create the folder", &path))?,
     }
     Ok(path)
 }
@@ -320,7 +323,7 @@ mod tests {
         fs::write(base.path().join("thesis.tex"), "mine").unwrap();
         for force in [false, true] {
             let error = OutputFolder::create(base.path(), force).unwrap_err().to_string();
-            assert!(error.contains("holds files that granum did not write"), "{error}");
+            assert!(error.contains("contains files that granum did not write"), "{error}");
         }
         assert!(!OutputFolder::is_free(base.path()) && !OutputFolder::is_granums(base.path()));
         assert!(OutputFolder::open(base.path()).is_err());
@@ -338,7 +341,7 @@ mod tests {
         {
             let message = check_name("snapshot", name).unwrap_err().to_string();
             assert!(
-                message.contains("snapshot = ") && message.contains("cannot be part of the name of a file"),
+                message.contains("snapshot = ") && message.contains("cannot be part of a file name"),
                 "{message}"
             );
         }
@@ -364,7 +367,7 @@ mod tests {
         let folder = OutputFolder::create(&path, false).unwrap();
         std::os::unix::fs::symlink(&outside, path.join("snapshots")).unwrap();
         let message = folder.subfolder("snapshots").unwrap_err().to_string();
-        assert!(message.contains("snapshots: is a link"), "{message}");
+        assert!(message.contains("snapshots: is a symbolic link"), "{message}");
         drop(folder);
         fs::write(outside.join("thesis"), "mine").unwrap();
         fs::remove_file(path.join(LOCK)).unwrap();

@@ -15,7 +15,7 @@ pub(crate) fn check_format(path: &Path, text: &str, newest: u32) -> Result<()> {
     let head: Head = serde_json::from_str(text).map_err(|error| damaged(path, &error))?;
     if head.format > newest {
         let message = format!(
-            "was written by a newer granum (format {}, known here up to {newest}); use that version",
+            "was written by a newer granum (format {}; this one reads up to {newest}); use that version",
             head.format
         );
         return Err(Error::content(path, message));
@@ -25,6 +25,6 @@ pub(crate) fn check_format(path: &Path, text: &str, newest: u32) -> Result<()> {
 
 /// The error for JSON that cannot be read: truncated or damaged.
 pub(crate) fn damaged(path: &Path, error: &serde_json::Error) -> Error {
-    let why = if error.is_eof() { "is cut short" } else { "is damaged" };
+    let why = if error.is_eof() { "is truncated" } else { "is damaged" };
     Error::content(path, format!("{why} ({error})"))
 }

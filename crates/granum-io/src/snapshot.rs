@@ -219,7 +219,7 @@ fn part(folder: &Path, name: &str, end: &str) -> PathBuf {
 /// [`Error::File`] if a file cannot be written; [`Error::Rule`] for an assembly without grains or with a contact of a grain
 /// that does not exist.
 pub fn write_snapshot(folder: &Path, name: &str, assembly: &Assembly) -> Result<()> {
-    fs::create_dir_all(folder).map_err(Error::file("make the folder", folder))?;
+    fs::create_dir_all(folder).map_err(Error::file("create the folder", folder))?;
     // In parts, since the tables of a large sample would need as much memory as its simulation.
     let path = part(folder, name, "grains.parquet");
     crate::formats::parquet::write_parts(&path, assembly.grains.len(), |rows| grain_rows(assembly, rows))?;
@@ -275,7 +275,7 @@ fn read_rows(path: &Path, rows: usize) -> Result<Table> {
     if table.rows() == rows {
         return Ok(table);
     }
-    Err(Error::content(path, format!("has {} rows, but its snapshot says {rows}", table.rows())))
+    Err(Error::content(path, format!("has {} rows, but its snapshot states {rows}", table.rows())))
 }
 
 fn read_grains(path: &Path, rows: usize) -> Result<Vec<Grain>> {
@@ -286,7 +286,7 @@ fn read_grains(path: &Path, rows: usize) -> Result<Vec<Grain>> {
         if !(*id >= 1.0 && id.fract() == 0.0) || (at > 0 && ids[at - 1] >= *id) {
             return Err(Error::content(
                 path,
-                format!("row {}: id = {id} is not above the one before", at + 1),
+                format!("row {}: id = {id} is not greater than the one before", at + 1),
             ));
         }
         grain.id = *id as u64;
@@ -295,7 +295,7 @@ fn read_grains(path: &Path, rows: usize) -> Result<Vec<Grain>> {
     if table.columns().iter().any(|column| column.name == MATERIAL) {
         for (row, (grain, material)) in grains.iter_mut().zip(table.column(MATERIAL)?).enumerate() {
             if !(*material >= 0.0 && material.fract() == 0.0 && *material < f64::from(u32::MAX)) {
-                let message = format!("row {}: material = {material} is no place in a list", row + 1);
+                let message = format!("row {}: material = {material} is not an index of a material", row + 1);
                 return Err(Error::content(path, message));
             }
             grain.material = *material as u32;

@@ -35,7 +35,7 @@ fn part_of(name: &str) -> Option<Part> {
 pub fn read_assembly(grains: &Path, contacts: Option<&Path>, edges: Vector) -> Result<(Assembly, Parts)> {
     if edges.iter().any(|edge| !(edge.is_finite() && *edge > 0.0)) {
         let value = format!("{edges:?}");
-        let message = "is no cell; its three edges must be positive lengths in m".to_string();
+        let message = "is not a cell; its three edges must be positive lengths in m".to_string();
         return Err(Error::Value { name: "cell".into(), value, message });
     }
     let table = read_table(grains)?;
@@ -49,7 +49,7 @@ pub fn read_assembly(grains: &Path, contacts: Option<&Path>, edges: Vector) -> R
     parts = fill_known(&mut rows, &GRAIN, &table, parts)?;
     rows.sort_by_key(|grain| grain.id);
     if let Some(pair) = rows.windows(2).find(|pair| pair[0].id == pair[1].id) {
-        return Err(Error::content(grains, format!("grain {} stands there twice", pair[0].id)));
+        return Err(Error::content(grains, format!("grain {} occurs twice", pair[0].id)));
     }
     let mut assembly = Assembly { cell: Cell::cuboid(edges).edges, grains: rows, ..Assembly::default() };
     if let Some(path) = contacts {
@@ -116,7 +116,7 @@ fn whole(path: &Path, what: &str, value: f64) -> Result<u64> {
     if value >= 0.0 && value.fract() == 0.0 && value < 1e15 {
         return Ok(value as u64);
     }
-    Err(Error::content(path, format!("{what} = {value} is no whole number")))
+    Err(Error::content(path, format!("{what} = {value} is not a whole number")))
 }
 
 #[cfg(test)]
@@ -165,12 +165,12 @@ mod tests {
     fn tables_that_are_none_are_refused_with_their_place() {
         let message = |grains: &str, contacts: Option<&str>| read(grains, contacts).unwrap_err().to_string();
         assert!(message("id,position_y\n1,2\n", None).contains("grains.csv: there is no column position_x"));
-        assert!(message(&GRAINS.replace("1,3,", "1,2,"), None).contains("grain 2 stands there twice"));
+        assert!(message(&GRAINS.replace("1,3,", "1,2,"), None).contains("grain 2 occurs twice"));
         assert!(
             message(GRAINS, Some("first,second\n2,9\n")).contains("contacts.csv: row 1: there is no grain 9")
         );
         assert!(message(GRAINS, Some("first\n2\n")).contains("there is no column second"));
-        assert!(message(&GRAINS.replace("1,3,", "1,3.5,"), None).contains("id = 3.5 is no whole number"));
+        assert!(message(&GRAINS.replace("1,3,", "1,3.5,"), None).contains("id = 3.5 is not a whole number"));
         let folder = Path::new("nowhere.csv");
         let error = read_assembly(folder, None, [1.0, 0.0, 1.0]).unwrap_err().to_string();
         assert!(error.contains("must be positive lengths"), "{error}");

@@ -15,7 +15,10 @@ pub(crate) fn read_small(path: &Path, largest: u64) -> Result<String> {
     let mut bytes = Vec::new();
     file.take(largest + 1).read_to_end(&mut bytes).map_err(Error::file("read", path))?;
     if bytes.len() as u64 > largest {
-        return Err(Error::content(path, format!("is larger than {largest} bytes; it is not such a file")));
+        return Err(Error::content(
+            path,
+            format!("is larger than {largest} bytes, which is too large for such a file"),
+        ));
     }
     String::from_utf8(bytes).map_err(|error| {
         let line =

@@ -116,7 +116,7 @@ fn check_units(columns: &Columns) -> Result<()> {
     let Some(other) = columns.outputs.iter().find(|other| other.unit != first.unit) else { return Ok(()) };
     let unit = |unit: &str| if unit.is_empty() { "no unit".to_string() } else { unit.to_string() };
     Err(LearnError::Dataset(format!(
-        "{} ({}) and {} ({}) have different units, and one score cannot hold both; fit them one by one",
+        "{} ({}) and {} ({}) have different units, and one score cannot cover both; fit them separately",
         first.name,
         unit(&first.unit),
         other.name,

@@ -156,7 +156,7 @@ impl Contents {
     pub fn next(&self, folder: &Path) -> Next {
         let name = quoted_path(folder);
         if OutputFolder::is_in_use(folder) {
-            return Next::only("a process is at work in it; wait");
+            return Next::only("another process is using it; wait");
         }
         let resume = || format!("granum resume {name}");
         match self {
@@ -166,11 +166,12 @@ impl Contents {
             }
             Contents::Run(Some(record)) => next_of_run(record, folder),
             Contents::Training { finished: true } => {
-                Next::new("judge it", format!("granum evaluate {name} RUN..."))
+                Next::new("evaluate it", format!("granum evaluate {name} RUN..."))
             }
             Contents::Training { .. } => Next::new("continue it", resume()),
             Contents::Reproduction { of: None, .. } => Next::only(
-                "no reproduction.json says with which options it was made; reproduce in another folder, or replace it with --force",
+                "there is no reproduction.json with its options; reproduce in another folder, or replace it with \
+                 --force",
             ),
             Contents::Reproduction { of: Some(of), finished } => {
                 let line = of.options.command_line(Some(folder));
@@ -182,7 +183,7 @@ impl Contents {
                     return Next::new("continue it", line);
                 }
                 Next::new(
-                    &format!("it was begun by granum {}; continue it by that version", of.granum_version),
+                    &format!("it was started by granum {}; continue it with that version", of.granum_version),
                     line,
                 )
             }
@@ -207,13 +208,14 @@ fn next_of_run(record: &RunRecord, folder: &Path) -> Next {
             let why = record.notes.last().map_or("it failed", String::as_str);
             Next {
                 text: format!(
-                    "{why}; once the cause is mended continue it: {resume}; or change the case and run it again with --force"
+                    "{why}; once the cause is removed, continue it: {resume}; or change the case and run it again with \
+                     --force"
                 ),
                 command: Some(resume),
             }
         }
         _ if checkpoint => Next::new("continue it", resume),
-        _ => Next::new("there is no checkpoint yet; begin again from its case", resume),
+        _ => Next::new("there is no checkpoint yet; start again from its case", resume),
     }
 }
 
@@ -235,8 +237,10 @@ pub fn check_free(folder: &Path, wanted: Kind, force: bool) -> Result<()> {
 /// The error for a folder that is refused because of its contents; `replaceable` is true if `--force` would replace them.
 pub fn taken(folder: &Path, contents: &Contents, wanted: &str, replaceable: bool) -> LearnError {
     let go_on = match contents.next(folder) {
-        Next { command: Some(command), .. } => format!("to continue from that: `{command}`; else choose"),
-        Next { text, .. } => format!("{text}; else choose"),
+        Next { command: Some(command), .. } => {
+            format!("to continue from that: `{command}`; otherwise choose")
+        }
+        Next { text, .. } => format!("{text}; otherwise choose"),
     };
     let replace = if replaceable {
         "another name, or give --force to replace it".to_string()

@@ -85,10 +85,10 @@ pub enum LearnError {
         reason: String,
     },
     /// The stored content of a surrogate is not what its method expects.
-    #[error("the content is not that of such a surrogate: {0}")]
+    #[error("the content is not that of a surrogate of this method: {0}")]
     Content(String),
     /// The contents of a folder would be replaced.
-    #[error("{} already holds {holds}; {advice}", folder.display())]
+    #[error("{} already contains {holds}; {advice}", folder.display())]
     Taken {
         /// The folder.
         folder: std::path::PathBuf,

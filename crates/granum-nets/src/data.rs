@@ -33,7 +33,7 @@ pub enum DataError {
         value: f64,
     },
     /// The number of independent observations is not positive.
-    #[error("{0} independent observations: a positive number is possible")]
+    #[error("{0} independent observations; the number must be positive")]
     Observations(f64),
 }
 
@@ -94,7 +94,7 @@ impl Data {
         let rows = inputs.len() / input_columns;
         if rows == 0 || inputs.len() != rows * input_columns {
             return Err(DataError::Shape(format!(
-                "{} input values are no whole number of rows of {input_columns} columns",
+                "{} input values are not a whole number of rows of {input_columns} columns",
                 inputs.len()
             )));
         }
@@ -141,13 +141,13 @@ impl Data {
         if points == 0 || !self.rows.is_multiple_of(points) {
             let rows = self.rows;
             return Err(DataError::Shape(format!(
-                "{rows} rows are no whole number of observations of {points} points"
+                "{rows} rows are not a whole number of observations of {points} points"
             )));
         }
         if points > 1 && (self.target_columns > 1 || self.weights.is_some() || self.validation.is_some()) {
             return Err(DataError::Shape(
-                "observations of several points have one target column, and their points no weights of their own; add \
-                 validation rows after them"
+                "observations of several points need one target column and points without weights; add validation rows \
+                 afterwards"
                     .into(),
             ));
         }
@@ -175,7 +175,9 @@ impl Data {
             return Err(DataError::Weight { row, value: weights[row] });
         }
         if self.points > 1 {
-            return Err(DataError::Shape("points of an observation have no weights of their own".into()));
+            return Err(DataError::Shape(
+                "the points of an observation cannot have individual weights".into(),
+            ));
         }
         let mean = weights.iter().sum::<f64>() / self.rows as f64;
         if mean == 0.0 {

@@ -131,7 +131,7 @@ impl Network {
     pub fn forward_on(&self, isa: Isa, inputs: &[f64]) -> Result<Vec<f64>, NetworkError> {
         let columns = self.inputs();
         if !inputs.len().is_multiple_of(columns) {
-            let text = format!("{} values are no whole number of rows of {columns} inputs", inputs.len());
+            let text = format!("{} values are not a whole number of rows of {columns} inputs", inputs.len());
             return Err(NetworkError::Row(text));
         }
         let mut outputs = vec![0.0; inputs.len() / columns * self.outputs()];

@@ -89,8 +89,8 @@ impl Intervals {
         if rising && finite && known && shape && factors {
             return Ok(());
         }
-        Err("the intervals need rising values of an input of the model, as many positive factors, and positive degrees \
-             of freedom"
+        Err("the intervals need increasing values of an input of the model, as many positive factors, and positive \
+             degrees of freedom"
             .into())
     }
 }

@@ -191,14 +191,14 @@ fn from_json(text: &str, name: &str) -> Result<Model, ModelError> {
 fn parse(text: &str) -> Result<Model, String> {
     let header: Header = serde_json::from_str(text).map_err(|error| {
         if error.is_eof() {
-            "the file ends too early: it is truncated; save the model again".to_string()
+            "the file is truncated; save the model again".to_string()
         } else {
-            format!("this is no model file: {error}")
+            format!("this is not a model file: {error}")
         }
     })?;
     if header.format.as_deref() != Some(FORMAT) {
         let found = header.format.unwrap_or_else(|| "none".into());
-        return Err(format!("this is no model file: \"format\" should be \"{FORMAT}\", found {found}"));
+        return Err(format!("this is not a model file: \"format\" should be \"{FORMAT}\", found {found}"));
     }
     let version = match header.version {
         Some(version @ 1..=VERSION) => version,
@@ -214,7 +214,7 @@ fn parse(text: &str) -> Result<Model, String> {
         body.is_some_and(|(body, rest)| rest.trim_end() == format!("{}\"\n}}", checksum(body, version)));
     if !intact {
         return Err(
-            "the checksum does not fit the content: the file was altered or damaged; save the model again"
+            "the checksum does not match the content: the file was altered or damaged; save the model again"
                 .into(),
         );
     }
@@ -229,7 +229,7 @@ fn assemble(file: File) -> Result<Model, String> {
     for (l, layer) in file.layers.iter().enumerate() {
         if layer.inputs != layers[l] {
             return Err(format!(
-                "layer {} takes {} inputs, but {} come to it",
+                "layer {} takes {} inputs, but the layer before gives {}",
                 l + 1,
                 layer.inputs,
                 layers[l]
@@ -312,9 +312,9 @@ fn load(path: &Path) -> Result<Model, ModelError> {
     file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(failed)?;
     let problem = |text: String| ModelError::File { path: name.clone(), problem: text };
     if bytes.len() as u64 > LARGEST_FILE {
-        return Err(problem(format!("larger than {LARGEST_FILE} bytes: this is no model file")));
+        return Err(problem(format!("larger than {LARGEST_FILE} bytes: this is not a model file")));
     }
     let text =
-        String::from_utf8(bytes).map_err(|_| problem("this is no model file: not UTF-8 text".into()))?;
+        String::from_utf8(bytes).map_err(|_| problem("this is not a model file: not UTF-8 text".into()))?;
     from_json(&text, &name)
 }

@@ -142,7 +142,7 @@ impl Model {
         if points == 0 || !(rows.len() / self.inputs.len()).is_multiple_of(points) {
             let found = rows.len() / self.inputs.len();
             return Err(ModelError::Columns(format!(
-                "{found} rows are no whole number of observations of {points} points"
+                "{found} rows are not a whole number of observations of {points} points"
             )));
         }
         let laplace = self.laplace.get_or_init(|| {

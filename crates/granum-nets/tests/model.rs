@@ -187,7 +187,7 @@ fn a_model_comes_back_from_a_value() {
         Model::from_value(&value, "f").unwrap_err().to_string()
     };
     assert!(forged("/version", 9.into()).contains("found format \"granum model\" version 9"));
-    assert!(forged("/layers/0/neurons", 7.into()).contains("takes 8 inputs, but 7 come to it"));
+    assert!(forged("/layers/0/neurons", 7.into()).contains("takes 8 inputs, but the layer before gives 7"));
 }
 
 /// The squares of the standard deviations by cause add up to that of the total, which is the value without causes.
@@ -221,11 +221,11 @@ fn damaged_files_are_told_apart() {
     assert!(message("").contains("truncated"));
     assert!(message(&text[..text.rfind(",\n  \"checksum\"").unwrap()]).contains("truncated"));
     assert!(message("{}").contains("\"format\" should be \"granum model\""));
-    assert!(message("strain,stress\n1,2\n").contains("no model file"));
+    assert!(message("strain,stress\n1,2\n").contains("not a model file"));
     let newer = text.replacen("\"version\": 3", "\"version\": 4", 1);
     assert!(message(&newer).contains("written by a newer granum (format version 4, this program reads 3)"));
     let altered = text.replacen("\"seed\": 11", "\"seed\": 12", 1);
-    assert!(message(&altered).starts_with("f.json: the checksum does not fit"));
+    assert!(message(&altered).starts_with("f.json: the checksum does not match"));
     let error = Model::load(&std::env::temp_dir().join("granum-there-is-no-such-model.json")).unwrap_err();
     assert!(error.to_string().contains("granum-there-is-no-such-model.json"));
     let folder = Folder::new("unwritable");
@@ -265,9 +265,13 @@ fn forged_files_are_refused_without_harm() {
         assert!(text.contains(from), "{from}");
         Model::from_json(&sealed(&text.replacen(from, to, 1)), "f").unwrap_err().to_string()
     };
-    assert!(forged("\"neurons\": 8", "\"neurons\": 4000000000").contains("but 4000000000 come to it"));
-    assert!(forged("\"neurons\": 8", "\"neurons\": 9").contains("takes 8 inputs, but 9 come to it"));
-    assert!(forged("\"inputs\": 3", "\"inputs\": 4").contains("takes 4 inputs, but 3 come to it"));
+    assert!(forged("\"neurons\": 8", "\"neurons\": 4000000000").contains("but the layer before gives"));
+    assert!(
+        forged("\"neurons\": 8", "\"neurons\": 9").contains("takes 8 inputs, but the layer before gives 9")
+    );
+    assert!(
+        forged("\"inputs\": 3", "\"inputs\": 4").contains("takes 4 inputs, but the layer before gives 3")
+    );
     assert!(forged("\"activation\": \"tanh\"", "\"activation\": \"relu\"").contains("relu"));
     assert!(forged("\"maximum\": 0.3", "\"maximum\": -1").contains("column deviator_strain"));
     assert!(forged("\"weights\": [", "\"weights\": [1.0, ").contains("weights"));

@@ -77,14 +77,14 @@ pub fn figure(run: &RunReport) -> (Figure, String) {
     }
     let last = path.last().copied();
     plot = plot
-        .with(Layer::line(path, color(0)).named("path of the stress"))
+        .with(Layer::line(path, color(0)).named("stress path"))
         .with(Layer::dots(last.into_iter().collect(), SHAPES[1], 2.7, INK))
         .note(Note::new("*σ*_{x}", [0.0, reach]).shifted([5.0, 12.0]));
     plot.x = Axis::new("(*σ*_{y} − *σ*_{z}) / (√2 *p*)").between(-reach, reach);
     plot.y = Axis::new("(2*σ*_{x} − *σ*_{y} − *σ*_{z}) / (√6 *p*)").between(-reach, reach);
-    let caption = "Path of the normal stresses in the deviatoric plane, over the mean stress; square: end. The criteria go through the \
-                   state of the largest *I*_{1}*I*_{2}/*I*_{3}: they say how strength would depend on the intermediate stress, and are \
-                   no fit.";
+    let caption = "Path of the normal stresses, divided by the mean stress, in the deviatoric plane; square: end. The \
+                   criteria pass through the state with the largest *I*_{1}*I*_{2}/*I*_{3}: they show how strength \
+                   would depend on the intermediate stress, and are not fitted.";
     (Figure::new("Deviatoric plane", 1, vec![Panel::plot(plot)]).sized(480.0, 474.0), caption.into())
 }
 

@@ -34,8 +34,8 @@ impl Balance {
             ("sliding friction", since_start("friction_loss")?),
             ("micro-slip", since_start("micro_slip_loss")?),
             ("contact damping", since_start("damping_loss")?),
-            ("adhesion made", since_start("adhesion_made_loss")?),
-            ("adhesion broken", since_start("adhesion_broken_loss")?),
+            ("making adhesive contacts", since_start("adhesion_made_loss")?),
+            ("breaking adhesive contacts", since_start("adhesion_broken_loss")?),
             (ELASTIC[0], elastic_normal),
             (ELASTIC[1], elastic_tangential),
             (KINETIC, since_start("kinetic_energy")?),
@@ -102,12 +102,14 @@ pub fn figure(run: &RunReport) -> Option<(Figure, String)> {
         energies = energies.with(Layer::stroked(shares(values), stroke).named(name));
     }
     let error: Vec<f64> = balance.residual().iter().map(|r| r / work).collect();
-    let closing = Plot::new(axis(), Axis::new("Gap of the energy balance over final work").including(0.0))
-        .with(Layer::stroked(vec![[0.0, 0.0], [1.0, 0.0]], Stroke::new(GREY, 0.8)))
-        .with(Layer::line(points(&error), color(0)));
+    let closing =
+        Plot::new(axis(), Axis::new("Residual of the energy balance over final work").including(0.0))
+            .with(Layer::stroked(vec![[0.0, 0.0], [1.0, 0.0]], Stroke::new(GREY, 0.8)))
+            .with(Layer::line(points(&error), color(0)));
     let panels = vec![Panel::plot(energies), Panel::plot(closing)];
-    let caption = "(a) Work of the boundary since the first recorded state, and what became of it, as shares of that work; \
-                   what is elastic (dashed) can be given back. (b) Boundary work that no mechanism accounts for, over the same.";
+    let caption = "(a) Boundary work since the first recorded state, and the energies into which it went, as shares of \
+                   that work; elastic energies (dashed) are recoverable. (b) Boundary work that no mechanism accounts \
+                   for, as a share of it.";
     Some((Figure::new("Energy by mechanism against strain", 2, panels), caption.to_owned()))
 }
 

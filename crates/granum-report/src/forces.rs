@@ -68,10 +68,10 @@ pub fn distribution(run: &RunReport) -> (Figure, String) {
         .with(Layer::horizontal(0.0, GREY))
         .with(Layer::line(run.against_strain("exponential_advantage"), color(0)));
     let panels = vec![Panel::plot(plot), Panel::plot(tail)];
-    let caption = "(a) Distribution of normal contact forces (adhesive contacts in tension have *f* < 0) and, for the end \
-                   of the test, the exponential and the half-Gaussian fitted to *f* > 1 by maximum likelihood. (b) \
-                   Log-likelihood of the exponential less that of the half-Gaussian: above zero the tail is nearer to an \
-                   exponential."
+    let caption = "(a) Distribution of normal contact forces (adhesive contacts in tension have *f* < 0) and, for the \
+                   end of the test, the exponential and the half-Gaussian fitted to *f* > 1 by maximum likelihood. (b) \
+                   Log-likelihood of the exponential minus that of the half-Gaussian: above zero the tail is closer to \
+                   an exponential."
         .to_owned();
     let figure = Figure::new("Distribution of normal forces on a logarithmic scale", 2, panels);
     (figure.sized(720.0, 310.0), caption)
@@ -146,14 +146,14 @@ pub fn roses(run: &RunReport) -> (Figure, String) {
         .collect();
     let columns = panels.len().max(1);
     let figure = Figure::new("Roses of contact normals", columns, panels);
-    let caption = "Directions of contact normals around the axis of compression (up), as densities over an isotropic \
-                   assembly (dashed circle): contacts counted, and contacts weighted by their normal force.";
+    let caption = "Directions of contact normals around the axis of compression (up), as densities relative to an \
+                   isotropic assembly (dashed circle): by number of contacts, and weighted by their normal force.";
     (figure.sized(720.0, 246.0).legend(Legend::Above), caption.to_owned())
 }
 
 /// Figure of slices through the sample before and after shear at one scale, with contacts drawn by their force.
 pub fn slices(start: Option<&Assembly>, end: Option<&Assembly>) -> Option<(Figure, String)> {
-    let titled = [(start, "before shear"), (end, "at the end")];
+    let titled = [(start, "at the start"), (end, "at the end")];
     let pictures: Vec<(ForceChains, &str)> = (titled.into_iter())
         .filter_map(|(assembly, title)| Some((assembly?, title)))
         .map(|(assembly, title)| (ForceChains::new(assembly, View::slice(assembly, 1.6)), title))
@@ -182,9 +182,10 @@ pub fn slices(start: Option<&Assembly>, end: Option<&Assembly>) -> Option<(Figur
 pub fn strong_network(assembly: &Assembly) -> (Figure, String) {
     let picture = ForceChains::new(assembly, View::strong());
     let height = ForceChains::height_for(picture.extent(), 632.0) + 8.0;
-    let caption = "Strong contacts (*N* > ⟨*N*⟩) of the whole cell at the end, seen along axis 3; the farther away, the \
-                   paler."
-        .to_owned();
+    let caption =
+        "Strong contacts (*N* > ⟨*N*⟩) of the whole cell at the end, seen along axis 3; contacts farther \
+                   away are paler."
+            .to_owned();
     let figure = Figure::new("Strong contacts of the whole cell", 1, vec![Panel::chains(picture)]);
     (figure.sized(640.0, height), caption)
 }

@@ -55,14 +55,14 @@ pub fn tiles(study: &StudyReport) -> Vec<[String; 3]> {
         out.push([
             format!("{} of {}", good.len(), mappings.len()),
             "mappings within the scatter of DEM".into(),
-            "as near to an unseen run as runs of other seeds are to each other".into(),
+            "as close to an unseen run as runs with different seeds are to each other".into(),
         ]);
     }
     if study.summary.speed.factor > 0.0 {
         out.push([
             format!("× {}", factor(study.summary.speed.factor)),
             "faster than the DEM test".into(),
-            "the paper: 5–10; training left out".into(),
+            "paper: 5–10; training not counted".into(),
         ]);
     }
     if let Some(solid) = sample::mean_start(&study.runs, "solid_fraction") {
@@ -136,7 +136,7 @@ pub fn findings(study: &StudyReport) -> Vec<String> {
     if speed.factor > 0.0 {
         out.push(format!(
             "For the same curves the networks need 1/{} of the time of the DEM test (the paper says 1/5 to 1/10). They are \
-             given soft sensors of the test that they answer for, which a laboratory would have to measure.",
+             given soft sensors of the test that they predict, which a laboratory would have to measure.",
             factor(speed.factor)
         ));
     }
@@ -158,15 +158,15 @@ fn errors_sentence(study: &StudyReport) -> Option<String> {
             .map(|(name, m)| format!("{} ({})", percent(error(m)), symbols::mapping(name)))
             .collect();
         if !errors.is_empty() {
-            parts.push(format!("{} by {}", symbols::markup(output), listed(&errors)));
+            parts.push(format!("{}: {}", symbols::markup(output), listed(&errors)));
         }
     }
     let where_to = if mappings.values().any(|m| m.relative_rmse.unseen.is_some()) {
-        "On DEM runs that no network saw"
+        "On unseen DEM runs"
     } else {
-        "On states that were kept from training"
+        "On held-out states"
     };
-    Some(format!("{where_to}, the networks miss {} (relative RMSE).", parts.join("; ")))
+    Some(format!("{where_to} the networks have these errors (relative RMSE): {}.", parts.join("; ")))
 }
 
 fn sensors_sentence(study: &StudyReport) -> Option<String> {
@@ -195,16 +195,16 @@ fn sensors_sentence(study: &StudyReport) -> Option<String> {
             mappings.values().filter_map(|mapping| mapping.help).map(|test| test.runs).max().unwrap_or(0);
         let found = match runs {
             0 => "there is no unseen run".to_owned(),
-            1 => "there is one unseen run only".to_owned(),
+            1 => "there is only one unseen run".to_owned(),
             _ => format!("{runs} unseen runs are too few to test it"),
         };
         let of = match study.summary.learning_curve {
             Some(_) => " of the paper\u{2019}s protocol, trained on one run,",
             None => "",
         };
-        return Some(format!("Whether the networks{of} use their soft sensors cannot be told: {found}."));
+        return Some(format!("Whether the networks{of} use their soft sensors cannot be judged: {found}."));
     }
-    say(&untold, "was judged on too few runs", "were judged on too few runs");
+    say(&untold, "was tested on too few runs", "were tested on too few runs");
     let best =
         mappings.iter().filter(|(_, mapping)| mapping.verdict == Verdict::Gains).filter_map(|(name, m)| {
             let alone = m.relative_rmse.strain_only;
@@ -212,12 +212,15 @@ fn sensors_sentence(study: &StudyReport) -> Option<String> {
         });
     let best = best.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(String::new(), |(name, share)| {
         format!(
-            " The most is gained in {}: {} of the error of strain-only networks.",
+            " The largest gain is in {}: {} of the error of strain-only networks.",
             symbols::mapping(name),
             percent(share)
         )
     });
-    Some(format!("Given the sensors of another unseen run in place of its own: {}.{best}", parts.join("; ")))
+    Some(format!(
+        "Tested with the sensors of another unseen run in place of its own: {}.{best}",
+        parts.join("; ")
+    ))
 }
 
 fn scatter_sentence(study: &StudyReport) -> Option<String> {
@@ -242,11 +245,11 @@ fn scatter_sentence(study: &StudyReport) -> Option<String> {
         }
     };
     say(&below, "stays below it", "stay below it");
-    say(&alike, "comes to it", "come to it");
-    say(&worse, "misses by more", "miss by more");
+    say(&alike, "equals it", "equal it");
+    say(&worse, "exceeds it", "exceed it");
     Some(format!(
-        "Beside the scatter between samples, which is what an unseen run would be missed by if the training runs were \
-         repeated as the answer: {}.",
+        "Error compared with the scatter between samples, that is with the error if an unseen run is predicted by the \
+         mean of the training runs: {}.",
         parts.join("; ")
     ))
 }
@@ -290,9 +293,9 @@ mod tests {
             text.contains("*F*_{3} does as well with another run\u{2019}s sensors as with its own"),
             "{text}"
         );
-        assert!(text.contains("gained in *F*_{1}: 25\u{202f}% of the error"), "{text}");
+        assert!(text.contains("gain is in *F*_{1}: 25\u{202f}% of the error"), "{text}");
         assert!(
-            text.contains("*F*_{3} stays below it; *F*_{1} comes to it; *F*_{2} (2.5 times) misses"),
+            text.contains("*F*_{3} stays below it; *F*_{1} equals it; *F*_{2} (2.5 times) exceeds"),
             "{text}"
         );
         assert_eq!(tiles(&all)[1][0], "1 of 3");
@@ -301,7 +304,7 @@ mod tests {
 
         let few = study(&[("F1", mapping(0.01, 0.03, Verdict::TooFewRuns))]);
         let text = findings(&few).join(" ");
-        assert!(text.contains("cannot be told: 2 unseen runs are too few to test it"), "{text}");
+        assert!(text.contains("cannot be judged: 2 unseen runs are too few to test it"), "{text}");
         assert_eq!(tiles(&few)[1][0], "–");
         assert!(findings(&StudyReport::default()).is_empty() && tiles(&StudyReport::default()).is_empty());
     }

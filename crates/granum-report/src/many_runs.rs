@@ -17,10 +17,11 @@ pub fn section(page: &mut Page, curve: &LearningCurve) -> Markup {
     let sentences: Vec<String> = curve.interpretation().iter().map(|text| symbols::markup(text)).collect();
     html! {
         (paragraphs(&[
-            "The paper trained on one run. On one path of one sample every quantity is a function of strain, and a sensor \
-             has nothing to add; what it could tell is what runs differ by, and that is learned from several runs. So the same \
-             networks are trained on more of them and judged on further runs that no network saw. That a sensor is *used* shows \
-             when the networks are told the sensors of another unseen run at the same strain: then they should do worse."
+            "The paper trained on one run. On one path of one sample every quantity is a function of strain, and a \
+             sensor has nothing to add; it could only tell how runs differ, which is learned from several runs. The \
+             same networks are therefore trained on more runs and scored on further unseen runs. Whether a sensor is \
+             *used* is seen when the networks are given the sensors of another unseen run at the same strain: their \
+             error should then increase."
         ]))
         ul class="findings" { @for sentence in &sentences { li { (rich(sentence)) } } }
         (figure)
@@ -84,7 +85,7 @@ fn table(label: &str, curve: &LearningCurve) -> Table {
         "Strain only",
         "Ridge",
         "Another run\u{2019}s sensors",
-        "Sensors take off",
+        "Reduction by sensors",
     ];
     let caption = format!(
         "Relative RMSE on {} unseen runs of {} grains, with the standard error over these runs.",

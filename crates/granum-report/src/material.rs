@@ -67,7 +67,7 @@ pub fn stress_and_volume(runs: &[RunReport]) -> (Figure, String) {
 pub fn stress_shares(run: &RunReport) -> (Figure, String) {
     let axis = || strain_axis(std::slice::from_ref(run));
     let panel = |parts: [(&str, &str, usize); 2]| {
-        let mut plot = Plot::new(axis(), Axis::new("Part of *q*/*p*").including(0.0))
+        let mut plot = Plot::new(axis(), Axis::new("Contribution to *q*/*p*").including(0.0))
             .with(Layer::stroked(run.against_strain("stress_ratio"), Stroke::new(INK, 1.2)).named("all"));
         for (column, name, k) in parts {
             plot = plot.with(Layer::line(run.against_strain(column), color(k)).named(name));
@@ -81,9 +81,9 @@ pub fn stress_shares(run: &RunReport) -> (Figure, String) {
             ("tangential_stress_ratio", "tangential forces", 3),
         ]),
     ];
-    let caption = "What carries the deviator stress: (a) contacts with *N* > ⟨*N*⟩ (strong) and the others (weak); (b) \
-                   normal and tangential forces. The parts add up to *q*/*p*.";
-    (Figure::new("Parts of the stress ratio against deviator strain", 2, panels), caption.to_owned())
+    let caption = "Contributions to the deviator stress: (a) contacts with *N* > ⟨*N*⟩ (strong) and the others (weak); \
+                   (b) normal and tangential forces. The contributions add up to *q*/*p*.";
+    (Figure::new("Contributions to the stress ratio against deviator strain", 2, panels), caption.to_owned())
 }
 
 /// Figure of coordination numbers, sliding contacts and rattlers.
@@ -114,10 +114,10 @@ pub fn coordination(run: &RunReport) -> (Figure, String) {
         shares = shares.with(Layer::line(run.against_strain(column), color(k)).named(name));
     }
     let panels = vec![Panel::plot(numbers), Panel::plot(shares)];
-    let caption = "(a) Mean number of contacts of a grain by four definitions: over all grains; over those with at least \
-                   two contacts (Thornton 2000); of contacts in compression; of what is left when rattlers are taken \
-                   out repeatedly. (b) Contacts that slide, overall and among the strong, contacts in tension, and \
-                   grains with fewer than two contacts.";
+    let caption = "(a) Mean number of contacts of a grain by four definitions: over all grains; over those with at \
+                   least two contacts (Thornton 2000); of contacts in compression; of the grains that remain when \
+                   rattlers are removed repeatedly. (b) Fractions of sliding contacts, among all and among strong \
+                   contacts, of contacts in tension, and of grains with fewer than two contacts.";
     (Figure::new("Coordination numbers and fractions against strain", 2, panels), caption.to_owned())
 }
 
@@ -151,7 +151,6 @@ pub fn principal_fabric(run: &RunReport) -> (Figure, String) {
         Axis::new("Fabric *φ*_{1} − *φ*_{3}").including(0.0),
     )
     .with(Layer::line(run.against_strain("principal_deviator_fabric"), color(0)));
-    let caption =
-        "Anisotropy of the contact network: largest less smallest eigenvalue of *φ*_{ij} = ⟨*n*_{i}*n*_{j}⟩.";
+    let caption = "Anisotropy of the contact network: largest minus smallest eigenvalue of *φ*_{ij} = ⟨*n*_{i}*n*_{j}⟩.";
     (Figure::new("Anisotropy of the contacts", 1, vec![Panel::plot(plot)]), caption.to_owned())
 }

@@ -73,7 +73,7 @@ fn scalar(data: &Data, formula: &str) -> (Figure, String) {
     let caption = format!(
         "{formula}. (a) Networks (lines) on soft sensors of DEM runs that they were not trained on (points); the band is \
          one standard deviation between DEM runs that differ in the seed; dotted: borders of the sub-models.{thin} (b) The \
-         networks less the run whose soft sensors they were given, with the same band around zero."
+         networks minus the run whose soft sensors they were given, with the same band around zero."
     );
     (Figure::new(&format!("Networks and DEM: {}", data.formula), 2, panels).sized(720.0, 330.0), caption)
 }
@@ -105,7 +105,7 @@ fn values(panel: &DataPanel, label: &str) -> Plot {
 }
 
 fn differences(panel: &DataPanel, symbol: &str) -> Plot {
-    let label = format!("Networks less DEM, Δ({symbol})");
+    let label = format!("Networks minus DEM, Δ({symbol})");
     let mut plot = Plot::new(strain_axis(panel), Axis::new(&label).including(0.0));
     for band in &panel.bands {
         let around_zero =
@@ -179,9 +179,9 @@ fn distributions(data: &Data, formula: &str) -> (Figure, String) {
         .collect();
     let columns = panels.len().max(1);
     let caption = format!(
-        "{formula}, one panel a sub-model. Networks (lines) on soft sensors of DEM runs that they were not trained on \
-         (points), with the scatter of DEM between seeds (band), at three strains each; for clarity the curves of later \
-         strains are shifted down by one and two decades."
+        "{formula}, one panel per sub-model. Networks (lines) on soft sensors of DEM runs that they were not trained \
+         on (points), with the scatter of DEM between seeds (band), at three strains each; for clarity the curves of \
+         later strains are shifted down by one and two decades."
     );
     let figure = Figure::new(&format!("Networks and DEM: {}", data.formula), columns, panels);
     (figure.sized(720.0, 400.0).legend(Legend::Above), caption)
@@ -266,12 +266,12 @@ fn first_point(curve: &Curve) -> Option<[f64; 2]> {
 
 /// The scores as a table: the networks, the baselines, and the networks with sensor values from other runs or states.
 pub fn score_table(label: &str, summary: &Summary) -> Table {
-    let caption = "Relative RMSE of the mappings on unseen DEM runs (without any, on held-out states): root mean square \
-                   error over the root mean square of the DEM values. Strain only: networks of the same size that see \
-                   nothing but strain. Ridge: linear regression on the same sensors and splines over strain. Mean curve: \
-                   the training runs repeated as the answer. Scatter: between DEM runs that differ in the seed. Another \
-                   run\u{2019}s, permuted: the networks again, given the sensors of another unseen run at the same strain, or \
-                   the run\u{2019}s own in another order.";
+    let caption = "Relative RMSE of the mappings on unseen DEM runs (if there are none, on held-out states): root mean \
+                   square error over the root mean square of the DEM values. Strain only: networks of the same size \
+                   whose only input is strain. Ridge: linear regression on the same sensors and splines over strain. \
+                   Mean curve: the mean of the training runs as the prediction. Scatter: between DEM runs that differ \
+                   in the seed. Another run\u{2019}s, permuted: the same networks with the sensors of another unseen \
+                   run at the same strain, or with those of the run itself in another order.";
     let columns = [
         "Mapping",
         "Networks",
@@ -296,7 +296,7 @@ pub fn score_table(label: &str, summary: &Summary) -> Table {
             share(mapping.with_permuted_sensors),
         ]);
     }
-    table.note = "Networks that use their sensors do worse with another run\u{2019}s.".to_owned();
+    table.note = "Networks that use their sensors have larger errors with those of another run.".to_owned();
     table
 }
 
@@ -325,8 +325,8 @@ pub fn sensor_table(label: &str, summary: &Summary) -> Option<Table> {
         ]);
     }
     table.note =
-        "Held-out: relative RMSE on states of the training runs that were kept from training. *R*^{2} means little where a \
-         curve is flat. Fewer than three unseen runs are too few to test."
+        "Held-out: relative RMSE on states of the training runs that were not used in training. *R*^{2} means little \
+         where a curve is flat. Fewer than three unseen runs are too few to test."
             .to_owned();
     Some(table)
 }
@@ -355,7 +355,7 @@ pub fn score_figure(summary: &Summary) -> (Figure, String) {
     }
     let drawn = [
         Layer::dots(points(&|m| m.best_without_sensors), Shape::Bar, 8.0, INK)
-            .named("training runs repeated"),
+            .named("mean of the training runs"),
         Layer::dots(points(&|m| Some(m.relative_rmse.strain_only)), Shape::Diamond, 4.0, "#8a8a8a")
             .named("strain only"),
         Layer::dots(points(&|m| m.ridge), Shape::Square, 3.4, "#8a8a8a").named("ridge"),
@@ -379,9 +379,9 @@ pub fn score_figure(summary: &Summary) -> (Figure, String) {
     let range = Axis::new("").logarithmic().resolve((low <= high).then_some([low, high]));
     plot.x = plot.x.between(range.low, range.high);
     let plot = plot.with_all(drawn);
-    let caption = "How far the networks miss. The bar is what an unseen run would be missed by if the mean of *n* training \
-                   runs were repeated as the answer: the seed scatter times √(1 + 1/*n*). A network to the left of the \
-                   bar may be a smooth curve only; networks that use their soft sensors lose by those of another run.";
+    let caption = "Errors of the networks. The bar is the error if an unseen run is predicted by the mean of *n* \
+                   training runs: the seed scatter times √(1 + 1/*n*). A network to the left of the bar may merely be \
+                   a smooth curve; networks that use their soft sensors have larger errors with those of another run.";
     let figure = Figure::new("Relative errors of the mappings", 1, vec![Panel::plot(plot)]);
     (figure.sized(640.0, 60.0 + 36.0 * count.max(2) as f64).legend(Legend::Above), caption.to_owned())
 }
@@ -403,7 +403,7 @@ pub fn size_figure(summary: &Summary) -> Option<(Figure, String)> {
         );
         let target = if unseen { study.unseen_target } else { Some(study.held_out_target) };
         if let Some(target) = target {
-            plot = plot.with(Layer::horizontal(100.0 * target, GREY).named("error to reach"));
+            plot = plot.with(Layer::horizontal(100.0 * target, GREY).named("target error"));
         }
         for (k, curve) in study.curves.iter().enumerate() {
             let name = symbols::mapping(&curve.mapping);
@@ -432,7 +432,7 @@ pub fn size_figure(summary: &Summary) -> Option<(Figure, String)> {
         study.curves.iter().flat_map(|c| c.points.first()).map(|p| p.held_out.len()).max().unwrap_or(0);
     let columns = panels.len();
     let caption = format!(
-        "Does the deviator fabric let the network be smaller? Error against the number of neurons without it (*F*_{{1}}) \
+        "Does the deviator fabric allow a smaller network? Error against the number of neurons without it (*F*_{{1}}) \
          and with it (*F*_{{3}}): median and range over {seeds} seeds of the weights. The dashed line is {} above the \
          lowest median of the first.",
         percent(study.tolerance)

@@ -221,11 +221,11 @@ fn stress_path(run: &RunReport, traits: &Traits) -> Drawn {
     .with_all(ends(run, p, &deviator));
     let marks = "Open circle: start; square: end.";
     if traits.compression {
-        let caption = format!("Path of the stress in the plane of mean and deviator stress. {marks}");
+        let caption = format!("Stress path in the plane of mean and deviator stress. {marks}");
         return (Figure::new("Stress path", 1, vec![Panel::plot(path)]), caption);
     }
     let caption = format!(
-        "(a) Path of the stress in the plane of mean and deviator stress; (b) void ratio against mean stress. {marks}"
+        "(a) Stress path in the plane of mean and deviator stress; (b) void ratio against mean stress. {marks}"
     );
     let panels = vec![Panel::plot(path), Panel::plot(void_ratio_plot(run))];
     (Figure::new("Stress path and void ratio", 2, panels), caption)
@@ -316,8 +316,8 @@ fn simple_shear(run: &RunReport, traits: &Traits) -> Drawn {
     let axis = Plot::new(strain(), Axis::new("Angle of *σ*_{1} to *x* (degrees)"))
         .with(Layer::line(lines(run, gamma, &angle), color(0)));
     let caption = format!(
-        "Simple shear: (a) ratio of shear to normal stress; (b) {what}; (c) path of the stress on the plane of shear; (d) direction \
-         of the larger principal stress in the plane of shear."
+        "Simple shear: (a) ratio of shear to normal stress; (b) {what}; (c) stress path on the shear plane; (d) \
+         direction of the major principal stress in the *xy* plane."
     );
     let panels = [stress, second, path, axis].map(Panel::plot).to_vec();
     (Figure::new("Simple shear", 2, panels), caption)
@@ -346,7 +346,7 @@ fn loops(run: &RunReport, traits: &Traits) -> Drawn {
         true => "ratio of the excess pore pressure of a saturated sample under constant total mean stress",
         false => "volumetric strain, compression positive",
     };
-    let caption = format!("(a) Loops of the deviator stress; (b) {what}, along the path of strain.");
+    let caption = format!("(a) Loops of the deviator stress; (b) {what}, along the strain path.");
     (Figure::new("Loops of stress and strain", 2, vec![Panel::plot(deviator), Panel::plot(second)]), caption)
 }
 
@@ -383,9 +383,9 @@ fn pore_pressure(run: &RunReport) -> Drawn {
         );
     let effective = Plot::new(axis(), Axis::new("Effective mean stress *p*").unit("Pa").including(0.0))
         .with(Layer::line(against(run.column("mean_stress").to_vec()), color(0)));
-    let caption = "The stresses of the grains are effective stresses. (a) Excess pore pressure that a saturated sample would show \
-                   where the total lateral stress is constant (what *σ*_{3} has lost), and where the total mean stress is (what \
-                   *p* has lost); (b) effective mean stress.";
+    let caption = "The stresses of the grains are effective stresses. (a) Excess pore pressure that a saturated sample \
+                   would show if the total lateral stress is constant (the decrease of *σ*_{3}), and if the total mean \
+                   stress is (the decrease of *p*); (b) effective mean stress.";
     (Figure::new("Pore pressure", 2, vec![Panel::plot(pressure), Panel::plot(effective)]), caption.into())
 }
 
@@ -423,8 +423,8 @@ fn probes(run: &RunReport) -> Option<Drawn> {
         Panel::plot(plot(strains, ["√2 Δ*ε*_{3}", "Δ*ε*_{1}"], "")),
         Panel::plot(plot(stresses, ["√2 Δ*σ*_{3}", "Δ*σ*_{1}"], "Pa")),
     ];
-    let caption = "Probes from one state: (a) increments of strain, (b) increments of stress that belong to them (response envelope, \
-                   Gudehus 1979), in the plane of the axial and the two lateral components.";
+    let caption = "Probes from one state: (a) strain increments, (b) the corresponding stress increments (response \
+                   envelope, Gudehus 1979), in the plane of the axial and the two lateral components.";
     Some((Figure::new("Response envelope", 2, panels).sized(720.0, 360.0), caption.into()))
 }
 

@@ -41,8 +41,8 @@ pub fn figure(run: &RunReport) -> Option<(Figure, String)> {
     let curve = lines(Plot::new(stress, Axis::new("Solid fraction")), "mean_stress", "solid_fraction");
     let rest = Plot::new(Axis::new("Step"), Axis::new("Unbalanced force").logarithmic());
     let panels = vec![curve, lines(rest, "step", "unbalanced_force")];
-    let caption = "How the sample was made, in its last trial of the preparation friction. (a) Compression curve; (b) mean \
-                   unbalanced force over the mean contact force on the way to rest.";
+    let caption = "Preparation of the sample, last trial of the preparation friction. (a) Compression curve; (b) mean \
+                   unbalanced force over the mean contact force while the sample comes to rest.";
     Some((
         Figure::new("Solid fraction against mean stress, and unbalanced force", 2, panels),
         caption.to_owned(),

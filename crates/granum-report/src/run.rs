@@ -20,7 +20,7 @@ pub const SIGNS: &str = "Compression is positive, for stress, strain and normal 
 /// The same where the test is given as stages.
 const SIGNS_OF_STAGES: &str = "Compression is positive, for stress, strain and normal force. *p* is the mean stress, *q* = √(3 *J*_{2}) the \
                                von Mises stress, *ε*_{q} = √(2/3 *e*:*e*) with the deviator *e* of the strain. Axis 1 is *x*. Strains are \
-                               logarithmic and count from the start of the last stage that begins anew.";
+                               logarithmic and count from the start of the last stage that resets them.";
 
 /// Writes the report of a run.
 pub fn report(run: &RunReport) -> Document {
@@ -33,7 +33,7 @@ pub fn report(run: &RunReport) -> Document {
     let behaviour = html! { (behaviour) @for figure in further { (figure) } };
     page.section("behaviour", "Stress, volume and contacts", behaviour);
     let spread = force_section(&mut page, run);
-    page.section("forces", "How the forces are spread", spread);
+    page.section("forces", "Distribution of the contact forces", spread);
     let trust = trust::section(&mut page, runs);
     page.section("quality", "Can it be trusted?", trust);
     let preparation =
@@ -51,7 +51,7 @@ pub fn report(run: &RunReport) -> Document {
     let head = html! {
         (tiles(&headline(run)))
         p { (rich(if run.case.has_stages() { SIGNS_OF_STAGES } else { SIGNS })) }
-        @if !run.is_complete() { p class="callout" { "The test was stopped before its end; what was recorded until then is shown." } }
+        @if !run.is_complete() { p class="callout" { "The test was stopped before its end; the states recorded until then are shown." } }
     };
     page.finish(&run.name, &subtitle(run), head)
 }
@@ -100,17 +100,17 @@ fn headline(run: &RunReport) -> Vec<[String; 3]> {
         let stage = name.trim_start_matches("k0_").replace('_', " ");
         tile(Some(*value), 3, "*K*_{0} = *σ*_{3}/*σ*_{1}", format!("at the end of the stage {stage}"));
     }
-    tile(run.first("solid_fraction"), 3, "solid fraction before shear", String::new());
+    tile(run.first("solid_fraction"), 3, "solid fraction before the test", String::new());
     let z = run
         .first("coordination_number")
         .map_or(String::new(), |z| format!("*Z* = {} over all grains", significant(z, 3)));
-    tile(run.first("mechanical_coordination_number"), 3, "mechanical coordination number before shear", z);
+    tile(run.first("mechanical_coordination_number"), 3, "mechanical coordination number before the test", z);
     let flags = &run.run.quality;
     let held = flags.iter().filter(|flag| flag.passed).count();
     if !flags.is_empty() {
         out.push([
             format!("{held} of {}", flags.len()),
-            "quality limits kept".into(),
+            "quality checks passed".into(),
             "servo, rate, overlap, energy".into(),
         ]);
     }
@@ -120,7 +120,7 @@ fn headline(run: &RunReport) -> Vec<[String; 3]> {
         out.push([
             duration(seconds),
             "wall time".into(),
-            format!("{} million grain-steps a second", factor(1e-6 * rate)),
+            format!("{} million grain-steps per second", factor(1e-6 * rate)),
         ]);
     }
     out

@@ -19,7 +19,7 @@ const DEFINITIONS: [(&str, &str); 4] = [
     ("mechanical_coordination_number", "mechanical coordination number (grains with two contacts or more)"),
     ("coordination_number", "coordination number of all grains"),
     ("compressive_coordination_number", "coordination number of contacts in compression"),
-    ("backbone_coordination_number", "coordination number of the backbone (rattlers taken out repeatedly)"),
+    ("backbone_coordination_number", "coordination number of the backbone (rattlers removed repeatedly)"),
 ];
 
 /// Mean over the runs of the first value of a column.
@@ -45,7 +45,7 @@ pub fn interpretation(runs: &[RunReport]) -> Vec<String> {
     };
     let mut sentences = vec![format!(
         "The paper calls its {COORDINATION} the mechanical coordination number, \u{201c}average number of load bearing \
-         contacts\u{201d}. Of the usual definitions the {name} comes nearest here: {}.",
+         contacts\u{201d}. Of the usual definitions the {name} is closest here: {}.",
         significant(nearest, 3)
     )];
     let solid_met = (solid - SOLID_FRACTION).abs() <= SOLID_FRACTION_NEAR;
@@ -59,9 +59,9 @@ pub fn interpretation(runs: &[RunReport]) -> Vec<String> {
             format!("Solid fraction ({}) and coordination number are both met.", significant(solid, 3))
         }
         (true, false) => format!(
-            "The solid fraction is met ({}), the coordination number is not ({} the paper\u{2019}s): with this law and stress \
-             the two were not reached together, since any preparation that changes the one moves the other. We kept the \
-             solid fraction, which has one definition.",
+            "The solid fraction is met ({}), the coordination number is not ({} the paper\u{2019}s): with this law and \
+             stress the two were not reached together, since any preparation that changes one also changes the other. \
+             We chose the solid fraction, which has only one definition.",
             significant(solid, 3),
             by(nearest, COORDINATION)
         ),
@@ -127,7 +127,7 @@ fn rows(runs: &[RunReport]) -> Vec<[String; 3]> {
     if case.has_stages() && run.run.kind != "prepare" {
         row("Stages of the test", "–", whole(case.test_stages().len() as f64));
     } else if run.run.kind != "prepare" {
-        row("Rate of strain", "10^{−5} s^{−1}", rate(&case.shear.rate));
+        row("Strain rate", "10^{−5} s^{−1}", rate(&case.shear.rate));
         row("Deviator strain at the end", "0.3", trimmed(case.shear.deviator_strain));
     }
     let start =
@@ -157,7 +157,7 @@ fn diameter(run: &RunReport) -> String {
 /// Table that compares the sample with that of the paper; `None` without runs.
 pub fn table(label: &str, runs: &[RunReport]) -> Option<Table> {
     runs.first()?;
-    let caption = "The sample and the test beside the paper\u{2019}s. A dash: the paper does not say.";
+    let caption = "The sample and the test compared with the paper\u{2019}s. Dash: not given in the paper.";
     let mut table = Table::new(label, caption, &["Quantity", "Paper", "Here"]);
     for row in rows(runs) {
         table.row(row.into());
@@ -173,7 +173,7 @@ pub fn table(label: &str, runs: &[RunReport]) -> Option<Table> {
 pub fn own_table(label: &str, run: &RunReport) -> Table {
     let caption = match run.run.kind.as_str() {
         "prepare" => "The sample.",
-        _ => "The sample, as the test began, and the test.",
+        _ => "The sample at the start of the test, and the test.",
     };
     let mut table = Table::new(label, caption, &["Quantity", "Value"]);
     for [name, _, here] in rows(std::slice::from_ref(run)) {

@@ -49,7 +49,7 @@ fn subtitle(study: &StudyReport) -> String {
     if let Some(curve) = &study.summary.learning_curve {
         let most = curve.points.iter().map(|point| point.training_runs).max().unwrap_or(0);
         text += &format!(
-            " Beside them the same networks trained on up to {most} runs of {} grains, judged on {} more.",
+            " In addition the same networks trained on up to {most} runs of {} grains, scored on {} more.",
             whole(curve.grains as f64),
             curve.unseen_runs
         );
@@ -64,7 +64,7 @@ fn subtitle(study: &StudyReport) -> String {
 fn many_runs_section(page: &mut Page, study: &StudyReport) {
     if let Some(curve) = &study.summary.learning_curve {
         let body = many_runs::section(page, curve);
-        page.section("more-runs", "What more runs teach: which soft sensors help", body);
+        page.section("more-runs", "More training runs: which soft sensors help", body);
     }
 }
 
@@ -85,13 +85,13 @@ fn networks_section(page: &mut Page, study: &StudyReport) {
         });
     }
     let body = html! {
-        p { "Figures 3–8 and Tables 1–6 carry the paper\u{2019}s numbers; what the paper does not have is numbered S1, S2… " }
+        p { "Figures 3–8 and Tables 1–6 carry the paper\u{2019}s numbers; those that the paper does not have are numbered S1, S2… " }
         (table)
         @if let Some(sensors) = sensors { (sensors) }
         (scores)
         @for figure in figures { (figure) }
     };
-    page.section("networks", "Networks against DEM that they did not see", body);
+    page.section("networks", "Networks compared with unseen DEM runs", body);
 }
 
 fn tables_section(page: &mut Page, study: &StudyReport) {
@@ -101,7 +101,7 @@ fn tables_section(page: &mut Page, study: &StudyReport) {
         p {
             "Sizes are the paper\u{2019}s unless they were changed. An epoch of the paper\u{2019}s trainer is one pass of the \
              data with one small step; an epoch of Levenberg\u{2013}Marquardt solves for the whole step, so the two numbers \
-             are not alike. Weights in use: the effective number of parameters that Bayesian regularisation finds."
+             cannot be compared. Weights in use: the effective number of parameters found by Bayesian regularisation."
         }
         @for table in &tables { (table.html()) }
     };
@@ -120,24 +120,24 @@ fn claims_section(page: &mut Page, study: &StudyReport) {
         .collect();
     let speed = &study.summary.speed;
     let label = page.own_table_label();
-    let mut table = Table::new(&label, "DEM and networks in time.", &["", "Time"]);
+    let mut table = Table::new(&label, "Computing times of DEM and networks.", &["", "Time"]);
     for (name, seconds) in [
         ("One DEM test (shear)", speed.dem_seconds),
-        ("The networks\u{2019} answer for the same curves", speed.network_seconds),
+        ("Networks, for the same curves", speed.network_seconds),
         ("Training of all networks, once", speed.training_seconds),
     ] {
         table.row(vec![name.to_owned(), duration(seconds)]);
     }
     table.row(vec!["Factor".into(), format!("{} (paper: 5–10)", factor(speed.factor))]);
     let body = html! {
-        h3 { "The fabric as an input lets the network be smaller" }
+        h3 { "The fabric as an input allows a smaller network" }
         @if let Some(size) = size { (size) (paragraphs(&size_words)) }
         @else { p { "The sizes were not compared in this study." } }
-        h3 { "The network answers faster than DEM" }
+        h3 { "The networks are faster than DEM" }
         (table.html())
         (paragraphs(&[symbols::markup(&granum_learn::antony2006::interpretation::read_speed(speed))]))
     };
-    page.section("claims", "The paper\u{2019}s claims, measured", body);
+    page.section("claims", "The paper\u{2019}s claims, tested", body);
 }
 
 fn interpretation_section(page: &mut Page, study: &StudyReport) {
@@ -152,17 +152,17 @@ fn interpretation_section(page: &mut Page, study: &StudyReport) {
         .collect();
     let body = html! {
         (paragraphs(&[
-            "With one sample on one path every quantity is a function of strain alone: a network may score well and have \
-             learned nothing but the curve. So each mapping stands beside a network of the same size that sees strain only, \
-             beside ridge regression on the same sensors, and beside the mean curve of the training runs. Whether its \
-             sensors are used is judged by what it means: each unseen run is answered again with the sensors of every other \
-             unseen run at the same strain. Only an error that grows by that, beyond its scatter over the runs (one-sided \
-             paired t test at 5 %), shows use, and only one below that of the strain-only networks, by the same test, shows \
-             gain. The sentences follow from the numbers by fixed rules."
+            "With one sample on one path every quantity is a function of strain alone: a network may score well and \
+             have learned nothing but the curve. Each mapping is therefore compared with a network of the same size \
+             whose only input is strain, with ridge regression on the same sensors, and with the mean curve of the \
+             training runs. To test whether its sensors are used, each unseen run is predicted again with the sensors \
+             of every other unseen run at the same strain. Only an increase of the error beyond its scatter over the \
+             runs (one-sided paired t test at 5 %) shows use, and only an error below that of the strain-only \
+             networks, by the same test, shows gain. The sentences follow from the numbers by fixed rules."
         ]))
         ul class="findings" { @for sentence in &sentences { li { (rich(sentence)) } } }
     };
-    page.section("reading", "What the networks learned, honestly", body);
+    page.section("reading", "What the networks learned", body);
 }
 
 fn sample_section(page: &mut Page, study: &StudyReport) {
@@ -171,7 +171,7 @@ fn sample_section(page: &mut Page, study: &StudyReport) {
         (paragraphs(&sample::interpretation(&study.runs)))
         @if let Some(table) = sample::table(&label, &study.runs) { (table.html()) }
     };
-    page.section("sample", "The sample and the test, beside the paper\u{2019}s", body);
+    page.section("sample", "The sample and the test, compared with the paper\u{2019}s", body);
 }
 
 fn material_sections(page: &mut Page, study: &StudyReport) {
@@ -179,7 +179,7 @@ fn material_sections(page: &mut Page, study: &StudyReport) {
     page.section("behaviour", "Stress, volume, contacts and fabric", body);
     if let Some(run) = study.runs.first() {
         let body = force_section(page, run);
-        page.section("forces", "How the forces are spread", body);
+        page.section("forces", "Distribution of the contact forces", body);
     }
 }
 
@@ -213,5 +213,5 @@ fn reproducibility_section(page: &mut Page, study: &StudyReport) {
         (paragraphs(&facts))
         @if let Some(run) = study.runs.first() { (case_details(run)) }
     };
-    page.section("reproducibility", "To compute it again", body);
+    page.section("reproducibility", "How to repeat the computation", body);
 }

@@ -43,32 +43,37 @@ fn figure(run: &RunReport) -> (Figure, String) {
         );
     }
     let panels = vec![Panel::plot(servo), Panel::plot(rate)];
-    let caption = "Was the test quasi-static and on its path? (a) Distance of the mean stress from its target around each \
-                   state; (b) inertial number of the strain rate and mean unbalanced force over the mean contact force.";
+    let caption = "Was the test quasi-static and on its path? (a) Deviation of the mean stress from its target around \
+                   each state; (b) inertial number of the strain rate and mean unbalanced force over the mean contact \
+                   force.";
     (Figure::new("Servo error, inertial number and unbalanced force", 2, panels), caption.to_owned())
 }
 
 /// Readable names of quality flags, and whether their values are fractions.
 const NAMES: [(&str, &str, bool); 18] = [
     ("sample_unbalanced_force", "Unbalanced force of the sample at rest", false),
-    ("sample_mean_stress_missed_by", "Mean stress of the sample less its target", true),
+    ("sample_mean_stress_missed_by", "Mean stress of the sample, deviation from its target", true),
     ("sample_largest_overlap", "Largest overlap in the sample over the sum of the radii", true),
     ("sample_time_step_fraction", "Time step over √(*m*/*k*) of the sample\u{2019}s stiffest contact", false),
     ("consolidation_unbalanced_force", "Unbalanced force after consolidation", false),
-    ("consolidation_mean_stress_missed_by", "Mean stress after consolidation less its target", true),
+    (
+        "consolidation_mean_stress_missed_by",
+        "Mean stress after consolidation, deviation from its target",
+        true,
+    ),
     ("consolidation_largest_overlap", "Largest overlap after consolidation over the sum of the radii", true),
     (
         "consolidation_time_step_fraction",
         "Time step over √(*m*/*k*) of the stiffest contact after consolidation",
         false,
     ),
-    ("solid_fraction_missed_by", "Solid fraction less its target", false),
+    ("solid_fraction_missed_by", "Solid fraction, deviation from its target", false),
     ("servo_error_rms", "Error of the mean stress, rms", true),
     ("servo_error_largest", "Error of the mean stress, worst", true),
     ("inertial_number", "Inertial number", false),
     ("unbalanced_force", "Unbalanced force over the mean contact force", false),
     ("largest_overlap", "Largest overlap over the sum of the radii", true),
-    ("energy_gap", "Energy balance, gap over boundary work", true),
+    ("energy_gap", "Energy balance, residual over boundary work", true),
     ("momentum_drift", "Net momentum over the sum of momenta", false),
     ("time_step_fraction", "Time step over √(*m*/*k*) of the stiffest contact", false),
     ("mean_stress_lost", "Mean stress lost at the end", true),
@@ -129,14 +134,17 @@ fn energy_sentence(run: &RunReport) -> Option<String> {
     let judged = run.run.quality.iter().find(|flag| flag.name == "energy_gap").map(|flag| flag.value);
     let closes = match judged {
         Some(gap) => {
-            format!("At the end the energy balance closes to {} of that work (the check above)", percent(gap))
+            format!(
+                "At the end the energy balance closes to within {} of that work (the check above)",
+                percent(gap)
+            )
         }
         None => format!(
-            "At no recorded state does the energy balance miss more than {} of that work",
+            "At every recorded state the energy balance closes to within {} of that work",
             percent(energy::closure(&run.record)?)
         ),
     };
-    Some(format!("Of the work that the boundary did: {}. {closes}.", listed(&named)))
+    Some(format!("Shares of the boundary work: {}. {closes}.", listed(&named)))
 }
 
 /// The section for a sample that was not sheared.

@@ -71,7 +71,7 @@ mod tests {
         assert_eq!(message, "the engine clerk: it makes no samples; use the engine granum");
         // The record says whose run it is, so that the right engine is asked to go on with it.
         let message = laboratory.resume(&folder, &mut NoObserver).unwrap_err().to_string();
-        assert!(message.starts_with("the engine clerk cannot go on with a run"), "{message}");
+        assert!(message.starts_with("the engine clerk cannot resume an interrupted run"), "{message}");
         let message = Laboratory::here().resume(&folder, &mut NoObserver).unwrap_err().to_string();
         assert_eq!(message, "there is no engine \"clerk\"; there are: granum");
         assert_eq!(laboratory.with_engine(Clerk).err(), Some(EngineError::NameTaken { name: "clerk" }));

@@ -15,7 +15,7 @@ impl Sensor for Attraction {
     fn description(&self) -> Description {
         Description::new(
             "attraction",
-            "energy of adhesion on top of contacts and beyond touch, and the pairs apart that it holds",
+            "energy of additional adhesion, and number of separated pairs that it attracts",
         )
         .columns([
             SensorColumn::new(
@@ -26,7 +26,7 @@ impl Sensor for Attraction {
             .optional(),
             SensorColumn::new("attraction_loss", "J", "lost where attractions beyond touch begin or end")
                 .optional(),
-            SensorColumn::new("pairs_apart", "1", "pairs of grains that are held without touching")
+            SensorColumn::new("pairs_apart", "1", "pairs of grains that attract each other without touching")
                 .optional(),
         ])
         .needing(&[Part::Contacts, Part::ContactEnergies, Part::EnergyBalance])

@@ -21,7 +21,7 @@ pub struct CoordinationNumbers;
 
 impl Sensor for CoordinationNumbers {
     fn description(&self) -> Description {
-        Description::new("coordination", "mean number of contacts a grain, by several definitions")
+        Description::new("coordination", "mean number of contacts per grain, by several definitions")
             .columns([
                 SensorColumn::new("coordination_number", "1", "Z = 2 N_k / N over all grains"),
                 SensorColumn::new(
@@ -32,13 +32,13 @@ impl Sensor for CoordinationNumbers {
                 SensorColumn::new(
                     "compressive_coordination_number",
                     "1",
-                    "Z of the contacts in compression alone",
+                    "Z of the contacts in compression only",
                 )
                 .needing(&[Part::NormalForces]),
                 SensorColumn::new(
                     "backbone_coordination_number",
                     "1",
-                    "Z after grains with fewer than two contacts are taken out until none is left",
+                    "Z after grains with fewer than two contacts are removed until none is left",
                 ),
                 SensorColumn::new(
                     "rattler_fraction",

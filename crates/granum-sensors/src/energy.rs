@@ -52,7 +52,7 @@ impl Sensor for Energy {
             SensorColumn::new(
                 "micro_slip_loss",
                 "J",
-                "lost in the zones of slip of contacts that do not slide, part of tangential_work",
+                "lost in the slip zones of contacts that do not slide, part of tangential_work",
             )
             .needing(&[Part::EnergyBalance]),
             SensorColumn::new("damping_loss", "J", "lost in the contact dashpots")

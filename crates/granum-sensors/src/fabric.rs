@@ -19,7 +19,7 @@ impl Sensor for Fabric {
     fn description(&self) -> Description {
         Description::new(
             "fabric",
-            "Satake's fabric tensor and its deviator, also of strong and weak contacts alone",
+            "Satake's fabric tensor and its deviator, also for strong and weak contacts separately",
         )
         .columns([
             SensorColumn::new("fabric_11", "1", "phi_11 = <n_1 n_1>"),

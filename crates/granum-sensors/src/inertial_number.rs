@@ -13,17 +13,20 @@ pub struct InertialNumber;
 
 impl Sensor for InertialNumber {
     fn description(&self) -> Description {
-        Description::new("inertial_number", "ratio of inertia to confinement; quasi-static below about 1e-3")
-            .columns([SensorColumn::new("inertial_number", "1", "I = strain_rate d sqrt(rho / p)")])
-            .needing(&[
-                Part::Cell,
-                Part::Radii,
-                Part::Masses,
-                Part::StrainRate,
-                Part::Contacts,
-                Part::NormalForces,
-                Part::TangentialForces,
-            ])
+        Description::new(
+            "inertial_number",
+            "ratio of inertial forces to confinement; quasi-static below about 1e-3",
+        )
+        .columns([SensorColumn::new("inertial_number", "1", "I = strain_rate d sqrt(rho / p)")])
+        .needing(&[
+            Part::Cell,
+            Part::Radii,
+            Part::Masses,
+            Part::StrainRate,
+            Part::Contacts,
+            Part::NormalForces,
+            Part::TangentialForces,
+        ])
     }
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {

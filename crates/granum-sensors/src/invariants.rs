@@ -33,7 +33,7 @@ impl Sensor for Invariants {
                 "eps_q = sqrt(2/3 e:e) of the deviator e of the strain",
             ),
             SensorColumn::new("von_mises_stress", "Pa", "q = sqrt(3/2 s:s), negative in triaxial extension"),
-            SensorColumn::new("von_mises_ratio", "1", "that q over p"),
+            SensorColumn::new("von_mises_ratio", "1", "ratio of this q to p"),
             SensorColumn::new(
                 "intermediate_stress_ratio",
                 "1",

@@ -21,7 +21,7 @@ impl Sensor for NonaffineDisplacement {
     fn description(&self) -> Description {
         Description::new(
             "nonaffine_displacement",
-            "motion of the grains against the uniform strain of the cell",
+            "motion of the grains relative to the uniform strain of the cell",
         )
         .columns([
             SensorColumn::new(

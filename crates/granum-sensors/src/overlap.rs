@@ -9,7 +9,7 @@ pub struct Overlap;
 
 impl Sensor for Overlap {
     fn description(&self) -> Description {
-        Description::new("overlap", "how deep the grains are pressed into each other")
+        Description::new("overlap", "overlap of the grains in contact")
             .columns([SensorColumn::new(
                 "largest_overlap",
                 "1",

@@ -29,7 +29,7 @@ pub enum RecordError {
         wanted: &'static str,
     },
     /// The bins of a state are not consecutive.
-    #[error("row {row}: the bins of state {state} do not follow one another at steps of {bin_width}")]
+    #[error("row {row}: the bins of state {state} are not adjacent bins of width {bin_width}")]
     BrokenBins {
         /// Row, from 0.
         row: usize,

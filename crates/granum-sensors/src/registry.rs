@@ -43,7 +43,7 @@ pub enum SensorError {
     },
     /// The name of a sensor, a column or a histogram is taken.
     #[error(
-        "the sensor {sensor:?} has the {what} {name:?}, which is taken or no plain word: choose another name"
+        "the sensor {sensor:?} has the {what} {name:?}, which is in use or not a plain word: choose another name"
     )]
     NameTaken {
         /// The sensor.
@@ -367,7 +367,7 @@ impl std::fmt::Display for LeftOut {
             write!(f, " ({})", self.columns.join(", "))?;
         }
         if self.remembers {
-            return write!(f, ": it compares two observations of a test, and this is one");
+            return write!(f, ": it compares two observations of a test, and there is only one");
         }
         if let (Some(what), true) = (self.lacks, self.missing.is_empty()) {
             return write!(f, ": {what}");

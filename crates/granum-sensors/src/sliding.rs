@@ -9,7 +9,7 @@ pub struct Sliding;
 
 impl Sensor for Sliding {
     fn description(&self) -> Description {
-        Description::new("sliding", "contacts whose tangential force stands at the friction limit")
+        Description::new("sliding", "contacts whose tangential force is at the friction limit")
             .columns([
                 SensorColumn::new("sliding_fraction", "1", "sliding contacts over all contacts"),
                 SensorColumn::new(

@@ -17,7 +17,7 @@ impl Sensor for Strain {
     fn description(&self) -> Description {
         Description::new(
             "strain",
-            "strain of the cell since the start of the phase, compression positive, and the clock",
+            "strain of the cell since the start of the phase, compression positive, and the simulated time",
         )
         .columns([
             SensorColumn::new("deviator_strain", "1", "eps_d = eps_1 - eps_3, axes 2 and 3 averaged"),

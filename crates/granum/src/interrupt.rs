@@ -20,7 +20,8 @@ pub fn install() -> Arc<AtomicBool> {
         let first = flag::register(signal, stop.clone());
         if let Err(error) = second.and(first) {
             eprintln!(
-                "warning: signal {signal} cannot be caught ({error}); an interruption will not be in good order"
+                "warning: signal {signal} cannot be caught ({error}); an interruption will end the program without \
+                 saving a checkpoint"
             );
         }
     }

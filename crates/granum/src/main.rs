@@ -23,13 +23,13 @@ const USAGE: u8 = 2;
 #[command(name = "granum", version, arg_required_else_help = true, max_term_width = 110)]
 struct Arguments {
     /// Print results and errors as JSON, and show no progress.
-    #[arg(long, global = true, help_heading = "Everywhere")]
+    #[arg(long, global = true, help_heading = "Global options")]
     json: bool,
     /// Replace existing files and folders.
-    #[arg(long, global = true, help_heading = "Everywhere")]
+    #[arg(long, global = true, help_heading = "Global options")]
     force: bool,
     /// Print more information on what is done.
-    #[arg(short, long, global = true, help_heading = "Everywhere")]
+    #[arg(short, long, global = true, help_heading = "Global options")]
     verbose: bool,
     #[command(subcommand)]
     command: Command,

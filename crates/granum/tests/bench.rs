@@ -57,7 +57,7 @@ fn a_packing_of_the_user_is_measured_and_wrong_flags_are_refused() {
     assert!(text.contains("M grain-steps/s") && text.contains("mindlin-deresiewicz"), "{text}");
     assert!(text.lines().any(|line| line.split_whitespace().nth(2) == Some("64")), "{text}");
     for (wrong, message) in [
-        (&["--threads", "0"][..], "--threads 0: from 1 to 1024"),
+        (&["--threads", "0"][..], "--threads 0: it must be from 1 to 1024"),
         (&["--grains", "5000,100000000000"], "--grains 100000000000: up to 230000.1 GB of memory"),
         (
             &["--isa", "sse"],

@@ -228,7 +228,7 @@ fn an_impact_near_sticking_is_answered_with_a_warning() {
     assert!(done.status.success(), "{}", stderr(&done));
     assert_eq!(stdout(&done).lines().count(), 2);
     assert!(
-        stderr(&done).contains("warning: at 0.09 m/s and 5 deg the grains barely part"),
+        stderr(&done).contains("warning: at 0.09 m/s and 5 deg the grains barely separate"),
         "{}",
         stderr(&done)
     );

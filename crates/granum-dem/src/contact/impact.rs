@@ -60,10 +60,10 @@ pub enum ImpactError {
     #[error(transparent)]
     Law(#[from] LawError),
     /// The speed is out of range.
-    #[error("speed is {0} m/s; it must be positive and small against the speed of sound, e.g. 0.1")]
+    #[error("speed is {0} m/s; it must be positive and small compared with the speed of sound, e.g. 0.1")]
     Speed(f64),
     /// The angle is out of range.
-    #[error("angle is {0} degrees; it must lie from 0 (head-on) to less than 90 (grazing)")]
+    #[error("angle is {0} degrees; it must be at least 0 (head-on) and less than 90 (grazing)")]
     Angle(f64),
 }
 

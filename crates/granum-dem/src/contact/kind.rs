@@ -13,7 +13,7 @@ use super::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
 /// The choice of a law as a value that can be copied and compared; the name identifies it in files.
 macro_rules! kind {
     ($kind:ident, $slot:ident, $law:ident, $what:literal, $($name:ident = $type:ident,)*) => {
-        #[doc = concat!("Which ", $what, ". Its name is its identity in files.")]
+        #[doc = concat!("A choice of ", $what, ", identified in files by its name.")]
         #[derive(Clone, Copy)]
         pub struct $kind(&'static dyn $slot);
 
@@ -23,7 +23,7 @@ macro_rules! kind {
                 pub const $name: $kind = $kind(&$type);
             )*
 
-            #[doc = concat!("The choice of a ", $what, ", which may be one of the caller's own.")]
+            #[doc = concat!("The choice of a ", $what, ", which may be defined by the caller.")]
             pub const fn new(law: &'static impl $law) -> $kind {
                 $kind(law)
             }
@@ -90,13 +90,13 @@ kind! {
     PEELING = Peeling,
 }
 kind! {
-    RollingKind, MomentSlot, MomentLaw, "law of the moments of a contact",
+    RollingKind, MomentSlot, MomentLaw, "law of contact moments",
     NONE = NoMoments,
     ELASTIC_PLASTIC = ElasticPlasticRolling,
     ELASTIC_PLASTIC_TWISTING = ElasticPlasticTwisting,
 }
 kind! {
-    AdhesionKind, AdhesionSlot, AdhesionLaw, "law of adhesion on top of the contact",
+    AdhesionKind, AdhesionSlot, AdhesionLaw, "law of additional adhesion",
     NONE = NoAdhesion,
     CAPILLARY_BRIDGE = CapillaryBridge,
     VAN_DER_WAALS = VanDerWaals,

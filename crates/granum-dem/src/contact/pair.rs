@@ -81,8 +81,8 @@ pub enum PairError {
     },
     /// The forces still depend on the length of the steps.
     #[error(
-        "row {row}: with {steps} steps a row its force still changes by {change:.1e} of the largest force of the path, and \
-         {tolerance:.1e} is allowed; give more rows in between"
+        "row {row}: with {steps} steps per row its force still changes by {change:.1e} of the largest force of the \
+         path; at most {tolerance:.1e} is allowed; insert more rows before it"
     )]
     NotConverged {
         /// Number of the row whose force changes most, from 1.

@@ -77,7 +77,7 @@ pub enum LawError {
         reason: &'static str,
     },
     /// A parameter that none of the chosen laws has.
-    #[error("contact.{key} means nothing with {laws}: leave it out, or choose a law that has it")]
+    #[error("contact.{key} has no effect with {laws}: leave it out, or choose a law that has it")]
     Unused {
         /// The key of the parameter.
         key: &'static str,
@@ -113,13 +113,13 @@ macro_rules! list {
     ($list:ident, $kind:ident, $what:literal, $own:ident, $all:ident, $register:ident, $named:ident) => {
         static $own: RwLock<Vec<$kind>> = RwLock::new(Vec::new());
 
-        #[doc = concat!("Every ", $what, " that a name can stand for: granum's, then those of [`", stringify!($register), "`].")]
+        #[doc = concat!("Every ", $what, " with a name: granum's own, then those of [`", stringify!($register), "`].")]
         pub fn $all() -> Vec<$kind> {
             let own = $own.read().unwrap_or_else(PoisonError::into_inner);
             $list.iter().chain(own.iter()).copied().collect()
         }
 
-        #[doc = concat!("Lets names in case files and checkpoints stand for a ", $what, " of the caller's own. To use it in a")]
+        #[doc = concat!("Registers a ", $what, " of the caller for use in case files and checkpoints. To use it in a")]
         /// simulation this is not needed.
         ///
         /// # Errors
@@ -135,7 +135,7 @@ macro_rules! list {
             Ok(())
         }
 
-        #[doc = concat!("The ", $what, " of a name.")]
+        #[doc = concat!("The ", $what, " with this name.")]
         pub fn $named(name: &str) -> Option<$kind> {
             $all().into_iter().find(|law| law.name() == name)
         }
@@ -146,7 +146,7 @@ macro_rules! list {
                 $named(&name).ok_or_else(|| {
                     let known: Vec<_> = $all().iter().map($kind::name).collect();
                     D::Error::custom(format!(
-                        concat!("there is no ", $what, " {:?}; known are {}"),
+                        concat!("there is no ", $what, " {:?}; there are: {}"),
                         name,
                         known.join(", ")
                     ))

@@ -185,8 +185,8 @@ const SHORTEST_RAMP: f64 = 4.0;
 pub enum ControlError {
     /// Too few or too many equations.
     #[error(
-        "the stage gives {found} equations for the six strain rates of the cell ({what}); each component needs a rate, a stress or \
-         to be fixed, or to be free with one constraint more"
+        "the stage gives {found} equations for the six strain rates of the cell ({what}); give each component a rate \
+         or a stress, fix it, or leave it free and add one constraint"
     )]
     Count {
         /// Number of equations.

@@ -71,7 +71,7 @@ impl History {
             let other = self.columns[..k].iter().find(|other| other.component() == column.component());
             if let Some(other) = other {
                 return Some(format!(
-                    "has {} and {}, but one component of the cell can follow one of them only",
+                    "has {} and {}, but a component of the cell can follow only one of them",
                     other.name(),
                     column.name()
                 ));
@@ -82,7 +82,11 @@ impl History {
         }
         let whole = |row: &Vec<f64>| row.len() == self.columns.len() && row.iter().all(|x| x.is_finite());
         let bad = self.rows.iter().position(|row| !whole(row))?;
-        Some(format!("has a row {} without a number for each of its {} columns", bad + 1, self.columns.len()))
+        Some(format!(
+            "has a row {} without a finite number for each of its {} columns",
+            bad + 1,
+            self.columns.len()
+        ))
     }
 }
 

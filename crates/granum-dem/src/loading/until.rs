@@ -87,7 +87,8 @@ impl fmt::Display for Reason {
             Reason::End(until) => until.fmt(f),
             Reason::TooLong { arc_length, time } => write!(
                 f,
-                "none of its ends came within an arc length of strain of {arc_length:.4} and {time:.3e} s, the most that it may take"
+                "none of its end conditions was met within its limits, an arc length of strain of {arc_length:.4} and \
+                 {time:.3e} s"
             ),
             Reason::Unjammed { mean_stress, before } => write!(
                 f,
@@ -104,15 +105,15 @@ impl fmt::Display for Until {
             Until::Reaches { measure, value } => {
                 let unit = measure.unit();
                 let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
-                write!(f, "{} came to {value}{unit}", measure.name())
+                write!(f, "{} reached {value}{unit}", measure.name())
             }
-            Until::Reversals(count) => write!(f, "it was turned round {count} times"),
+            Until::Reversals(count) => write!(f, "it was reversed {count} times"),
             Until::RampOver => write!(f, "its ramp is over"),
             Until::PorePressureRatio(ratio) => {
-                write!(f, "the pore pressure ratio 1 - p/p_0 came to {ratio}: the sample has liquefied")
+                write!(f, "the pore pressure ratio 1 - p/p_0 reached {ratio}: the sample has liquefied")
             }
             Until::DoubleAmplitude { measure, value } => {
-                write!(f, "the double amplitude of {} came to {value}", measure.name())
+                write!(f, "the double amplitude of {} reached {value}", measure.name())
             }
             Until::AtRest { unbalanced_force } => {
                 write!(f, "the sample is at rest: the unbalanced force is below {unbalanced_force}")

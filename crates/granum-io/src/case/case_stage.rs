@@ -24,7 +24,7 @@ pub enum CaseStage {
         name: String,
         /// Its parameters in SI units; the others have their defaults.
         parameters: Given,
-        /// False where strain, time and energy go on counting from an earlier stage.
+        /// False if strain, time and energy continue to count from an earlier stage.
         #[serde(default = "yes")]
         resets: bool,
     },

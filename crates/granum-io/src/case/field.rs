@@ -300,14 +300,17 @@ impl Field {
                 return Err(wrong(format!("is out of bounds; it must be {}", self.bounds_text())));
             }
             if values.last().is_some_and(|before| *before >= value) {
-                return Err(wrong(format!("is not above the one before; it must be {}", self.bounds_text())));
+                return Err(wrong(format!(
+                    "is not greater than the one before; it must be {}",
+                    self.bounds_text()
+                )));
             }
             values.push(value);
         }
         match values.len() {
-            0 => Err((None, format!("holds no value; it must be {}", self.bounds_text()))),
+            0 => Err((None, format!("has no values; it must be {}", self.bounds_text()))),
             1..=LONGEST_LIST => Ok(Value::List(values)),
-            many => Err((None, format!("holds {many} values; at most {LONGEST_LIST} are possible"))),
+            many => Err((None, format!("has {many} values; at most {LONGEST_LIST} are possible"))),
         }
     }
 
@@ -319,7 +322,7 @@ impl Field {
         for (at, item) in items.into_iter().enumerate() {
             let plain = |c: u8| c.is_ascii_alphanumeric() || c == b'_' || c == b'-';
             if item.is_empty() || !item.bytes().all(plain) {
-                let message = "is no name: it may have letters, digits, underscores and hyphens".to_string();
+                let message = "is not a name: use letters, digits, underscores and hyphens".to_string();
                 return Err((Some(at), message));
             }
             if names.iter().any(|known| known == item) {
@@ -328,9 +331,9 @@ impl Field {
             names.push(item.to_string());
         }
         match names.len() {
-            0 => Err((None, format!("holds no name; it must be {}", self.bounds_text()))),
+            0 => Err((None, format!("has no names; it must be {}", self.bounds_text()))),
             1..=LONGEST_LIST => Ok(Value::Names(names)),
-            many => Err((None, format!("holds {many} names; at most {LONGEST_LIST} are possible"))),
+            many => Err((None, format!("has {many} names; at most {LONGEST_LIST} are possible"))),
         }
     }
 
@@ -364,7 +367,7 @@ impl Field {
         }
     }
 
-    /// "from 0 to 1", "\"hertz\" or \"jkr\"", "a list of rising values from 0 to 1".
+    /// "from 0 to 1", "\"hertz\" or \"jkr\"", "a list of increasing values from 0 to 1".
     pub fn bounds_text(&self) -> String {
         match &self.kind {
             Kind::Number { bounds: [low, high], .. } => format!("from {low} to {high}"),
@@ -382,9 +385,11 @@ impl Field {
                 let names: Vec<_> = options.iter().map(|[name, _]| format!("\"{name}\"")).collect();
                 any_of(&names)
             }
-            Kind::List { bounds: [low, high], .. } => format!("a list of rising values from {low} to {high}"),
+            Kind::List { bounds: [low, high], .. } => {
+                format!("a list of increasing values from {low} to {high}")
+            }
             Kind::Names { what, .. } => {
-                format!("a list of names of {what}")
+                format!("a list of {what} names")
             }
         }
     }

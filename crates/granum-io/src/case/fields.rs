@@ -27,11 +27,11 @@ pub(super) const SECTIONS: &[[&str; 2]] = &[
     ["contact", "The contact law."],
     [
         "preparation",
-        "The sample: a loose initial state of grains that do not touch, made from a seed, compressed isotropically and relaxed with \
-         the final properties.",
+        "The sample: a loose initial state of grains that do not touch, placed at random from a seed, compressed \
+         isotropically and relaxed with the final properties.",
     ],
     ["shear", "The test: axisymmetric compression at constant mean stress."],
-    ["recording", "Which states the sensors record, and the bins of the force distribution P(f)."],
+    ["recording", "The states that the sensors record, and the bins of the force distribution P(f)."],
     ["numerics", "Numerical choices that should not change a result beyond scatter."],
 ];
 
@@ -190,7 +190,7 @@ fn fields() -> Vec<Field> { vec![
         get: |case| case.contact.rolling.name(),
         set: |case, name| if let Some(law) = registry::rolling_named(name) { case.contact.rolling = law },
     }),
-    entry("contact", "adhesion", "Attraction on top of the contact, which may act beyond touch.", "none", Kind::Choice {
+    entry("contact", "adhesion", "Additional attraction of grains, which may act across a gap.", "none", Kind::Choice {
         options: options!(adhesion_laws),
         get: |case| case.contact.adhesion.name(),
         set: |case, name| if let Some(law) = registry::adhesion_named(name) { case.contact.adhesion = law },
@@ -218,7 +218,7 @@ fn fields() -> Vec<Field> { vec![
         Kind::Number {
             dimension: Dimension::NUMBER,
             bounds: ["0.3", "0.8"],
-            absent: Some(["none", "whatever comes out"]),
+            absent: Some(["none", "no target"]),
             get: |case| case.preparation.solid_fraction,
             set: |case, value| density(case, value, |p| &mut p.solid_fraction),
         }),
@@ -242,7 +242,7 @@ fn fields() -> Vec<Field> { vec![
         optional!(NUMBER, "0.05"..="2", "none": "not given", preparation.densest_void_ratio)),
     entry("preparation", "loosest_void_ratio", "Void ratio e_max of the loosest state, which `granum limits` finds.", "none",
         optional!(NUMBER, "0.05"..="3", "none": "not given", preparation.loosest_void_ratio)),
-    entry("preparation", "solid_fraction_tolerance", "How near to the target solid fraction is near enough.", "0.005",
+    entry("preparation", "solid_fraction_tolerance", "Accepted deviation from the target solid fraction.", "0.005",
         number!(NUMBER, "0.0001"..="0.1", preparation.solid_fraction_tolerance)),
     entry("preparation", "inertial_number", "Highest inertial number I while compressing, once grains carry load.", "1e-3",
         number!(NUMBER, "1e-7"..="0.1", preparation.inertial_number)),
@@ -251,7 +251,7 @@ fn fields() -> Vec<Field> { vec![
 
     entry("shear", "deviator_strain", "Deviator strain eps_1 - eps_3 at the end.", "0.3",
         number!(NUMBER, "1e-6"..="3", shear.deviator_strain)),
-    entry("shear", "inertial_number", "How fast: inertial number I = strain_rate d sqrt(density / p) of the axial strain rate. Without gravity only I matters.", "3.64e-4", Kind::Number {
+    entry("shear", "inertial_number", "Speed: inertial number I = strain_rate d sqrt(density / p) of the axial strain rate. Without gravity only I matters.", "3.64e-4", Kind::Number {
         dimension: Dimension::NUMBER,
         bounds: ["1e-8", "0.1"],
         absent: None,
@@ -261,7 +261,7 @@ fn fields() -> Vec<Field> { vec![
         },
         set: |case, value| if let Some(number) = value { case.shear.rate = Rate::InertialNumber(number) },
     }),
-    entry("shear", "strain_rate", "The other way to say how fast, instead of inertial_number: axial strain rate. 1e-5 /s with density_scaling = 1e12 is the paper's and gives the I above.", "1e-5 /s", Kind::Number {
+    entry("shear", "strain_rate", "Axial strain rate, which can be given instead of inertial_number. The paper's 1e-5 /s with density_scaling = 1e12 gives the I above.", "1e-5 /s", Kind::Number {
         dimension: Dimension::RATE,
         bounds: ["1e-12 /s", "1e6 /s"],
         absent: None,
@@ -311,7 +311,7 @@ fn fields() -> Vec<Field> { vec![
     entry("recording", "strains", "Deviator strains at which a state is recorded, instead of states and first_strain, e.g. [1e-5, 1e-4, 1e-3, 0.01, 0.1].", "none", Kind::List {
         dimension: Dimension::NUMBER,
         bounds: ["1e-9", "3"],
-        absent: ["none", "as states and first_strain say"],
+        absent: ["none", "given by states and first_strain"],
         get: |case| match &case.recording.spacing {
             Spacing::Strains(strains) => strains.clone(),
             Spacing::Equal | Spacing::Geometric(_) | Spacing::Every(_) => Vec::new(),
@@ -324,14 +324,14 @@ fn fields() -> Vec<Field> { vec![
             }
         },
     }),
-    entry("recording", "snapshots", "Deviator strains at which all grains and contacts are written down, beside those of the start and the end, e.g. [0.01, 0.1].", "none", Kind::List {
+    entry("recording", "snapshots", "Deviator strains at which all grains and contacts are saved, in addition to the start and the end, e.g. [0.01, 0.1].", "none", Kind::List {
         dimension: Dimension::NUMBER,
         bounds: ["1e-9", "3"],
         absent: ["none", "start and end only"],
         get: |case| case.recording.snapshots.clone(),
         set: |case, strains| case.recording.snapshots = strains,
     }),
-    entry("recording", "sensors", "Sensors that are recorded beside the usual ones, e.g. [\"overlap_distribution\"]; `granum measure --list` shows all.", "none", Kind::Names {
+    entry("recording", "sensors", "Sensors that are recorded in addition to the usual ones, e.g. [\"overlap_distribution\"]; `granum measure --list` shows all.", "none", Kind::Names {
         what: "sensors",
         absent: ["none", "the usual ones"],
         get: |case| case.recording.sensors.clone(),
@@ -347,7 +347,7 @@ fn fields() -> Vec<Field> { vec![
         count!(1..=100_000, recording.observations_per_state)),
     entry("recording", "bin_width", "Width of a bin of f = N/<N>.", "0.25",
         number!(NUMBER, "0.001"..="10", recording.bin_width)),
-    entry("recording", "largest_force", "Largest f with a bin of its own; what lies above is counted apart.", "6",
+    entry("recording", "largest_force", "Largest f with a bin of its own; larger forces are counted separately.", "6",
         number!(NUMBER, "0.1"..="1000", recording.largest_force)),
 
     entry("numerics", "time_step_factor", "Time step as a fraction of sqrt(m / k_t) of the stiffest contact; shortened where contact.damping is above 0.1.", "0.2",

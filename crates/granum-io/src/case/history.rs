@@ -56,7 +56,7 @@ fn read_lines<R: BufRead>(lines: &mut Lines<R>) -> Result<History> {
                 match place.quantity {
                     Some(_) => row.push(value),
                     None if value <= time => {
-                        let message = format!("time = {cell} does not rise from row to row");
+                        let message = format!("time = {cell} does not increase from row to row");
                         return Err(lines.cell_error(start, cell, message).into());
                     }
                     None => time = value,
@@ -110,7 +110,7 @@ fn place(cell: &str) -> std::result::Result<Place, (String, String)> {
     let Some(quantity) = Quantity::named(name) else {
         let names: Vec<String> = Quantity::all().map(Quantity::name).collect();
         let help = meant(name, names.iter().map(String::as_str).chain(["time"]));
-        return Err((format!("{name} is no column of a history"), help));
+        return Err((format!("{name} is not a column of a history"), help));
     };
     let factor = match unit {
         "" => Ok(1.0),
@@ -135,14 +135,14 @@ fn value<R: BufRead>(lines: &Lines<R>, place: &Place, start: usize, cell: &str) 
 pub(super) fn columns(value: &Node<'_>) -> Parsed<Vec<Quantity>> {
     let DeValue::Array(items) = value.get_ref() else {
         let help = "e.g. columns = [\"xx_strain\", \"yy_stress\"]".to_string();
-        return Err(Mistake(value.span(), "is no list of columns".into(), Some(help)));
+        return Err(Mistake(value.span(), "is not a list of columns".into(), Some(help)));
     };
     let column = |item: &Node<'_>| {
         let name = text(item)?;
         Quantity::named(&name).ok_or_else(|| {
             let names: Vec<String> = Quantity::all().map(Quantity::name).collect();
             let help = meant(&name, names.iter().map(String::as_str));
-            Mistake(item.span(), "is no column of a history".into(), Some(help))
+            Mistake(item.span(), "is not a column of a history".into(), Some(help))
         })
     };
     items.iter().map(column).collect()
@@ -152,10 +152,10 @@ pub(super) fn columns(value: &Node<'_>) -> Parsed<Vec<Quantity>> {
 pub(super) fn rows(value: &Node<'_>, columns: Vec<Quantity>) -> Parsed<History> {
     let wrong =
         |why: String| Mistake(value.span(), why, Some("e.g. rows = [[0.0, 1e5], [0.01, 1e5]]".into()));
-    let DeValue::Array(items) = value.get_ref() else { return Err(wrong("is no list of rows".into())) };
+    let DeValue::Array(items) = value.get_ref() else { return Err(wrong("is not a list of rows".into())) };
     let row = |item: &Node<'_>| {
         let DeValue::Array(cells) = item.get_ref() else {
-            return Err(Mistake(item.span(), "is no row of numbers".into(), None));
+            return Err(Mistake(item.span(), "is not a row of numbers".into(), None));
         };
         let quantities = columns.iter().map(|quantity| dimension_of(*quantity));
         let dimensions = quantities.chain(std::iter::repeat(Dimension::NUMBER));
@@ -204,7 +204,7 @@ mod tests {
             ("xx_strain\n0.1\nx\n", &[":3:1", "is not a number"]),
             ("xx_strain,yy_strain\n0.1\n", &[":2:1", "1 cells", "2 columns"]),
             ("xx_strain\ninf\n", &[":2:1", "is not finite"]),
-            ("time,xx_strain\n1,0\n1,0\n", &[":3:1", "does not rise"]),
+            ("time,xx_strain\n1,0\n1,0\n", &[":3:1", "does not increase"]),
             ("xx_strain,xx_stress\n0,1\n", &["xx_strain and xx_stress"]),
             ("time\n0\n", &["no column of strains or stresses"]),
             ("xx_strain\n", &["0 rows"]),

@@ -32,7 +32,7 @@ pub(super) struct Options {
 /// Keywords that are known and cannot be followed, with the reason.
 const REFUSED: [(&str, &str); 3] = [
     ("*DeformationGradient", "a given final deformation gradient"),
-    ("*RandomWalk", "random steps, which are not the same from run to run"),
+    ("*RandomWalk", "random steps, which differ from run to run"),
     ("*UndrainedCreep", "creep, which these grains do not show"),
 ];
 
@@ -111,7 +111,7 @@ impl<'a> Steps<'a> {
     fn value(&mut self, after: usize) -> Result<f64> {
         let (at, line) = self.needed(after, "a value")?;
         let found = line.split_whitespace().next().and_then(number);
-        found.ok_or_else(|| self.error(at, format!("{line:?} is no number")))
+        found.ok_or_else(|| self.error(at, format!("{line:?} is not a number")))
     }
 
     /// Whether each component is a stress, and its numbers, from six lines.
@@ -140,10 +140,7 @@ impl<'a> Steps<'a> {
         if is(line, "*Cartesian") {
             return Ok(());
         }
-        Err(self.error(
-            at,
-            format!("the variables {line} cannot be followed here; write the step with *Cartesian"),
-        ))
+        Err(self.error(at, format!("the variables {line} are not supported; write the step with *Cartesian")))
     }
 
     /// One step.
@@ -154,7 +151,7 @@ impl<'a> Steps<'a> {
             return self.repetition(at);
         }
         if let Some((name, why)) = REFUSED.iter().find(|(name, _)| is(keyword, name)) {
-            return Err(self.error(at, format!("{name} cannot be followed: {why}")));
+            return Err(self.error(at, format!("{name} is not supported: {why}")));
         }
         // Increments, iterations and time, which have no part, but for the number of probes and of parts of a circle.
         let (header, counts) = self.needed(at, "a line of increments, iterations and time")?;
@@ -220,7 +217,7 @@ impl<'a> Steps<'a> {
         self.cartesian(at)?;
         if count > 1000 {
             return Err(
-                self.error(at, format!("{count} increments are too many stages; at most 1000 are followed"))
+                self.error(at, format!("{count} increments give too many stages; at most 1000 are possible"))
             );
         }
         let components = self.components(at, 3)?;
@@ -266,9 +263,7 @@ impl<'a> Steps<'a> {
             "*purerelaxation" => self.control([fixed; 6]),
             "*purecreep" => self.control([held; 6]),
             _ => {
-                return Err(
-                    self.error(at, format!("{keyword} is no keyword that is known here, as *TriaxialE1 is"))
-                );
+                return Err(self.error(at, format!("{keyword} is not a known keyword, e.g. *TriaxialE1")));
             }
         };
         Ok(self.stage(name.trim_start_matches('*'), control))
@@ -288,12 +283,12 @@ impl<'a> Steps<'a> {
             // The sign of compression turns both sides of an equation round.
             let value = equation.value;
             match (stress == [0.0; 6], strain == [0.0; 6]) {
-                (true, true) => return Err(self.error(line, "the equation restricts nothing")),
+                (true, true) => return Err(self.error(line, "all coefficients of the equation are zero")),
                 (true, false) => match single(&strain) {
                     Some(k) => control.components[k] = self.by(false, value / strain[k]),
                     None if value == 0.0 => control = control.with(Constraint::strains(strain, 0.0)),
                     None => {
-                        let why = "a combination of strains with another total than 0 cannot be followed; give single strains";
+                        let why = "a combination of strains with nonzero total is not supported; give single strains";
                         return Err(self.error(line, why));
                     }
                 },
@@ -342,7 +337,7 @@ impl<'a> Steps<'a> {
             match row.filter(|row| row.len() >= most) {
                 Some(row) => rows.push(row),
                 None => {
-                    let message = format!("the row is no list of at least {most} numbers");
+                    let message = format!("the row is not a list of at least {most} numbers");
                     let file = path.display().to_string();
                     return Err(InputError::in_line(&file, k + 1, line, 0..line.len(), message).into());
                 }
@@ -380,10 +375,10 @@ impl<'a> Steps<'a> {
     }
 
     fn repetition(&mut self, at: usize) -> Result<Vec<CaseStage>> {
-        let (line, text) = self.needed(at, "the number of steps and of repetitions")?;
+        let (line, text) = self.needed(at, "the line with the numbers of steps and of repetitions")?;
         let mut words = text.split_whitespace().map(|word| word.parse::<u64>().ok());
         let (Some(Some(steps)), Some(Some(times))) = (words.next(), words.next()) else {
-            return Err(self.error(line, "the number of steps and of repetitions are needed, e.g. 2 10"));
+            return Err(self.error(line, "the numbers of steps and of repetitions are needed, e.g. 2 10"));
         };
         let mut stages = Vec::new();
         for _ in 0..steps {
@@ -396,7 +391,7 @@ impl<'a> Steps<'a> {
     /// `s1 < -100`: one measure beyond a value.
     fn condition(&self, at: usize, text: &str) -> Result<Until> {
         let wrong = || {
-            let why = "the condition cannot be followed; one measure beyond a number can, e.g. ? s1 < -100";
+            let why = "the condition is not supported; compare one measure with a number, e.g. ? s1 < -100";
             self.error(at, why)
         };
         let (name, value) = text.split_once(['<', '>']).ok_or_else(wrong)?;
@@ -427,9 +422,9 @@ struct Equation {
 /// Reads `sd1 + sd2 + 2.0*ed3 = -10`.
 fn equation(text: &str) -> std::result::Result<Equation, String> {
     let (left, right) =
-        text.split_once('=').ok_or_else(|| format!("{text:?} is no equation: it has no ="))?;
+        text.split_once('=').ok_or_else(|| format!("{text:?} is not an equation: it has no ="))?;
     let value =
-        number(right.trim()).ok_or_else(|| format!("{:?} on the right is no number", right.trim()))?;
+        number(right.trim()).ok_or_else(|| format!("{:?} on the right is not a number", right.trim()))?;
     let mut weights = [[0.0; 6]; 2];
     // A sign begins a term, but for that of an exponent.
     let mut terms = vec![String::new()];
@@ -443,7 +438,7 @@ fn equation(text: &str) -> std::result::Result<Equation, String> {
         before = c;
     }
     for term in terms {
-        let wrong = || format!("{term:?} is no term as 2.0*sd1 or -ed3");
+        let wrong = || format!("{term:?} is not a term such as 2.0*sd1 or -ed3");
         let (factor, name) = match term.rsplit_once('*') {
             Some((factor, name)) => (number(factor.trim_start_matches('+')).ok_or_else(wrong)?, name),
             None => match term.strip_prefix('-') {
@@ -533,14 +528,14 @@ mod tests {
     #[test]
     fn what_cannot_be_followed_is_refused_by_name_and_line() {
         for (text, parts) in [
-            ("out\n*RandomWalk\n1 1 1\n", &["test.inp:2:1", "*RandomWalk cannot be followed"][..]),
-            ("out\n*Nonsense\n1 1 1\n", &[":2:1", "*Nonsense is no keyword"]),
-            ("out\n*LinearLoad\n1 1 1\n*Roscoe\n", &[":4:1", "*Roscoe cannot be followed", "*Cartesian"]),
+            ("out\n*RandomWalk\n1 1 1\n", &["test.inp:2:1", "*RandomWalk is not supported"][..]),
+            ("out\n*Nonsense\n1 1 1\n", &[":2:1", "*Nonsense is not a known keyword"]),
+            ("out\n*LinearLoad\n1 1 1\n*Roscoe\n", &[":4:1", "*Roscoe are not supported", "*Cartesian"]),
             ("out\n*LinearLoad\n1 1 1\n*Cartesian\n2 0\n", &[":5:1", "1 (stress) or 0 (strain)"]),
-            ("out\n*TriaxialE1\n1 1 1\nx\n", &[":4:1", "is no number"]),
+            ("out\n*TriaxialE1\n1 1 1\nx\n", &[":4:1", "is not a number"]),
             ("out\n*TriaxialE1\n1 1 1\n", &[":2:1", "the file ends where a value is needed"]),
-            ("out\n*TriaxialE1 ? v3 > 1\n1 1 1\n-0.1\n", &[":2:1", "condition cannot be followed"]),
-            ("out\n*ObeyRestrictions\n1 1 1\nsd1 + q = 0\n", &[":4:1", "is no term"]),
+            ("out\n*TriaxialE1 ? v3 > 1\n1 1 1\n-0.1\n", &[":2:1", "condition is not supported"]),
+            ("out\n*ObeyRestrictions\n1 1 1\nsd1 + q = 0\n", &[":4:1", "is not a term"]),
             ("out\n*ObeyRestrictions\n1 1 1\ned1 + ed2 = 1\n", &[":4:1", "give single strains"]),
             ("out\n", &["has no steps"]),
         ] {

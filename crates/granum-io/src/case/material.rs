@@ -21,11 +21,12 @@ pub(super) const OF_PAIR: [&str; 2] = ["friction", "interface_energy"];
 
 /// Help of the keys that are not those of another section.
 pub(super) const NAME: &str =
-    "Its name, of letters, digits, - and _. The order in which materials stand does not matter.";
-pub(super) const SHARE: &str = "Share of the grains, by number; one may be left out, all are alike where none is given. Which grain \
-                                is of which material is drawn from preparation.seed.";
+    "Its name, of letters, digits, - and _. The order of the materials does not matter.";
+pub(super) const SHARE: &str = "Share of the grains, by number; one may be left out and gets the rest; all are equal \
+                                if none is given. Which grain has which material is drawn at random from \
+                                preparation.seed.";
 pub(super) const BETWEEN: &str =
-    "The names of two materials, or one name twice: these values hold between their grains.";
+    "The names of two materials, or one name twice: the values apply to contacts between their grains.";
 
 /// Smallest share of a material.
 pub(super) const SMALLEST_SHARE: f64 = 1e-6;
@@ -187,14 +188,14 @@ impl Case {
                 return wrong("needs the tables [[material]] in the case file".into());
             }
             let help = meant(name, known.iter().map(String::as_str));
-            wrong(format!("speaks of a material {name:?} that the case does not have; {help}"))
+            wrong(format!("names a material {name:?} that the case does not have; {help}"))
         };
         let of_key = |key: &str, all: &mut dyn Iterator<Item = &'static Field>| {
             let all: Vec<&'static Field> = all.collect();
             let found = all.iter().find(|field| field.key == key).copied();
             found.ok_or_else(|| {
                 let help = meant(key, all.iter().map(|field| field.key));
-                wrong(format!("is no key of it; {help}"))
+                wrong(format!("is not one of its keys; {help}"))
             })
         };
         let case = self.clone();
@@ -224,7 +225,7 @@ impl Case {
             }
             _ => {
                 return Err(wrong(
-                    "is no key of a material, as material.NAME.friction and pair.NAME.NAME.friction are"
+                    "is not a key of a material, e.g. material.NAME.friction or pair.NAME.NAME.friction"
                         .into(),
                 ));
             }

@@ -26,7 +26,7 @@ impl Reader<'_> {
     /// The tables of a list of tables; others are mistakes.
     fn tables<'t, 'a>(&mut self, key: &str, value: &'t Node<'a>) -> Vec<(&'t DeTable<'a>, Range<usize>)> {
         let DeValue::Array(items) = value.get_ref() else {
-            let message = format!("{key} = {} is no list of tables", self.shown(&value.span()));
+            let message = format!("{key} = {} is not a list of tables", self.shown(&value.span()));
             self.error(value.span(), message).help = Some(format!("write [[{key}]] with its keys below"));
             return Vec::new();
         };
@@ -69,11 +69,11 @@ impl Reader<'_> {
             match names {
                 Some((Some(between), _)) => found.push(PairTable { place, between, values }),
                 Some((None, at)) => {
-                    let message = format!("{place}.between = {} is no pair of names", self.shown(&at));
+                    let message = format!("{place}.between = {} is not a pair of names", self.shown(&at));
                     self.error(at, message).help = Some("e.g. between = [\"glass\", \"steel\"]".into());
                 }
                 None => {
-                    self.error(span, format!("{place} does not say between which materials")).help =
+                    self.error(span, format!("{place} does not name its two materials")).help =
                         Some("add between = [\"NAME\", \"NAME\"]".into());
                 }
             }
@@ -163,8 +163,10 @@ impl Reader<'_> {
         let shares = self.shares(&materials);
         for (table, share) in materials.iter().zip(shares) {
             if mixture.position(&table.name).is_some() {
-                let message =
-                    format!("{}.name = {:?} stands for another material already", table.place, table.name);
+                let message = format!(
+                    "{}.name = {:?} is already the name of another material",
+                    table.place, table.name
+                );
                 self.error(table.span.clone(), message).help = Some("give it another name".into());
             }
             let mut component = Component::new(table.name.clone(), share, case.grains.material);
@@ -187,13 +189,13 @@ impl Reader<'_> {
                     } else {
                         meant(name, known)
                     };
-                    let message = format!("{}.between names {name:?}, which is no material", table.place);
+                    let message = format!("{}.between names {name:?}, which is not a material", table.place);
                     self.error(span.clone(), message).help = Some(help);
                 }
             }
             let [a, b] = &rule.between;
             if mixture.rule(a, b).is_some() {
-                let message = format!("{} says a second time what holds between {a} and {b}", table.place);
+                let message = format!("{} sets the pair of {a} and {b} a second time", table.place);
                 self.error(table.between[0].1.clone(), message).help = Some("keep one of the two".into());
             }
             for (field, value, span) in &table.values {
@@ -228,7 +230,7 @@ impl Reader<'_> {
             [] if rest.abs() > 1e-9 => {
                 let message = format!("the shares of the materials sum to {}", format_number(given));
                 self.error(last.unwrap_or(0..0), message).help =
-                    Some("they must sum to 1; leave one out, and it has the rest".into());
+                    Some("they must sum to 1; leave one out, and it gets the rest".into());
             }
             [one] if rest < SMALLEST_SHARE => {
                 let message = format!(
@@ -239,9 +241,9 @@ impl Reader<'_> {
                 self.error(one.span.clone(), message).help = Some("lower the shares of the others".into());
             }
             [_, second, ..] => {
-                let message = format!("{} has no share, and another one has none", second.place);
+                let message = format!("{} has no share, and neither has another material", second.place);
                 self.error(second.span.clone(), message).help =
-                    Some("give all shares but one, or none for equal ones".into());
+                    Some("give all shares but one, or none for equal shares".into());
             }
             _ => {}
         }

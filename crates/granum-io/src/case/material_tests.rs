@@ -104,7 +104,7 @@ fn mistakes_are_told_with_their_place_and_remedy() {
             assert!(found.contains(wanted), "{wanted}\nis not in\n{found}");
         }
     };
-    said("material = 3\n", &["case.toml:1:12: material = 3 is no list of tables", "write [[material]]"]);
+    said("material = 3\n", &["case.toml:1:12: material = 3 is not a list of tables", "write [[material]]"]);
     said("[[material]]\nshare = 1\n", &["case.toml:1:1: material.1 has no name", "name = \"glass\""]);
     said(
         "[[material]]\nname = \"a b\"\n",
@@ -120,25 +120,28 @@ fn mistakes_are_told_with_their_place_and_remedy() {
     );
     said(
         "[[material]]\nname = \"a\"\nrolling_friction = 0.1\n",
-        &["case.toml:3:1: material.1.rolling_friction means nothing with contact.normal"],
+        &["case.toml:3:1: material.1.rolling_friction has no effect with contact.normal"],
     );
     let two = "[[material]]\nname = \"a\"\nshare = 0.5\n[[material]]\nname = \"b\"\n";
     said(&format!("{two}share = 0.6\n"), &["case.toml:6:9: the shares of the materials sum to 1.1"]);
-    said(&two.replace("\"b\"", "\"a\""), &["material.2.name = \"a\" stands for another material already"]);
+    said(
+        &two.replace("\"b\"", "\"a\""),
+        &["material.2.name = \"a\" is already the name of another material"],
+    );
     said(&two.replace("0.5", "1"), &["material.2 has no share, and nothing is left for it"]);
     said(
         &format!("{two}[[material]]\nname = \"c\"\n"),
-        &["material.3 has no share, and another one has none"],
+        &["material.3 has no share, and neither has another material"],
     );
     said(
         &format!("{two}[[pair]]\nbetween = [\"a\", \"bb\"]\n"),
-        &["case.toml:7:17: pair.1.between names \"bb\", which is no material", "did you mean b?"],
+        &["case.toml:7:17: pair.1.between names \"bb\", which is not a material", "did you mean b?"],
     );
-    said(&format!("{two}[[pair]]\nbetween = \"a\"\n"), &["pair.1.between = \"a\" is no pair of names"]);
-    said(&format!("{two}[[pair]]\nfriction = 1\n"), &["pair.1 does not say between which materials"]);
+    said(&format!("{two}[[pair]]\nbetween = \"a\"\n"), &["pair.1.between = \"a\" is not a pair of names"]);
+    said(&format!("{two}[[pair]]\nfriction = 1\n"), &["pair.1 does not name its two materials"]);
     said(
         &format!("{two}[[pair]]\nbetween = [\"a\", \"b\"]\n[[pair]]\nbetween = [\"b\", \"a\"]\n"),
-        &["case.toml:9:12: pair.2 says a second time what holds between"],
+        &["case.toml:9:12: pair.2 sets the pair of"],
     );
     said(
         &format!("{two}[[pair]]\nbetween = [\"a\", \"b\"]\ndensity = 1\n"),
@@ -146,7 +149,7 @@ fn mistakes_are_told_with_their_place_and_remedy() {
     );
     said(
         "[[pair]]\nbetween = [\"a\", \"b\"]\n",
-        &["which is no material", "add [[material]] with this name"],
+        &["which is not a material", "add [[material]] with this name"],
     );
 }
 
@@ -155,5 +158,5 @@ fn mistakes_are_told_with_their_place_and_remedy() {
 fn too_much_adhesion_of_a_material_is_refused() {
     let soft = "[[material]]\nname = \"a\"\n[[material]]\nname = \"b\"\nyoungs_modulus = \"10 kPa\"\n";
     let found = refused(soft);
-    assert!(found.contains("would hold the smallest grains up to"), "{found}");
+    assert!(found.contains("would hold the smallest grains together up to"), "{found}");
 }

@@ -152,7 +152,7 @@ mod tests {
             assert_eq!(case.recording.spacing, listed.recording.spacing, "{text}");
         }
         let error = case.set("recording.strains", "0.1,0.05").unwrap_err().to_string();
-        assert!(error.contains("value 2 (\"0.05\") is not above the one before"), "{error}");
+        assert!(error.contains("value 2 (\"0.05\") is not greater than the one before"), "{error}");
         case.set("recording.strains", "none").unwrap();
         assert_eq!(case, Case::default());
     }
@@ -178,7 +178,7 @@ mod tests {
         assert_eq!(stiff.contact.parameters.given("normal_stiffness"), Some(2e4));
         let mut set = Case::default();
         set.set("contact.rolling_friction", "0.2").unwrap();
-        assert!(set.check().unwrap_err().to_string().contains("contact.rolling_friction means nothing with"));
+        assert!(set.check().unwrap_err().to_string().contains("contact.rolling_friction has no effect with"));
         set.set("contact.rolling", "elastic-plastic").unwrap();
         set.check().unwrap();
         assert_eq!(set.digest(), case.digest());
@@ -188,9 +188,9 @@ mod tests {
     fn keys_of_laws_are_refused_where_they_mean_nothing() {
         let message = |text: &str| Case::parse(text, "case.toml").unwrap_err().to_string();
         let unused = message("[contact]\nrolling_friction = 0.2\n");
-        assert!(unused.contains("case.toml:2:1: contact.rolling_friction means nothing with"), "{unused}");
+        assert!(unused.contains("case.toml:2:1: contact.rolling_friction has no effect with"), "{unused}");
         let area = message("[contact]\ntangential = \"no-slip\"\ntangential_stiffness_ratio = 0.5\n");
-        assert!(area.contains("case.toml:3:1: contact.tangential_stiffness_ratio means nothing"), "{area}");
+        assert!(area.contains("case.toml:3:1: contact.tangential_stiffness_ratio has no effect"), "{area}");
         let bounds = message("[contact]\nrolling = \"elastic-plastic\"\nrolling_friction = 3\n");
         assert!(
             bounds.contains("contact.rolling_friction = 3 is out of bounds; it must be from 0 to 2"),

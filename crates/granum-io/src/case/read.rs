@@ -91,12 +91,12 @@ impl Case {
             return self.set_material(path, text);
         }
         if self.has_stages() && has_no_part(path) {
-            return Err(wrong("has no part in a case with stages; set stage.1.KEY instead".into()));
+            return Err(wrong("has no effect in a case with stages; set stage.1.KEY instead".into()));
         }
         let section = path.rsplit_once('.').map_or("", |(section, _)| section);
         let field = field(path).ok_or_else(|| match new_name(path) {
             Some(new) => wrong(format!("is now called {new}")),
-            None => wrong(format!("is no key; {}", suggestion(path, section))),
+            None => wrong(format!("is not a key; {}", suggestion(path, section))),
         })?;
         let value = field.parse(text).map_err(wrong)?;
         if path == "shear.density_scaling" && field.value(self).is_none() {
@@ -222,7 +222,7 @@ impl Reader<'_> {
             && !list.is_empty()
             && let Some(span) = self.keys.get("recording.strains").cloned()
         {
-            let message = "recording.strains and recording.first_strain both say where states are recorded";
+            let message = "recording.strains and recording.first_strain both set where states are recorded";
             self.error(span, message.into()).help =
                 Some("keep strains, or first_strain with states; the other is \"none\"".into());
         }
@@ -249,8 +249,8 @@ impl Reader<'_> {
         let none: Vec<_> = self.keys.iter().filter(|(path, _)| has_no_part(path)).collect();
         let none: Vec<_> = none.into_iter().map(|(path, span)| (path.clone(), span.clone())).collect();
         for (path, span) in none {
-            self.error(span, format!("{path} has no part in a case with [[stage]]")).help = Some(
-                "leave it out: stages say themselves what is done, when they end and which states are recorded"
+            self.error(span, format!("{path} has no effect in a case with [[stage]]")).help = Some(
+                "leave it out: each stage sets its own loading, its end and the states that it records"
                     .into(),
             );
         }
@@ -265,12 +265,12 @@ impl Reader<'_> {
         if let (Some(_), Some(span)) = (&inertial, &strain_rate) {
             self.error(
                 span.clone(),
-                "shear.strain_rate and shear.inertial_number both say how fast".into(),
+                "shear.strain_rate and shear.inertial_number both set the speed".into(),
             )
             .help = Some("keep inertial_number, or strain_rate with density_scaling".into());
         } else if let (None, Some(span)) = (strain_rate, scaling) {
-            self.error(span, "shear.density_scaling means nothing without shear.strain_rate".into()).help =
-                Some("add strain_rate, e.g. strain_rate = \"1e-5 /s\", or say inertial_number alone".into());
+            self.error(span, "shear.density_scaling has no effect without shear.strain_rate".into()).help =
+                Some("add strain_rate, e.g. strain_rate = \"1e-5 /s\", or give inertial_number alone".into());
         }
     }
 

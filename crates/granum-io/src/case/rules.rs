@@ -105,7 +105,7 @@ pub(super) const RULES: &[Rule] = &[
         broken: |case| {
             let bins = (case.recording.largest_force / case.recording.bin_width).ceil();
             (bins > 10_000.0).then(|| {
-                format!("recording.largest_force / recording.bin_width asks for {bins} bins; at most 10000 are kept")
+                format!("recording.largest_force / recording.bin_width gives {bins} bins; at most 10000 are possible")
             })
         },
     },
@@ -152,8 +152,9 @@ fn materials_too_sticky(case: &Case) -> Option<String> {
         [properties, compacting].iter().filter_map(|p| p.adhesion_reach(smallest).ok()).fold(0.0, f64::max);
     (reach > LARGEST_REACH * smallest).then(|| {
         format!(
-            "adhesion between grains of these materials would hold the smallest grains up to {reach:.2e} m apart, beyond half their \
-             radius, where the theory of small contacts ends: lower an interface_energy or raise a youngs_modulus"
+            "adhesion between grains of these materials would hold the smallest grains together up to {reach:.2e} m \
+             apart, beyond half their radius, where the theory of small contacts fails: lower an interface_energy or \
+             raise a youngs_modulus"
         )
     })
 }
@@ -175,9 +176,9 @@ fn too_sticky(case: &Case, section: &str, interface_energy: f64) -> Option<Strin
     let most = interface_energy * (largest / reach).powf(1.5);
     let most = format!("{most:.2e}").parse().unwrap_or(most);
     Some(format!(
-        "{section}.interface_energy = {interface_energy} J/m2 would hold the smallest grains up to {reach:.2e} m apart, beyond \
-         half their radius, where the theory of small contacts ends; with this youngs_modulus and diameter it must be at \
-         most {most} J/m2"
+        "{section}.interface_energy = {interface_energy} J/m2 would hold the smallest grains together up to \
+         {reach:.2e} m apart, beyond half their radius, where the theory of small contacts fails; with this \
+         youngs_modulus and diameter it must be at most {most} J/m2"
     ))
 }
 

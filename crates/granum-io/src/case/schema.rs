@@ -16,7 +16,7 @@ use super::stage_values::OTHER_ENDS;
 impl Case {
     /// The JSON schema (draft 2020-12) of a case file, for editors: every key with its meaning, bounds and default.
     pub fn schema() -> Value {
-        let mut root = object("A granum case: everything that decides a result.", Map::new());
+        let mut root = object("A granum case: all inputs that determine a result.", Map::new());
         for [section, help] in SECTIONS {
             let mut keys = Map::new();
             for field in FIELDS.iter().filter(|field| field.section == *section) {
@@ -30,17 +30,18 @@ impl Case {
             place["properties"][last] = object(help, keys);
         }
         root["properties"]["material"] = json!({
-            "description": "Several materials; what one leaves out is as in [grains.material] and [contact].",
+            "description": "Several materials; keys that one leaves out are taken from [grains.material] and \
+                            [contact].",
             "type": "array",
             "items": material(),
         });
         root["properties"]["pair"] = json!({
-            "description": "Values between two materials, in place of what follows from the two.",
+            "description": "Values for a pair of materials, instead of those computed from the two.",
             "type": "array",
             "items": pair(),
         });
         root["properties"]["stage"] = json!({
-            "description": "The test as stages, one after another, in place of the section [shear].",
+            "description": "The test as a sequence of stages, instead of the section [shear].",
             "type": "array",
             "items": { "$ref": "#/$defs/stage" },
         });
@@ -115,7 +116,7 @@ fn pair() -> Value {
     let names = json!({ "type": "array", "items": { "type": "string" }, "minItems": 2, "maxItems": 2 });
     keys.insert("between".into(), names);
     keys["between"]["description"] = json!(BETWEEN);
-    let mut schema = object("What holds between two materials.", keys);
+    let mut schema = object("Values for a pair of materials.", keys);
     schema["required"] = json!(["between"]);
     schema
 }
@@ -142,7 +143,7 @@ fn of_parameter(parameter: &Parameter) -> Value {
         Default::Needed => {}
         Default::Absent(meaning) => {
             let text = schema["description"].as_str().unwrap_or_default().to_string();
-            schema["description"] = json!(format!("{text} Left out: {meaning}."));
+            schema["description"] = json!(format!("{text} If left out: {meaning}."));
         }
     }
     schema
@@ -154,11 +155,12 @@ fn of_path(preset: &preset::Preset) -> Value {
     keys.extend(preset.parameters().map(|parameter| (parameter.key.to_string(), of_parameter(parameter))));
     keys.insert(
         "resets".into(),
-        json!({ "type": "boolean", "description": "False where strain, time and energy go on counting from an earlier stage.", "default": true }),
+        json!({ "type": "boolean", "description": "False if strain, time and energy continue to count from an earlier stage.", "default": true }),
     );
     if preset.parameters().any(|parameter| parameter.kind == Kind::History) {
-        let columns = json!({ "type": "array", "description": "Names of the columns, where the rows stand in the case." });
-        let rows = json!({ "type": "array", "items": { "type": "array" }, "description": "The rows, in place of a file." });
+        let columns =
+            json!({ "type": "array", "description": "Names of the columns, if the case contains the rows." });
+        let rows = json!({ "type": "array", "items": { "type": "array" }, "description": "The rows, instead of a file." });
         keys.extend([("columns".to_string(), columns), ("rows".to_string(), rows)]);
     }
     let mut schema = object(preset.help, keys);
@@ -168,11 +170,10 @@ fn of_path(preset: &preset::Preset) -> Value {
 
 /// A stage that repeats others.
 fn repetition() -> Value {
-    let times = json!({ "type": "integer", "minimum": 1, "description": "How often." });
-    let stages =
-        json!({ "type": "array", "items": { "$ref": "#/$defs/stage" }, "description": "What is repeated." });
+    let times = json!({ "type": "integer", "minimum": 1, "description": "Number of repetitions." });
+    let stages = json!({ "type": "array", "items": { "$ref": "#/$defs/stage" }, "description": "The repeated stages." });
     let keys = [("repeat".to_string(), times), ("stage".to_string(), stages)];
-    let mut schema = object("Stages that are repeated, one after another.", Map::from_iter(keys));
+    let mut schema = object("A sequence of stages that is repeated.", Map::from_iter(keys));
     schema["required"] = json!(["stage"]);
     schema
 }
@@ -182,8 +183,7 @@ fn incremental_driver() -> Value {
     let key = |[key, help]: &[&str; 2]| {
         ((*key).to_string(), json!({ "type": ["number", "string"], "description": help }))
     };
-    let mut schema =
-        object("The steps of a file of the IncrementalDriver.", DRIVER_KEYS.iter().map(key).collect());
+    let mut schema = object("The steps of an IncrementalDriver file.", DRIVER_KEYS.iter().map(key).collect());
     schema["required"] = json!(["incremental_driver", "stress_unit"]);
     schema
 }
@@ -224,7 +224,7 @@ fn written_out() -> Value {
         ((*key).to_string(), schema)
     });
     // No key must be there: a stage with a ramp ends with it where nothing else is said.
-    object("A stage written out.", Map::from_iter(keys))
+    object("A stage with an explicit control.", Map::from_iter(keys))
 }
 
 #[cfg(test)]

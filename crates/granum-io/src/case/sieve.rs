@@ -117,7 +117,7 @@ fn column(cell: &str) -> std::result::Result<(usize, f64), String> {
 /// # Errors
 /// A sentence that continues "key = value".
 pub(super) fn parse(text: &str) -> std::result::Result<Points, String> {
-    let wrong = || format!("is no list of points; {}", bounds_text());
+    let wrong = || format!("is not a list of points; {}", bounds_text());
     let inner = text.trim().strip_prefix('[').and_then(|rest| rest.strip_suffix(']')).ok_or_else(wrong)?;
     let mut points = Vec::new();
     for part in inner
@@ -192,7 +192,7 @@ mod tests {
             ("diameter (kg),finer (%)\n", &[":1:1", "is a mass"]),
             ("size (mm),finer (%)\n", &[":1:1", "size is no column"]),
             ("diameter (mm)\n0.1\n", &[":1:1", "each once"]),
-            ("diameter (mm),finer (%)\n0.1,0\n0.1,100\n", &[":3:1", "does not rise"]),
+            ("diameter (mm),finer (%)\n0.1,0\n0.1,100\n", &[":3:1", "does not increase"]),
             ("diameter (mm),finer (%)\n0.1,0\n0.2,x\n", &[":3:5", "is not a number"]),
             ("diameter (mm),finer (%)\n0.1,0\n0.2,90\n", &["90 % finer", "100 %"]),
         ] {

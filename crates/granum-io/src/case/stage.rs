@@ -39,12 +39,12 @@ pub(super) fn path_fault(preset: &Preset, given: &Given) -> Option<(&'static str
     if said("strain_rate") && said("inertial_number") {
         return Some((
             "strain_rate",
-            "strain_rate says how fast, and so does inertial_number; keep one".into(),
+            "strain_rate and inertial_number both set the speed; keep one of them".into(),
         ));
     }
     if said("density_scaling") && !said("strain_rate") {
         let message =
-            "density_scaling means nothing without strain_rate; add it, or say inertial_number alone";
+            "density_scaling has no effect without strain_rate; add it, or give inertial_number alone";
         return Some(("density_scaling", message.into()));
     }
     None
@@ -65,7 +65,7 @@ pub(super) fn parse_value(parameter: &Parameter, text: &str) -> std::result::Res
             let values = text.split(',').map(|part| parse_number(parameter, part.trim()));
             let values = values.collect::<std::result::Result<Vec<f64>, String>>()?;
             if values.windows(2).any(|pair| pair[0] >= pair[1]) {
-                return Err("does not rise from value to value".into());
+                return Err("does not increase from value to value".into());
             }
             Ok(Value::List(values))
         }
@@ -95,7 +95,7 @@ fn check_value(parameter: &Parameter, value: &Value) -> std::result::Result<(), 
         (Kind::Word(_), Value::Word(word)) => parse_value(parameter, word).map(drop),
         (Kind::List, Value::List(values)) => values.iter().try_for_each(|x| check_number(parameter, *x)),
         (Kind::History, Value::History(history)) => history.fault().map_or(Ok(()), Err),
-        _ => Err("is a value of another kind".into()),
+        _ => Err("has the wrong type".into()),
     }
 }
 
@@ -139,7 +139,7 @@ impl Case {
         };
         let Some(preset) = preset::named(name) else {
             let help = meant(name, preset::all().iter().map(|preset| preset.name));
-            return Err(wrong("path", name, format!("is no path; {help}")));
+            return Err(wrong("path", name, format!("is not a path; {help}")));
         };
         let mut case = self.clone();
         case.shear = Default::default();
@@ -158,7 +158,7 @@ impl Case {
         for (key, text) in parameters {
             if preset.parameter(key).is_none() {
                 let help = meant(key, preset.parameters().map(|parameter| parameter.key));
-                return Err(wrong(key, text, format!("is no parameter of the path {name}; {help}")));
+                return Err(wrong(key, text, format!("is not a parameter of the path {name}; {help}")));
             }
             case.set(&format!("stage.1.{key}"), text)?;
         }
@@ -180,7 +180,7 @@ impl Case {
                 let Some(parameter) = preset.and_then(|preset| preset.parameter(key)) else {
                     let known = preset.into_iter().flat_map(Preset::parameters).collect::<Vec<_>>();
                     let help = meant(key, known.iter().map(|parameter| parameter.key));
-                    return Err(wrong(format!("is no parameter of the path {name}; {help}")));
+                    return Err(wrong(format!("is not a parameter of the path {name}; {help}")));
                 };
                 parameters.insert(key.to_string(), parse_value(parameter, text).map_err(wrong)?);
                 Ok(())
@@ -192,10 +192,11 @@ impl Case {
                 Ok(())
             }
             CaseStage::Repeat { .. } => Err(wrong(
-                "is no key of a stage that repeats others; it has repeat, and they their numbers".into(),
+                "is not a key of a stage that repeats others; it has repeat, and its stages are numbered, as in \
+                 stage.2.1.KEY".into(),
             )),
             CaseStage::Control(_) => {
-                Err(wrong("belongs to a stage that is written out; change the case file".into()))
+                Err(wrong("belongs to a stage with an explicit control; change it in the case file".into()))
             }
         }
     }
@@ -211,7 +212,7 @@ impl Case {
         let count = self.stages.iter().fold(0u64, |sum, stage| sum.saturating_add(stage.count()));
         if count > MOST_STAGES {
             return Err(Error::Rule(format!(
-                "the stages of the case come to {count} with their repetitions; at most {MOST_STAGES} are followed"
+                "the case has {count} stages with their repetitions; at most {MOST_STAGES} are possible"
             )));
         }
         match fault_of_order(&self.stages) {
@@ -244,7 +245,7 @@ fn no_such_stage(count: usize) -> String {
         0 => "this case has no [[stage]]".to_string(),
         _ => format!("this case has the stages 1 to {count}"),
     };
-    format!("is no key of a stage, as stage.1.axial_strain is; {stages}")
+    format!("is not a key of a stage, e.g. stage.1.axial_strain; {stages}")
 }
 
 fn check_list(stages: &[CaseStage], place: &str) -> Result<()> {
@@ -254,7 +255,7 @@ fn check_list(stages: &[CaseStage], place: &str) -> Result<()> {
             CaseStage::Path { name, parameters, .. } => check_path(name, parameters, &place)?,
             CaseStage::Control(_) => {}
             CaseStage::Repeat { times, stages } if *times == 0 || stages.is_empty() => {
-                return Err(Error::Rule(format!("{place} repeats nothing")));
+                return Err(Error::Rule(format!("{place} has no stages to repeat")));
             }
             CaseStage::Repeat { stages, .. } => {
                 check_list(stages, &place)?;

@@ -23,42 +23,41 @@ use granum_core::quantity::Dimension;
 
 /// Keys of a stage with an explicit control, with their meaning.
 pub(super) const STAGE_KEYS: &[[&str; 2]] = &[
-    ["name", "Its name for people."],
+    ["name", "A name, for the reader."],
     [
         "inertial_number",
-        "How fast: inertial number of a strain rate of one, at the mean stress at the start of the stage.",
+        "Speed: the strain rate that counts as 1, as an inertial number at the mean stress at the start of the stage.",
     ],
-    ["strain_rate", "The other way to say how fast: the strain rate of one."],
+    ["strain_rate", "Speed, instead of inertial_number: the strain rate that counts as 1."],
     [
         "xx",
-        "What is done with this component: \"fixed\", \"free\", { rate = ... }, { stress = ... }, { stress_rate = ... }, or to the end of \
-         a ramp { strain_to = ... }, { strain_by = ... }, { stress_to = ... }, { stress_by = ... }.",
+        "Control of this component: \"fixed\", \"free\", { rate = ... }, { stress = ... }, { stress_rate = ... }, or a \
+         ramp { strain_to = ... }, { strain_by = ... }, { stress_to = ... }, { stress_by = ... }.",
     ],
     ["yy", "As xx."],
     ["zz", "As xx."],
     ["yz", "As xx; shear strains are angles."],
     ["zx", "As xx."],
     ["xy", "As xx."],
-    [
-        "constraint",
-        "Combinations of stresses that are held, or of strain rates that are kept, as a list of tables.",
-    ],
+    ["constraint", "Combinations of stresses or of strain rates that are controlled, as a list of tables."],
     ["kinematics", "How shear rates move the cell: \"pure-shear\" or \"simple-shear\"."],
     [
         "servo_limit",
-        "Bound on what the servo adds for one controlled stress, as a multiple of the strain rate of one.",
+        "Bound on the strain rate that the servo adds for one controlled stress, as a multiple of the rate that counts \
+         as 1.",
     ],
     ["servo_response", "Time constant of the servo, in time steps."],
     ["turns", "Turning points of a cyclic stage: { measure = ..., high = ..., low = ... }."],
     [
         "until",
-        "Its ends, the first of which ends it: measures with values, reversals, ramp_over, pore_pressure_ratio, double_amplitude, \
-         unbalanced_force, critical_state.",
+        "End conditions, the first of which to be met ends the stage: measures with values, reversals, ramp_over, \
+         pore_pressure_ratio, double_amplitude, unbalanced_force, critical_state.",
     ],
-    ["most_arc_length", "Arc length of strain after which it ends in any case."],
+    ["most_arc_length", "Arc length of strain after which the stage ends in any case."],
     [
         "record",
-        "Which states are recorded: { measure = ..., every = ... }, { ..., states = ..., end = ... } or { ..., at = [...] }.",
+        "The states that are recorded: { measure = ..., every = ... }, { ..., states = ..., end = ... } or { ..., at = \
+         [...] }.",
     ],
     ["settling", "True if velocities are damped globally, so that the sample comes to rest."],
     ["resets", "True if strain, time and energy count from the start of this stage."],
@@ -68,8 +67,8 @@ pub(super) const STAGE_KEYS: &[[&str; 2]] = &[
     ],
     [
         "start",
-        "\"here\": where the stage before it ended; \"kept\": there too, and later stages can go back to it; \"back\": the state that \
-         was kept last.",
+        "Initial state. \"here\": where the stage before ended; \"kept\": the same, and later stages can go back to \
+         it; \"back\": the state that was kept last.",
     ],
 ];
 
@@ -80,8 +79,8 @@ pub(super) const DRIVER_KEYS: &[[&str; 2]] = &[
         "A loading path (test.inp) of Niemunis' IncrementalDriver, whose steps become stages.",
     ],
     ["stress_unit", "The unit of stress of that file, e.g. \"1 kPa\"."],
-    ["inertial_number", "How fast its stages go: inertial number of the largest strain rate."],
-    ["interval", "A state is recorded at every such arc length of strain."],
+    ["inertial_number", "Speed of its stages: inertial number of the largest strain rate."],
+    ["interval", "Arc length of strain between recorded states."],
 ];
 
 /// Keys of a stage that repeats others.
@@ -98,7 +97,7 @@ impl Reader<'_> {
         let count = stages.iter().fold(0u64, |sum, stage| sum.saturating_add(stage.count()));
         if count > MOST_STAGES {
             let message = format!(
-                "the stages of the case come to {count} with their repetitions; at most {MOST_STAGES} are followed"
+                "the case has {count} stages with their repetitions; at most {MOST_STAGES} are possible"
             );
             self.error(value.span(), message);
         } else if let Some((number, message)) = fault_of_order(&stages) {
@@ -109,7 +108,7 @@ impl Reader<'_> {
 
     fn list_of_stages(&mut self, value: &Node<'_>, name: &str) -> Vec<(CaseStage, Range<usize>)> {
         let DeValue::Array(tables) = value.get_ref() else {
-            let message = format!("{name} = {} is no list of tables", self.shown(&value.span()));
+            let message = format!("{name} = {} is not a list of tables", self.shown(&value.span()));
             self.error(value.span(), message).help = Some("write [[stage]] with its keys below".into());
             return Vec::new();
         };
@@ -180,7 +179,7 @@ impl TableReader<'_, '_> {
         let found = text(path).and_then(|name| {
             preset::named(&name).ok_or_else(|| {
                 let help = meant(&name, preset::all().iter().map(|preset| preset.name));
-                Mistake(path.span(), "is no path".into(), Some(help))
+                Mistake(path.span(), "is not a path".into(), Some(help))
             })
         });
         let preset: &Preset = self.take("path", found)?;
@@ -230,7 +229,7 @@ impl TableReader<'_, '_> {
     fn history(&mut self, table: &DeTable<'_>, span: &Range<usize>) -> Option<granum_dem::loading::History> {
         let file = table.get("file");
         if let (Some(file), Some(_)) = (file, table.get("columns").or(table.get("rows"))) {
-            let why = "says the history, and so do columns and rows".to_string();
+            let why = "gives the history, and so do columns and rows".to_string();
             return self.take("file", Err(Mistake(file.span(), why, Some("keep one of them".into()))));
         }
         if let Some(file) = file {
@@ -268,7 +267,7 @@ impl TableReader<'_, '_> {
         let speed = self.key(table, "inertial_number", |value| number(value, Dimension::NUMBER, [1e-8, 0.1]));
         let interval = self.key(table, "interval", |value| number(value, Dimension::NUMBER, [1e-7, 1.0]));
         if !table.contains_key("stress_unit") {
-            let message = format!("{} does not say the unit of stress of the file", self.name);
+            let message = format!("{} does not give the unit of stress of the file", self.name);
             self.reader.error(span.clone(), message).help =
                 Some("add it, e.g. stress_unit = \"1 kPa\"".into());
         }
@@ -303,14 +302,14 @@ impl TableReader<'_, '_> {
         }
         let times = self.key(table, "repeat", |value| whole(value, [1.0, MOST_STAGES as f64]));
         let Some(inner) = table.get("stage") else {
-            let message = format!("{} repeats nothing", self.name);
+            let message = format!("{} has no stages to repeat", self.name);
             self.reader.error(span.clone(), message).help =
-                Some("write what it repeats below it, as [[stage.stage]]".into());
+                Some("write the stages to repeat below it, as [[stage.stage]]".into());
             return None;
         };
         let stages = self.reader.list_of_stages(inner, &self.name);
         if stages.is_empty() && matches!(inner.get_ref(), DeValue::Array(_)) {
-            self.reader.error(inner.span(), format!("{} repeats nothing", self.name));
+            self.reader.error(inner.span(), format!("{} has no stages to repeat", self.name));
         }
         let stages = stages.into_iter().map(|(stage, _)| stage).collect();
         // A list of stages within a stage is walked once where it is not said how often.
@@ -338,12 +337,12 @@ impl TableReader<'_, '_> {
             }
             Some((value, _)) => {
                 let example = "e.g. until = { xx_strain = 0.1 }".to_string();
-                self.take::<()>("until", Err(Mistake(value.span(), "is no table".into(), Some(example))));
+                self.take::<()>("until", Err(Mistake(value.span(), "is not a table".into(), Some(example))));
             }
             None if control.has_ramp() => until.push(Until::RampOver),
             None => {
                 let span = table.values().next().map_or(0..0, Spanned::span);
-                let message = format!("{} has no until, so that nothing would end it", self.name);
+                let message = format!("{} has no until, so that it would not end", self.name);
                 self.reader.error(span, message).help =
                     Some("add one, e.g. until = { xx_strain = 0.1, arc_length = 0.5 }".into());
             }
@@ -368,8 +367,8 @@ impl TableReader<'_, '_> {
         if let (Some(_), Speed::InertialNumber { .. }, Some(value)) =
             (scaling, stage.control.speed, table.get("density_scaling"))
         {
-            let why = "means nothing without strain_rate".to_string();
-            let help = Some("add strain_rate, or say inertial_number alone".to_string());
+            let why = "has no effect without strain_rate".to_string();
+            let help = Some("add strain_rate, or give inertial_number alone".to_string());
             self.take::<()>("density_scaling", Err(Mistake(value.span(), why, help)));
         }
         stage.density_scaling = scaling.unwrap_or(1.0);
@@ -389,7 +388,7 @@ impl TableReader<'_, '_> {
         let rate = self.key(table, "strain_rate", |v| number(v, Dimension::RATE, [1e-12, 1e9]));
         if let (Some(_), Some(_), Some(value)) = (inertial, rate, table.get("strain_rate")) {
             let help = Some("keep one of them".to_string());
-            let why = "says how fast, and so does inertial_number".to_string();
+            let why = "sets the speed, and so does inertial_number".to_string();
             self.take::<()>("strain_rate", Err(Mistake(value.span(), why, help)));
         }
         if let Some(number) = inertial {
@@ -403,7 +402,8 @@ impl TableReader<'_, '_> {
             let Some((drive, in_rates)) = self.key(table, name, drive) else { continue };
             if in_rates && (inertial.is_some() || rate.is_some() || control.is_strained() && !absolute) {
                 let help = Some("give it as a multiple of that, a number without unit".to_string());
-                let why = "is a strain rate of its own, but the stage says how fast it goes".to_string();
+                let why =
+                    "is an absolute strain rate, but the speed of the stage is already given".to_string();
                 let span = table.get(*name).map_or(0..0, Spanned::span);
                 self.take::<()>(name, Err(Mistake(span, why, help)));
                 continue;
@@ -425,7 +425,7 @@ impl TableReader<'_, '_> {
             }
         } else if let Some(value) = table.get("constraint") {
             let help = Some("e.g. constraint = [{ stress = [1, 1, 1, 0, 0, 0] }]".to_string());
-            self.take::<()>("constraint", Err(Mistake(value.span(), "is no list of tables".into(), help)));
+            self.take::<()>("constraint", Err(Mistake(value.span(), "is not a list of tables".into(), help)));
         }
         let kinematics = self.key(table, "kinematics", |value| match text(value)?.as_str() {
             "pure-shear" => Ok(Kinematics::PureShear),

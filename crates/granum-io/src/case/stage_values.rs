@@ -78,7 +78,7 @@ pub(super) fn whole(value: &Node<'_>, bounds: [f64; 2]) -> Parsed<u64> {
 pub(super) fn numbers(value: &Node<'_>) -> Parsed<Vec<String>> {
     match value.get_ref() {
         DeValue::Array(items) => items.iter().map(scalar).collect(),
-        _ => Err(Mistake(value.span(), "is no list of numbers".into(), Some("e.g. [0.01, 0.02]".into()))),
+        _ => Err(Mistake(value.span(), "is not a list of numbers".into(), Some("e.g. [0.01, 0.02]".into()))),
     }
 }
 
@@ -89,13 +89,13 @@ pub(super) const ANY_RATE: [f64; 2] = [-1e30, 1e30];
 pub(super) fn inner<'t, 'a>(value: &'t Node<'a>, known: &[&str]) -> Parsed<&'t DeTable<'a>> {
     let DeValue::Table(table) = value.get_ref() else {
         let help = format!("write {{ {} = ... }}", known.first().unwrap_or(&"key"));
-        return Err(Mistake(value.span(), "is no table".into(), Some(help)));
+        return Err(Mistake(value.span(), "is not a table".into(), Some(help)));
     };
     match table.keys().find(|key| !known.contains(&key.get_ref().as_ref())) {
         None => Ok(table),
         Some(key) => {
             let help = meant(key.get_ref(), known.iter().copied());
-            Err(Mistake(key.span(), "is no key of it".into(), Some(help)))
+            Err(Mistake(key.span(), "is not one of its keys".into(), Some(help)))
         }
     }
 }
@@ -107,8 +107,7 @@ pub(super) fn drive(value: &Node<'_>) -> Parsed<(Drive, bool)> {
             "fixed" => Ok((Drive::Fixed, false)),
             "free" => Ok((Drive::Free, false)),
             _ => {
-                let help =
-                    "it must be \"fixed\", \"free\", or a table as { rate = 1 } or { stress = \"100 kPa\" }";
+                let help = "it must be \"fixed\", \"free\", or a table such as { rate = 1 } or { stress = \"100 kPa\" }";
                 Err(Mistake(value.span(), "is not known".into(), Some(help.into())))
             }
         };
@@ -131,7 +130,7 @@ pub(super) fn drive(value: &Node<'_>) -> Parsed<(Drive, bool)> {
         }
         (None, None, None) | (Some(_), ..) => {
             let help = "give rate, or stress with or without stress_rate, or one of strain_to, strain_by, stress_to, stress_by";
-            Err(Mistake(value.span(), "does not say what is done".into(), Some(help.into())))
+            Err(Mistake(value.span(), "does not set a rate, a stress or a ramp".into(), Some(help.into())))
         }
         (None, stress, rate) => Ok((Drive::Stress(target(stress, rate, Dimension::STRESS_RATE)?), false)),
     }
@@ -164,13 +163,13 @@ fn alone(table: &DeTable<'_>, value: &Node<'_>) -> Parsed<()> {
     if table.len() == 1 {
         return Ok(());
     }
-    let help = "a ramp goes from what there is to its end: give nothing else beside it";
-    Err(Mistake(value.span(), "says too much".into(), Some(help.into())))
+    let help = "a ramp starts from the present value and needs only its end: remove the other keys";
+    Err(Mistake(value.span(), "has too many keys".into(), Some(help.into())))
 }
 
 pub(super) fn six(value: &Node<'_>, dimension: Dimension) -> Parsed<[f64; 6]> {
     let wrong = || {
-        let why = "is no list of six numbers, one each for xx, yy, zz, yz, zx, xy";
+        let why = "is not a list of six numbers, one each for xx, yy, zz, yz, zx, xy";
         Mistake(value.span(), why.into(), None)
     };
     let DeValue::Array(items) = value.get_ref() else { return Err(wrong()) };
@@ -187,17 +186,17 @@ pub(super) fn constraint(value: &Node<'_>) -> Parsed<Constraint> {
     let strain = list("strain", if held { Dimension::STRESS } else { Dimension::NUMBER })?;
     if !held && strain == [0.0; 6] {
         let help = "give stress or strain, e.g. stress = [1, 1, 1, 0, 0, 0]";
-        return Err(Mistake(value.span(), "combines nothing".into(), Some(help.into())));
+        return Err(Mistake(value.span(), "has no weights".into(), Some(help.into())));
     }
     let of_stresses = ["value", "value_to", "value_by", "moves"].iter().find_map(|key| table.get(*key));
     if let (false, Some(value)) = (held, of_stresses) {
-        return Err(Mistake(value.span(), "belongs to a combination of stresses".into(), None));
+        return Err(Mistake(value.span(), "can only be given for a combination of stresses".into(), None));
     }
     let unit = if held { Dimension::STRESS_RATE } else { Dimension::NUMBER };
     let target = match ramp(table, ["value_to", "value_by"], Dimension::STRESS)? {
         Some(_) if table.get("value").or(table.get("rate")).is_some() => {
-            let help = "leave out value and rate beside the end of a ramp";
-            return Err(Mistake(value.span(), "says too much".into(), Some(help.into())));
+            let help = "value and rate cannot be given together with the end of a ramp";
+            return Err(Mistake(value.span(), "has too many keys".into(), Some(help.into())));
         }
         Some(ramp) => Target::ramp(ramp),
         None => target(table.get("value"), table.get("rate"), unit)?,
@@ -210,7 +209,7 @@ pub(super) fn constraint(value: &Node<'_>) -> Parsed<Constraint> {
 pub(super) fn measure(name: &str, span: Range<usize>) -> Parsed<Measure> {
     Measure::named(name).ok_or_else(|| {
         let names = Measure::ALL.iter().map(|(name, _, _)| *name);
-        Mistake(span, "is no measure".into(), Some(meant(name, names.chain(OTHER_ENDS.iter().copied()))))
+        Mistake(span, "is not a measure".into(), Some(meant(name, names.chain(OTHER_ENDS.iter().copied()))))
     })
 }
 
@@ -228,7 +227,7 @@ pub(super) fn end(key: &str, value: &Node<'_>) -> Parsed<Until> {
     match key {
         "ramp_over" => match boolean(value)? {
             true => Ok(Until::RampOver),
-            false => Err(Mistake(value.span(), "ends nothing".into(), Some("leave it out".into()))),
+            false => Err(Mistake(value.span(), "sets no end".into(), Some("leave it out".into()))),
         },
         "pore_pressure_ratio" => Ok(Until::PorePressureRatio(number(value, Dimension::NUMBER, [1e-6, 1.0])?)),
         "double_amplitude" => {
@@ -299,17 +298,17 @@ pub(super) fn record(value: &Node<'_>) -> Parsed<Record> {
         }
         (None, None, None, Some(places)) => {
             let DeValue::Array(items) = places.get_ref() else {
-                return Err(Mistake(places.span(), "is no list".into(), None));
+                return Err(Mistake(places.span(), "is not a list".into(), None));
             };
             let places: Vec<f64> = items.iter().map(positive).collect::<Parsed<_>>()?;
             if places.is_empty() || places.windows(2).any(|pair| pair[0] >= pair[1]) {
-                return Err(Mistake(value.span(), "does not rise from value to value".into(), None));
+                return Err(Mistake(value.span(), "does not increase from value to value".into(), None));
             }
             Ok(Record { measure, states: 0, spacing: Spacing::Strains(places), end: f64::INFINITY })
         }
         _ => {
             let help = "give every, or states and end, or at = [...]";
-            Err(Mistake(value.span(), "does not say where states stand".into(), Some(help.into())))
+            Err(Mistake(value.span(), "does not set which states are recorded".into(), Some(help.into())))
         }
     }
 }

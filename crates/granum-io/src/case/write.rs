@@ -6,15 +6,15 @@ use super::fields::{FIELDS, SECTIONS};
 use super::stage::has_no_part;
 
 const TEMPLATE_HEAD: &str = "\
-# A granum case: everything that decides a result.
+# A granum case: all inputs that determine a result.
 #
 # Quantities are strings with a unit (\"70 GPa\", \"0.1 mm\", \"2650 kg/m3\") or plain numbers in SI units. Every key
-# may be left out: what stands here are the defaults, the sample and test of Antony, Zhou and Wang (2006).
+# may be left out; the values below are the defaults, the sample and test of Antony, Zhou and Wang (2006).
 ";
 
 const TEMPLATE_TAIL: &str = "
-# Several materials: what a table leaves out is as in [grains.material] and [contact]. Elastic moduli of a pair follow from the theory of
-# contact, other properties by a mean, unless [[pair]] gives them.
+# Several materials: keys that a table leaves out are taken from [grains.material] and [contact]. Elastic moduli of a
+# pair follow from contact theory, other properties from a mean, unless [[pair]] gives them.
 # [[material]]
 # name = \"glass\"
 # share = 0.7
@@ -26,7 +26,7 @@ const TEMPLATE_TAIL: &str = "
 # between = [\"glass\", \"rubber\"]
 # friction = 0.7
 
-# Another test: stages in place of [shear], each a named path (`granum run --list` shows them all) or a control of its own.
+# Another test: stages instead of [shear], each a named path (`granum run --list` shows all) or an explicit control.
 # [[stage]]
 # path = \"drained-triaxial\"
 # axial_strain = 0.2
@@ -82,7 +82,7 @@ impl Case {
                 let unit = field.si_unit();
                 let unused = packing.is_some() && self.unused_with_packing().any(|key| key == field.path());
                 let comment = match (unit.as_str(), unused) {
-                    (_, true) => "  # no part in this run: the grains are those of the packing".to_string(),
+                    (_, true) => "  # no effect in this run: the grains are those of the packing".to_string(),
                     ("", false) => String::new(),
                     (unit, false) => format!("  # {unit}"),
                 };

@@ -193,11 +193,11 @@ pub(crate) fn names<R: BufRead>(lines: &Lines<R>) -> Result<Vec<String>> {
         let wrong = if name.is_empty() {
             "a column has no name".to_string()
         } else if name.parse::<f64>().is_ok() {
-            format!("{name} is no name of a column: the first line must name the columns")
+            format!("{name} is not a column name: the first line must name the columns")
         } else if names.iter().any(|known| known == name) {
             format!("two columns have the name {name}")
         } else if name.contains([';', '\t']) {
-            format!("{name:?} is no name of a column: cells must be separated by commas")
+            format!("{name:?} is not a column name: cells must be separated by commas")
         } else {
             names.push(name.to_string());
             continue;
@@ -299,12 +299,12 @@ mod tests {
         assert_eq!(message("a,b\n1\n"), "t.csv:2:1: the row has 1 cells, but the header names 2 columns");
         assert_eq!(
             message("1,2\n"),
-            "t.csv:1:1: 1 is no name of a column: the first line must name the columns"
+            "t.csv:1:1: 1 is not a column name: the first line must name the columns"
         );
         assert_eq!(message("a,a\n"), "t.csv:1:3: two columns have the name a");
         assert_eq!(
             message("a;b\n1;2\n"),
-            "t.csv:1:1: \"a;b\" is no name of a column: cells must be separated by commas"
+            "t.csv:1:1: \"a;b\" is not a column name: cells must be separated by commas"
         );
         assert_eq!(message("# nothing\n"), "t.csv: is empty; the first line must name the columns");
         let not_text = read_from(&b"a\n\xff\n"[..], "t.csv", None).unwrap_err().to_string();

@@ -163,7 +163,7 @@ impl Formats {
             let known = self.packings().flat_map(|format| format.extensions());
             Error::content(
                 path,
-                format!("is no packing that is known: its name should end in {}", any_of(known)),
+                format!("is not a known packing format: its name should end in {}", any_of(known)),
             )
         })
     }
@@ -267,7 +267,7 @@ mod tests {
         std::fs::write(&file, "pair").unwrap();
         let error = read_packing(&file).unwrap_err().to_string();
         assert!(
-            error.ends_with("data.txt: is no packing that is known: its name should end in .csv"),
+            error.ends_with("data.txt: is not a known packing format: its name should end in .csv"),
             "{error}"
         );
         let formats = Formats::standard().with_packing(Pair);

@@ -98,7 +98,7 @@ fn read_lines<R: BufRead>(lines: &mut Lines<R>) -> Result<Packing> {
         grains.push((grain, lines.number()));
     }
     let Some((origin, cell)) = cell else {
-        let message = "holds no packing: it needs a cell and grains";
+        let message = "is not a packing: it needs a cell and grains";
         return Err(Error::content(Path::new(lines.file()), message));
     };
     let packing = Packing::checked(lines.file(), origin, cell, grains)?;
@@ -119,7 +119,7 @@ fn material<R: BufRead>(
         Error::from(lines.cell_error(start, name, message))
     };
     if !is_material_name(name) {
-        return Err(wrong("is no name of letters, digits, - and _"));
+        return Err(wrong("is not a name of letters, digits, - and _"));
     }
     materials.place(name).ok_or_else(|| wrong("is one material too many"))
 }
@@ -155,7 +155,7 @@ impl Columns {
         let [id, numbers @ ..] = self.places;
         let (start, text) = cells[id];
         let id: u64 = text.parse().ok().filter(|id| *id > 0).ok_or_else(|| {
-            let message = format!("id = {text:?} is no whole number from 1");
+            let message = format!("id = {text:?} is not a whole number from 1");
             Error::from(lines.cell_error(start, text, message))
         })?;
         let mut values = [0.0; 4];

@@ -99,7 +99,7 @@ pub fn write_parts(path: &Path, rows: usize, part: impl Fn(Range<usize>) -> Resu
 /// Stores the error of a part, and returns an error for the writer.
 fn keep(failed: &mut Option<Error>, error: Error) -> io::Error {
     *failed = Some(error);
-    io::Error::other("a part of the table cannot be made")
+    io::Error::other("a part of the table cannot be produced")
 }
 
 /// A file with the columns of a table and no rows so far.
@@ -213,7 +213,7 @@ pub fn read_bytes(bytes: Vec<u8>, name: &str, names: Option<&[&str]>) -> Result<
 
 fn read_contained(path: &Path, input: impl ChunkReader + 'static, names: Option<&[&str]>) -> Result<Table> {
     contain(|| read_from(path, input, names)).unwrap_or_else(|| {
-        Err(Error::content(path, "is no Parquet file or is damaged (its pages cannot be decoded)"))
+        Err(Error::content(path, "is not a Parquet file or is damaged (its pages cannot be decoded)"))
     })
 }
 
@@ -359,7 +359,7 @@ fn read_chunk(
 /// A 64-bit integer as a double, if this is exact. Signed and unsigned integers beyond 2^53 are both rejected.
 fn whole(value: i64) -> std::result::Result<f64, String> {
     if value.unsigned_abs() > 1 << 53 {
-        return Err(format!("{value} is too large to be kept exactly"));
+        return Err(format!("{value} is too large to be represented exactly"));
     }
     Ok(value as f64)
 }
@@ -394,7 +394,8 @@ impl Chunk<'_> {
             }
             left -= records;
             let mut present = values.drain(..);
-            let mut next = || present.next().ok_or_else(|| "has fewer values than it claims".to_string());
+            let mut next =
+                || present.next().ok_or_else(|| "has fewer values than its header states".to_string());
             for record in 0..records {
                 let null = self.optional && levels.get(record) == Some(&0);
                 self.into.push(if null { f64::NAN } else { convert(next()?)? });
@@ -409,10 +410,10 @@ fn explain(error: &ParquetError) -> String {
     let lower = text.to_lowercase();
     if lower.contains("codec") || lower.contains("compression") || lower.contains("disabled feature") {
         return format!(
-            "is compressed in a way that is not read here ({text}); write it uncompressed or with snappy"
+            "is compressed by an unsupported method ({text}); write it uncompressed or with snappy"
         );
     }
-    format!("is no Parquet file or is damaged ({text})")
+    format!("is not a Parquet file or is damaged ({text})")
 }
 
 #[cfg(test)]

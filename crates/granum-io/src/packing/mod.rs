@@ -121,7 +121,7 @@ impl Packing {
         grains: Vec<(PackedGrain, usize)>,
     ) -> Result<Packing> {
         if grains.is_empty() {
-            let message = "holds no packing: it needs a cell and grains";
+            let message = "is not a packing: it needs a cell and grains";
             return Err(Error::content(Path::new(file), message));
         }
         let inverse = invert(&cell);
@@ -182,7 +182,7 @@ fn check_ids(file: &str, mut grains: Vec<(PackedGrain, usize)>) -> Result<Vec<(P
             continue;
         }
         let message = if grain.id < wanted {
-            format!("grain {} stands in line {} already", grain.id, grains[at - 1].1)
+            format!("grain {} is already given in line {}", grain.id, grains[at - 1].1)
         } else {
             format!("grain {wanted} is missing: after {} comes {}", wanted - 1, grain.id)
         };

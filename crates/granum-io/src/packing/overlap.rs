@@ -30,7 +30,7 @@ pub(super) fn check(file: &str, edges: &Matrix, grains: &[(PackedGrain, usize)])
             50.0 * overlap / grain.radius.min(second.radius)
         );
         let help =
-            format!("more than {} % is no packing of grains; are the radii right?", 100.0 * GROSS_OVERLAP);
+            format!("at most {} % is accepted in a packing; are the radii right?", 100.0 * GROSS_OVERLAP);
         return Err(InputError::in_line(file, *line, "", 0..0, message).with_help(help).into());
     }
     Ok(())

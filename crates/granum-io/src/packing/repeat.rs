@@ -14,7 +14,7 @@ impl Packing {
         let copies = counts.iter().try_fold(1usize, |n, &c| n.checked_mul(c));
         let total = copies.and_then(|n| n.checked_mul(self.grains.len()));
         if !total.is_some_and(|n| n > 0 && n < 4_000_000_000) {
-            let what = format!("{} x {} x {} copies are no packing", counts[0], counts[1], counts[2]);
+            let what = format!("{} x {} x {} copies are not possible", counts[0], counts[1], counts[2]);
             return Err(Error::content(Path::new("packing"), what));
         }
         let mut grains = Vec::with_capacity(total.unwrap_or(0));

@@ -57,7 +57,7 @@ fn a_column_says_what_grains_are_made_of() {
     assert_eq!(crate::read_packing(&path).unwrap(), packing);
     let bad = text.replace("glass", "a b");
     let said = crate::formats::packing_csv::read_from(bad.as_bytes(), "p.csv").unwrap_err().to_string();
-    assert!(said.starts_with("p.csv:4:9: grain 1: material = \"a b\" is no name"), "{said}");
+    assert!(said.starts_with("p.csv:4:9: grain 1: material = \"a b\" is not a name"), "{said}");
 }
 
 #[test]
@@ -65,7 +65,7 @@ fn grains_that_are_wrong_are_named_with_their_line() {
     assert_eq!(message("1,1,1,1,0.5\n2,nan,3,3,0.5\n"), "p.csv:4:3: grain 2: x = nan must be finite");
     assert_eq!(message("1,1,1,1,-0.5\n"), "p.csv:3:9: grain 1: radius = -0.5 must be positive");
     assert_eq!(message("1,1,1,x,0.5\n"), "p.csv:3:7: z = \"x\" is not a number");
-    assert_eq!(message("0,1,1,1,0.5\n"), "p.csv:3:1: id = \"0\" is no whole number from 1");
+    assert_eq!(message("0,1,1,1,0.5\n"), "p.csv:3:1: id = \"0\" is not a whole number from 1");
     assert_eq!(
         message("1,1,10.5,1,0.5\n"),
         "p.csv:3:1: grain 1: (1e0, 1.05e1, 1e0) is outside the cell: 1.05 of edge b from its corner; \
@@ -77,11 +77,11 @@ fn grains_that_are_wrong_are_named_with_their_line() {
     );
     assert_eq!(
         message("1,1,1,1,0.5\n1,5,5,5,0.5\n"),
-        "p.csv:4:1: grain 1 stands in line 3 already; ids must be 1, 2, ... each once"
+        "p.csv:4:1: grain 1 is already given in line 3; ids must be 1, 2, ... each once"
     );
     assert_eq!(message("1,1,1,1\n"), "p.csv:3:1: the row has 4 cells, but the header names 5");
     assert!(message("1,1,1,1,6\n").contains("grain 1: radius = 6e0 m does not fit in the cell"));
-    assert_eq!(message(""), "p.csv: holds no packing: it needs a cell and grains");
+    assert_eq!(message(""), "p.csv: is not a packing: it needs a cell and grains");
 }
 
 #[test]
@@ -89,7 +89,7 @@ fn gross_overlaps_are_refused_also_across_the_boundary_and_between_sizes() {
     assert_eq!(
         message("1,1,1,1,0.5\n2,1.9,1,1,0.5\n"),
         "p.csv:3:1: grain 1 overlaps grain 2 (line 4) by 1.000e-1 m, 10.0 % of the smaller diameter; \
-         more than 5 % is no packing of grains; are the radii right?"
+         at most 5 % is accepted in a packing; are the radii right?"
     );
     assert!(parse("1,1,1,1,0.5\n2,1.96,1,1,0.5\n").is_ok());
     assert!(message("1,0.1,1,1,0.5\n2,9.5,1,1,0.5\n").contains("grain 1 overlaps grain 2"));
@@ -108,7 +108,7 @@ fn a_cell_that_is_none_is_refused() {
     let message = |text: &str| cell_message(text).unwrap_err().to_string();
     assert!(
         message("# grains")
-            .starts_with("p.csv:3:1: the periodic cell is not given; the first line must be as")
+            .starts_with("p.csv:3:1: the periodic cell is not given; the first line must be like")
     );
     assert!(message("# periodic box, m: xlo=0").starts_with("p.csv:1:1: ylo of the cell is missing"));
     assert!(message("# periodic box, m: xlow=0").starts_with("p.csv:1:1: unknown xlow of the cell"));

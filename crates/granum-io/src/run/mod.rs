@@ -67,7 +67,7 @@ impl Run {
             return Err(Error::content(path, "there is no such folder"));
         }
         if !path.join(RECORD).is_file() && !path.join(CASE).is_file() {
-            return Err(Error::content(path, format!("holds no run: neither {RECORD} nor {CASE} is there")));
+            return Err(Error::content(path, format!("contains no run: neither {RECORD} nor {CASE} exists")));
         }
         Ok(Run { path: path.to_path_buf() })
     }
@@ -98,8 +98,8 @@ impl Run {
         let path = self.path.join(RECORD);
         if !path.is_file() {
             let message = format!(
-                "holds a case but no {RECORD}: the run was ended before it began, or the file was removed; call the command that made \
-                 it again, with --force"
+                "holds a case but no {RECORD}: the run was ended before it started, or the file was removed; repeat \
+                 the command that made it, with --force"
             );
             return Err(Error::content(&self.path, message));
         }
@@ -425,7 +425,7 @@ mod tests {
     fn records_that_cannot_be_read_say_why() {
         let base = tempfile::tempdir().unwrap();
         let folder = RunFolder::create(base.path(), false).unwrap();
-        assert!(Run::at(base.path()).unwrap_err().to_string().contains("holds no run"));
+        assert!(Run::at(base.path()).unwrap_err().to_string().contains("contains no run"));
         assert!(Run::at(base.path().join("x")).unwrap_err().to_string().contains("no such folder"));
         folder.write_record(&record()).unwrap();
         let path = base.path().join("run.json");
@@ -434,7 +434,7 @@ mod tests {
             fs::write(&path, text).unwrap();
             folder.run().record().unwrap_err().to_string()
         };
-        assert!(message(&text[..text.len() / 2]).contains("run.json: is cut short (EOF"));
+        assert!(message(&text[..text.len() / 2]).contains("run.json: is truncated (EOF"));
         let newer = text.replace("\"format\": 1", "\"format\": 2");
         assert!(message(&newer).contains("was written by a newer granum (format 2, known here up to 1)"));
         assert!(message(&text.replace("5000", "\"many\"")).contains("run.json: is damaged (invalid type"));

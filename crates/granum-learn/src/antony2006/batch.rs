@@ -71,16 +71,16 @@ impl MappingNetworks {
         if asked().any(|network| network.training_fit().evidence.is_none()) {
             let trainer = &self.networks()[0].provenance().trainer;
             remarks.push(format!(
-                "There is no interval: networks trained by {trainer} do not know how sure they are."
+                "There is no interval: networks trained by {trainer} do not estimate their uncertainty."
             ));
         } else if let Some(runs) = asked().map(granum_nets::Model::blocks).min().flatten() {
             remarks.push(format!(
-                "The interval contains the scatter between samples, judged by {runs} training runs."
+                "The interval includes the scatter between samples, estimated from {runs} training runs."
             ));
         } else {
             remarks.push(
-                "The interval does not contain the scatter between samples: the network was trained on one run, or cannot tell \
-                 runs apart."
+                "The interval does not include the scatter between samples: the network was trained on one run, or \
+                 cannot distinguish runs."
                     .into(),
             );
         }

@@ -160,8 +160,9 @@ fn load_baselines(folder: &Path, study: &Study) -> Result<Option<Baselines>> {
         return Ok(None);
     }
     let text = std::fs::read_to_string(&path).map_err(Error::file("read", &path))?;
-    let baselines: Baselines = serde_json::from_str(&text)
-        .map_err(|error| Error::content(&path, format!("these are no baselines: {error}; train it again")))?;
+    let baselines: Baselines = serde_json::from_str(&text).map_err(|error| {
+        Error::content(&path, format!("these are not baselines: {error}; train it again"))
+    })?;
     let mappings = study.mappings.iter().map(|trained| trained.surrogate.mapping());
     if !baselines.are_of(mappings, study.forces.len()) {
         let message = "these are not the baselines of the mappings in study.json; train it again";
@@ -182,7 +183,7 @@ pub fn load_runs(folder: &Path) -> Result<Option<Vec<StudyRun>>> {
 fn read_study_file(path: &Path) -> Result<StudyFile> {
     let text = std::fs::read_to_string(path).map_err(Error::file("read", path))?;
     let file: StudyFile = serde_json::from_str(&text)
-        .map_err(|error| Error::content(path, format!("this is no study: {error}; train it again")))?;
+        .map_err(|error| Error::content(path, format!("this is not a study: {error}; train it again")))?;
     if file.format != FORMAT || !(1..=VERSION).contains(&file.version) {
         let found = format!("format \"{}\" version {}", file.format, file.version);
         let wanted = format!("this program reads \"{FORMAT}\" up to version {VERSION}");

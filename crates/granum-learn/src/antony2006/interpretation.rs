@@ -41,8 +41,8 @@ fn errors(evaluation: &Evaluation) -> String {
         percent(if unseen { parts.unseen } else { parts.held_out }.relative_rmse)
     };
     format!(
-        "{}: on {} the networks miss {} by {} (relative RMSE), strain-only networks by {}, ridge regression on the same \
-         sensors by {}, the mean curve of the training runs by {}.",
+        "{}: on {} the relative RMSE of {} is {} for the networks, {} for strain-only networks, {} for ridge \
+         regression on the same sensors, {} for the mean curve of the training runs.",
         mapping.formula(),
         if unseen { "unseen runs" } else { "held-out states" },
         mapping.output.symbol(),
@@ -62,13 +62,13 @@ fn sensors(evaluation: &Evaluation) -> Option<String> {
     let runs = sensor_use.runs.len();
     let Some(lost) = sensor_use.lost_with_other() else {
         let found = if runs == 1 { "one unseen run" } else { "no unseen run" };
-        return Some(format!("Whether they use {names} cannot be told from {found}."));
+        return Some(format!("Whether they use {names} cannot be judged from {found}."));
     };
     let with_other = sensor_use
         .with_other
-        .map_or(String::new(), |score| format!(" they miss it by {}", percent(score.relative_rmse)));
+        .map_or(String::new(), |score| format!(", their relative RMSE is {}", percent(score.relative_rmse)));
     let exchanged = format!(
-        "Given {names} of another unseen run at the same strain{with_other}, {} {}",
+        "With {names} of another unseen run at the same strain{with_other}, {} {}",
         points(&PairedTest { mean: lost.mean.abs(), ..lost }),
         if lost.mean < 0.0 { "less" } else { "more" }
     );
@@ -76,10 +76,10 @@ fn sensors(evaluation: &Evaluation) -> Option<String> {
     let help_points = points(&PairedTest { mean: help.mean.abs(), ..help });
     Some(match sensor_use.verdict() {
         Verdict::Gains => format!(
-            "{exchanged}: they use their sensors, and gain by it {help_points} against strain-only networks."
+            "{exchanged}: they use their sensors, and are {help_points} better than strain-only networks."
         ),
         Verdict::WithoutGain => format!(
-            "{exchanged}: they use their sensors, but without gain against strain-only networks ({help_points} {}).",
+            "{exchanged}: they use their sensors, but without gain over strain-only networks ({help_points} {}).",
             if help.mean < 0.0 { "worse" } else { "better, which is within the scatter" }
         ),
         Verdict::DoesNotUse => {
@@ -102,11 +102,11 @@ fn constants(evaluation: &Evaluation) -> Option<String> {
     match numbers.len() {
         0 => None,
         1 => Some(format!(
-            "The network of sub-model {} answers with a constant: it has learned nothing.",
+            "The network of sub-model {} predicts a constant: it has learned nothing.",
             numbers[0]
         )),
         _ => Some(format!(
-            "The networks of sub-models {} answer with constants: they have learned nothing.",
+            "The networks of sub-models {} predict constants: they have learned nothing.",
             listed(&numbers)
         )),
     }
@@ -123,12 +123,10 @@ pub fn read_size_study(study: &SizeStudy) -> Vec<String> {
     let sentence = |other: &crate::antony2006::size_study::SizeCurve| {
         let (a, b) = (first.neurons_for_held_out, other.neurons_for_held_out);
         let claim = match (a, b) {
-            (Some(a), Some(b)) if b < a => "so here the further input does let the network be smaller",
-            (None, Some(_)) => "so here the further input does let the network be smaller",
-            (Some(a), Some(b)) if b == a => {
-                "so here the further input does not change the size that is needed"
-            }
-            _ => "so here the further input does not let the network be smaller",
+            (Some(a), Some(b)) if b < a => "so here the additional input allows a smaller network",
+            (None, Some(_)) => "so here the additional input allows a smaller network",
+            (Some(a), Some(b)) if b == a => "so here the additional input does not change the required size",
+            _ => "so here the additional input does not allow a smaller network",
         };
         format!(
             "To come within {:.0} % of the best held-out error of {}, {} needs {} in each hidden layer and {} {}; {claim}.",
@@ -149,9 +147,9 @@ pub fn read_speed(speed: &SpeedSummary) -> String {
     let magnitude = 10f64.powf(speed.factor.max(1.0).log10().floor() - 1.0);
     let factor = (speed.factor / magnitude).round() * magnitude;
     format!(
-        "The networks answer {} states of all mappings in {:.2} ms, the DEM test took {:.0} s: {factor:.0} times faster (the \
-         paper says 5 to 10). That leaves out {:.1} s of training, the DEM it learned from, and that the networks are \
-         told soft sensors of the test they answer.",
+        "The networks evaluate {} states of all mappings in {:.2} ms, the DEM test took {:.0} s: {factor:.0} times \
+         faster (the paper says 5 to 10). This does not count {:.1} s of training and the DEM runs for it, and the \
+         networks are given soft sensors of the test that they predict.",
         speed.states,
         1e3 * speed.network_seconds,
         speed.dem_seconds,

@@ -157,8 +157,8 @@ impl LearningCurve {
         if !idle.is_empty() {
             let most = self.points.iter().map(|point| point.training_runs).max().unwrap_or(0);
             sentences.push(format!(
-                "In {} the sensors take nothing off the error of networks that see strain only, beyond its scatter over \
-                 {} unseen runs, with up to {most} training runs of {} grains.",
+                "In {} the sensors do not reduce the error of strain-only networks by more than its scatter over {} \
+                 unseen runs, with up to {most} training runs of {} grains.",
                 listed(&idle),
                 self.unseen_runs,
                 self.grains
@@ -174,7 +174,7 @@ fn helped(point: &CurvePoint, from: usize, unseen: usize) -> String {
     let runs = |n: usize| if n == 1 { "1 training run".to_owned() } else { format!("{n} training runs") };
     let gain = point.help.mean / point.strain_only.mean;
     let mut text = format!(
-        "{}: from {} on its sensors help. With {} they take {:.0} % off the error of networks that see strain only ({} \
+        "{}: from {} on its sensors help. With {} they reduce the error of strain-only networks by {:.0} % ({} \
          instead of {}, on {unseen} unseen runs; ridge regression {})",
         point.formula,
         runs(from),
@@ -186,7 +186,7 @@ fn helped(point: &CurvePoint, from: usize, unseen: usize) -> String {
     );
     if let Some(other) = point.other_sensors {
         text += &format!(
-            "; told the sensors of another run at the same strain, the same networks miss by {}",
+            "; with the sensors of another run at the same strain, the error of the same networks is {}",
             percent(other.mean)
         );
     }

@@ -141,7 +141,7 @@ impl MappingNetworks {
         let one = self.predict_rows(row, level)?.pop();
         one.ok_or_else(|| LearnError::Network {
             network: self.mapping.name.clone(),
-            reason: "there is no row to answer".into(),
+            reason: "there is no row to predict".into(),
         })
     }
 

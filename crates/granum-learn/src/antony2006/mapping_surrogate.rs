@@ -130,7 +130,7 @@ impl SurrogateMethod for MappingMethod {
         let networks = models.collect::<Result<Vec<_>>>()?;
         let surrogate = MappingNetworks::new(kept.mapping, kept.form, kept.forces, networks)?;
         if *Surrogate::columns(&surrogate) != columns {
-            return Err(failed("the mapping has other columns than the file says"));
+            return Err(failed("the columns of the mapping are not those that the file names"));
         }
         Ok(Box::new(surrogate))
     }

@@ -137,9 +137,8 @@ impl Reproduction {
         }
         let text = std::fs::read_to_string(&path).map_err(Error::file("read", &path))?;
         let of: Reproduction = serde_json::from_str(&text).map_err(|error| {
-            let message = format!(
-                "does not say what the reproduction is of ({error}); it is damaged or of a newer granum"
-            );
+            let message =
+                format!("does not describe a reproduction ({error}); it is damaged or from a newer granum");
             Error::content(&path, message)
         })?;
         if of.format != FORMAT || of.version != VERSION {
@@ -221,9 +220,7 @@ mod tests {
         assert!(
             message(text.replace("\"version\": 1", "\"version\": 2")).contains("version 2, but this program")
         );
-        assert!(
-            message(text.replace("training-11", "../x")).contains("cannot be part of the name of a file")
-        );
+        assert!(message(text.replace("training-11", "../x")).contains("cannot be part of a file name"));
         // An option that is missing in a file has its default.
         std::fs::write(&path, text.replace("\"quick\": true,", "")).unwrap();
         assert_eq!(Reproduction::read(folder).unwrap().unwrap().options, options(false, "traingdx"));

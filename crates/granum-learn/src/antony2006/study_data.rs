@@ -323,7 +323,7 @@ fn densities(run: &RunStates, forces: &[f64], bin_width: f64) -> Result<Vec<Vec<
             centres.iter().map(|centre| run.column(&histogram.column(*centre))).collect()
         }
         _ => {
-            let reason = "its histogram does not have the bins of f that are learned";
+            let reason = "its histogram does not have the bins of f that the networks learn";
             Err(record_error(run.name(), format!("{reason}; record with bins of width {bin_width}")))
         }
     }
@@ -332,7 +332,7 @@ fn densities(run: &RunStates, forces: &[f64], bin_width: f64) -> Result<Vec<Vec<
 fn read_run(run: &RunStates, forces: &[f64], bin_width: f64) -> Result<Run> {
     if run.column("stage")?.iter().any(|stage| *stage > 1.0) {
         let reason = "it is a test of several stages; the study of Antony, Zhou and Wang learns from tests of one stage, in \
-                      which the deviator strain rises";
+                      which the deviator strain increases";
         return Err(record_error(run.name(), reason));
     }
     let numbers = run.column("state")?;
@@ -351,14 +351,14 @@ fn read_run(run: &RunStates, forces: &[f64], bin_width: f64) -> Result<Run> {
         };
         let values = [state.strain, state.stress_ratio, state.deviator_fabric];
         if values.iter().chain(&state.densities).any(|value| !value.is_finite()) {
-            let reason = format!("state {k} holds a value that is not a finite number");
+            let reason = format!("state {k} contains a value that is not a finite number");
             return Err(record_error(run.name(), reason));
         }
         if numbers[k] == 0.0 {
             continue;
         }
         if states.last().is_some_and(|before| before.strain >= state.strain) {
-            let reason = "the deviator strain must rise from state to state";
+            let reason = "the deviator strain must increase from state to state";
             let message = format!("state {k}: {reason}, but is {} here", state.strain);
             return Err(record_error(run.name(), message));
         }
@@ -469,11 +469,11 @@ mod tests {
         let text = message(&|record| {
             change(record, "deviator_strain", |values| values[9] = values[3]);
         });
-        assert!(text.contains("state 9: the deviator strain must rise"), "{text}");
+        assert!(text.contains("state 9: the deviator strain must increase"), "{text}");
         let text = message(&|record| {
             change(record, "stress_ratio", |values| values[2] = f64::NAN);
         });
-        assert!(text.contains("state 2 holds a value that is not a finite number"), "{text}");
+        assert!(text.contains("state 2 contains a value that is not a finite number"), "{text}");
         let text = StudyData::new(&[], &[], &StudyDataOptions::default()).unwrap_err().to_string();
         assert_eq!(text, "data set: there is no training run");
     }

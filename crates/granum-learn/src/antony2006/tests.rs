@@ -109,15 +109,15 @@ fn inputs_with_information_help() {
             (evaluation.ridge.unseen.relative_rmse, evaluation.ridge_strain_only.unseen.relative_rmse);
         assert!(ridge < 0.7 * alone, "{name}: {ridge} {alone}");
         let text = interpretation::read_mapping(&evaluation);
-        assert!(text.contains("they use their sensors, and gain by it"), "{text}");
+        assert!(text.contains("they use their sensors, and are "), "{text}");
     }
 }
 
 #[test]
 fn one_or_two_unseen_runs_are_too_few_to_test() {
     for (unseen, said) in [
-        (0, "cannot be told from no unseen run"),
-        (1, "cannot be told from one unseen run"),
+        (0, "cannot be judged from no unseen run"),
+        (1, "cannot be judged from one unseen run"),
         (2, "2 unseen runs are too few to test"),
     ] {
         let dataset = dataset(Law::Hidden, 1, unseen, 40);
@@ -167,7 +167,7 @@ fn a_forged_constant_is_called_one() {
     assert_eq!(found, [false, true, false]);
     let text = interpretation::read_mapping(evaluation);
     assert!(
-        text.ends_with("The network of sub-model 2 answers with a constant: it has learned nothing."),
+        text.ends_with("The network of sub-model 2 predicts a constant: it has learned nothing."),
         "{text}"
     );
 }
@@ -345,7 +345,7 @@ fn a_study_survives_its_files_and_answers_rows() {
         "{message}"
     );
     std::fs::write(&kept, &text[..100]).unwrap();
-    assert!(files::load_study(folder.path()).unwrap_err().to_string().contains("these are no baselines"));
+    assert!(files::load_study(folder.path()).unwrap_err().to_string().contains("these are not baselines"));
     std::fs::remove_file(&kept).unwrap();
     // For a study that was saved without baselines, the baselines are fitted to the data set of the evaluation.
     let older = files::load_study(folder.path()).unwrap();

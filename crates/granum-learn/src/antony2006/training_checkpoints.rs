@@ -65,7 +65,7 @@ impl TrainingManifest {
     ) -> Result<TrainingManifest> {
         let absolute = |paths: &[PathBuf]| -> Result<Vec<PathBuf>> {
             let one =
-                |path: &PathBuf| std::path::absolute(path).map_err(Error::file("find the folder of", path));
+                |path: &PathBuf| std::path::absolute(path).map_err(Error::file("resolve the path", path));
             Ok(paths.iter().map(one).collect::<std::result::Result<_, _>>()?)
         };
         Ok(TrainingManifest {
@@ -100,7 +100,7 @@ impl TrainingManifest {
         let path = folder.join(PLAN_FILE);
         let text = std::fs::read_to_string(&path).map_err(Error::file("read", &path))?;
         let plan: TrainingManifest = serde_json::from_str(&text)
-            .map_err(|error| Error::content(&path, format!("this is no plan of a training: {error}")))?;
+            .map_err(|error| Error::content(&path, format!("this is not a training manifest: {error}")))?;
         if plan.format != FORMAT || plan.version != VERSION {
             let found = format!("format \"{}\" version {}", plan.format, plan.version);
             let wanted = format!("this program reads \"{FORMAT}\" version {VERSION}");

@@ -271,7 +271,7 @@ impl RunStates {
                 return Err(record_error(&self.name, format!("row {row}: {reason}, not {key:?}")));
             }
             if row > 0 && key <= [stages[row - 1], states[row - 1]] {
-                let reason = "the key must rise from row to row: first the stage, then the state in it";
+                let reason = "the key must increase from row to row: first the stage, then the state in it";
                 return Err(self.at(row, reason));
             }
         }

@@ -58,7 +58,7 @@ impl Split {
             if !dataset.runs().iter().any(|run| run.name() == name) {
                 let names = dataset.runs().iter().map(RunStates::name);
                 let hint = granum_core::names::suggestion(name, names);
-                return bad(format!("there is no run {name} to be left unseen; {hint}"));
+                return bad(format!("there is no run {name} to keep unseen; {hint}"));
             }
         }
         if let Some((name, _)) = &self.within {

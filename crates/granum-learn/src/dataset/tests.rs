@@ -66,7 +66,7 @@ fn what_is_no_data_set_is_refused_with_its_place() {
     let falling = table(&[("state", &[0.0, 2.0, 1.0])]);
     assert_eq!(
         message(RunStates::new("a", falling)),
-        "record `a`: state 1: the key must rise from row to row: first the stage, then the state in it"
+        "record `a`: state 1: the key must increase from row to row: first the stage, then the state in it"
     );
     let half = table(&[("state", &[0.0, 0.5])]);
     assert!(
@@ -94,7 +94,7 @@ fn what_is_no_data_set_is_refused_with_its_place() {
         "data set: there is no column stress_ratios; did you mean stress_ratio?"
     );
     let message = |split: Split| dataset.split(&split).unwrap_err().to_string();
-    assert!(message(Split::default().unseen(["c"])).contains("no run c to be left unseen; there are: a, b"));
+    assert!(message(Split::default().unseen(["c"])).contains("no run c to keep unseen; there are: a, b"));
     assert!(message(Split::default().stride(0)).contains("1 or more, not 0"));
     assert!(message(Split::default().first_state(9)).contains("no state to train on"));
     assert!(message(Split::default().within("arc", [0.0, 1.0])).contains("no column arc"));

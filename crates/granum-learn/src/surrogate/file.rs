@@ -94,8 +94,8 @@ pub(super) fn parse(text: &str, name: &str) -> Result<Opened> {
 
 fn opened(text: &str) -> std::result::Result<Opened, String> {
     let header: Header = serde_json::from_str(text).map_err(|error| match error.is_eof() {
-        true => "the file ends too early: it is truncated; save the surrogate again".to_string(),
-        false => format!("this is no surrogate file: {error}"),
+        true => "the file is truncated; save the surrogate again".to_string(),
+        false => format!("this is not a surrogate file: {error}"),
     })?;
     match (header.format.as_deref(), header.version) {
         (Some(FORMAT), Some(VERSION)) => {}
@@ -111,7 +111,7 @@ fn opened(text: &str) -> std::result::Result<Opened, String> {
         (format, _) => {
             let found = format.unwrap_or("none");
             return Err(format!(
-                "this is no surrogate file: \"format\" should be \"{FORMAT}\", found {found}"
+                "this is not a surrogate file: \"format\" should be \"{FORMAT}\", found {found}"
             ));
         }
     }
@@ -120,7 +120,7 @@ fn opened(text: &str) -> std::result::Result<Opened, String> {
         |(body, rest): (&str, &str)| rest.trim_end() == format!("{}\"\n}}", digest::of(body.as_bytes()));
     if !body.is_some_and(whole) {
         return Err(
-            "the SHA-256 does not fit the content: the file was altered or damaged; save the surrogate again"
+            "the SHA-256 does not match the content: the file was altered or damaged; save the surrogate again"
                 .into(),
         );
     }

@@ -95,9 +95,7 @@ impl SurrogateMethods {
             return Err(damaged("it has no inputs or no outputs".into()));
         }
         let method = self.by_name(&opened.method).map_err(|error| {
-            damaged(format!(
-                "{error}; a method of a program of its own must be registered before its files are read"
-            ))
+            damaged(format!("{error}; a user-defined method must be registered before its files are read"))
         })?;
         method.load(opened.columns, &opened.content).map_err(|error| damaged(error.to_string()))
     }

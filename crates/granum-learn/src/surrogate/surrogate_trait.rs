@@ -57,12 +57,12 @@ pub trait Surrogate: Send + Sync {
         let names = self.columns().input_names();
         let problem = |reason: String| LearnError::Surrogate { method: self.method().into(), reason };
         if !(level > 0.0 && level < 1.0) {
-            return Err(problem(format!("an interval holds a share between 0 and 1, not {level}")));
+            return Err(problem(format!("the level of an interval must be between 0 and 1, not {level}")));
         }
         if names.is_empty() || !rows.len().is_multiple_of(names.len()) {
             let (needed, list) = (names.len(), names.join(", "));
             return Err(problem(format!(
-                "rows have {needed} values ({list}); {} values are no such rows",
+                "a row has {needed} values ({list}); {} values are not a whole number of rows",
                 rows.len()
             )));
         }
@@ -74,7 +74,7 @@ pub trait Surrogate: Send + Sync {
         let predictions = self.answer(&rows, level)?;
         let outputs = self.columns().outputs.len();
         if predictions.len() != rows.len() || predictions.iter().any(|p| p.values.len() != outputs) {
-            let reason = format!("it did not answer {} rows with {outputs} values each", rows.len());
+            let reason = format!("it did not return {} rows with {outputs} values each", rows.len());
             return Err(problem(reason));
         }
         Ok(predictions)

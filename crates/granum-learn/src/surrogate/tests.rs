@@ -177,7 +177,7 @@ fn every_surrogate_comes_back_from_its_file_with_the_same_bits() {
         let message = |text: &str| methods.from_json(text, "s.json").err().unwrap().to_string();
         assert!(
             message(&text.replacen("stress_ratio", "stress_ratia", 1))
-                .starts_with("s.json: the SHA-256 does not fit")
+                .starts_with("s.json: the SHA-256 does not match")
         );
         assert!(message(&text[..text.len() / 2]).contains("truncated"));
         let newer = text.replacen("\"version\": 1", "\"version\": 2", 1);
@@ -186,7 +186,7 @@ fn every_surrogate_comes_back_from_its_file_with_the_same_bits() {
         let alien = sealed(&text.replacen("\"content\": {", "\"content\": {\"alien\": 1, ", 1));
         if alien.contains("alien") {
             assert!(
-                message(&alien).contains("the content is not that of such a surrogate"),
+                message(&alien).contains("the content is not that of a surrogate of this method"),
                 "{}",
                 message(&alien)
             );
@@ -216,7 +216,7 @@ fn files_that_are_no_surrogates_are_refused_with_what_they_are() {
     assert!(message("{\"format\": \"granum model\", \"version\": 2}").contains("a single network"));
     assert!(message("{\"format\": \"granum study\", \"version\": 2}").contains("a study of networks"));
     assert!(message("{}").contains("\"format\" should be \"granum surrogate\", found none"));
-    assert!(message("x,y\n1,2\n").contains("no surrogate file"));
+    assert!(message("x,y\n1,2\n").contains("not a surrogate file"));
 
     let ridge = standard.by_name("ridge").unwrap().fit(&dataset, &spec).unwrap();
     let text = to_json(ridge.as_ref()).unwrap();
@@ -344,7 +344,7 @@ fn wrong_questions_are_refused() {
     let fitted = ridge.fit(&dataset, &FitSpec::new(["x"], ["y"])).unwrap();
     let message = |rows: &[f64], level: f64| fitted.predict(rows, level).unwrap_err().to_string();
     assert_eq!(message(&[f64::NAN], 0.9), "ridge: row 1: x is NaN, not a finite number");
-    assert_eq!(message(&[1.0], 1.0), "ridge: an interval holds a share between 0 and 1, not 1");
+    assert_eq!(message(&[1.0], 1.0), "ridge: the level of an interval must be between 0 and 1, not 1");
     assert!(fitted.predict(&[], 0.9).unwrap().is_empty());
     let message = |spec: FitSpec| ridge.fit(&dataset, &spec).err().unwrap().to_string();
     assert!(message(FitSpec::new(["x"], ["x"])).contains("x is both an input and an output"));
@@ -381,7 +381,7 @@ fn wrong_questions_are_refused() {
     }
     let mute = Mute(fitted.columns().clone());
     let text = mute.predict(&[1.0, 2.0], 0.9).unwrap_err().to_string();
-    assert_eq!(text, "mute: it did not answer 2 rows with 1 values each");
+    assert_eq!(text, "mute: it did not return 2 rows with 1 values each");
 }
 
 /// Results are bit-identical for any number of threads, and do not depend on other outputs of the same fit.

@@ -61,7 +61,7 @@ pub enum TrainingError {
         limit: usize,
     },
     /// The state to resume from belongs to another trainer or network.
-    #[error("cannot go on from this state: {0}")]
+    #[error("cannot continue from this state: {0}")]
     State(String),
     /// The error of the initial network is not finite.
     #[error("the error of the initial network is {0}: weights or data are too large")]
@@ -98,8 +98,8 @@ impl std::fmt::Display for TerminationReason {
             TerminationReason::EpochLimit => "the limit of epochs was reached",
             TerminationReason::Goal => "the error fell to the goal",
             TerminationReason::MinimumGradient => "the gradient fell below its limit",
-            TerminationReason::ValidationFailures => "the error on the validation rows no longer fell",
-            TerminationReason::MaximumDamping => "no step, however small, lowers the objective any more",
+            TerminationReason::ValidationFailures => "the error on the validation rows no longer decreased",
+            TerminationReason::MaximumDamping => "no step, however small, reduces the objective",
             TerminationReason::Converged => "objective and effective number of parameters no longer change",
             TerminationReason::Stopped => "stopped on request",
         })

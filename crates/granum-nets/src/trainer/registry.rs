@@ -36,7 +36,7 @@ impl Default for SharedTrainer {
 /// let options = Options { epochs: Some(200), ..Options::default() };
 /// assert_eq!(trainer::by_name("traingdx", &options)?.name(), "traingdx");
 /// let error = trainer::by_name("adam", &options).unwrap_err();
-/// assert_eq!(error.to_string(), "there is no trainer \"adam\"; known are levenberg-marquardt, traingdx");
+/// assert_eq!(error.to_string(), "there is no trainer \"adam\"; there are: levenberg-marquardt, traingdx");
 /// # Ok::<(), granum_nets::trainer::TrainingError>(())
 /// ```
 ///

@@ -38,7 +38,7 @@ pub struct HistoryPoint {
 /// assert_eq!((state.epoch(), state.weights(), state.history().len()), (1, &[0.3, 0.4][..], 1));
 /// assert_eq!(state.vector("step", 2).unwrap(), [0.5, 0.5]);
 /// let error = state.number("rate").unwrap_err();
-/// assert_eq!(error.to_string(), "cannot go on from this state: it has no \"rate\"");
+/// assert_eq!(error.to_string(), "cannot continue from this state: it has no \"rate\"");
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -135,7 +135,7 @@ impl TrainerState {
     pub fn check(&self, trainer: &str, network: &Network) -> Result<(), TrainingError> {
         let refused = |reason: String| Err(TrainingError::State(reason));
         if self.trainer != trainer {
-            return refused(format!("it was left by {}, not by {trainer}", self.trainer));
+            return refused(format!("it was written by {}, not by {trainer}", self.trainer));
         }
         let count = network.weights().len();
         if self.weights.len() != count {
@@ -148,7 +148,7 @@ impl TrainerState {
             return refused("a weight is not a finite number".into());
         }
         if self.history.counts().iter().any(|n| *n > MOST) || self.history.every == 0 {
-            return refused("it counts what no training can have made".into());
+            return refused("its counters have impossible values".into());
         }
         Ok(())
     }

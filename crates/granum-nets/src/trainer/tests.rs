@@ -60,7 +60,10 @@ fn names_and_options_are_checked() {
         assert_eq!(by_name(name, &Options::default()).unwrap().name(), name);
     }
     let error = by_name("trainlm", &Options::default()).err().unwrap();
-    assert_eq!(error.to_string(), "there is no trainer \"trainlm\"; known are levenberg-marquardt, traingdx");
+    assert_eq!(
+        error.to_string(),
+        "there is no trainer \"trainlm\"; there are: levenberg-marquardt, traingdx"
+    );
     let options = Options { goal: Some(-1.0), ..Options::default() };
     assert!(by_name("traingdx", &options).err().unwrap().to_string().contains("goal = -1"));
     let mut network = Network::new(&[3, 4, 1], 1).unwrap();

@@ -30,7 +30,7 @@ use crate::network::Network;
 /// The entry of the registry.
 pub(super) const KIND: TrainerKind = TrainerKind {
     name: Traingdx::NAME,
-    help: "gradient descent with momentum and an adaptive rate, the paper's trainer",
+    help: "gradient descent with momentum and an adaptive learning rate, the paper's trainer",
     make: |options| Traingdx::with_options(options).into(),
 };
 

@@ -19,9 +19,7 @@ pub enum EngineError {
         name: &'static str,
     },
     /// The engine cannot resume runs.
-    #[error(
-        "the engine {engine} cannot go on with a run that was interrupted: run it again in another folder"
-    )]
+    #[error("the engine {engine} cannot resume an interrupted run: run it again in another folder")]
     CannotResume {
         /// Its name.
         engine: &'static str,

@@ -18,7 +18,7 @@ impl Engine for Native {
     }
 
     fn help(&self) -> &'static str {
-        "granum's own engine: the same bits on any number of threads, checkpoints"
+        "granum's own engine: the same bits on any number of threads, with checkpoints"
     }
 
     fn begin<'a>(

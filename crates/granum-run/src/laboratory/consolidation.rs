@@ -59,7 +59,9 @@ impl Laboratory {
         let (simulation, stage) = match outcome {
             Outcome::Stopped(at) => (at.simulation, Stage::Consolidation(at.progress)),
             // A consolidation does not search for a friction coefficient and therefore has a single trial.
-            Outcome::Again(_) => return Err(LaboratoryError::Packing("it is not needed twice".into())),
+            Outcome::Again(_) => {
+                return Err(LaboratoryError::Packing("its consolidation has only one trial".into()));
+            }
             Outcome::Sample(sample) => {
                 results.curve.end(&sample, Phase::Consolidation);
                 results.steps.insert(Phase::Consolidation.name().into(), sample.steps);

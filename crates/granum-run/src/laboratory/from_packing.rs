@@ -49,7 +49,7 @@ pub(super) fn begin(
     }
     let state = loose.state();
     let why = format!(
-        "it stands already (mean stress {:.3} kPa, solid fraction {:.4}) and only comes to rest",
+        "it is not loose (mean stress {:.3} kPa, solid fraction {:.4}) and is only brought to rest",
         state.mean_stress() / 1e3,
         state.solid_fraction()
     );
@@ -65,11 +65,11 @@ pub(super) fn again(
     next: NextTrial,
 ) -> Result<Preparing, LaboratoryError> {
     let RunSource::Packing { file, sha256 } = source else {
-        return Err(LaboratoryError::Packing("its file is not known any more; run it anew".into()));
+        return Err(LaboratoryError::Packing("its file is no longer known; run it again".into()));
     };
     if file_digest(file)? != *sha256 {
-        let message = "was changed since the run began, and the search of the preparation friction needs it as it was; put it back \
-                       and resume the run, or run it anew";
+        let message = "was changed since the run began, but the search for the preparation friction needs it \
+                       unchanged; restore it and resume the run, or run it again";
         return Err(granum_io::Error::content(file, message).into());
     }
     let simulation = simulation(&formats.read_packing(file)?, next.properties(recipe))?;
@@ -83,12 +83,14 @@ pub(super) fn remarks(case: &Case, path: &Path, why_not: Option<&str>) -> Vec<St
     let set = |key: &&str| field(key).is_some_and(|field| field.value(case) != field.value(&default));
     let shown = |key: &str| field(key).map_or_else(String::new, |field| field.shown(case));
     let mut remarks: Vec<String> = (case.unused_with_packing().filter(|key| set(key)))
-        .map(|key| format!("{key} = {} has no part in this run: its grains are those of {name}", shown(key)))
+        .map(|key| {
+            format!("{key} = {} has no effect in this run: its grains are those of {name}", shown(key))
+        })
         .collect();
     if let Some(why) = why_not {
         let keys = USED_IN_COMPACTION.iter().filter(|key| set(key));
         remarks.extend(keys.map(|key| {
-            format!("{key} = {} has no part in this run: {name} is not compacted, {why}", shown(key))
+            format!("{key} = {} has no effect in this run: {name} is not compacted, {why}", shown(key))
         }));
     }
     remarks

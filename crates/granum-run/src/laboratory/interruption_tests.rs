@@ -132,7 +132,7 @@ fn stages_stopped_again_and_again_end_in_the_same_bytes() {
     let whole = lab.shear(&case, &Source::Case, &straight, &mut NoObserver).unwrap();
     assert_eq!(whole.status, RunStatus::Finished);
     let told: Vec<&String> = whole.notes.iter().filter(|note| note.starts_with("stage ")).collect();
-    assert!(told.len() == 3 && told[1].contains("xx_strain came to 0.004"), "{:?}", whole.notes);
+    assert!(told.len() == 3 && told[1].contains("xx_strain reached 0.004"), "{:?}", whole.notes);
     let record = crate::record::read_record(&straight.run()).unwrap();
     let column = |name: &str| record.series.values(name).unwrap().to_vec();
     let (stages, states) = (column("stage"), column("state"));
@@ -224,8 +224,12 @@ fn a_stage_cut_short_is_told_and_ends_the_test() {
     let mut stopper = Stopper::after(u32::MAX);
     let record = laboratory().shear(&case, &Source::Case, &folder, &mut stopper).unwrap();
     assert_eq!(record.status, RunStatus::Finished);
-    let warned = stopper.warnings.iter().find(|text| text.contains("the 1 stages after it were not run"));
-    assert!(warned.is_some_and(|text| text.contains("none of its ends came")), "{:?}", stopper.warnings);
+    let warned = stopper.warnings.iter().find(|text| text.contains("number of later stages not run: 1"));
+    assert!(
+        warned.is_some_and(|text| text.contains("none of its end conditions was met")),
+        "{:?}",
+        stopper.warnings
+    );
     assert!(record.quality.iter().any(|flag| flag.name == "stages_cut_short" && !flag.passed));
 }
 
@@ -319,7 +323,7 @@ fn the_checkpoint_before_is_used_where_the_last_one_cannot_be() {
         let text = observer.warnings.join("\n");
         assert!(text.contains(word) || (k == 3 && text.contains("truncated")), "{text}");
         assert!(
-            text.contains("continues from the one before") && text.contains("checkpoint.previous"),
+            text.contains("continues from the previous one") && text.contains("checkpoint.previous"),
             "{text}"
         );
         assert_eq!(fs::read(folder.path().join(REFUSED_CHECKPOINT)).unwrap(), bytes);
@@ -342,7 +346,7 @@ fn a_missing_checkpoint_falls_back_and_two_bad_ones_are_refused() {
     fs::remove_file(&current).unwrap();
     let mut observer = Stopper::after(5);
     lab.resume(&folder, &mut observer).unwrap();
-    assert!(observer.warnings[0].contains("there is no checkpoint; the run continues from the one before"));
+    assert!(observer.warnings[0].contains("there is no checkpoint; the run continues from the previous one"));
     let good = fs::read(&current).unwrap();
     fs::write(&current, &good[..100]).unwrap();
     fs::write(&previous, "x").unwrap();

@@ -34,7 +34,7 @@ pub enum LaboratoryError {
     #[error(transparent)]
     Engine(#[from] EngineError),
     /// A state that stages go back to cannot be kept or used.
-    #[error("the state that later stages go back to: {0}")]
+    #[error("the state to which later stages go back: {0}")]
     Kept(String),
     /// No stage kept a state.
     #[error("the stage {stage} goes back to a state, but no stage before it kept one (start = \"kept\")")]

@@ -24,14 +24,15 @@ pub fn simulation(packing: &Packing, properties: Properties) -> Result<Simulatio
     let (smallest, largest) = radii.fold((f64::INFINITY, 0.0f64), |(a, b), r| (a.min(r), b.max(r)));
     if largest > WIDEST_RADII * smallest {
         return Err(LaboratoryError::Packing(format!(
-            "its radii go from {smallest:e} m to {largest:e} m; the largest can be at most {WIDEST_RADII} times the smallest"
+            "its radii range from {smallest:e} m to {largest:e} m; the largest can be at most {WIDEST_RADII} times the \
+             smallest"
         )));
     }
     let edge = packing.cell.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()));
     if edge >= WIDEST_CELL * largest {
         return Err(LaboratoryError::Packing(format!(
-            "its cell has an edge of {edge:e} m, but its largest grain a radius of {largest:e} m; at most {WIDEST_CELL:e} times that \
-             is possible"
+            "its cell has an edge of {edge:e} m, but its largest grain a radius of {largest:e} m; at most \
+             {WIDEST_CELL:e} times the radius is possible"
         )));
     }
     let (cell, spheres) = (cell(packing), spheres(packing));
@@ -52,7 +53,7 @@ fn materials(packing: &Packing, properties: &Properties) -> Result<Option<Vec<u8
         mixture.position(name).map(|place| place as u8).ok_or_else(|| {
             let known: Vec<&str> = mixture.components.iter().map(|c| c.name.as_str()).collect();
             LaboratoryError::Packing(format!(
-                "its grain {} is of {name:?}, but the case has the materials {}; give it a table [[material]] with this name",
+                "its grain {} has the material {name:?}, but the case has {}; add a table [[material]] with this name",
                 packing.grains[grain].id,
                 known.join(", ")
             ))
@@ -92,7 +93,11 @@ mod tests {
             simulation(&packing, properties).err().map(|error| error.to_string()).unwrap_or_default()
         };
         assert_eq!(refused(1.0, 1e-3), "");
-        assert!(refused(1.0, 0.9e-5).contains("radii go from 9e-6 m to 1e-3 m"), "{}", refused(1.0, 0.9e-5));
+        assert!(
+            refused(1.0, 0.9e-5).contains("radii range from 9e-6 m to 1e-3 m"),
+            "{}",
+            refused(1.0, 0.9e-5)
+        );
         assert!(refused(100.1, 1e-3).contains("an edge of 1.001e2 m"), "{}", refused(100.1, 1e-3));
     }
 }

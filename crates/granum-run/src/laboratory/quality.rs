@@ -59,13 +59,14 @@ pub(super) fn judge_rest(
             format!("{what}_largest_overlap"),
             largest_overlap(&Observation::new(&simulation.assembly())),
             LARGEST_OVERLAP,
-            "contacts are too deep for the theory of small contacts; lower the stress or raise Young's modulus",
+            "overlaps are too large for the theory of small contacts; lower the stress or raise Young's modulus",
         ),
         QualityFlag::at_most(
             format!("{what}_time_step_fraction"),
             state.time_step_fraction(),
             simulation.properties().contact.stable_fraction(MOST_CONTACTS),
-            "the time step is beyond the stability of twelve stiff contacts; lower numerics.time_step_factor",
+            "the time step exceeds the stability limit of a grain with twelve stiff contacts; lower \
+             numerics.time_step_factor",
         ),
     ]
 }
@@ -75,12 +76,13 @@ pub(super) fn remark_on_samples(missed_observations: &MissedObservations) -> Opt
     let MissedObservations { wanted, missing, states, empty_states } = *missed_observations;
     let none = match empty_states {
         0 => String::new(),
-        some => format!(" ({some} of them with none: they are not recorded)"),
+        some => format!(" ({some} of them without any: they are not recorded)"),
     };
     (missing > 0).then(|| {
         format!(
-            "{missing} of the {wanted} samples asked for by recording.observations_per_state were not taken, at {states} states{none}: the test takes \
-             fewer steps there; lower recording.observations_per_state or shear.inertial_number, or ask for fewer states"
+            "{missing} of the {wanted} observations required by recording.observations_per_state were not made, at \
+             {states} states{none}: the test takes fewer steps there; lower recording.observations_per_state or \
+             shear.inertial_number, or record fewer states"
         )
     })
 }
@@ -114,7 +116,7 @@ pub(super) fn judge(
             "stages_cut_short",
             unmet as f64,
             0.0,
-            "a stage did not come to an end that was asked for; its reason stands in the notes of the run",
+            "a stage met none of its end conditions; the reason why it ended is in the notes of the run",
         )]
     };
     let lost = state.target_mean_stress().map_or(0.0, |t| 1.0 - state.mean_stress() / t);
@@ -135,19 +137,19 @@ pub(super) fn judge(
             "servo_error_rms",
             worst(ServoError::rms),
             bound,
-            "the controlled stress wanders; lower shear.inertial_number or take more grains",
+            "the controlled stress fluctuates about its target; lower shear.inertial_number or take more grains",
         ),
         QualityFlag::at_most(
             "servo_error_largest",
             worst(ServoError::largest),
             0.03,
-            "the controlled stress strayed at least once; lower shear.inertial_number or take more grains",
+            "the controlled stress deviated too far at least once; lower shear.inertial_number or take more grains",
         ),
         QualityFlag::at_most(
             "largest_overlap",
             largest("largest_overlap"),
             LARGEST_OVERLAP,
-            "contacts are too deep for the theory of small contacts; lower the stress or raise Young's modulus",
+            "overlaps are too large for the theory of small contacts; lower the stress or raise Young's modulus",
         ),
         QualityFlag::at_most(
             "energy_gap",
@@ -165,13 +167,14 @@ pub(super) fn judge(
             "time_step_fraction",
             state.time_step_fraction(),
             simulation.properties().contact.stable_fraction(MOST_CONTACTS),
-            "the time step is beyond the stability of twelve stiff contacts; lower numerics.time_step_factor",
+            "the time step exceeds the stability limit of a grain with twelve stiff contacts; lower \
+             numerics.time_step_factor",
         ),
         QualityFlag::at_most(
             "mean_stress_lost",
             lost,
             0.1,
-            "the sample lost its pressure; lower shear.inertial_number or numerics.time_step_factor",
+            "the sample lost its mean stress; lower shear.inertial_number or numerics.time_step_factor",
         ),
     ]);
     if test.staged {

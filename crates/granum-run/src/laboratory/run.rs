@@ -86,7 +86,7 @@ pub(crate) fn resume(
     let case = run.case()?;
     let mut record = run.record()?;
     if !record.is_of(&case) {
-        let message = "the case was changed since the run began; run the changed case anew in another folder";
+        let message = "the case was changed since the run began; run the changed case in another folder";
         return Err(FileError::content(&folder.path().join("case.toml"), message).into());
     }
     let run_state = run_state::last_good(folder, &case, &laboratory.sensors, observer)?;
@@ -96,7 +96,8 @@ pub(crate) fn resume(
     if record.granum_version != laboratory.version {
         let (old, new) = (&record.granum_version, &laboratory.version);
         let text = format!(
-            "begun by granum {old} and resumed by {new}: its results may differ in the last digits from those of either version"
+            "started with granum {old} and resumed with {new}: its results may differ in the last digits from those of \
+             either version"
         );
         observer.warn(&text);
         record.notes.push(text);
@@ -282,7 +283,7 @@ fn record_stages(test: &Test, record: &mut RunRecord, observer: &mut dyn Observe
         if !reason.is_asked_for() {
             let left = test.stages() - test.ends.len();
             let rest =
-                if left > 0 { format!("; the {left} stages after it were not run") } else { String::new() };
+                if left > 0 { format!("; number of later stages not run: {left}") } else { String::new() };
             observer.warn(&format!("{note}{rest}"));
         } else if many || *steps == 0 {
             // A stage without a step only records where the one before it came to.
@@ -292,6 +293,6 @@ fn record_stages(test: &Test, record: &mut RunRecord, observer: &mut dyn Observe
     }
     if many {
         let good = test.ends.iter().filter(|end| end.reason.is_asked_for()).count();
-        record.notes.push(format!("{good} of {} stages came to an end that was asked for", test.stages()));
+        record.notes.push(format!("{good} of {} stages met one of their end conditions", test.stages()));
     }
 }

@@ -56,7 +56,7 @@ impl Stage<SavedTest> {
             Stage::Test(test) => {
                 let test = test.with_sensors(sensors);
                 Stage::Test(Box::new(
-                    test.map_err(|error| format!("its test has a sensor that is not known: {error}"))?,
+                    test.map_err(|error| format!("its test uses an unknown sensor: {error}"))?,
                 ))
             }
         })
@@ -152,13 +152,13 @@ impl RunState {
 /// Reads the part of a checkpoint that follows the simulation. If a case is given, the checkpoint must be able to belong to
 /// a run of it.
 fn beside(text: &str, case: Option<&Case>, sensors: &Sensors) -> Result<(Stage, RunResults), String> {
-    let (stage, results): (Stage<SavedTest>, RunResults) = serde_json::from_str(text)
-        .map_err(|e| format!("its part on how far the run is cannot be read ({e})"))?;
+    let (stage, results): (Stage<SavedTest>, RunResults) =
+        serde_json::from_str(text).map_err(|e| format!("its run state cannot be read ({e})"))?;
     let stage = stage.with_sensors(sensors)?;
     if let Stage::Test(test) = &stage
         && case.is_some_and(|case| !test.is_of(case, sensors))
     {
-        return Err("its part on how far the run is belongs to a test of another case".into());
+        return Err("its run state belongs to a test of another case".into());
     }
     Ok((stage, results))
 }
@@ -197,12 +197,12 @@ pub(super) fn last_good(
     let path = previous.display();
     match current {
         // The run was killed between the two renames, and hardly any work is lost.
-        None => {
-            observer.warn(&format!("there is no {CHECKPOINT}; the run continues from the one before, {path}"))
-        }
+        None => observer
+            .warn(&format!("there is no {CHECKPOINT}; the run continues from the previous one, {path}")),
         Some(why) => {
             observer.warn(&format!(
-                "{why}; the run continues from the one before, {path}, and the other is kept as {REFUSED_CHECKPOINT}"
+                "{why}; the run continues from the previous one, {path}, and the refused one is kept as \
+                 {REFUSED_CHECKPOINT}"
             ));
             folder.put_checkpoint_aside()?;
         }

@@ -171,15 +171,16 @@ fn take_sample(
     let name = quoted_path(path);
     if other.preparation_digest != case.preparation_digest_with(other.packing_digest()) {
         return Err(bad(format!(
-            "the sample was prepared with other values than this case has: {}; prepare another sample, or change the case",
+            "the sample was prepared with values that differ from those of the case: {}; prepare another sample, or \
+             change the case",
             in_what(&folder.case()?, case)
         )));
     }
     let run_state = match RunState::read(&checkpoint, None, sensors) {
         Ok(Some(run_state)) => run_state,
-        Ok(None) => return Err(bad(format!("there is none; `granum resume {name}` makes the sample"))),
+        Ok(None) => return Err(bad(format!("it does not exist; `granum resume {name}` makes the sample"))),
         Err(LaboratoryError::Checkpoint { what, .. }) if path.join(PREVIOUS_CHECKPOINT).is_file() => {
-            return Err(bad(format!("{what}; `granum resume {name}` makes it again from the one before")));
+            return Err(bad(format!("{what}; `granum resume {name}` makes it again from the previous one")));
         }
         Err(error) => return Err(error),
     };
@@ -252,7 +253,7 @@ fn note_sample(case: &Case, sample: &Sample, compacted: bool, results: &mut RunR
         let advice = if !compacted {
             format!(
                 "target {target} not reached: the packing was not compacted, since it carried its load or was dense enough, and came to rest at {reached:.4}; set \
-                 preparation.solid_fraction = \"none\" or begin with a looser packing"
+                 preparation.solid_fraction = \"none\" or start from a looser packing"
             )
         } else if let Some(friction) = p.friction {
             format!(
@@ -267,7 +268,7 @@ fn note_sample(case: &Case, sample: &Sample, compacted: bool, results: &mut RunR
                 "preparation.interface_energy and preparation.rolling_friction make looser ones"
             };
             format!(
-                "target {target} not reached: friction {friction} gives {reached:.4}, and no other came nearer; ask for another \
+                "target {target} not reached: friction {friction} gives {reached:.4}, and no other friction came closer; choose another \
                  preparation.solid_fraction, or \"none\" ({means})"
             )
         };

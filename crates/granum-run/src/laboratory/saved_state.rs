@@ -39,7 +39,7 @@ impl Serialize for SavedState {
 impl<'d> Deserialize<'d> for SavedState {
     fn deserialize<D: Deserializer<'d>>(from: D) -> Result<SavedState, D::Error> {
         let text = String::deserialize(from)?;
-        let wrong = || serde::de::Error::custom("the state that stages go back to is no list of bytes");
+        let wrong = || serde::de::Error::custom("the state that stages go back to is not a list of bytes");
         let digit = |byte: u8| char::from(byte).to_digit(16).ok_or_else(wrong);
         let pairs = text.as_bytes().chunks(2);
         let bytes = pairs.map(|pair| match pair {

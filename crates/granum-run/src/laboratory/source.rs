@@ -22,7 +22,7 @@ impl Source {
     /// The source for the record of a run, with absolute paths, so that the run can be resumed from any working directory.
     pub(crate) fn record(&self) -> Result<RunSource, LaboratoryError> {
         let absolute = |path: &PathBuf| {
-            std::path::absolute(path).map_err(granum_io::Error::file("find the folder of", path))
+            std::path::absolute(path).map_err(granum_io::Error::file("resolve the path", path))
         };
         Ok(match self {
             Source::Case => RunSource::Case,
@@ -42,7 +42,7 @@ impl Source {
             RunSource::Packing { file, sha256 } => {
                 if run::file_digest(file)? != *sha256 {
                     let message =
-                        "was changed since the run began, and there is no checkpoint of it yet; run it anew";
+                        "was changed since the run began, and there is no checkpoint of it yet; run it again";
                     return Err(granum_io::Error::content(file, message).into());
                 }
                 Ok(Source::Packing(file.clone()))

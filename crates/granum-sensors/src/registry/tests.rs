@@ -125,7 +125,7 @@ fn what_the_data_lack_is_named() {
     let has = |text: &str| assert!(told.iter().any(|line| line == text), "{text} is not in {told:#?}");
     has("stress: the data have no normal forces, no tangential forces");
     has("coordination (compressive_coordination_number): the data have no normal forces");
-    has("nonaffine_displacement: it compares two observations of a test, and this is one");
+    has("nonaffine_displacement: it compares two observations of a test, and there is only one");
 }
 
 struct Bad(&'static str, &'static str, usize);
@@ -142,10 +142,10 @@ impl Sensor for Bad {
 fn sensors_that_would_break_a_series_are_refused() {
     let message =
         |bad: Bad| Sensors::standard().with(bad).err().map(|error| error.to_string()).unwrap_or_default();
-    assert!(message(Bad("stress", "own", 1)).contains("has the name \"stress\", which is taken"));
+    assert!(message(Bad("stress", "own", 1)).contains("has the name \"stress\", which is in use"));
     assert!(message(Bad("own", "time", 1)).contains("has the column \"time\""));
     assert!(message(Bad("own", "observations", 1)).contains("has the column \"observations\""));
-    assert!(message(Bad("a/b", "own", 1)).contains("no plain word"));
+    assert!(message(Bad("a/b", "own", 1)).contains("not a plain word"));
     assert!(message(Bad("own", "own", 2)).contains("has 1 columns but measures 2 values"));
     assert_eq!(message(Bad("own", "own", 1)), "");
     let error = STANDARD.named("fabrik").unwrap_err().to_string();

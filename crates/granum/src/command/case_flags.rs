@@ -38,7 +38,7 @@ impl Setting<'_> {
     fn of(text: &str) -> Result<Setting<'_>, Failure> {
         let Some((key, value)) = text.split_once('=').filter(|(key, _)| !key.trim().is_empty()) else {
             return Err(Failure::new(format!(
-                "--set {text:?}: a key and its value are needed, as --set grains.material.friction=0.2"
+                "--set {text:?}: a key and its value are needed, e.g. --set grains.material.friction=0.2"
             )));
         };
         let (key, value) = (key.trim(), value.trim());
@@ -65,13 +65,13 @@ impl SetFlags {
         for setting in &settings {
             if field(setting.key).is_some_and(|field| !sections.contains(&field.section)) {
                 return Err(Failure::new(format!(
-                    "{} has no part in this command, which takes from a case only {}",
+                    "{} has no effect in this command, which uses only {} of a case",
                     setting.flag,
                     sections.iter().map(|section| format!("[{section}]")).collect::<Vec<_>>().join(", ")
                 )));
             }
             if let Some((flag, _)) = others.iter().find(|(_, key)| *key == setting.key) {
-                return Err(Failure::new(format!("{} and {flag} both say {}", setting.flag, setting.key)));
+                return Err(Failure::new(format!("{} and {flag} both set {}", setting.flag, setting.key)));
             }
         }
         apply(case, &settings)
@@ -100,7 +100,7 @@ impl CaseFlags {
         let unused = |setting: &&Setting| case.unused_with_packing().any(|key| key == setting.key);
         if let Some(setting) = settings.iter().find(unused).filter(|_| packing) {
             return Err(Failure::new(format!(
-                "{} has no part in a run from --packing: the grains are those of the packing",
+                "{} has no effect in a run from --packing: the grains are those of the packing",
                 setting.flag
             )));
         }
@@ -125,7 +125,7 @@ fn apply(case: &mut Case, settings: &[Setting]) -> Result<(), Failure> {
     let mut seen = BTreeSet::new();
     for setting in settings {
         if !seen.insert(setting.key) {
-            return Err(Failure::new(format!("{} is said twice", setting.key)));
+            return Err(Failure::new(format!("{} is given twice", setting.key)));
         }
         let value = setting.value;
         case.set(setting.key, value).map_err(|error| match error {

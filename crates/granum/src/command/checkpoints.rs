@@ -25,7 +25,9 @@ impl CheckpointFlags {
     pub fn every(&self) -> Result<Duration, Failure> {
         let seconds = self.checkpoint_every;
         if !(0.0..=1e6).contains(&seconds) {
-            return Err(Failure::new(format!("--checkpoint-every {seconds}: from 0 to 1e6 seconds")));
+            return Err(Failure::new(format!(
+                "--checkpoint-every {seconds}: it must be from 0 to 1e6 seconds"
+            )));
         }
         Ok(Duration::from_secs_f64(seconds))
     }

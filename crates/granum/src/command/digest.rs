@@ -35,7 +35,7 @@ impl Digest {
             .map(|(folder, (digest, status))| json!({ "folder": folder, "sha256": digest, "status": status }))
             .collect();
         let line = |(folder, (digest, status)): (&PathBuf, &(String, RunStatus))| {
-            let part = if *status == RunStatus::Finished { "" } else { "  (of the part that is done)" };
+            let part = if *status == RunStatus::Finished { "" } else { "  (of the part finished so far)" };
             format!("{digest}  {}{part}", folder.display())
         };
         output::say(context, &json!({ "digests": rows }), || {

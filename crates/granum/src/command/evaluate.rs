@@ -175,7 +175,7 @@ fn table(run: &Recorded, relation: &Relation, scores: &[RunScore]) -> String {
         ));
     }
     if scores.iter().any(|score| score.states_outside > 0) {
-        lines.push("outside: states with strain or an input beyond what the networks were trained on".into());
+        lines.push("outside: states with a strain or another input outside the trained range".into());
     }
     lines.join("\n")
 }

@@ -38,7 +38,7 @@ pub fn instruction_set(name: &str) -> Result<Isa, Failure> {
     })?;
     if !isa.available() {
         return Err(Failure::new(format!(
-            "--isa {name}: this processor does not have that instruction set; the widest that it has is {}",
+            "--isa {name}: this processor does not have that instruction set; its widest is {}",
             Isa::detect().name()
         )));
     }
@@ -52,7 +52,7 @@ impl HardwareFlags {
             Some(0) => return Err(Failure::new("--threads 0: at least one thread is needed")),
             Some(n) if n > 1024 => {
                 return Err(Failure::new(format!(
-                    "--threads {n}: at most 1024 threads; a machine's cores are best"
+                    "--threads {n}: at most 1024 threads are possible; the number of cores is best"
                 )));
             }
             // With more threads than processors, the threads would wait for each other in every step.
@@ -77,8 +77,8 @@ impl HardwareFlags {
         let used = laboratory.hardware.threads;
         if let Some(asked) = self.threads.filter(|asked| *asked > used) {
             context.warn(&format!(
-                "--threads {asked}: this machine has {used} {}, and more threads only wait for each other; {used} {} used; \
-                 results do not depend on it",
+                "--threads {asked}: this machine has {used} {}, and more threads would only wait for each other; \
+                 {used} {} used; results do not depend on it",
                 if used == 1 { "processor" } else { "processors" },
                 if used == 1 { "is" } else { "are" },
             ));

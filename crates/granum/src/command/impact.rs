@@ -85,12 +85,12 @@ fn warn_if_uncertain(context: &Context, impact: &impact::Impact) {
     let (speed, angle, uncertainty) = (impact.speed, impact.angle_deg, impact.uncertainty);
     if uncertainty.is_infinite() {
         context.warn(&format!(
-            "at {speed} m/s and {angle} deg the grains barely stick or part; the time step decides"
+            "at {speed} m/s and {angle} deg the grains barely stick or barely separate; the time step decides which"
         ));
     } else if uncertainty > AGREEMENT {
         context.warn(&format!(
-            "at {speed} m/s and {angle} deg the grains barely part: the velocities after are known to {uncertainty:.1e} \
-             of the velocity of approach"
+            "at {speed} m/s and {angle} deg the grains barely separate: the velocities after impact are uncertain by \
+             {uncertainty:.1e} of the impact velocity"
         ));
     }
 }

@@ -11,7 +11,7 @@ use crate::failure::Failure;
 
 /// Contact law and grains; the defaults are those of Antony, Zhou and Wang (2006).
 #[derive(Args)]
-#[command(next_help_heading = "Law and grains (quantities with units, as \"70 GPa\", or SI numbers)")]
+#[command(next_help_heading = "Law and grains (quantities with units, e.g. \"70 GPa\", or SI numbers)")]
 pub struct LawFlags {
     /// Case file with the contact law and the grains.
     #[arg(long, value_name = "FILE")]
@@ -32,7 +32,7 @@ pub struct LawFlags {
     #[arg(
         long,
         value_name = "LAW",
-        help = names("Attraction on top of the contact", adhesion_laws().iter().map(|law| law.name()))
+        help = names("Additional attraction of grains", adhesion_laws().iter().map(|law| law.name()))
     )]
     adhesion: Option<String>,
     /// Diameter d of a grain.
@@ -73,7 +73,7 @@ fn names(what: &str, laws: impl Iterator<Item = &'static str>) -> String {
 fn rolling_help() -> String {
     let what = names("Resistance to rolling and twisting", rolling_laws().iter().map(|law| law.name()));
     let keys: Vec<_> = parameters().iter().map(|p| format!("contact.{}", p.key)).collect();
-    format!("{what}. Parameters of laws are given by --set: {}", keys.join(", "))
+    format!("{what}. Parameters of laws are set by --set: {}", keys.join(", "))
 }
 
 impl LawFlags {
@@ -84,8 +84,8 @@ impl LawFlags {
             return Ok(case);
         }
         Err(Failure::new(
-            "the case has several materials, and this command takes two grains of one: leave [[material]] and [[pair]] out and give \
-             the properties under [grains.material]"
+            "the case has several materials, but this command takes two grains of one material: leave [[material]] and \
+             [[pair]] out and give the properties under [grains.material]"
                 .to_string(),
         ))
     }

@@ -91,26 +91,26 @@ impl Measure {
         let Some(data) = &self.data else { return Err(Failure::new("there is nothing to measure")) };
         if !data.is_dir() {
             if let Some(name) = &self.snapshot {
-                return Err(Failure::new(format!("--snapshot {name}: {} is no run folder", data.display())));
+                return Err(Failure::new(format!(
+                    "--snapshot {name}: {} is not a run folder",
+                    data.display()
+                )));
             }
             return self.packing(data);
         }
         if self.case.is_some() {
-            return Err(Failure::new(format!(
-                "--case: {} is a run, which has a case of its own",
-                data.display()
-            )));
+            return Err(Failure::new(format!("--case: {} is a run, which has its own case", data.display())));
         }
         let run = Run::at(data)?;
         let names = run.snapshots()?;
         let usual = || names.iter().find(|name| *name == "end").or(names.first()).cloned();
         let Some(name) = self.snapshot.clone().or_else(usual) else {
-            return Err(Failure::new(format!("{}: has no snapshot yet", data.display())));
+            return Err(Failure::new(format!("{}: it has no snapshot yet", data.display())));
         };
         if !names.contains(&name) {
             let known = names.join(", ");
             return Err(Failure::new(format!(
-                "{}: has no snapshot {name}; there are {known}",
+                "{}: it has no snapshot {name}; there are {known}",
                 data.display()
             )));
         }
@@ -141,11 +141,11 @@ impl Measure {
 /// Three lengths with units, as `2 mm, 2 mm, 3 mm`.
 fn edges(text: &str) -> Result<[f64; 3], Failure> {
     let wrong = |why: String| {
-        Failure::new(format!("--cell {text:?}: {why}; give three lengths as \"2 mm, 2 mm, 3 mm\""))
+        Failure::new(format!("--cell {text:?}: {why}; give three lengths, e.g. \"2 mm, 2 mm, 3 mm\""))
     };
     let lengths = text.split(',').map(|item| parse_quantity(item.trim(), Dimension::LENGTH).map_err(&wrong));
     let lengths = lengths.collect::<Result<Vec<f64>, Failure>>()?;
-    <[f64; 3]>::try_from(lengths).map_err(|found| wrong(format!("these are {} lengths", found.len())))
+    <[f64; 3]>::try_from(lengths).map_err(|found| wrong(format!("it has {} lengths", found.len())))
 }
 
 fn as_json(assembly: &Assembly, measured: &Measurement) -> Value {

@@ -73,8 +73,8 @@ impl Pair {
         });
         let steps = answer.steps;
         let note = format!(
-            "{steps} steps from one row to the next: with half as many no force at a row differs by more than {TOLERANCE:e} of \
-             the largest"
+            "{steps} steps from one row to the next: with half as many steps no force at a row differs by more than \
+             {TOLERANCE:e} of the largest"
         );
         put_table_with(context, self.output.as_deref(), &table, &[("steps_per_row", steps.into())], &note)
     }

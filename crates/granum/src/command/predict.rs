@@ -58,9 +58,7 @@ impl Predict {
         let Some(mapping) = &self.mapping else {
             let names = study.mappings.iter().map(|trained| trained.surrogate.mapping().name.as_str());
             let names = names.collect::<Vec<_>>().join(", ");
-            return Err(Failure::new(format!(
-                "give the mapping to ask as --mapping NAME; the study has {names}"
-            )));
+            return Err(Failure::new(format!("give a mapping as --mapping NAME; the study has {names}")));
         };
         let surrogate = &study.mapping(mapping)?.surrogate;
         match &self.input {
@@ -188,7 +186,7 @@ pub(super) fn row(
     let missing: Vec<&str> =
         names.iter().zip(&row).filter(|(_, v)| v.is_none()).map(|(name, _)| name.as_str()).collect();
     if !missing.is_empty() {
-        let example = missing.first().map_or(String::new(), |name| format!(" (as --set {name}=VALUE)"));
+        let example = missing.first().map_or(String::new(), |name| format!(" (e.g. --set {name}=VALUE)"));
         return Err(Failure::new(format!("missing: {}{example}\n{}", missing.join(", "), needs())));
     }
     Ok(row.into_iter().flatten().collect())

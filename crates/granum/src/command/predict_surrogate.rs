@@ -81,8 +81,8 @@ pub fn many(
     if outside > 0 && !context.json {
         let rows = answers.rows();
         eprintln!(
-            "warning: {outside} of {rows} rows lie outside what the surrogate was fitted to (column outside is 1): do not \
-             trust their answers"
+            "warning: {outside} of {rows} rows lie outside the range to which the surrogate was fitted (column outside \
+             is 1): do not trust their answers"
         );
     }
     let Some(path) = output else { return output::put_table(context, None, &answers) };

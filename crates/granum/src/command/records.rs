@@ -41,7 +41,7 @@ pub fn check_begun(run: &Run, about: &RunRecord) -> Result<(), Failure> {
     let (name, quoted) = (run.path().display(), quoted_path(run.path()));
     let place = if about.phase.is_empty() { "the start" } else { about.phase.as_str() };
     Err(Failure::new(format!(
-        "{name}: was interrupted in {place}, before its test began; continue it with `granum resume {quoted}`"
+        "{name}: it was interrupted in {place}, before its test began; continue it with `granum resume {quoted}`"
     )))
 }
 
@@ -60,7 +60,7 @@ fn read_one(context: &Context, folder: &Path, role: RunRole) -> Result<Recorded,
     let (case, about) = (run.case()?, run.record()?);
     if about.kind == "prepare" {
         return Err(Failure::new(format!(
-            "{}: is a sample, not a test; shear it first: granum shear CASE --sample {}",
+            "{}: this is a sample, not a test; shear it first: granum shear CASE --sample {}",
             folder.display(),
             quoted_path(folder)
         )));
@@ -68,7 +68,7 @@ fn read_one(context: &Context, folder: &Path, role: RunRole) -> Result<Recorded,
     check_begun(&run, &about)?;
     let record = read_record(&run)?;
     if about.status != RunStatus::Finished && !context.json {
-        eprintln!("warning: {} did not reach its end; the states that it has are taken", folder.display());
+        eprintln!("warning: {} did not reach its end; the states recorded so far are used", folder.display());
     }
     // The end of a test that is defined as a list of stages is the end of its record.
     let last = record.series.values("deviator_strain").and_then(|strains| strains.last().copied());
@@ -88,7 +88,7 @@ pub fn check_different(runs: &[&Recorded]) -> Result<(), Failure> {
         if let Some(same) = runs[..k].iter().find(|other| other.record == run.record) {
             let (a, b) = (&same.name, &run.name);
             return Err(Failure::new(format!(
-                "{a} and {b} are the same run; training and unseen runs must differ in the seed at least"
+                "{a} and {b} are the same run; training and unseen runs must differ at least in the seed"
             )));
         }
     }
@@ -106,8 +106,8 @@ pub fn check_one_test(runs: &[&Recorded], mixed: bool) -> Result<Vec<Difference>
     }
     let lines: Vec<String> = found.iter().map(|difference| format!("\n  {difference}")).collect();
     Err(Failure::new(format!(
-        "the runs differ in more than the seed of their samples:{}\ntake runs of one case that differ in preparation.seed \
-         alone, or give --mixed to train and judge on all of them",
+        "the runs differ in more than the seed of their samples:{}\nuse runs of one case that differ only in \
+         preparation.seed, or give --mixed to train and score on all of them",
         lines.concat()
     )))
 }

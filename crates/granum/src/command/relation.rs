@@ -48,7 +48,7 @@ impl Relation {
             (Some(true), _) => "scores on a training run",
             (Some(false), true) => "scores on an unseen run",
             (Some(false), false) => "scores on an unseen run of another case",
-            (None, _) => "scores on a run of which the study does not say whether it was trained on it",
+            (None, _) => "scores on a run; the study does not say whether it was a training run",
         }
     }
 
@@ -56,20 +56,20 @@ impl Relation {
     pub fn warning(&self, name: &str) -> Option<String> {
         match self.trained {
             Some(true) => Some(format!(
-                "{name}: the networks were trained on every second state of this run; its scores say how well they fit it, \
-                 not how well they do on a run that they have not seen"
+                "{name}: the networks were trained on every second state of this run; its scores show how well they \
+                 fit it, not how well they predict a run that they have not seen"
             )),
             Some(false) if !self.differences.is_empty() => {
                 let keys: Vec<String> = self.differences.iter().map(NewValue::sentence).collect();
                 Some(format!(
-                    "{name}: this run is of another case than the training runs: {}; its scores say how the networks do where they \
-                     were not trained",
+                    "{name}: the case of this run differs from that of the training runs: {}; its scores show how the \
+                     networks predict outside their training",
                     keys.join("; ")
                 ))
             }
             Some(false) => None,
             None => Some(format!(
-                "{name}: the study was written by an earlier version and does not say which runs it was trained on; train it \
+                "{name}: the study was written by an earlier version, which did not record the training runs; train it \
                  again to know whether this is one of them"
             )),
         }

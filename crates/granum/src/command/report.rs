@@ -58,7 +58,7 @@ impl Report {
         let figures = if page { 0 } else { document.figures.len() };
         output::say(context, &json!({ "report": file, "figure_files": figures }), || match figures {
             0 => format!("wrote {}", file.display()),
-            _ => format!("wrote {} and {figures} figures beside it", file.display()),
+            _ => format!("wrote {} and {figures} figures next to it", file.display()),
         })
     }
 }
@@ -89,7 +89,7 @@ fn document(folder: &Path) -> Result<Document, Failure> {
     }
     if folder.join(granum_learn::antony2006::layout::STUDY_FILE).is_file() {
         return Err(Failure::new(format!(
-            "{}: holds networks but no runs to draw; `granum evaluate {} RUN...` scores them on runs",
+            "{}: it contains networks but no runs to draw; `granum evaluate {} RUN...` scores them on runs",
             folder.display(),
             quoted_path(folder)
         )));
@@ -140,7 +140,7 @@ fn study(folder: &Path, runs: &Path, models: &Path) -> Result<StudyReport, Failu
     let dataset_hash = dataset.hash()?;
     if dataset_hash != study.dataset_hash {
         return Err(Failure::new(format!(
-            "{}: the networks were trained on other runs than those in {}; train them again: granum resume {}",
+            "{}: the networks were not trained on the runs in {}; train them again: granum resume {}",
             models.display(),
             runs.display(),
             quoted_path(folder)

@@ -43,7 +43,7 @@ impl Run {
         for text in &self.with {
             let Some((key, value)) = text.split_once('=') else {
                 return Err(Failure::new(format!(
-                    "--with {text:?}: a parameter and its value are needed, as --with axial_strain=0.1"
+                    "--with {text:?}: a parameter and its value are needed, e.g. --with axial_strain=0.1"
                 )));
             };
             parameters.push((key.trim(), value.trim()));
@@ -124,7 +124,7 @@ fn lines_of<'a>(parameters: impl Iterator<Item = &'a &'a Parameter>) -> Vec<Stri
                 format!("Default: {}.", values.join(","))
             }
             Default::Absent(meaning) => format!("Default: {meaning}."),
-            Default::Needed => "It must be given.".to_string(),
+            Default::Needed => "Required.".to_string(),
         };
         lines.push(format!("  {}: {} {default}", p.key, p.help));
         if let Kind::Word(words) = p.kind {

@@ -14,7 +14,7 @@ use crate::output;
 pub fn print(context: &Context, folder: &Path, record: &RunRecord) -> Result<(), Failure> {
     if record.status == RunStatus::Interrupted {
         let left = format!(
-            "what was done is in {}; continue with `granum resume {}`",
+            "the results so far are in {}; continue with `granum resume {}`",
             folder.display(),
             quoted_path(folder)
         );
@@ -26,7 +26,7 @@ pub fn print(context: &Context, folder: &Path, record: &RunRecord) -> Result<(),
 /// Prints the result of a run that had finished earlier.
 pub fn print_finished(context: &Context, folder: &Path, record: &RunRecord) -> Result<(), Failure> {
     output::say(context, &result(folder, record), || {
-        format!("{}: it was finished before; nothing was left to do", folder.display())
+        format!("{}: it was already finished; nothing was left to do", folder.display())
     })
 }
 
@@ -53,7 +53,7 @@ fn text(record: &RunRecord) -> String {
         let packing = record.packing.as_ref().map_or(String::new(), |p| format!(" of {}", p.file_name));
         lines.push(format!(
             "sample: {} grains{packing}, solid fraction {solid_fraction:.4}, coordination number {} (all grains), {} \
-             (mechanical: of the grains with two contacts or more), rattlers {:.1} %, p {:.2} kPa",
+             (mechanical: grains with two or more contacts), rattlers {:.1} %, p {:.2} kPa",
             record.grains,
             value("coordination_number"),
             value("mechanical_coordination_number"),

@@ -106,11 +106,8 @@ fn constants(name: &str, mapping: &MappingSummary) -> Option<String> {
         .filter(|(_, sub_model)| sub_model.constant)
         .map(|(k, _)| format!("{name}-{}", k + 1))
         .collect();
-    let verb = if numbers.len() == 1 {
-        "answers with a constant: it has"
-    } else {
-        "answer with constants: they have"
-    };
+    let verb =
+        if numbers.len() == 1 { "predicts a constant: it has" } else { "predict constants: they have" };
     (!numbers.is_empty()).then(|| format!("{} {verb} learned nothing", numbers.join(", ")))
 }
 

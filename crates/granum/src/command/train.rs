@@ -119,7 +119,7 @@ impl<'a> Show<'a> {
     fn finish(self, mut study: Study) -> Study {
         self.checkpoints.add_seconds(&mut study);
         let networks: usize = study.mappings.iter().map(|m| m.surrogate.networks().len()).sum();
-        self.end(|| format!("{networks} networks and as many that see strain only"));
+        self.end(|| format!("{networks} networks and as many strain-only networks"));
         study
     }
 
@@ -182,8 +182,8 @@ impl Train {
         options.mappings = paper_mappings_to(end);
         if end != PAPER_STRAIN && !context.json {
             eprintln!(
-                "note: the tests end at a deviator strain of {end}, not of {PAPER_STRAIN}; the strain ranges of the paper's tables are \
-                 scaled to it"
+                "note: the tests end at a deviator strain of {end}, not {PAPER_STRAIN}; the strain ranges of the \
+                 paper's tables are scaled accordingly"
             );
         }
         let dataset = StudyData::new(
@@ -219,18 +219,19 @@ impl Train {
         if let Some(factor) = self.epoch_factor {
             if self.trainer != PAPER_TRAINER {
                 return Err(Failure::new(format!(
-                    "--epoch-factor {factor}: only {PAPER_TRAINER} has the epochs of the tables; {} ends by its own rule",
+                    "--epoch-factor {factor}: only {PAPER_TRAINER} trains for the epochs of the paper's tables; {} has \
+                     its own stopping rule",
                     self.trainer
                 )));
             }
             if !(factor > 0.0 && factor <= 1e3) {
                 return Err(Failure::new(format!(
-                    "--epoch-factor {factor}: a number more than 0 and up to 1000 is needed"
+                    "--epoch-factor {factor}: it must be more than 0 and at most 1000"
                 )));
             }
         }
         if let Some(threads @ (0 | 1025..)) = self.threads {
-            return Err(Failure::new(format!("--threads {threads}: from 1 to 1024")));
+            return Err(Failure::new(format!("--threads {threads}: it must be from 1 to 1024")));
         }
         Ok(StudyOptions {
             form: match self.form {
@@ -279,8 +280,8 @@ impl Train {
             let differences = TrainingManifest::read(&self.out)?.differences(plan);
             if !differences.is_empty() {
                 return Err(Failure::new(format!(
-                    "{}: holds an unfinished training that differs in {}; continue that one (`granum resume {}`), choose \
-                     another --out, or give --force to replace it",
+                    "{}: it contains an unfinished training that differs in {}; continue that one (`granum resume \
+                     {}`), choose another --out, or give --force to replace it",
                     self.out.display(),
                     differences.join(", "),
                     quoted_path(&self.out)

@@ -104,7 +104,7 @@ fn names_in_studies_lead_nowhere() {
     let (good_study, good_plan) = (fs::read(&study).unwrap(), fs::read(&plan).unwrap());
     for name in hostile(&place) {
         change(&study, |file| file["mappings"][0]["mapping"]["name"] = json!(name));
-        let words = "cannot be part of the name of a file";
+        let words = "cannot be part of a file name";
         place.refused(words, &["evaluate", "study", "run-1"]);
         place.refused(words, &["predict", "study", "-m", name.split('\0').next().unwrap(), "-s", "x=1"]);
         place.harmless(&["report", "study"]);
@@ -169,7 +169,7 @@ fn records_and_links_of_runs_lead_nowhere() {
     ] {
         let _ = fs::remove_dir_all(folder.join(name));
         symlink(format!("../../outside/{name}"), folder.join(name)).unwrap();
-        place.refused("is a link", command);
+        place.refused("is a symbolic link", command);
         place.harmless(&["status", "run"]);
         fs::remove_file(folder.join(name)).unwrap();
     }
@@ -183,8 +183,10 @@ fn records_and_links_of_runs_lead_nowhere() {
     symlink("../../outside/thesis", folder.join(".granum-lock")).unwrap();
     place.harmless(&["status", "run"]);
     place.refused("is not a folder that granum wrote", &["resume", "run"]);
-    place
-        .refused("holds files that granum did not write", &["shear", "case.toml", "--out", "run", "--force"]);
+    place.refused(
+        "contains files that granum did not write",
+        &["shear", "case.toml", "--out", "run", "--force"],
+    );
 }
 
 #[test]
@@ -203,12 +205,12 @@ fn reproductions_lead_nowhere() {
     let of = Reproduction::new(options, vec!["training-11".into()]);
     of.write(&work.join("study")).unwrap();
     symlink("../../outside", work.join("study/runs")).unwrap();
-    place.refused("runs: is a link", &["reproduce", "--quick", "--out", "study"]);
+    place.refused("runs: is a symbolic link", &["reproduce", "--quick", "--out", "study"]);
     fs::remove_file(work.join("study/runs")).unwrap();
     fs::create_dir_all(work.join("study/runs")).unwrap();
     fs::create_dir_all(work.join("study/models")).unwrap();
     symlink("../../../outside", work.join("study/runs/training-11")).unwrap();
-    place.refused("training-11: is a link", &["reproduce", "--quick", "--out", "study"]);
+    place.refused("training-11: is a symbolic link", &["reproduce", "--quick", "--out", "study"]);
     place.harmless(&["status", "study"]);
     for name in hostile(&place) {
         let mut summary = Summary::default();
@@ -222,14 +224,16 @@ fn reproductions_lead_nowhere() {
     for name in hostile(&place) {
         of.write(&work.join("study")).unwrap();
         change(&file, |file| file["options"]["trainer"] = json!(name));
-        place
-            .refused("already holds an unfinished reproduction", &["reproduce", "--quick", "--out", "study"]);
+        place.refused(
+            "already contains an unfinished reproduction",
+            &["reproduce", "--quick", "--out", "study"],
+        );
         place.harmless(&["resume", "study"]);
         change(&file, |file| file["runs"][0] = json!(name));
         for command in
             [&["status", "study"][..], &["resume", "study"], &["reproduce", "--force", "--out", "study"]]
         {
-            place.refused("cannot be part of the name of a file", command);
+            place.refused("cannot be part of a file name", command);
         }
     }
 }

@@ -40,7 +40,7 @@ fn a_study_is_trained_judged_and_asked() {
     train.extend(quick);
     let trained = done_json(here, &train);
     let message = refused(here, 1, &train);
-    assert!(message.contains("study already holds a finished training"), "{message}");
+    assert!(message.contains("study already contains a finished training"), "{message}");
 
     // The scores from the saved files are those at the end of training, and they are reproducible.
     let judged = done_json(here, &["evaluate", "study", "run-2"]);
@@ -99,13 +99,13 @@ fn a_study_is_trained_judged_and_asked() {
     assert!(number("lower") < number("value") && number("value") < number("upper"), "{answer}");
     assert!(answer["runs_of_interval"].is_null() && answer["constant"] == false, "{answer}");
     let text = done(here, &ask);
-    assert!(text.contains("90 % interval") && text.contains("does not contain the scatter"), "{text}");
+    assert!(text.contains("90 % interval") && text.contains("does not include the scatter"), "{text}");
     done(here, &["train", "run-1", "run-2", "--out", "two"]);
     let ask = [&["predict", "two"], &ask[2..]].concat();
     let answer = done_json(here, &ask);
     assert!(answer["standard_deviation"].as_f64().unwrap() < 0.5, "{answer}");
     let text = done(here, &ask);
-    assert!(text.contains("the scatter between samples, judged by 2 training runs"), "{text}");
+    assert!(text.contains("the scatter between samples, estimated from 2 training runs"), "{text}");
 
     one_row(here);
     many_rows(here);
@@ -139,7 +139,7 @@ fn one_row(here: &Path) {
     let far = ask("0.4");
     let text = done(here, &far.iter().map(String::as_str).collect::<Vec<_>>());
     assert!(text.contains("OUTSIDE the trained range: deviator_strain = 0.4 (trained from"), "{text}");
-    assert!(text.contains("networks trained by traingdx do not know how sure they are"), "{text}");
+    assert!(text.contains("networks trained by traingdx do not estimate their uncertainty"), "{text}");
     let message =
         refused(here, 1, &inside[..inside.len() - 2].iter().map(String::as_str).collect::<Vec<_>>());
     assert!(message.contains("missing: probability_density_3.375"), "{message}");
@@ -217,7 +217,7 @@ fn what_cannot_be_trained_is_refused() {
     let message = refused(here, 1, &["train", "run-1", "--trainer", "adam"]);
     assert!(message.contains("adam") && message.contains("traingdx"), "{message}");
     let message = refused(here, 1, &["train", "run-1", "--epoch-factor", "0.1"]);
-    assert!(message.contains("only traingdx has the epochs"), "{message}");
+    assert!(message.contains("only traingdx trains for the epochs"), "{message}");
     let message = refused(here, 1, &["train", "run-1", "--trainer", "traingdx", "--epoch-factor", "-1"]);
     assert!(message.contains("more than 0"), "{message}");
     let message = refused(here, 1, &["evaluate", "run-1", "run-1"]);
@@ -273,5 +273,5 @@ fn a_saved_surrogate_is_asked() {
     let text = std::fs::read_to_string(here.join("s.json")).unwrap();
     std::fs::write(here.join("s.json"), text.replace("\"x\"", "\"z\"")).unwrap();
     let message = refused(here, 1, &["predict", "s.json", "--set", "x=1"]);
-    assert!(message.contains("s.json: the SHA-256 does not fit the content"), "{message}");
+    assert!(message.contains("s.json: the SHA-256 does not match the content"), "{message}");
 }

@@ -102,7 +102,7 @@ fn folders(here: &Path) -> Vec<(&'static str, &'static str)> {
         ("my quick", "`granum reproduce --quick --out 'my quick'`"),
         ("quick-half", "`granum reproduce --quick --out quick-half`"),
         ("paper", "`granum reproduce --trainer traingdx --out paper`"),
-        ("thesis", "holds files that granum did not write"),
+        ("thesis", "contains files that granum did not write"),
     ]
 }
 
@@ -151,7 +151,7 @@ fn without_force_no_command_changes_what_is_there() {
         // The same options could continue the reproduction, but here the runs are of another case and must not be lost.
         for command in [&["reproduce"][..], &["reproduce", "--quick"]] {
             let told = keeps(here, &before, &[command, &out].concat()).unwrap();
-            assert!(told.contains(words) || told.contains("holds a run of another case"), "{folder}: {told}");
+            assert!(told.contains(words) || told.contains("its run has another case"), "{folder}: {told}");
         }
         let file = |name: &str| format!("{folder}/{name}");
         let (case, rows, series) = (file("case.toml"), file("rows.csv"), file("series.parquet"));
@@ -258,13 +258,13 @@ fn status_tells_the_exact_command_and_is_done_only_when_all_is() {
     assert!(next("paper").0.contains("done; see"), "{}", next("paper").0);
     set_status(&here.join("paper/runs/unseen-12"), "interrupted");
     let text = next("paper").0;
-    assert!(text.contains("begun by granum 0.0.9") && text.ends_with("--out paper"), "{text}");
+    assert!(text.contains("started by granum 0.0.9") && text.ends_with("--out paper"), "{text}");
     // Without this file the options of the reproduction are unknown.
     fs::remove_file(&path).unwrap();
     let told = refused(here, 1, &["reproduce", "--out", "paper"]);
-    assert!(told.contains("does not say with which options it was made"), "{told}");
+    assert!(told.contains("whose options are not recorded"), "{told}");
     let told = refused(here, 1, &["resume", "paper"]);
-    assert!(told.contains("no reproduction.json says"), "{told}");
+    assert!(told.contains("there is no reproduction.json with its options"), "{told}");
 }
 
 #[test]
@@ -332,7 +332,7 @@ fn what_is_finished_is_told_so_and_a_mistake_is_told_once() {
     fs::write(here.join("case.toml"), SMALL).unwrap();
     assert!(done(here, &["shear", "case.toml", "--out", "run"]).contains("wrote run"));
     let told = done(here, &["resume", "run"]);
-    assert!(told.contains("it was finished before") && !told.contains("wrote"), "{told}");
+    assert!(told.contains("it was already finished") && !told.contains("wrote"), "{told}");
     assert_eq!(done_json(here, &["resume", "run"])["status"], "finished");
 
     fs::write(here.join("bad.toml"), "[grains]\ncount = -5\n").unwrap();

@@ -77,7 +77,7 @@ fn a_run_from_a_packing_says_whose_grains_it_ran_and_its_digest_covers_them() {
     assert!(page.contains("120 grains of one.csv") && page.contains(&sha), "the packing is not named");
     assert!(page.contains("0.1 mm") && !page.contains("300 grains") && !page.contains("; seed"));
     let case = std::fs::read_to_string(here.join("a/case.toml")).unwrap();
-    assert!(case.contains("count = 300  # no part in this run"), "{case}");
+    assert!(case.contains("count = 300  # no effect in this run"), "{case}");
     // A sample made from a packing can be resumed and read like any other.
     done(here, &["resume", "a"]);
     done(here, &["status", "c"]);
@@ -98,17 +98,17 @@ fn keys_without_a_part_in_a_run_from_a_packing_are_named_or_refused() {
     };
     let said = ask(&[]);
     assert!(
-        said.contains("grains.count = 150 has no part in this run: its grains are those of packing.csv"),
+        said.contains("grains.count = 150 has no effect in this run: its grains are those of packing.csv"),
         "{said}"
     );
     assert!(
-        said.contains("preparation.friction = 0.1 has no part in this run: packing.csv is not compacted"),
+        said.contains("preparation.friction = 0.1 has no effect in this run: packing.csv is not compacted"),
         "{said}"
     );
     assert!(!said.contains("grains.spread") && !said.contains("initial_solid_fraction"), "{said}");
     assert!(!ask(&["--set", "preparation.friction=auto"]).contains("preparation.friction"));
     let notes = record(here, "s")["notes"].to_string();
-    assert!(notes.contains("grains.count = 150 has no part"), "{notes}");
+    assert!(notes.contains("grains.count = 150 has no effect"), "{notes}");
 
     // The packing carries its load, so that its density does not depend on a preparation friction.
     let told = done_json(
@@ -137,7 +137,7 @@ fn keys_without_a_part_in_a_run_from_a_packing_are_named_or_refused() {
         let mut all = vec!["shear", "case.toml", "--packing", "packing.csv", "--out", "r"];
         all.extend(flags);
         let message = refused(here, 1, &all);
-        assert!(message.contains("has no part in a run from --packing"), "{message}");
+        assert!(message.contains("has no effect in a run from --packing"), "{message}");
         assert!(!here.join("r").exists());
     }
 }

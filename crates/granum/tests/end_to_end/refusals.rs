@@ -59,7 +59,7 @@ fn folders_that_are_not_of_granum_stay_as_they_are() {
     std::fs::create_dir(here.join("thesis")).unwrap();
     std::fs::write(here.join("thesis/chapter.tex"), "mine").unwrap();
     let message = refused(here, 1, &["shear", "case.toml", "--out", "thesis", "--force"]);
-    assert!(message.contains("holds files that granum did not write"), "{message}");
+    assert!(message.contains("contains files that granum did not write"), "{message}");
     for command in ["resume", "status", "digest", "report"] {
         let message = refused(here, 1, &[command, "thesis"]);
         assert!(message.contains("thesis"), "{command}: {message}");

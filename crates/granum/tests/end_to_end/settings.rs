@@ -35,12 +35,12 @@ fn wrong_flags_are_refused_with_what_would_be_right() {
         ),
         (
             &["--set", "grains.diametre=1 mm"],
-            "--set grains.diametre = \"1 mm\" is no key; did you mean diameter?",
+            "--set grains.diametre = \"1 mm\" is not a key; did you mean diameter?",
         ),
         (&["--set", "contact.damping"], "--set \"contact.damping\": a key and its value are needed"),
         (&["--set", "contact.damping=2"], "is out of bounds; it must be from 0 to 1"),
         (&["--seed", "-1"], "--seed = \"-1\" is not a whole number"),
-        (&["--seed", "2", "--set", "preparation.seed=3"], "preparation.seed is said twice"),
+        (&["--seed", "2", "--set", "preparation.seed=3"], "preparation.seed is given twice"),
         (
             &["--set", "shear.strain_rate=1e-5 /s", "--set", "shear.inertial_number=1e-3"],
             "exclude each other",
@@ -77,10 +77,10 @@ fn commands_on_a_law_take_keys_of_the_law() {
     };
     assert_eq!(impact(&["--set", "contact.damping=0.3"]), impact(&["--damping", "0.3"]));
     let message = refused(here, 1, &["pair", "path.csv", "--set", "shear.deviator_strain=0.1"]);
-    assert!(message.contains("--set shear.deviator_strain has no part in this command"), "{message}");
+    assert!(message.contains("--set shear.deviator_strain has no effect in this command"), "{message}");
     let message =
         refused(here, 1, &["pair", "path.csv", "--friction", "0.1", "--set", "grains.material.friction=0.2"]);
-    assert!(message.contains("--friction both say grains.material.friction"), "{message}");
+    assert!(message.contains("--friction both set grains.material.friction"), "{message}");
     let message = refused(here, 1, &["pair", "path.csv", "--set", "contact.dampling=0.1"]);
     assert!(message.contains("did you mean damping?"), "{message}");
 }

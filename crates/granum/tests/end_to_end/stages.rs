@@ -22,7 +22,7 @@ fn a_drained_and_an_undrained_test_of_one_sample() {
         assert_eq!(found["status"], "finished");
         let notes = found["notes"].to_string();
         assert!(
-            notes.contains("stage 1 (shear) ended after") && notes.contains("xx_strain came to 0.01"),
+            notes.contains("stage 1 (shear) ended after") && notes.contains("xx_strain reached 0.01"),
             "{notes}"
         );
         let table = granum_io::Run::at(place.join(path)).unwrap().series().unwrap();
@@ -63,7 +63,7 @@ fn shear_runs_the_stages_of_a_case_and_flags_set_them() {
     assert!(text.contains("it is a test of several stages"), "{text}");
     let text =
         refused(place, 1, &["shear", "case.toml", "--out", "three", "--set", "shear.deviator_strain=0.1"]);
-    assert!(text.contains("has no part in a case with stages"), "{text}");
+    assert!(text.contains("has no effect in a case with stages"), "{text}");
 }
 
 #[test]

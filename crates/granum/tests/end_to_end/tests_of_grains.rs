@@ -29,11 +29,11 @@ fn a_small_case_from_sample_to_report_and_one_digest_on_any_hardware() {
 
     let message = refused(here, 1, &["shear", "case.toml", "--out", "one"]);
     assert!(
-        message.contains("one already holds a finished test; to continue from that: `granum report one`"),
+        message.contains("one already contains a finished test; to continue from that: `granum report one`"),
         "{message}"
     );
     let message = refused(here, 1, &["train", "sample", "--out", "study"]);
-    assert!(message.contains("sample: is a sample, not a test"), "{message}");
+    assert!(message.contains("sample: this is a sample, not a test"), "{message}");
 
     reports(here);
 }
@@ -45,14 +45,16 @@ fn reports(here: &Path) {
     assert!(figures >= 6 && told["figure_files"] == figures, "{told}");
     let page = std::fs::read_to_string(here.join("one/report.html")).unwrap();
     assert!(page.contains("150 grains") && page.contains("<svg"), "{}", page.len());
-    for words in ["The paper", "the paper", "paper\u{2019}s", "We kept"] {
+    for words in ["The paper", "the paper", "paper\u{2019}s", "We chose"] {
         assert!(!page.contains(words), "a run's own report says {words:?}");
     }
     // The report shows the same gap of the energy balance as the quality check.
-    let gap =
-        page.split("Energy balance, gap over boundary work").nth(1).and_then(|rest| rest.split("<b>").nth(1));
+    let gap = page
+        .split("Energy balance, residual over boundary work")
+        .nth(1)
+        .and_then(|rest| rest.split("<b>").nth(1));
     let gap = gap.and_then(|rest| rest.split("</b>").next()).unwrap();
-    assert!(page.contains(&format!("the energy balance closes to {gap} of that work")), "{gap}");
+    assert!(page.contains(&format!("the energy balance closes to within {gap} of that work")), "{gap}");
     let message = refused(here, 1, &["report", "one"]);
     assert!(message.contains("report.html exists already"), "{message}");
     done(here, &["report", "one", "--force"]);
@@ -96,7 +98,7 @@ fn an_interrupted_run_tells_how_to_go_on_and_ends_in_the_same_bits() {
     assert_eq!(status["status"], "interrupted");
     assert_eq!(status["next"], "continue it: granum resume broken");
     let half = run(here, &["digest", "broken"]);
-    assert!(String::from_utf8_lossy(&half.stdout).contains("of the part that is done"));
+    assert!(String::from_utf8_lossy(&half.stdout).contains("of the part finished so far"));
     done(here, &["resume", "broken"]);
     done(here, &shear("straight"));
     assert_eq!(digest(here, "broken"), digest(here, "straight"));

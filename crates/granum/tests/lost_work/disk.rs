@@ -91,7 +91,7 @@ fn a_full_disk_ends_a_training_that_goes_on_later() {
     let output = run(here, &train("study", "2"));
     let told = stderr(&output);
     assert_eq!(output.status.code(), Some(1), "{told}");
-    assert!(told.contains("holds an unfinished training that differs in seed"), "{told}");
+    assert!(told.contains("contains an unfinished training that differs in seed"), "{told}");
     let told = stdout(&run(here, &["status", "study"]));
     assert!(told.contains("training broken off") && told.contains("of 36 networks"), "{told}");
     done(here, &["resume", "study"]);
@@ -111,7 +111,7 @@ fn folders_that_cannot_be_written_are_told() {
         let output = run(here, &["shear", "case.toml", "--out", out]);
         let told = stderr(&output);
         assert_eq!(output.status.code(), Some(1), "{told}");
-        assert!(told.contains("cannot make the folder") && told.contains(out), "{told}");
+        assert!(told.contains("cannot create the folder") && told.contains(out), "{told}");
     }
     assert_eq!(fs::read_to_string(here.join("file")).unwrap(), "mine");
     // A file is in the place of the folder of snapshots.

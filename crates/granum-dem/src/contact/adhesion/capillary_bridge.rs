@@ -57,7 +57,7 @@ impl AdhesionLaw for CapillaryBridge {
     const DESCRIPTION: Description = Description {
         name: "capillary-bridge",
         label: "capillary bridges (Willett et al. 2000)",
-        help: "liquid bridges of constant volume that form at touch: Willett et al. 2000",
+        help: "liquid bridges of constant volume that form when grains touch: Willett et al. 2000",
         parameters: &[
             Parameter {
                 key: "surface_tension",

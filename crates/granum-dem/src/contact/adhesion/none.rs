@@ -13,8 +13,8 @@ pub struct NoAdhesion;
 impl AdhesionLaw for NoAdhesion {
     const DESCRIPTION: Description = Description {
         name: "none",
-        label: "no attraction beyond touch",
-        help: "nothing on top of the contact",
+        label: "no additional attraction",
+        help: "no force in addition to the contact law",
         parameters: &[],
     };
     const ACTS: bool = false;

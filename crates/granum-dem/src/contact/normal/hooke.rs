@@ -38,7 +38,7 @@ impl NormalLaw for Hooke {
     const DESCRIPTION: Description = Description {
         name: "hooke",
         label: "Hooke",
-        help: "a linear spring of the stiffness contact.normal_stiffness, without adhesion",
+        help: "a linear spring of stiffness contact.normal_stiffness, without adhesion",
         parameters: &[NORMAL_STIFFNESS],
     };
     const CONTACT_AREA: bool = false;

@@ -45,7 +45,7 @@ impl MomentLaw for ElasticPlasticTwisting {
     const DESCRIPTION: Description = Description {
         name: "elastic-plastic-twisting",
         label: "elastic-plastic rolling and twisting resistance",
-        help: "elastic-plastic against rolling, and the same against twisting with its own coefficient",
+        help: "elastic-plastic against rolling, and likewise against twisting, with a coefficient of its own",
         parameters: &[
             ROLLING_FRICTION,
             ROLLING_DAMPING,

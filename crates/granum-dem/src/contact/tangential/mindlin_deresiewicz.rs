@@ -263,7 +263,7 @@ impl TangentialLaw for MindlinDeresiewicz {
             Ok(())
         } else {
             Err(
-                "needs a normal law with a contact area, over which slip spreads; \"no-slip\" goes with one that has none",
+                "needs a normal law with a contact area, over which slip spreads; without one choose \"no-slip\"",
             )
         }
     }

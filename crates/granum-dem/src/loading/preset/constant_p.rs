@@ -34,7 +34,7 @@ const PARAMETERS: &[Parameter] = &[
         0.3,
         [-3.0, 3.0],
     ),
-    stress("mean_stress", "Mean stress p, to which the sample is brought before, and which is then held."),
+    stress("mean_stress", "Mean stress p, to which the sample is consolidated first and which is then held."),
     INERTIAL_NUMBER,
     STATES,
 ];

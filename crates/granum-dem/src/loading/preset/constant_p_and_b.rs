@@ -40,9 +40,9 @@ const PARAMETERS: &[Parameter] = &[
         0.5,
         [0.0, 1.0],
     ),
-    stress("mean_stress", "Mean stress p, to which the sample is brought before, and which is then held."),
+    stress("mean_stress", "Mean stress p, to which the sample is consolidated first and which is then held."),
     Parameter {
-        help: "How fast: inertial number I of 1 + b times the strain rate along x, which is that of the fastest axis or more.",
+        help: "Speed: inertial number I of 1 + b times the strain rate along x, at least the rate of the fastest axis.",
         ..INERTIAL_NUMBER
     },
     STATES,

@@ -5,8 +5,8 @@ use crate::loading::{Constraint, Control, Drive, Measure, Ramp, Record, Stage, T
 
 pub(super) const PRESET: Preset = Preset {
     name: "cyclic",
-    help: "Cyclic triaxial test between two axial strains or two deviator stresses, drained or undrained: so many cycles, or until \
-           liquefaction or a double amplitude of strain.",
+    help: "Cyclic triaxial test between two axial strains or two deviator stresses, drained or undrained: a number of \
+           cycles, or until liquefaction or a double amplitude of strain.",
     own: PARAMETERS,
     stages: |values| {
         let cycles = values.number("cycles");
@@ -74,9 +74,9 @@ fn control(values: &Values) -> Control {
 const PARAMETERS: &[Parameter] = &[
     word(
         "drainage",
-        "What the lateral axes do.",
+        "Control of the lateral axes.",
         &[
-            ["undrained", "the volume stays, and stresses are effective ones"],
+            ["undrained", "the volume is constant; stresses are effective stresses"],
             ["drained", "the lateral stresses are held"],
         ],
     ),
@@ -87,10 +87,11 @@ const PARAMETERS: &[Parameter] = &[
         [1e-7, 0.5],
     ),
     Parameter {
-        default: Default::Absent("strain_amplitude says where the test turns round"),
+        default: Default::Absent("the turning points are given by strain_amplitude"),
         ..stress(
             "stress_amplitude",
-            "Deviator stress sigma_x - sigma_y between the middle of a cycle and its turning points, in place of strain_amplitude.",
+            "Deviator stress sigma_x - sigma_y between the middle of a cycle and its turning points, instead of \
+             strain_amplitude.",
         )
     },
     number("mean_strain", "Axial strain in the middle of the cycles.", 0.0, [-1.0, 1.0]),
@@ -108,12 +109,12 @@ const PARAMETERS: &[Parameter] = &[
         0.05,
         [1e-5, 1.0],
     ),
-    stress("mean_stress", "Mean effective stress to which the sample is brought before."),
+    stress("mean_stress", "Mean effective stress to which the sample is consolidated first."),
     INERTIAL_NUMBER,
     optional(
         "interval",
-        "A state is recorded at every such arc length of strain.",
-        "a fortieth of a cycle of strain_amplitude, 1e-4 with stress_amplitude",
+        "Arc length of strain between recorded states.",
+        "a fortieth of a strain cycle with strain_amplitude, 1e-4 with stress_amplitude",
         [1e-7, 1.0],
     ),
 ];

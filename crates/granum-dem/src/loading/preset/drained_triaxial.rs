@@ -27,7 +27,7 @@ const PARAMETERS: &[Parameter] = &[
     number("axial_strain", "Axial strain at the end; negative for extension.", 0.2, [-3.0, 3.0]),
     stress(
         "lateral_stress",
-        "Stress along y and z, to which the sample is brought before on all three axes.",
+        "Stress along y and z, to which the sample is first consolidated on all three axes.",
     ),
     INERTIAL_NUMBER,
     STATES,

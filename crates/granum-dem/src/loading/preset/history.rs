@@ -5,7 +5,7 @@ use crate::loading::{Control, Drive, History, Measure, Quantity, Ramp, Record, S
 
 pub(super) const PRESET: Preset = Preset {
     name: "history",
-    help: "Strains or stresses of a file (CSV), row by row: the cell goes from each row to the next along straight lines.",
+    help: "Strains or stresses from a CSV file, row by row: the cell follows straight lines between the rows.",
     own: PARAMETERS,
     stages: |values| {
         let Some(history) = values.history("file") else { return Vec::new() };
@@ -43,7 +43,7 @@ const PARAMETERS: &[Parameter] = &[
         kind: Kind::History,
         help: "CSV file with columns among xx_strain, yy_strain, zz_strain, yz_strain, zx_strain, xy_strain and the same with \
                _stress, with units as in `xx_stress (kPa)`; strains are logarithmic and count from the start of the path. A column \
-               time is read and has no part: the response of grains does not depend on it.",
+               time is accepted but not used: the response of the grains does not depend on it.",
         default: Default::Needed,
         ..STATES
     },
@@ -56,14 +56,14 @@ const PARAMETERS: &[Parameter] = &[
         ],
     ),
     Parameter {
-        help: "How fast: inertial number I of the largest strain rate at the mean stress at the start of each row. For stresses \
-               the strain is estimated from the contacts.",
+        help: "Speed: inertial number I of the largest strain rate at the mean stress at the start of each row. For \
+               stresses the strain is estimated from the contacts.",
         ..INERTIAL_NUMBER
     },
     optional(
         "interval",
-        "A state is recorded at every such arc length of strain between the rows.",
-        "at the rows alone",
+        "Arc length of strain between the states that are recorded between the rows.",
+        "at the rows only",
         [1e-7, 1.0],
     ),
 ];

@@ -5,7 +5,8 @@ use crate::loading::{Control, Drive, Measure, Record, Stage, Target, Until};
 
 pub(super) const PRESET: Preset = Preset {
     name: "hold",
-    help: "All stresses are held (creep), or all strains (relaxation), until the sample is at rest or for a time.",
+    help: "All stresses are held (creep), or all strains (relaxation), until the sample is at rest or for a given \
+           time.",
     own: PARAMETERS,
     stages: |values| {
         let held = match values.is("held", "stress") {
@@ -28,12 +29,17 @@ pub(super) const PRESET: Preset = Preset {
 const PARAMETERS: &[Parameter] = &[
     word(
         "held",
-        "What stays as it is.",
-        &[["stress", "all six stresses: what strains is creep"], ["strain", "all strains: stresses relax"]],
+        "What is held constant.",
+        &[["stress", "all six stresses; any strain is creep"], ["strain", "all strains; the stresses relax"]],
     ),
     Parameter {
         unit: "s",
-        ..optional("duration", "Simulated time that it takes.", "until the sample is at rest", [1e-15, 1e9])
+        ..optional(
+            "duration",
+            "Simulated time for which they are held.",
+            "until the sample is at rest",
+            [1e-15, 1e9],
+        )
     },
     number(
         "unbalanced_force",
@@ -45,7 +51,7 @@ const PARAMETERS: &[Parameter] = &[
     INTERVAL,
     Parameter {
         default: super::Default::Value(20.0),
-        help: "Number of equal intervals of a duration at whose ends a state is recorded.",
+        help: "Number of equal intervals of the duration; a state is recorded at the end of each.",
         ..super::STATES
     },
 ];

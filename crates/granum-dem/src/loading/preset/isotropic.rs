@@ -5,8 +5,8 @@ use crate::loading::{Measure, Record, Speed, Stage};
 
 pub(super) const PRESET: Preset = Preset {
     name: "isotropic",
-    help: "Isotropic compression or unloading: all three axes are brought to one stress, and the sample to rest there; then to a \
-           second stress where one is given.",
+    help: "Isotropic compression or unloading: all three axes are brought to one stress, at which the sample comes to \
+           rest; then to a second stress if one is given.",
     own: PARAMETERS,
     stages: |values| {
         let stage = |name: &str, stress: f64| {
@@ -26,12 +26,12 @@ pub(super) const PRESET: Preset = Preset {
 const PARAMETERS: &[Parameter] = &[
     Parameter {
         default: super::Default::Value(100e3),
-        ..stress("mean_stress", "Stress that all three axes are brought to.")
+        ..stress("mean_stress", "Stress to which all three axes are brought.")
     },
     INERTIAL_NUMBER,
     INTERVAL,
     Parameter {
-        default: super::Default::Absent("nothing is unloaded"),
-        ..stress("unloading_stress", "Stress that all three axes are brought to after that.")
+        default: super::Default::Absent("no unloading"),
+        ..stress("unloading_stress", "Stress to which all three axes are brought afterwards.")
     },
 ];

@@ -97,7 +97,10 @@ pub enum RegisterError {
         key: &'static str,
     },
     /// The default of a parameter is out of its bounds, or the bounds are not in order.
-    #[error("the path {path:?} has the parameter {key:?} with a default outside its bounds, which must rise")]
+    #[error(
+        "the path {path:?} has the parameter {key:?} with a default outside its bounds, or with bounds that do not \
+             increase"
+    )]
     OutOfBounds {
         /// The path.
         path: &'static str,

@@ -5,7 +5,7 @@ use crate::loading::{Control, Drive, Measure, Record, Stage, Until};
 
 pub(super) const PRESET: Preset = Preset {
     name: "oedometer",
-    help: "Oedometer: axis x is compressed without lateral strain up to a stress, and unloaded where a second one is given.",
+    help: "Oedometer: axis x is compressed without lateral strain up to a stress, and unloaded if a second is given.",
     own: PARAMETERS,
     stages: |values| {
         let stage = |name: &str, sense: f64, stress: f64| {
@@ -27,12 +27,12 @@ const PARAMETERS: &[Parameter] = &[
         ..stress("axial_stress", "Stress along x at the end of the loading.")
     },
     Parameter {
-        default: super::Default::Absent("nothing is unloaded"),
+        default: super::Default::Absent("no unloading"),
         ..stress("unloading_stress", "Stress along x at the end of the unloading.")
     },
     INERTIAL_NUMBER,
     Parameter {
-        help: "A state is recorded at every such arc length of strain, which is sqrt(2/3) of the axial strain.",
+        help: "Arc length of strain between recorded states, which is sqrt(2/3) of the axial strain.",
         ..INTERVAL
     },
 ];

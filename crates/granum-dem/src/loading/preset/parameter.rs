@@ -158,7 +158,7 @@ impl<'a> Values<'a> {
 /// How fast every path goes, for [`Values::speed`].
 pub const INERTIAL_NUMBER: Parameter = Parameter {
     key: "inertial_number",
-    help: "How fast: inertial number I of the driving strain rate at the mean stress at the start of the stage.",
+    help: "Speed: inertial number I of the driving strain rate at the mean stress at the start of the stage.",
     default: Default::Value(1e-3),
     bounds: [1e-8, 0.1],
     ..STATES
@@ -168,8 +168,8 @@ pub const INERTIAL_NUMBER: Parameter = Parameter {
 pub(super) const STRAIN_RATE: Parameter = Parameter {
     key: "strain_rate",
     unit: "1/s",
-    help: "The other way to say how fast, in place of inertial_number: the driving strain rate.",
-    default: Default::Absent("inertial_number says it"),
+    help: "Driving strain rate, which can be given instead of inertial_number.",
+    default: Default::Absent("given by inertial_number"),
     bounds: [1e-12, 1e9],
     ..STATES
 };
@@ -177,7 +177,7 @@ pub(super) const STRAIN_RATE: Parameter = Parameter {
 /// Density with a strain rate, of every preset.
 pub(super) const DENSITY_SCALING: Parameter = Parameter {
     key: "density_scaling",
-    help: "Factor on the density of every grain in the stages that go at strain_rate, and only with it.",
+    help: "Factor on the density of every grain in the stages driven at strain_rate; only together with strain_rate.",
     default: Default::Absent("1"),
     bounds: [1e-6, 1e24],
     ..STATES
@@ -191,7 +191,7 @@ pub const STATES: Parameter = Parameter {
     key: "states",
     kind: Kind::Number,
     unit: "1",
-    help: "Number of equal intervals at whose ends a state is recorded.",
+    help: "Number of equal intervals; a state is recorded at the end of each.",
     default: Default::Value(100.0),
     bounds: [1.0, 1e6],
 };
@@ -199,7 +199,7 @@ pub const STATES: Parameter = Parameter {
 /// States at equal distances of arc length.
 pub const INTERVAL: Parameter = Parameter {
     key: "interval",
-    help: "A state is recorded at every such arc length of strain.",
+    help: "Arc length of strain between recorded states.",
     default: Default::Value(1e-4),
     bounds: [1e-7, 1.0],
     ..STATES

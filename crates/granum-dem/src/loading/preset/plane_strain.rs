@@ -26,7 +26,7 @@ pub(super) const PRESET: Preset = Preset {
 
 const PARAMETERS: &[Parameter] = &[
     number("axial_strain", "Strain along x at the end; negative for extension.", 0.2, [-3.0, 3.0]),
-    stress("lateral_stress", "Stress along z, to which the sample is brought before on all three axes."),
+    stress("lateral_stress", "Stress along z, to which the sample is first consolidated on all three axes."),
     INERTIAL_NUMBER,
     STATES,
 ];

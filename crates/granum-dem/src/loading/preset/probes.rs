@@ -78,17 +78,17 @@ fn on_circle(share: f64) -> [f64; 2] {
 const PARAMETERS: &[Parameter] = &[
     word(
         "around",
-        "Which directions.",
+        "Directions of the probes.",
         &[
             ["triaxial-plane", "equal angles in the plane of the axial and the two equal lateral components"],
-            ["components", "each of the six components, both ways: the tangent stiffness"],
+            ["components", "each of the six components in both senses, for the tangent stiffness"],
         ],
     ),
     number("directions", "Number of directions in the triaxial plane.", 12.0, [1.0, 360.0]),
     number("strain", "Length of the strain increments; shear strains are angles.", 1e-5, [1e-9, 0.01]),
     Parameter {
         default: Default::Absent("increments of strain"),
-        ..stress("stress", "Length of increments of stress, in place of strain.")
+        ..stress("stress", "Length of the stress increments, instead of strain.")
     },
     number(
         "unbalanced_force",

@@ -5,8 +5,8 @@ use crate::loading::{Constraint, Control, Drive, Measure, Ramp, Record, Stage, T
 
 pub(super) const PRESET: Preset = Preset {
     name: "proportional",
-    help: "Proportional loading: the strains along y and z are constant multiples of that along x, or so are the stresses, which are \
-           brought to their ratio before at constant mean stress.",
+    help: "Proportional loading: the strains along y and z are constant multiples of that along x; or the stresses \
+           are, which are first brought to these ratios at constant mean stress.",
     own: PARAMETERS,
     stages: |values| {
         let end = values.number("axial_strain");
@@ -65,7 +65,11 @@ fn approach(values: &Values) -> Stage {
 }
 
 const PARAMETERS: &[Parameter] = &[
-    word("ratios_of", "What keeps its ratios.", &[["strain", "strain increments"], ["stress", "stresses"]]),
+    word(
+        "ratios_of",
+        "What has constant ratios.",
+        &[["strain", "strain increments"], ["stress", "stresses"]],
+    ),
     number("ratio_y", "Strain or stress along y over that along x.", 0.6, [-3.0, 3.0]),
     number("ratio_z", "Strain or stress along z over that along x.", 0.6, [-3.0, 3.0]),
     number("axial_strain", "Strain along x at the end; negative for unloading.", 0.01, [-3.0, 3.0]),
@@ -73,12 +77,12 @@ const PARAMETERS: &[Parameter] = &[
         unit: "Pa",
         ..optional(
             "axial_stress",
-            "Stress along x at which it ends, if that comes before the strain.",
-            "the strain alone ends it",
+            "Stress along x at which the path ends, if it is reached before axial_strain.",
+            "the path ends at axial_strain",
             [1e-3, 1e11],
         )
     },
-    stress("mean_stress", "Mean stress to which the sample is brought before."),
+    stress("mean_stress", "Mean stress to which the sample is consolidated first."),
     INERTIAL_NUMBER,
     STATES,
 ];

@@ -17,7 +17,7 @@ pub(super) const PRESET: Preset = Preset {
 
 const PARAMETERS: &[Parameter] = &[
     number("shear_strain", "Shear strain gamma_xy at the end.", 0.3, [1e-6, 1.0]),
-    stress("normal_stress", "Stress along y, to which the sample is brought before on all three axes."),
+    stress("normal_stress", "Stress along y, to which the sample is first consolidated on all three axes."),
     INERTIAL_NUMBER,
     STATES,
 ];

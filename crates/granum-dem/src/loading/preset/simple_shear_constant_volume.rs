@@ -16,7 +16,7 @@ pub(super) const PRESET: Preset = Preset {
 
 const PARAMETERS: &[Parameter] = &[
     number("shear_strain", "Shear strain gamma_xy at the end.", 0.3, [1e-6, 1.0]),
-    stress("mean_stress", "Mean stress to which the sample is brought before."),
+    stress("mean_stress", "Mean stress to which the sample is consolidated first."),
     INERTIAL_NUMBER,
     STATES,
 ];

@@ -38,11 +38,11 @@ pub(super) const PRESET: Preset = Preset {
 
 const PARAMETERS: &[Parameter] = &[
     number("axial_strain", "Axial strain at the end; negative for extension.", 0.2, [-3.0, 3.0]),
-    stress("mean_stress", "Mean effective stress to which the sample is brought before."),
+    stress("mean_stress", "Mean effective stress to which the sample is consolidated first."),
     INERTIAL_NUMBER,
     STATES,
     Parameter {
-        default: Default::Absent("the fluid is incompressible, and the volume of the sample stays"),
+        default: Default::Absent("the fluid is incompressible, and the volume of the sample is constant"),
         ..stress("fluid_modulus", "Bulk modulus of the pore fluid over the porosity, K_f / n.")
     },
 ];

@@ -5,7 +5,7 @@ use crate::loading::{Control, Drive, Measure, Record, Stage, Until};
 
 pub(super) const PRESET: Preset = Preset {
     name: "unload-reload",
-    help: "Drained triaxial compression along x in which the deviator stress is taken off at given strains and put on again.",
+    help: "Drained triaxial compression along x in which the deviator stress is removed and reapplied at given strains.",
     own: PARAMETERS,
     stages: |values| {
         let end = values.number("axial_strain");
@@ -40,7 +40,7 @@ const PARAMETERS: &[Parameter] = &[
     Parameter {
         key: "at",
         kind: Kind::List,
-        help: "Axial strains at which it is unloaded; those beyond axial_strain are passed over.",
+        help: "Axial strains at which the sample is unloaded; those beyond axial_strain are ignored.",
         default: Default::List(&[0.01, 0.03, 0.06]),
         bounds: [1e-9, 3.0],
         ..STATES
@@ -48,7 +48,7 @@ const PARAMETERS: &[Parameter] = &[
     deviator("unloaded_deviator_stress", "Deviator stress sigma_x - sigma_y at the end of an unloading."),
     stress(
         "lateral_stress",
-        "Stress along y and z, to which the sample is brought before on all three axes.",
+        "Stress along y and z, to which the sample is first consolidated on all three axes.",
     ),
     INERTIAL_NUMBER,
     STATES,

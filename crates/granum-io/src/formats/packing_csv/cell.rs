@@ -10,7 +10,7 @@ use granum_core::quantity::format_number;
 
 /// An example of such a line.
 pub(super) const EXAMPLE: &str =
-    "the first line must be as \"# periodic box, m: xlo=0 ylo=0 zlo=0 xhi=1e-3 yhi=1e-3 zhi=1e-3\"";
+    "the first line must be like \"# periodic box, m: xlo=0 ylo=0 zlo=0 xhi=1e-3 yhi=1e-3 zhi=1e-3\"";
 
 const BOX: [&str; 6] = ["xlo", "ylo", "zlo", "xhi", "yhi", "zhi"];
 const TILT: [&str; 3] = ["xy", "xz", "yz"];
@@ -32,7 +32,7 @@ pub(super) fn parse<R: BufRead>(lines: &Lines<R>) -> Result<Option<(Vector, Matr
         let at = known
             .iter()
             .position(|k| *k == name)
-            .ok_or_else(|| wrong(format!("unknown {name} of the cell")))?;
+            .ok_or_else(|| wrong(format!("unknown value {name} of the cell")))?;
         let value = text.parse().ok().filter(|value: &f64| value.is_finite());
         values[at] = Some(value.ok_or_else(|| wrong(format!("{pair} is not a finite number")))?);
     }
@@ -42,7 +42,7 @@ pub(super) fn parse<R: BufRead>(lines: &Lines<R>) -> Result<Option<(Vector, Matr
     };
     let mut numbers = [0.0; 12];
     for (number, name) in numbers.iter_mut().zip(&known) {
-        *number = value(name).ok_or_else(|| wrong(format!("{name} of the cell is missing")))?;
+        *number = value(name).ok_or_else(|| wrong(format!("the value {name} of the cell is missing")))?;
     }
     let (origin, edges) = if tilted { from_box(&numbers) } else { from_edges(&numbers) };
     let volume = determinant(&edges);

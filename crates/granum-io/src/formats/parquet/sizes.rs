@@ -19,7 +19,7 @@ const LONGEST_HEADER: u64 = 1 << 16;
 /// A length that is sufficient for most headers.
 const SHORT_HEADER: u64 = 256;
 
-const DAMAGED: &str = "is no Parquet file or is damaged";
+const DAMAGED: &str = "is not a Parquet file or is damaged";
 
 /// Checks the metadata at the end of a file byte by byte.
 pub(super) fn check_footer(reader: &impl ChunkReader) -> Result<(), String> {
@@ -35,12 +35,12 @@ pub(super) fn check_footer(reader: &impl ChunkReader) -> Result<(), String> {
     let &[a, b, c, d, ref mark @ ..] = tail.as_ref() else { return Err(DAMAGED.into()) };
     let length = u64::from(u32::from_le_bytes([a, b, c, d]));
     if mark != b"PAR1" || length > end {
-        return Err(format!("{DAMAGED} (its last bytes are not those of one)"));
+        return Err(format!("{DAMAGED} (its last bytes are not those of a Parquet file)"));
     }
     let footer = read(end - length, length)?;
     match walk(&footer, FILE_METADATA, &mut |_, _| {}) {
         Ok(_) => Ok(()),
-        Err(_) => Err(format!("{DAMAGED} (its metadata are no metadata)")),
+        Err(_) => Err(format!("{DAMAGED} (its metadata cannot be decoded)")),
     }
 }
 
@@ -101,13 +101,13 @@ fn check_pages(
         at += header.length;
         let size = u64::try_from(header.size).ok().filter(|size| *size <= end - at);
         let size =
-            size.ok_or_else(|| format!("a page of {} bytes is longer than its column", header.size))?;
+            size.ok_or_else(|| format!("a page of {} bytes does not fit in its column", header.size))?;
         let most = match compression {
             Compression::UNCOMPRESSED => size,
             _ => size * SNAPPY + FREE_BYTES,
         };
         if !u64::try_from(header.plain_size).is_ok_and(|plain| plain <= most) {
-            return Err(format!("a page of {size} bytes claims to hold {}", header.plain_size));
+            return Err(format!("a page of {size} bytes claims {} bytes uncompressed", header.plain_size));
         }
         // A boolean takes one bit.
         if !u64::try_from(header.dictionary_values).is_ok_and(|values| values <= 8 * most) {
@@ -137,5 +137,5 @@ fn read_header(reader: &impl ChunkReader, at: u64, left: u64) -> Result<Header, 
             Err(_) => break,
         }
     }
-    Err("the header of a page is none".into())
+    Err("the header of a page cannot be decoded".into())
 }

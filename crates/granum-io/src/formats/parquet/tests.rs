@@ -74,7 +74,7 @@ fn files_that_are_none_are_refused() {
     for content in [&b""[..], b"PAR1", b"not parquet at all, but long enough to hold a footer"] {
         fs::write(&path, content).unwrap();
         let error = read(&path, None).unwrap_err().to_string();
-        assert!(error.contains("x.parquet: is no Parquet file or is damaged"), "{error}");
+        assert!(error.contains("x.parquet: is not a Parquet file or is damaged"), "{error}");
     }
     write(&path, &table(100)).unwrap();
     let whole = fs::read(&path).unwrap();

@@ -45,6 +45,6 @@ impl Method {
         if method.damping > 0.0 && alpha >= 0.0 && beta > 0.0 && method.ceiling > 0.0 && method.quiet < MOST {
             return Ok(method);
         }
-        Err(TrainingError::State("its damping or evidence is no such number".into()))
+        Err(TrainingError::State("its damping or evidence is not a valid number".into()))
     }
 }

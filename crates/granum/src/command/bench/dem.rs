@@ -202,8 +202,8 @@ fn check_size(grains: usize, base: usize) -> Result<(), Failure> {
     let below = grains / base * base;
     let near = if below == 0 { base.to_string() } else { format!("{below} or {}", below + base) };
     Err(Failure::new(format!(
-        "--grains {grains}: the packing has {base} grains and is measured in whole copies side by side, so a multiple of {base} is \
-         possible (here {near}); for another size give a packing that has it, --packing FILE"
+        "--grains {grains}: the packing has {base} grains and only whole copies of it are measured, so that a multiple \
+         of {base} is needed (here {near}); for another size give a packing of that size, --packing FILE"
     )))
 }
 

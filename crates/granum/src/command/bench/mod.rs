@@ -70,7 +70,11 @@ pub struct Bench {
 impl Bench {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         if !(self.seconds > 0.0 && self.seconds <= 3600.0) {
-            return Err(Failure::new(format!("--seconds {}: between 0 and 3600, e.g. 1", self.seconds)));
+            return Err(Failure::new(format!(
+                "--seconds {}: it must be above 0 and at most 3600, e.g. \
+                1",
+                self.seconds
+            )));
         }
         let wanted = |part: &str| self.only.as_deref().is_none_or(|only| only == part);
         let isa = self.isa.as_deref().map(instruction_set).transpose()?;
@@ -102,7 +106,7 @@ impl Bench {
     fn measurement(&self, isa: Option<Isa>, base: usize) -> Result<dem::Measurement, Failure> {
         for threads in &self.threads {
             if !(1..=1024).contains(threads) {
-                return Err(Failure::new(format!("--threads {threads}: from 1 to 1024")));
+                return Err(Failure::new(format!("--threads {threads}: it must be from 1 to 1024")));
             }
         }
         for (flag, value) in [("--time-step", self.time_step), ("--strain-rate", self.strain_rate)] {

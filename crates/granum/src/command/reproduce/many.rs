@@ -65,12 +65,12 @@ pub fn curve(
     let curve = curve.map_err(|error| match error {
         LearnError::Stopped { .. } => {
             let quoted = quoted_path(folder.path());
-            let left = format!("all runs are there; continue with `granum resume {quoted}`");
+            let left = format!("all runs are finished; continue with `granum resume {quoted}`");
             Failure::from(Interrupted { left })
         }
         other => other.into(),
     })?;
     let mut progress = show.progress.into_inner().unwrap_or_else(PoisonError::into_inner);
-    progress.end(|| format!("networks of up to {} runs, judged on {}", training.len(), unseen.len()));
+    progress.end(|| format!("networks from up to {} runs, scored on {}", training.len(), unseen.len()));
     Ok(Some(curve))
 }

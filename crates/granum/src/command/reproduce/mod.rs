@@ -104,7 +104,7 @@ impl Reproduce {
         let difference = match Reproduction::read(&self.out)? {
             Some(of) if of.differences(&wanted).is_empty() => return Ok(folder),
             Some(of) => format!(" that differs in {}", of.differences(&wanted).join(", ")),
-            None => " that does not say with which options it was made".to_string(),
+            None => " whose options are not recorded".to_string(),
         };
         if !context.force {
             // The lock must be released first, since otherwise the folder would appear to be in use.
@@ -146,7 +146,7 @@ impl Reproduce {
         output::say(context, &result, || {
             let end = match seconds {
                 Some(seconds) => format!("done in {}", readable(seconds)),
-                None => "it was finished before; nothing was left to do".to_string(),
+                None => "it was already finished; nothing was left to do".to_string(),
             };
             format!("{}\nreport: {}\nnumbers: {}\n{end}", table(summary), report.display(), numbers.display())
         })
@@ -157,15 +157,16 @@ impl Reproduce {
 pub(super) fn read_summary(folder: &Path) -> Result<Summary, Failure> {
     let path = folder.join(SUMMARY_FILE);
     let text = std::fs::read_to_string(&path).map_err(granum_io::Error::file("read", &path))?;
-    serde_json::from_str(&text)
-        .map_err(|error| Failure::new(format!("{}: is no summary of a study ({error})", path.display())))
+    serde_json::from_str(&text).map_err(|error| {
+        Failure::new(format!("{}: this is not a summary of a study ({error})", path.display()))
+    })
 }
 
 /// A table of the mappings with their errors, for the terminal.
 fn table(summary: &Summary) -> String {
     let mut lines = scores::lines(&summary.mappings, "seed scatter");
     lines.push(format!(
-        "networks answer {:.0} times faster than DEM ({:.0} s against {:.2e} s)",
+        "the networks are {:.0} times faster than DEM ({:.0} s against {:.2e} s)",
         summary.speed.factor, summary.speed.dem_seconds, summary.speed.network_seconds
     ));
     lines.join("\n")

@@ -124,7 +124,7 @@ pub fn all(
     for record in records {
         if record?.status == RunStatus::Interrupted {
             let (name, quoted) = (folder.display(), quoted_path(folder));
-            let left = format!("{name} holds what was done; continue with `granum resume {quoted}`");
+            let left = format!("{name} contains the results so far; continue with `granum resume {quoted}`");
             return Err(Interrupted { left }.into());
         }
     }
@@ -144,7 +144,7 @@ fn check_own(laboratory: &Laboratory, case: &Case, path: &Path) -> Result<(), Fa
     match Run::at(path)?.record() {
         Ok(record) if is_of(&record, laboratory, case) => Ok(()),
         Ok(record) => Err(Failure::new(format!(
-            "{}: holds a run of another case or version (granum {}) than this reproduction; {otherwise}",
+            "{}: its run has another case or version (granum {}) than this reproduction; {otherwise}",
             path.display(),
             record.granum_version
         ))),

@@ -62,7 +62,7 @@ pub fn all(
         Study::train(&dataset, &options, &show).map_err(|error| show.failure(error, folder.path()))?;
     show.checkpoints.add_seconds(&mut study);
     let networks: usize = study.mappings.iter().map(|m| m.surrogate.networks().len()).sum();
-    show.end(|| format!("{networks} networks and as many that see strain only"));
+    show.end(|| format!("{networks} networks and as many strain-only networks"));
     save_study(&models, &study, &known(runs)?)?;
 
     // The folder is only needed until the summary contains the results.
