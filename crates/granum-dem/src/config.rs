@@ -2,9 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::properties::Properties;
-
-pub use crate::contact::{AdhesionKind, NormalKind, ParameterValues, RollingKind, TangentialKind};
+pub use crate::contact::kind::{AdhesionKind, NormalKind, RollingKind, TangentialKind};
+pub use crate::contact::parameters::ParameterValues;
+pub use crate::contact::selection::Contact;
+pub use crate::material::Material;
 pub use crate::mixture::{Component, Mixture, PairRule};
 pub use crate::sizes::{SizeKind, Sizes};
 
@@ -81,163 +82,8 @@ impl Grains {
     }
 }
 
-/// Properties of the solid and of its surface.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[non_exhaustive]
-pub struct Material {
-    /// Density rho of the solid, kg/m3.
-    pub density: f64,
-    /// Young's modulus E, Pa.
-    pub youngs_modulus: f64,
-    /// Poisson's ratio nu.
-    pub poissons_ratio: f64,
-    /// Coefficient of friction mu between grains (in shear; the preparation may use another).
-    pub friction: f64,
-    /// Interface energy Gamma: work of adhesion per area, J/m2. Zero means no adhesion.
-    pub interface_energy: f64,
-}
-
-impl Material {
-    /// Refuses values that cannot be.
-    ///
-    /// # Errors
-    /// Property, its value in SI units, and what would be right.
-    pub(crate) fn check(&self) -> Result<(), (&'static str, f64, &'static str)> {
-        let Material { density, youngs_modulus, poissons_ratio, friction, interface_energy } = *self;
-        let positive = |x: f64| x > 0.0 && x.is_finite();
-        let not_negative = |x: f64| x >= 0.0 && x.is_finite();
-        let possible = poissons_ratio > -1.0 && poissons_ratio <= 0.5;
-        let table = [
-            ("density", density, positive(density), "positive"),
-            ("youngs_modulus", youngs_modulus, positive(youngs_modulus), "positive"),
-            ("poissons_ratio", poissons_ratio, possible, "above -1 and at most 0.5"),
-            ("friction", friction, not_negative(friction), "zero or positive"),
-            ("interface_energy", interface_energy, not_negative(interface_energy), "zero or positive"),
-        ];
-        let wrong = table.into_iter().find(|row| !row.2);
-        wrong.map_or(Ok(()), |(name, value, _, right)| Err((name, value, right)))
-    }
-}
-
-impl Default for Material {
-    fn default() -> Self {
-        Material {
-            density: 2650.0,
-            youngs_modulus: 70e9,
-            poissons_ratio: 0.3,
-            friction: 0.3,
-            interface_energy: 0.6,
-        }
-    }
-}
-
-/// The contact laws: normal, tangential and moment law, with the parameters of these laws, and the damping.
-///
-/// ```
-/// use granum_dem::config::{Contact, NormalKind, RollingKind, TangentialKind};
-///
-/// let mut contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
-/// contact.rolling = RollingKind::ELASTIC_PLASTIC;
-/// contact.parameters.set("rolling_friction", 0.2)?;
-/// assert_eq!(contact.rolling.name(), "elastic-plastic");
-/// # Ok::<(), granum_dem::contact::parameters::TooManyParameters>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Contact {
-    /// Normal law.
-    pub normal: NormalKind,
-    /// Tangential law.
-    pub tangential: TangentialKind,
-    /// Law of the moments of a contact: resistance to rolling and twisting.
-    pub rolling: RollingKind,
-    /// Law of adhesion on top of the contact, which may act beyond touch.
-    pub adhesion: AdhesionKind,
-    /// Fraction zeta of critical damping in the contact dashpots.
-    pub damping: f64,
-    /// Values given to the parameters of the laws; the others have their defaults.
-    pub parameters: ParameterValues,
-}
-
-/// The form in files: in formats with named fields, what is not in use is omitted.
-#[derive(Serialize, Deserialize)]
-struct ContactForm {
-    normal: NormalKind,
-    tangential: TangentialKind,
-    damping: f64,
-    #[serde(default = "no_moments", skip_serializing_if = "is_none")]
-    rolling: RollingKind,
-    #[serde(default = "no_adhesion", skip_serializing_if = "is_no_adhesion")]
-    adhesion: AdhesionKind,
-    #[serde(default, skip_serializing_if = "ParameterValues::is_empty")]
-    parameters: ParameterValues,
-}
-
-fn no_moments() -> RollingKind {
-    RollingKind::NONE
-}
-
-fn is_none(rolling: &RollingKind) -> bool {
-    *rolling == RollingKind::NONE
-}
-
-fn no_adhesion() -> AdhesionKind {
-    AdhesionKind::NONE
-}
-
-fn is_no_adhesion(adhesion: &AdhesionKind) -> bool {
-    *adhesion == AdhesionKind::NONE
-}
-
-impl Serialize for Contact {
-    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let Contact { normal, tangential, rolling, adhesion, damping, parameters } = *self;
-        if to.is_human_readable() {
-            return ContactForm { normal, tangential, damping, rolling, adhesion, parameters }.serialize(to);
-        }
-        (normal, tangential, rolling, adhesion, damping, parameters).serialize(to)
-    }
-}
-
-impl<'d> Deserialize<'d> for Contact {
-    fn deserialize<D: serde::Deserializer<'d>>(from: D) -> Result<Contact, D::Error> {
-        if from.is_human_readable() {
-            let ContactForm { normal, tangential, damping, rolling, adhesion, parameters } =
-                ContactForm::deserialize(from)?;
-            return Ok(Contact { normal, tangential, rolling, adhesion, damping, parameters });
-        }
-        let (normal, tangential, rolling, adhesion, damping, parameters) = Deserialize::deserialize(from)?;
-        Ok(Contact { normal, tangential, rolling, adhesion, damping, parameters })
-    }
-}
-
 /// Number of stiff contacts of a grain up to which the time step is stable.
 pub const MOST_CONTACTS: f64 = 12.0;
-
-impl Contact {
-    /// A normal and a tangential law with a fraction of critical damping; grains roll freely, nothing acts beyond touch, and
-    /// parameters have their defaults.
-    pub const fn new(normal: NormalKind, tangential: TangentialKind, damping: f64) -> Contact {
-        let (rolling, adhesion) = (RollingKind::NONE, AdhesionKind::NONE);
-        Contact { normal, tangential, rolling, adhesion, damping, parameters: ParameterValues::NONE }
-    }
-
-    /// Largest stable `dt sqrt(k_t / m)` of a grain that spins in phase with its neighbours, at Z contacts of the tangential
-    /// stiffness k_t: `sqrt(6/5Z) (sqrt(1 + x^2) - x)`, `x = zeta sqrt(5Z/3)`.
-    ///
-    /// This mode has `w^2 = 10/3 Z k_t / m` and the damping ratio x; dashpots that use velocities half a step old are stable
-    /// up to `w dt = 2 (sqrt(1 + x^2) - x)`.
-    pub fn stable_fraction(&self, contacts: f64) -> f64 {
-        let x = self.damping * (5.0 * contacts / 3.0).sqrt();
-        (1.2 / contacts).sqrt() * (x.hypot(1.0) - x)
-    }
-}
-
-impl Default for Contact {
-    fn default() -> Self {
-        Contact::new(NormalKind::JKR, TangentialKind::MINDLIN_DERESIEWICZ, 0.1)
-    }
-}
 
 /// How a sample is prepared: random insertion from a seed, isotropic compression, then relaxation with the final properties.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -323,33 +169,7 @@ impl Preparation {
         let void_ratio = self.void_ratio.or_else(by_density);
         void_ratio.map(|e| 1.0 / (1.0 + e)).or(self.solid_fraction)
     }
-
-    /// The properties during compaction with a coefficient of friction: with the interface energy of the preparation, for which
-    /// contacts that have none by their law (`hertz`) follow JKR, and with its rolling friction.
-    pub fn while_compacting(&self, properties: &Properties, friction: f64) -> Properties {
-        let mut properties = properties.with_surface(friction, self.interface_energy);
-        let contact = &mut properties.contact;
-        if self.interface_energy > 0.0 && contact.normal == NormalKind::HERTZ {
-            contact.normal = NormalKind::JKR;
-        }
-        let Some(rolling_friction) = self.rolling_friction else { return properties };
-        if contact.rolling == RollingKind::NONE {
-            contact.rolling = RollingKind::ELASTIC_PLASTIC;
-        }
-        // A key of a law of granum; there is room for the parameters of all laws.
-        let _ = contact.parameters.set(ROLLING_FRICTION, rolling_friction);
-        for component in &mut properties.mixture.components {
-            component.parameters.unset(ROLLING_FRICTION);
-        }
-        for rule in &mut properties.mixture.pairs {
-            rule.parameters.unset(ROLLING_FRICTION);
-        }
-        properties
-    }
 }
-
-/// Key of the coefficient of rolling friction.
-const ROLLING_FRICTION: &str = "rolling_friction";
 
 impl Default for Preparation {
     fn default() -> Self {

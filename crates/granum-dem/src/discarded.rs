@@ -6,7 +6,7 @@
 
 use granum_simd::{LANES, Lanes, Row8};
 
-use crate::contact::{LAW_CONSTANTS, MAX_HISTORY};
+use crate::contact::limits::{LAW_CONSTANTS, MAX_HISTORY};
 use crate::kernel::laws::StageLaws;
 
 /// Numbers that are collected for a contact: the constants of the law, the stiffness and the history.

@@ -9,6 +9,7 @@ pub mod config;
 pub mod contact;
 pub mod invariants;
 pub mod loading;
+pub mod material;
 pub mod mixture;
 pub mod observer;
 pub mod preparation;

@@ -9,9 +9,12 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde::{Deserialize, Serialize};
 
-use crate::config::{Contact, Material, ParameterValues};
-use crate::contact::registry::{LawError, check, parameters_of};
-use crate::contact::{Mixing, PairProperties};
+use crate::contact::check::{LawError, check, parameters_of};
+use crate::contact::law::Mixing;
+use crate::contact::pair_properties::PairProperties;
+use crate::contact::parameters::ParameterValues;
+use crate::contact::selection::Contact;
+use crate::material::Material;
 
 /// Most materials of a sample.
 pub const MOST_MATERIALS: usize = 32;

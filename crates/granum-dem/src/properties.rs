@@ -2,11 +2,17 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::config::{Contact, Grains, Material, Mixture};
-use crate::contact::PairProperties;
-use crate::contact::registry::check;
+use crate::config::{Grains, Mixture, Preparation};
+use crate::contact::check::check;
+use crate::contact::kind::{NormalKind, RollingKind};
+use crate::contact::pair_properties::PairProperties;
+use crate::contact::selection::Contact;
+use crate::material::Material;
 use crate::mixture::{MixtureError, PairTable};
 use crate::simulation_error::SimulationError;
+
+/// Key of the coefficient of rolling friction.
+const ROLLING_FRICTION: &str = "rolling_friction";
 
 /// Material of the grains and their contact laws.
 ///
@@ -62,6 +68,29 @@ impl Properties {
             contact: self.contact,
             mixture: self.mixture.with_surface(friction, interface_energy),
         }
+    }
+
+    /// The properties during compaction with a coefficient of friction: with the interface energy of a preparation, for which
+    /// contacts that have none by their law (`hertz`) follow JKR, and with its rolling friction.
+    pub fn while_compacting(&self, preparation: &Preparation, friction: f64) -> Properties {
+        let mut properties = self.with_surface(friction, preparation.interface_energy);
+        let contact = &mut properties.contact;
+        if preparation.interface_energy > 0.0 && contact.normal == NormalKind::HERTZ {
+            contact.normal = NormalKind::JKR;
+        }
+        let Some(rolling_friction) = preparation.rolling_friction else { return properties };
+        if contact.rolling == RollingKind::NONE {
+            contact.rolling = RollingKind::ELASTIC_PLASTIC;
+        }
+        // A key of a law of granum; there is room for the parameters of all laws.
+        let _ = contact.parameters.set(ROLLING_FRICTION, rolling_friction);
+        for component in &mut properties.mixture.components {
+            component.parameters.unset(ROLLING_FRICTION);
+        }
+        for rule in &mut properties.mixture.pairs {
+            rule.parameters.unset(ROLLING_FRICTION);
+        }
+        properties
     }
 
     /// The same with the densities of all grains multiplied by a factor.

@@ -6,10 +6,9 @@ use granum_simd::{LANES, Row4, Row8};
 
 use crate::assembly::{Assembly, EnergyBalance, Vector};
 use crate::cell::Cell;
-use crate::config::Contact;
-use crate::contact::PairConstants;
+use crate::contact::constants::PairConstants;
+use crate::contact::selection::Contact;
 use crate::contact_sums::ContactSums;
-use crate::images;
 use crate::inner_list::InnerList;
 use crate::integrator::Integrator;
 use crate::kernel::Stages;
@@ -18,7 +17,7 @@ use crate::pairs::{NORMAL_COLUMNS, Pairs};
 use crate::properties::{check_assignment, check_properties};
 use crate::servo::{Control, Servo};
 use crate::state::{ServoError, State};
-use crate::stepping;
+use crate::{images, stepping};
 
 pub use crate::hardware::Hardware;
 pub use crate::initial_sphere::InitialSphere;

@@ -6,15 +6,15 @@ use serde::{Deserialize, Serialize};
 use crate::assembly::{Assembly, Contact, EnergyBalance, Grain, Matrix};
 use crate::cell::Cell;
 use crate::config::Contact as Laws;
-use crate::contact::{PairConstants, law};
+use crate::contact::constants::PairConstants;
+use crate::contact::law;
 use crate::contact_sums::ContactSums;
 use crate::images::{self, image_vector};
 use crate::inner_list::InnerList;
-use crate::invariants;
 use crate::loading::measure::MacroState;
 use crate::pairs::{Pairs, resultant};
-use crate::rows;
 use crate::servo::{Control, Servo};
+use crate::{invariants, rows};
 
 /// The state of a simulation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

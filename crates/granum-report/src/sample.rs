@@ -4,7 +4,7 @@ use super::data::RunReport;
 use super::numbers::{quantity, significant, whole};
 use super::page::Table;
 use granum_dem::config::{Component, Contact, Material, Rate};
-use granum_dem::contact::registry::parameters_of;
+use granum_dem::contact::check::parameters_of;
 
 /// Solid fraction of the sample of the paper.
 pub const SOLID_FRACTION: f64 = 0.61;

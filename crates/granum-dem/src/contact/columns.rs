@@ -5,8 +5,8 @@
 
 use granum_simd::{Lanes, Real, Row8, Twice};
 
-use super::LAW_CONSTANTS;
 use super::law::Normal;
+use crate::contact::limits::LAW_CONSTANTS;
 
 /// One number of a contact, for up to two batches of eight contacts.
 pub type Column = [Row8; 2];

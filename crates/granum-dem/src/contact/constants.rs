@@ -2,7 +2,7 @@
 
 use granum_simd::{Real, Twice};
 
-use super::LAW_CONSTANTS;
+use crate::contact::limits::LAW_CONSTANTS;
 
 /// The constants of a pair, or of eight.
 #[derive(Clone, Copy)]

@@ -13,7 +13,7 @@
 
 use granum_simd::{Mask, Real};
 
-use super::interaction::dot;
+use super::vectors::dot;
 
 /// Two unit vectors that complete the normal to a right-handed frame.
 #[derive(Clone, Copy)]

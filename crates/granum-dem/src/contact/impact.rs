@@ -10,10 +10,12 @@ use serde::{Deserialize, Serialize};
 
 use super::columns::One;
 use super::interaction::{Kinematics, Memory, add_scaled, cross, dot, interact, scale};
-use super::registry::{LawError, check};
 use super::slots::{Open, Slots};
-use super::{PairConstants, PairProperties};
-use crate::config::{Contact, Material};
+use crate::contact::check::{LawError, check};
+use crate::contact::constants::PairConstants;
+use crate::contact::pair_properties::PairProperties;
+use crate::contact::selection::Contact;
+use crate::material::Material;
 
 /// Outcome of a collision. Tangential velocities are those of the contact point of j relative to that of i, spin included.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

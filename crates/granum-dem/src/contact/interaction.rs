@@ -4,10 +4,13 @@
 
 use granum_simd::{Mask, Real};
 
+use super::constants::PairConstants;
 use super::frame::{Frame, Turn};
 use super::law::RelativeSpin;
 use super::set::Laws;
-use super::{MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY, PairConstants};
+
+pub use super::memory::Memory;
+pub use super::vectors::{add_scaled, cross, dot, scale};
 
 /// Relative position and motion of the grains of a pair.
 #[derive(Clone, Copy)]
@@ -22,41 +25,6 @@ pub struct Kinematics<R> {
     pub mean_spin: [R; 3],
     /// w_i - w_j, rad/s; not used without a moment law.
     pub relative_spin: [R; 3],
-}
-
-/// The history that a contact keeps between steps.
-#[derive(Clone, Copy)]
-pub struct Memory<R> {
-    /// Unit normal at the last step; zero where the pair did not touch.
-    pub normal: [R; 3],
-    /// The columns of the tangential law; vectors by their components in the [`Frame`] of the normal.
-    pub history: [R; MAX_HISTORY],
-    /// The columns of the moment law.
-    pub moments: [R; MAX_MOMENT_HISTORY],
-    /// The columns of the law of adhesion, which may last beyond touch.
-    pub adhesion: [R; MAX_ADHESION_HISTORY],
-    /// The columns of the normal law.
-    pub loading: [R; MAX_NORMAL_HISTORY],
-}
-
-impl<R: Real> Memory<R> {
-    /// The history of a pair that has not touched.
-    #[inline(always)]
-    pub fn new() -> Self {
-        Memory {
-            normal: [R::zero(); 3],
-            history: [R::zero(); MAX_HISTORY],
-            moments: [R::zero(); MAX_MOMENT_HISTORY],
-            adhesion: [R::zero(); MAX_ADHESION_HISTORY],
-            loading: [R::zero(); MAX_NORMAL_HISTORY],
-        }
-    }
-}
-
-impl<R: Real> Default for Memory<R> {
-    fn default() -> Self {
-        Memory::new()
-    }
 }
 
 /// What a contact does to its grains in a step. Everything is zero where the pair does not touch, but for
@@ -110,34 +78,6 @@ pub struct Interaction<R: Real> {
     pub moment_loss: R,
     /// Energy lost by plastic deformation in this step, J.
     pub plastic_loss: R,
-}
-
-/// Dot product, in a fixed order of fused operations.
-#[inline(always)]
-pub fn dot<R: Real>(a: [R; 3], b: [R; 3]) -> R {
-    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
-}
-
-/// Cross product.
-#[inline(always)]
-pub fn cross<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
-    [
-        a[1].mul_add(b[2], -(a[2] * b[1])),
-        a[2].mul_add(b[0], -(a[0] * b[2])),
-        a[0].mul_add(b[1], -(a[1] * b[0])),
-    ]
-}
-
-/// `a + s b`.
-#[inline(always)]
-pub fn add_scaled<R: Real>(a: [R; 3], s: R, b: [R; 3]) -> [R; 3] {
-    [s.mul_add(b[0], a[0]), s.mul_add(b[1], a[1]), s.mul_add(b[2], a[2])]
-}
-
-/// `s a`.
-#[inline(always)]
-pub fn scale<R: Real>(s: R, a: [R; 3]) -> [R; 3] {
-    [s * a[0], s * a[1], s * a[2]]
 }
 
 /// One vector where the mask is true, else the other.

@@ -6,11 +6,12 @@
 use granum_simd::Real;
 
 use super::elementary::{arc_cosine, cosine};
-use super::interaction::Memory;
-use super::{
-    LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY, PairProperties,
-    frame,
+use super::frame;
+use super::memory::Memory;
+use crate::contact::limits::{
+    LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY,
 };
+use crate::contact::pair_properties::PairProperties;
 
 /// SI unit of a parameter, with its powers of kilogram, metre and second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

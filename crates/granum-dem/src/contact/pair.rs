@@ -10,10 +10,11 @@ use serde::{Deserialize, Serialize};
 
 use super::columns::One;
 use super::interaction::{Kinematics, Memory, dot, interact};
-use super::registry::{LawError, check};
 use super::slots::{Open, Slots};
-use super::{PairConstants, PairProperties};
-use crate::config::Contact;
+use crate::contact::check::{LawError, check};
+use crate::contact::constants::PairConstants;
+use crate::contact::pair_properties::PairProperties;
+use crate::contact::selection::Contact;
 
 /// One row of a path: the relative position of the pair at the end of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

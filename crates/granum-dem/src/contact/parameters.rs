@@ -6,10 +6,8 @@ use serde::de::{Deserialize, Deserializer, Error};
 use serde::ser::{Serialize, Serializer};
 
 use super::law::Parameter;
+use super::limits::MOST_PARAMETERS;
 use super::registry;
-
-/// Largest number of parameters of a set of laws that may have given values; more are an error.
-pub const MOST_PARAMETERS: usize = 32;
 
 /// Values given to parameters of contact laws, in SI units, by key; the others have their defaults.
 ///

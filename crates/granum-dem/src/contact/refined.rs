@@ -4,9 +4,9 @@
 //! slip zone, and so gives too large a force and too little hysteresis. The straight line between two rows is therefore
 //! divided into equal steps, doubled in number each time, until the forces at the rows no longer change.
 
-use super::PairProperties;
 use super::pair::{PairError, PairRow, PathRow, drive_pair_in_steps};
-use crate::config::Contact;
+use crate::contact::pair_properties::PairProperties;
+use crate::contact::selection::Contact;
 
 /// Largest number of steps between two rows.
 const MOST_STEPS: usize = 1 << 20;

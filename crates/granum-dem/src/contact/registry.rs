@@ -7,11 +7,10 @@ use serde::de::{Deserialize, Deserializer, Error};
 
 use super::kind::{AdhesionKind, NormalKind, RollingKind, TangentialKind};
 use super::law::{Description, Parameter};
-use super::parameters::MOST_PARAMETERS;
-use crate::config::Contact;
+use super::limits::MOST_PARAMETERS;
 
 /// granum's normal laws.
-const NORMAL: &[NormalKind] = &[
+pub(super) const NORMAL: &[NormalKind] = &[
     NormalKind::HERTZ,
     NormalKind::JKR,
     NormalKind::HOOKE,
@@ -21,13 +20,13 @@ const NORMAL: &[NormalKind] = &[
     NormalKind::LUDING,
 ];
 /// granum's tangential laws.
-const TANGENTIAL: &[TangentialKind] =
+pub(super) const TANGENTIAL: &[TangentialKind] =
     &[TangentialKind::MINDLIN_DERESIEWICZ, TangentialKind::NO_SLIP, TangentialKind::PEELING];
 /// granum's moment laws.
-const ROLLING: &[RollingKind] =
+pub(super) const ROLLING: &[RollingKind] =
     &[RollingKind::NONE, RollingKind::ELASTIC_PLASTIC, RollingKind::ELASTIC_PLASTIC_TWISTING];
 /// granum's laws of adhesion on top of the contact.
-const ADHESION: &[AdhesionKind] =
+pub(super) const ADHESION: &[AdhesionKind] =
     &[AdhesionKind::NONE, AdhesionKind::CAPILLARY_BRIDGE, AdhesionKind::VAN_DER_WAALS];
 
 /// A law that cannot be registered.
@@ -61,43 +60,6 @@ fn check_parameters(new: &Description) -> Result<(), RegisterError> {
     }
     let fresh = new.parameters.iter().filter(|p| known.iter().all(|k| k.key != p.key)).count();
     if known.len() + fresh > MOST_PARAMETERS { Err(RegisterError::TooMany) } else { Ok(()) }
-}
-
-/// Laws that cannot be combined, or parameters that they do not have.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum LawError {
-    /// A law does not go with the normal law.
-    #[error("contact.{slot} = {law:?} {reason}")]
-    Apart {
-        /// Its slot: `tangential` or `adhesion`.
-        slot: &'static str,
-        /// Its name.
-        law: &'static str,
-        /// What is wrong and what would be right.
-        reason: &'static str,
-    },
-    /// A parameter that none of the chosen laws has.
-    #[error("contact.{key} has no effect with {laws}: leave it out, or choose a law that has it")]
-    Unused {
-        /// The key of the parameter.
-        key: &'static str,
-        /// The chosen laws.
-        laws: String,
-    },
-    /// A parameter out of bounds.
-    #[error("contact.{key} is {value}; it must be from {low} to {high}{}{unit}", if unit.is_empty() { "" } else { " " })]
-    OutOfBounds {
-        /// The key of the parameter.
-        key: &'static str,
-        /// The given value, in SI units.
-        value: f64,
-        /// Smallest value.
-        low: f64,
-        /// Largest value.
-        high: f64,
-        /// SI unit.
-        unit: &'static str,
-    },
 }
 
 /// How many laws were registered.
@@ -176,25 +138,6 @@ list!(
     adhesion_named
 );
 
-/// Every set of granum's own laws that can be used together.
-pub fn sets() -> Vec<Contact> {
-    let mut sets = Vec::new();
-    for normal in NORMAL {
-        for tangential in TANGENTIAL {
-            for rolling in ROLLING {
-                for adhesion in ADHESION {
-                    let plain = Contact::new(*normal, *tangential, 0.1);
-                    let set = Contact { rolling: *rolling, adhesion: *adhesion, ..plain };
-                    if check(&set).is_ok() {
-                        sets.push(set);
-                    }
-                }
-            }
-        }
-    }
-    sets
-}
-
 /// The descriptions of all laws that a name can refer to.
 fn descriptions() -> Vec<&'static Description> {
     let normal = normal_laws().into_iter().map(|law| law.law().description());
@@ -229,56 +172,4 @@ pub fn laws_with(parameter: &Parameter) -> String {
     rolling_laws().iter().for_each(|law| list("rolling", law.law().description()));
     adhesion_laws().iter().for_each(|law| list("adhesion", law.law().description()));
     format!("with {}", names.join(" or "))
-}
-
-/// The parameters that the laws of a set use.
-pub fn parameters_of(contact: &Contact) -> Vec<&'static Parameter> {
-    let area = contact.normal.law().traits().contact_area;
-    let laws = [
-        contact.normal.law().description(),
-        contact.tangential.law().description(),
-        contact.rolling.law().description(),
-        contact.adhesion.law().description(),
-    ];
-    let used = laws.into_iter().flat_map(|law| law.parameters).filter(|p| !(p.without_area && area));
-    used.collect()
-}
-
-/// Rejects laws that cannot be combined, and parameters that they do not have or that are out of bounds.
-///
-/// # Errors
-/// The first violation that is found.
-pub fn check(contact: &Contact) -> Result<(), LawError> {
-    let traits = contact.normal.law().traits();
-    contact.tangential.law().goes_with(&traits).map_err(|reason| LawError::Apart {
-        slot: "tangential",
-        law: contact.tangential.name(),
-        reason,
-    })?;
-    contact.adhesion.law().goes_with(&traits).map_err(|reason| LawError::Apart {
-        slot: "adhesion",
-        law: contact.adhesion.name(),
-        reason,
-    })?;
-    let used = parameters_of(contact);
-    for (key, value) in contact.parameters.iter() {
-        let Some(parameter) = used.iter().find(|p| p.key == key) else {
-            let mut laws = format!(
-                "contact.normal = {:?}, contact.tangential = {:?} and contact.rolling = {:?}",
-                contact.normal.name(),
-                contact.tangential.name(),
-                contact.rolling.name()
-            );
-            if contact.adhesion.law().acts() {
-                let others = laws.replace(" and ", ", ");
-                laws = format!("{others} and contact.adhesion = {:?}", contact.adhesion.name());
-            }
-            return Err(LawError::Unused { key, laws });
-        };
-        let [low, high] = parameter.bounds;
-        if !(value >= low && value <= high) {
-            return Err(LawError::OutOfBounds { key, value, low, high, unit: parameter.unit.symbol });
-        }
-    }
-    Ok(())
 }

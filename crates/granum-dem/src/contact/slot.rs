@@ -17,10 +17,11 @@ use super::law::{
     AdhesionLaw, AdhesionLosses, Description, MomentLaw, Normal, NormalLaw, NormalTraits, RelativeSpin,
     TangentialLaw,
 };
-use super::set::{adhesion_step, moment_step, normal_step, tangential_step};
-use super::{
-    LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY, PairProperties,
+use super::steps::{adhesion_step, moment_step, normal_step, tangential_step};
+use crate::contact::limits::{
+    LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY,
 };
+use crate::contact::pair_properties::PairProperties;
 
 /// A computation over columns, compiled for every width and instruction set.
 trait Call {

@@ -9,10 +9,11 @@ use super::columns::{ProgressOfRuns, Sheet, Width, at, read, read_normal, write,
 use super::frame::Turn;
 use super::law::{AdhesionLosses, Attraction, Moment, Normal, RelativeSpin, Tangential};
 use super::set::Laws;
-use super::{
-    LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY, PairConstants,
+use crate::contact::constants::PairConstants;
+use crate::contact::limits::{
+    LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY,
 };
-use crate::config::Contact;
+use crate::contact::selection::Contact;
 
 /// Columns of the history of a contact before those of the laws: the old normal.
 pub(crate) const DIRECTION: usize = 3;

@@ -12,12 +12,12 @@ use super::contacts::ContactStage;
 use super::laws::{AnyLaws, StageLaws, WithMoments};
 use super::source::{Alike, AlikeOrByBatch, ByBatch, ConstantSource};
 use super::views::Views;
-use crate::config::Contact;
+use crate::contact::kind::{NormalKind, RollingKind, TangentialKind};
 use crate::contact::normal::{Hertz, Jkr};
 use crate::contact::rolling::ElasticPlasticRolling;
+use crate::contact::selection::Contact;
 use crate::contact::set::Compiled;
 use crate::contact::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
-use crate::contact::{NormalKind, RollingKind, TangentialKind};
 
 /// The contact stage over a range of blocks.
 pub(crate) type Stage = fn(&Views, Range<usize>);
@@ -88,7 +88,7 @@ fn rolls(laws: &Contact) -> bool {
 mod tests {
     use super::*;
     use crate::config::{Grains, Material};
-    use crate::contact::registry::sets;
+    use crate::contact::check::sets;
     use crate::random_insertion::random_insertion;
     use crate::servo::Control;
     use crate::simulation::{Properties, Simulation};

@@ -4,10 +4,12 @@ use granum_simd::{Lanes, Row8, Twice};
 
 use super::views::Views;
 use crate::contact::columns::{Batch, TwoBatches};
+use crate::contact::constants::PairConstants;
 use crate::contact::interaction::{Interaction, Kinematics, Memory, interact};
+use crate::contact::law::{MomentLaw, NormalLaw, TangentialLaw};
+use crate::contact::limits::{LAW_CONSTANTS, MAX_HISTORY};
 use crate::contact::set::Compiled;
 use crate::contact::slots::{InPlace, Slots};
-use crate::contact::{LAW_CONSTANTS, MAX_HISTORY, MomentLaw, NormalLaw, PairConstants, TangentialLaw};
 
 /// Couples on the grains of a batch, or an empty type for sets that never have any, so that nothing needs to be carried
 /// along.

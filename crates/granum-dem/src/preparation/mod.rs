@@ -31,7 +31,8 @@ use serde::{Deserialize, Serialize};
 
 use self::friction_search::{next_friction, repeats};
 pub use self::progress::{Sample, Trial};
-use crate::config::{Contact, Grains, Preparation};
+use crate::config::{Grains, Preparation};
+use crate::contact::selection::Contact;
 pub use crate::observer::{Flow, Observer, Phase, Progress};
 use crate::random_insertion::{InsertionError, random_insertion};
 use crate::servo::Control;
@@ -161,7 +162,7 @@ impl NextTrial {
 
     /// Material and contact laws during the compaction of this trial.
     pub fn properties(&self, recipe: &Recipe) -> Properties {
-        recipe.preparation.while_compacting(&recipe.properties(), self.friction)
+        recipe.properties().while_compacting(&recipe.preparation, self.friction)
     }
 }
 

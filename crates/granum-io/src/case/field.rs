@@ -5,7 +5,7 @@ use std::path::Path;
 use super::definition::Case;
 use super::sieve;
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
-use granum_dem::contact::{Parameter, Unit, registry};
+use granum_dem::contact::{Parameter, Unit, check, registry};
 use granum_dem::sizes;
 
 /// A value of a field in SI units.
@@ -156,7 +156,7 @@ impl Field {
             Kind::List { get, .. } => Some(Value::List(get(case))),
             Kind::Names { get, .. } => Some(Value::Names(get(case))),
             Kind::Law(parameter) => {
-                let used = registry::parameters_of(&case.contact);
+                let used = check::parameters_of(&case.contact);
                 let known = used.into_iter().find(|known| known.key == parameter.key)?;
                 Some(Value::Number(Some(case.contact.parameters.value(known))))
             }

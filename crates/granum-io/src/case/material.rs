@@ -4,7 +4,7 @@
 //! `[grains.material]` or `[contact]`. Its values are read, bounded and written by the fields of those sections.
 
 use granum_dem::config::{Component, Contact, Material, Mixture, PairRule, ParameterValues};
-use granum_dem::contact::registry;
+use granum_dem::contact::{check, registry};
 use granum_dem::simulation::Properties;
 
 use super::definition::Case;
@@ -77,15 +77,14 @@ pub(super) fn put_into_pair(case: &Case, rule: &mut PairRule, field: &Field, val
 
 /// What is wrong where no law of a case has a parameter, if so.
 pub(super) fn means_nothing(contact: &Contact, place: &str, field: &Field) -> Option<String> {
-    let used = registry::parameters_of(contact).iter().any(|parameter| parameter.key == field.key);
+    let used = check::parameters_of(contact).iter().any(|parameter| parameter.key == field.key);
     if used || !field.is_of_law() {
         return None;
     }
     let mut parameters = ParameterValues::NONE;
     let known = registry::parameters().into_iter().find(|parameter| parameter.key == field.key)?;
     parameters.set(known.key, known.default).ok()?;
-    let error =
-        registry::check(&(*contact).with(|contact| contact.parameters = parameters)).err()?.to_string();
+    let error = check::check(&(*contact).with(|contact| contact.parameters = parameters)).err()?.to_string();
     Some(error.replace(&format!("contact.{}", field.key), &format!("{place}.{}", field.key)))
 }
 

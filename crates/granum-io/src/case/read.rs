@@ -5,7 +5,8 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-use granum_dem::contact::registry::{self, LawError};
+use granum_dem::contact::check;
+use granum_dem::contact::check::LawError;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -275,7 +276,7 @@ impl Reader<'_> {
     }
 
     fn check_rules(&mut self, case: &Case) {
-        if let Err(error) = registry::check(&case.contact) {
+        if let Err(error) = check::check(&case.contact) {
             let keys = match &error {
                 LawError::Unused { key, .. } | LawError::OutOfBounds { key, .. } => vec![*key],
                 LawError::Apart { slot, .. } => vec![*slot, "normal"],

@@ -1,7 +1,7 @@
 //! Rules between fields: each field may be valid by itself while the combination is not.
 
 use granum_dem::config::{AdhesionKind, NormalKind, Spacing};
-use granum_dem::contact::registry;
+use granum_dem::contact::check;
 use granum_dem::simulation::{LARGEST_REACH, Properties};
 
 use super::definition::Case;
@@ -147,7 +147,7 @@ fn materials_too_sticky(case: &Case) -> Option<String> {
     }
     let smallest = smallest_radius(case);
     let properties = case.properties();
-    let compacting = case.preparation.while_compacting(&properties, case.grains.mean_friction());
+    let compacting = properties.while_compacting(&case.preparation, case.grains.mean_friction());
     let reach =
         [properties, compacting].iter().filter_map(|p| p.adhesion_reach(smallest).ok()).fold(0.0, f64::max);
     (reach > LARGEST_REACH * smallest).then(|| {
@@ -167,7 +167,7 @@ fn too_sticky(case: &Case, section: &str, interface_energy: f64) -> Option<Strin
     }
     let mut properties = Properties::new(case.grains.material, case.contact);
     if section == "preparation" {
-        properties = case.preparation.while_compacting(&properties, case.grains.material.friction);
+        properties = properties.while_compacting(&case.preparation, case.grains.material.friction);
     }
     properties.material.interface_energy = interface_energy;
     let largest = LARGEST_REACH * smallest;
@@ -197,7 +197,7 @@ impl Case {
                 message,
             })?;
         }
-        registry::check(&self.contact).map_err(|error| Error::Rule(error.to_string()))?;
+        check::check(&self.contact).map_err(|error| Error::Rule(error.to_string()))?;
         self.grains.check_sizes().map_err(|error| Error::Rule(error.to_string()))?;
         self.check_materials()?;
         self.check_stages()?;

@@ -2,9 +2,9 @@
 
 use granum_simd::Real;
 
-use crate::contact::{
-    AdhesionLaw, Attraction, Description, LAW_CONSTANTS, MAX_ADHESION_HISTORY, PairProperties,
-};
+use crate::contact::law::{AdhesionLaw, Attraction, Description};
+use crate::contact::limits::{LAW_CONSTANTS, MAX_ADHESION_HISTORY};
+use crate::contact::pair_properties::PairProperties;
 
 /// No adhesion beside that of the normal law.
 #[derive(Clone, Copy, Debug)]

@@ -14,10 +14,9 @@
 
 use granum_simd::Real;
 
-use crate::contact::{
-    AdhesionLaw, Attraction, Description, LAW_CONSTANTS, MAX_ADHESION_HISTORY, Mixing, NormalTraits,
-    PairProperties, Parameter, Unit,
-};
+use crate::contact::law::{AdhesionLaw, Attraction, Description, Mixing, NormalTraits, Parameter, Unit};
+use crate::contact::limits::{LAW_CONSTANTS, MAX_ADHESION_HISTORY};
+use crate::contact::pair_properties::PairProperties;
 
 /// Hamaker (1937).
 #[derive(Clone, Copy, Debug)]

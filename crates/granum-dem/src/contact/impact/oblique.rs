@@ -6,7 +6,7 @@
 //! limit.
 
 use super::*;
-use crate::config::{NormalKind, TangentialKind};
+use crate::contact::kind::{NormalKind, TangentialKind};
 
 /// psi_1; psi_2 of the exact solution (Maw, Barber and Fawcett 1976), of Mindlin-Deresiewicz, and without micro-slip, the
 /// latter two with 12,000 steps per contact time.

@@ -1,8 +1,7 @@
 //! Collisions compared with analytical solutions.
 
 use super::*;
-use crate::config::AdhesionKind;
-use crate::config::{NormalKind, TangentialKind};
+use crate::contact::kind::{AdhesionKind, NormalKind, TangentialKind};
 
 const DIAMETER: f64 = 1e-4;
 

@@ -14,7 +14,9 @@
 use granum_simd::Real;
 
 use super::hertz::{self, Hertz};
-use crate::contact::{Description, LAW_CONSTANTS, Normal, NormalLaw, PairProperties};
+use crate::contact::law::{Description, Normal, NormalLaw};
+use crate::contact::limits::LAW_CONSTANTS;
+use crate::contact::pair_properties::PairProperties;
 
 /// Derjaguin, Muller and Toporov (1975).
 #[derive(Clone, Copy, Debug)]

@@ -5,7 +5,9 @@
 
 use granum_simd::Real;
 
-use crate::contact::{Description, LAW_CONSTANTS, Normal, NormalLaw, PairProperties};
+use crate::contact::law::{Description, Normal, NormalLaw};
+use crate::contact::limits::LAW_CONSTANTS;
+use crate::contact::pair_properties::PairProperties;
 
 /// Hertz (1882).
 #[derive(Clone, Copy, Debug)]

@@ -12,9 +12,9 @@
 
 use granum_simd::Real;
 
-use crate::contact::{
-    Description, LAW_CONSTANTS, Mixing, Normal, NormalLaw, PairProperties, Parameter, Unit,
-};
+use crate::contact::law::{Description, Mixing, Normal, NormalLaw, Parameter, Unit};
+use crate::contact::limits::LAW_CONSTANTS;
+use crate::contact::pair_properties::PairProperties;
 
 /// A linear spring.
 #[derive(Clone, Copy, Debug)]
@@ -149,7 +149,7 @@ mod tests {
     fn laws_that_need_a_contact_area_are_refused() {
         for tangential in [TangentialKind::MINDLIN_DERESIEWICZ, TangentialKind::PEELING] {
             let contact = Contact { tangential, ..contact(0.1) };
-            let error = crate::contact::registry::check(&contact).unwrap_err().to_string();
+            let error = crate::contact::check::check(&contact).unwrap_err().to_string();
             assert!(
                 error.starts_with(&format!("contact.tangential = {:?} needs", tangential.name())),
                 "{error}"

@@ -14,7 +14,9 @@
 use granum_simd::{Mask, Real};
 
 use super::hertz;
-use crate::contact::{AdhesionLosses, Description, LAW_CONSTANTS, Normal, NormalLaw, PairProperties};
+use crate::contact::law::{AdhesionLosses, Description, Normal, NormalLaw};
+use crate::contact::limits::LAW_CONSTANTS;
+use crate::contact::pair_properties::PairProperties;
 
 /// Johnson, Kendall and Roberts (1971).
 #[derive(Clone, Copy, Debug)]

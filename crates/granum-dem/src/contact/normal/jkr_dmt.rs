@@ -25,9 +25,9 @@ use granum_simd::{Real, power};
 
 use super::hertz;
 use super::jkr::{BREAK, LEAST_LENGTH, LEAST_STIFFNESS, invert};
-use crate::contact::{
-    AdhesionLosses, Description, LAW_CONSTANTS, Mixing, Normal, NormalLaw, PairProperties, Parameter, Unit,
-};
+use crate::contact::law::{AdhesionLosses, Description, Mixing, Normal, NormalLaw, Parameter, Unit};
+use crate::contact::limits::LAW_CONSTANTS;
+use crate::contact::pair_properties::PairProperties;
 
 /// Schwarz (2003).
 #[derive(Clone, Copy, Debug)]

@@ -17,10 +17,9 @@
 use granum_simd::{Mask, Real};
 
 use super::hooke::NORMAL_STIFFNESS;
-use crate::contact::{
-    Description, LAW_CONSTANTS, MAX_NORMAL_HISTORY, Mixing, Normal, NormalLaw, PairProperties, Parameter,
-    Unit,
-};
+use crate::contact::law::{Description, Mixing, Normal, NormalLaw, Parameter, Unit};
+use crate::contact::limits::{LAW_CONSTANTS, MAX_NORMAL_HISTORY};
+use crate::contact::pair_properties::PairProperties;
 
 /// Luding (2008).
 #[derive(Clone, Copy, Debug)]

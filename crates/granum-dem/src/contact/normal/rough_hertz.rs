@@ -17,9 +17,9 @@
 
 use granum_simd::{Mask, Real, power};
 
-use crate::contact::{
-    Description, LAW_CONSTANTS, Mixing, Normal, NormalLaw, PairProperties, Parameter, Unit,
-};
+use crate::contact::law::{Description, Mixing, Normal, NormalLaw, Parameter, Unit};
+use crate::contact::limits::LAW_CONSTANTS;
+use crate::contact::pair_properties::PairProperties;
 
 /// Otsubo et al. (2017).
 #[derive(Clone, Copy, Debug)]

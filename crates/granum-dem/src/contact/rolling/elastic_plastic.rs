@@ -19,10 +19,9 @@
 use granum_simd::Real;
 
 use super::slider::{slide, stored};
-use crate::contact::{
-    Description, LAW_CONSTANTS, MAX_MOMENT_HISTORY, Mixing, Moment, MomentLaw, Normal, PairProperties,
-    Parameter, RelativeSpin, Unit,
-};
+use crate::contact::law::{Description, Mixing, Moment, MomentLaw, Normal, Parameter, RelativeSpin, Unit};
+use crate::contact::limits::{LAW_CONSTANTS, MAX_MOMENT_HISTORY};
+use crate::contact::pair_properties::PairProperties;
 
 /// Model C of Ai et al. (2011).
 #[derive(Clone, Copy, Debug)]

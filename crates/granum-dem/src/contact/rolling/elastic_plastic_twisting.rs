@@ -18,10 +18,9 @@ use granum_simd::Real;
 use super::ElasticPlasticRolling;
 use super::elastic_plastic::{ROLLING_DAMPING, ROLLING_FRICTION};
 use super::slider::{slide, stored};
-use crate::contact::{
-    Description, LAW_CONSTANTS, MAX_MOMENT_HISTORY, Mixing, Moment, MomentLaw, Normal, PairProperties,
-    Parameter, RelativeSpin, Unit,
-};
+use crate::contact::law::{Description, Mixing, Moment, MomentLaw, Normal, Parameter, RelativeSpin, Unit};
+use crate::contact::limits::{LAW_CONSTANTS, MAX_MOMENT_HISTORY};
+use crate::contact::pair_properties::PairProperties;
 
 /// Rolling resistance by model C of Ai et al. (2011), and twisting resistance of the same kind.
 #[derive(Clone, Copy, Debug)]

@@ -2,9 +2,9 @@
 
 use granum_simd::Real;
 
-use crate::contact::{
-    Description, LAW_CONSTANTS, MAX_MOMENT_HISTORY, Moment, MomentLaw, Normal, PairProperties, RelativeSpin,
-};
+use crate::contact::law::{Description, Moment, MomentLaw, Normal, RelativeSpin};
+use crate::contact::limits::{LAW_CONSTANTS, MAX_MOMENT_HISTORY};
+use crate::contact::pair_properties::PairProperties;
 
 /// Free rolling.
 #[derive(Clone, Copy, Debug)]

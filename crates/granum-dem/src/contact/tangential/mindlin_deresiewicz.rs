@@ -25,9 +25,9 @@
 
 use granum_simd::{Real, cbrt};
 
-use crate::contact::{
-    Description, LAW_CONSTANTS, MAX_HISTORY, Normal, NormalTraits, PairProperties, Tangential, TangentialLaw,
-};
+use crate::contact::law::{Description, Normal, NormalTraits, Tangential, TangentialLaw};
+use crate::contact::limits::{LAW_CONSTANTS, MAX_HISTORY};
+use crate::contact::pair_properties::PairProperties;
 
 /// Mindlin and Deresiewicz (1953), incremental, with two levels of turning points.
 #[derive(Clone, Copy, Debug)]

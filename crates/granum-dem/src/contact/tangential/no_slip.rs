@@ -12,10 +12,11 @@
 
 use granum_simd::{Mask, Real};
 
-use crate::contact::{
-    Description, LAW_CONSTANTS, MAX_HISTORY, Mixing, Normal, NormalTraits, PairProperties, Parameter,
-    Tangential, TangentialLaw, Unit,
+use crate::contact::law::{
+    Description, Mixing, Normal, NormalTraits, Parameter, Tangential, TangentialLaw, Unit,
 };
+use crate::contact::limits::{LAW_CONSTANTS, MAX_HISTORY};
+use crate::contact::pair_properties::PairProperties;
 
 /// No-slip Mindlin with rescaling.
 #[derive(Clone, Copy, Debug)]

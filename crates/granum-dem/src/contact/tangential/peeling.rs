@@ -21,9 +21,9 @@ use super::mindlin_deresiewicz::{
     EIGHT_MODULI, FRICTION, MindlinDeresiewicz, Outcome, ROOT_MODULI, State, add_scaled, advance, dot,
     energy, excess, select, square, state_of,
 };
-use crate::contact::{
-    Description, LAW_CONSTANTS, MAX_HISTORY, Normal, NormalTraits, PairProperties, Tangential, TangentialLaw,
-};
+use crate::contact::law::{Description, Normal, NormalTraits, Tangential, TangentialLaw};
+use crate::contact::limits::{LAW_CONSTANTS, MAX_HISTORY};
+use crate::contact::pair_properties::PairProperties;
 
 /// Savkoor and Briggs (1977), then Mindlin and Deresiewicz (1953).
 #[derive(Clone, Copy, Debug)]

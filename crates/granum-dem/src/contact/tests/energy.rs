@@ -3,10 +3,10 @@
 use proptest::prelude::*;
 
 use super::{ALL, Bench, LawVisitor, every_pair_of_laws, spheres, with_law};
-use crate::config::TangentialKind;
+use crate::contact::kind::TangentialKind;
+use crate::contact::law::{NormalLaw, TangentialLaw};
 use crate::contact::normal::Hertz;
 use crate::contact::tangential::MindlinDeresiewicz;
-use crate::contact::{NormalLaw, TangentialLaw};
 
 /// Sums over a path.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,8 +1,9 @@
 //! Tangential laws compared with analytical solutions: Mindlin-Deresiewicz curves and loops, sliding, passivity.
 
 use super::*;
-use crate::config::TangentialKind;
-use crate::contact::{LAW_CONSTANTS, MAX_HISTORY, Normal};
+use crate::contact::kind::TangentialKind;
+use crate::contact::law::Normal;
+use crate::contact::limits::{LAW_CONSTANTS, MAX_HISTORY};
 use proptest::prelude::*;
 
 /// Column of the stage in the history of the law.

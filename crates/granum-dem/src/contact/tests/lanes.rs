@@ -4,11 +4,12 @@
 use std::marker::PhantomData;
 
 use super::*;
-use crate::config::Contact;
 use crate::contact::adhesion::CapillaryBridge;
 use crate::contact::columns::{Batch, One, TwoBatches};
+use crate::contact::kind::{AdhesionKind, RollingKind};
+use crate::contact::law::AdhesionLaw;
+use crate::contact::selection::Contact;
 use crate::contact::slots::{Open, Slots};
-use crate::contact::{AdhesionKind, AdhesionLaw, RollingKind};
 use granum_simd::{Isa, Kernel, LANES, Lanes, Twice, dispatch};
 
 const STEPS: usize = 400;

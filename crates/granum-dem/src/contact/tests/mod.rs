@@ -10,15 +10,16 @@ mod tables;
 mod twisting;
 
 use super::interaction::{Interaction, Kinematics, Memory, dot, interact};
+use super::law;
 use super::normal::{Dmt, Hertz, Hooke, Jkr, JkrDmt, Luding, RoughHertz};
 use super::rolling::{ElasticPlasticRolling, ElasticPlasticTwisting, NoMoments};
 use super::set::Compiled;
 use super::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
-use super::{
-    Description, MomentLaw, NormalKind, NormalLaw, NormalTraits, PairConstants, PairProperties,
-    TangentialKind, TangentialLaw, law,
-};
-use crate::config::Material;
+use crate::contact::constants::PairConstants;
+use crate::contact::kind::{NormalKind, TangentialKind};
+use crate::contact::law::{Description, MomentLaw, NormalLaw, NormalTraits, TangentialLaw};
+use crate::contact::pair_properties::PairProperties;
+use crate::material::Material;
 
 /// Spheres of the default material, d = 0.1 mm, with an interface energy, J/m2.
 fn spheres(interface_energy: f64) -> PairProperties {
@@ -141,7 +142,7 @@ fn with_law<V: LawVisitor>(normal: NormalKind, tangential: TangentialKind, visit
 /// The list contains every pair of granum's laws that can be combined.
 #[test]
 fn no_pair_of_laws_is_left_out() {
-    let sets = super::registry::sets();
+    let sets = super::check::sets();
     for set in &sets {
         assert!(ALL.contains(&(set.normal, set.tangential)), "{:?} {:?}", set.normal, set.tangential);
     }

@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::contact::law::{Moment, Normal, RelativeSpin};
-use crate::contact::{LAW_CONSTANTS, MAX_MOMENT_HISTORY};
+use crate::contact::limits::{LAW_CONSTANTS, MAX_MOMENT_HISTORY};
 use proptest::prelude::*;
 
 type Rolling = ElasticPlasticRolling;

@@ -1,0 +1,40 @@
+//! The history of a contact.
+
+use granum_simd::Real;
+
+use super::limits::{MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY};
+
+/// The history that a contact keeps between steps.
+#[derive(Clone, Copy)]
+pub struct Memory<R> {
+    /// Unit normal at the last step; zero where the pair did not touch.
+    pub normal: [R; 3],
+    /// The columns of the tangential law; vectors by their components in the [`Frame`](super::frame::Frame) of the normal.
+    pub history: [R; MAX_HISTORY],
+    /// The columns of the moment law.
+    pub moments: [R; MAX_MOMENT_HISTORY],
+    /// The columns of the law of adhesion, which may last beyond touch.
+    pub adhesion: [R; MAX_ADHESION_HISTORY],
+    /// The columns of the normal law.
+    pub loading: [R; MAX_NORMAL_HISTORY],
+}
+
+impl<R: Real> Memory<R> {
+    /// The history of a pair that has not touched.
+    #[inline(always)]
+    pub fn new() -> Self {
+        Memory {
+            normal: [R::zero(); 3],
+            history: [R::zero(); MAX_HISTORY],
+            moments: [R::zero(); MAX_MOMENT_HISTORY],
+            adhesion: [R::zero(); MAX_ADHESION_HISTORY],
+            loading: [R::zero(); MAX_NORMAL_HISTORY],
+        }
+    }
+}
+
+impl<R: Real> Default for Memory<R> {
+    fn default() -> Self {
+        Memory::new()
+    }
+}

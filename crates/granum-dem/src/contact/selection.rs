@@ -1,0 +1,111 @@
+//! The contact laws chosen for a simulation, with the values of their parameters.
+
+use serde::{Deserialize, Serialize};
+
+use super::kind::{AdhesionKind, NormalKind, RollingKind, TangentialKind};
+use super::parameters::ParameterValues;
+
+/// The contact laws: normal, tangential and moment law, with the parameters of these laws, and the damping.
+///
+/// ```
+/// use granum_dem::config::{Contact, NormalKind, RollingKind, TangentialKind};
+///
+/// let mut contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
+/// contact.rolling = RollingKind::ELASTIC_PLASTIC;
+/// contact.parameters.set("rolling_friction", 0.2)?;
+/// assert_eq!(contact.rolling.name(), "elastic-plastic");
+/// # Ok::<(), granum_dem::contact::parameters::TooManyParameters>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Contact {
+    /// Normal law.
+    pub normal: NormalKind,
+    /// Tangential law.
+    pub tangential: TangentialKind,
+    /// Law of the moments of a contact: resistance to rolling and twisting.
+    pub rolling: RollingKind,
+    /// Law of adhesion on top of the contact, which may act beyond touch.
+    pub adhesion: AdhesionKind,
+    /// Fraction zeta of critical damping in the contact dashpots.
+    pub damping: f64,
+    /// Values given to the parameters of the laws; the others have their defaults.
+    pub parameters: ParameterValues,
+}
+
+/// The form in files: in formats with named fields, what is not in use is omitted.
+#[derive(Serialize, Deserialize)]
+struct ContactForm {
+    normal: NormalKind,
+    tangential: TangentialKind,
+    damping: f64,
+    #[serde(default = "no_moments", skip_serializing_if = "is_none")]
+    rolling: RollingKind,
+    #[serde(default = "no_adhesion", skip_serializing_if = "is_no_adhesion")]
+    adhesion: AdhesionKind,
+    #[serde(default, skip_serializing_if = "ParameterValues::is_empty")]
+    parameters: ParameterValues,
+}
+
+fn no_moments() -> RollingKind {
+    RollingKind::NONE
+}
+
+fn is_none(rolling: &RollingKind) -> bool {
+    *rolling == RollingKind::NONE
+}
+
+fn no_adhesion() -> AdhesionKind {
+    AdhesionKind::NONE
+}
+
+fn is_no_adhesion(adhesion: &AdhesionKind) -> bool {
+    *adhesion == AdhesionKind::NONE
+}
+
+impl Serialize for Contact {
+    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let Contact { normal, tangential, rolling, adhesion, damping, parameters } = *self;
+        if to.is_human_readable() {
+            return ContactForm { normal, tangential, damping, rolling, adhesion, parameters }.serialize(to);
+        }
+        (normal, tangential, rolling, adhesion, damping, parameters).serialize(to)
+    }
+}
+
+impl<'d> Deserialize<'d> for Contact {
+    fn deserialize<D: serde::Deserializer<'d>>(from: D) -> Result<Contact, D::Error> {
+        if from.is_human_readable() {
+            let ContactForm { normal, tangential, damping, rolling, adhesion, parameters } =
+                ContactForm::deserialize(from)?;
+            return Ok(Contact { normal, tangential, rolling, adhesion, damping, parameters });
+        }
+        let (normal, tangential, rolling, adhesion, damping, parameters) = Deserialize::deserialize(from)?;
+        Ok(Contact { normal, tangential, rolling, adhesion, damping, parameters })
+    }
+}
+
+impl Contact {
+    /// A normal and a tangential law with a fraction of critical damping; grains roll freely, nothing acts beyond touch, and
+    /// parameters have their defaults.
+    pub const fn new(normal: NormalKind, tangential: TangentialKind, damping: f64) -> Contact {
+        let (rolling, adhesion) = (RollingKind::NONE, AdhesionKind::NONE);
+        Contact { normal, tangential, rolling, adhesion, damping, parameters: ParameterValues::NONE }
+    }
+
+    /// Largest stable `dt sqrt(k_t / m)` of a grain that spins in phase with its neighbours, at Z contacts of the tangential
+    /// stiffness k_t: `sqrt(6/5Z) (sqrt(1 + x^2) - x)`, `x = zeta sqrt(5Z/3)`.
+    ///
+    /// This mode has `w^2 = 10/3 Z k_t / m` and the damping ratio x; dashpots that use velocities half a step old are stable
+    /// up to `w dt = 2 (sqrt(1 + x^2) - x)`.
+    pub fn stable_fraction(&self, contacts: f64) -> f64 {
+        let x = self.damping * (5.0 * contacts / 3.0).sqrt();
+        (1.2 / contacts).sqrt() * (x.hypot(1.0) - x)
+    }
+}
+
+impl Default for Contact {
+    fn default() -> Self {
+        Contact::new(NormalKind::JKR, TangentialKind::MINDLIN_DERESIEWICZ, 0.1)
+    }
+}
