@@ -103,11 +103,12 @@ pub struct EnergyBalance {
     /// Lost where attractions beyond touch begin or end: bridges that rupture.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub attraction_loss: f64,
-    /// Lost by plastic deformation of contacts, J.
+    /// Lost by plastic deformation of contacts.
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub plastic_loss: f64,
 }
 
-/// True for what files without a law of moments or of adhesion leave out.
+/// True for what files without a law of moments, of adhesion or with memory leave out.
 fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }

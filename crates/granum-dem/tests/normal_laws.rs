@@ -90,9 +90,9 @@ fn sample(properties: Properties, spread: f64, hardware: Hardware) -> Simulation
     s.set_control(Control::isotropic(20e3, 2e4));
     s.advance(4500).unwrap();
     let mut control = Control::fixed();
-    control.rate = [[-100.0, 0.0, 0.0], [0.0, -100.0, 0.0], [0.0, 0.0, -100.0]];
+    control.rate = [[-20.0, 0.0, 0.0], [0.0, -20.0, 0.0], [0.0, 0.0, -20.0]];
     s.set_control(control);
-    s.advance(1000).unwrap();
+    s.advance(200).unwrap();
     s
 }
 

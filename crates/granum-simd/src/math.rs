@@ -56,11 +56,22 @@ pub fn power<R: Real>(x: R, exponent: R) -> R {
     let large = x.gt(one);
     let mut m = R::select(large, one / x, x);
     let mut twos = R::zero();
-    for k in [128i32, 64, 32, 16, 8, 4, 2, 1] {
-        let raised = m * R::splat(2f64.powi(k));
+    // Powers of two with their exponents.
+    const STEPS: [[f64; 2]; 8] = [
+        [128.0, 340_282_366_920_938_463_463_374_607_431_768_211_456.0],
+        [64.0, 18_446_744_073_709_551_616.0],
+        [32.0, 4_294_967_296.0],
+        [16.0, 65_536.0],
+        [8.0, 256.0],
+        [4.0, 16.0],
+        [2.0, 4.0],
+        [1.0, 2.0],
+    ];
+    for [exponent, factor] in &STEPS {
+        let raised = m * R::splat(*factor);
         let small = raised.le(one);
         m = R::select(small, raised, m);
-        twos = R::select(small, twos - R::splat(f64::from(k)), twos);
+        twos = R::select(small, twos - R::splat(*exponent), twos);
     }
     let low = m.lt(R::splat(std::f64::consts::FRAC_1_SQRT_2));
     m = R::select(low, m + m, m);

@@ -198,3 +198,17 @@ fn two_side_by_side_have_the_bits_of_one() {
         }
     }
 }
+
+/// Powers against the standard library, for arguments and exponents of all sizes.
+#[test]
+fn powers_are_accurate() {
+    for k in -400..400 {
+        let x = (f64::from(k) * 0.3).exp();
+        for exponent in [-2.5, -0.4, 0.0, 1.0 / 3.0, 1.0, 1.4, 2.6] {
+            let within = 2e-15 * (1.0 + (exponent * x.ln()).abs());
+            let (found, wanted) = (crate::power(x, exponent), x.powf(exponent));
+            assert!((found / wanted - 1.0).abs() < within, "{x} ^ {exponent}: {found} {wanted}");
+        }
+    }
+    assert_eq!(crate::power(1.0, 7.0), 1.0);
+}

@@ -183,10 +183,7 @@ impl Sheet<'_> {
     /// The constants of the law.
     #[inline(always)]
     pub(super) fn constants<W: Width>(&self) -> [W::Value; LAW_CONSTANTS] {
-        let rows = self.constants.map(
-            #[inline(always)]
-            |rows| &rows[..LAW_CONSTANTS],
-        );
+        let rows = [&self.constants[0][..LAW_CONSTANTS], &self.constants[1][..LAW_CONSTANTS]];
         std::array::from_fn(
             #[inline(always)]
             |c| W::read_rows(rows, c),

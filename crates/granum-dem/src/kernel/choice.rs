@@ -64,10 +64,9 @@ impl Stages {
         match known {
             Some((_, _, stages)) if laws.has_contact_only() => stages(),
             _ if laws.normal == HERTZ && laws.tangential == NO_SLIP && rolls(laws) => {
-                // One loop for equal and for unequal grains: each costs time to compile.
+                // For equal grains only: each loop costs time to compile.
                 type Rolling = WithMoments<Hertz, NoSlip, ElasticPlasticRolling>;
-                let stage = stage::<Rolling, AlikeOrByBatch>;
-                Stages { alike: stage, by_batch: stage }
+                Stages { alike: stage::<Rolling, Alike>, by_batch: slots }
             }
             _ => Stages::any(),
         }

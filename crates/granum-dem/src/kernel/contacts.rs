@@ -330,13 +330,15 @@ fn near_batch<L: Lanes, S: StageLaws, C: ConstantSource, const IMAGE: bool, cons
             slot.kinematics.relative_spin = [wa[0] - wc[0], wa[1] - wc[1], wa[2] - wc[2]];
         }
     } else {
-        let both = L::sums4(spin, i, j);
-        mean_spin = scale(half, [both[0], both[1], both[2]]);
-        (rolling, mass) = (mean_spin, L::zero());
         if S::MAY_HAVE_MOMENTS && laws.has_moments() {
             let (wa, wc) = (L::gather4(spin, i), L::gather4(spin, j));
+            mean_spin = scale(half, [wa[0] + wc[0], wa[1] + wc[1], wa[2] + wc[2]]);
             slot.kinematics.relative_spin = [wa[0] - wc[0], wa[1] - wc[1], wa[2] - wc[2]];
+        } else {
+            let both = L::sums4(spin, i, j);
+            mean_spin = scale(half, [both[0], both[1], both[2]]);
         }
+        (rolling, mass) = (mean_spin, L::zero());
     }
     // The relative spin is copied as it is: sets without moments never write it.
     let relative_spin = slot.kinematics.relative_spin;
@@ -600,7 +602,7 @@ fn finish_batch<L: Lanes, R: Real, S: StageLaws, C: ConstantSource, P: Part<L, R
         couples = S::Couples::of(
             couple,
             #[inline(always)]
-            || inverse_radii(v, b),
+            || inverse_radii::<L, C>(v, b, constants),
         );
     }
     Push { batch: b, force, moment, couples }
@@ -608,12 +610,20 @@ fn finish_batch<L: Lanes, R: Real, S: StageLaws, C: ConstantSource, P: Part<L, R
 
 /// Reciprocals of the radii of the grains i and j of a batch, 1/m.
 #[inline(always)]
-fn inverse_radii<L: Lanes>(v: &Views, b: usize) -> [L; 2] {
+fn inverse_radii<L: Lanes, C: ConstantSource>(v: &Views, b: usize, constants: &PairConstants<L>) -> [L; 2] {
+    if !C::by_batch(v) {
+        // The same bits: twice 1/2R is 1/R, exactly.
+        return [constants.inverse_radius_sum + constants.inverse_radius_sum; 2];
+    }
     // SAFETY: grains and lists are only read in this stage.
     let (particles, i, j) =
         unsafe { (&v.particles.read()[..v.grains + 2], &v.first.read()[b], &v.second.read()[b]) };
-    [i, j].map(
-        #[inline(always)]
-        |grains| L::splat(1.0) / L::load(&grains.map(|g| particles[g as usize].0[3])),
-    )
+    let (mut a, mut c) = ([0.0; LANES], [0.0; LANES]);
+    for l in 0..LANES {
+        a[l] = particles[i[l] as usize].0[3];
+        c[l] = particles[j[l] as usize].0[3];
+    }
+    // No `map`: what is not always inlined is compiled without vector instructions.
+    let one = L::splat(1.0);
+    [one / L::load(&a), one / L::load(&c)]
 }

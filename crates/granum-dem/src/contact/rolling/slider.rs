@@ -39,10 +39,16 @@ pub(super) fn slide<R: Real, const D: usize>(
         sum[k] = held[k] + couple[k];
     }
     let work = half * dot(sum, turned);
-    // Without a couple there is no energy, even where the stiffness is zero.
-    let energy = |couple: [R; D], stiffness: R| half * dot(couple, couple) / stiffness.max(tiny);
     let gained = energy(couple, stiffness) - energy(held, before);
     Slid { couple, at_limit, work, loss: work - gained }
+}
+
+/// `M^2 / 2 k`. Without a couple there is no energy, even where the stiffness is zero.
+///
+/// A function and no closure: unless it is always inlined, it is compiled for a processor without vector instructions.
+#[inline(always)]
+fn energy<R: Real, const D: usize>(couple: [R; D], stiffness: R) -> R {
+    R::splat(0.5) * dot(couple, couple) / stiffness.max(R::splat(1e-200))
 }
 
 /// Energy of a spring with a couple, J: `M^2 / 2 k`.
