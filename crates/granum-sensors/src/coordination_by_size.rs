@@ -72,22 +72,8 @@ mod tests {
     fn a_large_grain_has_the_contacts() {
         let grain = |radius: f64| Grain { radius, ..Default::default() };
         let grains = vec![grain(3.0), grain(9.0), grain(1.0), grain(2.0), grain(4.0)];
-        let to = |j: usize| {
-            Contact::default().with(|contact| {
-                contact.i = 1;
-                contact.j = j;
-            })
-        };
-        let contacts = vec![
-            to(0),
-            to(2),
-            to(3),
-            to(4),
-            Contact::default().with(|contact| {
-                contact.i = 0;
-                contact.j = 4;
-            }),
-        ];
+        let to = |j: usize| Contact { i: 1, j, ..Default::default() };
+        let contacts = vec![to(0), to(2), to(3), to(4), Contact { i: 0, j: 4, ..Default::default() }];
         let star = Assembly { grains, contacts, ..Default::default() };
         assert_eq!(coordination_by_size(&Observation::new(&star)), [1.0, 1.0, 2.0, 2.0, 4.0]);
     }

@@ -84,7 +84,7 @@ fn is_upper(v: &Vector) -> bool {
 /// ```
 pub fn radial_distribution(
     distances: &Histogram,
-    observations_per_state: f64,
+    observations: f64,
     grains: f64,
     cell_volume: f64,
 ) -> Vec<(f64, f64)> {
