@@ -73,7 +73,7 @@ fn chains(run: &RunReport) -> Option<Named> {
         [("chain_grain_fraction", "grains in chains"), ("buckling_fraction", "segments that buckle")];
     let panel = panel(run, "Fraction", &columns)?;
     let caption = "Grains in force chains (Peters et al. 2005) over all grains; segments of three grains that bend by more than 2 degrees \
-                   between two observations.";
+                   within 1 % of strain.";
     Some(("chains", Figure::new("Force chains against strain", 1, vec![panel]), caption.into()))
 }
 

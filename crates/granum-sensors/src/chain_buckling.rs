@@ -1,7 +1,8 @@
-//! Buckling of force chains (Tordesillas 2007): the share of the segments of three grains of the chains of one observation whose
-//! angle at the middle grain has become smaller by more than 2 degrees at the next: each arm by more than 1 degree on average.
+//! Buckling of force chains (Tordesillas 2007): the share of the segments of three grains of the chains of a state whose angle at
+//! the middle grain is smaller by more than 2 degrees after 1 % of strain: each arm has turned by more than 1 degree on average.
 //!
-//! The chains are those of [`crate::force_chains`]. The share grows with the strain between the observations.
+//! The chains are those of [`crate::force_chains`]; strain is arc length. The chains of one observation are followed until an
+//! observation at least 1 % later, whose chains are followed then; in between, the share of the last stretch stands.
 
 use granum_core::Part;
 use granum_core::assembly::{Assembly, Vector};
@@ -14,55 +15,71 @@ use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 
 /// Least bend, degrees.
 const BEND: f64 = 2.0;
+/// Strain over which segments are followed.
+const STRETCH: f64 = 0.01;
 
 /// The sensor.
 pub struct ChainBuckling;
 
 impl Sensor for ChainBuckling {
     fn description(&self) -> Description {
-        Description::new(
-            "chain_buckling",
-            "segments of force chains that bend between two observations (Tordesillas 2007)",
-        )
-        .columns([
-            SensorColumn::new(
-                "buckling_fraction",
-                "1",
-                "segments of three grains that bent by more than 2 degrees over all of the last observation",
-            ),
-            SensorColumn::new("chain_segments", "1", "segments of three grains of the present chains"),
-        ])
-        .needing(&[
-            Part::Cell,
-            Part::Positions,
-            Part::Radii,
-            Part::Contacts,
-            Part::NormalForces,
-            Part::TangentialForces,
-        ])
-        .remembering()
+        Description::new("chain_buckling", "segments of force chains that bend within 1 % of strain (Tordesillas 2007)")
+            .columns([
+                SensorColumn::new(
+                    "buckling_fraction",
+                    "1",
+                    "segments of three grains that bent by more than 2 degrees over all, in the last 1 % of strain",
+                ),
+                SensorColumn::new("chain_segments", "1", "segments of three grains of the chains that are followed"),
+            ])
+            .needing(&[
+                Part::Cell,
+                Part::Positions,
+                Part::Radii,
+                Part::Contacts,
+                Part::NormalForces,
+                Part::TangentialForces,
+                Part::Strain,
+            ])
+            .remembering()
     }
 
     fn measure(&self, observation: &Observation, memory: &mut Memory, values: &mut Values) {
-        let assembly = observation.assembly;
-        let (mut bent, mut count) = (0, 0);
-        for segment in memory.chunks_exact(4) {
-            let grains = [segment[0] as usize, segment[1] as usize, segment[2] as usize];
-            let Some(angle) = inner_angle(assembly, grains) else { continue };
-            count += 1;
-            bent += usize::from(segment[3] - angle > BEND);
+        // The arc length at which the segments were found, the share and the number of the stretch before, then the segments.
+        let arc_length = observation.assembly.arc_length;
+        if let [start, share, count, ..] = memory[..]
+            && arc_length < start + (1.0 - 1e-9) * STRETCH
+        {
+            values.extend([share, count]);
+            return;
         }
+        let share = memory.get(3..).map_or(0.0, |segments| bent(observation.assembly, segments));
         memory.clear();
+        memory.extend([arc_length, share, 0.0]);
         for chain in Chains::of(observation).chains {
             for grains in chain.windows(3) {
-                if let Some(angle) = inner_angle(assembly, [grains[0], grains[1], grains[2]]) {
+                if let Some(angle) = inner_angle(observation.assembly, [grains[0], grains[1], grains[2]]) {
                     memory.extend(grains.iter().map(|&grain| grain as f64));
                     memory.push(angle);
                 }
             }
         }
-        values.extend([mean(bent as f64, count), (memory.len() / 4) as f64]);
+        let count = ((memory.len() - 3) / 4) as f64;
+        memory[2] = count;
+        values.extend([share, count]);
     }
+}
+
+/// The share of segments that have bent.
+fn bent(assembly: &Assembly, segments: &[f64]) -> f64 {
+    let (mut bent, mut count) = (0, 0);
+    for segment in segments.chunks_exact(4) {
+        let grains = [segment[0] as usize, segment[1] as usize, segment[2] as usize];
+        let Some(angle) = inner_angle(assembly, grains) else { continue };
+        count += 1;
+        bent += usize::from(segment[3] - angle > BEND);
+    }
+    mean(bent as f64, count)
 }
 
 /// Angle at the middle one of three grains, in degrees: 180 in a straight row. `None` for grains that do not exist or a cell
@@ -99,8 +116,11 @@ mod tests {
             places
         };
         let mut memory = Memory::new();
+        let mut arc_length = 0.0;
         let mut observe = |offset: f64, wraps: bool| {
             let mut assembly = grains_at(&row(offset), |_, _| 1.0);
+            assembly.arc_length = arc_length;
+            arc_length += 0.01;
             if wraps {
                 assembly
                     .grains
@@ -125,5 +145,27 @@ mod tests {
         assert_eq!(observe(0.0, false), [0.0, 3.0]);
         // By 0.05: only the angle in the middle falls by more than 2 degrees, 2.9.
         assert!((observe(0.05, false)[0] - 1.0 / 3.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn segments_are_followed_over_a_stretch_of_strain() {
+        let mut memory = Memory::new();
+        let mut observe = |offset: f64, arc_length: f64| {
+            let mut places: Vec<Vector> = (0..3).map(|k| [1.0 + 2.0 * f64::from(k), 50.0, 0.0]).collect();
+            places[1][1] += offset;
+            places.extend((0..4).map(|k| [20.0 + 5.0 * f64::from(k), 20.0, 0.0]));
+            let assembly = Assembly { arc_length, ..grains_at(&places, |_, _| 1.0) };
+            let mut values = Vec::new();
+            ChainBuckling.measure(
+                &Observation::new(&assembly),
+                &mut memory,
+                &mut Values::new(&mut values, &mut []),
+            );
+            values[0]
+        };
+        // 0.02 more at each observation: 1.1 degrees each, 2.3 together.
+        assert_eq!([observe(0.0, 0.1), observe(0.02, 0.105), observe(0.04, 0.11)], [0.0, 0.0, 1.0]);
+        // The share stands until the next stretch is over, in which nothing bends any more.
+        assert_eq!([observe(0.04, 0.115), observe(0.04, 0.12)], [1.0, 0.0]);
     }
 }

@@ -6,7 +6,7 @@
 //! tends to a constant.
 
 use granum_core::Part;
-use granum_core::assembly::{Assembly, Vector};
+use granum_core::assembly::{Assembly, Grain, Vector};
 
 use crate::observation::{mean, ratio};
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
@@ -33,17 +33,22 @@ impl Sensor for GranularTemperature {
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
         let Assembly { grains, velocity_gradient, .. } = observation.assembly;
-        let of = |value: &dyn Fn(usize) -> f64| {
-            mean((0..grains.len()).map(value).sum::<f64>() + 0.0, grains.len())
-        };
-        let square = |v: &Vector| v.iter().map(|x| x * x).sum::<f64>();
-        let drift: Vector = std::array::from_fn(|a| of(&|k| grains[k].velocity[a]));
-        let temperature = of(&|k| square(&std::array::from_fn(|a| grains[k].velocity[a] - drift[a]))) / 3.0;
-        let rotational = of(&|k| grains[k].radius * grains[k].radius * square(&grains[k].spin)) / 3.0;
+        let drift: Vector = std::array::from_fn(|a| average(grains, |grain| grain.velocity[a]));
+        let fluctuation = |grain: &Grain| square(&std::array::from_fn(|a| grain.velocity[a] - drift[a]));
+        let temperature = average(grains, fluctuation) / 3.0;
+        let rotational = average(grains, |grain| grain.radius * grain.radius * square(&grain.spin)) / 3.0;
         let rate = velocity_gradient.iter().flatten().fold(0.0, |a: f64, b| a.max(b.abs()));
-        let diameter = 2.0 * of(&|k| grains[k].radius);
+        let diameter = 2.0 * average(grains, |grain| grain.radius);
         values.extend([temperature, rotational, ratio(temperature.sqrt(), rate * diameter)]);
     }
+}
+
+fn average(grains: &[Grain], value: impl Fn(&Grain) -> f64) -> f64 {
+    mean(grains.iter().map(value).sum::<f64>() + 0.0, grains.len())
+}
+
+fn square(v: &Vector) -> f64 {
+    v.iter().map(|x| x * x).sum()
 }
 
 #[cfg(test)]

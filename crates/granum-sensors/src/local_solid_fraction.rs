@@ -127,8 +127,22 @@ fn planes_of(i: usize, neighbours: &Neighbours, radii: &[f64]) -> Vec<Plane> {
     planes
 }
 
-/// The cell below all planes; `None` if a sphere beyond the reach might cut it.
+/// Planes of which a first, larger cell is made.
+const NEAREST: usize = 20;
+
+/// The cell below all planes, the nearest of which stand first; `None` if a sphere beyond the reach might cut it.
 fn cell_of(planes: &[Plane], reach: f64, [own, largest]: [f64; 2]) -> Option<VoronoiCell> {
+    // What lies beyond all corners of the cell of the nearest planes cannot cut it.
+    let (_, corner) = intersection(&planes[..planes.len().min(NEAREST)], reach);
+    let near = planes.iter().position(|plane| plane.height > corner).unwrap_or(planes.len());
+    let (found, farthest) = intersection(&planes[..near.max(planes.len().min(NEAREST))], reach);
+    // The nearest plane that a sphere beyond the reach can give.
+    let nearest = 0.5 * (reach * reach + own * own - largest * largest) / reach;
+    (farthest <= nearest).then_some(found)
+}
+
+/// The part of space below some planes, and the distance of its farthest corner.
+fn intersection(planes: &[Plane], reach: f64) -> (VoronoiCell, f64) {
     let mut found = VoronoiCell::default();
     let mut farthest = if planes.len() < 4 { f64::INFINITY } else { 0.0f64 };
     let mut face = Vec::new();
@@ -150,9 +164,7 @@ fn cell_of(planes: &[Plane], reach: f64, [own, largest]: [f64; 2]) -> Option<Vor
             farthest = face.iter().fold(farthest, |far, x| far.max(dot(x, x).sqrt()));
         }
     }
-    // The nearest plane that a sphere beyond the reach can give.
-    let nearest = 0.5 * (reach * reach + own * own - largest * largest) / reach;
-    (farthest <= nearest).then_some(found)
+    (found, farthest)
 }
 
 /// A square in the plane with corners at a distance `size` along two directions of it.

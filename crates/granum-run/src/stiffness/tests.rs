@@ -59,8 +59,9 @@ fn assert_cubic(found: &Stiffness, [c11, c12, c44]: [f64; 3], tolerance: f64) {
 #[test]
 fn lattices_have_their_analytic_stiffness() {
     let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
-    let tiny = Probing { strain: 1e-9, ..Probing::default() };
-    for (probing, tolerance) in [(tiny, 1e-6), (Probing::default(), 5e-5)] {
+    // Smaller ones lose digits: the overlap is a difference of places.
+    let tiny = Probing { strain: 1e-8, ..Probing::default() };
+    for (probing, tolerance) in [(tiny, 5e-6), (Probing::default(), 5e-5)] {
         let found = measure(&simple_cubic(contact), &probing).unwrap();
         assert_cubic(&found, [3.846538340e8, 2.564615463e4, 1.583612333e8], tolerance);
         let found = measure(&face_centred(contact), &probing).unwrap();
