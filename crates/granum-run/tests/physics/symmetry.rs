@@ -6,7 +6,7 @@ use super::sample::{compress, mapped, multiply, properties, sample};
 
 /// Strain and stress, in the frame of the unmapped test, during a test along the image of axis 1, at equal intervals of
 /// steps.
-fn curve(map: &Matrix, observations_per_state: usize) -> Vec<(f64, Matrix)> {
+fn curve(map: &Matrix, observations: usize) -> Vec<(f64, Matrix)> {
     let mut s = mapped(&sample().assembly(), map, properties(0.3, 0.1));
     s.fix_time_step(Some(3e-8));
     let image = multiply(map, [1.0, 0.0, 0.0]);

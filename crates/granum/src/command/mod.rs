@@ -5,6 +5,7 @@ mod case_flags;
 mod checkpoints;
 mod digest;
 mod evaluate;
+mod export;
 mod forces;
 mod hardware;
 mod impact;
@@ -25,6 +26,7 @@ mod run_report;
 mod schema;
 mod scores;
 mod shear;
+mod sources;
 mod spread;
 mod status;
 mod test_run;
@@ -52,6 +54,7 @@ pub enum Command {
     Predict(predict::Predict),
     Evaluate(evaluate::Evaluate),
     Measure(measure::Measure),
+    Export(export::Export),
     Forces(forces::Forces),
     Pair(pair::Pair),
     Impact(impact::Impact),
@@ -75,6 +78,7 @@ impl Command {
             Command::Predict(command) => command.run(context),
             Command::Evaluate(command) => command.run(context),
             Command::Measure(command) => command.run(context),
+            Command::Export(command) => command.run(context),
             Command::Forces(command) => command.run(context),
             Command::Pair(command) => command.run(context),
             Command::Impact(command) => command.run(context),
