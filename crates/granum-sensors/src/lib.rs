@@ -68,5 +68,7 @@ pub use histogram::{Bins, Histogram};
 pub use observation::Observation;
 pub use record::{Histograms, Record, RecordError};
 pub use recorder::{MissedObservations, Recorder, SavedRecorder};
-pub use registry::{LeftOut, Measurement, SensorError, Sensors, column_index, columns, measure_row};
+pub use registry::{
+    LeftOut, MeasuredSeries, Measurement, SensorError, Sensors, column_index, columns, measure_row,
+};
 pub use sensor::{Averaging, Description, Memory, Sensor, SensorColumn, Values};

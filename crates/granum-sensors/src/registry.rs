@@ -300,6 +300,87 @@ impl Sensors {
     }
 }
 
+impl Sensors {
+    /// Measures a series of assemblies, of each of which these parts are known, in their order: every column that all of them
+    /// allow, with the sensors that compare an observation with the one before if there are two or more.
+    ///
+    /// ```
+    /// use granum_core::{Assembly, Part, Parts};
+    /// use granum_sensors::Sensors;
+    ///
+    /// let grains = Assembly::default();
+    /// let parts = Parts::of(&[Part::Cell, Part::Radii]);
+    /// let series = Sensors::standard().measure_series(&[(&grains, parts), (&grains, parts)]);
+    /// assert_eq!(series.values("solid_fraction"), Some([0.0, 0.0].as_slice()));
+    /// assert!(series.left_out.iter().any(|left_out| left_out.sensor == "fabric"));
+    /// ```
+    pub fn measure_series(&self, observations: &[(&Assembly, Parts)]) -> MeasuredSeries {
+        self.measure_series_with(observations, &Recording::default())
+    }
+
+    /// As [`Sensors::measure_series`], with the parameters of sensors and the bins of a recording.
+    pub fn measure_series_with(
+        &self,
+        observations: &[(&Assembly, Parts)],
+        recording: &Recording,
+    ) -> MeasuredSeries {
+        let every = |part: &Part| observations.iter().all(|(_, parts)| parts.has(*part));
+        let parts = Parts::of(&Part::ALL.into_iter().filter(every).collect::<Vec<Part>>());
+        let observations: Vec<Observation> = observations
+            .iter()
+            .map(|(assembly, _)| Observation::new(assembly).with_recording(recording))
+            .collect();
+        let (mut found, mut left_out) = (MeasuredSeries::default(), Measurement::default());
+        for known in &self.0 {
+            let Description { name, columns, needs, remembers, .. } = &known.description;
+            let missing = parts.missing(needs);
+            let alone = *remembers && observations.len() < 2;
+            let lacks = known.sensor.lacks(recording);
+            if alone || !missing.is_empty() || lacks.is_some() {
+                let columns = Vec::new();
+                left_out.left_out.push(LeftOut { sensor: name, columns, missing, remembers: alone, lacks });
+                continue;
+            }
+            let bins = known.sensor.histograms(recording);
+            let mut memory = Memory::new();
+            let mut rows = Vec::with_capacity(observations.len());
+            for observation in &observations {
+                let (mut row, mut counts) = (Vec::new(), bins.iter().map(Bins::empty).collect::<Vec<_>>());
+                known.sensor.measure(observation, &mut memory, &mut Values::new(&mut row, &mut counts));
+                rows.push(row);
+            }
+            for (k, column) in columns.iter().enumerate() {
+                match parts.missing(column.needs) {
+                    missing if missing.is_empty() => {
+                        let values = rows.iter().filter_map(|row| row.get(k).copied()).collect();
+                        found.columns.push((*column, values));
+                    }
+                    missing => left_out.leave_out(name, column.name, missing),
+                }
+            }
+        }
+        found.left_out = left_out.left_out;
+        found
+    }
+}
+
+/// What was measured of a series of assemblies, and what could not be.
+#[derive(Clone, Debug, Default)]
+#[non_exhaustive]
+pub struct MeasuredSeries {
+    /// Each column that could be measured, with one value for each assembly.
+    pub columns: Vec<(SensorColumn, Vec<f64>)>,
+    /// What could not be measured, and why.
+    pub left_out: Vec<LeftOut>,
+}
+
+impl MeasuredSeries {
+    /// The values of a column, if it could be measured.
+    pub fn values(&self, column: &str) -> Option<&[f64]> {
+        self.columns.iter().find(|(known, _)| known.name == column).map(|(_, values)| values.as_slice())
+    }
+}
+
 impl std::fmt::Debug for Sensors {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_list().entries(self.descriptions().map(|description| description.name)).finish()

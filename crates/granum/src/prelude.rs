@@ -23,7 +23,7 @@ pub use granum_dem::config::{
 };
 pub use granum_dem::servo::Control;
 pub use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation};
-pub use granum_io::formats::{Formats, PackingFormat, TableFormat};
+pub use granum_io::formats::{Formats, PackingFormat, ResultFormat, TableFormat};
 pub use granum_io::packing::{PackedGrain, Packing};
 pub use granum_io::{
     Case, Run, RunFolder, read_columns, read_packing, read_table, write_packing, write_table,

@@ -19,8 +19,26 @@ use crate::error::{Error, Result};
 use crate::packing::Packing;
 
 pub mod csv;
+pub mod extended_xyz;
+pub mod gsd;
+pub mod join;
+pub mod lammps_data;
+pub mod lammps_dump;
+pub mod mercury_data;
+pub mod mercury_fstat;
+pub mod mercury_restart;
 pub mod packing_csv;
 pub mod parquet;
+mod result;
+mod snapshot_json;
+mod strain;
+pub mod vtk_legacy;
+pub mod vtp;
+mod words;
+pub mod yade_text;
+
+pub use join::JoinOptions;
+pub use result::{Frame, FrameCell, Observation, Pair, ReadOptions, ResultFormat};
 
 /// Number of leading bytes of a file by which a format may be recognised.
 const HEAD: u64 = 4096;
@@ -68,6 +86,7 @@ pub trait PackingFormat: Send + Sync {
 pub struct Formats {
     tables: Vec<Arc<dyn TableFormat>>,
     packings: Vec<Arc<dyn PackingFormat>>,
+    results: Vec<Arc<dyn ResultFormat>>,
 }
 
 impl std::fmt::Debug for Formats {
@@ -84,6 +103,19 @@ impl Formats {
         Formats {
             tables: vec![Arc::new(csv::Csv), Arc::new(parquet::Parquet)],
             packings: vec![Arc::new(packing_csv::PackingCsv)],
+            results: vec![
+                Arc::new(lammps_dump::LammpsDump),
+                Arc::new(lammps_data::LammpsData),
+                Arc::new(yade_text::YadeText),
+                Arc::new(vtk_legacy::VtkLegacy),
+                Arc::new(mercury_data::MercuryData),
+                Arc::new(mercury_fstat::MercuryFstat),
+                Arc::new(mercury_restart::MercuryRestart),
+                Arc::new(extended_xyz::ExtendedXyz),
+                Arc::new(gsd::Gsd),
+                Arc::new(vtp::Vtp),
+                Arc::new(snapshot_json::SnapshotJson),
+            ],
         }
     }
 
@@ -97,6 +129,17 @@ impl Formats {
     pub fn with_packing(mut self, format: impl PackingFormat + 'static) -> Formats {
         self.packings.push(Arc::new(format));
         self
+    }
+
+    /// The same formats and one more for results of other programs.
+    pub fn with_result(mut self, format: impl ResultFormat + 'static) -> Formats {
+        self.results.push(Arc::new(format));
+        self
+    }
+
+    /// The formats of results of other programs.
+    pub fn results(&self) -> impl Iterator<Item = &dyn ResultFormat> {
+        self.results.iter().map(|format| &**format)
     }
 
     /// The formats of tables.
@@ -137,16 +180,90 @@ impl Formats {
         self.table(path)?.write(path, table)
     }
 
-    /// Reads a packing. Its format is the one that recognises the beginning of the file, or otherwise that of its extension.
+    /// Reads a packing. Its format is the one that recognises the beginning of the file, or otherwise that of its extension. Of
+    /// results of another program it is the last instant, with its grains numbered from 1 in the order of their ids.
     ///
     /// # Errors
-    /// If no format fits, or as for [`PackingFormat::read`].
+    /// If no format fits, as for [`PackingFormat::read`], or if results lack a periodic cell or radii.
     pub fn read_packing(&self, path: &Path) -> Result<Packing> {
-        let mut head = Vec::new();
-        let file = File::open(path).map_err(Error::file("read", path))?;
-        file.take(HEAD).read_to_end(&mut head).map_err(Error::file("read", path))?;
-        let recognised = self.packings().find(|format| format.recognises(&head));
-        recognised.map_or_else(|| self.packing(path), Ok)?.read(path)
+        let head = head(path)?;
+        if let Some(format) = self.packings().find(|format| format.recognises(&head)) {
+            return format.read(path);
+        }
+        if let Some(format) = self.result_format(path, &head) {
+            let frames = format.read(path, &ReadOptions::default())?;
+            let found = join::join(vec![(path.to_path_buf(), frames)], &JoinOptions::default())?;
+            return match found.last() {
+                Some(last) => last.packing(path),
+                None => Err(Error::content(path, "has no grains")),
+            };
+        }
+        self.packing(path)?.read(path)
+    }
+
+    /// The format of results that recognises a file, or else the one that has its extension.
+    fn result_format(&self, path: &Path, head: &[u8]) -> Option<&dyn ResultFormat> {
+        let wanted = extension(path);
+        let recognised = self.results().find(|format| format.recognises(head));
+        // A packing format of the same extension goes first.
+        let taken = self.packings().any(|format| format.extensions().contains(&wanted.as_str()));
+        recognised.or_else(|| {
+            self.results().find(|format| !taken && format.extensions().contains(&wanted.as_str()))
+        })
+    }
+
+    /// True if a file is read as results of another program, not as a packing in granum's own format.
+    ///
+    /// # Errors
+    /// If the file cannot be read.
+    pub fn is_result(&self, path: &Path) -> Result<bool> {
+        let head = head(path)?;
+        let packing = self.packings().any(|format| format.recognises(&head));
+        Ok(!packing && self.result_format(path, &head).is_some())
+    }
+
+    /// Reads results of another program, and packings, from one or several files, each with its options, and joins what belongs
+    /// together.
+    ///
+    /// # Errors
+    /// If a file is in no known format, as for [`ResultFormat::read`], and as for [`join::join`].
+    pub fn read_results(
+        &self,
+        files: &[(std::path::PathBuf, ReadOptions)],
+        options: &JoinOptions,
+    ) -> Result<Vec<Observation>> {
+        let mut read = Vec::with_capacity(files.len());
+        for (path, file_options) in files {
+            let head = head(path)?;
+            let frames = match self.result_format(path, &head) {
+                Some(format) => format.read(path, file_options)?,
+                None => vec![Frame::of_packing(&self.read_packing(path)?)],
+            };
+            read.push((path.clone(), frames));
+        }
+        join::join(read, options)
+    }
+
+    /// Writes observations in the format of that name, or else in that of the file's extension.
+    ///
+    /// # Errors
+    /// If no format has the name or the extension, or as for [`ResultFormat::write`].
+    pub fn write_results(&self, path: &Path, name: Option<&str>, observations: &[Observation]) -> Result<()> {
+        let wanted = extension(path);
+        let fits = |format: &&dyn ResultFormat| match name {
+            Some(name) => {
+                short_name(format.name()) == short_name(name) || format.extensions().contains(&name)
+            }
+            None => format.is_written() && format.extensions().contains(&wanted.as_str()),
+        };
+        let Some(format) = self.results().find(fits) else {
+            let known =
+                self.results().filter(|format| format.is_written()).flat_map(|format| format.extensions());
+            let what = name.map_or_else(|| format!("\".{wanted}\""), |name| format!("{name:?}"));
+            let message = format!("no format that granum writes is {what}; it may be {}", any_of(known));
+            return Err(Error::content(path, message));
+        };
+        format.write(path, observations)
     }
 
     /// Writes a packing in the format of the file's extension.
@@ -154,19 +271,37 @@ impl Formats {
     /// # Errors
     /// If no format has that extension, or as for [`PackingFormat::write`].
     pub fn write_packing(&self, path: &Path, packing: &Packing) -> Result<()> {
-        self.packing(path)?.write(path, packing)
+        match self.packing(path) {
+            Ok(format) => format.write(path, packing),
+            Err(_) => self.write_results(path, None, &[Observation::of_packing(packing)]),
+        }
     }
 
     fn packing(&self, path: &Path) -> Result<&dyn PackingFormat> {
         let wanted = extension(path);
         self.packings().find(|format| format.extensions().contains(&wanted.as_str())).ok_or_else(|| {
             let known = self.packings().flat_map(|format| format.extensions());
+            let results = self.results().flat_map(|format| format.extensions());
+            let known = known.chain(results);
             Error::content(
                 path,
                 format!("is not a known packing format: its name should end in {}", any_of(known)),
             )
         })
     }
+}
+
+/// The beginning of a file, by which its format may be recognised.
+fn head(path: &Path) -> Result<Vec<u8>> {
+    let mut head = Vec::new();
+    let file = File::open(path).map_err(Error::file("read", path))?;
+    file.take(HEAD).read_to_end(&mut head).map_err(Error::file("read", path))?;
+    Ok(head)
+}
+
+/// A name without capitals and blanks: "LAMMPS data" and "lammps-data" are one.
+fn short_name(name: &str) -> String {
+    name.to_lowercase().replace([' ', '_'], "-")
 }
 
 fn extension(path: &Path) -> String {
@@ -263,11 +398,11 @@ mod tests {
     #[test]
     fn a_format_of_ones_own_is_recognised_by_how_a_file_begins() {
         let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("data.txt");
+        let file = folder.path().join("data.pack");
         std::fs::write(&file, "pair").unwrap();
         let error = read_packing(&file).unwrap_err().to_string();
         assert!(
-            error.ends_with("data.txt: is not a known packing format: its name should end in .csv"),
+            error.contains("data.pack: is not a known packing format: its name should end in .csv, .dump"),
             "{error}"
         );
         let formats = Formats::standard().with_packing(Pair);

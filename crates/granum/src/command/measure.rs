@@ -1,17 +1,18 @@
-//! `granum measure`: every sensor on one assembly, of granum or of another program.
+//! `granum measure`: every sensor on one assembly or on a series of them, of granum or of another program.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use granum_core::quantity::{Dimension, parse_quantity};
 use granum_core::{Assembly, Column, Part, Parts, Table};
 use granum_dem::config::{Contact, CriticalState, Material, NormalKind, Recording, TangentialKind};
 use granum_dem::simulation::Properties;
+use granum_io::formats::Formats;
 use granum_io::{Case, Run};
 use granum_run::laboratory::simulation;
-use granum_sensors::{Measurement, Sensors};
+use granum_sensors::{MeasuredSeries, Measurement, SensorColumn, Sensors};
 use serde_json::{Map, Value, json};
 
+use super::sources::{SourceFlags, edges};
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -20,16 +21,21 @@ use crate::output;
 ///
 /// The data are a snapshot of a run folder, a packing (grains that overlap touch; with --case their forces follow from the
 /// contact law), or tables of another program: --grains with the columns id, position_x ... and any others of a snapshot,
-/// --contacts with first, second and any others.
+/// --contacts with first, second and any others. Results of other programs are read as they are (LAMMPS and LIGGGHTS dumps and
+/// data files, text and VTK of YADE, .data, .fstat and restart of MercuryDPM, extended XYZ, GSD): several files are joined, and
+/// several instants make a series.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum measure run-1\n  granum measure packing.csv --case my-sand.toml\n  granum measure --grains \
-                  grains.csv --contacts contacts.csv --cell \"2 mm, 2 mm, 2 mm\"\n  granum measure --list"
+                  grains.csv --contacts contacts.csv --cell \"2 mm, 2 mm, 2 mm\"\n  granum measure grains.dump contacts.dump --columns \
+                  contacts.dump=index,patom1,patom2,fx,fy,fz,p1,p2,p3 --output series.parquet\n  granum measure --list"
 )]
 pub struct Measure {
-    /// A run folder or a packing file.
-    #[arg(required_unless_present_any = ["list", "grains"])]
-    data: Option<PathBuf>,
+    /// A run folder, a packing file, or files of results of another program.
+    #[arg(required_unless_present_any = ["list", "grains"], value_name = "DATA")]
+    data: Vec<PathBuf>,
+    #[command(flatten)]
+    sources: SourceFlags,
     /// Snapshot of the run folder; the one at its end by default.
     #[arg(long, value_name = "NAME", requires = "data")]
     snapshot: Option<String>,
@@ -37,18 +43,15 @@ pub struct Measure {
     #[arg(long, value_name = "FILE", requires = "data")]
     case: Option<PathBuf>,
     /// Table of grains (CSV or Parquet) of another program, in SI units.
-    #[arg(long, value_name = "FILE", requires = "cell", conflicts_with = "data")]
+    #[arg(long, value_name = "FILE", conflicts_with = "data")]
     grains: Option<PathBuf>,
     /// Table of contacts of another program.
     #[arg(long, value_name = "FILE", requires = "grains")]
     contacts: Option<PathBuf>,
-    /// Edges of its periodic cuboid cell.
-    #[arg(long, value_name = "A, B, C", requires = "grains")]
-    cell: Option<String>,
     /// List the sensors with their columns and what they need, and measure nothing.
     #[arg(long, conflicts_with_all = ["data", "grains"])]
     list: bool,
-    /// Where to write the values as a table of one row (CSV or Parquet by extension).
+    /// Where to write the values as a table of one row an instant (CSV or Parquet by extension).
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
@@ -59,45 +62,71 @@ impl Measure {
         if self.list {
             return list(context, &sensors);
         }
-        let (assembly, parts) = self.read()?;
+        let observations = self.read()?;
         let critical_state = self.critical_state()?;
         let recording = Recording::default().with(|recording| recording.critical_state = critical_state);
-        let measured = sensors.measure_with(&assembly, parts, &recording);
-        if let Some(path) = &self.output {
-            let column = |(column, value): &(granum_sensors::SensorColumn, f64)| {
-                Column::new(column.name, if column.unit == "1" { "" } else { column.unit }, vec![*value])
-            };
-            let table = Table::new(measured.columns.iter().map(column).collect())?;
-            granum_io::check_output_file(path, context.force)?;
-            granum_io::write_table(path, &table)?;
+        if let [(assembly, parts)] = &observations[..] {
+            let measured = sensors.measure_with(assembly, *parts, &recording);
+            let rows = measured.columns.iter().map(|(column, value)| (*column, vec![*value])).collect();
+            self.write(context, rows)?;
+            return output::say(context, &as_json(assembly, &measured), || text(assembly, &measured));
         }
-        output::say(context, &as_json(&assembly, &measured), || text(&assembly, &measured))
+        let views: Vec<(&Assembly, Parts)> =
+            observations.iter().map(|(assembly, parts)| (assembly, *parts)).collect();
+        let series = sensors.measure_series_with(&views, &recording);
+        self.write(context, series.columns.clone())?;
+        output::say(context, &series_json(&series), || series_text(&series, observations.len()))
     }
 
     /// The critical state line of the run or of the case, if one is given.
     fn critical_state(&self) -> Result<CriticalState, Failure> {
-        Ok(match (&self.case, &self.data) {
+        Ok(match (&self.case, self.data.first()) {
             (Some(case), _) => Case::read(case)?.recording.critical_state,
             (None, Some(data)) if data.is_dir() => Run::at(data)?.case()?.recording.critical_state,
             _ => CriticalState::default(),
         })
     }
 
-    /// The assembly and which of its parts are known.
-    fn read(&self) -> Result<(Assembly, Parts), Failure> {
-        if let (Some(grains), Some(cell)) = (&self.grains, &self.cell) {
-            return Ok(granum_io::read_assembly(grains, self.contacts.as_deref(), edges(cell)?)?);
+    /// Writes the columns to the file that is asked for, if any.
+    fn write(&self, context: &Context, columns: Vec<(SensorColumn, Vec<f64>)>) -> Result<(), Failure> {
+        let Some(path) = &self.output else { return Ok(()) };
+        let column = |(column, values): (SensorColumn, Vec<f64>)| {
+            Column::new(column.name, if column.unit == "1" { "" } else { column.unit }, values)
+        };
+        let table = Table::new(columns.into_iter().map(column).collect())?;
+        granum_io::check_output_file(path, context.force)?;
+        Ok(granum_io::write_table(path, &table)?)
+    }
+
+    /// The assemblies and which of their parts are known.
+    fn read(&self) -> Result<Vec<(Assembly, Parts)>, Failure> {
+        if let Some(grains) = &self.grains {
+            let Some(cell) = &self.sources.cell else {
+                return Err(Failure::new("--grains needs the cell: give --cell \"2 mm, 2 mm, 2 mm\""));
+            };
+            return Ok(vec![granum_io::read_assembly(grains, self.contacts.as_deref(), edges(cell)?)?]);
         }
-        let Some(data) = &self.data else { return Err(Failure::new("there is nothing to measure")) };
-        if !data.is_dir() {
-            if let Some(name) = &self.snapshot {
-                return Err(Failure::new(format!(
-                    "--snapshot {name}: {} is not a run folder",
-                    data.display()
-                )));
-            }
-            return self.packing(data);
+        let Some(data) = self.data.first() else { return Err(Failure::new("there is nothing to measure")) };
+        if data.is_dir() && self.data.len() == 1 {
+            return Ok(vec![self.run_folder(data)?]);
         }
+        if let Some(name) = &self.snapshot {
+            return Err(Failure::new(format!("--snapshot {name}: {} is no run folder", data.display())));
+        }
+        if self.data.len() == 1 && (self.case.is_some() || !Formats::standard().is_result(data)?) {
+            return Ok(vec![self.packing(data)?]);
+        }
+        if let Some(case) = &self.case {
+            return Err(Failure::new(format!(
+                "--case {}: it goes with one packing, not with several files",
+                case.display()
+            )));
+        }
+        let found = self.sources.read(&self.data)?;
+        Ok(found.into_iter().map(|observation| (observation.assembly, observation.parts)).collect())
+    }
+
+    fn run_folder(&self, data: &Path) -> Result<(Assembly, Parts), Failure> {
         if self.case.is_some() {
             return Err(Failure::new(format!("--case: {} is a run, which has its own case", data.display())));
         }
@@ -138,16 +167,6 @@ impl Measure {
     }
 }
 
-/// Three lengths with units, as `2 mm, 2 mm, 3 mm`.
-fn edges(text: &str) -> Result<[f64; 3], Failure> {
-    let wrong = |why: String| {
-        Failure::new(format!("--cell {text:?}: {why}; give three lengths, e.g. \"2 mm, 2 mm, 3 mm\""))
-    };
-    let lengths = text.split(',').map(|item| parse_quantity(item.trim(), Dimension::LENGTH).map_err(&wrong));
-    let lengths = lengths.collect::<Result<Vec<f64>, Failure>>()?;
-    <[f64; 3]>::try_from(lengths).map_err(|found| wrong(format!("it has {} lengths", found.len())))
-}
-
 fn as_json(assembly: &Assembly, measured: &Measurement) -> Value {
     let columns: Map<String, Value> =
         measured.columns.iter().map(|(column, value)| (column.name.to_string(), json!(value))).collect();
@@ -178,6 +197,30 @@ fn text(assembly: &Assembly, measured: &Measurement) -> String {
     if !measured.left_out.is_empty() {
         lines.push("not measured:".into());
         lines.extend(measured.left_out.iter().map(|left_out| format!("  {left_out}")));
+    }
+    lines.join("\n")
+}
+
+fn series_json(series: &MeasuredSeries) -> Value {
+    let columns: Map<String, Value> =
+        series.columns.iter().map(|(column, values)| (column.name.to_string(), json!(values))).collect();
+    let left_out: Vec<Value> = (series.left_out.iter())
+        .map(|left_out| json!({ "sensor": left_out.sensor, "columns": left_out.columns, "reason": left_out.to_string() }))
+        .collect();
+    json!({ "values": columns, "left_out": left_out })
+}
+
+/// The first and the last value of every column.
+fn series_text(series: &MeasuredSeries, count: usize) -> String {
+    let mut lines = vec![format!("{count} instants; the first and the last value of each column")];
+    for (column, values) in &series.columns {
+        let unit = if column.unit == "1" { "" } else { column.unit };
+        let [first, last] = [values.first(), values.last()].map(|value| value.copied().unwrap_or(0.0));
+        lines.push(format!("{:32} {first:13.6e} {last:13.6e} {unit}", column.name).trim_end().to_string());
+    }
+    if !series.left_out.is_empty() {
+        lines.push("not measured:".into());
+        lines.extend(series.left_out.iter().map(|left_out| format!("  {left_out}")));
     }
     lines.join("\n")
 }

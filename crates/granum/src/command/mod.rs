@@ -6,6 +6,7 @@ mod checkpoints;
 mod compare;
 mod digest;
 mod evaluate;
+mod export;
 mod forces;
 mod hardware;
 mod impact;
@@ -27,6 +28,7 @@ mod run_report;
 mod schema;
 mod scores;
 mod shear;
+mod sources;
 mod spread;
 mod status;
 mod stiffness;
@@ -58,6 +60,7 @@ pub enum Command {
     Evaluate(evaluate::Evaluate),
     Measure(measure::Measure),
     Stiffness(stiffness::MeasureStiffness),
+    Export(export::Export),
     Forces(forces::Forces),
     Pair(pair::Pair),
     Impact(impact::Impact),
@@ -84,6 +87,7 @@ impl Command {
             Command::Evaluate(command) => command.run(context),
             Command::Measure(command) => command.run(context),
             Command::Stiffness(command) => command.run(context),
+            Command::Export(command) => command.run(context),
             Command::Forces(command) => command.run(context),
             Command::Pair(command) => command.run(context),
             Command::Impact(command) => command.run(context),

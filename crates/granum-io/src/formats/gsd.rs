@@ -1,0 +1,161 @@
+//! GSD, the binary format of HOOMD-blue, as OVITO and freud read it (layout of versions 1 and 2, schema `hoomd` 1).
+//!
+//! Chunks that are read: `configuration/step`, `configuration/box`, `particles/N`, `position`, `velocity`, `mass`, `diameter`,
+//! and `angmom` is passed over. A chunk that a frame lacks is that of the first frame, as HOOMD-blue has it. HOOMD-blue's box has
+//! its centre at the origin, and its tilt factors are those of the edges divided by their lengths. Where the file has no
+//! diameters and masses, radii and masses are not known.
+//!
+//! Written are single precision, as the schema wants it, and in `log/particles/granum_position` and `log/particles/granum_radius`
+//! the same in double precision, which granum prefers when it reads; a cell is turned as for a LAMMPS data file.
+
+mod layout;
+
+use std::io::Write;
+use std::path::Path;
+
+use granum_core::Part;
+use granum_core::assembly::{Grain, Vector};
+use granum_core::geometry::apply;
+
+use self::layout::{File, Kind, Writer};
+use super::lammps_data::restricted;
+use super::result::{Frame, FrameCell, Observation, ReadOptions, ResultFormat};
+use crate::atomic::write_atomically;
+use crate::error::{Error, Result};
+
+/// The format.
+pub struct Gsd;
+
+/// Places and radii in double precision.
+const EXACT: [&str; 2] = ["log/particles/granum_position", "log/particles/granum_radius"];
+
+impl ResultFormat for Gsd {
+    fn name(&self) -> &'static str {
+        "GSD"
+    }
+    fn extensions(&self) -> &'static [&'static str] {
+        &["gsd"]
+    }
+    fn recognises(&self, head: &[u8]) -> bool {
+        head.starts_with(&layout::MAGIC)
+    }
+    fn read(&self, path: &Path, _: &ReadOptions) -> Result<Vec<Frame>> {
+        let file = File::open(path)?;
+        let frames: Vec<Frame> = (0..file.frames()).map(|k| frame(path, &file, k)).collect::<Result<_>>()?;
+        if frames.is_empty() {
+            return Err(Error::content(path, "has no frames"));
+        }
+        Ok(frames)
+    }
+    fn is_written(&self) -> bool {
+        true
+    }
+    fn write(&self, path: &Path, observations: &[Observation]) -> Result<()> {
+        let mut writer = Writer::new();
+        for observation in observations {
+            if !observation.parts.has(Part::Cell) {
+                return Err(Error::content(path, "a GSD file needs a periodic cell, which the data lack"));
+            }
+            add(&mut writer, observation);
+        }
+        let bytes = writer.finish();
+        write_atomically(path, |file| file.write_all(&bytes))
+    }
+}
+
+fn frame(path: &Path, file: &File, k: u64) -> Result<Frame> {
+    let numbers = |name: &str| file.numbers(k, name);
+    let count = numbers("particles/N")?.and_then(|n| n.first().copied()).unwrap_or(0.0) as usize;
+    let step = numbers("configuration/step")?.and_then(|n| n.first().copied()).unwrap_or(0.0);
+    let mut frame = Frame { step: Some(step as u64), ..Frame::default() };
+    let Some(cell) = numbers("configuration/box")? else {
+        return Err(Error::content(path, format!("frame {k} has no configuration/box")));
+    };
+    let [lx, ly, lz, xy, xz, yz] = <[f64; 6]>::try_from(cell)
+        .map_err(|_| Error::content(path, format!("frame {k}: configuration/box must have six numbers")))?;
+    let edges = [[lx, xy * ly, xz * lz], [0.0, ly, yz * lz], [0.0, 0.0, lz]];
+    let origin = apply(&edges, [-0.5; 3]);
+    frame.cell = Some(FrameCell { origin, edges });
+    let rows = |name: &str, width: usize| -> Result<Option<Vec<f64>>> {
+        let found = numbers(name)?;
+        if found.as_ref().is_some_and(|values| values.len() != width * count) {
+            let message =
+                format!("frame {k}: {name} must have {width} numbers for each of {count} particles");
+            return Err(Error::content(path, message));
+        }
+        Ok(found)
+    };
+    let exact = rows(EXACT[0], 3)?;
+    let Some(places) = exact.map_or_else(|| rows("particles/position", 3), |found| Ok(Some(found)))? else {
+        return Err(Error::content(path, format!("frame {k} has no particles/position")));
+    };
+    let exact = rows(EXACT[1], 1)?;
+    let halved = |values: Vec<f64>| values.into_iter().map(|diameter| 0.5 * diameter).collect::<Vec<f64>>();
+    let radii = match exact {
+        Some(found) => Some(found),
+        None => rows("particles/diameter", 1)?.map(halved),
+    };
+    let (masses, velocities) = (rows("particles/mass", 1)?, rows("particles/velocity", 3)?);
+    let three =
+        |values: &[f64], at: usize| -> Vector { [values[3 * at], values[3 * at + 1], values[3 * at + 2]] };
+    frame.grains = (0..count)
+        .map(|at| Grain {
+            id: at as u64 + 1,
+            position: three(&places, at),
+            radius: radii.as_ref().map_or(0.0, |values| values[at]),
+            mass: masses.as_ref().map_or(0.0, |values| values[at]),
+            velocity: velocities.as_ref().map_or([0.0; 3], |values| three(values, at)),
+            ..Grain::default()
+        })
+        .collect();
+    frame.knows(&[Part::Positions]);
+    let known = [
+        (radii.is_some(), Part::Radii),
+        (masses.is_some(), Part::Masses),
+        (velocities.is_some(), Part::Velocities),
+    ];
+    for (_, part) in known.into_iter().filter(|(known, _)| *known) {
+        frame.knows(&[part]);
+    }
+    Ok(frame)
+}
+
+/// Adds the chunks of one observation.
+fn add(writer: &mut Writer, observation: &Observation) {
+    let (assembly, parts) = (&observation.assembly, observation.parts);
+    let (turn, edges) = restricted(&assembly.cell);
+    let middle = apply(&edges, [0.5; 3]);
+    let place = |grain: &Grain| {
+        let turned = apply(&turn, grain.position);
+        let inverse = granum_core::geometry::invert(&edges);
+        // Into the cell whose centre is the origin.
+        let shift = apply(&inverse, turned).map(f64::floor);
+        let back = apply(&edges, shift);
+        let place: Vector = std::array::from_fn(|a| turned[a] - back[a] - middle[a]);
+        place
+    };
+    let (lx, ly, lz) = (edges[0][0], edges[1][1], edges[2][2]);
+    let cell = [lx, ly, lz, edges[0][1] / ly, edges[0][2] / lz, edges[1][2] / lz];
+    writer.chunk("configuration/step", Kind::U64, 1, &[assembly.step as f64]);
+    writer.chunk("configuration/box", Kind::F32, 1, &cell);
+    writer.chunk("particles/N", Kind::U32, 1, &[assembly.grains.len() as f64]);
+    let places: Vec<f64> = assembly.grains.iter().flat_map(place).collect();
+    writer.chunk("particles/position", Kind::F32, 3, &places);
+    writer.chunk(EXACT[0], Kind::F64, 3, &places);
+    if parts.has(Part::Radii) {
+        let radii: Vec<f64> = assembly.grains.iter().map(|grain| grain.radius).collect();
+        let diameters: Vec<f64> = radii.iter().map(|radius| 2.0 * radius).collect();
+        writer.chunk("particles/diameter", Kind::F32, 1, &diameters);
+        writer.chunk(EXACT[1], Kind::F64, 1, &radii);
+    }
+    if parts.has(Part::Masses) {
+        let masses: Vec<f64> = assembly.grains.iter().map(|grain| grain.mass).collect();
+        writer.chunk("particles/mass", Kind::F32, 1, &masses);
+    }
+    if parts.has(Part::Velocities) {
+        let velocities: Vec<f64> =
+            assembly.grains.iter().flat_map(|grain| apply(&turn, grain.velocity)).collect();
+        writer.chunk("particles/velocity", Kind::F32, 3, &velocities);
+    }
+    writer.end_frame();
+}

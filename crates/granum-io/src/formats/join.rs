@@ -1,0 +1,324 @@
+//! Assemblies from the frames of one or several files: contacts find their grains by step, time or order, and what a file does
+//! not give but geometry does (branch, normal, overlap, strain) is added.
+
+use std::path::{Path, PathBuf};
+
+use granum_core::assembly::{Assembly, Contact, Grain, Vector};
+use granum_core::geometry::{apply, invert};
+use granum_core::{Part, Parts};
+
+use super::result::{Frame, FrameCell, Observation, Pair};
+use super::strain::add_strains;
+use crate::error::{Error, Result};
+
+/// What the files do not say.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct JoinOptions {
+    /// The periodic cell of files that have none.
+    pub cell: Option<FrameCell>,
+    /// Density of the grains, kg/m3, of files that have no masses.
+    pub density: Option<f64>,
+    /// Time step, s, of files that have steps but no times.
+    pub time_step: Option<f64>,
+}
+
+impl JoinOptions {
+    /// Options with this cell, density (kg/m3) and time step (s).
+    pub fn new(cell: Option<FrameCell>, density: Option<f64>, time_step: Option<f64>) -> JoinOptions {
+        JoinOptions { cell, density, time_step }
+    }
+}
+
+/// The observations that the frames of these files make up, in the order of the frames of grains.
+///
+/// A frame of contacts belongs to the frame of grains of the same step, or else of the same time, or else of the same place in
+/// the order of the files. A frame with neither grains nor contacts gives its cell to frames without one, in the same way.
+///
+/// # Errors
+/// If there are no grains, if a frame of contacts finds none, or a contact names a grain that is not there.
+pub fn join(files: Vec<(PathBuf, Vec<Frame>)>, options: &JoinOptions) -> Result<Vec<Observation>> {
+    let mut grains: Vec<(PathBuf, Frame)> = Vec::new();
+    let mut others: Vec<(PathBuf, Vec<Frame>)> = Vec::new();
+    for (path, frames) in files {
+        let (with, without): (Vec<Frame>, Vec<Frame>) =
+            frames.into_iter().partition(|frame| !frame.grains.is_empty());
+        grains.extend(with.into_iter().map(|frame| (path.clone(), frame)));
+        if !without.is_empty() {
+            others.push((path, without));
+        }
+    }
+    if grains.is_empty() {
+        let path = others.first().map_or_else(PathBuf::new, |(path, _)| path.clone());
+        return Err(Error::content(&path, "has no grains: give the file of the grains beside it"));
+    }
+    // Several files of one frame each stand for one another's instants in their order, as contacts-1.vtk, contacts-2.vtk.
+    if others.len() > 1 && others.iter().all(|(_, frames)| frames.len() == 1) {
+        others = by_kind(others);
+    }
+    for (path, frames) in others {
+        attach(&mut grains, &path, frames)?;
+    }
+    let mut found = Vec::with_capacity(grains.len());
+    for (path, frame) in grains {
+        found.push(observation(&path, frame, options)?);
+    }
+    add_strains(&mut found);
+    Ok(found)
+}
+
+/// Files of one frame each as two lists: those of contacts, and those of cells alone.
+fn by_kind(files: Vec<(PathBuf, Vec<Frame>)>) -> Vec<(PathBuf, Vec<Frame>)> {
+    let mut kinds: Vec<(PathBuf, Vec<Frame>)> = Vec::new();
+    for (path, frames) in files {
+        for frame in frames {
+            let same = |other: &Frame| other.contacts.is_some() == frame.contacts.is_some();
+            match kinds.iter_mut().find(|(_, known)| known.first().is_some_and(same)) {
+                Some((_, known)) => known.push(frame),
+                None => kinds.push((path.clone(), vec![frame])),
+            }
+        }
+    }
+    kinds
+}
+
+/// Gives the contacts or cells of one file to the frames of grains.
+fn attach(grains: &mut [(PathBuf, Frame)], path: &Path, frames: Vec<Frame>) -> Result<()> {
+    let (count, all) = (frames.len(), grains.len());
+    for (place, frame) in frames.into_iter().enumerate() {
+        let same_step = |known: &Frame| frame.step.is_some() && known.step == frame.step;
+        let same_time = |known: &Frame| match (known.time, frame.time) {
+            (Some(a), Some(b)) => (a - b).abs() <= 1e-9 * a.abs().max(b.abs()),
+            _ => false,
+        };
+        let steps = frame.step.is_some() && grains.iter().any(|(_, known)| known.step.is_some());
+        let times = frame.time.is_some() && grains.iter().any(|(_, known)| known.time.is_some());
+        let at = if steps {
+            grains.iter().position(|(_, known)| same_step(known))
+        } else if times {
+            grains.iter().position(|(_, known)| same_time(known))
+        } else if count == 1 && frame.contacts.is_none() {
+            // One cell for all.
+            grains.iter_mut().for_each(|(_, known)| known.cell = known.cell.or(frame.cell));
+            continue;
+        } else {
+            (count == all).then_some(place)
+        };
+        let Some(at) = at else { return Err(no_partner(path, &frame, place, count, all)) };
+        let known = &mut grains[at].1;
+        known.cell = known.cell.or(frame.cell);
+        known.time = known.time.or(frame.time);
+        if frame.contacts.is_some() {
+            known.contacts = frame.contacts;
+        }
+    }
+    Ok(())
+}
+
+fn no_partner(path: &Path, frame: &Frame, place: usize, count: usize, all: usize) -> Error {
+    let what = match (frame.step, frame.time) {
+        (Some(step), _) => format!("there are no grains of step {step} for its contacts"),
+        (None, Some(time)) => format!("there are no grains of the time {time} s for its contacts"),
+        _ => format!(
+            "its instant {} of {count} cannot be told among {all} of the grains: give as many of both",
+            place + 1
+        ),
+    };
+    Error::content(path, what)
+}
+
+/// One observation: grains in the order of their ids, wrapped into the cell, and their contacts.
+fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<Observation> {
+    let Frame { step, time, cell, mut grains, contacts, mut parts } = frame;
+    grains.sort_by_key(|grain| grain.id);
+    if let Some(pair) = grains.windows(2).find(|pair| pair[0].id == pair[1].id) {
+        return Err(Error::content(path, format!("grain {} stands there twice", pair[0].id)));
+    }
+    let cell = cell.or(options.cell);
+    if let Some(cell) = &cell {
+        wrap(path, &mut grains, cell)?;
+        parts = parts.with(Part::Cell);
+    }
+    if let Some(density) = options.density.filter(|_| !parts.has(Part::Masses) && parts.has(Part::Radii)) {
+        let mass = |radius: f64| density * 4.0 / 3.0 * std::f64::consts::PI * radius * radius * radius;
+        grains.iter_mut().for_each(|grain| grain.mass = mass(grain.radius));
+        parts = parts.with(Part::Masses);
+    }
+    let time = time.or_else(|| Some(step? as f64 * options.time_step?));
+    if time.is_some() {
+        parts = parts.with(Part::Time);
+    }
+    let mut assembly = Assembly {
+        time: time.unwrap_or(0.0),
+        step: step.unwrap_or(0),
+        time_step: options.time_step.unwrap_or(0.0),
+        cell: cell.map_or([[0.0; 3]; 3], |cell| cell.edges),
+        grains,
+        ..Assembly::default()
+    };
+    if let Some(pairs) = contacts {
+        parts = add_contacts(path, &mut assembly, parts, &pairs)?;
+    }
+    Ok(Observation { assembly, parts, origin: cell.map_or([0.0; 3], |cell| cell.origin) })
+}
+
+/// Moves the grains so that a corner of the cell is at the origin and each of them is inside.
+fn wrap(path: &Path, grains: &mut [Grain], cell: &FrameCell) -> Result<()> {
+    let inverse = invert(&cell.edges);
+    if inverse.iter().flatten().any(|x| !x.is_finite()) {
+        return Err(Error::content(path, "the volume of its cell is zero"));
+    }
+    for grain in grains {
+        let from_corner: Vector = std::array::from_fn(|a| grain.position[a] - cell.origin[a]);
+        let shift = apply(&inverse, from_corner).map(f64::floor);
+        let moved = apply(&cell.edges, shift);
+        // A grain inside keeps the bits of its place.
+        grain.position =
+            if shift == [0.0; 3] { from_corner } else { std::array::from_fn(|a| from_corner[a] - moved[a]) };
+    }
+    Ok(())
+}
+
+/// The vector between two places that is shortest among all images of a cell. A cell of zero volume has no images.
+fn nearest_image(edges: &granum_core::assembly::Matrix, apart: Vector) -> Vector {
+    let inverse = invert(edges);
+    if inverse.iter().flatten().any(|x| !x.is_finite()) {
+        return apart;
+    }
+    let middle = apply(&inverse, apart).map(f64::round);
+    let mut best = (f64::INFINITY, apart);
+    for n in 0..27 {
+        let shift =
+            std::array::from_fn(|a| middle[a] + [n % 3, n / 3 % 3, n / 9].map(|k| f64::from(k) - 1.0)[a]);
+        let moved = apply(edges, shift);
+        let vector: Vector = std::array::from_fn(|a| apart[a] - moved[a]);
+        let square = dot(&vector, &vector);
+        if square < best.0 {
+            best = (square, vector);
+        }
+    }
+    best.1
+}
+
+fn dot(a: &Vector, b: &Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn add_contacts(path: &Path, assembly: &mut Assembly, mut parts: Parts, pairs: &[Pair]) -> Result<Parts> {
+    let grains = &assembly.grains;
+    let index = |id: u64| {
+        grains.binary_search_by_key(&id, |grain| grain.id).map_err(|_| {
+            Error::content(path, format!("a contact names the grain {id}, which is not among the grains"))
+        })
+    };
+    let radii = parts.has(Part::Radii);
+    let mut contacts = Vec::with_capacity(pairs.len());
+    for pair in pairs {
+        let (i, j) = (index(pair.first)?, index(pair.second)?);
+        let (one, two) = (&grains[i], &grains[j]);
+        let apart = || std::array::from_fn(|a| two.position[a] - one.position[a]);
+        let branch = pair.branch.unwrap_or_else(|| nearest_image(&assembly.cell, apart()));
+        let length = dot(&branch, &branch).sqrt();
+        if length == 0.0 {
+            let message =
+                format!("the grains {} and {} of a contact are at one place", pair.first, pair.second);
+            return Err(Error::content(path, message));
+        }
+        let normal = pair.normal.unwrap_or_else(|| branch.map(|x| x / length));
+        let (normal_force, tangential_force) = forces(pair, &normal);
+        let geometric = if radii { one.radius + two.radius - length } else { 0.0 };
+        contacts.push(Contact {
+            i,
+            j,
+            branch,
+            normal,
+            approach: pair.approach.unwrap_or(geometric),
+            normal_force: normal_force.unwrap_or(0.0),
+            tangential_force: tangential_force.unwrap_or([0.0; 3]),
+            ..Contact::default()
+        });
+    }
+    // A part is known where every contact has it.
+    let every = |known: &dyn Fn(&Pair) -> bool| pairs.iter().all(known);
+    parts = parts.with(Part::Contacts);
+    let known = [
+        (Part::Overlaps, radii || every(&|pair| pair.approach.is_some())),
+        (Part::NormalForces, every(&|pair| pair.force.or(pair.normal_force.map(|_| [0.0; 3])).is_some())),
+        (Part::TangentialForces, every(&|pair| pair.force.or(pair.tangential_force).is_some())),
+    ];
+    for (part, known) in known {
+        if known {
+            parts = parts.with(part);
+        }
+    }
+    assembly.contacts = contacts;
+    Ok(parts)
+}
+
+/// Normal force, compression positive, and tangential force on the first grain, where they are known.
+fn forces(pair: &Pair, normal: &Vector) -> (Option<f64>, Option<Vector>) {
+    let Some(force) = pair.force else { return (pair.normal_force, pair.tangential_force) };
+    let compression = -dot(&force, normal);
+    let tangential = std::array::from_fn(|a| force[a] + compression * normal[a]);
+    (Some(compression), Some(tangential))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame(step: u64, places: &[Vector]) -> Frame {
+        let grain = |(k, position): (usize, &Vector)| Grain {
+            id: 10 - k as u64,
+            position: *position,
+            radius: 0.5,
+            ..Grain::default()
+        };
+        let mut frame = Frame { step: Some(step), ..Frame::default() };
+        frame.grains = places.iter().enumerate().map(grain).collect();
+        frame.cell = Some(FrameCell::between([-1.0; 3], [3.0; 3]));
+        frame.knows(&[Part::Positions, Part::Radii]);
+        frame
+    }
+
+    fn contacts(step: u64, pair: Pair) -> Frame {
+        Frame { step: Some(step), contacts: Some(vec![pair]), ..Frame::default() }
+    }
+
+    #[test]
+    fn contacts_find_their_grains_by_step_and_across_the_boundary() {
+        let grains =
+            vec![frame(5, &[[0.0; 3], [1.0, 0.0, 0.0]]), frame(7, &[[2.9, 0.0, 0.0], [-0.2, 0.0, 3.0]])];
+        let pair = Pair { first: 10, second: 9, force: Some([-3.0, 0.5, 0.0]), ..Pair::default() };
+        let files = vec![("c".into(), vec![contacts(7, pair)]), ("g".into(), grains)];
+        let found = join(files, &JoinOptions::default()).unwrap();
+        assert_eq!(found.len(), 2);
+        assert!(!found[0].parts.has(Part::Contacts) && found[1].parts.has(Part::TangentialForces));
+        let contact = found[1].assembly.contacts[0];
+        // The order of ids: grain 9 is the first.
+        assert_eq!((contact.i, contact.j), (1, 0));
+        assert!((contact.branch[0] - 0.9).abs() < 1e-12, "{:?}", contact.branch);
+        assert!((contact.branch[2] + 1.0).abs() < 1e-12, "{:?}", contact.branch);
+        let total = contact.force();
+        assert!((total[0] + 3.0).abs() < 1e-12 && (total[1] - 0.5).abs() < 1e-12 && total[2].abs() < 1e-12);
+        assert!(dot(&contact.tangential_force, &contact.normal).abs() < 1e-12);
+        // Grains are wrapped, and the corner of the cell is the origin.
+        assert!((found[1].assembly.grains[0].position[2]).abs() < 1e-12);
+        assert_eq!(found[0].origin, [-1.0; 3]);
+    }
+
+    #[test]
+    fn what_does_not_belong_together_is_refused() {
+        let grains = || vec![("g".into(), vec![frame(5, &[[0.0; 3], [1.0, 0.0, 0.0]])])];
+        let message = |files| join(files, &JoinOptions::default()).unwrap_err().to_string();
+        let pair = Pair { first: 10, second: 9, ..Pair::default() };
+        let mut files: Vec<(PathBuf, Vec<Frame>)> = grains();
+        files.push(("c".into(), vec![contacts(6, pair)]));
+        assert_eq!(message(files), "c: there are no grains of step 6 for its contacts");
+        let mut files: Vec<(PathBuf, Vec<Frame>)> = grains();
+        files.push(("c".into(), vec![contacts(5, Pair { second: 4, ..pair })]));
+        assert!(message(files).contains("a contact names the grain 4"));
+        let only = vec![("c".into(), vec![contacts(5, pair)])];
+        assert_eq!(message(only), "c: has no grains: give the file of the grains beside it");
+    }
+}

@@ -1,0 +1,263 @@
+//! Data files of LAMMPS and LIGGGHTS (`read_data`, `write_data`) with `atom_style sphere` (`granular` in LIGGGHTS): grains with
+//! diameter and density in a box that may be tilted, and their velocities where the section is there.
+//!
+//! Written is the same, with the velocity of each grain as LAMMPS has it, the homogeneous part included. LAMMPS needs the first
+//! edge along x and the second in the plane of x and y, with small tilts: a cell of another shape is turned, with everything in
+//! it, and its edges are replaced by equivalent ones.
+
+use std::io::Write;
+use std::path::Path;
+
+use granum_core::Part;
+use granum_core::assembly::{Assembly, Grain, Matrix, Vector};
+use granum_core::geometry::apply;
+
+use super::result::{Frame, FrameCell, Observation, ReadOptions, ResultFormat};
+use super::words::{Words, head_lines};
+use crate::atomic::write_atomically;
+use crate::error::{Error, Result};
+
+/// The format.
+pub struct LammpsData;
+
+impl ResultFormat for LammpsData {
+    fn name(&self) -> &'static str {
+        "LAMMPS data"
+    }
+    fn extensions(&self) -> &'static [&'static str] {
+        &["data", "lmp"]
+    }
+    fn recognises(&self, head: &[u8]) -> bool {
+        // The first line is a comment, then numbers of atoms and bounds follow in any order.
+        let lines = head_lines(head);
+        let ends = |end: &[&str]| {
+            lines.iter().skip(1).any(|line| {
+                let words: Vec<&str> = line.split('#').next().unwrap_or("").split_whitespace().collect();
+                words.len() > end.len() && words.ends_with(end) && words[0].parse::<f64>().is_ok()
+            })
+        };
+        ends(&["atoms"]) && ends(&["xlo", "xhi"])
+    }
+    fn read(&self, path: &Path, _: &ReadOptions) -> Result<Vec<Frame>> {
+        Ok(vec![read(&mut Words::open(path)?)?])
+    }
+    fn is_written(&self) -> bool {
+        true
+    }
+    fn write(&self, path: &Path, observations: &[Observation]) -> Result<()> {
+        let [observation] = observations else {
+            let message = format!("a LAMMPS data file holds one instant, not {}", observations.len());
+            return Err(Error::content(path, message));
+        };
+        if let [missing, ..] = observation.parts.missing(&[Part::Cell, Part::Radii, Part::Masses])[..] {
+            let message = format!("a LAMMPS data file needs {}, which the data lack", missing.name());
+            return Err(Error::content(path, message));
+        }
+        write(path, observation)
+    }
+}
+
+#[derive(Default)]
+struct Header {
+    atoms: usize,
+    low: Vector,
+    high: Vector,
+    tilt: Vector,
+    bounds: usize,
+}
+
+fn read(words: &mut Words) -> Result<Frame> {
+    words.need("a comment")?;
+    let mut header = Header::default();
+    let mut frame = Frame::default();
+    let mut velocities = false;
+    while words.advance_to_text()? {
+        let line = words.line().split('#').next().unwrap_or("").trim().to_string();
+        let style = words.line().split('#').nth(1).map(|style| style.trim().to_string());
+        match line.as_str() {
+            "" => {}
+            "Atoms" => {
+                check_style(words, style.as_deref())?;
+                frame.grains = read_atoms(words, header.atoms)?;
+            }
+            "Velocities" => {
+                read_velocities(words, &mut frame.grains)?;
+                velocities = true;
+            }
+            "Masses" | "Pair Coeffs" | "Atom Type Labels" | "PairIJ Coeffs" => skip_section(words)?,
+            _ if line.starts_with(|c: char| c.is_ascii_alphabetic()) => {
+                return Err(words.error(format!("the section {line} cannot be read: only spheres can")));
+            }
+            _ => read_header(words, &mut header)?,
+        }
+    }
+    if frame.grains.is_empty() || header.bounds < 3 {
+        let message = "is no LAMMPS data file: it needs xlo xhi, ylo yhi, zlo zhi and the section Atoms";
+        return Err(Error::content(Path::new(words.file()), message));
+    }
+    let mut cell = FrameCell::between(header.low, header.high);
+    (cell.edges[0][1], cell.edges[0][2], cell.edges[1][2]) = (header.tilt[0], header.tilt[1], header.tilt[2]);
+    frame.cell = Some(cell);
+    frame.knows(&[Part::Positions, Part::Radii, Part::Masses]);
+    if velocities {
+        frame.knows(&[Part::Velocities, Part::Spins]);
+    }
+    Ok(frame)
+}
+
+fn read_header(words: &Words, header: &mut Header) -> Result<()> {
+    let text: Vec<&str> = words.words().take_while(|word| !word.starts_with('#')).collect();
+    let ends = |end: &[&str]| text.len() > end.len() && text[text.len() - end.len()..] == *end;
+    if ends(&["atoms"]) {
+        header.atoms = words.count(0, "the number of atoms")?;
+    } else if ends(&["xy", "xz", "yz"]) {
+        header.tilt = words.vector(0, "a tilt")?;
+    } else if let Some(a) = [["xlo", "xhi"], ["ylo", "yhi"], ["zlo", "zhi"]].iter().position(|end| ends(end))
+    {
+        (header.low[a], header.high[a]) = (words.number(0, "a bound")?, words.number(1, "a bound")?);
+        if header.high[a] <= header.low[a] {
+            return Err(words.error("the upper bound must be above the lower one"));
+        }
+        header.bounds += 1;
+    }
+    Ok(())
+}
+
+fn check_style(words: &Words, style: Option<&str>) -> Result<()> {
+    match style {
+        None | Some("sphere" | "granular") => Ok(()),
+        Some(other) => {
+            Err(words.error(format!("atom_style {other} cannot be read; spheres need atom_style sphere")))
+        }
+    }
+}
+
+/// Rows `id type diameter density x y z [ix iy iz]`.
+fn read_atoms(words: &mut Words, count: usize) -> Result<Vec<Grain>> {
+    let mut grains = Vec::with_capacity(count.min(1 << 20));
+    while grains.len() < count {
+        words.need("an atom")?;
+        let length = words.words().take_while(|word| !word.starts_with('#')).count();
+        if length == 0 {
+            continue;
+        }
+        if length != 7 && length != 10 {
+            let message = format!(
+                "the row has {length} words; a sphere has id type diameter density x y z, 7 or 10 in all"
+            );
+            return Err(words.error(message));
+        }
+        let radius = 0.5 * words.positive(2, "diameter")?;
+        let density = words.positive(3, "density")?;
+        grains.push(Grain {
+            id: words.whole(0, "id")?,
+            position: words.vector(4, "a coordinate")?,
+            radius,
+            mass: density * 4.0 / 3.0 * std::f64::consts::PI * radius * radius * radius,
+            ..Grain::default()
+        });
+    }
+    Ok(grains)
+}
+
+/// Rows `id vx vy vz wx wy wz`.
+fn read_velocities(words: &mut Words, grains: &mut [Grain]) -> Result<()> {
+    let mut places: Vec<(u64, usize)> = grains.iter().enumerate().map(|(k, grain)| (grain.id, k)).collect();
+    places.sort_unstable();
+    let mut left = grains.len();
+    while left > 0 {
+        words.need("a velocity")?;
+        if words.len() == 0 {
+            continue;
+        }
+        let id = words.whole(0, "id")?;
+        let Ok(at) = places.binary_search_by_key(&id, |place| place.0) else {
+            return Err(words.word_error(0, format!("atom {id} has a velocity but no place")));
+        };
+        let grain = &mut grains[places[at].1];
+        grain.velocity = words.vector(1, "a velocity")?;
+        grain.spin = words.vector(4, "a spin")?;
+        left -= 1;
+    }
+    Ok(())
+}
+
+/// A section that says nothing of grains: to the next blank line after its rows.
+fn skip_section(words: &mut Words) -> Result<()> {
+    words.need("a section")?;
+    while words.advance()? && words.len() > 0 {}
+    Ok(())
+}
+
+fn write(path: &Path, observation: &Observation) -> Result<()> {
+    let assembly = &observation.assembly;
+    let (turn, edges) = restricted(&assembly.cell);
+    let origin = apply(&turn, observation.origin);
+    write_atomically(path, |file| {
+        writeln!(file, "grains written by granum\n\n{} atoms", assembly.grains.len())?;
+        writeln!(file, "{} atom types\n", assembly.materials.len().max(1))?;
+        for (a, axis) in ["x", "y", "z"].into_iter().enumerate() {
+            writeln!(file, "{:?} {:?} {axis}lo {axis}hi", origin[a], origin[a] + edges[a][a])?;
+        }
+        if [edges[0][1], edges[0][2], edges[1][2]] != [0.0; 3] {
+            writeln!(file, "{:?} {:?} {:?} xy xz yz", edges[0][1], edges[0][2], edges[1][2])?;
+        }
+        writeln!(file, "\nAtoms # sphere\n")?;
+        for grain in &assembly.grains {
+            let density = grain.mass / (4.0 / 3.0 * std::f64::consts::PI * grain.radius.powi(3));
+            let place = apply(&turn, grain.position);
+            let [x, y, z]: Vector = std::array::from_fn(|a| origin[a] + place[a]);
+            let (id, kind, diameter) = (grain.id, grain.material + 1, 2.0 * grain.radius);
+            writeln!(file, "{id} {kind} {diameter:?} {density:?} {x:?} {y:?} {z:?}")?;
+        }
+        if observation.parts.has(Part::Velocities) {
+            writeln!(file, "\nVelocities\n")?;
+            for grain in &assembly.grains {
+                let [vx, vy, vz] = apply(&turn, whole_velocity(assembly, grain));
+                let [wx, wy, wz] = apply(&turn, grain.spin);
+                writeln!(file, "{} {vx:?} {vy:?} {vz:?} {wx:?} {wy:?} {wz:?}", grain.id)?;
+            }
+        }
+        Ok(())
+    })
+}
+
+/// The velocity of a grain with the homogeneous part `L x`, m/s.
+fn whole_velocity(assembly: &Assembly, grain: &Grain) -> Vector {
+    let affine = apply(&assembly.velocity_gradient, grain.position);
+    std::array::from_fn(|a| grain.velocity[a] + affine[a])
+}
+
+/// The rotation by which the first edge of a cell comes to lie along x and the second into the plane of x and y, and the edges
+/// after it, with tilts of at most half an edge. Both are exact for a cell that lies so already.
+pub fn restricted(cell: &Matrix) -> (Matrix, Matrix) {
+    let column = |k: usize| [cell[0][k], cell[1][k], cell[2][k]];
+    let upper = cell[1][0] == 0.0 && cell[2][0] == 0.0 && cell[2][1] == 0.0;
+    let turn = if upper {
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    } else {
+        let e1 = unit(column(0));
+        let e3 = unit(cross(&e1, &column(1)));
+        [e1, cross(&e3, &e1), e3]
+    };
+    let mut edges = if upper { *cell } else { granum_core::geometry::multiply(&turn, cell) };
+    (edges[1][0], edges[2][0], edges[2][1]) = (0.0, 0.0, 0.0);
+    for (edge, by) in [(2, 1), (1, 0), (2, 0)] {
+        let times = (edges[by][edge] / edges[by][by]).round();
+        if times != 0.0 {
+            for row in &mut edges {
+                row[edge] -= times * row[by];
+            }
+        }
+    }
+    (turn, edges)
+}
+
+fn cross(a: &Vector, b: &Vector) -> Vector {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn unit(v: Vector) -> Vector {
+    let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    v.map(|x| x / length)
+}

@@ -1,0 +1,87 @@
+//! `.fstat` files of MercuryDPM: three lines of comments for each time, then for each contact `time i j x y z overlap
+//! tangential_overlap normal_force tangential_force nx ny nz tx ty tz`.
+//!
+//! Every contact of two particles stands there twice, once from each side, and is taken once. `i` and `j` are the places of the
+//! particles in the `.data` file, from 0; contacts with walls (a negative `j`) have no part in the stress of a periodic cell and are
+//! refused. The normal points from `j` to `i`, and both forces act on `i`.
+
+use std::path::Path;
+
+use super::result::{Frame, Pair, ReadOptions, ResultFormat};
+use super::words::Words;
+use crate::error::{Error, Result};
+
+/// The format.
+pub struct MercuryFstat;
+
+impl ResultFormat for MercuryFstat {
+    fn name(&self) -> &'static str {
+        "MercuryDPM fstat"
+    }
+    fn extensions(&self) -> &'static [&'static str] {
+        &["fstat"]
+    }
+    fn recognises(&self, _: &[u8]) -> bool {
+        // Comments and numbers: nothing tells it but its name.
+        false
+    }
+    fn read(&self, path: &Path, _: &ReadOptions) -> Result<Vec<Frame>> {
+        let mut words = Words::open(path)?;
+        let mut frames: Vec<Frame> = Vec::new();
+        while words.advance_to_text()? {
+            if words.word(0).starts_with('#') {
+                // The first comment of a time is "# time marker"; the other two have six numbers.
+                if words.len() == 3 {
+                    let time = words.number(1, "the time")?;
+                    frames.push(Frame { time: Some(time), contacts: Some(Vec::new()), ..Frame::default() });
+                }
+                continue;
+            }
+            let time = words.number(0, "the time")?;
+            if frames.last().is_none_or(|frame| frame.time != Some(time)) {
+                frames.push(Frame { time: Some(time), contacts: Some(Vec::new()), ..Frame::default() });
+            }
+            let pair = pair(&words)?;
+            if let (Some(pair), Some(contacts)) =
+                (pair, frames.last_mut().and_then(|frame| frame.contacts.as_mut()))
+            {
+                contacts.push(pair);
+            }
+        }
+        if frames.is_empty() {
+            return Err(Error::content(path, "has no contacts"));
+        }
+        Ok(frames)
+    }
+}
+
+/// The contact of a line; none for its second appearance.
+fn pair(words: &Words) -> Result<Option<Pair>> {
+    if words.len() != 16 {
+        let message = format!("the contact has {} columns; 16 are needed", words.len());
+        return Err(words.error(message));
+    }
+    let (i, j) = (words.number(1, "i")?, words.number(2, "j")?);
+    if i < 0.0 || j < 0.0 {
+        return Err(
+            words.error("the contact is one with a wall: only samples in a periodic cell can be measured")
+        );
+    }
+    let (first, second) = (words.whole(1, "i")?, words.whole(2, "j")?);
+    if first > second {
+        return Ok(None);
+    }
+    let (normal_force, tangential_force) =
+        (words.number(8, "the normal force")?, words.number(9, "the tangential force")?);
+    let (n, t) =
+        (words.vector(10, "a component of the normal")?, words.vector(13, "a component of the tangent")?);
+    Ok(Some(Pair {
+        first,
+        second,
+        normal: Some(n.map(|x| -x)),
+        approach: Some(words.number(6, "the overlap")?),
+        normal_force: Some(normal_force),
+        tangential_force: Some(t.map(|x| tangential_force * x)),
+        ..Pair::default()
+    }))
+}

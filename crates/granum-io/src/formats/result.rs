@@ -1,0 +1,221 @@
+//! Results of other programs: grains, contacts and cells at one or several instants, as a file has them, before files are
+//! [joined](super::join::join) to [assemblies](granum_core::Assembly).
+
+use std::path::Path;
+
+use granum_core::assembly::{Assembly, Grain, Matrix, Vector};
+use granum_core::{Part, Parts};
+
+use crate::error::{Error, Result};
+
+/// A format of results: grains, and where it has them contacts, at one or several instants.
+///
+/// Its lengths, times and forces are in SI units, or in a consistent system of units that is taken as it is.
+///
+/// ```
+/// use std::path::Path;
+/// use granum_core::Part;
+/// use granum_io::formats::{Formats, Frame, ReadOptions, ResultFormat};
+///
+/// /// One grain a line: x y z r.
+/// struct Bare;
+///
+/// impl ResultFormat for Bare {
+///     fn name(&self) -> &'static str {
+///         "bare"
+///     }
+///     fn extensions(&self) -> &'static [&'static str] {
+///         &["bare"]
+///     }
+///     fn recognises(&self, head: &[u8]) -> bool {
+///         head.starts_with(b"bare")
+///     }
+///     fn read(&self, _: &Path, _: &ReadOptions) -> granum_io::Result<Vec<Frame>> {
+///         let mut frame = Frame::default();
+///         frame.knows(&[Part::Positions, Part::Radii]);
+///         Ok(vec![frame])
+///     }
+/// }
+///
+/// let formats = Formats::standard().with_result(Bare);
+/// assert!(formats.results().any(|format| format.name() == "bare"));
+/// ```
+pub trait ResultFormat: Send + Sync {
+    /// Its name, e.g. "LAMMPS dump".
+    fn name(&self) -> &'static str;
+    /// The extensions of its files, in lower case and without the dot; none for files that have no usual extension.
+    fn extensions(&self) -> &'static [&'static str];
+    /// True if a file with this beginning is of this format, whatever its name.
+    fn recognises(&self, head: &[u8]) -> bool;
+    /// Reads every instant of a file.
+    ///
+    /// # Errors
+    /// If the file cannot be read or is not of this format, with file and line.
+    fn read(&self, path: &Path, options: &ReadOptions) -> Result<Vec<Frame>>;
+    /// True if [`ResultFormat::write`] writes this format.
+    fn is_written(&self) -> bool {
+        false
+    }
+    /// Writes observations, under a temporary name that is then renamed.
+    ///
+    /// # Errors
+    /// If the format is only read, holds one instant and is given several, or the file cannot be written.
+    fn write(&self, path: &Path, observations: &[Observation]) -> Result<()> {
+        let _ = observations;
+        Err(Error::content(path, format!("granum reads {} but does not write it", self.name())))
+    }
+}
+
+/// What a file does not say of itself.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct ReadOptions {
+    /// Names of the columns of a file whose own header has none of use, as a LAMMPS dump of `c_1[1] c_1[2]`.
+    pub columns: Option<Vec<String>>,
+}
+
+impl ReadOptions {
+    /// Options by which the columns of a file have these names.
+    pub fn with_columns(columns: Option<Vec<String>>) -> ReadOptions {
+        ReadOptions { columns }
+    }
+}
+
+/// A periodic cell: its corner and its edges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameCell {
+    /// Corner, m.
+    pub origin: Vector,
+    /// Edge matrix: column k is edge k, m.
+    pub edges: Matrix,
+}
+
+impl FrameCell {
+    /// A cuboid between two corners, m.
+    pub fn between(low: Vector, high: Vector) -> FrameCell {
+        let length = |a: usize| high[a] - low[a];
+        let edges = [[length(0), 0.0, 0.0], [0.0, length(1), 0.0], [0.0, 0.0, length(2)]];
+        FrameCell { origin: low, edges }
+    }
+}
+
+/// What one file says of one instant: grains, contacts or a cell, or all of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Frame {
+    /// Number of the time step, where the file has it.
+    pub step: Option<u64>,
+    /// Time, s, where the file has it.
+    pub time: Option<f64>,
+    /// The periodic cell; none where the file has none, or where its boundaries are not all periodic.
+    pub cell: Option<FrameCell>,
+    /// The grains with the ids of the file, in any order; empty for a file of contacts.
+    pub grains: Vec<Grain>,
+    /// The contacts, by the ids of their grains; none where the file has no list of them.
+    pub contacts: Option<Vec<Pair>>,
+    /// What of the grains is known.
+    pub parts: Parts,
+}
+
+impl Frame {
+    /// The grains and the cell of a packing.
+    pub(crate) fn of_packing(packing: &crate::Packing) -> Frame {
+        let grain = |grain: &crate::packing::PackedGrain| Grain {
+            id: grain.id,
+            position: grain.position,
+            radius: grain.radius,
+            ..Grain::default()
+        };
+        let cell = FrameCell { origin: packing.origin, edges: packing.cell };
+        let grains = packing.grains.iter().map(grain).collect();
+        let parts = Parts::of(&[Part::Positions, Part::Radii]);
+        Frame { cell: Some(cell), grains, parts, ..Frame::default() }
+    }
+
+    /// Notes that these parts of the grains are known.
+    pub fn knows(&mut self, parts: &[Part]) {
+        self.parts = parts.iter().fold(self.parts, |set, part| set.with(*part));
+    }
+}
+
+/// A contact as a file has it. What is `None` is not in the file; branch and normal then follow from the places of the grains.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pair {
+    /// Id of the first grain.
+    pub first: u64,
+    /// Id of the second grain.
+    pub second: u64,
+    /// Vector from the centre of the first to that of the second, m.
+    pub branch: Option<Vector>,
+    /// Unit normal from the first to the second.
+    pub normal: Option<Vector>,
+    /// Whole force on the first grain, N.
+    pub force: Option<Vector>,
+    /// Normal force, compression positive, N; follows from `force` where that is given.
+    pub normal_force: Option<f64>,
+    /// Tangential force on the first grain, N; follows from `force` where that is given.
+    pub tangential_force: Option<Vector>,
+    /// Overlap, m.
+    pub approach: Option<f64>,
+}
+
+/// An assembly of another program at one instant, and which of its parts are known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Observation {
+    /// The assembly; a corner of its cell is at the origin.
+    pub assembly: Assembly,
+    /// Which of its parts are known.
+    pub parts: Parts,
+    /// Corner of the cell in the file, m.
+    pub origin: Vector,
+}
+
+impl Observation {
+    /// An assembly of granum, of which everything is known.
+    pub fn complete(assembly: Assembly) -> Observation {
+        Observation { assembly, parts: Parts::all(), origin: [0.0; 3] }
+    }
+
+    /// The packing of its grains, numbered from 1; `path` is the file for messages.
+    ///
+    /// # Errors
+    /// If cell or radii are not known, and as for [`crate::Packing::checked`].
+    pub fn packing(&self, path: &Path) -> Result<crate::Packing> {
+        if let [missing, ..] = self.parts.missing(&[Part::Cell, Part::Positions, Part::Radii])[..] {
+            let help = "a packing needs a periodic cell, and places and radii of grains";
+            return Err(Error::content(path, format!("has no {}; {help}", missing.name())));
+        }
+        let grain = |(k, grain): (usize, &Grain)| {
+            let position = std::array::from_fn(|a| self.origin[a] + grain.position[a]);
+            (crate::packing::PackedGrain { id: k as u64 + 1, position, radius: grain.radius }, k + 1)
+        };
+        let grains = self.assembly.grains.iter().enumerate().map(grain).collect();
+        let file = path.display().to_string();
+        let packing = crate::Packing::checked(&file, self.origin, self.assembly.cell, grains)?;
+        if self.assembly.materials.is_empty() {
+            return Ok(packing);
+        }
+        let names = self.assembly.materials.clone();
+        let of = self.assembly.grains.iter().map(|grain| grain.material as u8).collect();
+        Ok(crate::Packing { materials: crate::packing::PackedMaterials { names, of }, ..packing })
+    }
+
+    /// A packing, of which cell, places and radii are known.
+    pub fn of_packing(packing: &crate::Packing) -> Observation {
+        let grains = packing.grains.iter().enumerate().map(|(k, grain)| Grain {
+            id: grain.id,
+            position: packing.from_corner(grain),
+            radius: grain.radius,
+            material: packing.materials.of.get(k).map_or(0, |material| u32::from(*material)),
+            ..Grain::default()
+        });
+        let assembly = Assembly {
+            cell: packing.cell,
+            grains: grains.collect(),
+            materials: packing.materials.names.clone(),
+            ..Assembly::default()
+        };
+        let parts = Parts::of(&[Part::Cell, Part::Positions, Part::Radii]);
+        Observation { assembly, parts, origin: packing.origin }
+    }
+}

@@ -1,0 +1,83 @@
+//! Text files of YADE: `export.text`, `export.textExt` and `SpherePack.save`, one sphere a line.
+//!
+//! `export.text` and `textExt` begin with `#format x_y_z_r` (or `id_x_y_z_r_matId` and the like) and have no cell, which must be
+//! given beside them: by `--cell`, or by the file of `VTKExporter.exportPeriodicCell`. `SpherePack.save` writes lines `x y z r
+//! clump`, before them `##PERIODIC:: lx ly lz` for a periodic packing. Spheres without an id are numbered from 0 in their order, as YADE numbers
+//! its bodies and as the contacts that it writes name them.
+
+use std::path::Path;
+
+use granum_core::Part;
+use granum_core::assembly::Grain;
+
+use super::result::{Frame, FrameCell, ReadOptions, ResultFormat};
+use super::words::{Words, head_lines};
+use crate::error::{Error, Result};
+
+/// The format.
+pub struct YadeText;
+
+/// Columns of `SpherePack.save`.
+const BARE: &str = "x_y_z_r";
+
+impl ResultFormat for YadeText {
+    fn name(&self) -> &'static str {
+        "YADE text"
+    }
+    fn extensions(&self) -> &'static [&'static str] {
+        &["txt", "spheres"]
+    }
+    fn recognises(&self, head: &[u8]) -> bool {
+        let lines = head_lines(head);
+        lines.first().is_some_and(|line| line.starts_with("#format ") || line.starts_with("##PERIODIC::"))
+    }
+    fn read(&self, path: &Path, options: &ReadOptions) -> Result<Vec<Frame>> {
+        let mut words = Words::open(path)?;
+        let mut columns: Vec<String> = options.columns.clone().unwrap_or_else(|| split(BARE));
+        let mut frame = Frame::default();
+        while words.advance_to_text()? {
+            if words.word(0) == "##PERIODIC::" {
+                frame.cell = Some(periodic(&words)?);
+            } else if words.word(0) == "#format" {
+                columns = split(words.word(1));
+            } else if !words.word(0).starts_with('#') {
+                let grain = grain(&words, &columns, frame.grains.len() as u64)?;
+                frame.grains.push(grain);
+            }
+        }
+        if frame.grains.is_empty() {
+            return Err(Error::content(path, "has no spheres"));
+        }
+        frame.knows(&[Part::Positions, Part::Radii]);
+        Ok(vec![frame])
+    }
+}
+
+fn split(names: &str) -> Vec<String> {
+    names.split(['_', ',']).map(String::from).collect()
+}
+
+fn periodic(words: &Words) -> Result<FrameCell> {
+    let lengths = [1, 2, 3].map(|at| words.positive(at, "an edge of the cell"));
+    let [x, y, z] = lengths;
+    Ok(FrameCell::between([0.0; 3], [x?, y?, z?]))
+}
+
+fn grain(words: &Words, columns: &[String], number: u64) -> Result<Grain> {
+    let place = |name: &str| columns.iter().position(|known| known == name);
+    let (Some(x), Some(y), Some(z), Some(r)) = (place("x"), place("y"), place("z"), place("r")) else {
+        let message = format!("the columns {} have no x, y, z and r", columns.join("_"));
+        return Err(words.error(message));
+    };
+    let id = match place("id") {
+        // YADE counts from 0, as do the contacts that it writes.
+        Some(at) => words.whole(at, "id")?,
+        None => number,
+    };
+    Ok(Grain {
+        id,
+        position: [words.number(x, "x")?, words.number(y, "y")?, words.number(z, "z")?],
+        radius: words.positive(r, "r")?,
+        ..Grain::default()
+    })
+}

@@ -1,0 +1,142 @@
+//! `granum export`: series, grains and contacts in the formats of other programs.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use granum_core::Table;
+use granum_io::formats::{Formats, Observation};
+use granum_io::snapshot::{contacts_table, grains_table};
+use granum_io::{Run, check_output_file, read_table, write_table};
+use serde_json::json;
+
+use super::sources::SourceFlags;
+use crate::context::Context;
+use crate::failure::Failure;
+use crate::output;
+
+/// Write the series of a run, or the grains and contacts of a run, a packing or the results of another program, in the format of the
+/// output file's extension.
+///
+/// Tables: .csv and .parquet. Grains and contacts at one instant: .vtp (ParaView), .data (LAMMPS), .csv (packing). Grains at any
+/// number of instants: .xyz (extended XYZ) and .gsd (OVITO, freud).
+#[derive(Args)]
+#[command(
+    after_help = "Example:\n  granum export run-1 -o series.csv\n  granum export run-1 -o end.vtp\n  granum export run-1 --snapshot all -o \
+                  run.gsd\n  granum export run-1 --table contacts -o contacts.parquet\n  granum export grains.dump -o packing.csv"
+)]
+pub struct Export {
+    /// A run folder, a packing file, or files of results of another program.
+    #[arg(required = true, value_name = "DATA")]
+    data: Vec<PathBuf>,
+    /// File to write.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Format of the file, where its extension does not say it: vtp, lammps-data, extended-xyz, gsd.
+    #[arg(long, value_name = "FORMAT")]
+    to: Option<String>,
+    /// Table to write: of a run series (the default), forces, preparation, or a further histogram by its name; of a run or other
+    /// results grains or contacts.
+    #[arg(long, value_name = "NAME", conflicts_with = "to")]
+    table: Option<String>,
+    /// Snapshot of the run folder, or all in the order of their times; the one at its end by default.
+    #[arg(long, value_name = "NAME")]
+    snapshot: Option<String>,
+    #[command(flatten)]
+    sources: SourceFlags,
+}
+
+impl Export {
+    pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        check_output_file(&self.output, context.force)?;
+        let formats = Formats::standard();
+        let path = &self.output;
+        let run = match &self.data[..] {
+            [folder] if folder.is_dir() => Some(Run::at(folder)?),
+            _ => None,
+        };
+        let tabular = self.to.is_none() && formats.table(path).is_ok();
+        if let (Some(folder), true) = (run.as_ref().map(|_| &self.data[0]), tabular) {
+            let name = self.table.as_deref().unwrap_or("series");
+            if !["grains", "contacts"].contains(&name) {
+                let table = run_table(folder, name)?;
+                write_table(path, &table)?;
+                return self.say(context, &format!("{} rows of {name}", table.rows()));
+            }
+        }
+        let observations = match &run {
+            Some(run) => self.snapshots(run)?,
+            None => self.sources.read(&self.data)?,
+        };
+        let observations: Vec<Observation> = observations.into_iter().map(numbered_from_one).collect();
+        let grains = observations.first().map_or(0, |observation| observation.assembly.grains.len());
+        if let Some(name) = &self.table {
+            let table = table_of(last(&observations)?, name)?;
+            write_table(path, &table)?;
+            return self.say(context, &format!("{} rows of {name}", table.rows()));
+        }
+        if tabular {
+            formats.write_packing(path, &last(&observations)?.packing(&self.data[0])?)?;
+            return self.say(context, &format!("a packing of {grains} grains"));
+        }
+        formats.write_results(path, self.to.as_deref(), &observations)?;
+        self.say(context, &format!("{grains} grains at {} instants", observations.len()))
+    }
+
+    /// The snapshots of a run that are asked for.
+    fn snapshots(&self, run: &Run) -> Result<Vec<Observation>, Failure> {
+        let names = run.snapshots()?;
+        let wanted = self.snapshot.as_deref().unwrap_or("end");
+        let chosen: Vec<&String> = names.iter().filter(|name| wanted == "all" || *name == wanted).collect();
+        if chosen.is_empty() {
+            let known = names.join(", ");
+            return Err(Failure::new(format!(
+                "--snapshot {wanted}: the run has no such snapshot; there are {known}"
+            )));
+        }
+        let mut found = Vec::with_capacity(chosen.len());
+        for name in chosen {
+            found.push(Observation::complete(run.snapshot(name)?));
+        }
+        found.sort_by(|one, two| one.assembly.time.total_cmp(&two.assembly.time));
+        Ok(found)
+    }
+
+    fn say(&self, context: &Context, what: &str) -> Result<(), Failure> {
+        let path = self.output.display();
+        output::say(context, &json!({ "output": self.output, "content": what }), || {
+            format!("wrote {what} to {path}")
+        })
+    }
+}
+
+/// A table of a run folder by its name.
+fn run_table(folder: &Path, name: &str) -> Result<Table, Failure> {
+    if !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-') {
+        return Err(Failure::new(format!("--table {name:?} is no name of a table")));
+    }
+    let file = folder.join(format!("{name}.parquet"));
+    let histogram = folder.join("histograms").join(format!("{name}.parquet"));
+    Ok(read_table(if histogram.exists() { histogram } else { file })?)
+}
+
+/// The grains or contacts of an observation.
+fn table_of(observation: &Observation, name: &str) -> Result<Table, Failure> {
+    match name {
+        "grains" => Ok(grains_table(&observation.assembly)?),
+        "contacts" => Ok(contacts_table(&observation.assembly)?),
+        _ => Err(Failure::new(format!("--table {name:?}: these data have the tables grains and contacts"))),
+    }
+}
+
+fn last(observations: &[Observation]) -> Result<&Observation, Failure> {
+    observations.last().ok_or_else(|| Failure::new("there is nothing to write"))
+}
+
+/// The same with ids from 1, where a program numbers its grains from 0.
+fn numbered_from_one(mut observation: Observation) -> Observation {
+    let grains = &mut observation.assembly.grains;
+    if grains.first().is_some_and(|grain| grain.id == 0) {
+        grains.iter_mut().for_each(|grain| grain.id += 1);
+    }
+    observation
+}
