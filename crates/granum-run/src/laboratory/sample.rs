@@ -62,7 +62,10 @@ impl Laboratory {
     pub fn last_state(&self, folder: &Path) -> Result<Simulation, LaboratoryError> {
         let path = folder.join(CHECKPOINT);
         match RunState::read(&path, None, &self.sensors)? {
-            Some(run_state) => Ok(run_state.simulation),
+            Some(RunState { mut simulation, .. }) => {
+                simulation.set_hardware(self.hardware_for(simulation.state().grains()));
+                Ok(simulation)
+            }
             None => {
                 let what = "there is none; give the folder of a sample or of a run that granum made".into();
                 Err(LaboratoryError::Checkpoint { path, what })

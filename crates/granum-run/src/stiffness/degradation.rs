@@ -80,18 +80,17 @@ pub fn degradation(
 /// `settled` (1 or 0).
 pub fn degradation_table(curve: &[Degradation]) -> Table {
     let first = curve.first().map_or(1.0, |point| point.shear_modulus);
-    let columns: [(&str, &str, fn(&Degradation) -> f64); 4] = [
-        ("strain", "", |point| point.strain),
-        ("secant_shear_modulus", "Pa", |point| point.shear_modulus),
-        ("mean_stress", "Pa", |point| point.mean_stress),
-        ("settled", "", |point| f64::from(u8::from(point.settled))),
-    ];
-    let column = |(name, unit, value): (&str, &str, fn(&Degradation) -> f64)| {
+    let column = |name: &str, unit: &str, value: fn(&Degradation) -> f64| {
         Column::new(name, unit, curve.iter().map(value).collect())
     };
-    let mut columns: Vec<Column> = columns.into_iter().map(column).collect();
     let relative = curve.iter().map(|point| point.shear_modulus / first).collect();
-    columns.insert(2, Column::new("relative_shear_modulus", "", relative));
+    let columns = vec![
+        column("strain", "", |point| point.strain),
+        column("secant_shear_modulus", "Pa", |point| point.shear_modulus),
+        Column::new("relative_shear_modulus", "", relative),
+        column("mean_stress", "Pa", |point| point.mean_stress),
+        column("settled", "", |point| f64::from(u8::from(point.settled))),
+    ];
     // All columns have one value for each point, so that this cannot fail.
     Table::new(columns).unwrap_or_default()
 }

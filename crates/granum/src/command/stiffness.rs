@@ -71,8 +71,7 @@ impl MeasureStiffness {
                 self.data.display()
             )));
         }
-        let mut simulation = laboratory.last_state(&self.data)?;
-        simulation.set_hardware(laboratory.hardware);
+        let simulation = laboratory.last_state(&self.data)?;
         match self.degradation {
             Some(end) => self.curve(context, &simulation, end, &probing),
             None => self.put(context, &[Probed::of(&simulation, &probing)?]),
