@@ -6,7 +6,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 figures=$root/docs/src/figures
 mkdir -p "$folder" "$figures"
 declare -A figure=(
-  [paper]='figure-*' [drained-dense]='*-stress.svg' [drained-loose]='*-stress.svg' [undrained-loose]='*-stress-path.svg'
+  [paper]='*-stress.svg' [drained-dense]='*-stress.svg' [drained-loose]='*-stress.svg' [undrained-loose]='*-stress-path.svg'
   [undrained-dense]='*-stress-path.svg' [cyclic-undrained]='*-loops.svg' [cyclic-drained]='*-loops.svg'
   [simple-shear]='*-shear.svg' [true-triaxial]='*-deviatoric-plane.svg' [powder-oedometer]='*-compression.svg'
   [wet-grains]='*-stress.svg' [rolling-resistance]='*-stress.svg' [strain-history]='*-stress-path.svg'

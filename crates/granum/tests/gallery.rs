@@ -1,5 +1,9 @@
 //! Every ready case, small: does it show what it says?
 
+#[path = "common/mod.rs"]
+mod common;
+
+use common::{json, run, stderr, stdout};
 use granum::gallery::{CASES, ReadyCase};
 use granum_io::Case;
 use granum_run::Laboratory;
@@ -234,4 +238,48 @@ fn a_history_of_strains_is_followed() {
         assert!((end(name) - strain).abs() < 2e-5, "{name}: {}", end(name));
     }
     assert!(end("stress_12") < 0.0, "the last row shears the other way");
+}
+
+/// From the list to a picture over a test of the laboratory, as in the book.
+#[test]
+fn a_ready_case_is_written_run_and_compared() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path();
+    let done = |arguments: &[&str]| {
+        let output = run(place, arguments);
+        assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
+        stdout(&output)
+    };
+    let list = json(&done(&["--json", "init", "--list"]));
+    assert_eq!(list["cases"].as_array().unwrap().len(), CASES.len());
+    assert!(done(&["init", "--case", "drained-loose", "loose.toml"]).contains("granum run loose.toml"));
+    assert!(stderr(&run(place, &["init", "--case", "drained-lose"])).contains("did you mean drained-loose?"));
+    assert!(
+        !run(place, &["init", "--case", "drained-loose", "loose.toml"]).status.success(),
+        "it is there already"
+    );
+    let few =
+        ["--set", "grains.count=100", "--set", "stage.1.axial_strain=0.02", "--set", "stage.1.states=10"];
+    let quick = ["--set", "stage.1.inertial_number=5e-3", "--set", "preparation.unbalanced_force=2e-2"];
+    done(&[&["run", "loose.toml", "--out", "loose"], &few[..], &quick[..]].concat());
+    let lab = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/lab/karlsruhe-fine-sand-drained.csv");
+    let found = json(&done(&["--json", "compare", "loose", lab, "--test", "TMD2", "-o", "loose.svg"]));
+    let one = &found["comparisons"][0];
+    assert_eq!((one["run"].as_str(), one["test"].as_str()), (Some("loose"), Some("TMD2")));
+    let number = |key: &str| one[key].as_f64().unwrap();
+    assert!(number("up_to_axial_strain") > 0.015 && number("up_to_axial_strain") < 0.021);
+    assert!(number("deviator_stress_error") > 0.0 && number("void_ratio_error") > 0.1);
+    assert!(std::fs::read_to_string(place.join("loose.svg")).unwrap().contains("TMD2"));
+    for (arguments, part) in [
+        (&["compare", "loose", lab][..], "choose some with --test: TMD1"),
+        (&["compare", "loose", lab, "--test", "TMD99"], "there are TMD1"),
+        (&["compare", lab, "loose"], "the laboratory's file comes last"),
+        (
+            &["compare", "loose", lab, "--test", "TMD1", "--map", "axial_strian=x"],
+            "did you mean axial_strain?",
+        ),
+    ] {
+        let output = run(place, &[arguments, &["-o", "other.svg"]].concat());
+        assert!(!output.status.success() && stderr(&output).contains(part), "{}", stderr(&output));
+    }
 }

@@ -180,25 +180,31 @@ fn cycles_make_a_sample_denser_and_can_be_interrupted() {
     assert_same(&after, &pieces);
 }
 
-/// Attraction and resistance to rolling while compacting hold grains apart; both are gone in the finished sample.
+/// Attraction and resistance to rolling are there while a sample is compacted, and gone in the finished one.
 #[test]
-fn moist_tamping_makes_a_sample_looser() {
+fn laws_of_the_compaction_are_gone_in_the_sample() {
     let grains = grains(0.0);
     let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
-    let rough = Preparation { solid_fraction: None, friction: Some(1.0), ..quick() };
-    let moist = Preparation {
-        interface_energy: 4.0 * rough.mean_stress * grains.diameter,
+    let preparation = Preparation {
+        solid_fraction: None,
+        friction: Some(1.0),
+        interface_energy: 8.0,
         rolling_friction: Some(0.5),
-        ..rough.clone()
+        ..quick()
     };
-    let sample = |preparation: &Preparation| {
-        prepare(&recipe(&grains, &contact, preparation), &mut |_: &Progress| Flow::Continue).unwrap()
-    };
-    let (dry, wet) = (sample(&rough), sample(&moist));
-    let density = |sample: &Sample| sample.simulation.state().solid_fraction();
-    assert!(density(&wet) < density(&dry) - 0.01, "{} {}", density(&dry), density(&wet));
-    assert_eq!(wet.simulation.properties().contact, contact);
-    assert!((wet.simulation.state().mean_stress() / 20e3 - 1.0).abs() < 0.01);
+    let recipe = recipe(&grains, &contact, &preparation);
+    let start = Preparing::new(&recipe).unwrap();
+    let meanwhile = start.simulation.properties();
+    assert_eq!(
+        (meanwhile.contact.normal, meanwhile.contact.rolling.name()),
+        (NormalKind::JKR, "elastic-plastic")
+    );
+    assert_eq!(meanwhile.contact.parameters.given("rolling_friction"), Some(0.5));
+    assert_eq!((meanwhile.material.friction, meanwhile.material.interface_energy), (1.0, 8.0));
+    let (sample, _, _) = in_pieces(start, &recipe, 4);
+    assert_eq!(sample.simulation.properties(), &recipe.properties());
+    assert_eq!(sample.simulation.properties().contact, contact);
+    assert!((sample.simulation.state().mean_stress() / 20e3 - 1.0).abs() < 0.01 && sample.settled);
 }
 
 /// A tenth of the largest diameter: placed at random, compacted, at rest, with a search that misses no contact.

@@ -206,7 +206,7 @@ fn fields() -> Vec<Field> { vec![
         number!(NUMBER, "0.01"..="0.5", preparation.initial_solid_fraction)),
     entry("preparation", "friction", "Coefficient of friction while compacting.", "auto",
         optional!(NUMBER, "0"..="10", "auto": "found so that solid_fraction is met; without a target the friction of the material", preparation.friction)),
-    entry("preparation", "interface_energy", "Interface energy while compacting; contacts of normal = \"hertz\" follow JKR meanwhile. It makes loose samples.", "0 J/m2",
+    entry("preparation", "interface_energy", "Interface energy while compacting; contacts of normal = \"hertz\" follow JKR meanwhile.", "0 J/m2",
         number!(SURFACE_ENERGY, "0 J/m2"..="100 J/m2", preparation.interface_energy)),
     entry("preparation", "rolling_friction", "Coefficient of rolling friction while compacting, also where the contact law has none.", "auto",
         optional!(NUMBER, "0"..="2", "auto": "as the contact law has it", preparation.rolling_friction)),

@@ -293,7 +293,7 @@ fn examples_of_the_book_are_cases() {
         .concat();
     let blocks = book.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next());
     let stages: Vec<&str> = blocks.filter(|block| block.contains("[[stage]]")).collect();
-    assert_eq!(stages.len(), 4);
+    assert_eq!(stages.len(), 5);
     for text in stages {
         assert!(parse(text).check().is_ok(), "{text}");
     }

@@ -5,13 +5,13 @@
 //!
 //! - **densest** (e_min): compression without friction, without resistance to rolling and without adhesion, then
 //!   [`CYCLES`] cycles of axial strain of ± [`CYCLE_STRAIN`] at constant mean stress, still without friction;
-//! - **loosest** (e_max): compression with the friction [`LOOSE_FRICTION`], the rolling friction [`LOOSE_ROLLING`] (or that of the
-//!   contact law if it is larger), and an interface energy [`LOOSE_ADHESION`] times p d, which holds a contact with about
-//!   five times the force p d² ("moist tamping"); at the end adhesion is taken away, the grains get their own friction and
-//!   resistance to rolling, and the sample comes to rest under its mean stress. (Laws without JKR adhesion are compressed
-//!   without it.)
+//! - **loosest** (e_max): compression from a dispersed state with the grains' own friction and resistance to rolling, without
+//!   adhesion but for that of their contact law.
+//!
+//! Looser states exist while attraction or more friction than the grains have of their own hold them up, but fall together to denser
+//! ones than the above when that is taken away (measured in the book).
 
-use granum_dem::config::{AdhesionKind, NormalKind};
+use granum_dem::config::NormalKind;
 use granum_dem::observer::Observer;
 use granum_io::{Case, RunRecord};
 
@@ -21,13 +21,6 @@ use super::{Laboratory, LaboratoryError};
 pub const CYCLES: u64 = 20;
 /// Their amplitude of axial strain.
 pub const CYCLE_STRAIN: f64 = 0.01;
-/// Friction while the loosest state is compressed.
-pub const LOOSE_FRICTION: f64 = 2.0;
-/// Its smallest coefficient of rolling friction.
-pub const LOOSE_ROLLING: f64 = 1.0;
-/// Its interface energy over p d.
-pub const LOOSE_ADHESION: f64 = 4.0;
-
 /// The void ratios between which the grains of a case can be, by the procedures of this module.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
@@ -52,14 +45,12 @@ pub fn densest(case: &Case) -> Case {
 /// The case of the loosest state.
 pub fn loosest(case: &Case) -> Case {
     let mut case = prepared(case);
-    let diameter = case.grains.mean_diameter().unwrap_or(case.grains.diameter);
-    let own = case.contact.parameters.given("rolling_friction").unwrap_or(0.0);
-    let sticky = matches!(case.contact.normal, normal if normal == NormalKind::HERTZ || normal == NormalKind::JKR)
-        && case.contact.adhesion == AdhesionKind::NONE;
+    let friction = case.grains.mean_friction();
+    let attraction = case.grains.material.interface_energy;
     let p = &mut case.preparation;
-    (p.friction, p.rolling_friction, p.cycles) = (Some(LOOSE_FRICTION), Some(own.max(LOOSE_ROLLING)), 0);
-    // A case file can have no more than 100 J/m2.
-    p.interface_energy = if sticky { (LOOSE_ADHESION * p.mean_stress * diameter).min(100.0) } else { 0.0 };
+    (p.friction, p.rolling_friction, p.cycles) = (Some(friction), None, 0);
+    // Grains with JKR adhesion of their own have it from the start.
+    p.interface_energy = if case.contact.normal == NormalKind::JKR { attraction } else { 0.0 };
     case
 }
 
@@ -89,5 +80,33 @@ impl Laboratory {
             loosest_void_ratio: void_ratio(loose.simulation.state().solid_fraction()),
             records: [dense.about, loose.about],
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use granum_dem::observer::NoObserver;
+
+    use super::*;
+
+    /// Between the two lies every sample that the search of a friction can make, and a sample of a relative density lies where it
+    /// was asked for.
+    #[test]
+    fn a_relative_density_lies_between_the_limits() {
+        let text = "grains.count = 200\ngrains.material.youngs_modulus = '5 GPa'\ngrains.material.friction = 0.5\ncontact.normal = 'hertz'\n\
+                    contact.tangential = 'no-slip'\npreparation.mean_stress = '100 kPa'\npreparation.unbalanced_force = 1e-2\n\
+                    preparation.inertial_number = 5e-3";
+        let mut case = Case::parse(text, "case").unwrap();
+        let laboratory = Laboratory::here();
+        let limits = laboratory.limits(&case, &mut NoObserver).unwrap();
+        let (dense, loose) = (limits.densest_void_ratio, limits.loosest_void_ratio);
+        assert!(dense > 0.45 && dense < 0.6 && loose > dense + 0.08 && loose < 0.85, "{dense} {loose}");
+        case.set("preparation.densest_void_ratio", &dense.to_string()).unwrap();
+        case.set("preparation.loosest_void_ratio", &loose.to_string()).unwrap();
+        case.set("preparation.relative_density", "0.5").unwrap();
+        let sample = laboratory.sample(&case, &mut NoObserver).unwrap();
+        let density = sample.about.measures["relative_density"];
+        let tolerance = case.preparation.solid_fraction_tolerance * 1.7f64.powi(2) / (loose - dense);
+        assert!((density - 0.5).abs() <= 1.1 * tolerance, "{density} {tolerance}");
     }
 }

@@ -268,7 +268,7 @@ fn note_sample(case: &Case, sample: &Sample, compacted: bool, results: &mut RunR
             let means = if reached < target {
                 "preparation.cycles makes denser samples"
             } else {
-                "preparation.interface_energy and preparation.rolling_friction make looser ones"
+                "a lower preparation.mean_stress or a larger preparation.inertial_number makes looser ones"
             };
             format!(
                 "target {target} not reached: friction {friction} gives {reached:.4}, and no other friction came closer; choose another \

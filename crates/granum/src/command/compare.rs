@@ -1,6 +1,6 @@
 //! `granum compare`: runs over the curves of laboratory tests.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use granum_io::{Conventions, LaboratoryTest, Run, check_output_file, read_laboratory};
@@ -134,7 +134,7 @@ impl Compare {
     }
 }
 
-fn curves(folder: &PathBuf) -> Result<RunCurves, Failure> {
+fn curves(folder: &Path) -> Result<RunCurves, Failure> {
     let run = Run::at(folder)?;
     check_begun(&run, &run.record()?)?;
     let name = folder
@@ -143,7 +143,7 @@ fn curves(folder: &PathBuf) -> Result<RunCurves, Failure> {
     Ok(RunCurves::of(&name, &read_record(&run)?))
 }
 
-fn as_json(pairs: &[(String, String, Errors)], output: &PathBuf) -> Value {
+fn as_json(pairs: &[(String, String, Errors)], output: &Path) -> Value {
     let pair = |(run, test, errors): &(String, String, Errors)| {
         json!({
             "run": run,

@@ -1,13 +1,11 @@
 //! `granum limits`: the densest and the loosest state of the grains of a case.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use granum_io::{RunRecord, atomic::write_atomically, check_output_file};
-use granum_run::laboratory::limits::{
-    CYCLE_STRAIN, CYCLES, LOOSE_ADHESION, LOOSE_FRICTION, LOOSE_ROLLING, Limits as Found,
-};
+use granum_run::laboratory::limits::{CYCLE_STRAIN, CYCLES, Limits as Found};
 use serde_json::{Value, json};
 
 use super::case_flags::CaseFlags;
@@ -19,10 +17,9 @@ use crate::output;
 
 /// Find the void ratios e_min and e_max between which the grains of a case can be, each by a stated procedure.
 ///
-/// Densest: compression without friction and 20 cycles of axial strain of 1 % at constant mean stress. Loosest: compression with
-/// friction 2, rolling friction 1 and adhesion of about five times p d² a contact ("moist tamping"), after which the grains get
-/// their own properties and come to rest. Both at the mean stress of the preparation. The two numbers are what
-/// preparation.relative_density needs.
+/// Densest: compression without friction and resistance to rolling, then 20 cycles of axial strain of 1 % at constant mean stress.
+/// Loosest: compression from a dispersed state with the grains' own friction and resistance to rolling. Both at the mean stress of
+/// the preparation. The two numbers are what preparation.relative_density needs.
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum limits my-sand.toml -o limits.json")]
 pub struct Limits {
@@ -76,15 +73,11 @@ fn as_json(found: &Found) -> Value {
         "densest_void_ratio": found.densest_void_ratio,
         "loosest_void_ratio": found.loosest_void_ratio,
         "densest": state(dense, json!({ "friction": 0, "cycles": CYCLES, "cycle_strain": CYCLE_STRAIN })),
-        "loosest": state(loose, json!({
-            "friction": LOOSE_FRICTION,
-            "smallest_rolling_friction": LOOSE_ROLLING,
-            "interface_energy_over_p_d": LOOSE_ADHESION,
-        })),
+        "loosest": state(loose, json!({ "friction": "own", "rolling_friction": "own", "cycles": 0 })),
     })
 }
 
-fn text(found: &Found, output: Option<&std::path::Path>) -> String {
+fn text(found: &Found, output: Option<&Path>) -> String {
     let mut lines = vec![format!(
         "{:<10} {:>12} {:>16} {:>14} {:>10}",
         "state", "void ratio", "solid fraction", "coordination", "rattlers"
