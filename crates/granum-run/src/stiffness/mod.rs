@@ -25,8 +25,9 @@ pub use degradation::{Degradation, degradation, degradation_table};
 pub use series::{Probed, Probes, table};
 pub use tensor::Tensor;
 
-/// Coefficient of friction on copies whose contacts shall not slide.
-pub const FROZEN: f64 = 1e6;
+/// Coefficient of friction on copies whose contacts shall not slide. It is far above any ratio of tangential to normal force, and small
+/// enough for laws with micro-slip, in which terms of the size of friction times normal force cancel.
+pub const FROZEN: f64 = 10.0;
 
 /// How a stiffness is measured.
 ///

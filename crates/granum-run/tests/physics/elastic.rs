@@ -1,6 +1,7 @@
 //! Elastic moduli of a sample, compared with effective-medium theory.
 
 use granum_core::assembly::Matrix;
+use granum_dem::config::{Contact, Grains};
 use granum_dem::servo::Control;
 use granum_dem::simulation::Simulation;
 use granum_run::stiffness::{Probing, degradation, measure};
@@ -107,4 +108,25 @@ fn the_shear_modulus_falls_with_the_strain() {
     assert!(curve.windows(2).all(|pair| pair[1].shear_modulus < pair[0].shear_modulus));
     assert!((0.7..1.1).contains(&(curve[0].shear_modulus / elastic)), "{elastic}");
     assert!(curve[3].shear_modulus < 0.5 * elastic);
+}
+
+/// With adhesion and micro-slip (JKR, Mindlin and Deresiewicz) the elastic response has the bounds of the effective medium too.
+#[test]
+fn contacts_with_micro_slip_and_adhesion_have_an_elastic_response() {
+    let grains = Grains::default().with(|grains| grains.count = 150);
+    let sample = super::sample::prepared(&grains, &Contact::default());
+    let found = measure(&sample, &Probing::default()).unwrap();
+    let (tensor, affine) = (&found.tensor, &found.affine);
+    println!(
+        "JKR, Mindlin-Deresiewicz: K {:.4e} ({:.4} of affine), G {:.4e} ({:.4}), asymmetry {:.1e}, unsettled {:.1e}",
+        tensor.bulk_modulus(),
+        tensor.bulk_modulus() / affine.bulk_modulus(),
+        tensor.shear_modulus(),
+        tensor.shear_modulus() / affine.shear_modulus(),
+        tensor.asymmetry(),
+        found.unsettled,
+    );
+    assert!(found.settled);
+    assert!((0.8..1.0).contains(&(tensor.bulk_modulus() / affine.bulk_modulus())));
+    assert!((0.3..0.9).contains(&(tensor.shear_modulus() / affine.shear_modulus())));
 }
