@@ -156,11 +156,11 @@ impl Simulation {
         self.integrator.reset_time_step();
     }
 
-    /// Changes the material or the contact laws. Contacts keep the history of a tangential or moment law that stays; the
-    /// forces of a new law start from zero, as do all where contacts gain or lose an area. Masses are scaled with the
-    /// density, velocities and spins with its inverse root: without gravity this only rescales time, and the kinetic energy
-    /// is unchanged. Which grain
-    /// is of which material stays; of several materials the densities can only change by one factor.
+    /// Changes the material or the contact laws. Contacts keep the history of a tangential or moment law that stays;
+    /// the forces of a new law start from zero, as do all where contacts gain or lose an area. Masses are scaled with
+    /// the density, velocities and spins with its inverse root: without gravity this only rescales time, and the
+    /// kinetic energy is unchanged. Which grain is of which material stays; of several materials the densities can only
+    /// change by one factor.
     ///
     /// # Errors
     /// If a material or the laws cannot be, or the materials are not as many as before.

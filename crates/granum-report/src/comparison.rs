@@ -100,9 +100,12 @@ pub fn errors(run: &RunCurves, test: &LaboratoryTest) -> Errors {
     }
 }
 
+/// The values of a test over its axial strains.
+type Values = fn(&LaboratoryTest) -> &[f64];
+
 /// Draws runs as lines over tests as open marks.
 pub fn figure(runs: &[RunCurves], tests: &[&LaboratoryTest]) -> (Figure, String) {
-    let curves: [(&str, Axis, fn(&LaboratoryTest) -> &[f64]); 3] = [
+    let curves: [(&str, Axis, Values); 3] = [
         ("deviator stress", Axis::new("Deviator stress *q*").unit("Pa").including(0.0), |test| {
             &test.deviator_stress
         }),

@@ -55,8 +55,9 @@ pub fn loose_lattice(n: usize) -> Packing {
     let grains = (0..n * n * n).map(|k| {
         let place = [k % n, k / n % n, k / (n * n)];
         // Off the lattice by a little, so that it does not crystallise.
-        let position =
-            place.map(|at| (at as f64 + 0.5 + 0.18 * ((31 * k * k + 17 * at * (k + 1)) % 101) as f64 / 101.0) * spacing);
+        let position = place.map(|at| {
+            (at as f64 + 0.5 + 0.18 * ((31 * k * k + 17 * at * (k + 1)) % 101) as f64 / 101.0) * spacing
+        });
         PackedGrain { id: k as u64 + 1, position, radius: if k % 2 == 0 { 5e-5 } else { 4.2e-5 } }
     });
     Packing::new([0.0; 3], Cell::cuboid([edge; 3]).edges, grains.collect())

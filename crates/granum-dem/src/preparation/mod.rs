@@ -162,7 +162,7 @@ impl NextTrial {
 
     /// Material and contact laws during the compaction of this trial.
     pub fn properties(&self, recipe: &Recipe) -> Properties {
-        recipe.properties().while_compacting(&recipe.preparation, self.friction)
+        recipe.properties().while_compacting(recipe.preparation, self.friction)
     }
 }
 

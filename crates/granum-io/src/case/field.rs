@@ -241,7 +241,7 @@ impl Field {
             Kind::Curve { absent: [word, _], .. } => match text.trim() {
                 text if text == *word => Ok(Value::Curve(Vec::new())),
                 text if text.starts_with('[') => sieve::parse(text).map(Value::Curve),
-                text if text.is_empty() => Err(format!("is empty; it must be {}", sieve::bounds_text())),
+                "" => Err(format!("is empty; it must be {}", sieve::bounds_text())),
                 file => {
                     let points = sieve::read(Path::new(file));
                     points.map(Value::Curve).map_err(|error| format!("cannot be used: {error}"))

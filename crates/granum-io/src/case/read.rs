@@ -233,7 +233,7 @@ impl Reader<'_> {
     fn check_density(&mut self) {
         let given = |key: &&str| matches!(self.values.get(*key), Some(Value::Number(Some(_))));
         let keys = ["preparation.void_ratio", "preparation.relative_density", "preparation.solid_fraction"];
-        let keys: Vec<&str> = keys.into_iter().filter(|key| given(&key)).collect();
+        let keys: Vec<&str> = keys.into_iter().filter(|key| given(key)).collect();
         if let [first, second, ..] = keys.as_slice()
             && let Some(span) = self.keys.get(*first).cloned()
         {

@@ -99,10 +99,9 @@ impl Content {
     fn spheres(mut self, path: &Path) -> Result<Frame> {
         let count = self.points.len();
         let radii = self.scalar(path, "radius", count)?;
-        let mut frame = Frame::default();
-        frame.grains = (0..count)
-            .map(|k| Grain { id: k as u64, position: self.points[k], radius: radii[k], ..Grain::default() })
-            .collect();
+        let grain =
+            |k| Grain { id: k as u64, position: self.points[k], radius: radii[k], ..Grain::default() };
+        let mut frame = Frame { grains: (0..count).map(grain).collect(), ..Frame::default() };
         if let Some(k) = radii.iter().position(|radius| *radius <= 0.0) {
             return Err(Error::content(path, format!("sphere {k}: radius = {} must be positive", radii[k])));
         }

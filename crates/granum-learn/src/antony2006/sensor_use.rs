@@ -3,16 +3,14 @@
 //! A network with a small error may have learned nothing but the curve as a function of strain. Every unseen run is
 //! therefore predicted again with other sensor values:
 //!
-//! - those of **another** unseen run at the same strain, with every other unseen run in turn: they are correct on average,
-//! but
-//!   not in the deviation of this run from the others;
-//! - those of the run itself, **permuted** over its states within the range of each sub-model: they are correct as a set,
-//! but
-//!   not at each strain.
+//! - those of **another** unseen run at the same strain, with every other unseen run in turn: they are correct on
+//!   average, but not in the deviation of this run from the others;
+//! - those of the run itself, **permuted** over its states within the range of each sub-model: they are correct as a
+//!   set, but not at each strain.
 //!
 //! The increase of the error with the sensors of other runs measures the *use* of the sensors. The difference between the
 //! error of strain-only networks and that of the networks measures the *help* of the sensors. Each is one number per
-//! unseen run, and counts as established if the mean is above zero in a one-sided t test at 5 % ([`crate::student`]),
+//! unseen run, and counts as established if the mean is above zero in a one-sided t test at 5 % ([`crate::student_t`]),
 //! where runs are assumed to be independent.
 
 use std::fmt;

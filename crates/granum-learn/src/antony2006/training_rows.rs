@@ -5,23 +5,18 @@
 //! used for any evaluation (seeds 101 to 124 with 2000 grains; see the chapter on networks in the book):
 //!
 //! - **Neighbouring states are not independent.** The deviation of a run from the mean of all runs persists over about
-//! 0.03 of
-//! deviator strain. If 60 states counted as 60 observations, Bayesian regularisation would fit the peculiarities of a run.
-//! A
-//! state counts as [`STATE_OBSERVATIONS`] of an observation, and a distribution as [`DISTRIBUTION_OBSERVATIONS`], since
-//! its
-//!   bins vary in four to five independent ways.
-//! - **The points of a state form one observation.** In point form a state gives one row for each bin of f. If the rows were
-//! fitted separately, every single point would have to predict the target, whereas the mean of 14 predictions is
-//! evaluated. If
-//!   the mean itself is fitted, the network learns a sum over the distribution.
+//!   0.03 of deviator strain. If 60 states counted as 60 observations, Bayesian regularisation would fit the
+//!   peculiarities of a run. A state counts as [`STATE_OBSERVATIONS`] of an observation, and a distribution as
+//!   [`DISTRIBUTION_OBSERVATIONS`], since its bins vary in four to five independent ways.
+//! - **The points of a state form one observation.** In point form a state gives one row for each bin of f. If the rows
+//!   were fitted separately, every single point would have to predict the target, whereas the mean of 14 predictions is
+//!   evaluated. If the mean itself is fitted, the network learns a sum over the distribution.
 //! - **Sub-models are trained on all states**, and predict in their own range. A third of the states would be too few for
 //!   training, and curves would be discontinuous between sub-models.
 //! - **A sensor has as much weight as its information on left-out runs supports.** The bins of a distribution share the
-//! range of
-//!   one input and keep their proportions, so that bins that contain little but noise are not amplified. These bins, and all
-//!   sensors of a network whose output is a distribution, are scaled to a share of the range of an input, which is chosen by
-//!   cross-validation over the training runs ([`crate::antony2006::sensor_share`]).
+//!   range of one input and keep their proportions, so that bins that contain little but noise are not amplified. These
+//!   bins, and all sensors of a network whose output is a distribution, are scaled to a share of the range of an input,
+//!   which is chosen by cross-validation over the training runs ([`crate::antony2006::sensor_share`]).
 
 use granum_nets::{Data, DataError};
 

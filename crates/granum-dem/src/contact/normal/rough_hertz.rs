@@ -41,7 +41,7 @@ const SECOND_END: f64 = 24.467_023_732_785_823;
 /// Displacement at which the transition would start from zero, and by which Hertz's curve is moved, over S.
 const SECOND_START: f64 = 0.82;
 const THIRD_START: f64 = 2.06;
-const FIRST_POWER: f64 = 2.589_795_495_330_664_3;
+const FIRST_POWER: f64 = 2.589_795_495_330_664;
 const SECOND_POWER: f64 = 1.583_009_685_810_189;
 const SECOND_FORCE: f64 = 100.0;
 /// `4/3 2^(-1/2)`.

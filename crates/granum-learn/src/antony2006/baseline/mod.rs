@@ -1,9 +1,8 @@
 //! Baselines: predictors without networks, with which the networks are compared.
 //!
 //! - The **mean curve** of the training runs, which is a function of strain only.
-//! - **Ridge regression** with splines of strain, both with the sensors of the networks and without them. It is linear in
-//! the
-//!   sensors and has the same settings for all mappings; a network that performs worse is not worthwhile.
+//! - **Ridge regression** with splines of strain, both with the sensors of the networks and without them. It is linear
+//!   in the sensors and has the same settings for all mappings; a network that performs worse is not worthwhile.
 //!
 //! They are fitted to the training states of all training runs and stored with the study, so that it can be evaluated
 //! without its training runs.
