@@ -154,7 +154,7 @@ impl Preparation {
     /// ```
     /// use granum_dem::config::Preparation;
     ///
-    /// let mut preparation = Preparation { void_ratio: Some(0.6), ..Preparation::default() };
+    /// let mut preparation = Preparation::default().with(|preparation| preparation.void_ratio = Some(0.6));
     /// assert_eq!(preparation.target(), Some(0.625));
     /// preparation.void_ratio = None;
     /// preparation.relative_density = Some(0.25);

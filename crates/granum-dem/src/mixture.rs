@@ -58,8 +58,12 @@ pub struct PairRule {
 /// use granum_dem::config::{Component, Contact, Material, Mixture, PairRule};
 /// use granum_dem::simulation::Properties;
 ///
-/// let glass = Material { friction: 0.5, ..Material::default() };
-/// let steel = Material { friction: 0.125, density: 7800.0, youngs_modulus: 210e9, ..glass };
+/// let glass = Material::default().with(|material| material.friction = 0.5);
+/// let steel = glass.with(|material| {
+///     material.friction = 0.125;
+///     material.density = 7800.0;
+///     material.youngs_modulus = 210e9;
+/// });
 /// let mixture = Mixture::new([Component::new("glass", 0.75, glass), Component::new("steel", 0.25, steel)]);
 /// assert_eq!(mixture.assign(8, 1).iter().filter(|k| **k == 1).count(), 2);
 /// let properties = Properties::new(glass, Contact::default()).with_mixture(mixture);

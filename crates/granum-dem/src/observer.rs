@@ -102,8 +102,8 @@ impl<'a> Progress<'a> {
 ///     }
 /// }
 ///
-/// let (grains, contact) = (Grains { count: 60, ..Grains::default() }, Contact::default());
-/// let preparation = Preparation { inertial_number: 1e-2, ..Preparation::default() };
+/// let (grains, contact) = (Grains::default().with(|grains| grains.count = 60), Contact::default());
+/// let preparation = Preparation::default().with(|preparation| preparation.inertial_number = 1e-2);
 /// let recipe = Recipe {
 ///     grains: &grains,
 ///     contact: &contact,

@@ -90,7 +90,7 @@ fn sample(properties: Properties, spread: f64, hardware: Hardware) -> Simulation
     s.set_control(Control::isotropic(20e3, 2e4));
     s.advance(4500).unwrap();
     let mut control = Control::fixed();
-    control.rate = [[-20.0, 0.0, 0.0], [0.0, -20.0, 0.0], [0.0, 0.0, -20.0]];
+    control.rate = [[-2.0, 0.0, 0.0], [0.0, -2.0, 0.0], [0.0, 0.0, -2.0]];
     s.set_control(control);
     s.advance(200).unwrap();
     s

@@ -462,7 +462,7 @@ pub(crate) mod tests {
         write_snapshot(folder, "other", &fewer).unwrap();
         fs::copy(folder.join("other.grains.parquet"), folder.join("end.grains.parquet")).unwrap();
         assert!(
-            message().contains("end.grains.parquet: has 2 rows, but its snapshot says 3"),
+            message().contains("end.grains.parquet: has 2 rows, but its snapshot states 3"),
             "{}",
             message()
         );

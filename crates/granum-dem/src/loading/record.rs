@@ -38,8 +38,10 @@ impl Record {
         Record { measure, states, spacing: Spacing::Equal, end }
     }
 
-    /// A state at every interval of a measure, until the stage ends.
+    /// A state at every interval of a measure, until the stage ends. The shortest interval is 1e-12, also where a stage that has
+    /// nothing to do asks for zero.
     pub fn every(measure: Measure, interval: f64) -> Record {
+        let interval = interval.max(1e-12);
         Record { measure, states: 0, spacing: Spacing::Every(interval), end: f64::INFINITY }
     }
 }

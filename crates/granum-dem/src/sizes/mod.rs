@@ -226,7 +226,8 @@ impl<'d> Deserialize<'d> for SizeKind {
 /// use granum_dem::config::Grains;
 /// use granum_dem::sizes::{SizeKind, Sizes};
 ///
-/// let mut grains = Grains { count: 1000, diameter: 1e-3, ..Grains::default() };
+/// let mut grains = Grains::default();
+/// (grains.count, grains.diameter) = (1000, 1e-3);
 /// grains.sizes = Sizes::of(SizeKind::LOGNORMAL).with("size_deviation", 0.3);
 /// assert!((grains.mean_diameter()? / 1e-3 - 1.0).abs() < 1e-3);
 /// let [smallest, largest] = grains.size_range()?;

@@ -92,6 +92,7 @@ fn difference(key: String, cases: &[(&str, &CaseValues)]) -> Option<Difference> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use granum_dem::contact::registry;
 
     fn between(one: &Case, two: &Case) -> Vec<Difference> {
         differences(&[("one", &one.values()), ("two", &two.values())])
@@ -113,6 +114,16 @@ mod tests {
                     ("adhesion", "capillary-bridge"),
                 ];
                 users.iter().for_each(|(slot, law)| one.set(&format!("contact.{slot}"), law).unwrap());
+                let normal =
+                    registry::normal_laws().iter().map(|law| ("normal", law.name())).collect::<Vec<_>>();
+                let adhesion = registry::adhesion_laws().iter().map(|law| ("adhesion", law.name())).collect();
+                for (slot, law) in [normal, adhesion].concat() {
+                    let mut other = one.clone();
+                    other.set(&format!("contact.{slot}"), law).unwrap();
+                    if field.value(&one).is_none() && field.value(&other).is_some() {
+                        one = other;
+                    }
+                }
             }
             if field.is_of_sizes() {
                 let has = |kind: &&granum_dem::sizes::SizeKind| {

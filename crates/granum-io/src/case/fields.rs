@@ -17,8 +17,7 @@ pub fn field(path: &str) -> Option<&'static Field> {
 
 /// Keys that had another name: the old one and the new one. An old name is rejected with a hint to the new one; digests are
 /// computed from the old names and do not change.
-pub(super) const RENAMED: &[[&str; 2]] =
-    &[["recording.observations_per_state", "recording.observations_per_state"]];
+pub(super) const RENAMED: &[[&str; 2]] = &[["recording.looks", "recording.observations_per_state"]];
 
 /// Help and meaning of every section, in the order of the file.
 pub(super) const SECTIONS: &[[&str; 2]] = &[

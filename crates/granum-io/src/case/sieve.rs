@@ -192,7 +192,7 @@ mod tests {
             ("diameter (kg),finer (%)\n", &[":1:1", "is a mass"]),
             ("size (mm),finer (%)\n", &[":1:1", "size is no column"]),
             ("diameter (mm)\n0.1\n", &[":1:1", "each once"]),
-            ("diameter (mm),finer (%)\n0.1,0\n0.1,100\n", &[":3:1", "does not increase"]),
+            ("diameter (mm),finer (%)\n0.1,0\n0.1,100\n", &[":3:1", "does not rise"]),
             ("diameter (mm),finer (%)\n0.1,0\n0.2,x\n", &[":3:5", "is not a number"]),
             ("diameter (mm),finer (%)\n0.1,0\n0.2,90\n", &["90 % finer", "100 %"]),
         ] {

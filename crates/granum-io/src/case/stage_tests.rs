@@ -127,7 +127,7 @@ fn mistakes_are_told_with_their_place() {
         (
             "[[stage]]\nrepeat = 9000\n[[stage.stage]]\nrepeat = 9\n[[stage.stage.stage]]\npath = \"isotropic\"\n",
             "1:1",
-            &["come to 81000", "at most 10000"],
+            &["81000 stages", "at most 10000"],
         ),
         (
             "[[stage]]\nrepeat = 2\nxx = \"free\"\n[[stage.stage]]\npath = \"isotropic\"\n",

@@ -294,7 +294,7 @@ pub(super) fn record(value: &Node<'_>) -> Parsed<Record> {
         (Some(every), None, None, None) => Ok(Record::every(measure, positive(every)?)),
         (None, Some(states), Some(end), None) => {
             let count = number(states, Dimension::NUMBER, [1.0, 1e6])?;
-            Ok(Record::equal(measure, count as usize, positive(end)?))
+            Ok(Record::equal(measure, count as usize, number(end, unit, [0.0, 1e12])?))
         }
         (None, None, None, Some(places)) => {
             let DeValue::Array(items) = places.get_ref() else {

@@ -110,8 +110,10 @@ fn a_cell_that_is_none_is_refused() {
         message("# grains")
             .starts_with("p.csv:3:1: the periodic cell is not given; the first line must be like")
     );
-    assert!(message("# periodic box, m: xlo=0").starts_with("p.csv:1:1: ylo of the cell is missing"));
-    assert!(message("# periodic box, m: xlow=0").starts_with("p.csv:1:1: unknown xlow of the cell"));
+    assert!(
+        message("# periodic box, m: xlo=0").starts_with("p.csv:1:1: the value ylo of the cell is missing")
+    );
+    assert!(message("# periodic box, m: xlow=0").starts_with("p.csv:1:1: unknown value xlow of the cell"));
     assert!(message("# periodic box: xlo=a").starts_with("p.csv:1:1: xlo=a is not a finite number"));
     let flat = message("# periodic box: xlo=0 ylo=0 zlo=0 xhi=1 yhi=1 zhi=0");
     assert!(flat.starts_with("p.csv:1:1: the cell has the volume 0e0 m3; it must be positive"), "{flat}");

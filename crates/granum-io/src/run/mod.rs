@@ -436,7 +436,7 @@ mod tests {
         };
         assert!(message(&text[..text.len() / 2]).contains("run.json: is truncated (EOF"));
         let newer = text.replace("\"format\": 1", "\"format\": 2");
-        assert!(message(&newer).contains("was written by a newer granum (format 2, known here up to 1)"));
+        assert!(message(&newer).contains("was written by a newer granum (format 2; this one reads up to 1)"));
         assert!(message(&text.replace("5000", "\"many\"")).contains("run.json: is damaged (invalid type"));
         assert!(folder.write_snapshot("../end", &Assembly::default()).is_err());
     }

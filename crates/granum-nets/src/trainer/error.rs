@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[non_exhaustive]
 pub enum TrainingError {
     /// No trainer has this name.
-    #[error("there is no trainer \"{name}\"; known are {known}")]
+    #[error("there is no trainer \"{name}\"; there are: {known}")]
     UnknownTrainer {
         /// The name.
         name: String,
