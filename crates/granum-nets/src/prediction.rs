@@ -108,7 +108,7 @@ impl Model {
 
     /// Standard deviations of observations around the predictions for many rows (a flat array in row-major order), in the
     /// unit of the output; `None` if the model was trained without Bayesian regularisation. If it was trained on several
-    /// blocks (runs), they are multiplied by the factors of [`Intervals`], which are estimated from the errors of left-out
+    /// blocks (runs), they are multiplied by the factors of `Intervals`, which are estimated from the errors of left-out
     /// blocks.
     ///
     /// The first call factorises the curvature over the training rows, and later calls reuse it.
@@ -120,7 +120,7 @@ impl Model {
     }
 
     /// As [`Model::standard_deviations`], for observations that consist of so many consecutive rows, see
-    /// [`Data::with_points`]; returns one number per observation.
+    /// `Data::with_points`; returns one number per observation.
     ///
     /// # Errors
     /// As [`Model::predict_batch`], and if `rows` does not contain a whole number of observations.

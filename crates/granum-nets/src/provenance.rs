@@ -12,7 +12,7 @@ use crate::trainer::report::Evidence;
 pub struct Provenance {
     /// Version of granum that trained it.
     pub granum_version: String,
-    /// Hash of the training rows, see [`Data::hash`].
+    /// Hash of the training rows, see `Data::hash`.
     pub dataset_hash: String,
     /// Number of training rows.
     pub rows: usize,

@@ -4,7 +4,7 @@
 //! Case --> prepare --> sample folder --> shear --> run folder
 //! ```
 //!
-//! A run is a [`RunState`] that passes through these stages: preparation, sample, consolidation (if the mean stress of the
+//! A run is a `RunState` that passes through these stages: preparation, sample, consolidation (if the mean stress of the
 //! test differs from that of the sample), test. The state is written to a checkpoint at intervals of wall time and when the
 //! user stops the run. The checkpoint contains everything that determines how the run continues, so that a run can be killed
 //! at any instant and, when resumed, gives results that are identical bit by bit. Before the first checkpoint, the run is
