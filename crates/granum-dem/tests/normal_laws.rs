@@ -116,7 +116,8 @@ fn the_same_bits_on_threads_instruction_sets_and_through_a_checkpoint() {
             let mut reference =
                 sample(properties.clone(), spread, 6500, Hardware { threads: 1, isa: Isa::Portable });
             let assembly = reference.assembly();
-            assert!(assembly.contacts.len() >= 40, "{name}: {} contacts", assembly.contacts.len());
+            let acting = assembly.contacts.len() + assembly.apart.len();
+            assert!(acting >= 40, "{name}: {acting} pairs act on each other");
             let broken = assembly.contacts.iter().filter(|c| c.normal_force < 0.0).count();
             println!(
                 "{name}: {} contacts, {broken} in tension, {} apart",
