@@ -357,7 +357,8 @@ proptest! {
     #[test]
     fn stages_read_back_as_the_same_case(stages in proptest::collection::vec(any_stage(), 1..4)) {
         let case = Case { stages, ..Case::default() };
-        prop_assert!(case.check().is_ok());
+        // The columns of a random history may depend on each other, which is refused.
+        prop_assume!(case.check().is_ok());
         let text = case.resolved_toml();
         let back = parse(&text);
         prop_assert_eq!(&back, &case, "{}", text);
