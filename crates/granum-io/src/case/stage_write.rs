@@ -67,9 +67,9 @@ fn target(target: &Target, value: &str, rate: &str) -> Vec<String> {
         return vec![ramp(end, value)];
     }
     let mut parts: Vec<String> =
-        target.value.map(|v| format!("{value} = {}", format_number(v))).into_iter().collect();
+        target.value.map(|v| format!("{value} = {}", format_number(v + 0.0))).into_iter().collect();
     if target.rate != 0.0 || parts.is_empty() {
-        parts.push(format!("{rate} = {}", format_number(target.rate)));
+        parts.push(format!("{rate} = {}", format_number(target.rate + 0.0)));
     }
     parts
 }
@@ -87,7 +87,7 @@ fn stage_toml(stage: &Stage) -> String {
         let drive = match drive {
             Drive::Fixed => "\"fixed\"".to_string(),
             Drive::Free => "\"free\"".to_string(),
-            Drive::Rate(rate) => format!("{{ rate = {} }}", format_number(*rate)),
+            Drive::Rate(rate) => format!("{{ rate = {} }}", format_number(*rate + 0.0)),
             Drive::Ramp(end) => format!("{{ {} }}", ramp(*end, "strain")),
             Drive::Stress(held) => format!("{{ {} }}", target(held, "stress", "stress_rate").join(", ")),
         };
