@@ -7,7 +7,7 @@ use granum::run::laboratory::simulation;
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let packing = read_packing(concat!(env!("CARGO_MANIFEST_DIR"), "/../data/packing-5000.csv"))?;
     let material = Material::default().with(|material| material.interface_energy = 0.0);
-    let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
+    let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
     let assembly = simulation(&packing, Properties::new(material, contact))?.assembly();
     let row = measure_row(&assembly);
     for (column, value) in granum::sensors::columns().zip(&row) {

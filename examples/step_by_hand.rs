@@ -8,10 +8,10 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let grains = Grains::default().with(|grains| grains.count = 200);
     // Grains without contacts at a solid fraction of 0.35, placed with the seed 1.
     let (cell, spheres) = random_insertion(&grains, 0.35, 1)?;
-    let properties = Properties::new(grains.material, Contact::default());
+    let properties = Properties::new(grains.material, ContactModel::default());
     let mut simulation = Simulation::new(cell, &spheres, properties)?;
     // All three axes are driven to 20 kPa; no rate may exceed 3e4 /s.
-    simulation.set_control(Control::isotropic(20e3, 3e4));
+    simulation.set_control(CellControl::isotropic(20e3, 3e4));
     for _ in 0..10 {
         simulation.advance(1000)?;
         let state = simulation.state();

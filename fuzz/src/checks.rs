@@ -5,11 +5,11 @@
 
 use std::hint::black_box;
 
-use granum_dem::config::{Contact, Material, Rate, Recording};
+use granum_dem::config::{ContactModel, Material, Rate, Recording};
 use granum_dem::simulation::{Properties, Simulation};
 use granum_io::{Case, RunRecord, Table};
 use granum_learn::antony2006::training_checkpoints::TrainingManifest;
-use granum_nets::trainer::{Control, Progress, TrainerState, by_name};
+use granum_nets::trainer::{Flow, Progress, TrainerState, by_name};
 use granum_nets::{Data, Model, Network};
 use granum_run::laboratory;
 
@@ -63,7 +63,7 @@ fn plan(json: &[u8]) {
 pub fn packing(data: &[u8]) {
     let Ok(packing) = granum_io::formats::packing_csv::read_from(data, "packing.csv") else { return };
     black_box(packing.solid_fraction());
-    let properties = Properties::new(Material::default(), Contact::default());
+    let properties = Properties::new(Material::default(), ContactModel::default());
     let Ok(mut simulation) = laboratory::simulation(&packing, properties) else { return };
     assert_eq!(simulation.assembly().grains.len(), packing.grains.len());
     let _ = simulation.advance(2);
@@ -109,7 +109,7 @@ fn training(json: &[u8]) {
         let trainer = by_name(name, &Default::default()).expect("a known trainer");
         let mut network = Network::new(&[2, 2, 2, 1], 1).expect("a small network");
         let mut few = |p: &Progress| {
-            if p.epoch > first.saturating_add(3) { Control::Stop } else { Control::Continue }
+            if p.epoch > first.saturating_add(3) { Flow::Stop } else { Flow::Continue }
         };
         let _ = black_box(trainer.resume(&mut network, &data, Some(state.clone()), &mut few));
     }

@@ -2,15 +2,15 @@
 
 use std::sync::Arc;
 
-use granum_dem::config::{Contact, Grains, Material, NormalKind, TangentialKind};
+use granum_dem::config::{ContactModel, Grains, Material, NormalKind, TangentialKind};
 use granum_dem::random_insertion::random_insertion;
-use granum_dem::servo::Control;
+use granum_dem::servo::CellControl;
 use granum_dem::simulation::{Hardware, Properties, Simulation};
 use granum_io::{Case, Column, Machine, Packing, QualityFlag, RunFolder, RunRecord, Table};
 use granum_learn::antony2006::training_checkpoints::TrainingManifest;
 use granum_learn::{StudyOptions, paper_mappings};
 use granum_nets::trainer::{Options, Silent, by_name};
-use granum_nets::{Data, Model, Recipe};
+use granum_nets::{Data, Model, ModelDefinition};
 use granum_run::NoObserver;
 use granum_run::laboratory::{CHECKPOINT, Laboratory, Source};
 use parquet::data_type::{BoolType, DoubleType, FloatType, Int32Type, Int64Type};
@@ -71,7 +71,7 @@ fn packings() -> Vec<Seed> {
     let small = "# periodic cell, m: ox=-1 oy=0 oz=0 ax=2 ay=0 az=0 bx=0 by=2 bz=0.1 cx=0 cy=0.2 cz=2\n\
         density,radius,id,x,y,z\n2650,0.9,1,0,1,1\n";
     let mut gases = [(10, 0.0), (20, 0.4)].map(|(count, spread)| {
-        let simulation = running(count, spread, Contact::default(), 0);
+        let simulation = running(count, spread, ContactModel::default(), 0);
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("packing.csv");
         granum_io::write_packing(&file, &Packing::from_assembly(&simulation.assembly())).expect("a packing");
@@ -88,7 +88,7 @@ fn models() -> Vec<Seed> {
     let targets = (0..rows).map(|k| 20.0 + (k as f64 * 0.4).cos()).collect();
     let data = Data::new(inputs, 2, targets).expect("a table");
     let column = granum_nets::Column::new;
-    let recipe = Recipe {
+    let definition = ModelDefinition {
         inputs: vec![column("deviator_strain", "1"), column("force", "N")],
         output: column("stress", "Pa"),
         quantities: Vec::new(),
@@ -100,7 +100,7 @@ fn models() -> Vec<Seed> {
     for name in granum_nets::trainer::NAMES {
         let options = Options { epochs: Some(5), ..Options::default() };
         let trainer = by_name(name, &options).expect("a known trainer");
-        let (model, report) = Model::fit(&recipe, &data, trainer.as_ref(), &mut Silent).expect("a model");
+        let (model, report) = Model::fit(&definition, &data, trainer.as_ref(), &mut Silent).expect("a model");
         seeds.push(seed(name, model.to_json()));
         let mut state = b"T".to_vec();
         state.extend(serde_json::to_vec(&report.state).expect("a state"));
@@ -110,7 +110,7 @@ fn models() -> Vec<Seed> {
 }
 
 /// A few grains that were pressed together for so many steps.
-fn running(count: usize, spread: f64, contact: Contact, steps: u64) -> Simulation {
+fn running(count: usize, spread: f64, contact: ContactModel, steps: u64) -> Simulation {
     let grains = Grains::default().with(|grains| {
         grains.count = count;
         grains.spread = spread;
@@ -118,7 +118,7 @@ fn running(count: usize, spread: f64, contact: Contact, steps: u64) -> Simulatio
     let (cell, spheres) = random_insertion(&grains, 0.35, 11).expect("a loose initial state");
     let properties = Properties::new(Material::default(), contact);
     let mut simulation = Simulation::new(cell, &spheres, properties).expect("a simulation");
-    simulation.set_control(Control::isotropic(20e3, 8000.0));
+    simulation.set_control(CellControl::isotropic(20e3, 8000.0));
     simulation.advance(steps).expect("steps");
     simulation
 }
@@ -133,7 +133,7 @@ fn checkpoints() -> Vec<Seed> {
     laws.into_iter()
         .zip(["", &sample, &test])
         .map(|((name, normal, tangential, count, spread), attachment)| {
-            let contact = Contact::new(normal, tangential, 0.1);
+            let contact = ContactModel::new(normal, tangential, 0.1);
             let bytes = running(count, spread, contact, 6000).checkpoint(attachment).expect("to memory");
             // Without the header, which the check puts on.
             seed(name, &bytes[24..])

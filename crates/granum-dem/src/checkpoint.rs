@@ -302,17 +302,17 @@ fn check_blocks(p: &Pairs, grains: usize) -> Result<(), CheckpointError> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::config::{Contact, Grains, Material};
+    use crate::config::{ContactModel, Grains, Material};
     use crate::random_insertion::random_insertion;
-    use crate::servo::Control;
+    use crate::servo::CellControl;
 
     /// A sample under compression, in which contacts form and break all the time.
     pub(crate) fn running(count: usize, spread: f64) -> Simulation {
         let grains = Grains { count, spread, ..Grains::default() };
         let (cell, spheres) = random_insertion(&grains, 0.3, 11).unwrap();
-        let contact = Contact::default();
+        let contact = ContactModel::default();
         let mut s = Simulation::new(cell, &spheres, Properties::new(Material::default(), contact)).unwrap();
-        s.set_control(Control::isotropic(20e3, 8000.0));
+        s.set_control(CellControl::isotropic(20e3, 8000.0));
         s.advance(6000).unwrap();
         s
     }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 pub use crate::contact::kind::{AdhesionKind, NormalKind, RollingKind, TangentialKind};
 pub use crate::contact::parameters::ParameterValues;
-pub use crate::contact::selection::Contact;
+pub use crate::contact::selection::ContactModel;
 pub use crate::material::Material;
 pub use crate::mixture::{Component, Mixture, PairRule};
 pub use crate::sizes::{SizeKind, Sizes};
@@ -31,7 +31,7 @@ macro_rules! with {
 with!(
     Grains: count = 300,
     Material: friction = 0.5,
-    Contact: damping = 0.2,
+    ContactModel: damping = 0.2,
     Preparation: seed = 7,
     Shear: deviator_strain = 0.1,
     Recording: states = 50,

@@ -8,7 +8,7 @@ use crate::blocks::{self, Change};
 use crate::cell::Cell;
 use crate::config::MOST_CONTACTS;
 use crate::contact::constants::PairConstants;
-use crate::contact::selection::Contact;
+use crate::contact::selection::ContactModel;
 use crate::contact_sums::ContactSums;
 use crate::hardware::Hardware;
 use crate::images::{self, IMAGES};
@@ -19,7 +19,7 @@ use crate::mixture::{Common, PairTable};
 use crate::pairs::{self, NORMAL_COLUMNS};
 use crate::properties::Properties;
 use crate::search;
-use crate::servo::Sample;
+use crate::servo::ServoInput;
 use crate::simulation_error::SimulationError;
 use crate::state::State;
 use crate::team::RawSlice;
@@ -232,7 +232,7 @@ impl Integrator {
 
     /// Fraction of the time step that remains with dashpots stronger than the default ones.
     fn damped_share(&self) -> f64 {
-        let (contact, usual) = (self.properties.contact, Contact::default());
+        let (contact, usual) = (self.properties.contact, ContactModel::default());
         if contact.damping <= usual.damping {
             return 1.0;
         }
@@ -265,7 +265,7 @@ impl Integrator {
         self.adapt_time_step();
         let state = &mut self.state;
         let volume = state.cell.volume();
-        let sample = Sample {
+        let sample = ServoInput {
             stress: state.stress(),
             strain: state.strain,
             bulk_modulus: state.sums.stiffness / (9.0 * volume),

@@ -13,7 +13,7 @@ use crate::contact::check::{LawError, check, parameters_of};
 use crate::contact::law::Mixing;
 use crate::contact::pair_properties::PairProperties;
 use crate::contact::parameters::ParameterValues;
-use crate::contact::selection::Contact;
+use crate::contact::selection::ContactModel;
 use crate::material::Material;
 
 /// Most materials of a sample.
@@ -28,7 +28,7 @@ pub struct Component {
     pub share: f64,
     /// Its properties.
     pub material: Material,
-    /// Values of contact laws' parameters that are its own; for the others those of [`Contact::parameters`] stand.
+    /// Values of contact laws' parameters that are its own; for the others those of [`ContactModel::parameters`] stand.
     pub parameters: ParameterValues,
 }
 
@@ -55,7 +55,7 @@ pub struct PairRule {
 /// Several materials. Empty, it stands for the one material of the grains.
 ///
 /// ```
-/// use granum_dem::config::{Component, Contact, Material, Mixture, PairRule};
+/// use granum_dem::config::{Component, ContactModel, Material, Mixture, PairRule};
 /// use granum_dem::simulation::Properties;
 ///
 /// let glass = Material::default().with(|material| material.friction = 0.5);
@@ -66,7 +66,7 @@ pub struct PairRule {
 /// });
 /// let mixture = Mixture::new([Component::new("glass", 0.75, glass), Component::new("steel", 0.25, steel)]);
 /// assert_eq!(mixture.assign(8, 1).iter().filter(|k| **k == 1).count(), 2);
-/// let properties = Properties::new(glass, Contact::default()).with_mixture(mixture);
+/// let properties = Properties::new(glass, ContactModel::default()).with_mixture(mixture);
 /// assert_eq!(properties.pair(["glass", "steel"], [5e-5, 5e-5])?.friction, 0.25);
 /// # Ok::<(), granum_dem::mixture::MixtureError>(())
 /// ```
@@ -235,7 +235,7 @@ impl Mixture {
     ///
     /// # Errors
     /// The first violation that is found.
-    pub fn check(&self, contact: &Contact) -> Result<(), MixtureError> {
+    pub fn check(&self, contact: &ContactModel) -> Result<(), MixtureError> {
         if self.is_empty() && self.pairs.is_empty() {
             return Ok(());
         }
@@ -283,20 +283,21 @@ impl Mixture {
         self.check_parameters(contact)
     }
 
-    fn check_parameters(&self, contact: &Contact) -> Result<(), MixtureError> {
+    fn check_parameters(&self, contact: &ContactModel) -> Result<(), MixtureError> {
         let components = self.components.iter().map(|c| (format!("the material {:?}", c.name), c.parameters));
         let pairs = self.pairs.iter().map(|rule| {
             let [a, b] = &rule.between;
             (format!("the pair of {a:?} and {b:?}"), rule.parameters)
         });
         for (of, parameters) in components.chain(pairs) {
-            check(&Contact { parameters, ..*contact }).map_err(|error| MixtureError::Law { of, error })?;
+            check(&ContactModel { parameters, ..*contact })
+                .map_err(|error| MixtureError::Law { of, error })?;
         }
         Ok(())
     }
 
     /// What grains of two components have in common.
-    fn common(&self, contact: &Contact, a: usize, b: usize) -> Common {
+    fn common(&self, contact: &ContactModel, a: usize, b: usize) -> Common {
         let (x, y) = (&self.components[a], &self.components[b]);
         let rule = self.rule(&x.name, &y.name);
         let mut parameters = ParameterValues::NONE;
@@ -317,7 +318,7 @@ impl Mixture {
             interface_energy: rule
                 .and_then(|rule| rule.interface_energy)
                 .unwrap_or_else(|| mixed(|m| m.interface_energy)),
-            contact: Contact { parameters, ..*contact },
+            contact: ContactModel { parameters, ..*contact },
         }
     }
 }
@@ -329,7 +330,7 @@ pub(crate) struct Common {
     friction: f64,
     interface_energy: f64,
     /// The laws with the parameters of the pair.
-    pub(crate) contact: Contact,
+    pub(crate) contact: ContactModel,
 }
 
 impl Common {
@@ -350,11 +351,12 @@ pub(crate) struct PairTable {
 
 impl PairTable {
     /// Of one material or a mixture. Materials that are alike in everything are one.
-    pub(crate) fn new(material: &Material, contact: &Contact, mixture: &Mixture) -> PairTable {
-        let one = |material: &Material, contact: Contact, friction: f64, interface_energy: f64| PairTable {
-            count: 1,
-            rows: vec![Common { materials: [*material; 2], friction, interface_energy, contact }],
-        };
+    pub(crate) fn new(material: &Material, contact: &ContactModel, mixture: &Mixture) -> PairTable {
+        let one =
+            |material: &Material, contact: ContactModel, friction: f64, interface_energy: f64| PairTable {
+                count: 1,
+                rows: vec![Common { materials: [*material; 2], friction, interface_energy, contact }],
+            };
         let count = mixture.components.len();
         if count == 0 {
             return one(material, *contact, material.friction, material.interface_energy);
@@ -410,8 +412,8 @@ mod tests {
     use super::*;
     use crate::config::{NormalKind, RollingKind, TangentialKind};
 
-    fn hertz() -> Contact {
-        Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1)
+    fn hertz() -> ContactModel {
+        ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1)
     }
 
     fn two(shares: [f64; 2]) -> Mixture {
@@ -435,7 +437,7 @@ mod tests {
         };
         let mixture =
             Mixture::new([Component::new("glass", 0.5, glass), Component::new("polymer", 0.5, polymer)]);
-        let contact = Contact { normal: NormalKind::JKR, ..hertz() };
+        let contact = ContactModel { normal: NormalKind::JKR, ..hertz() };
         let table = PairTable::new(&glass, &contact, &mixture);
         for [a, b] in [[0, 1], [1, 0]] {
             let pair = table.of(a, b).pair([5e-5; 2]);

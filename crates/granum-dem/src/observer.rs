@@ -84,9 +84,9 @@ impl<'a> Progress<'a> {
 /// [`Progress`] and gives a [`Flow`] is an observer; several observers together are one ([`Observers`]).
 ///
 /// ```
-/// use granum_dem::config::{Contact, Grains, Preparation};
+/// use granum_dem::config::{ContactModel, Grains, Preparation};
 /// use granum_dem::observer::{Flow, Observer, Progress};
-/// use granum_dem::preparation::{PreparationError, Recipe, prepare};
+/// use granum_dem::preparation::{PreparationError, SampleSpecification, prepare};
 ///
 /// /// Stops once the grains fill two fifths of the cell.
 /// #[derive(Default)]
@@ -102,9 +102,9 @@ impl<'a> Progress<'a> {
 ///     }
 /// }
 ///
-/// let (grains, contact) = (Grains::default().with(|grains| grains.count = 60), Contact::default());
+/// let (grains, contact) = (Grains::default().with(|grains| grains.count = 60), ContactModel::default());
 /// let preparation = Preparation::default().with(|preparation| preparation.inertial_number = 1e-2);
-/// let recipe = Recipe {
+/// let specification = SampleSpecification {
 ///     grains: &grains,
 ///     contact: &contact,
 ///     preparation: &preparation,
@@ -112,7 +112,7 @@ impl<'a> Progress<'a> {
 ///     hardware: Default::default(),
 /// };
 /// let mut observer = UntilDense::default();
-/// assert!(matches!(prepare(&recipe, &mut observer), Err(PreparationError::Stopped { .. })));
+/// assert!(matches!(prepare(&specification, &mut observer), Err(PreparationError::Stopped { .. })));
 /// assert!(observer.calls > 1);
 /// ```
 pub trait Observer {
@@ -144,7 +144,7 @@ pub trait Observer {
     }
 }
 
-/// The observer of a run that nobody follows.
+/// The observer of a run that none follows.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoObserver;
 
@@ -166,8 +166,8 @@ impl<F: FnMut(&Progress) -> Flow> Observer for F {
 ///     calls += 1;
 ///     Flow::Continue
 /// };
-/// let mut nobody = NoObserver;
-/// let both = Observers(vec![&mut counting, &mut nobody]);
+/// let mut none = NoObserver;
+/// let both = Observers(vec![&mut counting, &mut none]);
 /// assert_eq!(both.next_look(), f64::INFINITY);
 /// ```
 pub struct Observers<'a>(pub Vec<&'a mut dyn Observer>);

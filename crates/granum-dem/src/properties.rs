@@ -6,7 +6,7 @@ use crate::config::{Grains, Mixture, Preparation};
 use crate::contact::check::check;
 use crate::contact::kind::{NormalKind, RollingKind};
 use crate::contact::pair_properties::PairProperties;
-use crate::contact::selection::Contact;
+use crate::contact::selection::ContactModel;
 use crate::material::Material;
 use crate::mixture::{MixtureError, PairTable};
 use crate::simulation_error::SimulationError;
@@ -17,10 +17,10 @@ const ROLLING_FRICTION: &str = "rolling_friction";
 /// Material of the grains and their contact laws.
 ///
 /// ```
-/// use granum_dem::config::{Contact, Material};
+/// use granum_dem::config::{ContactModel, Material};
 /// use granum_dem::simulation::Properties;
 ///
-/// let properties = Properties::new(Material::default(), Contact::default());
+/// let properties = Properties::new(Material::default(), ContactModel::default());
 /// assert!(properties.mixture.is_empty());
 /// assert_eq!(properties.with_surface(0.1, 0.0).material.friction, 0.1);
 /// ```
@@ -30,7 +30,7 @@ pub struct Properties {
     /// Solid and surface, where there is no mixture.
     pub material: Material,
     /// Contact law.
-    pub contact: Contact,
+    pub contact: ContactModel,
     /// Several materials in place of the one; empty where there is one.
     pub mixture: Mixture,
 }
@@ -41,12 +41,12 @@ pub const LARGEST_REACH: f64 = 0.5;
 
 impl Properties {
     /// One material and a contact law.
-    pub fn new(material: Material, contact: Contact) -> Properties {
+    pub fn new(material: Material, contact: ContactModel) -> Properties {
         Properties { material, contact, mixture: Mixture::default() }
     }
 
     /// Those of grains that may be of several materials, with a contact law; which grain is of which is drawn from the seed.
-    pub fn of(grains: &Grains, contact: &Contact, seed: u64) -> Properties {
+    pub fn of(grains: &Grains, contact: &ContactModel, seed: u64) -> Properties {
         Properties {
             material: grains.material,
             contact: *contact,

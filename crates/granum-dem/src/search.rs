@@ -124,7 +124,7 @@ impl Grid {
     /// Ranges of boxes along the third edge that are searched for a grain, as first box, one past the last box, and
     /// displacement in cells; the second range is empty except at the ends of the cell.
     #[inline(always)]
-    fn stretches(&self, here: u32) -> [(usize, usize, i32); 2] {
+    fn intervals(&self, here: u32) -> [(usize, usize, i32); 2] {
         let (z, n) = (here as usize, self.counts[2]);
         let beyond = match z {
             0 => (n - 1, n, -1),
@@ -165,7 +165,7 @@ impl Kernel for GridSearch<'_> {
             for step in 0..9 {
                 let (x, sx) = grid.beside(0, here[0], step / 3 - 1);
                 let (y, sy) = grid.beside(1, here[1], step % 3 - 1);
-                for (low, high, sz) in grid.stretches(here[2]) {
+                for (low, high, sz) in grid.intervals(here[2]) {
                     let code = image_code([sx, sy, sz]);
                     seeker.search_box(
                         &grid,

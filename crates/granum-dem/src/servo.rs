@@ -39,7 +39,7 @@ pub struct Row {
     pub divisor: f64,
     /// Weights of the strain components, Pa, added to the stresses; zero for a combination of stresses alone.
     pub strain: [f64; 6],
-    /// Target at [`Control::since`], Pa. Zero is a valid target.
+    /// Target at [`CellControl::since`], Pa. Zero is a valid target.
     pub target: f64,
     /// Rate of change of the target, Pa/s.
     pub target_rate: f64,
@@ -128,7 +128,7 @@ pub fn strain_component(strain: &Matrix, k: usize) -> f64 {
 
 /// The control of the cell.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Control {
+pub struct CellControl {
     /// Base strain rate of every component, 1/s, compression positive; the velocity gradient is minus this.
     pub rate: Matrix,
     /// Combinations of stresses that are controlled.
@@ -143,9 +143,9 @@ pub struct Control {
     pub response: f64,
 }
 
-impl Default for Control {
+impl Default for CellControl {
     fn default() -> Self {
-        Control {
+        CellControl {
             rate: [[0.0; 3]; 3],
             rows: [None; 6],
             since: 0.0,
@@ -156,15 +156,15 @@ impl Default for Control {
     }
 }
 
-impl Control {
+impl CellControl {
     /// No component is strained.
-    pub fn fixed() -> Control {
-        Control::default()
+    pub fn fixed() -> CellControl {
+        CellControl::default()
     }
 
     /// All three axes servo-controlled to the same stress.
-    pub fn isotropic(stress: f64, rate_limit: f64) -> Control {
-        let mut control = Control { rate_limit, ..Control::default() };
+    pub fn isotropic(stress: f64, rate_limit: f64) -> CellControl {
+        let mut control = CellControl { rate_limit, ..CellControl::default() };
         for a in 0..3 {
             control.rows[a] = Some(Row::component(a, stress));
         }
@@ -173,8 +173,8 @@ impl Control {
 
     /// Axis `axis` strained at `rate`, the other two at half that rate in the opposite direction while they control the mean
     /// stress.
-    pub fn constant_mean_stress(axis: usize, rate: f64, target: f64, rate_limit: f64) -> Control {
-        let mut control = Control { rate_limit, ..Control::default() };
+    pub fn constant_mean_stress(axis: usize, rate: f64, target: f64, rate_limit: f64) -> CellControl {
+        let mut control = CellControl { rate_limit, ..CellControl::default() };
         let mut axes = [true; 3];
         for a in 0..3 {
             control.rate[a][a] = if a == axis { rate } else { -0.5 * rate };
@@ -252,7 +252,7 @@ pub struct Servo {
 
 /// The properties of the sample that the servo uses.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sample {
+pub(crate) struct ServoInput {
     pub(crate) stress: Matrix,
     pub(crate) strain: Matrix,
     /// Affine bulk modulus, Pa.
@@ -263,7 +263,7 @@ pub(crate) struct Sample {
 
 impl Servo {
     /// The velocity gradient L for the next step.
-    pub(crate) fn gradient(&mut self, control: &Control, sample: &Sample) -> Matrix {
+    pub(crate) fn gradient(&mut self, control: &CellControl, sample: &ServoInput) -> Matrix {
         let elapsed = control.progress(sample.time);
         // The share of the full rates at which it goes.
         let share =
@@ -330,15 +330,15 @@ impl Gain {
 mod tests {
     use super::*;
 
-    fn at(stress: Matrix, bulk_modulus: f64) -> Sample {
-        Sample { stress, strain: [[0.0; 3]; 3], bulk_modulus, time: 0.0, dt: 1e-8 }
+    fn at(stress: Matrix, bulk_modulus: f64) -> ServoInput {
+        ServoInput { stress, strain: [[0.0; 3]; 3], bulk_modulus, time: 0.0, dt: 1e-8 }
     }
 
     /// Under the servo, an elastic solid of modulus K reaches its target and stays there, whatever K is.
     #[test]
     fn settles_on_an_elastic_solid() {
         for modulus in [1e6, 1e8, 1e10] {
-            let control = Control::isotropic(20e3, 1e3);
+            let control = CellControl::isotropic(20e3, 1e3);
             let mut servo = Servo::default();
             let mut pressure = 0.0;
             let mut tail: f64 = 0.0;
@@ -358,7 +358,7 @@ mod tests {
 
     #[test]
     fn zero_is_a_target() {
-        let control = Control::isotropic(0.0, 10.0);
+        let control = CellControl::isotropic(0.0, 10.0);
         let mut stress = [[0.0; 3]; 3];
         stress[0][0] = 5e3;
         let gradient = Servo::default().gradient(&control, &at(stress, 1e8));
@@ -367,21 +367,21 @@ mod tests {
 
     #[test]
     fn constant_mean_stress_moves_two_axes_alike() {
-        let control = Control::constant_mean_stress(0, 10.0, 20e3, 100.0);
+        let control = CellControl::constant_mean_stress(0, 10.0, 20e3, 100.0);
         let stress = [[20e3, 0.0, 0.0], [0.0, 20e3, 0.0], [0.0, 0.0, 20e3]];
         let gradient = Servo::default().gradient(&control, &at(stress, 1e8));
         assert_eq!(gradient[0][0], -10.0);
         assert_eq!(gradient[1][1], gradient[2][2]);
         assert!((gradient[1][1] - 5.0).abs() < 1e-9);
         assert_eq!(control.target_mean_stress(3.0), Some(20e3));
-        assert_eq!(Control::isotropic(5e3, 1.0).target_mean_stress(0.0), Some(5e3));
-        assert_eq!(Control::fixed().target_mean_stress(0.0), None);
+        assert_eq!(CellControl::isotropic(5e3, 1.0).target_mean_stress(0.0), Some(5e3));
+        assert_eq!(CellControl::fixed().target_mean_stress(0.0), None);
     }
 
     /// A shear stress is controlled by a symmetric shear rate, which causes no rotation.
     #[test]
     fn a_shear_stress_moves_a_symmetric_shear_rate() {
-        let mut control = Control { rate_limit: 100.0, ..Control::fixed() };
+        let mut control = CellControl { rate_limit: 100.0, ..CellControl::fixed() };
         control.rows[0] = Some(Row::component(5, 1e3));
         let gradient = Servo::default().gradient(&control, &at([[0.0; 3]; 3], 1e8));
         assert!(gradient[0][1] < 0.0 && gradient[0][1] == gradient[1][0]);
@@ -390,7 +390,7 @@ mod tests {
 
     #[test]
     fn turned_round_a_target_goes_back_from_where_it_is() {
-        let mut control = Control { rate_limit: 1.0, ..Control::fixed() };
+        let mut control = CellControl { rate_limit: 1.0, ..CellControl::fixed() };
         control.rate[0][0] = 2.0;
         control.rows[0] = Some(Row { target_rate: 10.0, ..Row::component(1, 100.0) });
         let mut stress = [[0.0; 3]; 3];
@@ -406,10 +406,10 @@ mod tests {
     /// Rates grow from nothing, and targets move as far as the rates say.
     #[test]
     fn rates_and_targets_are_eased_in() {
-        let mut control = Control { rate_limit: 1.0, since: 1.0, ease: 0.5, ..Control::fixed() };
+        let mut control = CellControl { rate_limit: 1.0, since: 1.0, ease: 0.5, ..CellControl::fixed() };
         control.rate[0][0] = 2.0;
         let rate = |time: f64| {
-            let sample = Sample { time, ..at([[0.0; 3]; 3], 1e8) };
+            let sample = ServoInput { time, ..at([[0.0; 3]; 3], 1e8) };
             -Servo::default().gradient(&control, &sample)[0][0]
         };
         assert_eq!((rate(1.0), rate(1.25), rate(1.5), rate(4.0)), (0.0, 1.0, 2.0, 2.0));

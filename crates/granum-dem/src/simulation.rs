@@ -7,7 +7,7 @@ use granum_simd::{LANES, Row4, Row8};
 use crate::assembly::{Assembly, EnergyBalance, Vector};
 use crate::cell::Cell;
 use crate::contact::constants::PairConstants;
-use crate::contact::selection::Contact;
+use crate::contact::selection::ContactModel;
 use crate::contact_sums::ContactSums;
 use crate::inner_list::InnerList;
 use crate::integrator::Integrator;
@@ -15,7 +15,7 @@ use crate::kernel::Stages;
 use crate::loading::measure::Event;
 use crate::pairs::{NORMAL_COLUMNS, Pairs};
 use crate::properties::{check_assignment, check_properties};
-use crate::servo::{Control, Servo};
+use crate::servo::{CellControl, Servo};
 use crate::state::{ServoError, State};
 use crate::{images, stepping};
 
@@ -98,7 +98,7 @@ impl Simulation {
             fastest_peak: 0.0,
             energy_balance: EnergyBalance::default(),
             servo: Servo::default(),
-            control: Control::fixed(),
+            control: CellControl::fixed(),
             global_damping: 0.0,
             servo_error: ServoError::default(),
             judge_from: 0.0,
@@ -123,7 +123,7 @@ impl Simulation {
     }
 
     /// Sets the control of the cell and resets the servo.
-    pub fn set_control(&mut self, control: Control) {
+    pub fn set_control(&mut self, control: CellControl) {
         self.integrator.state.control = control;
         self.integrator.state.servo = Servo::default();
     }
@@ -370,7 +370,7 @@ impl Integrator {
     }
 
     /// Carries the histories of all contacts over to the present laws: their normals, and the histories of laws that stayed.
-    fn change_history(&mut self, before: &Contact) {
+    fn change_history(&mut self, before: &ContactModel) {
         let now = &self.properties.contact;
         // A tangential history may contain the tangential measure of the normal law: an area, or a stiffness.
         let measured_alike =

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::assembly::{Assembly, Contact, EnergyBalance, Grain, Matrix};
 use crate::cell::Cell;
-use crate::config::Contact as Laws;
+use crate::config::ContactModel;
 use crate::contact::constants::PairConstants;
 use crate::contact::law;
 use crate::contact_sums::ContactSums;
@@ -13,7 +13,7 @@ use crate::images::{self, image_vector};
 use crate::inner_list::InnerList;
 use crate::loading::measure::MacroState;
 use crate::pairs::{Pairs, resultant};
-use crate::servo::{Control, Servo};
+use crate::servo::{CellControl, Servo};
 use crate::{invariants, rows};
 
 /// The state of a simulation.
@@ -56,7 +56,7 @@ pub struct State {
     #[serde(with = "energy_row")]
     pub(crate) energy_balance: EnergyBalance,
     pub(crate) servo: Servo,
-    pub(crate) control: Control,
+    pub(crate) control: CellControl,
     /// Rate of global damping of the velocities, 1/s, used only during the preparation of a sample.
     pub(crate) global_damping: f64,
     /// Relative errors of the controlled stresses from the arc length `judge_from` on.
@@ -294,7 +294,7 @@ impl State {
     }
 
     /// The control of the cell.
-    pub fn control(&self) -> &Control {
+    pub fn control(&self) -> &CellControl {
         &self.control
     }
 
@@ -345,7 +345,7 @@ impl State {
     pub(crate) fn assembly(
         &self,
         constants: impl Fn(usize) -> PairConstants<f64>,
-        laws: &Laws,
+        laws: &ContactModel,
         materials: Vec<String>,
     ) -> Assembly {
         let n = self.grains();
@@ -411,7 +411,7 @@ impl State {
         slot: usize,
         rank: &[usize],
         constants: impl Fn(usize) -> PairConstants<f64>,
-        laws: &Laws,
+        laws: &ContactModel,
     ) -> Contact {
         let (b, l) = (slot / LANES, slot % LANES);
         let (i, j) = (self.pairs.first[b][l] as usize, self.pairs.second[b][l] as usize);

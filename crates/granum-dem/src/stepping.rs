@@ -204,9 +204,9 @@ pub(crate) fn forces(integrator: &mut Integrator) {
 
 #[cfg(test)]
 mod tests {
-    use crate::config::{Contact, Grains, Material};
+    use crate::config::{ContactModel, Grains, Material};
     use crate::random_insertion::random_insertion;
-    use crate::servo::Control;
+    use crate::servo::CellControl;
     use crate::simulation::{Hardware, Properties, Simulation};
     use granum_simd::Isa;
 
@@ -216,11 +216,11 @@ mod tests {
         let (count, steps) = if cfg!(miri) { (140, 12) } else { (600, 400) };
         let grains = Grains { count, ..Grains::default() };
         let (cell, spheres) = random_insertion(&grains, 0.35, 5).unwrap();
-        let properties = Properties::new(Material::default(), Contact::default());
+        let properties = Properties::new(Material::default(), ContactModel::default());
         let run = |threads: usize| {
             let mut s = Simulation::new(cell, &spheres, properties.clone()).unwrap();
             s.set_hardware(Hardware { threads, isa: Isa::detect() });
-            s.set_control(Control::isotropic(20e3, 3e4));
+            s.set_control(CellControl::isotropic(20e3, 3e4));
             // So fast that grains collide and the list is rebuilt within the few steps.
             let fast: Vec<[f64; 3]> =
                 (0..count).map(|k| [0, 1, 2].map(|a| 40.0 * ((7 * k + 13 * a) as f64).sin())).collect();

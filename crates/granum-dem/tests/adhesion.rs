@@ -4,11 +4,11 @@ use granum_dem::Isa;
 use granum_dem::assembly::Assembly;
 use granum_dem::cell::Cell;
 use granum_dem::config::{
-    AdhesionKind, Component, Contact, Grains, Material, Mixture, NormalKind, RollingKind, TangentialKind,
+    AdhesionKind, Component, ContactModel, Grains, Material, Mixture, NormalKind, RollingKind, TangentialKind,
 };
 use granum_dem::contact::PairProperties;
 use granum_dem::random_insertion::random_insertion;
-use granum_dem::servo::Control;
+use granum_dem::servo::CellControl;
 use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation, SimulationError};
 
 const DIAMETER: f64 = 1e-4;
@@ -17,8 +17,8 @@ fn plain() -> Material {
     Material::default().with(|material| material.interface_energy = 0.0)
 }
 
-fn wet(damping: f64) -> Contact {
-    let mut contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, damping);
+fn wet(damping: f64) -> ContactModel {
+    let mut contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, damping);
     contact.adhesion = AdhesionKind::CAPILLARY_BRIDGE;
     contact.parameters.set("bridge_volume", 1e-3).unwrap();
     contact
@@ -37,7 +37,7 @@ fn stored(assembly: &Assembly) -> f64 {
 }
 
 /// Two grains that meet at a speed, each at half of it, m/s.
-fn meeting(contact: Contact, speed: f64) -> Simulation {
+fn meeting(contact: ContactModel, speed: f64) -> Simulation {
     let cell = Cell::cuboid([10.0 * DIAMETER, 3.0 * DIAMETER, 3.0 * DIAMETER]);
     let sphere =
         |id, x| InitialSphere { id, position: [x * DIAMETER, DIAMETER, DIAMETER], radius: 0.5 * DIAMETER };
@@ -110,10 +110,10 @@ fn compressed(properties: Properties, spread: f64, hardware: Hardware) -> Simula
     .unwrap();
     let mut s = Simulation::new(cell, &spheres, properties).unwrap();
     s.set_hardware(hardware);
-    s.set_control(Control::isotropic(20e3, 2e4));
+    s.set_control(CellControl::isotropic(20e3, 2e4));
     s.advance(4000).unwrap();
     // Pulled apart again, so that contacts open and their bridges are stretched.
-    let mut control = Control::fixed();
+    let mut control = CellControl::fixed();
     control.rate = [[-300.0, 0.0, 0.0], [0.0, -300.0, 0.0], [0.0, 0.0, -300.0]];
     s.set_control(control);
     s.advance(3000).unwrap();

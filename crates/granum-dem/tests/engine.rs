@@ -3,19 +3,19 @@
 use granum_dem::Isa;
 use granum_dem::cell::Cell;
 use granum_dem::config::{
-    Contact, Grains, Material, NormalKind, Preparation, Rate, Recording, Shear, TangentialKind,
+    ContactModel, Grains, Material, NormalKind, Preparation, Rate, Recording, Shear, TangentialKind,
 };
 use granum_dem::loading::{begin, follow, preset};
 use granum_dem::observer::{NoObserver, Observer};
-use granum_dem::preparation::{Flow, Progress, Recipe, prepare};
+use granum_dem::preparation::{Flow, Progress, SampleSpecification, prepare};
 use granum_dem::random_insertion::random_insertion;
-use granum_dem::servo::Control;
+use granum_dem::servo::CellControl;
 use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation, SimulationError};
 
 const DIAMETER: f64 = 1e-4;
 
 fn properties(normal: NormalKind, tangential: TangentialKind) -> Properties {
-    Properties::new(Material::default(), Contact::new(normal, tangential, 0.1))
+    Properties::new(Material::default(), ContactModel::new(normal, tangential, 0.1))
 }
 
 fn lattice(spheres: &[[f64; 3]], cell: Cell, normal: NormalKind) -> Simulation {
@@ -66,15 +66,15 @@ fn small_sample(hardware: Hardware, spread: f64) -> Simulation {
         preparation.inertial_number = 5e-3;
         preparation.unbalanced_force = 1e-2;
     });
-    let contact = Contact::default();
-    let recipe = Recipe {
+    let contact = ContactModel::default();
+    let specification = SampleSpecification {
         grains: &grains,
         contact: &contact,
         preparation: &preparation,
         time_step_factor: 0.2,
         hardware,
     };
-    prepare(&recipe, &mut |_: &Progress| Flow::Continue).unwrap().simulation
+    prepare(&specification, &mut |_: &Progress| Flow::Continue).unwrap().simulation
 }
 
 /// An observer that measures often and thoroughly.
@@ -127,7 +127,7 @@ fn momentum_and_energy_of_an_elastic_gas_are_kept() {
         material.friction = 0.0;
         material.interface_energy = 0.0;
     });
-    let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.0);
+    let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.0);
     let mut s = Simulation::new(cell, &spheres, Properties::new(material, contact)).unwrap();
     let velocities: Vec<[f64; 3]> =
         (0..100).map(|k| [k as f64 * 0.7, k as f64 * 1.3, k as f64 * 2.1].map(f64::sin)).collect();
@@ -181,11 +181,11 @@ fn forces_are_in_balance_with_torques() {
 #[test]
 fn a_rigidly_rotating_cell_feels_nothing() {
     let mut s = small_sample(Hardware::default(), 0.0);
-    s.set_control(Control::fixed());
+    s.set_control(CellControl::fixed());
     s.advance(3000).unwrap();
     let before = s.state().mean_stress();
     assert!(before > 15e3);
-    let mut control = Control::fixed();
+    let mut control = CellControl::fixed();
     let rate = 50.0;
     control.rate[0][1] = rate;
     control.rate[1][0] = -rate;
@@ -221,7 +221,7 @@ fn impossible_grains_are_refused_by_id() {
 fn divergence_is_reported() {
     let mut s = small_sample(Hardware::default(), 0.0);
     s.fix_time_step(Some(1e-2));
-    let mut control = Control::fixed();
+    let mut control = CellControl::fixed();
     control.rate[0][0] = 1e300;
     s.set_control(control);
     assert!(matches!(s.advance(10), Err(SimulationError::Diverged { .. })));

@@ -3,12 +3,12 @@
 use granum_dem::Isa;
 use granum_dem::assembly::Assembly;
 use granum_dem::cell::Cell;
-use granum_dem::config::{Contact, Grains, Material, NormalKind, RollingKind, TangentialKind};
+use granum_dem::config::{ContactModel, Grains, Material, NormalKind, RollingKind, TangentialKind};
 use granum_dem::contact::normal::Hertz;
 use granum_dem::contact::registry::{RegisterError, normal_named, register_normal};
 use granum_dem::contact::{Description, LAW_CONSTANTS, Normal, NormalLaw, PairProperties, Parameter, Unit};
 use granum_dem::random_insertion::random_insertion;
-use granum_dem::servo::Control;
+use granum_dem::servo::CellControl;
 use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation, SimulationError};
 
 const DIAMETER: f64 = 1e-4;
@@ -18,8 +18,8 @@ fn plain() -> Material {
 }
 
 /// A linear spring with rolling resistance.
-fn soft(damping: f64, rolling_friction: f64, rolling_damping: f64) -> Contact {
-    let mut contact = Contact::new(NormalKind::HOOKE, TangentialKind::NO_SLIP, damping);
+fn soft(damping: f64, rolling_friction: f64, rolling_damping: f64) -> ContactModel {
+    let mut contact = ContactModel::new(NormalKind::HOOKE, TangentialKind::NO_SLIP, damping);
     contact.rolling = RollingKind::ELASTIC_PLASTIC;
     for (key, value) in [
         ("normal_stiffness", 2e4),
@@ -44,7 +44,7 @@ fn stored(assembly: &Assembly) -> [f64; 4] {
 }
 
 /// Two grains in a periodic row, pressed together and spinning in opposite directions.
-fn rocking(contact: Contact, spin: f64) -> Simulation {
+fn rocking(contact: ContactModel, spin: f64) -> Simulation {
     let gap = DIAMETER * 0.999;
     let cell = Cell::cuboid([2.0 * gap, 3.0 * DIAMETER, 3.0 * DIAMETER]);
     let sphere = |id, x| InitialSphere { id, position: [x, DIAMETER, DIAMETER], radius: 0.5 * DIAMETER };
@@ -118,7 +118,7 @@ fn sample(properties: Properties, spread: f64, hardware: Hardware) -> Simulation
     .unwrap();
     let mut s = Simulation::new(cell, &spheres, properties).unwrap();
     s.set_hardware(hardware);
-    s.set_control(Control::isotropic(20e3, 2e4));
+    s.set_control(CellControl::isotropic(20e3, 2e4));
     s.advance(4000).unwrap();
     s
 }
@@ -152,7 +152,7 @@ fn new_laws_have_the_same_bits_everywhere() {
 /// Checked while a sample is strained slowly.
 fn energy_is_in_balance(mut s: Simulation) {
     s.set_time_step_factor(0.05);
-    let mut control = Control::fixed();
+    let mut control = CellControl::fixed();
     control.rate[0][0] = 20.0;
     s.set_control(control);
     s.advance(2000).unwrap();
@@ -190,7 +190,7 @@ fn laws_can_be_changed_in_the_middle() {
 /// Parameters that no law has, and values out of bounds.
 #[test]
 fn parameters_are_checked() {
-    let refused = |contact: Contact| {
+    let refused = |contact: ContactModel| {
         let sphere = InitialSphere { id: 1, position: [0.0; 3], radius: 5e-5 };
         let properties = Properties::new(plain(), contact);
         Simulation::new(Cell::cuboid([1e-3; 3]), &[sphere], properties).err().map(|e| e.to_string()).unwrap()
@@ -246,8 +246,9 @@ impl NormalLaw for OtherModulus {
 #[test]
 fn a_law_of_the_callers_own_runs_and_is_remembered() {
     let own = NormalKind::new(&OtherModulus);
-    let of =
-        |normal| Properties::new(plain(), Contact::new(normal, TangentialKind::MINDLIN_DERESIEWICZ, 0.1));
+    let of = |normal| {
+        Properties::new(plain(), ContactModel::new(normal, TangentialKind::MINDLIN_DERESIEWICZ, 0.1))
+    };
     let hertz = sample(of(NormalKind::HERTZ), 0.3, Hardware::default());
     let same = sample(of(own), 0.3, Hardware::default());
     assert!(hertz.state() == same.state());

@@ -3,10 +3,10 @@
 use granum_dem::Isa;
 use granum_dem::assembly::Assembly;
 use granum_dem::config::{
-    Component, Contact, Grains, Material, Mixture, NormalKind, PairRule, RollingKind, TangentialKind,
+    Component, ContactModel, Grains, Material, Mixture, NormalKind, PairRule, RollingKind, TangentialKind,
 };
 use granum_dem::random_insertion::random_insertion;
-use granum_dem::servo::Control;
+use granum_dem::servo::CellControl;
 use granum_dem::simulation::{Hardware, Properties, Simulation, SimulationError};
 
 fn plain() -> Material {
@@ -22,12 +22,12 @@ fn soft() -> Material {
     })
 }
 
-fn hertz() -> Contact {
-    Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1)
+fn hertz() -> ContactModel {
+    ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1)
 }
 
 /// A third of soft grains, with a rule of their own for pairs of unlike ones.
-fn two(contact: Contact) -> Properties {
+fn two(contact: ContactModel) -> Properties {
     let rule =
         PairRule { between: ["soft".into(), "hard".into()], friction: Some(0.1), ..PairRule::default() };
     let mixture =
@@ -47,7 +47,7 @@ fn compressed(properties: Properties, spread: f64, hardware: Hardware) -> Simula
     .unwrap();
     let mut s = Simulation::new(cell, &spheres, properties).unwrap();
     s.set_hardware(hardware);
-    s.set_control(Control::isotropic(20e3, 2e4));
+    s.set_control(CellControl::isotropic(20e3, 2e4));
     s.advance(5000).unwrap();
     s
 }

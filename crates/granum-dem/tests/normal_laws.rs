@@ -4,10 +4,10 @@
 use granum_dem::Isa;
 use granum_dem::assembly::Assembly;
 use granum_dem::config::{
-    AdhesionKind, Component, Contact, Grains, Material, Mixture, NormalKind, RollingKind, TangentialKind,
+    AdhesionKind, Component, ContactModel, Grains, Material, Mixture, NormalKind, RollingKind, TangentialKind,
 };
 use granum_dem::random_insertion::random_insertion;
-use granum_dem::servo::Control;
+use granum_dem::servo::CellControl;
 use granum_dem::simulation::{Hardware, Properties, Simulation};
 
 const DIAMETER: f64 = 1e-4;
@@ -18,7 +18,7 @@ fn glass(interface_energy: f64) -> Material {
 
 /// A set of laws, and what the second material has of its own.
 struct Case {
-    contact: Contact,
+    contact: ContactModel,
     interface_energy: f64,
     other: &'static [(&'static str, f64)],
 }
@@ -29,7 +29,7 @@ fn case(
     given: &[(&'static str, f64)],
     other: &'static [(&'static str, f64)],
 ) -> Case {
-    let mut contact = Contact::new(normal, tangential, 0.1);
+    let mut contact = ContactModel::new(normal, tangential, 0.1);
     for (key, value) in given {
         contact.parameters.set(key, *value).unwrap();
     }
@@ -87,9 +87,9 @@ fn sample(properties: Properties, spread: f64, steps: u64, hardware: Hardware) -
     .unwrap();
     let mut s = Simulation::new(cell, &spheres, properties).unwrap();
     s.set_hardware(hardware);
-    s.set_control(Control::isotropic(20e3, 2e4));
+    s.set_control(CellControl::isotropic(20e3, 2e4));
     s.advance(steps).unwrap();
-    let mut control = Control::fixed();
+    let mut control = CellControl::fixed();
     control.rate = [[-2.0, 0.0, 0.0], [0.0, -2.0, 0.0], [0.0, 0.0, -2.0]];
     s.set_control(control);
     s.advance(200).unwrap();
@@ -145,10 +145,10 @@ fn the_energy_is_in_balance() {
     for case in cases() {
         let name = case.contact.normal.name();
         let mut s = sample(case.one(), 0.3, 4500, Hardware::default());
-        s.set_control(Control::isotropic(20e3, 2e4));
+        s.set_control(CellControl::isotropic(20e3, 2e4));
         s.advance(3000).unwrap();
         s.set_time_step_factor(0.05);
-        let mut control = Control::fixed();
+        let mut control = CellControl::fixed();
         control.rate[0][0] = 20.0;
         s.set_control(control);
         s.advance(1000).unwrap();

@@ -60,7 +60,7 @@ pub struct LaboratoryTest {
 }
 
 /// A column of the file that is used.
-struct Place {
+struct SourceColumn {
     quantity: usize,
     factor: f64,
 }
@@ -76,7 +76,7 @@ pub fn read_laboratory(path: impl AsRef<Path>, conventions: &Conventions) -> Res
 
 fn read<R: std::io::BufRead>(lines: &mut Lines<R>, conventions: &Conventions) -> Result<Vec<LaboratoryTest>> {
     let mut stated = conventions.clone();
-    let mut header: Option<(Vec<Option<Place>>, Option<usize>)> = None;
+    let mut header: Option<(Vec<Option<SourceColumn>>, Option<usize>)> = None;
     let mut rows: Vec<(String, Vec<[f64; QUANTITIES.len()]>)> = Vec::new();
     while lines.advance()? {
         if lines.is_empty() {
@@ -163,7 +163,7 @@ fn split(cell: &str) -> (&str, &str) {
 fn columns<R: std::io::BufRead>(
     lines: &Lines<R>,
     conventions: &Conventions,
-) -> Result<(Vec<Option<Place>>, Option<usize>)> {
+) -> Result<(Vec<Option<SourceColumn>>, Option<usize>)> {
     let names = csv::names(lines)?;
     let mut mapped = Vec::new();
     for (quantity, column) in &conventions.columns {
@@ -210,9 +210,10 @@ fn columns<R: std::io::BufRead>(
         let factor = factor.map_err(|why| {
             Error::from(lines.cell_error(start, cell, format!("the unit of {name}: 1 {unit} {why}")))
         })?;
-        places.push(Some(Place { quantity, factor }));
+        places.push(Some(SourceColumn { quantity, factor }));
     }
-    let has = |name: &str| places.iter().flatten().any(|place: &Place| QUANTITIES[place.quantity].0 == name);
+    let has =
+        |name: &str| places.iter().flatten().any(|place: &SourceColumn| QUANTITIES[place.quantity].0 == name);
     if !has("axial_strain") {
         let message = "there is no column axial_strain; name it in the header, or map a column to it";
         return Err(Error::content(Path::new(lines.file()), message));

@@ -4,23 +4,23 @@ use granum_core::parallel;
 
 use crate::data::Data;
 use crate::model::Model;
+use crate::model_definition::ModelDefinition;
 use crate::model_error::ModelError;
 use crate::prediction::{BatchPrediction, Prediction};
-use crate::recipe::Recipe;
 use crate::trainer::observer::Silent;
 use crate::trainer::report::TrainingReport;
 use crate::trainer::trainer_trait::Trainer;
 
-/// Models of one recipe with different seeds.
+/// Models of one definition with different seeds.
 ///
 /// ```
 /// use granum_nets::trainer::LevenbergMarquardt;
-/// use granum_nets::{Column, Data, Ensemble, Recipe};
+/// use granum_nets::{Column, Data, Ensemble, ModelDefinition};
 ///
 /// let x: Vec<f64> = (0..20).map(|k| k as f64 / 19.0).collect();
 /// let y = x.iter().map(|x| (3.0 * x).sin()).collect();
-/// let recipe = Recipe::new(vec![Column::new("x", "1")], Column::new("y", "1"), vec![4]);
-/// let (ensemble, _) = Ensemble::fit(&recipe, &Data::new(x, 1, y)?, &LevenbergMarquardt::default(), &[1, 2, 3], 1)?;
+/// let definition = ModelDefinition::new(vec![Column::new("x", "1")], Column::new("y", "1"), vec![4]);
+/// let (ensemble, _) = Ensemble::fit(&definition, &Data::new(x, 1, y)?, &LevenbergMarquardt::default(), &[1, 2, 3], 1)?;
 /// let [inside, outside] = [0.5, 2.0].map(|x| ensemble.predict(&[x]).unwrap());
 /// assert!(inside.standard_deviation < outside.standard_deviation);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -37,14 +37,14 @@ impl Ensemble {
     /// # Errors
     /// As [`Model::fit`], for the first seed that fails, and if there is no seed.
     pub fn fit(
-        recipe: &Recipe,
+        definition: &ModelDefinition,
         data: &Data,
         trainer: &dyn Trainer,
         seeds: &[u64],
         threads: usize,
     ) -> Result<(Ensemble, Vec<TrainingReport>), ModelError> {
         let fitted = parallel::map(seeds.len(), threads.max(1), |k| {
-            Model::fit(&Recipe { seed: seeds[k], ..recipe.clone() }, data, trainer, &mut Silent)
+            Model::fit(&ModelDefinition { seed: seeds[k], ..definition.clone() }, data, trainer, &mut Silent)
         })?;
         let (members, reports) = fitted.into_iter().unzip();
         Ok((Ensemble::from_models(members)?, reports))
@@ -107,11 +107,11 @@ impl Ensemble {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recipe::Column;
+    use crate::model_definition::Column;
     use crate::trainer::LevenbergMarquardt;
 
-    fn recipe() -> Recipe {
-        Recipe {
+    fn definition() -> ModelDefinition {
+        ModelDefinition {
             inputs: vec![Column::new("x", "1")],
             output: Column::new("y", "Pa"),
             quantities: Vec::new(),
@@ -134,8 +134,8 @@ mod tests {
     #[test]
     fn the_number_of_threads_changes_no_bit() {
         let trainer = LevenbergMarquardt { epochs: 30, ..Default::default() };
-        let one = Ensemble::fit(&recipe(), &data(), &trainer, &[1, 2, 3], 1).unwrap().0;
-        let three = Ensemble::fit(&recipe(), &data(), &trainer, &[1, 2, 3], 3).unwrap().0;
+        let one = Ensemble::fit(&definition(), &data(), &trainer, &[1, 2, 3], 1).unwrap().0;
+        let three = Ensemble::fit(&definition(), &data(), &trainer, &[1, 2, 3], 3).unwrap().0;
         for (a, b) in one.members().iter().zip(three.members()) {
             assert_eq!(a.network().weights(), b.network().weights());
         }
@@ -145,7 +145,7 @@ mod tests {
     #[test]
     fn mean_and_scatter() {
         let trainer = LevenbergMarquardt::default();
-        let (ensemble, reports) = Ensemble::fit(&recipe(), &data(), &trainer, &[1, 2, 3, 4], 2).unwrap();
+        let (ensemble, reports) = Ensemble::fit(&definition(), &data(), &trainer, &[1, 2, 3, 4], 2).unwrap();
         assert_eq!(reports.len(), 4);
         let inside = ensemble.predict(&[0.5]).unwrap();
         let outside = ensemble.predict(&[1.5]).unwrap();
@@ -154,6 +154,6 @@ mod tests {
         assert!(outside.standard_deviation > inside.standard_deviation);
         let batch = ensemble.predict_batch(&[0.5, 1.5]).unwrap();
         assert!((batch.values[0] - inside.value).abs() < 1e-9 && batch.outside == [false, true]);
-        assert!(Ensemble::fit(&recipe(), &data(), &trainer, &[], 2).is_err());
+        assert!(Ensemble::fit(&definition(), &data(), &trainer, &[], 2).is_err());
     }
 }

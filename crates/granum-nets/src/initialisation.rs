@@ -37,7 +37,7 @@ fn layer(
         return;
     };
     let magnitude = 0.7 * root(neurons as f64, inputs);
-    let (stretch, shift) = (0.5 * (high - low), 0.5 * (high + low));
+    let (scale, shift) = (0.5 * (high - low), 0.5 * (high + low));
     // Inputs x in the given range are mapped to (x - centre) / half in [-1, 1].
     let centre = 0.5 * (input_range.0 + input_range.1);
     let half = 0.5 * (input_range.1 - input_range.0);
@@ -46,9 +46,9 @@ fn layer(
         let length = direction.iter().fold(0.0, |sum, d| sum + d * d).sqrt().max(f64::MIN_POSITIVE);
         let place = if neurons == 1 { 0.0 } else { -1.0 + 2.0 * j as f64 / (neurons - 1) as f64 };
         let sign = if direction[0] < 0.0 { -1.0 } else { 1.0 };
-        let mut bias = stretch * magnitude * place * sign + shift;
+        let mut bias = scale * magnitude * place * sign + shift;
         for d in direction {
-            let weight = stretch * magnitude * d / length / half;
+            let weight = scale * magnitude * d / length / half;
             bias -= weight * centre;
             weights.push(weight);
         }

@@ -124,7 +124,7 @@ mod tests {
 
     use super::*;
     use crate::trainer::{LevenbergMarquardt, Silent};
-    use crate::{Column, Model, Recipe};
+    use crate::{Column, Model, ModelDefinition};
 
     fn table(points: usize) -> Data {
         // There are two bins, each with the errors of four observations.
@@ -208,7 +208,7 @@ mod tests {
     }
 
     fn fit(data: &Data, isa: Isa) -> Model {
-        let recipe = Recipe {
+        let definition = ModelDefinition {
             inputs: vec![Column::new("x", "1")],
             output: Column::new("y", "1"),
             quantities: Vec::new(),
@@ -217,7 +217,7 @@ mod tests {
             seed: 3,
         };
         let trainer = LevenbergMarquardt { isa, ..LevenbergMarquardt::default() };
-        Model::fit(&recipe, data, &trainer, &mut Silent).unwrap().0
+        Model::fit(&definition, data, &trainer, &mut Silent).unwrap().0
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! ```
 //! use granum_nets::trainer::{self, Options, Silent};
-//! use granum_nets::{Column, Data, Model, Recipe};
+//! use granum_nets::{Column, Data, Model, ModelDefinition};
 //!
 //! // Forty rows of one input and one target.
 //! let strain: Vec<f64> = (0..40).map(|k| 0.3 * k as f64 / 39.0).collect();
@@ -10,9 +10,9 @@
 //! let data = Data::new(strain, 1, ratio)?;
 //!
 //! let inputs = vec![Column::new("deviator_strain", "1")];
-//! let recipe = Recipe::new(inputs, Column::new("stress_ratio", "1"), vec![10, 10]).with_seed(1);
+//! let definition = ModelDefinition::new(inputs, Column::new("stress_ratio", "1"), vec![10, 10]).with_seed(1);
 //! let trainer = trainer::by_name("levenberg-marquardt", &Options::default())?;
-//! let (model, report) = Model::fit(&recipe, &data, trainer.as_ref(), &mut Silent)?;
+//! let (model, report) = Model::fit(&definition, &data, trainer.as_ref(), &mut Silent)?;
 //! println!("{} epochs: {}", report.epochs, report.termination);
 //!
 //! let inside = model.predict(&[0.1])?;
@@ -36,13 +36,13 @@ mod initialisation;
 mod intervals;
 mod kernels;
 mod model;
+mod model_definition;
 mod model_error;
 mod model_file;
 mod network;
 mod objective;
 mod prediction;
 mod provenance;
-mod recipe;
 mod scaler;
 mod student_t;
 mod symmetric;
@@ -54,11 +54,11 @@ pub use data::{Data, DataError};
 pub use ensemble::Ensemble;
 pub use intervals::Intervals;
 pub use model::Model;
+pub use model_definition::{Column, ModelDefinition};
 pub use model_error::ModelError;
 pub use network::{LARGEST_LAYER, MOST_LAYERS, MOST_WEIGHTS, Network, NetworkError};
 pub use objective::Objective;
 pub use prediction::{BatchPrediction, Deviation, Prediction};
 pub use provenance::{Fit, Provenance};
-pub use recipe::{Column, Recipe};
 pub use scaler::Scaler;
 pub use student_t::two_sided_quantile;

@@ -5,10 +5,10 @@ use std::sync::OnceLock;
 use crate::data::Data;
 use crate::forward::RowNetwork;
 use crate::intervals::Intervals;
+use crate::model_definition::{Column, ModelDefinition};
 use crate::model_error::ModelError;
 use crate::network::Network;
 use crate::provenance::{Fit, Provenance};
-use crate::recipe::{Column, Recipe};
 use crate::scaler::Scaler;
 use crate::trainer::observer::Observer;
 use crate::trainer::report::TrainingReport;
@@ -23,13 +23,13 @@ const CONSTANT: f64 = 1e-3;
 ///
 /// ```
 /// use granum_nets::trainer::{LevenbergMarquardt, Silent};
-/// use granum_nets::{Column, Data, Model, Recipe};
+/// use granum_nets::{Column, Data, Model, ModelDefinition};
 ///
 /// let x: Vec<f64> = (0..30).map(|k| k as f64 / 29.0).collect();
 /// let y = x.iter().map(|x| 2.0 * x * x).collect();
-/// let recipe = Recipe::new(vec![Column::new("x", "m")], Column::new("y", "m2"), vec![4]);
+/// let definition = ModelDefinition::new(vec![Column::new("x", "m")], Column::new("y", "m2"), vec![4]);
 /// let trainer = LevenbergMarquardt::default();
-/// let (model, _) = Model::fit(&recipe, &Data::new(x, 1, y)?, &trainer, &mut Silent)?;
+/// let (model, _) = Model::fit(&definition, &Data::new(x, 1, y)?, &trainer, &mut Silent)?;
 /// // A saved model is read back with identical bits.
 /// let back = Model::from_json(&model.to_json(), "model.json")?;
 /// assert_eq!(back.value(&[0.5])?, model.value(&[0.5])?);
@@ -57,12 +57,12 @@ impl Model {
     /// # Errors
     /// If the columns do not match the data, the network is too large, or the trainer returns an error.
     pub fn fit(
-        recipe: &Recipe,
+        definition: &ModelDefinition,
         data: &Data,
         trainer: &dyn Trainer,
         observer: &mut dyn Observer,
     ) -> Result<(Model, TrainingReport), ModelError> {
-        Model::resume(recipe, data, trainer, None, observer)
+        Model::resume(definition, data, trainer, None, observer)
     }
 
     /// As [`Model::fit`], but continues from the state of an interrupted training. The result is identical bit by bit to
@@ -71,7 +71,7 @@ impl Model {
     /// # Errors
     /// As [`Model::fit`], and if the state belongs to another training.
     pub fn resume(
-        recipe: &Recipe,
+        definition: &ModelDefinition,
         data: &Data,
         trainer: &dyn Trainer,
         state: Option<TrainerState>,
@@ -83,17 +83,17 @@ impl Model {
                 data.target_columns()
             )));
         }
-        if data.input_columns() != recipe.inputs.len() {
+        if data.input_columns() != definition.inputs.len() {
             return Err(ModelError::Columns(format!(
-                "the recipe names {} inputs, the data have {} columns",
-                recipe.inputs.len(),
+                "the definition names {} inputs, the data have {} columns",
+                definition.inputs.len(),
                 data.input_columns()
             )));
         }
-        let mut network = recipe.network()?;
+        let mut network = definition.network()?;
         let mut input_scalers = Scaler::fit_columns(data.inputs(), data.input_columns(), Scaler::INPUT_RANGE);
-        Scaler::share(&mut input_scalers, &recipe.quantities);
-        for (scaler, share) in input_scalers.iter_mut().zip(&recipe.shares) {
+        Scaler::share(&mut input_scalers, &definition.quantities);
+        for (scaler, share) in input_scalers.iter_mut().zip(&definition.shares) {
             (scaler.low, scaler.high) = (share * scaler.low, share * scaler.high);
         }
         let output_scaler = Scaler::fit(data.targets().iter().copied(), Scaler::SIGMOID_RANGE);
@@ -112,12 +112,12 @@ impl Model {
             granum_version: env!("CARGO_PKG_VERSION").into(),
             dataset_hash: data.hash(),
             rows: data.rows(),
-            seed: recipe.seed,
+            seed: definition.seed,
             trainer: report.trainer.clone(),
             epochs: report.epochs,
             termination: report.termination,
         };
-        let columns = (recipe.inputs.clone(), recipe.output.clone());
+        let columns = (definition.inputs.clone(), definition.output.clone());
         // The uncertainty of predictions is computed from these rows.
         let rows = report.evidence.map(|_| TrainingRows {
             inputs: scaled.inputs,

@@ -17,7 +17,7 @@ pub enum ModelError {
     /// The training failed.
     #[error(transparent)]
     Training(#[from] TrainingError),
-    /// The columns of a recipe do not match the data.
+    /// The columns of a definition do not match the data.
     #[error("{0}")]
     Columns(String),
     /// A row to predict has the wrong length.

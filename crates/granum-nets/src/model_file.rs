@@ -9,10 +9,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::activation::Activation;
 use crate::model::Model;
+use crate::model_definition::Column;
 use crate::model_error::ModelError;
 use crate::network::Network;
 use crate::provenance::{Fit, Provenance};
-use crate::recipe::Column;
 use crate::scaler::Scaler;
 use crate::trainer::report::Evidence;
 use crate::uncertainty::TrainingRows;

@@ -107,7 +107,7 @@ fn keeps_volume(control: &Control) -> bool {
         || control.constraints.iter().flatten().any(|c| kept(c) || with_fluid(c))
 }
 
-/// A combination of stresses that tells y and z apart.
+/// A combination of stresses that distinguishes y and z.
 fn is_uneven(constraint: &Constraint) -> bool {
     constraint.stress[1] != constraint.stress[2] && constraint.stress[0] != 0.0
 }
@@ -117,7 +117,7 @@ pub fn void_ratio(run: &RunReport) -> Vec<f64> {
     run.column("solid_fraction").iter().map(|solid| (1.0 - solid) / solid).collect()
 }
 
-/// A line for each stretch of states over which the strain counts from one start; others are gaps.
+/// A line for each segment of states over which the strain counts from one start; others are gaps.
 fn lines(run: &RunReport, x: &[f64], y: &[f64]) -> Vec<[f64; 2]> {
     let arcs = run.column("arc_length");
     let mut points = Vec::with_capacity(x.len());

@@ -3,7 +3,7 @@
 use super::data::RunReport;
 use super::numbers::{quantity, significant, whole};
 use super::page::Table;
-use granum_dem::config::{Component, Contact, Material, Rate};
+use granum_dem::config::{Component, ContactModel, Material, Rate};
 use granum_dem::contact::check::parameters_of;
 
 /// Solid fraction of the sample of the paper.
@@ -187,7 +187,7 @@ fn trimmed(value: f64) -> String {
 }
 
 /// The contact law in words, with the parameters of the laws.
-pub fn law(contact: &Contact) -> String {
+pub fn law(contact: &ContactModel) -> String {
     let mut words = format!("{}, {}", contact.normal.label(), contact.tangential.label());
     if contact.rolling.law().acts() {
         words.push_str(&format!(", {}", contact.rolling.label()));

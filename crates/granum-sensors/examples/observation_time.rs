@@ -11,7 +11,11 @@ use granum_sensors::{Recorder, SensorError, Sensors};
 
 fn main() -> Result<(), SensorError> {
     let assembly = disordered(11);
-    println!("{} grains, {} contacts; milliseconds a look", assembly.grains.len(), assembly.contacts.len());
+    println!(
+        "{} grains, {} contacts; milliseconds an observation",
+        assembly.grains.len(),
+        assembly.contacts.len()
+    );
     let sensors = Sensors::standard();
     let usual = time(&assembly, &sensors, None)?;
     println!("{:32} {:8.3}", "those of every test", 1e3 * usual);

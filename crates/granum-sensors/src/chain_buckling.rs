@@ -2,7 +2,7 @@
 //! the middle grain is smaller by more than 2 degrees after 1 % of strain: each arm has turned by more than 1 degree on average.
 //!
 //! The chains are those of [`crate::force_chains`]; strain is arc length. The chains of one observation are followed until an
-//! observation at least 1 % later, whose chains are followed then; in between, the share of the last stretch stands.
+//! observation at least 1 % later, whose chains are followed then; in between, the share of the last interval stands.
 
 use granum_core::Part;
 use granum_core::assembly::{Assembly, Vector};
@@ -16,7 +16,7 @@ use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 /// Least bend, degrees.
 const BEND: f64 = 2.0;
 /// Strain over which segments are followed.
-const STRETCH: f64 = 0.01;
+const INTERVAL: f64 = 0.01;
 
 /// The sensor.
 pub struct ChainBuckling;
@@ -45,10 +45,10 @@ impl Sensor for ChainBuckling {
     }
 
     fn measure(&self, observation: &Observation, memory: &mut Memory, values: &mut Values) {
-        // The arc length at which the segments were found, the share and the number of the stretch before, then the segments.
+        // The arc length at which the segments were found, the share and the number of the interval before, then the segments.
         let arc_length = observation.assembly.arc_length;
         if let [start, share, count, ..] = memory[..]
-            && arc_length < start + (1.0 - 1e-9) * STRETCH
+            && arc_length < start + (1.0 - 1e-9) * INTERVAL
         {
             values.extend([share, count]);
             return;
@@ -165,7 +165,7 @@ mod tests {
         };
         // 0.02 more at each observation: 1.1 degrees each, 2.3 together.
         assert_eq!([observe(0.0, 0.1), observe(0.02, 0.105), observe(0.04, 0.11)], [0.0, 0.0, 1.0]);
-        // The share stands until the next stretch is over, in which nothing bends any more.
+        // The share stands until the next interval is over, in which nothing bends any more.
         assert_eq!([observe(0.04, 0.115), observe(0.04, 0.12)], [1.0, 0.0]);
     }
 }

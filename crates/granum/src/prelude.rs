@@ -19,9 +19,9 @@
 pub use granum_core::assembly::{Assembly, Matrix, Vector};
 pub use granum_core::{Cell, Column, Part, Parts, Table};
 pub use granum_dem::config::{
-    Contact, Grains, Material, NormalKind, Preparation, Recording, RollingKind, Shear, TangentialKind,
+    ContactModel, Grains, Material, NormalKind, Preparation, Recording, RollingKind, Shear, TangentialKind,
 };
-pub use granum_dem::servo::Control;
+pub use granum_dem::servo::CellControl;
 pub use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation};
 pub use granum_io::formats::{Formats, PackingFormat, ResultFormat, TableFormat};
 pub use granum_io::packing::{PackedGrain, Packing};

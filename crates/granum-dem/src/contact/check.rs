@@ -2,7 +2,7 @@
 
 use super::law::Parameter;
 use super::registry::{ADHESION, NORMAL, ROLLING, TANGENTIAL};
-use super::selection::Contact;
+use super::selection::ContactModel;
 
 /// Laws that cannot be combined, or parameters that they do not have.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -42,14 +42,14 @@ pub enum LawError {
 }
 
 /// Every set of granum's own laws that can be used together.
-pub fn sets() -> Vec<Contact> {
+pub fn sets() -> Vec<ContactModel> {
     let mut sets = Vec::new();
     for normal in NORMAL {
         for tangential in TANGENTIAL {
             for rolling in ROLLING {
                 for adhesion in ADHESION {
-                    let plain = Contact::new(*normal, *tangential, 0.1);
-                    let set = Contact { rolling: *rolling, adhesion: *adhesion, ..plain };
+                    let plain = ContactModel::new(*normal, *tangential, 0.1);
+                    let set = ContactModel { rolling: *rolling, adhesion: *adhesion, ..plain };
                     if check(&set).is_ok() {
                         sets.push(set);
                     }
@@ -61,7 +61,7 @@ pub fn sets() -> Vec<Contact> {
 }
 
 /// The parameters that the laws of a set use.
-pub fn parameters_of(contact: &Contact) -> Vec<&'static Parameter> {
+pub fn parameters_of(contact: &ContactModel) -> Vec<&'static Parameter> {
     let area = contact.normal.law().traits().contact_area;
     let laws = [
         contact.normal.law().description(),
@@ -77,7 +77,7 @@ pub fn parameters_of(contact: &Contact) -> Vec<&'static Parameter> {
 ///
 /// # Errors
 /// The first violation that is found.
-pub fn check(contact: &Contact) -> Result<(), LawError> {
+pub fn check(contact: &ContactModel) -> Result<(), LawError> {
     let traits = contact.normal.law().traits();
     contact.tangential.law().goes_with(&traits).map_err(|reason| LawError::Apart {
         slot: "tangential",

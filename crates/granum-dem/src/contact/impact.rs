@@ -14,7 +14,7 @@ use super::slots::{Open, Slots};
 use crate::contact::check::{LawError, check};
 use crate::contact::constants::PairConstants;
 use crate::contact::pair_properties::PairProperties;
-use crate::contact::selection::Contact;
+use crate::contact::selection::ContactModel;
 use crate::material::Material;
 
 /// Outcome of a collision. Tangential velocities are those of the contact point of j relative to that of i, spin included.
@@ -91,7 +91,7 @@ const PATIENCE: f64 = 200.0;
 /// the motion one of second order), until two extrapolations of the velocities agree within 1e-9 of the approach velocity or
 /// the fraction has reached 1/256000. The result that changed least is returned, and its change is [`Impact::uncertainty`].
 pub fn collide(
-    contact: &Contact,
+    contact: &ContactModel,
     material: &Material,
     diameter: f64,
     speed: f64,
@@ -172,7 +172,7 @@ fn describe(raw: Impact, pair: &PairProperties, material: &Material, speed: f64,
 
 /// The shorter of the contact time and of the time `(m* d_0 / N_c)^(1/2)` of an adhesive bond, s. Without a contact area the
 /// contact time is half the period of the normal spring, otherwise that of Hertz.
-fn characteristic_time(contact: &Contact, pair: &PairProperties, velocity: f64) -> f64 {
+fn characteristic_time(contact: &ContactModel, pair: &PairProperties, velocity: f64) -> f64 {
     let (mass, radius, modulus) = (pair.effective_mass, pair.effective_radius, pair.effective_modulus);
     let normal = contact.normal.law().traits();
     if !normal.contact_area {
@@ -190,7 +190,7 @@ fn characteristic_time(contact: &Contact, pair: &PairProperties, velocity: f64) 
 
 /// One collision with a time step of the characteristic time over `steps`.
 pub(super) fn run(
-    contact: &Contact,
+    contact: &ContactModel,
     pair: &PairProperties,
     velocity: f64,
     across: f64,
@@ -223,7 +223,7 @@ struct Motion<'a> {
     given: Collide<'a>,
     constants: PairConstants<f64>,
     separation: f64,
-    contact: &'a Contact,
+    contact: &'a ContactModel,
     laws: Open<'a, One>,
 }
 

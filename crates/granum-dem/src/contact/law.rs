@@ -176,6 +176,21 @@ pub struct NormalTraits {
     pub adhesive: bool,
 }
 
+impl NormalTraits {
+    /// Whether an attraction beside the contact may be added: not to a law that has adhesion of its own.
+    ///
+    /// # Errors
+    /// With the reason, to follow the name of the law of adhesion.
+    pub fn without_adhesion(&self) -> Result<(), &'static str> {
+        if self.adhesive {
+            return Err(
+                "adds to a normal law without adhesion: choose contact.normal = \"hertz\", \"rough-hertz\" or \"hooke\"",
+            );
+        }
+        Ok(())
+    }
+}
+
 /// State of a contact according to a normal law.
 #[derive(Clone, Copy)]
 pub struct Normal<R: Real> {

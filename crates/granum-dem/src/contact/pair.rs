@@ -14,7 +14,7 @@ use super::slots::{Open, Slots};
 use crate::contact::check::{LawError, check};
 use crate::contact::constants::PairConstants;
 use crate::contact::pair_properties::PairProperties;
-use crate::contact::selection::Contact;
+use crate::contact::selection::ContactModel;
 
 /// One row of a path: the relative position of the pair at the end of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -104,7 +104,7 @@ pub enum PairError {
 /// # Errors
 /// If the laws cannot be combined, a number is not finite, or the grains would pass through each other.
 pub fn drive_pair(
-    contact: &Contact,
+    contact: &ContactModel,
     pair: &PairProperties,
     path: &[PathRow],
 ) -> Result<Vec<PairRow>, PairError> {
@@ -113,7 +113,7 @@ pub fn drive_pair(
 
 /// The same as [`drive_pair`], with the straight line to each row divided into a given number of equal steps.
 pub(super) fn drive_pair_in_steps(
-    contact: &Contact,
+    contact: &ContactModel,
     pair: &PairProperties,
     path: &[PathRow],
     steps: usize,
@@ -209,8 +209,8 @@ mod tests {
         PairProperties::new((&material, 5e-5), (&material, 5e-5), 0.0)
     }
 
-    fn contact(tangential: TangentialKind) -> Contact {
-        Contact::new(NormalKind::HERTZ, tangential, 0.1)
+    fn contact(tangential: TangentialKind) -> ContactModel {
+        ContactModel::new(NormalKind::HERTZ, tangential, 0.1)
     }
 
     #[test]

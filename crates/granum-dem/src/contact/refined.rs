@@ -6,7 +6,7 @@
 
 use super::pair::{PairError, PairRow, PathRow, drive_pair_in_steps};
 use crate::contact::pair_properties::PairProperties;
-use crate::contact::selection::Contact;
+use crate::contact::selection::ContactModel;
 
 /// Largest number of steps between two rows.
 const MOST_STEPS: usize = 1 << 20;
@@ -31,7 +31,7 @@ pub struct RefinedPath {
 /// # Errors
 /// As for [`super::pair::drive_pair`]; [`PairError::NotConverged`] if too many steps would be needed.
 pub fn drive_pair_refined(
-    contact: &Contact,
+    contact: &ContactModel,
     pair: &PairProperties,
     path: &[PathRow],
     tolerance: f64,
@@ -100,7 +100,7 @@ mod tests {
         let limit = p.friction * 4.0 / 3.0 * p.effective_modulus * radius * approach;
         // Tangential displacement at which the whole contact slides: 3 mu N / (16 G* a).
         let slides = 1.5 * limit / (8.0 * p.effective_shear_modulus * radius);
-        let contact = Contact::new(NormalKind::HERTZ, TangentialKind::MINDLIN_DERESIEWICZ, 0.1);
+        let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::MINDLIN_DERESIEWICZ, 0.1);
         for amplitude in [0.1, 0.3, 0.6, 0.9] {
             let at = |share: f64| row(approach, share * amplitude * slides);
             let path = [row(approach, 0.0), at(1.0), at(0.0), at(-1.0), at(0.0), at(1.0)];
@@ -136,7 +136,7 @@ mod tests {
             } else {
                 p
             };
-            let contact = Contact::new(normal, tangential, 0.1);
+            let contact = ContactModel::new(normal, tangential, 0.1);
             let coarse = [row(1e-8, 0.0), row(1.5e-8, 2e-9), row(1e-8, 1e-9), row(2e-8, -2e-9)];
             let mut fine = Vec::new();
             let mut before = row(0.0, 0.0);
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn what_does_not_settle_is_told_and_nothing_is_nothing() {
-        let contact = Contact { normal: NormalKind::HERTZ, ..Contact::default() };
+        let contact = ContactModel { normal: NormalKind::HERTZ, ..ContactModel::default() };
         let path = [row(1e-8, 0.0), row(1e-8, 1e-9)];
         let error = drive_pair_refined(&contact, &pair(), &path, 0.0).unwrap_err().to_string();
         assert!(error.starts_with("row 2: ") && error.contains("steps"), "{error}");

@@ -8,9 +8,9 @@ use super::parameters::ParameterValues;
 /// The contact laws: normal, tangential and moment law, with the parameters of these laws, and the damping.
 ///
 /// ```
-/// use granum_dem::config::{Contact, NormalKind, RollingKind, TangentialKind};
+/// use granum_dem::config::{ContactModel, NormalKind, RollingKind, TangentialKind};
 ///
-/// let mut contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
+/// let mut contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
 /// contact.rolling = RollingKind::ELASTIC_PLASTIC;
 /// contact.parameters.set("rolling_friction", 0.2)?;
 /// assert_eq!(contact.rolling.name(), "elastic-plastic");
@@ -18,7 +18,7 @@ use super::parameters::ParameterValues;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Contact {
+pub struct ContactModel {
     /// Normal law.
     pub normal: NormalKind,
     /// Tangential law.
@@ -63,9 +63,9 @@ fn is_no_adhesion(adhesion: &AdhesionKind) -> bool {
     *adhesion == AdhesionKind::NONE
 }
 
-impl Serialize for Contact {
+impl Serialize for ContactModel {
     fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let Contact { normal, tangential, rolling, adhesion, damping, parameters } = *self;
+        let ContactModel { normal, tangential, rolling, adhesion, damping, parameters } = *self;
         if to.is_human_readable() {
             return ContactForm { normal, tangential, damping, rolling, adhesion, parameters }.serialize(to);
         }
@@ -73,24 +73,24 @@ impl Serialize for Contact {
     }
 }
 
-impl<'d> Deserialize<'d> for Contact {
-    fn deserialize<D: serde::Deserializer<'d>>(from: D) -> Result<Contact, D::Error> {
+impl<'d> Deserialize<'d> for ContactModel {
+    fn deserialize<D: serde::Deserializer<'d>>(from: D) -> Result<ContactModel, D::Error> {
         if from.is_human_readable() {
             let ContactForm { normal, tangential, damping, rolling, adhesion, parameters } =
                 ContactForm::deserialize(from)?;
-            return Ok(Contact { normal, tangential, rolling, adhesion, damping, parameters });
+            return Ok(ContactModel { normal, tangential, rolling, adhesion, damping, parameters });
         }
         let (normal, tangential, rolling, adhesion, damping, parameters) = Deserialize::deserialize(from)?;
-        Ok(Contact { normal, tangential, rolling, adhesion, damping, parameters })
+        Ok(ContactModel { normal, tangential, rolling, adhesion, damping, parameters })
     }
 }
 
-impl Contact {
+impl ContactModel {
     /// A normal and a tangential law with a fraction of critical damping; grains roll freely, nothing acts beyond touch, and
     /// parameters have their defaults.
-    pub const fn new(normal: NormalKind, tangential: TangentialKind, damping: f64) -> Contact {
+    pub const fn new(normal: NormalKind, tangential: TangentialKind, damping: f64) -> ContactModel {
         let (rolling, adhesion) = (RollingKind::NONE, AdhesionKind::NONE);
-        Contact { normal, tangential, rolling, adhesion, damping, parameters: ParameterValues::NONE }
+        ContactModel { normal, tangential, rolling, adhesion, damping, parameters: ParameterValues::NONE }
     }
 
     /// Largest stable `dt sqrt(k_t / m)` of a grain that spins in phase with its neighbours, at Z contacts of the tangential
@@ -104,8 +104,8 @@ impl Contact {
     }
 }
 
-impl Default for Contact {
+impl Default for ContactModel {
     fn default() -> Self {
-        Contact::new(NormalKind::JKR, TangentialKind::MINDLIN_DERESIEWICZ, 0.1)
+        ContactModel::new(NormalKind::JKR, TangentialKind::MINDLIN_DERESIEWICZ, 0.1)
     }
 }

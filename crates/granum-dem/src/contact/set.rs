@@ -18,7 +18,7 @@ use crate::contact::limits::{
     LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY,
 };
 use crate::contact::pair_properties::PairProperties;
-use crate::contact::selection::Contact;
+use crate::contact::selection::ContactModel;
 
 /// What [`super::interaction::interact`] needs from the laws of a set. Histories are given as the last step left them, and are
 /// turned into the present contact plane here.
@@ -167,7 +167,7 @@ impl<R: Real, N: NormalLaw, T: TangentialLaw, M: MomentLaw, A: AdhesionLaw> Laws
 }
 
 /// What the engine needs from a set for a single contact.
-impl Contact {
+impl ContactModel {
     /// True for a set of a normal and a tangential law with nothing beside them.
     pub(crate) fn has_contact_only(&self) -> bool {
         !self.rolling.law().acts() && !self.adhesion.law().acts()

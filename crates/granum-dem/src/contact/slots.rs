@@ -13,14 +13,14 @@ use crate::contact::constants::PairConstants;
 use crate::contact::limits::{
     LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY,
 };
-use crate::contact::selection::Contact;
+use crate::contact::selection::ContactModel;
 
 /// Columns of the history of a contact before those of the laws: the old normal.
 pub(crate) const DIRECTION: usize = 3;
 
 /// The slots of a set, with the working memory through which they are called.
 pub struct Slots {
-    laws: Contact,
+    laws: ContactModel,
     isa: Isa,
     /// Columns of history: of the tangential law, of the law of moments, of the law of adhesion, of the normal law.
     history: [usize; 4],
@@ -34,7 +34,7 @@ const EMPTY: Row8 = Row8([0.0; 8]);
 
 impl Slots {
     /// The laws of a set for an instruction set.
-    pub fn new(laws: &Contact, isa: Isa) -> Self {
+    pub fn new(laws: &ContactModel, isa: Isa) -> Self {
         Slots {
             laws: *laws,
             isa,

@@ -1,4 +1,4 @@
-//! One step of a law of each kind: its history is turned into the present contact plane, advanced, and forgotten where it ends.
+//! One step of a law of each kind: its history is turned into the present contact plane, advanced, and discarded where it ends.
 
 use granum_simd::Real;
 

@@ -15,7 +15,7 @@ use super::views::Views;
 use crate::contact::kind::{NormalKind, RollingKind, TangentialKind};
 use crate::contact::normal::{Hertz, Jkr};
 use crate::contact::rolling::ElasticPlasticRolling;
-use crate::contact::selection::Contact;
+use crate::contact::selection::ContactModel;
 use crate::contact::set::Compiled;
 use crate::contact::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
 
@@ -47,7 +47,7 @@ fn compiled<S: StageLaws>() -> Stages {
 
 impl Stages {
     /// The stages of a given set.
-    pub(crate) fn of(laws: &Contact) -> Stages {
+    pub(crate) fn of(laws: &ContactModel) -> Stages {
         const HERTZ: NormalKind = NormalKind::HERTZ;
         const JKR: NormalKind = NormalKind::JKR;
         const CURVES: TangentialKind = TangentialKind::MINDLIN_DERESIEWICZ;
@@ -79,7 +79,7 @@ impl Stages {
 }
 
 /// True for a set with resistance to rolling alone beside the contact.
-fn rolls(laws: &Contact) -> bool {
+fn rolls(laws: &ContactModel) -> bool {
     laws.rolling == RollingKind::ELASTIC_PLASTIC && !laws.adhesion.law().acts()
 }
 
@@ -89,7 +89,7 @@ mod tests {
     use crate::config::{Grains, Material};
     use crate::contact::check::sets;
     use crate::random_insertion::random_insertion;
-    use crate::servo::Control;
+    use crate::servo::CellControl;
     use crate::simulation::{Properties, Simulation};
 
     /// Laws called through their slots give the same bits as laws compiled into the loop.
@@ -99,13 +99,13 @@ mod tests {
             let (cell, spheres) =
                 random_insertion(&Grains { count: 120, spread, ..Grains::default() }, 0.35, 3).unwrap();
             let compiled =
-                |set: &Contact| set.has_contact_only() || set.normal == NormalKind::HERTZ && rolls(set);
+                |set: &ContactModel| set.has_contact_only() || set.normal == NormalKind::HERTZ && rolls(set);
             for contact in sets().into_iter().filter(compiled) {
                 let properties = Properties::new(Material::default(), contact);
                 let run = |stages: Option<Stages>| {
                     let mut s = Simulation::new(cell, &spheres, properties.clone()).unwrap();
                     s.integrator.stages = stages.unwrap_or(s.integrator.stages);
-                    s.set_control(Control::isotropic(20e3, 3e4));
+                    s.set_control(CellControl::isotropic(20e3, 3e4));
                     s.advance(3000).unwrap();
                     s
                 };

@@ -9,7 +9,9 @@ use std::ops::Range;
 use granum_simd::{Kernel, LANES, Lanes, Mask, Real, Row8, Twice};
 
 use super::fetch::{AHEAD, ROWS_AHEAD, coming_rows, fetch_ahead};
-use super::laws::{Couples, Place, StageLaws};
+use super::laws::{BatchData, Couples, StageLaws};
+use super::order::Order;
+use super::part::{First, Part, Second, Whole};
 use super::push::Push;
 use super::source::ConstantSource;
 use super::views::Views;
@@ -18,7 +20,7 @@ use crate::contact::interaction::{Interaction, Kinematics, Memory, dot, scale};
 use crate::contact::limits::MAX_HISTORY;
 use crate::contact_sums::ContactSums;
 use crate::discarded::Discarded;
-use crate::pairs::{Block, Marks, NORMAL_COLUMNS};
+use crate::pairs::{Marks, NORMAL_COLUMNS};
 
 const SUMS: usize = 22;
 const SUMS_OF_EIGHT: usize = SUMS.next_multiple_of(LANES);
@@ -157,40 +159,6 @@ impl<S: StageLaws, C: ConstantSource> Kernel for ContactStage<'_, S, C> {
                 // For equal grains the single mass is divided by here.
                 fastest: fastest.reduce_max() / if C::by_batch(v) { 1.0 } else { mass },
             };
-        }
-    }
-}
-
-/// The order in which the batches of a block are evaluated.
-struct Order {
-    /// First batch within the cell, first batch with images, first batch of the next block.
-    first: [usize; 3],
-    /// Number of batches within the cell, and how many of them, from the first, had a contact in every lane when the pairs
-    /// were last sorted.
-    within: usize,
-    touching: usize,
-    /// Number of batches.
-    count: usize,
-}
-
-impl Order {
-    #[inline(always)]
-    fn of(block: &Block) -> Order {
-        let first = block.batches.map(|b| b as usize);
-        let [within, across] = [0, 1].map(|zone| block.inner_ends[zone] as usize - first[zone]);
-        Order { first, within, touching: block.touching as usize, count: within + across }
-    }
-
-    /// The batch at a position of the order; positions beyond the last give batches of the next block.
-    #[inline(always)]
-    fn batch(&self, turn: usize) -> usize {
-        let [within, across, next] = self.first;
-        if turn < self.within {
-            within + turn
-        } else if turn < self.count {
-            across + (turn - self.within)
-        } else {
-            next + (turn - self.count)
         }
     }
 }
@@ -401,7 +369,7 @@ fn alone<L: Lanes, S: StageLaws, C: ConstantSource>(
     );
     // Before the new history overwrites the old one.
     let past = discarded.as_ref().filter(|_| S::IN_PLACE).map(|_| past_of(laws, rows));
-    let place = Place { views: v, batch: b, history: &mut *rows };
+    let place = BatchData { views: v, batch: b, history: &mut *rows };
     let out = laws.interact(&constants, &pair_batch.kinematics, common.dt, &mut memory, place);
     if let Some(discarded) = discarded {
         let history = past.as_ref().map_or(&rows[NORMAL_COLUMNS..], |past| &past[..]);
@@ -459,8 +427,8 @@ fn pair<L: Lanes, S: StageLaws, C: ConstantSource>(
     // Before the new history overwrites the old one.
     let past = discarded.as_ref().filter(|_| S::IN_PLACE).map(|_| [past_of(laws, p), past_of(laws, q)]);
     let places = [
-        Place { views: v, batch: x.batch, history: &mut *p },
-        Place { views: v, batch: y.batch, history: &mut *q },
+        BatchData { views: v, batch: x.batch, history: &mut *p },
+        BatchData { views: v, batch: y.batch, history: &mut *q },
     ];
     let out = laws.interact_two(&constants, &kinematics, dt, &mut memory, places);
     if let Some(discarded) = discarded {
@@ -490,45 +458,6 @@ fn touching_pair<L: Lanes, S: StageLaws, C: ConstantSource>(
 ) {
     for (k, slot) in slots.iter_mut().enumerate() {
         near_batch::<L, S, C, false, false>(v, laws, order, turn + k, common, slot);
-    }
-}
-
-/// Selects one of the batches that are evaluated together.
-trait Part<L: Lanes, R: Real> {
-    fn of(all: R) -> L;
-    fn mask(all: R::Mask) -> L::Mask;
-}
-struct Whole;
-struct First;
-struct Second;
-impl<L: Lanes> Part<L, L> for Whole {
-    #[inline(always)]
-    fn of(all: L) -> L {
-        all
-    }
-    #[inline(always)]
-    fn mask(all: L::Mask) -> L::Mask {
-        all
-    }
-}
-impl<L: Lanes> Part<L, Twice<L>> for First {
-    #[inline(always)]
-    fn of(all: Twice<L>) -> L {
-        all.0
-    }
-    #[inline(always)]
-    fn mask(all: Twice<L::Mask>) -> L::Mask {
-        all.0
-    }
-}
-impl<L: Lanes> Part<L, Twice<L>> for Second {
-    #[inline(always)]
-    fn of(all: Twice<L>) -> L {
-        all.1
-    }
-    #[inline(always)]
-    fn mask(all: Twice<L::Mask>) -> L::Mask {
-        all.1
     }
 }
 

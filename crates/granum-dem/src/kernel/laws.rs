@@ -73,7 +73,7 @@ impl<L: Lanes> Couples<L> for AnyCouples<L> {
 }
 
 /// Where a batch keeps its numbers: its rows of constants where grains differ, and its history.
-pub(crate) struct Place<'a> {
+pub(crate) struct BatchData<'a> {
     pub(crate) views: &'a Views,
     pub(crate) batch: usize,
     pub(crate) history: &'a mut [Row8],
@@ -109,7 +109,7 @@ pub(crate) trait StageLaws {
         kinematics: &Kinematics<L>,
         dt: L,
         memory: &mut Memory<L>,
-        place: Place<'_>,
+        place: BatchData<'_>,
     ) -> Interaction<L>;
     /// One step of two batches.
     fn interact_two<L: Lanes>(
@@ -118,7 +118,7 @@ pub(crate) trait StageLaws {
         kinematics: &Kinematics<Twice<L>>,
         dt: Twice<L>,
         memory: &mut Memory<Twice<L>>,
-        places: [Place<'_>; 2],
+        places: [BatchData<'_>; 2],
     ) -> Interaction<Twice<L>>;
     /// Energy lost with discarded parts of the histories, J.
     fn discarded<L: Lanes>(
@@ -163,7 +163,7 @@ impl<N: NormalLaw, T: TangentialLaw> StageLaws for Compiled<N, T> {
         kinematics: &Kinematics<L>,
         dt: L,
         memory: &mut Memory<L>,
-        _place: Place<'_>,
+        _place: BatchData<'_>,
     ) -> Interaction<L> {
         interact(self, constants, kinematics, dt, memory)
     }
@@ -174,7 +174,7 @@ impl<N: NormalLaw, T: TangentialLaw> StageLaws for Compiled<N, T> {
         kinematics: &Kinematics<Twice<L>>,
         dt: Twice<L>,
         memory: &mut Memory<Twice<L>>,
-        _places: [Place<'_>; 2],
+        _places: [BatchData<'_>; 2],
     ) -> Interaction<Twice<L>> {
         interact(self, constants, kinematics, dt, memory)
     }
@@ -226,7 +226,7 @@ impl<N: NormalLaw, T: TangentialLaw, M: MomentLaw> StageLaws for WithMoments<N, 
         kinematics: &Kinematics<L>,
         dt: L,
         memory: &mut Memory<L>,
-        _place: Place<'_>,
+        _place: BatchData<'_>,
     ) -> Interaction<L> {
         interact(&self.0, constants, kinematics, dt, memory)
     }
@@ -237,7 +237,7 @@ impl<N: NormalLaw, T: TangentialLaw, M: MomentLaw> StageLaws for WithMoments<N, 
         kinematics: &Kinematics<Twice<L>>,
         dt: Twice<L>,
         memory: &mut Memory<Twice<L>>,
-        _places: [Place<'_>; 2],
+        _places: [BatchData<'_>; 2],
     ) -> Interaction<Twice<L>> {
         interact(&self.0, constants, kinematics, dt, memory)
     }
@@ -308,7 +308,7 @@ impl StageLaws for AnyLaws {
         kinematics: &Kinematics<L>,
         dt: L,
         memory: &mut Memory<L>,
-        place: Place<'_>,
+        place: BatchData<'_>,
     ) -> Interaction<L> {
         let rows = self.constants(place.views, place.batch);
         let laws = InPlace::<Batch<L>>::new(&self.slots, [rows, rows], [place.history, &mut []]);
@@ -321,7 +321,7 @@ impl StageLaws for AnyLaws {
         kinematics: &Kinematics<Twice<L>>,
         dt: Twice<L>,
         memory: &mut Memory<Twice<L>>,
-        places: [Place<'_>; 2],
+        places: [BatchData<'_>; 2],
     ) -> Interaction<Twice<L>> {
         let [x, y] = places;
         let rows = [self.constants(x.views, x.batch), self.constants(y.views, y.batch)];

@@ -10,6 +10,8 @@ mod contacts;
 mod fetch;
 mod grains;
 pub(crate) mod laws;
+mod order;
+mod part;
 mod prune;
 mod push;
 mod source;

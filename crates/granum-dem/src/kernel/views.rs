@@ -4,7 +4,7 @@ use granum_simd::{Isa, LANES, Row4, Row8};
 
 use crate::assembly::Matrix;
 use crate::contact::constants::PairConstants;
-use crate::contact::selection::Contact;
+use crate::contact::selection::ContactModel;
 use crate::contact_sums::ContactSums;
 use crate::images::IMAGES;
 use crate::inner_list::Nearness;
@@ -41,7 +41,7 @@ pub(crate) struct Views {
     pub(crate) alike: PairConstants<f64>,
     /// Number of rows of constants of a batch.
     pub(crate) constants_kept: usize,
-    pub(crate) laws: Contact,
+    pub(crate) laws: ContactModel,
     pub(crate) isa: Isa,
     pub(crate) images: [Row4; IMAGES],
     pub(crate) gradient: Matrix,

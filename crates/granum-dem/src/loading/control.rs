@@ -9,6 +9,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::equations::{Equation, decouple, dot, inverse, resistance};
 use crate::assembly::Matrix;
 use crate::invariants;
 use crate::servo::{self, COMPONENTS, PLACES, Row, STIFFNESS};
@@ -218,18 +219,6 @@ impl Default for Control {
     }
 }
 
-/// One equation for the strain rates.
-struct Equation {
-    /// Where it comes from, for messages.
-    name: String,
-    /// Weights of the strain rates, with stresses already replaced by stiffness times strain, in affine bulk moduli.
-    weights: [f64; 6],
-    /// Strain rate on the right-hand side, 1/s; zero for stresses.
-    rate: f64,
-    /// The controlled stress, if it is an equation for one.
-    row: Option<Row>,
-}
-
 impl Control {
     /// The control of a stage whose components have these drives.
     pub fn of(speed: Speed, components: [Drive; 6]) -> Control {
@@ -334,7 +323,7 @@ impl Control {
     ///
     /// # Errors
     /// [`ControlError`] if the equations do not determine the strain rates, or the strain rate is not positive.
-    pub fn begin(&self, simulation: &Simulation) -> Result<servo::Control, ControlError> {
+    pub fn begin(&self, simulation: &Simulation) -> Result<servo::CellControl, ControlError> {
         let rate = self.strain_rate(simulation);
         if !(rate > 0.0 && rate.is_finite()) {
             return Err(ControlError::Speed(rate));
@@ -354,7 +343,7 @@ impl Control {
         strain: &Matrix,
         modulus: f64,
         ramp_time: Option<f64>,
-    ) -> Result<servo::Control, ControlError> {
+    ) -> Result<servo::CellControl, ControlError> {
         let per_time = |change: f64| change / ramp_time.unwrap_or(f64::INFINITY);
         let held = |mut row: Row, target: &Target| {
             row.target = target.value.unwrap_or_else(|| row.value(stress, strain));
@@ -419,11 +408,11 @@ impl Control {
             }
         }
         decouple(&mut rows, modulus)?;
-        let mut control = servo::Control {
+        let mut control = servo::CellControl {
             rate: self.gradient(&base),
             rate_limit: self.servo_limit * rate,
             response: self.response,
-            ..servo::Control::default()
+            ..servo::CellControl::default()
         };
         for (place, (mut row, moves)) in control.rows.iter_mut().zip(rows) {
             row.stiffness = dot(&resistance(&row, modulus), &moves);
@@ -502,236 +491,6 @@ fn modulus(simulation: &Simulation) -> f64 {
     state.bulk_modulus().max(100.0 * invariants::mean(&state.stress()).abs()).max(1.0)
 }
 
-fn dot(a: &[f64; 6], b: &[f64; 6]) -> f64 {
-    a.iter().zip(b).fold(0.0, |sum, (x, y)| sum + x * y)
-}
-
-/// Change of a controlled combination per strain of each component, in bulk moduli of the sample.
-fn resistance(row: &Row, modulus: f64) -> [f64; 6] {
-    std::array::from_fn(|k| row.stress[k] * STIFFNESS[k] / row.divisor + row.strain[k] / modulus)
-}
-
-/// Pivots below this fraction of the largest weight of their equation count as zero.
-const SINGULAR: f64 = 1e-9;
-
-/// The inverse of the matrix of the equations, by elimination with exchange of columns.
-fn inverse(equations: &[Equation]) -> Result<[[f64; 6]; 6], ControlError> {
-    let mut left: [[f64; 6]; 6] = std::array::from_fn(|k| equations[k].weights);
-    let mut right: [[f64; 6]; 6] =
-        std::array::from_fn(|r| std::array::from_fn(|c| f64::from(u8::from(r == c))));
-    // For each component, the equation that determines it.
-    let mut decides = [usize::MAX; 6];
-    for r in 0..6 {
-        let largest = equations[r].weights.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-        let free = (0..6).filter(|&k| decides[k] == usize::MAX);
-        let pivot = free.fold(None, |best: Option<usize>, k| match best {
-            Some(b) if left[r][b].abs() >= left[r][k].abs() => Some(b),
-            _ => Some(k),
-        });
-        let Some(pivot) = pivot.filter(|&k| left[r][k].abs() > SINGULAR * largest) else {
-            return Err(ControlError::Singular(equations[r].name.clone()));
-        };
-        decides[pivot] = r;
-        let scale = 1.0 / left[r][pivot];
-        left[r] = left[r].map(|x| x * scale);
-        right[r] = right[r].map(|x| x * scale);
-        for other in (0..6).filter(|&other| other != r) {
-            let factor = left[other][pivot];
-            if factor != 0.0 {
-                for k in 0..6 {
-                    left[other][k] -= factor * left[r][k];
-                    right[other][k] -= factor * right[r][k];
-                }
-            }
-        }
-    }
-    Ok(std::array::from_fn(|k| right[decides[k]]))
-}
-
-/// Combines the strain rates of the rows, where necessary, so that each changes its own combination of stresses and no
-/// other.
-fn decouple(rows: &mut [(Row, [f64; 6])], modulus: f64) -> Result<(), ControlError> {
-    let n = rows.len().min(6);
-    let mut weights = [[0.0; 6]; 6];
-    for k in 0..6 {
-        weights[k][k] = 1.0;
-    }
-    let mut coupled = false;
-    for k in 0..n {
-        for j in 0..n {
-            weights[k][j] = dot(&resistance(&rows[k].0, modulus), &rows[j].1);
-            coupled |= k != j && weights[k][j].abs() > 1e-12;
-        }
-        coupled |= weights[k][k] <= 0.0;
-    }
-    if !coupled {
-        return Ok(());
-    }
-    let equations: Vec<Equation> = (0..6)
-        .map(|k| Equation {
-            name: format!("controlled stress {}", k + 1),
-            weights: weights[k],
-            rate: 0.0,
-            row: None,
-        })
-        .collect();
-    let mix = inverse(&equations)?;
-    let before: Vec<[f64; 6]> = rows.iter().map(|(_, moves)| *moves).collect();
-    for j in 0..n {
-        rows[j].1 = std::array::from_fn(|c| 3.0 * (0..n).fold(0.0, |sum, k| sum + before[k][c] * mix[k][j]));
-    }
-    Ok(())
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const STILL: Matrix = [[0.0; 3]; 3];
-    const MEAN: [f64; 6] = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
-
-    fn solved(control: &Control) -> servo::Control {
-        control.solve(10.0, &STILL, &STILL, 1e8, None).unwrap()
-    }
-
-    fn held(value: f64) -> Target {
-        Target::held(value)
-    }
-
-    /// Both forms of the paper's test give the established control.
-    #[test]
-    fn constant_mean_stress_is_a_case_of_the_law() {
-        let speed = Speed::StrainRate(10.0);
-        let fixed = Drive::Fixed;
-        let rates = [Drive::Rate(1.0), Drive::Rate(-0.5), Drive::Rate(-0.5), fixed, fixed, fixed];
-        let moving = Control { response: servo::RESPONSE, ..Control::of(speed, rates) }
-            .with(Constraint::mean_stress(held(2e4)).moving([0.0, 1.0, 1.0, 0.0, 0.0, 0.0]));
-        let paper = servo::Control::constant_mean_stress(0, 10.0, 2e4, 300.0);
-        assert_eq!(solved(&moving), paper);
-        // From the equations alone: the lateral strain rates are equal, and p is controlled through them.
-        let free = [Drive::Rate(1.0), Drive::Free, Drive::Free, fixed, fixed, fixed];
-        let found = solved(
-            &Control::of(speed, free)
-                .with(Constraint::strains([0.0, 1.0, -1.0, 0.0, 0.0, 0.0], 0.0))
-                .with(Constraint::mean_stress(held(2e4))),
-        );
-        let row = found.rows[0].unwrap();
-        for a in 0..3 {
-            assert!((found.rate[a][a] - paper.rate[a][a]).abs() < 1e-12);
-        }
-        assert!(row.moves[0][0].abs() < 1e-15 && (row.moves[1][1] - row.moves[2][2]).abs() < 1e-15);
-        assert!((row.moves[1][1] / row.stiffness - 0.5).abs() < 1e-12);
-    }
-
-    /// On an isotropic elastic solid that differs from the servo's estimate, constant p and b are reached and held.
-    #[test]
-    fn two_constraints_are_held_on_an_elastic_solid() {
-        let b = 0.5;
-        let free = [Drive::Rate(1.0), Drive::Free, Drive::Free, Drive::Fixed, Drive::Fixed, Drive::Fixed];
-        let control = Control::of(Speed::StrainRate(10.0), free)
-            .with(Constraint::stresses(MEAN, held(2e4)))
-            .with(Constraint::stresses([-b, 1.0, b - 1.0, 0.0, 0.0, 0.0], held(0.0)));
-        let drive = solved(&control);
-        // Bulk modulus 1e8 and shear modulus 0.7e8; in the second case axis 2 is half as stiff, as in an anisotropic sample.
-        for soft in [1.0, 0.5] {
-            let stiff = |a: usize, c: usize| {
-                let lame = 1e8 - 2.0 / 3.0 * 0.7e8;
-                (lame + if a == c { 1.4e8 } else { 0.0 }) * if a == 1 || c == 1 { soft } else { 1.0 }
-            };
-            let (errors, stress) = follow(&drive, stiff, 20_000);
-            assert!(errors < 1e-3, "{errors}");
-            let found = (stress[1] - stress[2]) / (stress[0] - stress[2]);
-            assert!((found - b).abs() < 1e-6 && stress[0] > 2.2e4, "{found} {stress:?}");
-        }
-    }
-
-    /// A stress that increases at a given rate does not lag behind its target, on a solid that differs much from the servo's
-    /// estimate.
-    #[test]
-    fn a_moving_target_is_not_lagged_behind() {
-        let target = Target::held(2e4).moving(2e7);
-        let stress = Drive::Stress(target);
-        let fixed = Drive::Fixed;
-        for softness in [1.0, 0.2] {
-            let control = Control::of(
-                Speed::StrainRate(10.0),
-                [stress, Drive::Stress(held(2e4)), Drive::Stress(held(2e4)), fixed, fixed, fixed],
-            );
-            let stiff = |a: usize, c: usize| softness * if a == c { 1.9e8 } else { 0.5e8 };
-            let (errors, stress) = follow(&solved(&control), stiff, 40_000);
-            assert!(errors < 1e-3, "{errors}");
-            assert!((stress[0] / (2e4 + 2e7 * 40_000.0 * 1e-8) - 1.0).abs() < 1e-6, "{stress:?}");
-        }
-    }
-
-    /// Applies a control to an elastic solid from 20 kPa; returns the root mean square of the largest error over p in the
-    /// second half, and the final stresses.
-    fn follow(drive: &servo::Control, stiff: impl Fn(usize, usize) -> f64, steps: usize) -> (f64, [f64; 3]) {
-        let (mut stress, mut strain) = ([2e4; 3], [0.0; 3]);
-        let mut servo = servo::Servo::default();
-        let mut squares = 0.0;
-        for step in 0..steps {
-            let tensor = |v: &[f64; 3]| -> Matrix {
-                std::array::from_fn(|r| std::array::from_fn(|c| if r == c { v[r] } else { 0.0 }))
-            };
-            let time = step as f64 * 1e-8;
-            let sample = servo::Sample {
-                stress: tensor(&stress),
-                strain: tensor(&strain),
-                bulk_modulus: 1e8,
-                time,
-                dt: 1e-8,
-            };
-            let gradient = servo.gradient(drive, &sample);
-            let worst = drive
-                .rows()
-                .map(|row| (row.value(&sample.stress, &sample.strain) - row.aim(time)).abs())
-                .fold(0.0, f64::max);
-            if step > steps / 2 {
-                squares += (worst / 2e4).powi(2);
-            }
-            let part: [f64; 3] = std::array::from_fn(|a| -gradient[a][a] * 1e-8);
-            for a in 0..3 {
-                stress[a] += (0..3).map(|c| stiff(a, c) * part[c]).sum::<f64>();
-                strain[a] += part[a];
-            }
-        }
-        ((squares / (steps as f64 / 2.0)).sqrt(), stress)
-    }
-
-    #[test]
-    fn equations_that_do_not_determine_the_rates_are_named() {
-        let free = [Drive::Free, Drive::Free, Drive::Rate(1.0), Drive::Fixed, Drive::Fixed, Drive::Fixed];
-        let few = Control::of(Speed::StrainRate(1.0), free).with(Constraint::mean_stress(held(1e4)));
-        let text = few.check().unwrap_err().to_string();
-        assert!(text.contains("5 equations") && text.contains("constraint 1"), "{text}");
-        let twice = few.with(Constraint::stresses([2.0, 2.0, 2.0, 0.0, 0.0, 0.0], held(3e4)));
-        let text = twice.check().unwrap_err().to_string();
-        assert!(text.contains("constraint 2 repeats or contradicts"), "{text}");
-        let good = few.with(Constraint::strains([1.0, -1.0, 0.0, 0.0, 0.0, 0.0], 0.0));
-        assert_eq!(good.check(), Ok(()));
-    }
-
-    /// A saturated sample whose pore fluid has a bulk modulus: the mean stress and the volumetric strain times the modulus
-    /// are controlled together.
-    #[test]
-    fn stresses_and_strains_can_stand_in_one_constraint() {
-        let fluid = 2e8;
-        let free = [Drive::Rate(1.0), Drive::Free, Drive::Free, Drive::Fixed, Drive::Fixed, Drive::Fixed];
-        let third = 1.0 / 3.0;
-        let control = Control::of(Speed::StrainRate(10.0), free)
-            .with(Constraint::strains([0.0, 1.0, -1.0, 0.0, 0.0, 0.0], 0.0))
-            .with(Constraint {
-                strain: [fluid, fluid, fluid, 0.0, 0.0, 0.0],
-                stress: [third, third, third, 0.0, 0.0, 0.0],
-                target: held(2e4),
-                moves: None,
-            });
-        // Shear alone does not change the volume of an isotropic solid.
-        let (errors, stress) = follow(&solved(&control), |a, c| if a == c { 1.9e8 } else { 0.5e8 }, 20_000);
-        assert!(
-            errors < 1e-3 && (stress.iter().sum::<f64>() / 6e4 - 1.0).abs() < 1e-3,
-            "{errors} {stress:?}"
-        );
-    }
-}
+#[path = "control_tests.rs"]
+mod tests;

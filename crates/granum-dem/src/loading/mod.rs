@@ -2,6 +2,7 @@
 //! values of a measure at which states are recorded ([`Record`]). Named paths are presets, one file each ([`preset`]).
 
 mod control;
+mod equations;
 mod history;
 pub(crate) mod measure;
 pub mod preset;

@@ -4,7 +4,7 @@
 //! compaction. A turn is noticed at the checks of the preparation, every few hundred steps.
 
 use super::{Preparation, Simulation};
-use crate::servo::Control;
+use crate::servo::CellControl;
 
 /// Largest rate that the servo adds, as a multiple of the axial strain rate.
 const SERVO_LIMIT: f64 = 30.0;
@@ -12,7 +12,7 @@ const SERVO_LIMIT: f64 = 30.0;
 /// Begins to strain a sample at the mean stress of the preparation.
 pub(super) fn begin(s: &mut Simulation, p: &Preparation) {
     let rate = s.strain_rate(p.inertial_number, p.mean_stress);
-    s.set_control(Control::constant_mean_stress(0, rate, p.mean_stress, SERVO_LIMIT * rate));
+    s.set_control(CellControl::constant_mean_stress(0, rate, p.mean_stress, SERVO_LIMIT * rate));
     s.reset_phase(0.0);
 }
 

@@ -32,10 +32,10 @@ use serde::{Deserialize, Serialize};
 use self::friction_search::{next_friction, repeats};
 pub use self::progress::{Sample, Trial};
 use crate::config::{Grains, Preparation};
-use crate::contact::selection::Contact;
+use crate::contact::selection::ContactModel;
 pub use crate::observer::{Flow, Observer, Phase, Progress};
 use crate::random_insertion::{InsertionError, random_insertion};
-use crate::servo::Control;
+use crate::servo::CellControl;
 use crate::simulation::{Hardware, Properties, Simulation, SimulationError};
 
 /// Number of steps between two checks for the end of a phase, and between two calls of the observer.
@@ -53,7 +53,7 @@ const CHECKS_TO_CONVERGE: u32 = 3;
 /// Largest number of steps of the relaxation.
 const MOST_RELAXATION_STEPS: u64 = 400_000;
 /// Fraction of the target stress below which a packing is loose.
-const STANDING: f64 = 0.5;
+const LOOSE_BELOW: f64 = 0.5;
 
 /// Reasons why there is no sample.
 #[derive(Debug, thiserror::Error)]
@@ -89,11 +89,11 @@ pub enum PreparationError {
 
 /// The specification of a preparation.
 #[derive(Clone, Debug)]
-pub struct Recipe<'a> {
+pub struct SampleSpecification<'a> {
     /// Grains with their final properties.
     pub grains: &'a Grains,
     /// Contact law.
-    pub contact: &'a Contact,
+    pub contact: &'a ContactModel,
     /// Preparation parameters.
     pub preparation: &'a Preparation,
     /// Time step factor.
@@ -102,14 +102,14 @@ pub struct Recipe<'a> {
     pub hardware: Hardware,
 }
 
-impl Recipe<'_> {
+impl SampleSpecification<'_> {
     /// Materials and law of the finished sample.
     pub fn properties(&self) -> Properties {
         Properties::of(self.grains, self.contact, self.preparation.seed)
     }
 }
 
-/// A preparation in progress: the simulation and the progress within the recipe. Both can be saved
+/// A preparation in progress: the simulation and the progress within the specification. Both can be saved
 /// ([`Simulation::checkpoint`], serde) and resumed, with the same bits at the end as without the interruption.
 pub struct Preparing {
     /// The simulation of the grains.
@@ -149,20 +149,20 @@ pub struct NextTrial {
 }
 
 impl NextTrial {
-    /// The first trial of a recipe.
-    pub fn first(recipe: &Recipe) -> NextTrial {
-        let p = recipe.preparation;
+    /// The first trial of a specification.
+    pub fn first(specification: &SampleSpecification) -> NextTrial {
+        let p = specification.preparation;
         let friction = match (p.friction, p.target()) {
             (Some(friction), _) => friction,
             (None, Some(target)) => next_friction(&[], target),
-            (None, None) => recipe.grains.mean_friction(),
+            (None, None) => specification.grains.mean_friction(),
         };
         NextTrial { friction, trials: Vec::new(), steps: 0, time: 0.0 }
     }
 
     /// Material and contact laws during the compaction of this trial.
-    pub fn properties(&self, recipe: &Recipe) -> Properties {
-        recipe.properties().while_compacting(recipe.preparation, self.friction)
+    pub fn properties(&self, specification: &SampleSpecification) -> Properties {
+        specification.properties().while_compacting(specification.preparation, self.friction)
     }
 }
 
@@ -170,7 +170,7 @@ impl NextTrial {
 /// fraction, if there is one. It is then compacted like the grains of a random insertion.
 pub fn is_loose(packing: &Simulation, p: &Preparation) -> bool {
     let state = packing.state();
-    let carries = state.mean_stress() >= STANDING * p.mean_stress;
+    let carries = state.mean_stress() >= LOOSE_BELOW * p.mean_stress;
     let below = |target: f64| state.solid_fraction() < target - p.solid_fraction_tolerance;
     !carries && p.target().is_none_or(below)
 }
@@ -250,29 +250,32 @@ impl PreparationState {
 ///
 /// # Errors
 /// As for [`Preparing::go_on`], and [`PreparationError::Stopped`] if the observer stops it.
-pub fn prepare(recipe: &Recipe, observer: &mut dyn Observer) -> Result<Sample, PreparationError> {
-    complete(Preparing::new(recipe)?, recipe, observer)
+pub fn prepare(
+    specification: &SampleSpecification,
+    observer: &mut dyn Observer,
+) -> Result<Sample, PreparationError> {
+    complete(Preparing::new(specification)?, specification, observer)
 }
 
-/// Brings a packing that was made by another program, or with another contact law, to rest at the mean stress of the recipe
+/// Brings a packing that was made by another program, or with another contact law, to rest at the mean stress of the specification
 /// with its properties. There is no search for a friction and no random insertion.
 ///
 /// # Errors
 /// As for [`prepare`].
 pub fn settle(
     simulation: Simulation,
-    recipe: &Recipe,
+    specification: &SampleSpecification,
     observer: &mut dyn Observer,
 ) -> Result<Sample, PreparationError> {
-    complete(Preparing::settling(simulation, recipe), recipe, observer)
+    complete(Preparing::settling(simulation, specification), specification, observer)
 }
 
 fn complete(
     preparing: Preparing,
-    recipe: &Recipe,
+    specification: &SampleSpecification,
     observer: &mut dyn Observer,
 ) -> Result<Sample, PreparationError> {
-    match preparing.go_on(recipe, observer)? {
+    match preparing.go_on(specification, observer)? {
         Outcome::Sample(sample) => Ok(*sample),
         Outcome::Stopped(at) => Err(PreparationError::Stopped { phase: at.progress.phase() }),
         // Only the compaction of a packing requires its initial state again, and no caller of this function starts one.
@@ -285,31 +288,31 @@ impl Preparing {
     ///
     /// # Errors
     /// If the initial state is too dense, or the laws cannot be combined.
-    pub fn new(recipe: &Recipe) -> Result<Preparing, PreparationError> {
-        Preparing::trial(recipe, NextTrial::first(recipe))
+    pub fn new(specification: &SampleSpecification) -> Result<Preparing, PreparationError> {
+        Preparing::trial(specification, NextTrial::first(specification))
     }
 
     /// The start of the relaxation of a packing, see [`settle`].
-    pub fn settling(simulation: Simulation, recipe: &Recipe) -> Preparing {
-        Preparing::resting(simulation, recipe, Stage::Relaxation)
+    pub fn settling(simulation: Simulation, specification: &SampleSpecification) -> Preparing {
+        Preparing::resting(simulation, specification, Stage::Relaxation)
     }
 
-    /// The start of the consolidation of a sample to the mean stress of the recipe, which differs from its own. At the end
+    /// The start of the consolidation of a sample to the mean stress of the specification, which differs from its own. At the end
     /// the sample is at rest there, as after [`settle`], or the limit of steps was reached.
-    pub fn consolidating(simulation: Simulation, recipe: &Recipe) -> Preparing {
-        let mut preparing = Preparing::resting(simulation, recipe, Stage::Relaxation);
-        let (s, p) = (&preparing.simulation, recipe.preparation);
+    pub fn consolidating(simulation: Simulation, specification: &SampleSpecification) -> Preparing {
+        let mut preparing = Preparing::resting(simulation, specification, Stage::Relaxation);
+        let (s, p) = (&preparing.simulation, specification.preparation);
         let limit = most_steps(s, s.strain_rate(p.inertial_number, p.mean_stress));
         preparing.progress.stage = Stage::Consolidation { limit: limit + MOST_RELAXATION_STEPS };
         preparing
     }
 
-    fn resting(mut simulation: Simulation, recipe: &Recipe, stage: Stage) -> Preparing {
-        let p = recipe.preparation;
+    fn resting(mut simulation: Simulation, specification: &SampleSpecification, stage: Stage) -> Preparing {
+        let p = specification.preparation;
         let s = &mut simulation;
-        s.set_time_step_factor(recipe.time_step_factor);
+        s.set_time_step_factor(specification.time_step_factor);
         s.expect_force(p.mean_stress * s.mean_diameter().powi(2));
-        fade(s, recipe);
+        fade(s, specification);
         begin_relaxation(s, p);
         let progress = PreparationState {
             trials: Vec::new(),
@@ -324,10 +327,14 @@ impl Preparing {
     }
 
     /// The start of the compaction of a loose packing, which has the [`NextTrial::properties`] of the trial.
-    pub fn compacting(simulation: Simulation, recipe: &Recipe, next: NextTrial) -> Preparing {
+    pub fn compacting(
+        simulation: Simulation,
+        specification: &SampleSpecification,
+        next: NextTrial,
+    ) -> Preparing {
         let diameter = simulation.mean_diameter();
-        let loaded = simulation.state().mean_stress() > LOADED * recipe.preparation.mean_stress;
-        let mut preparing = Preparing::compaction(simulation, recipe, next, diameter);
+        let loaded = simulation.state().mean_stress() > LOADED * specification.preparation.mean_stress;
+        let mut preparing = Preparing::compaction(simulation, specification, next, diameter);
         preparing.progress.packing = true;
         if let (true, Stage::Compaction { slow, loaded, .. }) = (loaded, &mut preparing.progress.stage) {
             *loaded = true;
@@ -337,23 +344,28 @@ impl Preparing {
     }
 
     /// The initial state of a trial, ready to be compacted.
-    fn trial(recipe: &Recipe, next: NextTrial) -> Result<Preparing, PreparationError> {
-        let p = recipe.preparation;
-        let (cell, spheres) = random_insertion(recipe.grains, p.initial_solid_fraction, p.seed)?;
-        let s = Simulation::new(cell, &spheres, next.properties(recipe))?;
-        let diameter = recipe.grains.mean_diameter().map_err(InsertionError::from)?;
-        Ok(Preparing::compaction(s, recipe, next, diameter))
+    fn trial(specification: &SampleSpecification, next: NextTrial) -> Result<Preparing, PreparationError> {
+        let p = specification.preparation;
+        let (cell, spheres) = random_insertion(specification.grains, p.initial_solid_fraction, p.seed)?;
+        let s = Simulation::new(cell, &spheres, next.properties(specification))?;
+        let diameter = specification.grains.mean_diameter().map_err(InsertionError::from)?;
+        Ok(Preparing::compaction(s, specification, next, diameter))
     }
 
     /// Grains that do not carry the stress yet, ready to be compacted.
-    fn compaction(mut s: Simulation, recipe: &Recipe, next: NextTrial, diameter: f64) -> Preparing {
-        let p = recipe.preparation;
+    fn compaction(
+        mut s: Simulation,
+        specification: &SampleSpecification,
+        next: NextTrial,
+        diameter: f64,
+    ) -> Preparing {
+        let p = specification.preparation;
         let NextTrial { friction, trials, steps, time } = next;
-        s.set_time_step_factor(recipe.time_step_factor);
+        s.set_time_step_factor(specification.time_step_factor);
         s.expect_force(p.mean_stress * diameter.powi(2));
-        fade(&mut s, recipe);
+        fade(&mut s, specification);
         let slow = s.strain_rate(p.inertial_number, p.mean_stress);
-        s.set_control(Control::isotropic(p.mean_stress, GAS_SPEED * slow));
+        s.set_control(CellControl::isotropic(p.mean_stress, GAS_SPEED * slow));
         let stage = Stage::Compaction { slow, limit: most_steps(&s, slow), loaded: false };
         let progress = PreparationState {
             trials,
@@ -367,17 +379,17 @@ impl Preparing {
         Preparing { simulation: s, progress }
     }
 
-    /// Continues until there is a sample or the observer stops it. The recipe must be the one that the preparation was
+    /// Continues until there is a sample or the observer stops it. The specification must be the one that the preparation was
     /// started with, except for the hardware.
     ///
     /// # Errors
     /// [`PreparationError`], but never [`PreparationError::Stopped`].
     pub fn go_on(
         mut self,
-        recipe: &Recipe,
+        specification: &SampleSpecification,
         observer: &mut dyn Observer,
     ) -> Result<Outcome, PreparationError> {
-        self.simulation.set_hardware(recipe.hardware);
+        self.simulation.set_hardware(specification.hardware);
         loop {
             if observer.progress(&self.progress()) == Flow::Stop {
                 return Ok(Outcome::Stopped(Box::new(self)));
@@ -385,24 +397,24 @@ impl Preparing {
             self.simulation.advance(LOOK_EVERY)?;
             let settled = match self.progress.stage {
                 Stage::Compaction { .. } => {
-                    self.check_compaction(recipe)?;
+                    self.check_compaction(specification)?;
                     None
                 }
                 Stage::Cycles { .. } => {
-                    self.check_cycles(recipe)?;
+                    self.check_cycles(specification)?;
                     None
                 }
-                Stage::Relaxation => self.check_relaxation(recipe.preparation, MOST_RELAXATION_STEPS),
-                Stage::Consolidation { limit } => self.check_relaxation(recipe.preparation, limit),
+                Stage::Relaxation => self.check_relaxation(specification.preparation, MOST_RELAXATION_STEPS),
+                Stage::Consolidation { limit } => self.check_relaxation(specification.preparation, limit),
             };
             let Some(settled) = settled else { continue };
             let packing = self.progress.packing;
-            match self.end_trial(recipe, settled) {
+            match self.end_trial(specification, settled) {
                 Ended::Sample(sample) => return Ok(Outcome::Sample(sample)),
                 Ended::Again(next) if packing => return Ok(Outcome::Again(next)),
                 Ended::Again(next) => {
-                    self = Preparing::trial(recipe, next)?;
-                    self.simulation.set_hardware(recipe.hardware);
+                    self = Preparing::trial(specification, next)?;
+                    self.simulation.set_hardware(specification.hardware);
                 }
             }
         }
@@ -416,8 +428,8 @@ impl Preparing {
     }
 
     /// Reduces the rate once load is carried; starts the relaxation once the stress is reached and steady.
-    fn check_compaction(&mut self, recipe: &Recipe) -> Result<(), PreparationError> {
-        let p = recipe.preparation;
+    fn check_compaction(&mut self, specification: &SampleSpecification) -> Result<(), PreparationError> {
+        let p = specification.preparation;
         let (s, progress) = (&mut self.simulation, &mut self.progress);
         let Stage::Compaction { slow, limit, loaded } = &mut progress.stage else { return Ok(()) };
         let ratio = s.state().mean_stress() / p.mean_stress;
@@ -440,7 +452,7 @@ impl Preparing {
             });
         }
         if p.cycles == 0 {
-            return self.relax(recipe);
+            return self.relax(specification);
         }
         progress.count(s);
         cycles::begin(s, p);
@@ -449,21 +461,21 @@ impl Preparing {
     }
 
     /// Turns the straining round, and starts the relaxation after the last cycle.
-    fn check_cycles(&mut self, recipe: &Recipe) -> Result<(), PreparationError> {
+    fn check_cycles(&mut self, specification: &SampleSpecification) -> Result<(), PreparationError> {
         let Stage::Cycles { turns } = &mut self.progress.stage else { return Ok(()) };
-        if cycles::turned(&mut self.simulation, recipe.preparation, turns) {
-            self.relax(recipe)
+        if cycles::turned(&mut self.simulation, specification.preparation, turns) {
+            self.relax(specification)
         } else {
             Ok(())
         }
     }
 
     /// Starts the relaxation with the final properties.
-    fn relax(&mut self, recipe: &Recipe) -> Result<(), PreparationError> {
+    fn relax(&mut self, specification: &SampleSpecification) -> Result<(), PreparationError> {
         let (s, progress) = (&mut self.simulation, &mut self.progress);
         progress.count(s);
-        s.set_properties(recipe.properties())?;
-        begin_relaxation(s, recipe.preparation);
+        s.set_properties(specification.properties())?;
+        begin_relaxation(s, specification.preparation);
         progress.stage = Stage::Relaxation;
         Ok(())
     }
@@ -481,8 +493,8 @@ impl Preparing {
     }
 
     /// Returns the finished sample, or the next friction to try.
-    fn end_trial(self, recipe: &Recipe, settled: bool) -> Ended {
-        let p = recipe.preparation;
+    fn end_trial(self, specification: &SampleSpecification, settled: bool) -> Ended {
+        let p = specification.preparation;
         let Preparing { mut simulation, progress } = self;
         let state = simulation.state();
         let solid_fraction = state.solid_fraction();
@@ -528,13 +540,13 @@ fn most_steps(s: &Simulation, rate: f64) -> u64 {
 }
 
 /// Sets the global damping, which is slow compared with the vibrations of a contact.
-fn fade(s: &mut Simulation, recipe: &Recipe) {
-    s.set_global_damping(GLOBAL_DAMPING * recipe.time_step_factor / s.state().time_step());
+fn fade(s: &mut Simulation, specification: &SampleSpecification) {
+    s.set_global_damping(GLOBAL_DAMPING * specification.time_step_factor / s.state().time_step());
 }
 
 /// The servo holds the stress while the sample comes to rest with its final properties.
 fn begin_relaxation(s: &mut Simulation, p: &Preparation) {
-    s.set_control(Control::isotropic(p.mean_stress, s.strain_rate(p.inertial_number, p.mean_stress)));
+    s.set_control(CellControl::isotropic(p.mean_stress, s.strain_rate(p.inertial_number, p.mean_stress)));
     s.reset_phase(0.0);
 }
 

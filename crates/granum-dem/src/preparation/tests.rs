@@ -14,8 +14,12 @@ fn quick() -> Preparation {
     }
 }
 
-fn recipe<'a>(grains: &'a Grains, contact: &'a Contact, preparation: &'a Preparation) -> Recipe<'a> {
-    Recipe { grains, contact, preparation, time_step_factor: 0.2, hardware: Hardware::default() }
+fn specification<'a>(
+    grains: &'a Grains,
+    contact: &'a ContactModel,
+    preparation: &'a Preparation,
+) -> SampleSpecification<'a> {
+    SampleSpecification { grains, contact, preparation, time_step_factor: 0.2, hardware: Hardware::default() }
 }
 
 /// Both parts, saved and restored.
@@ -30,7 +34,11 @@ fn written_and_read(preparing: &Preparing) -> Preparing {
 
 /// Continues to the end, with a stop and a restart every `strides` checks; returns the sample, the number of stops, and the
 /// trials and phases at which they occurred.
-fn in_pieces(mut preparing: Preparing, recipe: &Recipe, strides: u32) -> (Sample, u32, Vec<(usize, Phase)>) {
+fn in_pieces(
+    mut preparing: Preparing,
+    specification: &SampleSpecification,
+    strides: u32,
+) -> (Sample, u32, Vec<(usize, Phase)>) {
     let (mut stops, mut seen) = (0, Vec::new());
     loop {
         preparing = written_and_read(&preparing);
@@ -42,7 +50,7 @@ fn in_pieces(mut preparing: Preparing, recipe: &Recipe, strides: u32) -> (Sample
             left -= 1;
             if left == 0 { Flow::Stop } else { Flow::Continue }
         };
-        match preparing.go_on(recipe, &mut observer).unwrap() {
+        match preparing.go_on(specification, &mut observer).unwrap() {
             Outcome::Sample(sample) => return (*sample, stops, seen),
             Outcome::Stopped(at) => preparing = *at,
             Outcome::Again(next) => panic!("an initial state or a sample needs no packing: {next:?}"),
@@ -60,16 +68,16 @@ fn assert_same(a: &Sample, b: &Sample) {
 
 #[test]
 fn a_preparation_in_pieces_makes_the_same_sample() {
-    let contact = Contact::default();
+    let contact = ContactModel::default();
     for spread in [0.0, 0.2] {
         let grains = grains(spread);
         // Not attainable, so that the search tries several frictions.
         let preparation =
             Preparation { solid_fraction: Some(0.52), solid_fraction_tolerance: 1e-4, ..quick() };
-        let recipe = recipe(&grains, &contact, &preparation);
-        let straight = prepare(&recipe, &mut |_: &Progress| Flow::Continue).unwrap();
+        let specification = specification(&grains, &contact, &preparation);
+        let straight = prepare(&specification, &mut |_: &Progress| Flow::Continue).unwrap();
         assert!(straight.trials.len() >= 2 && !straight.solid_fraction_met, "{:?}", straight.trials);
-        let (pieces, stops, seen) = in_pieces(Preparing::new(&recipe).unwrap(), &recipe, 3);
+        let (pieces, stops, seen) = in_pieces(Preparing::new(&specification).unwrap(), &specification, 3);
         assert!(stops > 20, "{stops}");
         assert!(seen.contains(&(2, Phase::Compaction)) && seen.contains(&(2, Phase::Relaxation)), "{seen:?}");
         assert_same(&straight, &pieces);
@@ -78,13 +86,13 @@ fn a_preparation_in_pieces_makes_the_same_sample() {
 
 #[test]
 fn a_packing_settles_in_pieces_to_the_same_sample() {
-    let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
+    let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
     let grains = grains(0.0);
     let preparation = Preparation { solid_fraction: None, friction: Some(0.1), ..quick() };
-    let first = recipe(&grains, &contact, &preparation);
+    let first = specification(&grains, &contact, &preparation);
     let packing = prepare(&first, &mut |_: &Progress| Flow::Continue).unwrap().simulation;
     let denser = Preparation { mean_stress: 60e3, unbalanced_force: 1e-4, ..preparation.clone() };
-    let second = recipe(&grains, &contact, &denser);
+    let second = specification(&grains, &contact, &denser);
     let straight = settle(packing.clone(), &second, &mut |_: &Progress| Flow::Continue).unwrap();
     let (pieces, stops, _) = in_pieces(Preparing::settling(packing, &second), &second, 2);
     assert!(stops >= 2 && straight.trials.is_empty(), "{stops}");
@@ -94,14 +102,14 @@ fn a_packing_settles_in_pieces_to_the_same_sample() {
 /// The sample that results from a loose packing.
 fn compacted(
     packing: &(crate::cell::Cell, Vec<crate::simulation::InitialSphere>),
-    recipe: &Recipe,
+    specification: &SampleSpecification,
 ) -> Sample {
-    let mut next = NextTrial::first(recipe);
+    let mut next = NextTrial::first(specification);
     loop {
-        let simulation = Simulation::new(packing.0, &packing.1, next.properties(recipe)).unwrap();
-        assert!(is_loose(&simulation, recipe.preparation));
-        let preparing = Preparing::compacting(simulation, recipe, next);
-        match preparing.go_on(recipe, &mut |_: &Progress| Flow::Continue).unwrap() {
+        let simulation = Simulation::new(packing.0, &packing.1, next.properties(specification)).unwrap();
+        assert!(is_loose(&simulation, specification.preparation));
+        let preparing = Preparing::compacting(simulation, specification, next);
+        match preparing.go_on(specification, &mut |_: &Progress| Flow::Continue).unwrap() {
             Outcome::Sample(sample) => return *sample,
             Outcome::Again(again) => next = again,
             Outcome::Stopped(_) => panic!("nobody stopped it"),
@@ -111,11 +119,11 @@ fn compacted(
 
 #[test]
 fn a_loose_packing_is_compacted_by_friction_and_target_as_a_random_one_is() {
-    let (grains, contact) = (grains(0.0), Contact::default());
+    let (grains, contact) = (grains(0.0), ContactModel::default());
     let packing = random_insertion(&grains, 0.3, 7).unwrap();
     let with = |friction, solid_fraction| {
         let preparation = Preparation { friction, solid_fraction, solid_fraction_tolerance: 1e-3, ..quick() };
-        compacted(&packing, &recipe(&grains, &contact, &preparation))
+        compacted(&packing, &specification(&grains, &contact, &preparation))
     };
     let (slippery, rough) = (with(Some(0.0), None), with(Some(1.0), None));
     let density = |sample: &Sample| sample.simulation.state().solid_fraction();
@@ -132,50 +140,52 @@ fn a_loose_packing_is_compacted_by_friction_and_target_as_a_random_one_is() {
 
 #[test]
 fn a_sample_is_brought_to_another_mean_stress_and_is_at_rest_there() {
-    let (grains, contact) = (grains(0.0), Contact::default());
+    let (grains, contact) = (grains(0.0), ContactModel::default());
     let preparation = Preparation { solid_fraction: None, friction: Some(0.1), ..quick() };
-    let first = recipe(&grains, &contact, &preparation);
+    let first = specification(&grains, &contact, &preparation);
     let sample = prepare(&first, &mut |_: &Progress| Flow::Continue).unwrap().simulation;
     for mean_stress in [200e3, 5e3] {
         let other = Preparation { mean_stress, ..preparation.clone() };
-        let recipe = recipe(&grains, &contact, &other);
-        let start = || Preparing::consolidating(sample.clone(), &recipe);
+        let specification = specification(&grains, &contact, &other);
+        let start = || Preparing::consolidating(sample.clone(), &specification);
         assert_eq!(start().progress.phase(), Phase::Consolidation);
-        let Outcome::Sample(straight) = start().go_on(&recipe, &mut |_: &Progress| Flow::Continue).unwrap()
+        let Outcome::Sample(straight) =
+            start().go_on(&specification, &mut |_: &Progress| Flow::Continue).unwrap()
         else {
             panic!("nobody stopped it")
         };
         let state = straight.simulation.state();
         assert!(straight.settled && (state.mean_stress() / mean_stress - 1.0).abs() < 0.005);
         assert!(straight.unbalanced_force < other.unbalanced_force && straight.trials.is_empty());
-        let (pieces, _, _) = in_pieces(start(), &recipe, 2);
+        let (pieces, _, _) = in_pieces(start(), &specification, 2);
         assert_same(&straight, &pieces);
     }
 }
 
 #[test]
 fn an_observer_ends_a_preparation() {
-    let (grains, contact, preparation) = (grains(0.0), Contact::default(), quick());
-    let recipe = recipe(&grains, &contact, &preparation);
-    let error = prepare(&recipe, &mut |_: &Progress| Flow::Stop).err().unwrap();
+    let (grains, contact, preparation) = (grains(0.0), ContactModel::default(), quick());
+    let specification = specification(&grains, &contact, &preparation);
+    let error = prepare(&specification, &mut |_: &Progress| Flow::Stop).err().unwrap();
     assert!(matches!(error, PreparationError::Stopped { phase: Phase::Compaction }), "{error}");
 }
 
 #[test]
 fn cycles_make_a_sample_denser_and_can_be_interrupted() {
     let grains = grains(0.2);
-    let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
+    let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
     let plain = Preparation { solid_fraction: None, friction: Some(0.3), ..quick() };
     let cycled = Preparation { cycles: 3, cycle_strain: 0.02, ..plain.clone() };
     let sample = |preparation: &Preparation| {
-        prepare(&recipe(&grains, &contact, preparation), &mut |_: &Progress| Flow::Continue).unwrap()
+        prepare(&specification(&grains, &contact, preparation), &mut |_: &Progress| Flow::Continue).unwrap()
     };
     let (before, after) = (sample(&plain), sample(&cycled));
     let density = |sample: &Sample| sample.simulation.state().solid_fraction();
     assert!(density(&after) > density(&before) + 0.002, "{} {}", density(&before), density(&after));
     assert!(after.steps > before.steps);
-    let cycled_recipe = recipe(&grains, &contact, &cycled);
-    let (pieces, _, seen) = in_pieces(Preparing::new(&cycled_recipe).unwrap(), &cycled_recipe, 3);
+    let cycled_specification = specification(&grains, &contact, &cycled);
+    let (pieces, _, seen) =
+        in_pieces(Preparing::new(&cycled_specification).unwrap(), &cycled_specification, 3);
     assert!(seen.contains(&(1, Phase::Cycles)), "{seen:?}");
     assert_same(&after, &pieces);
 }
@@ -184,7 +194,7 @@ fn cycles_make_a_sample_denser_and_can_be_interrupted() {
 #[test]
 fn laws_of_the_compaction_are_gone_in_the_sample() {
     let grains = grains(0.0);
-    let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
+    let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
     let preparation = Preparation {
         solid_fraction: None,
         friction: Some(1.0),
@@ -192,8 +202,8 @@ fn laws_of_the_compaction_are_gone_in_the_sample() {
         rolling_friction: Some(0.5),
         ..quick()
     };
-    let recipe = recipe(&grains, &contact, &preparation);
-    let start = Preparing::new(&recipe).unwrap();
+    let specification = specification(&grains, &contact, &preparation);
+    let start = Preparing::new(&specification).unwrap();
     let meanwhile = start.simulation.properties();
     assert_eq!(
         (meanwhile.contact.normal, meanwhile.contact.rolling.name()),
@@ -201,8 +211,8 @@ fn laws_of_the_compaction_are_gone_in_the_sample() {
     );
     assert_eq!(meanwhile.contact.parameters.given("rolling_friction"), Some(0.5));
     assert_eq!((meanwhile.material.friction, meanwhile.material.interface_energy), (1.0, 8.0));
-    let (sample, _, _) = in_pieces(start, &recipe, 4);
-    assert_eq!(sample.simulation.properties(), &recipe.properties());
+    let (sample, _, _) = in_pieces(start, &specification, 4);
+    assert_eq!(sample.simulation.properties(), &specification.properties());
     assert_eq!(sample.simulation.properties().contact, contact);
     assert!((sample.simulation.state().mean_stress() / 20e3 - 1.0).abs() < 0.01 && sample.settled);
 }
@@ -213,11 +223,11 @@ fn grains_of_a_tenth_of_the_largest_diameter_are_placed_and_compacted() {
     use crate::sizes::{SizeKind, Sizes};
     let sizes = Sizes::of(SizeKind::SIEVE_CURVE).with_curve(vec![[2e-5, 0.0], [2e-4, 1.0]]);
     let grains = Grains { count: 1500, sizes, ..Grains::default() };
-    let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
+    let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
     let preparation =
         Preparation { initial_solid_fraction: 0.45, friction: Some(0.1), solid_fraction: None, ..quick() };
     let sample =
-        prepare(&recipe(&grains, &contact, &preparation), &mut |_: &Progress| Flow::Continue).unwrap();
+        prepare(&specification(&grains, &contact, &preparation), &mut |_: &Progress| Flow::Continue).unwrap();
     let state = sample.simulation.state();
     assert!(sample.settled && state.solid_fraction() > 0.66, "{}", state.solid_fraction());
     let assembly = sample.simulation.assembly();

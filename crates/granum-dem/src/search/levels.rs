@@ -76,7 +76,7 @@ impl Kernel for LevelSearch<'_> {
         for (finer, level) in self.levels.iter().enumerate() {
             for &i in &level.grains {
                 for coarser in &self.levels[finer..] {
-                    self.look::<L>(i, coarser, std::ptr::eq(level, coarser), &images, &mut found);
+                    self.collect::<L>(i, coarser, std::ptr::eq(level, coarser), &images, &mut found);
                 }
             }
         }
@@ -88,7 +88,7 @@ impl Kernel for LevelSearch<'_> {
 impl LevelSearch<'_> {
     /// Appends the pairs of a grain with those of a level; each once where the level is its own.
     #[inline(always)]
-    fn look<L: Lanes>(
+    fn collect<L: Lanes>(
         &self,
         i: u32,
         level: &Level,
@@ -104,7 +104,7 @@ impl LevelSearch<'_> {
         for step in 0..9 {
             let (bx, sx) = grid.beside(0, here[0], step / 3 - 1);
             let (by, sy) = grid.beside(1, here[1], step % 3 - 1);
-            for (low, high, sz) in grid.stretches(here[2]) {
+            for (low, high, sz) in grid.intervals(here[2]) {
                 let shift = [sx, sy, sz];
                 let image = &images[image_code(shift) as usize].0;
                 let [start, end] = grid.run(bx, by, low, high);

@@ -1,6 +1,6 @@
 //! The case: all the input that determines a result.
 
-use granum_dem::config::{Contact, Grains, Numerics, Preparation, Recording, Shear};
+use granum_dem::config::{ContactModel, Grains, Numerics, Preparation, Recording, Shear};
 use serde::{Deserialize, Serialize};
 
 use super::case_stage::CaseStage;
@@ -20,7 +20,7 @@ pub struct Case {
     /// The grains.
     pub grains: Grains,
     /// The contact law.
-    pub contact: Contact,
+    pub contact: ContactModel,
     /// The preparation of the sample.
     pub preparation: Preparation,
     /// The test of the paper, used if no stages are given.

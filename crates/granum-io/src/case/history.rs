@@ -19,7 +19,7 @@ use granum_core::quantity::{Dimension, format_number, parse_quantity};
 pub(super) const HISTORY_KEYS: [&str; 3] = ["file", "columns", "rows"];
 
 /// Where a column of a file goes.
-struct Place {
+struct SourceColumn {
     /// None for the time.
     quantity: Option<Quantity>,
     /// What a value is multiplied by.
@@ -81,7 +81,7 @@ fn read_lines<R: BufRead>(lines: &mut Lines<R>) -> Result<History> {
 }
 
 /// The columns that the first line names.
-fn header<R: BufRead>(lines: &mut Lines<R>) -> Result<Vec<Place>> {
+fn header<R: BufRead>(lines: &mut Lines<R>) -> Result<Vec<SourceColumn>> {
     while lines.advance()? {
         if lines.is_empty() {
             continue;
@@ -99,13 +99,13 @@ fn header<R: BufRead>(lines: &mut Lines<R>) -> Result<Vec<Place>> {
 }
 
 /// What the name of a column says, e.g. `xx_stress (kPa)`; what is wrong with it and what would be right.
-fn place(cell: &str) -> std::result::Result<Place, (String, String)> {
+fn place(cell: &str) -> std::result::Result<SourceColumn, (String, String)> {
     let (name, unit) = match cell.split_once(['(', '[']) {
         Some((name, unit)) => (name.trim(), unit.trim_end_matches([')', ']']).trim()),
         None => (cell, ""),
     };
     if name == "time" {
-        return Ok(Place { quantity: None, factor: 1.0 });
+        return Ok(SourceColumn { quantity: None, factor: 1.0 });
     }
     let Some(quantity) = Quantity::named(name) else {
         let names: Vec<String> = Quantity::all().map(Quantity::name).collect();
@@ -119,10 +119,10 @@ fn place(cell: &str) -> std::result::Result<Place, (String, String)> {
     let wrong = |why| {
         (format!("the unit of {name}: 1 {unit} {why}"), format!("e.g. {name} (kPa), or no unit for SI"))
     };
-    Ok(Place { quantity: Some(quantity), factor: factor.map_err(wrong)? })
+    Ok(SourceColumn { quantity: Some(quantity), factor: factor.map_err(wrong)? })
 }
 
-fn value<R: BufRead>(lines: &Lines<R>, place: &Place, start: usize, cell: &str) -> Result<f64> {
+fn value<R: BufRead>(lines: &Lines<R>, place: &SourceColumn, start: usize, cell: &str) -> Result<f64> {
     let name = place.quantity.map_or_else(|| "time".to_string(), Quantity::name);
     let value = csv::number(lines, &name, start, cell)? * place.factor + 0.0;
     if value.is_finite() {

@@ -3,7 +3,7 @@
 //! A material has the keys of `[grains.material]` and the parameters of contact laws; a key that it leaves out has the value of
 //! `[grains.material]` or `[contact]`. Its values are read, bounded and written by the fields of those sections.
 
-use granum_dem::config::{Component, Contact, Material, Mixture, PairRule, ParameterValues};
+use granum_dem::config::{Component, ContactModel, Material, Mixture, PairRule, ParameterValues};
 use granum_dem::contact::{check, registry};
 use granum_dem::simulation::Properties;
 
@@ -76,7 +76,7 @@ pub(super) fn put_into_pair(case: &Case, rule: &mut PairRule, field: &Field, val
 }
 
 /// What is wrong where no law of a case has a parameter, if so.
-pub(super) fn means_nothing(contact: &Contact, place: &str, field: &Field) -> Option<String> {
+pub(super) fn means_nothing(contact: &ContactModel, place: &str, field: &Field) -> Option<String> {
     let used = check::parameters_of(contact).iter().any(|parameter| parameter.key == field.key);
     if used || !field.is_of_law() {
         return None;

@@ -120,7 +120,7 @@ fn no_partner(path: &Path, frame: &Frame, place: usize, count: usize, all: usize
         (Some(step), _) => format!("there are no grains of step {step} for its contacts"),
         (None, Some(time)) => format!("there are no grains of the time {time} s for its contacts"),
         _ => format!(
-            "its instant {} of {count} cannot be told among {all} of the grains: give as many of both",
+            "its instant {} of {count} cannot be identified among {all} of the grains: give as many of both",
             place + 1
         ),
     };

@@ -1,6 +1,6 @@
 //! Legacy VTK text files as YADE's `VTKExporter` writes them: `exportSpheres`, `exportContactPoints` and `exportPeriodicCell`.
 //!
-//! Spheres are points with the scalar `radius`, in the order of their ids from 0. Contact points need what tells them apart, named
+//! Spheres are points with the scalar `radius`, in the order of their ids from 0. Contact points need what distinguishes them, named
 //! so: `exportContactPoints(what={'id1': 'i.id1', 'id2': 'i.id2', 'normalForce': 'i.phys.normalForce', 'shearForce':
 //! 'i.phys.shearForce', 'normal': 'i.geom.normal'})`; of these the forces and the normal may be missing. YADE's normal points from
 //! the first body to the second, and its forces act on the second. Of spheres the arrays `velocity` (or `vel`), `angularVelocity`,

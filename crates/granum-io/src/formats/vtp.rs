@@ -3,7 +3,7 @@
 //! A line that leaves the cell is cut at the face and goes on from the opposite one, so that force chains do not cross the picture.
 //! Arrays of vertices and lines (cell data): `id`, `radius`, `diameter`, `velocity`, `force_on_grain`, `coordination_number` of
 //! grains; `normal_force`, `tangential_force`, `force` (magnitude), `sliding` of contacts; each is zero for the other kind, and
-//! `is_contact` tells them apart (filter Threshold). Point data: `radius` (of grains, zero elsewhere) for the filter Glyph, and
+//! `is_contact` distinguishes them (filter Threshold). Point data: `radius` (of grains, zero elsewhere) for the filter Glyph, and
 //! `normal_force` for the filter Tube.
 
 use std::fmt::Write as _;

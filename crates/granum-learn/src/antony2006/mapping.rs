@@ -149,7 +149,7 @@ pub fn paper_mappings() -> Vec<Mapping> {
 
 /// The mappings F1-F6 for tests that end at another strain: the strain ranges are scaled so that 0.3 becomes `end`.
 pub fn paper_mappings_to(end: f64) -> Vec<Mapping> {
-    let stretch = |strain: f64| if end == PAPER_STRAIN { strain } else { strain / PAPER_STRAIN * end };
+    let scaled = |strain: f64| if end == PAPER_STRAIN { strain } else { strain / PAPER_STRAIN * end };
     TABLES
         .iter()
         .map(|(name, inputs, output, rows)| Mapping {
@@ -159,7 +159,7 @@ pub fn paper_mappings_to(end: f64) -> Vec<Mapping> {
             sub_models: rows
                 .iter()
                 .map(|&(low, high, neurons, epochs)| SubModel {
-                    strain_range: [stretch(low), stretch(high)],
+                    strain_range: [scaled(low), scaled(high)],
                     hidden: vec![neurons, neurons],
                     epochs,
                 })

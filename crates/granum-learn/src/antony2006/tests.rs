@@ -4,10 +4,10 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use granum_nets::trainer::{
-    Control, LevenbergMarquardt, Observer, Options, Progress, Trainer, TrainerState, TrainingError,
+    Flow, LevenbergMarquardt, Observer, Options, Progress, Trainer, TrainerState, TrainingError,
     TrainingReport, by_name,
 };
-use granum_nets::{Column, Data, Model, Network, Recipe};
+use granum_nets::{Column, Data, Model, ModelDefinition, Network};
 use granum_sensors::Record;
 
 use crate::antony2006::figures::figures;
@@ -136,7 +136,7 @@ fn silenced(surrogate: &MappingNetworks, states: &[&State]) -> Model {
     let rows = Rows::new(mapping, form, forces, states.iter().copied());
     let targets = (0..rows.count()).map(|k| 0.7 + 1e-9 * (k % 3) as f64).collect();
     let data = Data::new(rows.inputs, rows.input_columns, targets).unwrap();
-    let recipe = Recipe {
+    let definition = ModelDefinition {
         inputs: mapping.network_inputs(form, forces).iter().map(|name| Column::new(name, "1")).collect(),
         output: Column::new(mapping.network_output(), "1"),
         quantities: Vec::new(),
@@ -146,7 +146,7 @@ fn silenced(surrogate: &MappingNetworks, states: &[&State]) -> Model {
     };
     let options = Options { epochs: Some(5), ..Options::default() };
     let trainer = by_name("traingdx", &options).unwrap();
-    Model::fit(&recipe, &data, trainer.as_ref(), &mut |_: &Progress| Control::Continue).unwrap().0
+    Model::fit(&definition, &data, trainer.as_ref(), &mut |_: &Progress| Flow::Continue).unwrap().0
 }
 
 /// A network with nearly constant predictions is reported as constant.
@@ -267,12 +267,12 @@ impl StudyObserver for TrainingCheckpoints {
 fn a_stopped_study_goes_on_where_it_was() {
     let dataset = dataset(Law::Plain, 1, 0, 40);
     let options = small(&["F1"], 3, "traingdx", 1e-3);
-    let mut keeper = TrainingCheckpoints { stop_after: Some(2), ..Default::default() };
-    let error = Study::train(&dataset, &options, &keeper).unwrap_err();
+    let mut checkpoints = TrainingCheckpoints { stop_after: Some(2), ..Default::default() };
+    let error = Study::train(&dataset, &options, &checkpoints).unwrap_err();
     assert!(matches!(error, LearnError::Stopped { total: 6, .. }), "{error}");
-    keeper.stop_after = None;
-    let resumed = Study::train(&dataset, &options, &keeper).unwrap();
-    assert!(keeper.found.load(Ordering::Relaxed) >= 2 && keeper.heard.load(Ordering::Relaxed) > 0);
+    checkpoints.stop_after = None;
+    let resumed = Study::train(&dataset, &options, &checkpoints).unwrap();
+    assert!(checkpoints.found.load(Ordering::Relaxed) >= 2 && checkpoints.heard.load(Ordering::Relaxed) > 0);
     let whole = Study::train(&dataset, &options, &Silent).unwrap();
     for (a, b) in resumed.mappings.iter().zip(&whole.mappings) {
         for (x, y) in a.surrogate.networks().iter().zip(b.surrogate.networks()) {
@@ -281,7 +281,7 @@ fn a_stopped_study_goes_on_where_it_was() {
     }
     // With another number of epochs the stored networks are not used.
     let longer = StudyOptions { epoch_factor: 2e-3, ..options };
-    let fresh = Study::train(&dataset, &longer, &keeper).unwrap();
+    let fresh = Study::train(&dataset, &longer, &checkpoints).unwrap();
     assert_ne!(
         fresh.mappings[0].surrogate.networks()[0].to_json(),
         whole.mappings[0].surrogate.networks()[0].to_json()

@@ -301,11 +301,11 @@ impl TrainingCheckpoints {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use granum_nets::trainer::{Control, Progress, by_name};
-    use granum_nets::{Column, Data, Recipe};
+    use granum_nets::trainer::{Flow, Progress, by_name};
+    use granum_nets::{Column, Data, ModelDefinition};
 
-    fn recipe() -> Recipe {
-        Recipe {
+    fn definition() -> ModelDefinition {
+        ModelDefinition {
             inputs: vec![Column::new("x", "1")],
             output: Column::new("y", "1"),
             quantities: Vec::new(),
@@ -324,9 +324,9 @@ mod tests {
     /// Trains up to an epoch, and returns the model and the state at its end.
     fn trained(epochs: u64, state: Option<TrainerState>) -> (Model, TrainerState) {
         let trainer = by_name("traingdx", &Default::default()).unwrap();
-        let mut listen = |p: &Progress| if p.epoch < epochs { Control::Continue } else { Control::Stop };
+        let mut listen = |p: &Progress| if p.epoch < epochs { Flow::Continue } else { Flow::Stop };
         let (model, report) =
-            Model::resume(&recipe(), &data(), trainer.as_ref(), state, &mut listen).unwrap();
+            Model::resume(&definition(), &data(), trainer.as_ref(), state, &mut listen).unwrap();
         (model, report.state)
     }
 
@@ -335,12 +335,12 @@ mod tests {
         let base = tempfile::tempdir().unwrap();
         let folder = base.path();
         let (_, state) = trained(40, None);
-        let keeper = TrainingCheckpoints::new(folder, Duration::ZERO);
-        keeper.under_way("F1-1", "this", false, &|| state.clone());
-        assert_eq!(keeper.state("F1-1", "this"), Some(state.clone()));
-        assert!(keeper.state("F1-1", "other").is_none() && keeper.state("F1-2", "this").is_none());
+        let checkpoints = TrainingCheckpoints::new(folder, Duration::ZERO);
+        checkpoints.under_way("F1-1", "this", false, &|| state.clone());
+        assert_eq!(checkpoints.state("F1-1", "this"), Some(state.clone()));
+        assert!(checkpoints.state("F1-1", "other").is_none() && checkpoints.state("F1-2", "this").is_none());
         let (whole, _) = trained(90, None);
-        let (rest, _) = trained(90, keeper.state("F1-1", "this"));
+        let (rest, _) = trained(90, checkpoints.state("F1-1", "this"));
         assert_eq!(whole.to_json(), rest.to_json());
 
         let file = folder.join("F1-1.unfinished");
@@ -349,14 +349,14 @@ mod tests {
             let mut altered = bytes.clone();
             altered[at] ^= 1;
             std::fs::write(&file, altered).unwrap();
-            assert!(keeper.state("F1-1", "this").is_none(), "byte {at}");
+            assert!(checkpoints.state("F1-1", "this").is_none(), "byte {at}");
         }
         std::fs::write(&file, &bytes[..bytes.len() / 2]).unwrap();
-        assert!(keeper.state("F1-1", "this").is_none());
+        assert!(checkpoints.state("F1-1", "this").is_none());
 
-        keeper.trained("F1-1", &whole, 2.5);
-        assert!(!file.exists() && !keeper.failed());
-        assert_eq!(keeper.finished("F1-1").unwrap().to_json(), whole.to_json());
+        checkpoints.trained("F1-1", &whole, 2.5);
+        assert!(!file.exists() && !checkpoints.failed());
+        assert_eq!(checkpoints.finished("F1-1").unwrap().to_json(), whole.to_json());
         // A second instance reads the stored times, and a damaged file of times has no other effect.
         let again = TrainingCheckpoints::new(folder, Duration::MAX);
         assert_eq!(again.held().seconds["F1-1"], 2.5);
@@ -371,9 +371,9 @@ mod tests {
     #[test]
     fn what_cannot_be_written_is_told() {
         let base = tempfile::tempdir().unwrap();
-        let keeper = TrainingCheckpoints::new(&base.path().join("nowhere"), Duration::ZERO);
-        keeper.trained("F1-1", &trained(3, None).0, 1.0);
-        assert!(keeper.failed() && keeper.take_failure().unwrap().to_string().contains("nowhere"));
+        let checkpoints = TrainingCheckpoints::new(&base.path().join("nowhere"), Duration::ZERO);
+        checkpoints.trained("F1-1", &trained(3, None).0, 1.0);
+        assert!(checkpoints.failed() && checkpoints.take_failure().unwrap().to_string().contains("nowhere"));
     }
 
     #[test]

@@ -114,7 +114,7 @@ fn thinned(dataset: &StudyData, most: usize) -> Vec<(usize, &State)> {
     states.collect()
 }
 
-/// For each input of a network the number of its quantity, see [`granum_nets::Recipe::quantities`].
+/// For each input of a network the number of its quantity, see [`granum_nets::ModelDefinition::quantities`].
 pub(crate) fn quantities(mapping: &Mapping, form: Form, bins: usize, rule: Rule) -> Vec<usize> {
     match rule {
         Rule::Paper => Vec::new(),
@@ -122,7 +122,7 @@ pub(crate) fn quantities(mapping: &Mapping, form: Form, bins: usize, rule: Rule)
     }
 }
 
-/// For each input of a network the share of the range to which it is scaled, see [`granum_nets::Recipe::shares`].
+/// For each input of a network the share of the range to which it is scaled, see [`granum_nets::ModelDefinition::shares`].
 ///
 /// # Errors
 /// If the ridge regression for the choice of the share cannot be solved.

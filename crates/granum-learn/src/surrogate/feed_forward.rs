@@ -5,7 +5,7 @@
 
 use granum_core::parallel;
 use granum_nets::trainer::{SharedTrainer, Silent};
-use granum_nets::{Column, Data, Model, Recipe};
+use granum_nets::{Column, Data, Model, ModelDefinition};
 use serde::{Deserialize, Serialize};
 
 use super::content::Content;
@@ -63,9 +63,9 @@ impl SurrogateMethod for FeedForward {
     fn fit(&self, dataset: &Dataset, spec: &FitSpec) -> Result<Box<dyn Surrogate>> {
         let columns = spec.columns(dataset)?;
         let inputs = dataset.values(&columns.input_names())?;
-        let recipe = Recipe {
+        let definition = ModelDefinition {
             quantities: quantities(dataset, &columns),
-            ..Recipe::new(
+            ..ModelDefinition::new(
                 columns.inputs.iter().map(network_column).collect(),
                 Column::new("", "1"),
                 self.hidden.clone(),
@@ -85,8 +85,8 @@ impl SurrogateMethod for FeedForward {
                 })
                 .map_err(failed)?;
             let seed = spec.seed.wrapping_add(k as u64);
-            let recipe = Recipe { output: network_column(output), seed, ..recipe.clone() };
-            let (model, _) = Model::fit(&recipe, &data, &*self.trainer, &mut Silent).map_err(failed)?;
+            let definition = ModelDefinition { output: network_column(output), seed, ..definition.clone() };
+            let (model, _) = Model::fit(&definition, &data, &*self.trainer, &mut Silent).map_err(failed)?;
             Ok::<_, LearnError>(model)
         })?;
         Ok(Box::new(FittedNetworks { columns, models }))

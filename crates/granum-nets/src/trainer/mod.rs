@@ -5,9 +5,9 @@
 //!
 //! ```
 //! use granum_nets::trainer::{
-//!     Control, Observer, Progress, Silent, TerminationReason, Trainer, TrainerState, TrainingError, TrainingReport,
+//!     Flow, Observer, Progress, Silent, TerminationReason, Trainer, TrainerState, TrainingError, TrainingReport,
 //! };
-//! use granum_nets::{Column, Data, Model, Network, Objective, Recipe};
+//! use granum_nets::{Column, Data, Model, Network, Objective, ModelDefinition};
 //!
 //! /// Resilient propagation (Riedmiller and Braun 1993): the sign of the gradient decides, each weight has its own step.
 //! struct Rprop {
@@ -50,7 +50,7 @@
 //!             state.note_epoch(&weights, error);
 //!             let to_go_on_from = || state.clone();
 //!             let progress = Progress::new(state.epoch(), self.epochs, error, &to_go_on_from);
-//!             if observer.progress(&progress) == Control::Stop {
+//!             if observer.progress(&progress) == Flow::Stop {
 //!                 termination = TerminationReason::Stopped;
 //!                 break;
 //!             }
@@ -63,8 +63,8 @@
 //!
 //! let x: Vec<f64> = (0..30).map(|k| k as f64 / 29.0).collect();
 //! let y = x.iter().map(|x| 2.0 * x * x).collect();
-//! let recipe = Recipe::new(vec![Column::new("x", "1")], Column::new("y", "1"), vec![6]);
-//! let (model, report) = Model::fit(&recipe, &Data::new(x, 1, y)?, &Rprop { epochs: 300 }, &mut Silent)?;
+//! let definition = ModelDefinition::new(vec![Column::new("x", "1")], Column::new("y", "1"), vec![6]);
+//! let (model, report) = Model::fit(&definition, &Data::new(x, 1, y)?, &Rprop { epochs: 300 }, &mut Silent)?;
 //! assert!((model.value(&[0.5])? - 0.5).abs() < 0.02 && report.trainer == "rprop");
 //! assert_eq!(model.provenance().trainer, "rprop");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -84,7 +84,7 @@ mod traingdx;
 pub use error::{TerminationReason, TrainingError};
 pub use kind::TrainerKind;
 pub use levenberg_marquardt::{LevenbergMarquardt, Regularisation};
-pub use observer::{Control, Observer, Progress, Silent};
+pub use observer::{Flow, Observer, Progress, Silent};
 pub use options::Options;
 pub use registry::{ALL, NAMES, by_name};
 pub use report::{Evidence, TrainingReport};

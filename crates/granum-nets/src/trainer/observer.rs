@@ -4,7 +4,7 @@ use super::state::TrainerState;
 
 /// The decision of an observer whether training continues.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Control {
+pub enum Flow {
     /// Continue training.
     Continue,
     /// Stop after this epoch: the network keeps its current weights, and the report contains the state from which training
@@ -40,33 +40,33 @@ impl<'a> Progress<'a> {
 /// An observer of the progress of training. It can stop the training, but cannot change the result in any other way.
 ///
 /// ```
-/// use granum_nets::trainer::{Control, LevenbergMarquardt, Progress, Trainer};
+/// use granum_nets::trainer::{Flow, LevenbergMarquardt, Progress, Trainer};
 /// use granum_nets::{Data, Network};
 ///
 /// let data = Data::new(vec![0.0, 0.5, 1.0], 1, vec![0.2, 0.4, 0.8])?;
 /// let mut network = Network::new(&[1, 3, 1], 1)?;
 /// // A closure is an observer; this one stops after the second epoch.
-/// let mut stop = |p: &Progress| if p.epoch < 2 { Control::Continue } else { Control::Stop };
+/// let mut stop = |p: &Progress| if p.epoch < 2 { Flow::Continue } else { Flow::Stop };
 /// let report = LevenbergMarquardt::default().train(&mut network, &data, &mut stop)?;
 /// assert_eq!(report.epochs, 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Observer {
     /// Called after every epoch.
-    fn progress(&mut self, progress: &Progress) -> Control;
+    fn progress(&mut self, progress: &Progress) -> Flow;
 }
 
 /// An observer that does nothing.
 pub struct Silent;
 
 impl Observer for Silent {
-    fn progress(&mut self, _: &Progress) -> Control {
-        Control::Continue
+    fn progress(&mut self, _: &Progress) -> Flow {
+        Flow::Continue
     }
 }
 
-impl<F: FnMut(&Progress) -> Control> Observer for F {
-    fn progress(&mut self, progress: &Progress) -> Control {
+impl<F: FnMut(&Progress) -> Flow> Observer for F {
+    fn progress(&mut self, progress: &Progress) -> Flow {
         self(progress)
     }
 }

@@ -404,7 +404,7 @@ fn an_interrupted_training_goes_on_to_the_same_bits() {
             let mut calls = 0;
             let mut observer = |progress: &Progress| {
                 calls += 1;
-                if progress.epoch == stop { Control::Stop } else { Control::Continue }
+                if progress.epoch == stop { Flow::Stop } else { Flow::Continue }
             };
             let report = trainer.train(&mut network, &data, &mut observer).unwrap();
             assert_eq!((report.termination, report.epochs, calls), (TerminationReason::Stopped, stop, stop));
@@ -499,17 +499,17 @@ fn observers_cannot_change_the_result() {
     let data = surface(20);
     for (trainer, _) in trainers(Isa::detect()) {
         let mut silent = Network::new(&[2, 5, 1], 3).unwrap();
-        let mut watched = silent.clone();
+        let mut observed = silent.clone();
         trainer.train(&mut silent, &data, &mut Silent).unwrap();
         let mut epochs = Vec::new();
         let mut observer = |progress: &Progress| {
             epochs.push(progress.epoch);
             assert_eq!(progress.state().epoch(), progress.epoch);
             assert!(progress.error > 0.0 && progress.epoch <= progress.epochs);
-            Control::Continue
+            Flow::Continue
         };
-        let report = trainer.train(&mut watched, &data, &mut observer).unwrap();
-        assert_eq!(silent, watched);
+        let report = trainer.train(&mut observed, &data, &mut observer).unwrap();
+        assert_eq!(silent, observed);
         assert_eq!(epochs, (1..=report.epochs).collect::<Vec<_>>());
     }
 }

@@ -18,7 +18,7 @@ use granum_simd::{Isa, Kernel, LANES, Lanes, dispatch};
 
 use super::error::{TerminationReason, TrainingError};
 use super::kind::TrainerKind;
-use super::observer::{Control, Observer, Progress};
+use super::observer::{Flow, Observer, Progress};
 use super::options::Options;
 use super::report::TrainingReport;
 use super::state::{TrainerState, TrainingHistory, Validation};
@@ -219,7 +219,7 @@ impl<'a> Descent<'a> {
                 validation_error: self.validation_error,
                 state: &|| self.state(),
             };
-            if observer.progress(&progress) == Control::Stop {
+            if observer.progress(&progress) == Flow::Stop {
                 return TerminationReason::Stopped;
             }
         }

@@ -4,11 +4,11 @@ use std::error::Error;
 
 use granum_core::{Table, parallel};
 use granum_dem::config::{
-    Contact, Grains, Material, NormalKind, Preparation, Rate, Recording, Shear, TangentialKind,
+    ContactModel, Grains, Material, NormalKind, Preparation, Rate, Recording, Shear, TangentialKind,
 };
 use granum_dem::loading::{begin, follow, preset};
 use granum_dem::observer::{NoObserver, Observer};
-use granum_dem::preparation::{Recipe, prepare, settle};
+use granum_dem::preparation::{SampleSpecification, prepare, settle};
 use granum_dem::simulation::{Hardware, Properties, Simulation};
 use granum_run::laboratory::{cell, spheres};
 use granum_sensors::{Recorder, Sensors};
@@ -35,10 +35,10 @@ pub enum Laws {
 }
 
 impl Laws {
-    fn contact(self) -> Contact {
+    fn contact(self) -> ContactModel {
         match self {
-            Laws::Plain => Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1),
-            Laws::Paper => Contact::default(),
+            Laws::Plain => ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1),
+            Laws::Paper => ContactModel::default(),
         }
     }
 
@@ -64,7 +64,7 @@ pub fn sample(laws: Laws, count: usize, friction: f64, seed: u64) -> Result<Simu
         preparation.inertial_number = 2e-3;
         preparation.unbalanced_force = 2e-3;
     });
-    Ok(prepare(&recipe(&grains, &contact, &preparation), &mut NoObserver)?.simulation)
+    Ok(prepare(&specification(&grains, &contact, &preparation), &mut NoObserver)?.simulation)
 }
 
 /// A packing of another program, brought to rest.
@@ -74,11 +74,15 @@ pub fn packed(path: &std::path::Path) -> Result<Simulation, Box<dyn Error>> {
     let preparation = Preparation::default();
     let properties = Properties::new(grains.material, contact);
     let simulation = Simulation::new(cell(&packing), &spheres(&packing), properties)?;
-    Ok(settle(simulation, &recipe(&grains, &contact, &preparation), &mut NoObserver)?.simulation)
+    Ok(settle(simulation, &specification(&grains, &contact, &preparation), &mut NoObserver)?.simulation)
 }
 
-fn recipe<'a>(grains: &'a Grains, contact: &'a Contact, preparation: &'a Preparation) -> Recipe<'a> {
-    Recipe { grains, contact, preparation, time_step_factor: 0.2, hardware: Hardware::default() }
+fn specification<'a>(
+    grains: &'a Grains,
+    contact: &'a ContactModel,
+    preparation: &'a Preparation,
+) -> SampleSpecification<'a> {
+    SampleSpecification { grains, contact, preparation, time_step_factor: 0.2, hardware: Hardware::default() }
 }
 
 /// Settings of a test.
@@ -112,11 +116,11 @@ pub fn sheared(sample: &Simulation, test: Test) -> Result<Table, Box<dyn Error>>
         recording.states = test.states;
         recording.observations_per_state = OBSERVATIONS;
     });
-    let mut watch = Watch(Recorder::new(&Sensors::standard(), &recording, test.deviator_strain)?);
+    let mut observer = SeriesObserver(Recorder::new(&Sensors::standard(), &recording, test.deviator_strain)?);
     let stage = preset::antony2006(&shear, &recording, MEAN_STRESS);
     let mut stage_progress = begin(&stage, &mut simulation)?;
-    follow(&stage, &mut stage_progress, &mut simulation, &mut watch)?;
-    Ok(watch.0.record().series)
+    follow(&stage, &mut stage_progress, &mut simulation, &mut observer)?;
+    Ok(observer.0.record().series)
 }
 
 /// The tables of runs with the seeds 1, 2, ..., in the order of the seeds; one run on each core.
@@ -128,9 +132,9 @@ pub fn of_seeds(
     Ok(parallel::map(seeds, 0, one)?)
 }
 
-struct Watch(Recorder);
+struct SeriesObserver(Recorder);
 
-impl Observer for Watch {
+impl Observer for SeriesObserver {
     fn next_look(&self) -> f64 {
         self.0.next_look()
     }

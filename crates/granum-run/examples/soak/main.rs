@@ -59,7 +59,7 @@ struct Totals {
     /// Number of cases that were given up because they took too long.
     given_up: u64,
     /// Numbers of cases that ended with an error message instead of a result, by message.
-    told: BTreeMap<String, u64>,
+    reported: BTreeMap<String, u64>,
     /// Numbers of quality flags that were not passed, by name.
     flags: BTreeMap<String, u64>,
     quasi_static: u64,
@@ -74,8 +74,8 @@ impl Totals {
         self.runs += outcome.runs;
         self.grain_steps += outcome.grain_steps;
         self.given_up += u64::from(outcome.given_up);
-        if let Some(text) = outcome.told {
-            *self.told.entry(text).or_default() += 1;
+        if let Some(text) = outcome.reported {
+            *self.reported.entry(text).or_default() += 1;
         }
         for flag in outcome.flags {
             *self.flags.entry(flag).or_default() += 1;
@@ -106,7 +106,7 @@ impl Totals {
         println!("judgements not good: {}", list(&self.flags));
         println!(
             "ended with a message: {}; longer than {} s: {}",
-            list(&self.told),
+            list(&self.reported),
             trial::LONGEST.as_secs(),
             self.given_up
         );
@@ -171,7 +171,7 @@ fn main() {
             way.name(),
             case.grains.count,
             began.elapsed().as_secs_f64(),
-            outcome.told.as_ref().map_or(String::new(), |text| format!(", {text}"))
+            outcome.reported.as_ref().map_or(String::new(), |text| format!(", {text}"))
         );
         if let Some(why) = &outcome.failure {
             let line = keep(&wanted.out, &name, &case, way.name(), why);

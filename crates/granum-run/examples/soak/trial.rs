@@ -36,7 +36,7 @@ pub struct Outcome {
     pub runs: u64,
     pub grain_steps: f64,
     pub given_up: bool,
-    pub told: Option<String>,
+    pub reported: Option<String>,
     pub flags: Vec<String>,
     pub quasi_static: bool,
     pub energy_gap: Option<f64>,
@@ -138,7 +138,7 @@ fn run(
             let text = error.to_string();
             // The first words of the message, up to the first number, serve to count errors of the same kind.
             let kind = text.split([' ', ',']).take_while(|word| !word.contains(|c: char| c.is_ascii_digit()));
-            outcome.told = Some(kind.collect::<Vec<_>>().join(" "));
+            outcome.reported = Some(kind.collect::<Vec<_>>().join(" "));
             return Err(text);
         }
     };

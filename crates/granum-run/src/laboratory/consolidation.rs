@@ -31,8 +31,8 @@ impl Laboratory {
         run_state: RunState,
         preparation: &Preparation,
     ) -> RunState {
-        let recipe = self.recipe(case, preparation, run_state.results.grains);
-        let preparing = Preparing::consolidating(run_state.simulation, &recipe);
+        let specification = self.specification(case, preparation, run_state.results.grains);
+        let preparing = Preparing::consolidating(run_state.simulation, &specification);
         RunState {
             simulation: preparing.simulation,
             stage: Stage::Consolidation(preparing.progress),
@@ -53,9 +53,9 @@ impl Laboratory {
             return Ok((RunState { simulation, stage, results, older }, Segment::GoOn));
         };
         let preparing = Preparing { simulation, progress: progress.clone() };
-        let recipe = self.recipe(case, &preparation, results.grains);
+        let specification = self.specification(case, &preparation, results.grains);
         let (outcome, stopped) =
-            self.compress(preparing, &recipe, &mut results.curve, speedometer, observer)?;
+            self.compress(preparing, &specification, &mut results.curve, speedometer, observer)?;
         let (simulation, stage) = match outcome {
             Outcome::Stopped(at) => (at.simulation, Stage::Consolidation(at.progress)),
             // A consolidation does not search for a friction coefficient and therefore has a single trial.

@@ -27,11 +27,11 @@ pub(super) struct Follow<'a> {
 impl Observer for Follow<'_> {
     fn progress(&mut self, progress: &Progress) -> Flow {
         let [at, all] = self.place;
-        let mut told = *progress;
-        told.stage = self.stage;
-        told.fraction = progress.fraction.map(|part| (at as f64 + part) / all.max(1) as f64);
-        told.grain_steps_per_second = self.speedometer.rate(progress.simulation);
-        self.stopped = self.observer.progress(&told) == Flow::Stop;
+        let mut announced = *progress;
+        announced.stage = self.stage;
+        announced.fraction = progress.fraction.map(|part| (at as f64 + part) / all.max(1) as f64);
+        announced.grain_steps_per_second = self.speedometer.rate(progress.simulation);
+        self.stopped = self.observer.progress(&announced) == Flow::Stop;
         if self.stopped || self.checkpoint.is_over() { Flow::Stop } else { Flow::Continue }
     }
     fn next_look(&self) -> f64 {

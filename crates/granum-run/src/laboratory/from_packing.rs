@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use granum_dem::preparation::{NextTrial, Preparing, Recipe, is_loose};
+use granum_dem::preparation::{NextTrial, Preparing, SampleSpecification, is_loose};
 use granum_io::case::field;
 use granum_io::run::{PackingRecord, RunSource, file_digest};
 use granum_io::{Case, Formats, Packing};
@@ -40,12 +40,12 @@ pub(super) fn describe(path: &Path, packing: &Packing, sha256: &str) -> PackingR
 /// Begins to prepare a sample from a packing. If the packing is not compacted, the reason is returned as well.
 pub(super) fn begin(
     packing: &Packing,
-    recipe: &Recipe,
+    specification: &SampleSpecification,
 ) -> Result<(Preparing, Option<String>), LaboratoryError> {
-    let next = NextTrial::first(recipe);
-    let loose = simulation(packing, next.properties(recipe))?;
-    if is_loose(&loose, recipe.preparation) {
-        return Ok((Preparing::compacting(loose, recipe, next), None));
+    let next = NextTrial::first(specification);
+    let loose = simulation(packing, next.properties(specification))?;
+    if is_loose(&loose, specification.preparation) {
+        return Ok((Preparing::compacting(loose, specification, next), None));
     }
     let state = loose.state();
     let why = format!(
@@ -54,14 +54,14 @@ pub(super) fn begin(
         state.solid_fraction()
     );
     drop(loose);
-    Ok((Preparing::settling(simulation(packing, recipe.properties())?, recipe), Some(why)))
+    Ok((Preparing::settling(simulation(packing, specification.properties())?, specification), Some(why)))
 }
 
 /// Begins the next trial of the preparation friction, again from the packing.
 pub(super) fn again(
     formats: &Formats,
     source: &RunSource,
-    recipe: &Recipe,
+    specification: &SampleSpecification,
     next: NextTrial,
 ) -> Result<Preparing, LaboratoryError> {
     let RunSource::Packing { file, sha256 } = source else {
@@ -72,8 +72,8 @@ pub(super) fn again(
                        unchanged; restore it and resume the run, or run it again";
         return Err(granum_io::Error::content(file, message).into());
     }
-    let simulation = simulation(&formats.read_packing(file)?, next.properties(recipe))?;
-    Ok(Preparing::compacting(simulation, recipe, next))
+    let simulation = simulation(&formats.read_packing(file)?, next.properties(specification))?;
+    Ok(Preparing::compacting(simulation, specification, next))
 }
 
 /// A sentence for every key that the case sets to a value other than the default and that has no effect on the run.

@@ -131,8 +131,8 @@ fn stages_stopped_again_and_again_end_in_the_same_bytes() {
     let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
     let whole = lab.shear(&case, &Source::Case, &straight, &mut NoObserver).unwrap();
     assert_eq!(whole.status, RunStatus::Finished);
-    let told: Vec<&String> = whole.notes.iter().filter(|note| note.starts_with("stage ")).collect();
-    assert!(told.len() == 3 && told[1].contains("xx_strain reached 0.004"), "{:?}", whole.notes);
+    let ends: Vec<&String> = whole.notes.iter().filter(|note| note.starts_with("stage ")).collect();
+    assert!(ends.len() == 3 && ends[1].contains("xx_strain reached 0.004"), "{:?}", whole.notes);
     let record = crate::record::read_record(&straight.run()).unwrap();
     let column = |name: &str| record.series.values(name).unwrap().to_vec();
     let (stages, states) = (column("stage"), column("state"));

@@ -79,7 +79,7 @@ pub fn spheres(packing: &Packing) -> Vec<InitialSphere> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use granum_dem::config::{Contact, Material};
+    use granum_dem::config::{ContactModel, Material};
 
     #[test]
     fn packings_that_no_machine_could_hold_are_refused() {
@@ -89,7 +89,7 @@ mod tests {
                  id,x,y,z,radius\n1,0.1,0.1,0.1,1e-3\n2,0.2,0.2,0.2,{radius}\n"
             );
             let packing = granum_io::formats::packing_csv::read_from(file.as_bytes(), "p.csv").unwrap();
-            let properties = Properties::new(Material::default(), Contact::default());
+            let properties = Properties::new(Material::default(), ContactModel::default());
             simulation(&packing, properties).err().map(|error| error.to_string()).unwrap_or_default()
         };
         assert_eq!(refused(1.0, 1e-3), "");

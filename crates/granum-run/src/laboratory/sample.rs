@@ -4,7 +4,7 @@ use std::path::Path;
 
 use granum_dem::config::Preparation;
 use granum_dem::observer::{Flow, Observer, Observers, Progress};
-use granum_dem::preparation::{Outcome, Phase, Preparing, Recipe, Sample};
+use granum_dem::preparation::{Outcome, Phase, Preparing, Sample, SampleSpecification};
 use granum_dem::simulation::Simulation;
 use granum_io::case::{decides_sample, differences};
 use granum_io::run::{CHECKPOINT, PREVIOUS_CHECKPOINT, Run, RunRecord, RunSource};
@@ -33,18 +33,18 @@ impl Laboratory {
         record: &mut RunRecord,
         observer: &mut dyn Observer,
     ) -> Result<RunState, LaboratoryError> {
-        let recipe = self.recipe(case, &case.preparation, case.grains.count);
+        let specification = self.specification(case, &case.preparation, case.grains.count);
         let preparing = match source {
             Source::Folder(path) => return take_sample(case, path, &self.sensors, record),
             Source::Case => {
                 if let Some(remark) = remark_on_sizes(case) {
                     note(record, remark);
                 }
-                Preparing::new(&recipe)?
+                Preparing::new(&specification)?
             }
             Source::Packing(path) => {
                 let packing = packing.map_or_else(|| self.formats.read_packing(path), Ok)?;
-                let (preparing, why_not) = from_packing::begin(&packing, &recipe)?;
+                let (preparing, why_not) = from_packing::begin(&packing, &specification)?;
                 for remark in from_packing::remarks(case, path, why_not.as_deref()) {
                     observer.warn(&remark);
                     note(record, remark);
@@ -73,13 +73,13 @@ impl Laboratory {
         }
     }
 
-    pub(super) fn recipe<'a>(
+    pub(super) fn specification<'a>(
         &self,
         case: &'a Case,
         preparation: &'a Preparation,
         grains: usize,
-    ) -> Recipe<'a> {
-        Recipe {
+    ) -> SampleSpecification<'a> {
+        SampleSpecification {
             grains: &case.grains,
             contact: &case.contact,
             preparation,
@@ -103,14 +103,14 @@ impl Laboratory {
             return Ok((RunState { simulation, stage, results, older }, Segment::GoOn));
         };
         let compacted = progress.friction().is_some();
-        let recipe = self.recipe(case, &case.preparation, results.grains);
+        let specification = self.specification(case, &case.preparation, results.grains);
         let preparing = Preparing { simulation, progress };
         let (outcome, stopped) =
-            self.compress(preparing, &recipe, &mut results.curve, speedometer, observer)?;
+            self.compress(preparing, &specification, &mut results.curve, speedometer, observer)?;
         let (simulation, stage) = match outcome {
             Outcome::Stopped(at) => (at.simulation, Stage::Preparation(at.progress)),
             Outcome::Again(next) => {
-                let preparing = from_packing::again(&self.formats, source, &recipe, next)?;
+                let preparing = from_packing::again(&self.formats, source, &specification, next)?;
                 (preparing.simulation, Stage::Preparation(preparing.progress))
             }
             Outcome::Sample(sample) => {
@@ -128,7 +128,7 @@ impl Laboratory {
     pub(super) fn compress(
         &self,
         preparing: Preparing,
-        recipe: &Recipe,
+        specification: &SampleSpecification,
         curve: &mut PreparationCurve,
         speedometer: &mut Speedometer,
         observer: &mut dyn Observer,
@@ -145,7 +145,7 @@ impl Laboratory {
             place: [0, 1],
             stopped: false,
         };
-        let outcome = preparing.go_on(recipe, &mut Observers(vec![&mut note, &mut follow]))?;
+        let outcome = preparing.go_on(specification, &mut Observers(vec![&mut note, &mut follow]))?;
         // A stop that is requested while the sample becomes complete takes effect in the next segment.
         let stopped = follow.stopped && matches!(outcome, Outcome::Stopped(_));
         Ok((outcome, stopped))

@@ -3,7 +3,7 @@
 use granum_core::assembly::Matrix;
 use granum_core::{Column, Table};
 use granum_dem::invariants::{axial_deviator, mean};
-use granum_dem::servo::Control;
+use granum_dem::servo::CellControl;
 use granum_dem::simulation::Simulation;
 
 use super::{Probing, StiffnessError, at_rest, difference, largest};
@@ -56,13 +56,13 @@ pub fn degradation(
     for strain in strains {
         let steps = ((strain - reached) / fastest).ceil().max(probing.steps as f64);
         let rate = (strain - reached) / (steps * copy.state().time_step());
-        let mut control = Control::fixed();
+        let mut control = CellControl::fixed();
         for (axis, part) in [1.0, -0.5, -0.5].into_iter().enumerate() {
             control.rate[axis][axis] = part * rate;
         }
         copy.set_control(control);
         copy.advance(steps as u64)?;
-        copy.set_control(Control::fixed());
+        copy.set_control(CellControl::fixed());
         let settled = settle(&mut copy, &start, &probing)?;
         let stress = copy.state().stress();
         reached = 2.0 / 3.0 * copy.state().deviator_strain();

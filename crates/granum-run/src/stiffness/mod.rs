@@ -18,7 +18,7 @@ mod series;
 mod tensor;
 
 use granum_core::assembly::Matrix;
-use granum_dem::servo::{self, Control};
+use granum_dem::servo::{self, CellControl};
 use granum_dem::simulation::{Properties, Simulation, SimulationError};
 
 pub use degradation::{Degradation, degradation, degradation_table};
@@ -47,7 +47,7 @@ pub struct Probing {
     pub steps: u64,
     /// Relative change of the response over [`Probing::block`] steps below which it counts as settled.
     pub tolerance: f64,
-    /// Steps of relaxation between two looks at the stress.
+    /// Steps of relaxation between two checks of the stress.
     pub block: u64,
     /// Most blocks of relaxation.
     pub most_blocks: u64,
@@ -102,7 +102,7 @@ pub struct Stiffness {
 ///
 /// ```
 /// use granum_dem::cell::Cell;
-/// use granum_dem::config::{Contact, Material, NormalKind, TangentialKind};
+/// use granum_dem::config::{ContactModel, Material, NormalKind, TangentialKind};
 /// use granum_dem::simulation::{InitialSphere, Properties, Simulation};
 /// use granum_run::stiffness::{Probing, measure};
 ///
@@ -113,7 +113,7 @@ pub struct Stiffness {
 ///     InitialSphere { id: k + 1, position: place, radius: 5e-5 }
 /// };
 /// let spheres: Vec<InitialSphere> = (0..27).map(sphere).collect();
-/// let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
+/// let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
 /// let properties = Properties::new(Material::default(), contact);
 /// let lattice = Simulation::new(Cell::cuboid([3.0 * length; 3]), &spheres, properties)?;
 /// let found = measure(&lattice, &Probing::default())?;
@@ -160,7 +160,7 @@ fn at_rest(simulation: &Simulation, probing: &Probing) -> Result<Simulation, Sti
     let time_step = copy.state().time_step();
     copy.fix_time_step(Some(time_step));
     copy.set_global_damping(DAMPING / time_step);
-    copy.set_control(Control::fixed());
+    copy.set_control(CellControl::fixed());
     copy.reset_phase(0.0);
     let mut before = copy.state().stress();
     for _ in 0..probing.most_blocks {
@@ -233,13 +233,13 @@ fn strain_both(
 ) -> Result<(), SimulationError> {
     let [r, c] = servo::PLACES[j];
     for (copy, sign) in copies.iter_mut().zip([1.0, -1.0]) {
-        let mut control = Control::fixed();
+        let mut control = CellControl::fixed();
         let rate = sign * strain / (steps as f64 * copy.state().time_step());
         control.rate[r][c] += 0.5 * rate;
         control.rate[c][r] += 0.5 * rate;
         copy.set_control(control);
         copy.advance(steps)?;
-        copy.set_control(Control::fixed());
+        copy.set_control(CellControl::fixed());
     }
     Ok(())
 }

@@ -1,11 +1,11 @@
 use granum_core::cell::Cell;
-use granum_dem::config::{Contact, Material, NormalKind, TangentialKind};
+use granum_dem::config::{ContactModel, Material, NormalKind, TangentialKind};
 use granum_dem::simulation::InitialSphere;
 
 use super::*;
 
 /// A lattice of spheres of 0.1 mm, E = 70 GPa, nu = 0.3, with an overlap of 1e-4 of the diameter; a basis in cubes of one edge.
-fn lattice(n: u64, edge: f64, basis: &[[f64; 3]], contact: Contact) -> Simulation {
+fn lattice(n: u64, edge: f64, basis: &[[f64; 3]], contact: ContactModel) -> Simulation {
     let material = Material::default().with(|material| {
         material.interface_energy = 0.0;
         material.friction = 0.3;
@@ -24,11 +24,11 @@ fn lattice(n: u64, edge: f64, basis: &[[f64; 3]], contact: Contact) -> Simulatio
 
 const NEIGHBOUR: f64 = 1e-4 * (1.0 - 1e-4);
 
-fn simple_cubic(contact: Contact) -> Simulation {
+fn simple_cubic(contact: ContactModel) -> Simulation {
     lattice(3, NEIGHBOUR, &[[0.0; 3]], contact)
 }
 
-fn face_centred(contact: Contact) -> Simulation {
+fn face_centred(contact: ContactModel) -> Simulation {
     let basis = [[0.0; 3], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]];
     lattice(2, NEIGHBOUR * 2f64.sqrt(), &basis, contact)
 }
@@ -58,7 +58,7 @@ fn assert_cubic(found: &Stiffness, [c11, c12, c44]: [f64; 3], tolerance: f64) {
 /// a thousandth of the overlap, and is gone with a smaller one.
 #[test]
 fn lattices_have_their_analytic_stiffness() {
-    let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
+    let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
     // Smaller ones lose digits: the overlap is a difference of places.
     let tiny = Probing { strain: 1e-8, ..Probing::default() };
     for (probing, tolerance) in [(tiny, 5e-6), (Probing::default(), 5e-5)] {
@@ -72,7 +72,7 @@ fn lattices_have_their_analytic_stiffness() {
 /// With large strains contacts of small friction slide, unless they are kept from it.
 #[test]
 fn only_without_sliding_is_a_large_probe_elastic() {
-    let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
+    let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
     let large = Probing { strain: 5e-5, ..Probing::default() };
     let shear = |probing: &Probing| {
         let mut lattice = simple_cubic(contact);
@@ -90,7 +90,7 @@ fn only_without_sliding_is_a_large_probe_elastic() {
 /// Measuring changes nothing of the simulation.
 #[test]
 fn the_simulation_goes_on_with_the_same_bits() {
-    let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
+    let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
     let mut measured = face_centred(contact);
     let mut alone = measured.clone();
     measure(&measured, &Probing { most_blocks: 2, ..Probing::default() }).unwrap();
@@ -102,7 +102,7 @@ fn the_simulation_goes_on_with_the_same_bits() {
 
 #[test]
 fn what_cannot_be_measured_is_refused() {
-    let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
+    let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
     let loose = lattice(3, 1.1e-4, &[[0.0; 3]], contact);
     let error = measure(&loose, &Probing::default()).unwrap_err().to_string();
     assert!(error.contains("carries no load"), "{error}");

@@ -1,8 +1,8 @@
 //! Elastic moduli of a sample, compared with effective-medium theory.
 
 use granum_core::assembly::Matrix;
-use granum_dem::config::{Contact, Grains};
-use granum_dem::servo::Control;
+use granum_dem::config::{ContactModel, Grains};
+use granum_dem::servo::CellControl;
 use granum_dem::simulation::Simulation;
 use granum_run::stiffness::{Probing, degradation, measure};
 
@@ -18,13 +18,13 @@ fn response(strain: [f64; 3]) -> Matrix {
         s.fix_time_step(Some(s.state().time_step()));
         // As in a preparation, the damping is slow compared with the vibrations of a contact.
         s.set_global_damping(1e-3 / s.state().time_step());
-        let mut control = Control::fixed();
+        let mut control = CellControl::fixed();
         for a in 0..3 {
             control.rate[a][a] = strain[a] / time;
         }
         s.set_control(control);
         s.advance(steps).unwrap();
-        s.set_control(Control::fixed());
+        s.set_control(CellControl::fixed());
         s.advance(12_000).unwrap();
         s.state().stress()
     };
@@ -114,7 +114,7 @@ fn the_shear_modulus_falls_with_the_strain() {
 #[test]
 fn contacts_with_micro_slip_and_adhesion_have_an_elastic_response() {
     let grains = Grains::default().with(|grains| grains.count = 150);
-    let sample = super::sample::prepared(&grains, &Contact::default());
+    let sample = super::sample::prepared(&grains, &ContactModel::default());
     let found = measure(&sample, &Probing::default()).unwrap();
     let (tensor, affine) = (&found.tensor, &found.affine);
     println!(

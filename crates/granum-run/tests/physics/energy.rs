@@ -1,9 +1,9 @@
 //! The energy balance over whole tests.
 
 use granum_core::assembly::{Assembly, Contact as Pair};
-use granum_dem::config::{Contact, Grains, Material, NormalKind, TangentialKind};
+use granum_dem::config::{ContactModel, Grains, Material, NormalKind, TangentialKind};
 use granum_dem::random_insertion::random_insertion;
-use granum_dem::servo::Control;
+use granum_dem::servo::CellControl;
 use granum_dem::simulation::Simulation;
 
 use super::sample::{compress, prepared, properties};
@@ -57,7 +57,7 @@ fn the_energy_balance_closes_by_mechanism() {
         grains.count = 200;
         grains.material = material;
     });
-    let mut s = prepared(&grains, &Contact::default());
+    let mut s = prepared(&grains, &ContactModel::default());
     compress(&mut s, 0, 1e-3);
     let start = s.assembly();
     let mut states = Vec::new();
@@ -159,7 +159,7 @@ fn without_adhesion_nothing_is_lost_to_it() {
 fn a_jump_of_the_stress_is_accounted_for() {
     let mut s = super::sample::sample().clone();
     let target = 2.0 * s.state().mean_stress();
-    s.set_control(Control::constant_mean_stress(0, 100.0, target, 3000.0));
+    s.set_control(CellControl::constant_mean_stress(0, 100.0, target, 3000.0));
     let start = s.assembly();
     let gap = |s: &Simulation| {
         let parts = mechanisms(&start, &s.assembly());

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use granum_dem::config::{Grains, Preparation, Recording};
-use granum_dem::preparation::{Flow, Progress, Recipe, settle};
+use granum_dem::preparation::{Flow, Progress, SampleSpecification, settle};
 use granum_dem::simulation::{Hardware, Simulation};
 use granum_io::read_table;
 use granum_run::laboratory::{cell, spheres};
@@ -24,14 +24,14 @@ fn the_start_of_the_curves_is_that_of_lammps() {
     let grains = Grains::default().with(|grains| grains.material = properties.material);
     let preparation = Preparation::default().with(|preparation| preparation.unbalanced_force = 5e-3);
     let hardware = Hardware { threads: 2, ..Hardware::default() };
-    let recipe = Recipe {
+    let specification = SampleSpecification {
         grains: &grains,
         contact: &properties.contact,
         preparation: &preparation,
         time_step_factor: 0.2,
         hardware,
     };
-    let mut s = settle(simulation, &recipe, &mut |_: &Progress| Flow::Continue).unwrap().simulation;
+    let mut s = settle(simulation, &specification, &mut |_: &Progress| Flow::Continue).unwrap().simulation;
     s.set_hardware(hardware);
     compress(&mut s, 0, 1e-3);
     // The states are those of the stored table: 0, 0.005, 0.01.

@@ -4,9 +4,9 @@ use std::sync::OnceLock;
 
 use granum_core::assembly::{Assembly, Matrix};
 use granum_core::cell::Cell;
-use granum_dem::config::{Contact, Grains, Material, NormalKind, Preparation, TangentialKind};
-use granum_dem::preparation::{Flow, Progress, Recipe, prepare};
-use granum_dem::servo::Control;
+use granum_dem::config::{ContactModel, Grains, Material, NormalKind, Preparation, TangentialKind};
+use granum_dem::preparation::{Flow, Progress, SampleSpecification, prepare};
+use granum_dem::servo::CellControl;
 use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation};
 
 pub const MEAN_STRESS: f64 = 20e3;
@@ -16,7 +16,7 @@ pub fn properties(friction: f64, damping: f64) -> Properties {
         material.friction = friction;
         material.interface_energy = 0.0;
     });
-    Properties::new(material, Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, damping))
+    Properties::new(material, ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, damping))
 }
 
 /// A sample of 300 equal grains at rest at 20 kPa: Hertz without micro-slip, friction 0.3.
@@ -33,7 +33,7 @@ pub fn sample() -> &'static Simulation {
 }
 
 /// A sample that was compacted with a friction coefficient of 0.1.
-pub fn prepared(grains: &Grains, contact: &Contact) -> Simulation {
+pub fn prepared(grains: &Grains, contact: &ContactModel) -> Simulation {
     let preparation = Preparation::default().with(|preparation| {
         preparation.friction = Some(0.1);
         preparation.solid_fraction = None;
@@ -41,8 +41,9 @@ pub fn prepared(grains: &Grains, contact: &Contact) -> Simulation {
         preparation.unbalanced_force = 2e-3;
     });
     let hardware = Hardware::default();
-    let recipe = Recipe { grains, contact, preparation: &preparation, time_step_factor: 0.2, hardware };
-    prepare(&recipe, &mut |_: &Progress| Flow::Continue).unwrap().simulation
+    let specification =
+        SampleSpecification { grains, contact, preparation: &preparation, time_step_factor: 0.2, hardware };
+    prepare(&specification, &mut |_: &Progress| Flow::Continue).unwrap().simulation
 }
 
 pub fn spheres(assembly: &Assembly) -> Vec<InitialSphere> {
@@ -73,5 +74,5 @@ pub fn mapped(assembly: &Assembly, map: &Matrix, properties: Properties) -> Simu
 pub fn compress(simulation: &mut Simulation, axis: usize, inertial_number: f64) {
     let rate = simulation.strain_rate(inertial_number, MEAN_STRESS);
     simulation.reset_phase(0.0);
-    simulation.set_control(Control::constant_mean_stress(axis, rate, MEAN_STRESS, 30.0 * rate));
+    simulation.set_control(CellControl::constant_mean_stress(axis, rate, MEAN_STRESS, 30.0 * rate));
 }

@@ -160,8 +160,8 @@ fn stress_force_and_fabric_agree() {
 #[test]
 fn the_sensor_of_anisotropies_finds_those_along_the_axis() {
     for a in sheared() {
-        let look = granum_sensors::Observation::new(a);
-        let found = granum_sensors::anisotropies::Anisotropy::of(&look);
+        let observation = granum_sensors::Observation::new(a);
+        let found = granum_sensors::anisotropies::Anisotropy::of(&observation);
         let [contact, normal, tangential] = anisotropies(a);
         for (value, along) in
             [(found.contacts, contact), (found.normal, normal), (found.tangential, tangential)]
@@ -170,8 +170,8 @@ fn the_sensor_of_anisotropies_finds_those_along_the_axis() {
             assert!(value >= along - 1e-12 && value < along + 0.1, "{found:?} {along}");
         }
         let relation = 0.4 * (found.contacts + found.normal + 1.5 * found.tangential);
-        let stress = look.stress.tensor();
-        let ratio = granum_dem::invariants::signed_von_mises(&stress) / look.stress.mean();
+        let stress = observation.stress.tensor();
+        let ratio = granum_dem::invariants::signed_von_mises(&stress) / observation.stress.mean();
         assert!((relation / ratio - 1.0).abs() < 0.15, "{relation} {ratio}");
     }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use granum_core::{Assembly, Column, Part, Parts, Table};
-use granum_dem::config::{Contact, CriticalState, Material, NormalKind, Recording, TangentialKind};
+use granum_dem::config::{ContactModel, CriticalState, Material, NormalKind, Recording, TangentialKind};
 use granum_dem::simulation::Properties;
 use granum_io::formats::Formats;
 use granum_io::{Case, Run};
@@ -153,7 +153,7 @@ impl Measure {
             Parts::of(&[Part::Cell, Part::Positions, Part::Radii, Part::Contacts, Part::Overlaps]);
         let Some(case) = &self.case else {
             let material = Material::default().with(|material| material.interface_energy = 0.0);
-            let contact = Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
+            let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
             return Ok((simulation(&packing, Properties::new(material, contact))?.assembly(), parts));
         };
         let case = Case::read(case)?;

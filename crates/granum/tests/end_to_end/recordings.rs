@@ -99,10 +99,10 @@ fn a_preparation_leaves_its_course() {
     let here = base.path();
     std::fs::write(here.join("case.toml"), SMALL).unwrap();
     let told = done_json(here, &["prepare", "case.toml", "--out", "sample"]);
-    let course = table(here, "sample/preparation.parquet");
-    let column = |name: &str| course.column(name).unwrap();
+    let history = table(here, "sample/preparation.parquet");
+    let column = |name: &str| history.column(name).unwrap();
     let last = |name: &str| *column(name).last().unwrap();
-    assert!(course.rows() > 5);
+    assert!(history.rows() > 5);
     assert_eq!(last("step"), told["steps"]["prepare"].as_f64().unwrap());
     assert_eq!(last("solid_fraction"), told["measures"]["solid_fraction"].as_f64().unwrap());
     assert!((last("mean_stress") / told["measures"]["mean_stress"].as_f64().unwrap() - 1.0).abs() < 1e-9);

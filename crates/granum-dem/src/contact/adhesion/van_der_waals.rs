@@ -69,13 +69,7 @@ impl AdhesionLaw for VanDerWaals {
     const HISTORY: usize = 0;
 
     fn goes_with(normal: &NormalTraits) -> Result<(), &'static str> {
-        if normal.adhesive {
-            Err(
-                "adds to a normal law without adhesion: choose contact.normal = \"hertz\", \"rough-hertz\" or \"hooke\"",
-            )
-        } else {
-            Ok(())
-        }
+        normal.without_adhesion()
     }
 
     fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {

@@ -132,7 +132,7 @@ fn oblique_impact_is_the_limit_of_no_step() {
             (TangentialKind::NO_SLIP, limit(rebound::<Rescaled>)),
         ];
         for (k, (tangential, expected)) in laws.into_iter().enumerate() {
-            let law = Contact::new(NormalKind::HERTZ, tangential, 0.0);
+            let law = ContactModel::new(NormalKind::HERTZ, tangential, 0.0);
             // A slow impact, so that the pair hardly rotates during the contact.
             let angle = (psi1 * FRICTION / STIFFNESS_RATIO).atan();
             let impact = collide(&law, &material, 1e-4, 1e-6, angle.to_degrees()).unwrap();

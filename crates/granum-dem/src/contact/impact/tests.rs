@@ -5,8 +5,8 @@ use crate::contact::kind::{AdhesionKind, NormalKind, TangentialKind};
 
 const DIAMETER: f64 = 1e-4;
 
-fn contact(normal: NormalKind, tangential: TangentialKind, damping: f64) -> Contact {
-    Contact::new(normal, tangential, damping)
+fn contact(normal: NormalKind, tangential: TangentialKind, damping: f64) -> ContactModel {
+    ContactModel::new(normal, tangential, damping)
 }
 
 fn smooth() -> Material {
@@ -77,7 +77,7 @@ fn adhesive_contact_times() {
 fn wet_grains_lose_what_their_bridge_held() {
     let pair = PairProperties::new((&smooth(), 0.5 * DIAMETER), (&smooth(), 0.5 * DIAMETER), 0.0);
     for normal in [NormalKind::HERTZ, NormalKind::HOOKE] {
-        let wet = Contact {
+        let wet = ContactModel {
             adhesion: AdhesionKind::CAPILLARY_BRIDGE,
             ..contact(normal, TangentialKind::NO_SLIP, 0.0)
         };
@@ -125,7 +125,7 @@ fn gross_slip_does_not_depend_on_the_law() {
 #[test]
 fn an_impact_that_no_step_settles_is_answered_with_its_uncertainty() {
     // The grains barely separate after many oscillations of the bond: those of the paper near their sticking velocity.
-    let law = Contact::default();
+    let law = ContactModel::default();
     let impact = collide(&law, &Material::default(), DIAMETER, 0.09, 5.0).unwrap();
     assert!(impact.uncertainty > AGREEMENT, "{}", impact.uncertainty);
     let clear = collide(&law, &Material::default(), DIAMETER, 1.0, 30.0).unwrap();

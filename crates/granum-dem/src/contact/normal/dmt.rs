@@ -60,7 +60,7 @@ impl NormalLaw for Dmt {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::{Contact, Material, NormalKind, TangentialKind};
+    use crate::config::{ContactModel, Material, NormalKind, TangentialKind};
     use crate::contact::impact::collide;
 
     fn pair(interface_energy: f64) -> PairProperties {
@@ -103,7 +103,7 @@ mod tests {
     #[test]
     fn impacts_without_dashpot_lose_nothing() {
         let material = Material { interface_energy: 0.05, ..Material::default() };
-        let contact = Contact::new(NormalKind::new(&Dmt), TangentialKind::NO_SLIP, 0.0);
+        let contact = ContactModel::new(NormalKind::new(&Dmt), TangentialKind::NO_SLIP, 0.0);
         for speed in [1e-3, 0.05] {
             let impact = collide(&contact, &material, 1e-4, speed, 0.0).unwrap();
             assert!((impact.restitution - 1.0).abs() < 1e-4, "{speed}: {}", impact.restitution);

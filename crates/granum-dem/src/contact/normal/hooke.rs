@@ -83,14 +83,14 @@ impl NormalLaw for Hooke {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::{Contact, Material, NormalKind, TangentialKind};
+    use crate::config::{ContactModel, Material, NormalKind, TangentialKind};
     use crate::contact::impact::collide;
 
     const DIAMETER: f64 = 1e-4;
     const STIFFNESS: f64 = 2e4;
 
-    fn contact(damping: f64) -> Contact {
-        let mut contact = Contact::new(NormalKind::HOOKE, TangentialKind::NO_SLIP, damping);
+    fn contact(damping: f64) -> ContactModel {
+        let mut contact = ContactModel::new(NormalKind::HOOKE, TangentialKind::NO_SLIP, damping);
         contact.parameters.set("normal_stiffness", STIFFNESS).unwrap();
         contact
     }
@@ -148,7 +148,7 @@ mod tests {
     #[test]
     fn laws_that_need_a_contact_area_are_refused() {
         for tangential in [TangentialKind::MINDLIN_DERESIEWICZ, TangentialKind::PEELING] {
-            let contact = Contact { tangential, ..contact(0.1) };
+            let contact = ContactModel { tangential, ..contact(0.1) };
             let error = crate::contact::check::check(&contact).unwrap_err().to_string();
             assert!(
                 error.starts_with(&format!("contact.tangential = {:?} needs", tangential.name())),

@@ -184,7 +184,7 @@ impl NormalLaw for Luding {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::{Contact, Material, NormalKind, TangentialKind};
+    use crate::config::{ContactModel, Material, NormalKind, TangentialKind};
     use crate::contact::impact::collide;
 
     fn near(found: f64, wanted: f64) {
@@ -252,7 +252,7 @@ mod tests {
     /// Without cohesion the restitution of a contact that stays below m_p is (k_1/k_2)^(1/2); above it grows with the speed.
     #[test]
     fn restitution_falls_to_that_of_the_stiffnesses() {
-        let mut contact = Contact::new(NormalKind::new(&Luding), TangentialKind::NO_SLIP, 0.0);
+        let mut contact = ContactModel::new(NormalKind::new(&Luding), TangentialKind::NO_SLIP, 0.0);
         for (key, value) in [
             ("normal_stiffness", 2e4),
             ("unloading_ratio", 4.0),

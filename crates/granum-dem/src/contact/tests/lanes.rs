@@ -5,12 +5,10 @@ use std::marker::PhantomData;
 
 use super::*;
 use crate::contact::adhesion::CapillaryBridge;
-use crate::contact::columns::{Batch, One, TwoBatches};
+use crate::contact::columns::{Batch, TwoBatches};
 use crate::contact::kind::{AdhesionKind, RollingKind};
 use crate::contact::law::AdhesionLaw;
-use crate::contact::selection::Contact;
-use crate::contact::slots::{Open, Slots};
-use granum_simd::{Isa, Kernel, LANES, Lanes, Twice, dispatch};
+use granum_simd::{Kernel, LANES, Lanes, Twice, dispatch};
 
 const STEPS: usize = 400;
 /// Columns of motion: branch, velocity, rolling, mean spin, relative spin.
@@ -18,7 +16,7 @@ const MOTION: usize = 15;
 /// Number of columns of a result.
 const ANSWER: usize = 24;
 
-/// Every pair of laws with resistance to rolling and twisting and with bridges, so that all slots work.
+/// The laws of a set that is compiled into a loop of its own, with resistance to rolling and twisting and with bridges.
 type Set<N, T> = Compiled<N, T, ElasticPlasticTwisting, CapillaryBridge>;
 
 /// Volume of a bridge over the cube of the radius: it ruptures at 5 nm, so that bridges of these pairs come and go.
@@ -118,38 +116,53 @@ fn columns<R: Real>(out: &Interaction<R>) -> [R; ANSWER] {
 }
 use granum_simd::Real;
 
-fn alone<N: NormalLaw, T: TangentialLaw>(
+/// The contacts one after another through the slots, with or without restarts from the bytes of a checkpoint.
+fn alone(
+    contact: &ContactModel,
+    isa: Isa,
     constants: &PairConstants<f64>,
     motions: &[Motion],
     restart: bool,
 ) -> Vec<Answer> {
+    let slots = Slots::new(contact, isa);
+    let laws = Open::<One>::new(&slots);
     let mut memory = Memory::<f64>::new();
-    motions
-        .iter()
-        .enumerate()
-        .map(|(step, motion)| {
-            if restart && step % 37 == 0 {
-                // Through the bytes of a checkpoint.
-                let normal = memory.normal.map(|x| x.to_le_bytes());
-                let history = memory.history.map(|x| x.to_le_bytes());
-                let moments = memory.moments.map(|x| x.to_le_bytes());
-                let adhesion = memory.adhesion.map(|x| x.to_le_bytes());
-                let loading = memory.loading.map(|x| x.to_le_bytes());
-                memory = Memory {
-                    normal: normal.map(f64::from_le_bytes),
-                    history: history.map(f64::from_le_bytes),
-                    moments: moments.map(f64::from_le_bytes),
-                    adhesion: adhesion.map(f64::from_le_bytes),
-                    loading: loading.map(f64::from_le_bytes),
-                };
-                for kept in &memory.history[T::HISTORY..] {
-                    assert_eq!(*kept, 0.0);
-                }
-            }
-            let out = interact(&Set::<N, T>::new(), constants, &kinematics(|c| motion[c]), 1e-8, &mut memory);
-            columns(&out).map(f64::to_bits)
-        })
-        .collect()
+    let step = |(step, motion): (usize, &Motion)| {
+        if restart && step % 37 == 0 {
+            memory = through_bytes(&memory);
+            assert!(memory.history[contact.history()[0]..].iter().all(|kept| *kept == 0.0));
+        }
+        let out = interact(&laws, constants, &kinematics(|c| motion[c]), 1e-8, &mut memory);
+        columns(&out).map(f64::to_bits)
+    };
+    motions.iter().enumerate().map(step).collect()
+}
+
+/// The memory read back from the bytes of a checkpoint.
+fn through_bytes(memory: &Memory<f64>) -> Memory<f64> {
+    fn read<const N: usize>(values: [f64; N]) -> [f64; N] {
+        values.map(|x| f64::from_le_bytes(x.to_le_bytes()))
+    }
+    Memory {
+        normal: read(memory.normal),
+        history: read(memory.history),
+        moments: read(memory.moments),
+        adhesion: read(memory.adhesion),
+        loading: read(memory.loading),
+    }
+}
+
+/// The contacts one after another with compiled laws.
+fn alone_compiled<N: NormalLaw, T: TangentialLaw>(
+    constants: &PairConstants<f64>,
+    motions: &[Motion],
+) -> Vec<Answer> {
+    let mut memory = Memory::<f64>::new();
+    let step = |motion: &Motion| {
+        let out = interact(&Set::<N, T>::new(), constants, &kinematics(|c| motion[c]), 1e-8, &mut memory);
+        columns(&out).map(f64::to_bits)
+    };
+    motions.iter().map(step).collect()
 }
 
 struct InLanes<'a, N, T>(&'a PairConstants<f64>, &'a [Vec<Motion>], PhantomData<(N, T)>);
@@ -226,70 +239,60 @@ impl Kernel for ThroughSlots<'_> {
     }
 }
 
-/// The contacts one after another through the slots.
-fn alone_through_slots(
-    contact: &Contact,
-    isa: Isa,
-    constants: &PairConstants<f64>,
-    motions: &[Motion],
-) -> Vec<Answer> {
-    let slots = Slots::new(contact, isa);
-    let laws = Open::<One>::new(&slots);
-    let mut memory = Memory::<f64>::new();
-    let step = |motion: &Motion| {
-        let out = interact(&laws, constants, &kinematics(|c| motion[c]), 1e-8, &mut memory);
-        columns(&out).map(f64::to_bits)
-    };
-    motions.iter().map(step).collect()
+/// A pair with the constants of a set that has resistance to rolling and twisting and bridges.
+fn constants_of(contact: &ContactModel, interface_energy: f64) -> PairConstants<f64> {
+    let pair = PairProperties { damping: 0.1, ..spheres(interface_energy) };
+    let mut constants = contact.constants(&pair);
+    constants.adhesion = CapillaryBridge::prepare(&pair, &[0.072, 0.3, BRIDGE]);
+    constants
 }
 
-/// With this set, whose laws of moments and of adhesion are those of [`Set`]: how often pairs touch, slide and are bridged, and
-/// how many bridges rupture.
-struct SameBits(f64, Contact);
-impl LawVisitor for SameBits {
-    type Output = [usize; 4];
-    fn visit<N: NormalLaw, T: TangentialLaw>(self) -> [usize; 4] {
-        let pair = PairProperties { damping: 0.1, ..spheres(self.0) };
-        let mut constants = constants::<N, T, ElasticPlasticTwisting>(&pair);
-        constants.adhesion = CapillaryBridge::prepare(&pair, &[0.072, 0.3, BRIDGE]);
-        let motions: Vec<Vec<Motion>> = (0..2 * LANES).map(motions).collect();
-        let reference: Vec<Vec<Answer>> =
-            motions.iter().map(|m| alone::<N, T>(&constants, m, false)).collect();
-        for (motion, expected) in motions.iter().zip(&reference) {
-            assert_eq!(&alone::<N, T>(&constants, motion, true), expected, "restart");
-        }
-        for isa in Isa::ALL.into_iter().filter(|i| i.available()) {
-            let slots = dispatch(isa, ThroughSlots(&Slots::new(&self.1, isa), &constants, &motions));
-            assert!(slots[..LANES] == reference[..LANES], "{} through slots", isa.name());
-            assert!(slots[LANES..] == reference, "{} two batches through slots", isa.name());
-            let one = alone_through_slots(&self.1, isa, &constants, &motions[5]);
-            assert!(one == reference[5], "{} alone through slots", isa.name());
-        }
-        let finite = reference.iter().flatten().flatten().all(|b| f64::from_bits(*b).is_finite());
-        assert!(finite);
-        let count = |c: usize| reference.iter().flatten().filter(|a| f64::from_bits(a[c]) == 1.0).count();
-        let ruptured = reference.iter().flatten().filter(|a| f64::from_bits(a[23]) > 0.0).count();
-        [count(13), count(14), count(22), ruptured]
+/// Through the slots, in every width, on every instruction set and after restarts: the answers of single contacts.
+fn same_bits_through_slots(contact: &ContactModel, constants: &PairConstants<f64>) -> Vec<Vec<Answer>> {
+    let motions: Vec<Vec<Motion>> = (0..2 * LANES).map(motions).collect();
+    let by_itself = |motions: &Vec<Motion>| alone(contact, Isa::Portable, constants, motions, false);
+    let reference: Vec<Vec<Answer>> = motions.iter().map(by_itself).collect();
+    for (motion, expected) in motions.iter().zip(&reference) {
+        assert_eq!(&alone(contact, Isa::Portable, constants, motion, true), expected, "restart");
+    }
+    for isa in Isa::ALL.into_iter().filter(|i| i.available()) {
+        let slots = dispatch(isa, ThroughSlots(&Slots::new(contact, isa), constants, &motions));
+        assert!(slots[..LANES] == reference[..LANES], "{} in one batch", isa.name());
+        assert!(slots[LANES..] == reference, "{} in two batches", isa.name());
+        let one = alone(contact, isa, constants, &motions[5], false);
+        assert!(one == reference[5], "{} alone", isa.name());
+    }
+    reference
+}
+
+/// Laws that are compiled into the lanes, as in the engine's loops of their own, give the same answers.
+fn same_bits_compiled<N: NormalLaw, T: TangentialLaw>(
+    constants: &PairConstants<f64>,
+    reference: &[Vec<Answer>],
+) {
+    let motions: Vec<Vec<Motion>> = (0..2 * LANES).map(motions).collect();
+    for (motion, expected) in motions.iter().zip(reference) {
+        assert_eq!(&alone_compiled::<N, T>(constants, motion), expected, "compiled, alone");
+    }
+    for isa in Isa::ALL.into_iter().filter(|i| i.available()) {
+        let lanes = dispatch(isa, InLanes::<N, T>(constants, &motions, PhantomData));
+        assert!(lanes == reference[..LANES], "{}", isa.name());
+        let both = dispatch(isa, SideBySide::<N, T>(constants, &motions, PhantomData));
+        assert!(both == reference, "{} side by side", isa.name());
     }
 }
 
-/// The same for laws that are compiled into the lanes, as in the engine's loops of their own.
-struct SameBitsCompiled(f64);
-impl LawVisitor for SameBitsCompiled {
-    type Output = ();
-    fn visit<N: NormalLaw, T: TangentialLaw>(self) {
-        let pair = PairProperties { damping: 0.1, ..spheres(self.0) };
-        let mut constants = constants::<N, T, ElasticPlasticTwisting>(&pair);
-        constants.adhesion = CapillaryBridge::prepare(&pair, &[0.072, 0.3, BRIDGE]);
-        let motions: Vec<Vec<Motion>> = (0..2 * LANES).map(motions).collect();
-        let reference: Vec<Vec<Answer>> =
-            motions.iter().map(|m| alone::<N, T>(&constants, m, false)).collect();
-        for isa in Isa::ALL.into_iter().filter(|i| i.available()) {
-            let lanes = dispatch(isa, InLanes::<N, T>(&constants, &motions, PhantomData));
-            assert!(lanes == reference[..LANES], "{}", isa.name());
-            let both = dispatch(isa, SideBySide::<N, T>(&constants, &motions, PhantomData));
-            assert!(both == reference, "{} side by side", isa.name());
+/// Runs [`same_bits_compiled`] for the pairs of laws that the engine compiles into loops of their own.
+fn check_compiled(laws: LawPair, constants: &PairConstants<f64>, reference: &[Vec<Answer>]) {
+    match (laws.0.name(), laws.1.name()) {
+        ("hertz", "mindlin-deresiewicz") => {
+            same_bits_compiled::<Hertz, MindlinDeresiewicz>(constants, reference)
         }
+        ("hertz", "no-slip") => same_bits_compiled::<Hertz, NoSlip>(constants, reference),
+        ("jkr", "mindlin-deresiewicz") => same_bits_compiled::<Jkr, MindlinDeresiewicz>(constants, reference),
+        ("jkr", "no-slip") => same_bits_compiled::<Jkr, NoSlip>(constants, reference),
+        ("jkr", "peeling") => same_bits_compiled::<Jkr, Peeling>(constants, reference),
+        _ => {}
     }
 }
 
@@ -298,12 +301,15 @@ fn every_law_has_the_same_bits_everywhere() {
     for energy in [0.6, 0.0] {
         for (normal, tangential) in super::ALL {
             let (rolling, adhesion) = (RollingKind::ELASTIC_PLASTIC_TWISTING, AdhesionKind::CAPILLARY_BRIDGE);
-            let contact = Contact { rolling, adhesion, ..Contact::new(normal, tangential, 0.1) };
-            let [touching, sliding, bridged, ruptured] =
-                super::with_law(normal, tangential, SameBits(energy, contact));
-            if super::COMPILED.contains(&(normal, tangential)) {
-                super::with_compiled_law(normal, tangential, SameBitsCompiled(energy));
-            }
+            let contact = ContactModel { rolling, adhesion, ..ContactModel::new(normal, tangential, 0.1) };
+            let constants = constants_of(&contact, energy);
+            let answers = same_bits_through_slots(&contact, &constants);
+            check_compiled((normal, tangential), &constants, &answers);
+            let values = || answers.iter().flatten().map(|answer| answer.map(f64::from_bits));
+            assert!(values().flatten().all(f64::is_finite));
+            let count = |column: usize| values().filter(|answer| answer[column] == 1.0).count();
+            let [touching, sliding, bridged] = [13, 14, 22].map(count);
+            let ruptured = values().filter(|answer| answer[23] > 0.0).count();
             let all = 2 * LANES * STEPS;
             // The motions include contact and separation, sticking and sliding.
             assert!(touching > all / 3 && touching < all, "{normal:?} {tangential:?}: {touching}");

@@ -19,7 +19,7 @@ fn shear(friction: f64, load: f64) -> (f64, f64) {
     let pair = PairProperties { friction, ..spheres(0.6) };
     let unit = 1.5 * std::f64::consts::PI * pair.interface_energy * pair.effective_radius;
     let approach = approach_of(&pair, load);
-    let mut bench = Bench::<Jkr, Peeling>::new(pair);
+    let mut bench = Bench::new((NormalKind::JKR, TangentialKind::PEELING), pair);
     bench.step(approach, [0.0; 2]);
     let mut peak = 0.0f64;
     let step = 2e-5 * pair.friction * (load + 2.0) * unit / (8.0 * pair.effective_shear_modulus * 5e-7);
@@ -77,7 +77,7 @@ fn drop_and_hold_meet_where_the_table_says() {
 fn peeling_is_reversible() {
     let pair = spheres(0.6);
     let approach = approach_of(&pair, 2.0);
-    let mut bench = Bench::<Jkr, Peeling>::new(pair);
+    let mut bench = Bench::new((NormalKind::JKR, TangentialKind::PEELING), pair);
     bench.step(approach, [0.0; 2]);
     let (n, step) = (20_000, 1e-14);
     let (mut work, mut stored) = (0.0, 0.0f64);
@@ -96,7 +96,7 @@ fn the_contact_shrinks_as_it_peels() {
     let pair = spheres(0.6);
     let unit = 1.5 * std::f64::consts::PI * pair.interface_energy * pair.effective_radius;
     let approach = approach_of(&pair, 2.0);
-    let mut bench = Bench::<Jkr, Peeling>::new(pair);
+    let mut bench = Bench::new((NormalKind::JKR, TangentialKind::PEELING), pair);
     bench.step(approach, [0.0; 2]);
     for _ in 0..40_000 {
         let before = tangential(&bench.step(approach, [0.0; 2]))[0] / unit;

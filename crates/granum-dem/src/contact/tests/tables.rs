@@ -292,7 +292,7 @@ fn unlike_grains_and_materials() {
     assert!((equal.effective_shear_modulus / 7.918552036e9 - 1.0).abs() < 1e-9);
     assert!((equal.effective_mass / (1.387536755e-9 / 2.0) - 1.0).abs() < 1e-9);
     assert_eq!((equal.friction, equal.interface_energy), (0.3, 0.6));
-    let mut bench = Bench::<Hertz, NoSlip>::new(pair);
+    let mut bench = Bench::new((NormalKind::HERTZ, TangentialKind::NO_SLIP), pair);
     let out = bench.step(1e-8, [0.0; 2]);
     let force = 4.0 / 3.0 * pair.effective_modulus * (pair.effective_radius * 1e-8f64).sqrt() * 1e-8;
     assert!((out.normal_force / force - 1.0).abs() < 1e-11);

@@ -32,17 +32,17 @@ pub(super) type Fields = &'static [(i16, Kind)];
 
 impl Kind {
     /// True for the type code found in the bytes.
-    fn is(self, told: u8) -> bool {
+    fn is(self, wire_type: u8) -> bool {
         match self {
-            Kind::Flag => matches!(told, 1 | 2),
-            Kind::I8 => told == 3,
-            Kind::I16 => told == 4,
-            Kind::I32 => told == 5,
-            Kind::I64 => told == 6,
-            Kind::Double => told == 7,
-            Kind::Bytes => told == 8,
-            Kind::List(_) => told == 9,
-            Kind::Struct(_) => told == 12,
+            Kind::Flag => matches!(wire_type, 1 | 2),
+            Kind::I8 => wire_type == 3,
+            Kind::I16 => wire_type == 4,
+            Kind::I32 => wire_type == 5,
+            Kind::I64 => wire_type == 6,
+            Kind::Double => wire_type == 7,
+            Kind::Bytes => wire_type == 8,
+            Kind::List(_) => wire_type == 9,
+            Kind::Struct(_) => wire_type == 12,
         }
     }
 }
@@ -88,11 +88,11 @@ impl Walker<'_> {
         }
     }
 
-    fn value(&mut self, told: u8, known: Option<Kind>, depth: usize) -> Result<(), Flaw> {
-        if known.is_some_and(|kind| !kind.is(told)) {
+    fn value(&mut self, wire_type: u8, known: Option<Kind>, depth: usize) -> Result<(), Flaw> {
+        if known.is_some_and(|kind| !kind.is(wire_type)) {
             return Err(Flaw::Wrong);
         }
-        match told {
+        match wire_type {
             1 | 2 => Ok(()),
             3 => self.skip(1),
             4..=6 => {

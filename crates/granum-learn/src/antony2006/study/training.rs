@@ -1,8 +1,8 @@
 //! The training of the networks of a study, in parallel.
 
 use granum_core::parallel;
-use granum_nets::trainer::{self, Control, Options};
-use granum_nets::{Column, Data, Model, Recipe};
+use granum_nets::trainer::{self, Flow, Options};
+use granum_nets::{Column, Data, Model, ModelDefinition};
 
 use super::observer::{StudyObserver, StudyProgress};
 use super::options::{FEWEST_STATES, PAPER_TRAINER, StudyOptions};
@@ -74,7 +74,7 @@ fn train_one(
     let first_ratio = training_rows::first_ratio(job.mapping);
     let settings = Options { epochs, first_ratio, ..Options::default() };
     let trainer = options.trainer.adapted(&settings).unwrap_or_else(|| options.trainer.clone());
-    let recipe = Recipe {
+    let definition = ModelDefinition {
         inputs: job
             .mapping
             .network_inputs(options.form, &dataset.forces)
@@ -88,10 +88,11 @@ fn train_one(
         seed: job.seed,
     };
     let found = observer.finished(&job.name);
-    if let Some(model) = found.filter(|model| is_the_same(model, &recipe, &data, trainer.name(), epochs)) {
+    if let Some(model) = found.filter(|model| is_the_same(model, &definition, &data, trainer.name(), epochs))
+    {
         return Ok(Some((model, 0.0)));
     }
-    let layers = recipe.layers();
+    let layers = definition.layers();
     let version = env!("CARGO_PKG_VERSION");
     let key = format!(
         "granum {version} {} seed {} epochs {epochs:?} layers {layers:?} rows {}",
@@ -105,17 +106,23 @@ fn train_one(
         observer.progress(&StudyProgress { network: &job.name, epoch, epochs, error });
         stopped = observer.stop();
         observer.under_way(&job.name, &key, stopped, &|| progress.state());
-        if stopped { Control::Stop } else { Control::Continue }
+        if stopped { Flow::Stop } else { Flow::Continue }
     };
     let state = observer.state(&job.name, &key);
-    let (model, report) = Model::resume(&recipe, &data, trainer.as_ref(), state, &mut listen)
+    let (model, report) = Model::resume(&definition, &data, trainer.as_ref(), state, &mut listen)
         .map_err(|error| failed(error.to_string()))?;
     // The time must be positive, since a time of zero marks a network that was found finished.
     Ok((!stopped).then_some((model, report.seconds.max(1e-9))))
 }
 
-/// True if a model is the result that training with the recipe would give.
-fn is_the_same(model: &Model, recipe: &Recipe, data: &Data, trainer: &str, epochs: Option<u64>) -> bool {
+/// True if a model is the result that training with the definition would give.
+fn is_the_same(
+    model: &Model,
+    definition: &ModelDefinition,
+    data: &Data,
+    trainer: &str,
+    epochs: Option<u64>,
+) -> bool {
     let provenance = model.provenance();
     let ended_alike = match epochs {
         Some(epochs) if provenance.termination == trainer::TerminationReason::EpochLimit => {
@@ -127,12 +134,12 @@ fn is_the_same(model: &Model, recipe: &Recipe, data: &Data, trainer: &str, epoch
     ended_alike
         && provenance.termination != trainer::TerminationReason::Stopped
         && provenance.trainer == trainer
-        && provenance.seed == recipe.seed
+        && provenance.seed == definition.seed
         && provenance.dataset_hash == data.hash()
         && provenance.granum_version == env!("CARGO_PKG_VERSION")
-        && model.network().layers() == recipe.layers()
-        && model.inputs() == recipe.inputs
-        && *model.output() == recipe.output
+        && model.network().layers() == definition.layers()
+        && model.inputs() == definition.inputs
+        && *model.output() == definition.output
 }
 
 /// Name of the network of a sub-model.

@@ -30,7 +30,7 @@ use granum_simd::{Isa, Row8};
 use self::method::Method;
 use super::error::{TerminationReason, TrainingError};
 use super::kind::TrainerKind;
-use super::observer::{Control, Observer, Progress};
+use super::observer::{Flow, Observer, Progress};
 use super::options::Options;
 use super::report::{Evidence, TrainingReport};
 use super::state::{TrainerState, TrainingHistory, Validation};
@@ -343,7 +343,7 @@ impl<'a> Search<'a> {
                 validation_error: self.validation_error,
                 state: &|| self.state(),
             };
-            if observer.progress(&progress) == Control::Stop {
+            if observer.progress(&progress) == Flow::Stop {
                 return TerminationReason::Stopped;
             }
         }

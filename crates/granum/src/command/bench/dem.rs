@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use granum_dem::Isa;
-use granum_dem::config::{Contact, Material, NormalKind, TangentialKind};
-use granum_dem::servo::Control;
+use granum_dem::config::{ContactModel, Material, NormalKind, TangentialKind};
+use granum_dem::servo::CellControl;
 use granum_dem::simulation::{Hardware, Properties, Simulation};
 use granum_io::{Case, Packing};
 use granum_run::laboratory::{cell, memory, spheres};
@@ -26,7 +26,7 @@ const MEAN_STRESS: f64 = 20e3;
 
 /// A set of contact laws.
 #[derive(Clone, Copy)]
-pub struct Law(Contact);
+pub struct Law(ContactModel);
 
 impl Law {
     /// Name of the rolling law, if there is one.
@@ -42,9 +42,9 @@ impl Law {
 
 /// The three sets of contact laws for which the speed is compared with that of other programs.
 pub const LAWS: [Law; 3] = [
-    Law(Contact::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, DAMPING)),
-    Law(Contact::new(NormalKind::HERTZ, TangentialKind::MINDLIN_DERESIEWICZ, DAMPING)),
-    Law(Contact::new(NormalKind::JKR, TangentialKind::MINDLIN_DERESIEWICZ, DAMPING)),
+    Law(ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, DAMPING)),
+    Law(ContactModel::new(NormalKind::HERTZ, TangentialKind::MINDLIN_DERESIEWICZ, DAMPING)),
+    Law(ContactModel::new(NormalKind::JKR, TangentialKind::MINDLIN_DERESIEWICZ, DAMPING)),
 ];
 
 /// The set of contact laws with the given names, separated by commas.
@@ -347,7 +347,7 @@ fn sheared(law: Law, packing: &Packing, measurement: &Measurement) -> Result<Sim
     simulation.fix_time_step(measurement.time_step);
     let rate =
         measurement.strain_rate.unwrap_or_else(|| simulation.strain_rate(INERTIAL_NUMBER, MEAN_STRESS));
-    let mut control = Control::fixed();
+    let mut control = CellControl::fixed();
     control.rate[0][0] = rate;
     control.rate[1][1] = -0.5 * rate;
     control.rate[2][2] = -0.5 * rate;

@@ -5,7 +5,7 @@ use std::hint::black_box;
 use granum_core::parallel;
 use granum_dem::Isa;
 use granum_nets::trainer::{LevenbergMarquardt, Silent, Trainer, Traingdx};
-use granum_nets::{Column, Data, Model, Network, Recipe};
+use granum_nets::{Column, Data, Model, ModelDefinition, Network};
 use serde::Serialize;
 
 use super::best;
@@ -138,7 +138,7 @@ fn eighteen(context: &Context, isa: Isa, threads: usize) -> Result<f64, Failure>
 }
 
 fn model(isa: Isa) -> Result<Model, Failure> {
-    let recipe = Recipe {
+    let definition = ModelDefinition {
         inputs: ["strain", "f", "probability"].map(|n| Column::new(n, "1")).to_vec(),
         output: Column::new("stress_ratio", "1"),
         quantities: Vec::new(),
@@ -147,5 +147,5 @@ fn model(isa: Isa) -> Result<Model, Failure> {
         seed: 1,
     };
     let rule = LevenbergMarquardt { isa, epochs: 20, ..Default::default() };
-    Ok(Model::fit(&recipe, &rows(3)?, &rule, &mut Silent)?.0)
+    Ok(Model::fit(&definition, &rows(3)?, &rule, &mut Silent)?.0)
 }

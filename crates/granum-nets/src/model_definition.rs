@@ -24,14 +24,14 @@ impl Column {
 /// The definition of a model: its columns, the size of the network and the seed of its weights.
 ///
 /// ```
-/// use granum_nets::{Column, Recipe};
+/// use granum_nets::{Column, ModelDefinition};
 ///
 /// let inputs = vec![Column::new("deviator_strain", "1"), Column::new("mean_stress", "Pa")];
-/// let recipe = Recipe::new(inputs, Column::new("stress_ratio", "1"), vec![10, 10]).with_seed(3);
-/// assert_eq!(recipe.layers(), [2, 10, 10, 1]);
+/// let definition = ModelDefinition::new(inputs, Column::new("stress_ratio", "1"), vec![10, 10]).with_seed(3);
+/// assert_eq!(definition.layers(), [2, 10, 10, 1]);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct Recipe {
+pub struct ModelDefinition {
     /// Input columns, in the order of the rows.
     pub inputs: Vec<Column>,
     /// Output column.
@@ -50,16 +50,16 @@ pub struct Recipe {
     pub seed: u64,
 }
 
-impl Recipe {
-    /// A recipe with the given inputs, output and hidden layers, in which every column is a separate quantity with a share
+impl ModelDefinition {
+    /// A definition with the given inputs, output and hidden layers, in which every column is a separate quantity with a share
     /// of 1, and the seed is 0.
-    pub fn new(inputs: Vec<Column>, output: Column, hidden: Vec<usize>) -> Recipe {
-        Recipe { inputs, output, quantities: Vec::new(), shares: Vec::new(), hidden, seed: 0 }
+    pub fn new(inputs: Vec<Column>, output: Column, hidden: Vec<usize>) -> ModelDefinition {
+        ModelDefinition { inputs, output, quantities: Vec::new(), shares: Vec::new(), hidden, seed: 0 }
     }
 
     /// Sets the seed.
-    pub fn with_seed(self, seed: u64) -> Recipe {
-        Recipe { seed, ..self }
+    pub fn with_seed(self, seed: u64) -> ModelDefinition {
+        ModelDefinition { seed, ..self }
     }
 
     /// Numbers of neurons of all layers, including inputs and output.
