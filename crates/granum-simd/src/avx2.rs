@@ -198,7 +198,7 @@ fn transpose4(r: [__m256d; 4]) -> [__m256d; 4] {
 
 impl Lanes for Avx2 {
     const REGISTERS: usize = 8;
-    const PAIRED: bool = true;
+    const PAIRED: bool = false;
     #[inline(always)]
     fn load(source: &[f64; 8]) -> Self {
         unsafe { Avx2(_mm256_loadu_pd(source.as_ptr()), _mm256_loadu_pd(source.as_ptr().add(4))) }

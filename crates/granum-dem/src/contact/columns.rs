@@ -3,7 +3,7 @@
 //! Constants and histories are read and written where they lie, in rows of eight; everything else goes through the columns of a
 //! [`Sheet`], in which one law finds what another wrote.
 
-use granum_simd::{Lanes, Real, Row8, Twice};
+use granum_simd::{LANES, Lanes, Real, Row8, Twice};
 
 use super::law::Normal;
 use crate::contact::limits::LAW_CONSTANTS;
@@ -123,7 +123,7 @@ impl<L: Lanes> Width for TwoBatches<L> {
 
 /// Reads consecutive columns.
 #[inline(always)]
-pub(super) fn read<W: Width, const N: usize>(columns: &ProgressOfRuns, from: usize) -> [W::Value; N] {
+pub(super) fn read<W: Width, const N: usize>(columns: &Columns, from: usize) -> [W::Value; N] {
     std::array::from_fn(
         #[inline(always)]
         |c| W::read(&columns[from + c]),
@@ -132,11 +132,7 @@ pub(super) fn read<W: Width, const N: usize>(columns: &ProgressOfRuns, from: usi
 
 /// Writes consecutive columns.
 #[inline(always)]
-pub(super) fn write<W: Width, const N: usize>(
-    values: [W::Value; N],
-    columns: &mut ProgressOfRuns,
-    from: usize,
-) {
+pub(super) fn write<W: Width, const N: usize>(values: [W::Value; N], columns: &mut Columns, from: usize) {
     for (c, value) in values.into_iter().enumerate() {
         W::write(value, &mut columns[from + c]);
     }
@@ -170,13 +166,13 @@ pub(super) mod at {
 }
 
 /// The columns of a call.
-pub(super) type ProgressOfRuns = [Column; at::ALL];
+pub(super) type Columns = [Column; at::ALL];
 
 /// What a law is called with: where the constants and the history of one batch or of two lie, and the columns.
 pub struct Sheet<'a> {
     pub(super) constants: [&'a [Row8]; 2],
     pub(super) history: [&'a mut [Row8]; 2],
-    pub(super) columns: &'a mut ProgressOfRuns,
+    pub(super) columns: &'a mut Columns,
 }
 
 impl Sheet<'_> {
@@ -209,18 +205,53 @@ impl Sheet<'_> {
         }
     }
 
-    /// Exchanges the two batches.
-    pub(super) fn exchange(&mut self) {
+    /// Calls for the first batch, and for the second where there are two.
+    #[inline(always)]
+    pub(super) fn for_each_batch(&mut self, count: Count, mut call: impl FnMut(&mut Self)) {
+        call(self);
+        if count == Count::TwoBatches {
+            self.exchange_batches();
+            call(self);
+            self.exchange_batches();
+        }
+    }
+
+    fn exchange_batches(&mut self) {
         self.constants.swap(0, 1);
         self.history.swap(0, 1);
         for column in self.columns.iter_mut() {
             column.swap(0, 1);
         }
     }
+
+    /// Calls for every contact of the first batch, each in the first lane.
+    pub(super) fn for_each_contact(&mut self, call: fn(&mut Sheet<'_>)) {
+        let all = self.constants;
+        let [first, second] = &mut self.history;
+        for lane in 0..LANES {
+            let mut constants = [Row8::default(); LAW_CONSTANTS];
+            for (to, from) in constants.iter_mut().zip(all[0]) {
+                to.0[0] = from.0[lane];
+            }
+            bring_to_front(lane, first, self.columns);
+            call(&mut Sheet {
+                constants: [&constants, all[1]],
+                history: [&mut **first, &mut **second],
+                columns: &mut *self.columns,
+            });
+            bring_to_front(lane, first, self.columns);
+        }
+    }
+}
+
+/// Exchanges the contact of a lane with that of the first.
+fn bring_to_front(lane: usize, history: &mut [Row8], columns: &mut Columns) {
+    history.iter_mut().for_each(|row| row.0.swap(0, lane));
+    columns.iter_mut().for_each(|column| column[0].0.swap(0, lane));
 }
 
 #[inline(always)]
-pub(super) fn write_normal<W: Width>(normal: &Normal<W::Value>, columns: &mut ProgressOfRuns) {
+pub(super) fn write_normal<W: Width>(normal: &Normal<W::Value>, columns: &mut Columns) {
     let numbers = [
         normal.force,
         normal.radius,
@@ -235,7 +266,7 @@ pub(super) fn write_normal<W: Width>(normal: &Normal<W::Value>, columns: &mut Pr
 }
 
 #[inline(always)]
-pub(super) fn read_normal<W: Width>(columns: &ProgressOfRuns) -> Normal<W::Value> {
+pub(super) fn read_normal<W: Width>(columns: &Columns) -> Normal<W::Value> {
     let [
         force,
         radius,

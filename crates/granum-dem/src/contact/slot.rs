@@ -7,7 +7,7 @@
 
 use std::any::TypeId;
 
-use granum_simd::{Isa, Kernel, Lanes, dispatch};
+use granum_simd::{Isa, Kernel, Lanes, dispatch_or};
 
 use super::columns::{
     Batch, Count, One, Sheet, TwoBatches, Width, at, read, read_normal, write, write_normal,
@@ -28,29 +28,33 @@ trait Call {
     fn call<W: Width>(sheet: &mut Sheet<'_>);
 }
 
-struct Run<'a, 'b, C>(Count, &'a mut Sheet<'b>, std::marker::PhantomData<C>);
+struct Run<'a, 'b, C>(&'a mut Sheet<'b>, Count, std::marker::PhantomData<C>);
 
 impl<C: Call> Kernel for Run<'_, '_, C> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        match self.0 {
-            Count::One => C::call::<One>(self.1),
-            Count::Batch => C::call::<Batch<L>>(self.1),
+        match self.1 {
+            Count::TwoBatches if L::PAIRED => C::call::<TwoBatches<L>>(self.0),
             // The same bits without compiling a formula for which these lanes have too few registers.
-            Count::TwoBatches if L::PAIRED => C::call::<TwoBatches<L>>(self.1),
-            Count::TwoBatches => {
-                C::call::<Batch<L>>(self.1);
-                self.1.exchange();
-                C::call::<Batch<L>>(self.1);
-                self.1.exchange();
-            }
+            count => self.0.for_each_batch(
+                count,
+                #[inline(always)]
+                |sheet| C::call::<Batch<L>>(sheet),
+            ),
         }
     }
 }
 
+/// A single contact needs no lanes. On a processor without vector instructions batches are evaluated contact by contact, which gives
+/// the same bits: formulas over eight plain numbers would be half of the code, and hardly anybody would run them.
 fn run<C: Call>(isa: Isa, count: Count, sheet: &mut Sheet<'_>) {
-    dispatch(isa, Run::<C>(count, sheet, std::marker::PhantomData));
+    match count {
+        Count::One => C::call::<One>(sheet),
+        _ => dispatch_or(isa, Run::<C>(sheet, count, std::marker::PhantomData), |Run(sheet, count, _)| {
+            sheet.for_each_batch(count, |sheet| sheet.for_each_contact(C::call::<One>));
+        }),
+    }
 }
 
 struct NormalCall<N>(std::marker::PhantomData<N>);

@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 
 use granum_simd::{Isa, Real, Row8};
 
-use super::columns::{ProgressOfRuns, Sheet, Width, at, read, read_normal, write, write_normal};
+use super::columns::{Columns, Sheet, Width, at, read, read_normal, write, write_normal};
 use super::frame::Turn;
 use super::law::{AdhesionLosses, Attraction, Moment, Normal, RelativeSpin, Tangential};
 use super::set::Laws;
@@ -27,7 +27,7 @@ pub struct Slots {
     has_moments: bool,
     has_adhesion: bool,
     discards: bool,
-    columns: RefCell<ProgressOfRuns>,
+    columns: RefCell<Columns>,
 }
 
 const EMPTY: Row8 = Row8([0.0; 8]);
