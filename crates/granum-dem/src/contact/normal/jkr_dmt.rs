@@ -101,7 +101,7 @@ impl NormalLaw for JkrDmt {
             default: 4e-10,
             bounds: [1e-11, 1e-6],
             meaning: "Separation z_0 of the surfaces at equilibrium, about the range of the attraction: with the size of the \
-                      grains it determines whether they stick as JKR or as DMT have it",
+                      grains it determines whether their adhesion is close to JKR or to DMT",
             without_area: false,
             mixing: Mixing::Arithmetic,
         }],
