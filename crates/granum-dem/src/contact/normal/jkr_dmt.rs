@@ -2,8 +2,8 @@
 //! Sci. 261, 99-106), with the pull-off force of Maugis's theory (1992) as fitted by Carpick, Ogletree and Salmeron (1999, J.
 //! Colloid Interface Sci. 211, 395-400).
 //!
-//! The interface energy Gamma, the separation z_0 of the surfaces at equilibrium and the size of the grains determine where a pair
-//! stands: with Tabor's parameter `mu_T = (R* Gamma^2 / E*^2 z_0^3)^(1/3)` and `lambda = 1.157 mu_T`
+//! The interface energy Gamma, the separation z_0 of the surfaces at equilibrium and the size of the grains determine the position of
+//! a pair between the two limits: with Tabor's parameter `mu_T = (R* Gamma^2 / E*^2 z_0^3)^(1/3)` and `lambda = 1.157 mu_T`
 //!
 //! `p = P_c / (pi Gamma R*) = 7/4 - 1/4 (4.04 lambda^1.4 - 1) / (4.04 lambda^1.4 + 1)`,
 //!
@@ -66,7 +66,7 @@ fn constants(pair: &PairProperties, ratio: f64) -> [f64; LAW_CONSTANTS] {
     let (radius, modulus) = (pair.effective_radius, pair.effective_modulus);
     let energy = std::f64::consts::PI * pair.interface_energy;
     let cube = 9.0 * (2.0 - ratio).max(0.0) * energy * radius * radius / modulus;
-    // So small that it does not matter where the contact is that of DMT, or of Hertz.
+    // The lower bound is so small that it has no effect on a contact of DMT or of Hertz.
     let contact = granum_simd::cbrt(cube).max(radius * LEAST_LENGTH.sqrt());
     let length = contact * contact / radius;
     let mut c = [0.0; LAW_CONSTANTS];
@@ -81,7 +81,7 @@ fn constants(pair: &PairProperties, ratio: f64) -> [f64; LAW_CONSTANTS] {
     c
 }
 
-/// `(int N dalpha + P_c alpha) / (FORCE d_0)` from x = 0, where the surfaces are apart.
+/// `(int N dalpha + P_c alpha) / (FORCE d_0)` from x = 0, where the contact radius is zero.
 #[inline(always)]
 fn primitive<R: Real>(x: R, q: R) -> R {
     let s = x * x * x;
