@@ -1,9 +1,9 @@
-//! Rolling against sliding at the contacts, from the motion of the grains (Kuhn and Bagi 2004; Luding 2008).
+//! Rolling and sliding at the contacts, from the motion of the grains (Kuhn and Bagi 2004; Luding 2008).
 //!
-//! Of the two surfaces at a contact the relative velocity has the tangential part
+//! The relative velocity of the two surfaces at a contact has the tangential part
 //! `v_s = (1 - n n) (v_j - v_i + L l) - (R_i omega_i + R_j omega_j) x n`, the sliding velocity, with the velocity gradient L of
-//! the cell and the branch l; rolling has the velocity `v_r = R* (omega_i - omega_j) x n`, `1/R* = 1/R_i + 1/R_j`, which no
-//! rotation of the pair as a whole changes. A contact counts as rolling where `|v_r| > |v_s|`. The contacts at the limit of
+//! the cell and the branch l; rolling has the velocity `v_r = R* (omega_i - omega_j) x n`, `1/R* = 1/R_i + 1/R_j`, which does not
+//! change in a rotation of the pair as a rigid body. A contact counts as rolling where `|v_r| > |v_s|`. The contacts at the limit of
 //! friction are those of [`crate::sliding`]: a contact may creep without reaching it.
 
 use granum_core::Part;

@@ -3,10 +3,11 @@
 //!
 //! The cell of a grain is bounded by the planes at `h = (D^2 + R_i^2 - R_j^2) / 2D` along the branches of length D to its
 //! neighbours. Its volume is the sum over its faces of area times h over 3 (Gauss), where each face is a large square in its plane
-//! that all other planes clip: no face needs to know another, so that nothing fails where planes nearly meet in one point. A
-//! neighbour farther away than all corners of the cell allow cannot cut it; the reach grows until that holds.
+//! that is clipped by all other planes: each face is computed independently, so that the method is robust where planes nearly meet in one
+//! point. A neighbour that is farther away than the corners of the cell allow cannot cut it; the search distance is increased until this is
+//! the case for all neighbours beyond it.
 //!
-//! The volumes add up to that of the periodic cell; `voronoi_gap` is what is missing, relative, and rounding only.
+//! The volumes add up to that of the periodic cell; `voronoi_gap` is the relative difference, which is due to rounding only.
 
 use granum_core::Part;
 use granum_core::assembly::{Matrix, Vector};
