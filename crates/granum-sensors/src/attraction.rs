@@ -44,7 +44,7 @@ impl Sensor for Attraction {
 mod tests {
     use crate::{column_index, lattice, measure_row};
 
-    /// A pair apart counts with its energy and its pull, but is no contact.
+    /// A separated pair contributes its energy and its force, but is not a contact.
     #[test]
     fn pairs_apart_have_a_part_in_the_stress() {
         let assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4);

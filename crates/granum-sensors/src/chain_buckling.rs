@@ -166,7 +166,7 @@ mod tests {
         };
         // 0.02 more at each observation: 1.1 degrees each, 2.3 together.
         assert_eq!([observe(0.0, 0.1), observe(0.02, 0.105), observe(0.04, 0.11)], [0.0, 0.0, 1.0]);
-        // The share stands until the next interval is over, in which nothing bends any more.
+        // The value is reported until the end of the next interval, in which no segment buckles.
         assert_eq!([observe(0.04, 0.115), observe(0.04, 0.12)], [1.0, 0.0]);
     }
 }

@@ -91,7 +91,7 @@ mod tests {
 
     #[test]
     fn gears_roll_and_equal_spins_slide() {
-        // Surfaces move alike: 2 x 1 = -1 x -2. Rolling: R* = 2/3, (1 - -2) 2/3 = 2.
+        // The surfaces have the same velocity: 2 x 1 = -1 x -2. Rolling: R* = 2/3, (1 - -2) 2/3 = 2.
         let gears = pair([0.0; 2], [1.0, -2.0]);
         let [roll, slide] = squares(&gears, &gears.contacts[0]).unwrap();
         assert!((roll - 4.0).abs() < 1e-14 && slide < 1e-28, "{roll} {slide}");

@@ -188,7 +188,7 @@ pub(crate) mod tests {
         Assembly { cell, grains, contacts, ..Default::default() }
     }
 
-    /// A loaded row of five, beside a row of five that bears little, with weak contacts between them.
+    /// A loaded row of five grains next to a weakly loaded row of five, with weak contacts between them.
     #[test]
     fn a_loaded_row_is_one_chain() {
         let places: Vec<Vector> =

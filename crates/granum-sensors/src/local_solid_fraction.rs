@@ -81,7 +81,7 @@ pub struct VoronoiCell {
 ///
 /// let cell = [[2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 /// let cells = radical_voronoi(&cell, &[[0.5, 0.5, 0.5], [1.5, 0.5, 0.5]], &[0.5, 0.4]);
-/// // The planes stand at (1 + 0.25 - 0.16) / 2 = 0.545 from the larger sphere.
+/// // The planes are at a distance of (1 + 0.25 - 0.16) / 2 = 0.545 from the larger sphere.
 /// assert!((cells[0].volume - 1.09).abs() < 1e-12 && (cells[1].volume - 0.91).abs() < 1e-12);
 /// assert_eq!(cells[0].faces, 6);
 /// ```
@@ -131,9 +131,9 @@ fn planes_of(i: usize, neighbours: &Neighbours, radii: &[f64]) -> Vec<Plane> {
 /// Planes of which a first, larger cell is made.
 const NEAREST: usize = 20;
 
-/// The cell below all planes, the nearest of which stand first; `None` if a sphere beyond the reach might cut it.
+/// The cell below all planes, which are sorted by distance; `None` if a sphere beyond the reach might cut it.
 fn cell_of(planes: &[Plane], reach: f64, [own, largest]: [f64; 2]) -> Option<VoronoiCell> {
-    // What lies beyond all corners of the cell of the nearest planes cannot cut it.
+    // Planes beyond all corners of the cell of the nearest planes cannot cut it.
     let (_, corner) = intersection(&planes[..planes.len().min(NEAREST)], reach);
     let near = planes.iter().position(|plane| plane.height > corner).unwrap_or(planes.len());
     let (found, farthest) = intersection(&planes[..near.max(planes.len().min(NEAREST))], reach);

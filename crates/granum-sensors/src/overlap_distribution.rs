@@ -69,7 +69,8 @@ mod tests {
         let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-3, 2e-4);
         assert!((measured(&OverlapDistribution, &assembly)[0] / 1e-3 - 1.0).abs() < 1e-9);
         for (k, contact) in assembly.contacts.iter_mut().enumerate() {
-            // A third is stretched apart, a third once and a third three times as deep: the mean is twice the small ones.
+            // A third of the contacts is separated, and a third has three times the overlap of the last third: the mean is twice the
+            // smaller overlap.
             contact.approach = [-1e-9, 1e-9, 3e-9][k % 3];
         }
         let histogram = counted(&assembly);

@@ -167,7 +167,7 @@ impl Stage {
 pub enum Ending {
     /// The stage is complete.
     Complete(Reason),
-    /// The observer stopped it; the simulation can go on from here.
+    /// The observer stopped it; the simulation can be continued from here.
     Stopped,
 }
 
