@@ -1,5 +1,6 @@
-//! Attraction by an adhesion law, at contacts and between separated grains (for instance by liquid bridges): its energy, its losses since
-//! the start of the phase, and the number of separated pairs on which it acts. These columns are omitted from a series without such a law.
+//! Attraction by an adhesion law, at contacts and between separated grains (for instance by liquid bridges): its energy, its
+//! losses since the start of the phase, and the number of separated pairs on which it acts. These columns are omitted from a
+//! series without such a law.
 //!
 //! The energy balance of [`crate::energy`] then includes `change of attraction_energy + attraction_loss`.
 

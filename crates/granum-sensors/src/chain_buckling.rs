@@ -1,6 +1,6 @@
-//! Buckling of force chains (Tordesillas 2007): the fraction of the segments of three grains, in the chains of a state, whose angle at
-//! the middle grain has decreased by more than 2 degrees after 1 % of strain, so that each arm has rotated by more than 1 degree on
-//! average.
+//! Buckling of force chains (Tordesillas 2007): the fraction of the segments of three grains, in the chains of a state, whose
+//! angle at the middle grain has decreased by more than 2 degrees after 1 % of strain, so that each arm has rotated by more than
+//! 1 degree on average.
 //!
 //! The chains are those of [`crate::force_chains`]; strain is arc length. The chains of one observation are followed until an
 //! observation at least 1 % later, whose chains are followed then; in between, the value of the last interval is reported.
@@ -46,7 +46,8 @@ impl Sensor for ChainBuckling {
     }
 
     fn measure(&self, observation: &Observation, memory: &mut Memory, values: &mut Values) {
-        // The arc length at which the segments were found, the fraction in the previous interval, the number of segments, then the segments.
+        // The arc length at which the segments were found, the fraction in the previous interval, the number of segments, then
+        // the segments.
         let arc_length = observation.assembly.arc_length;
         if let [start, share, count, ..] = memory[..]
             && arc_length < start + (1.0 - 1e-9) * INTERVAL

@@ -3,9 +3,9 @@
 //!
 //! With the branches r from a grain to its neighbours (centres nearer than 1.5 times the largest diameter at the first of the two
 //! observations, images included) `X = sum r(t) r(t_0)^T`, `Y = sum r(t_0) r(t_0)^T`, `F = X Y^-1`,
-//! `D2 = sum |r(t) - F r(t_0)|^2` over the number of neighbours and the squared mean diameter. It is zero in a
-//! uniform strain of the cell and small where the strain varies slowly in space, so that it measures local rearrangements. Grains with
-//! fewer than four neighbours, or with neighbours in one plane, are excluded.
+//! `D2 = sum |r(t) - F r(t_0)|^2` over the number of neighbours and the squared mean diameter. It is zero in a uniform strain of
+//! the cell and small where the strain varies slowly in space, so that it measures local rearrangements. Grains with fewer than
+//! four neighbours, or with neighbours in one plane, are excluded.
 //!
 //! The mean over the grains grows with the strain between the observations. The participation ratio `<D2>^2 / <D2^2>` is 1
 //! if D2 is the same for all grains, and small if few grains rearrange.

@@ -1,11 +1,11 @@
 //! Force chains (Peters, Muthuswamy, Wibowo and Tordesillas 2005): quasi-linear rows of highly stressed grains along which
 //! force is passed on.
 //!
-//! The stress of a grain is `sigma^p = (1/V_p) sum f r`, with the contact forces f on it and the arms r from its centre to the contacts. A
-//! grain is highly stressed if its largest principal stress exceeds the mean of that over all grains. Two such grains in
-//! contact are linked if the branch lies within 45 degrees of the major direction of both. So that chains do not branch, only the
-//! link nearest to the major direction is retained on either side of a grain, and a link counts if it is retained at both of its grains. A chain
-//! has three grains or more.
+//! The stress of a grain is `sigma^p = (1/V_p) sum f r`, with the contact forces f on it and the arms r from its centre to the
+//! contacts. A grain is highly stressed if its largest principal stress exceeds the mean of that over all grains. Two such grains
+//! in contact are linked if the branch lies within 45 degrees of the major direction of both. So that chains do not branch, only
+//! the link nearest to the major direction is retained on either side of a grain, and a link counts if it is retained at both of
+//! its grains. A chain has three grains or more.
 
 use granum_core::Part;
 use granum_core::assembly::{Contact, Matrix, Vector};

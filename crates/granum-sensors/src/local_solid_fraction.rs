@@ -2,10 +2,10 @@
 //! Gellatly and Finney 1982), in which a point belongs to the grain with the smallest `|x - c|^2 - R^2`.
 //!
 //! The cell of a grain is bounded by the planes at `h = (D^2 + R_i^2 - R_j^2) / 2D` along the branches of length D to its
-//! neighbours. Its volume is the sum over its faces of area times h over 3 (Gauss), where each face is a large square in its plane
-//! that is clipped by all other planes: each face is computed independently, so that the method is robust where planes nearly meet in one
-//! point. A neighbour that is farther away than the corners of the cell allow cannot cut it; the search distance is increased until this is
-//! the case for all neighbours beyond it.
+//! neighbours. Its volume is the sum over its faces of area times h over 3 (Gauss), where each face is a large square in its
+//! plane that is clipped by all other planes: each face is computed independently, so that the method is robust where planes
+//! nearly meet in one point. A neighbour that is farther away than the corners of the cell allow cannot cut it; the search
+//! distance is increased until this is the case for all neighbours beyond it.
 //!
 //! The volumes add up to that of the periodic cell; `voronoi_gap` is the relative difference, which is due to rounding only.
 

@@ -1,9 +1,9 @@
 //! Non-affine displacement: the displacement of grains relative to the uniform strain of the cell, from one observation to the next.
 //!
-//! With the reduced position `s = H^-1 x` of a grain in the cell, which an affine motion does not change, its non-affine displacement is
-//! `u = H ds`, `ds` to the nearest image; its root mean square over the grains is divided by the mean diameter. The mean
-//! displacement of all grains is subtracted. A second column gives the strain between the two observations: if grains diffuse, `<u^2>`
-//! is proportional to it; in a steady flow `<u^2>` is proportional to its square.
+//! With the reduced position `s = H^-1 x` of a grain in the cell, which an affine motion does not change, its non-affine
+//! displacement is `u = H ds`, `ds` to the nearest image; its root mean square over the grains is divided by the mean diameter.
+//! The mean displacement of all grains is subtracted. A second column gives the strain between the two observations: if grains
+//! diffuse, `<u^2>` is proportional to it; in a steady flow `<u^2>` is proportional to its square.
 //!
 //! A grain must move by less than half of the cell between two observations.
 

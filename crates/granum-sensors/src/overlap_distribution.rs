@@ -1,8 +1,8 @@
 //! Distribution of the overlaps of contacts in compression: their mean over the sum of the radii, and the histogram of each
 //! overlap over the mean one.
 //!
-//! With equal grains and Hertz's law `f` is proportional to `(alpha / <alpha>)^(3/2)`, so that P(overlap) corresponds to the distribution
-//! of forces for codes or experiments that provide positions and radii only.
+//! With equal grains and Hertz's law `f` is proportional to `(alpha / <alpha>)^(3/2)`, so that P(overlap) corresponds to the
+//! distribution of forces for codes or experiments that provide positions and radii only.
 
 use granum_core::Part;
 use granum_core::assembly::Contact;

@@ -1,5 +1,5 @@
-//! Energy lost by plastic deformation of contacts since the start of the phase, with a normal law that has a history. The column is omitted
-//! from a series without such a law.
+//! Energy lost by plastic deformation of contacts since the start of the phase, with a normal law that has a history. The column
+//! is omitted from a series without such a law.
 //!
 //! The energy balance of [`crate::energy`] then includes `plastic_loss`; the energy that would be recovered in unloading is part of
 //! `elastic_normal_energy`.

@@ -1,10 +1,10 @@
 //! Radial distribution function g(r): the density of centres at a distance r from a centre, over the mean density.
 //!
-//! The sensor counts the distances r of pairs of centres, in mean diameters, in bins of 0.05 up to 5, images included. With
-//! the counts n_b over all observations of a state, N grains, the volume V of the cell in cubed mean diameters (the column
-//! `cell_volume_in_diameters`, and N beside it as `grains`) it is
-//! `g_b = 2 n_b V / (observations N^2 (4/3) pi (r_2^3 - r_1^3))`, which [`radial_distribution`] computes; it tends to 1 far away, in a
-//! cell whose smallest height is more than twice the distance (Allen and Tildesley 1987). Pairs farther apart are not counted.
+//! The sensor counts the distances r of pairs of centres, in mean diameters, in bins of 0.05 up to 5, images included. With the
+//! counts n_b over all observations of a state, N grains, the volume V of the cell in cubed mean diameters (the column
+//! `cell_volume_in_diameters`, and N beside it as `grains`) it is `g_b = 2 n_b V / (observations N^2 (4/3) pi (r_2^3 - r_1^3))`,
+//! which [`radial_distribution`] computes; it tends to 1 far away, in a cell whose smallest height is more than twice the
+//! distance (Allen and Tildesley 1987). Pairs farther apart are not counted.
 
 use granum_core::Part;
 use granum_core::assembly::Vector;

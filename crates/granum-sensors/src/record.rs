@@ -53,9 +53,9 @@ pub enum RecordError {
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// One row per state: `state`, `observations`, every column of every sensor, then for each histogram how many values lie outside its
-    /// bins, as `forces_below` and `forces_above`. A test that is defined as a list of stages has a column `stage` before
-    /// `state`, which is counted from 0 in each stage.
+    /// One row per state: `state`, `observations`, every column of every sensor, then for each histogram how many values lie
+    /// outside its bins, as `forces_below` and `forces_above`. A test that is defined as a list of stages has a column `stage`
+    /// before `state`, which is counted from 0 in each stage.
     pub series: Table,
     /// The histograms of the sensors, those of the contact forces first.
     pub histograms: Vec<Histograms>,

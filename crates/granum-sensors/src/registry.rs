@@ -1,5 +1,5 @@
-//! The registry of sensors. A new sensor needs a file and a line in [`Sensors::standard`]; a program that uses this library adds its own
-//! sensors with [`Sensors::with`].
+//! The registry of sensors. A new sensor needs a file and a line in [`Sensors::standard`]; a program that uses this library adds
+//! its own sensors with [`Sensors::with`].
 
 use std::sync::{Arc, LazyLock};
 
@@ -236,8 +236,8 @@ impl Sensors {
         })
     }
 
-    /// The names of the sensors that a test records, in the order of their columns: those of every test, those of tests with stages, then
-    /// those that the recording names.
+    /// The names of the sensors that a test records, in the order of their columns: those of every test, those of tests with
+    /// stages, then those that the recording names.
     ///
     /// # Errors
     /// [`SensorError::Unknown`] for a name that no sensor has.
@@ -301,8 +301,9 @@ impl Sensors {
 }
 
 impl Sensors {
-    /// Measures a series of assemblies, each with its known parts, in their order: every column for which the parts that all of them have
-    /// suffice, including the sensors that compare an observation with the previous one if there are two or more assemblies.
+    /// Measures a series of assemblies, each with its known parts, in their order: every column for which the parts that all of
+    /// them have suffice, including the sensors that compare an observation with the previous one if there are two or more
+    /// assemblies.
     ///
     /// ```
     /// use granum_core::{Assembly, Part, Parts};

@@ -9,8 +9,8 @@
 //! - **loosest** (e_max): compression from a dispersed state with the grains' own friction and resistance to rolling, without
 //!   adhesion other than that of their contact law.
 //!
-//! Looser states exist as long as attraction, or more friction than the grains' own, supports them; when that is removed they collapse
-//! to denser states than the above (measured in the book).
+//! Looser states exist as long as attraction, or more friction than the grains' own, supports them; when that is removed they
+//! collapse to denser states than the above (measured in the book).
 
 use granum_dem::config::NormalKind;
 use granum_dem::observer::Observer;
@@ -90,8 +90,8 @@ mod tests {
 
     use super::*;
 
-    /// The two limits enclose the void ratios that the search for a friction can reach, and a sample has the relative density that was
-    /// specified.
+    /// The two limits enclose the void ratios that the search for a friction can reach, and a sample has the relative density
+    /// that was specified.
     #[test]
     fn a_relative_density_lies_between_the_limits() {
         let text = "grains.count = 200\ngrains.material.youngs_modulus = '5 GPa'\ngrains.material.friction = 0.5\ncontact.normal = 'hertz'\n\

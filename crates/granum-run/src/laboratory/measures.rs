@@ -75,7 +75,8 @@ pub(super) fn of_test(record: &Record, measures: &mut BTreeMap<String, f64>) {
     }
 }
 
-/// Adds the ratio of lateral to axial stress at the end of every oedometric stage to the measures, as `k0_` and the name of the stage.
+/// Adds the ratio of lateral to axial stress at the end of every oedometric stage to the measures, as `k0_` and the name of the
+/// stage.
 pub(super) fn of_oedometers(record: &Record, stages: &[Stage], measures: &mut BTreeMap<String, f64>) {
     let column = |name: &str| record.series.values(name).unwrap_or(&[]);
     let numbers = column("stage");

@@ -269,8 +269,8 @@ fn complete(
     Ok(())
 }
 
-/// Notes in the record how each stage ended; the observer is warned of a stage that met none of its end conditions. For a test with more
-/// than [`STAGES_TOLD`] stages only these are noted, with the number of the others.
+/// Notes in the record how each stage ended; the observer is warned of a stage that met none of its end conditions. For a test
+/// with more than [`STAGES_TOLD`] stages only these are noted, with the number of the others.
 fn record_stages(test: &Test, record: &mut RunRecord, observer: &mut dyn Observer) {
     let many = test.ends.len() > STAGES_TOLD;
     for (k, end) in test.ends.iter().enumerate() {

@@ -76,8 +76,8 @@ pub fn degradation(
     Ok(curve)
 }
 
-/// The curve as a table: `strain`, `secant_shear_modulus`, the same over its first value as `relative_shear_modulus`, `mean_stress` and
-/// `settled` (1 or 0).
+/// The curve as a table: `strain`, `secant_shear_modulus`, the same over its first value as `relative_shear_modulus`,
+/// `mean_stress` and `settled` (1 or 0).
 pub fn degradation_table(curve: &[Degradation]) -> Table {
     let first = curve.first().map_or(1.0, |point| point.shear_modulus);
     let column = |name: &str, unit: &str, value: fn(&Degradation) -> f64| {

@@ -6,11 +6,11 @@
 //! cancels, and so does the curvature of the contact law. The simulation itself is not changed: a run continues with the same bits.
 //!
 //! By default friction is raised on the copies to [`FROZEN`], so that no contact slides and the response is elastic; without
-//! that, contacts at the limit of friction slide, and the result is a tangent stiffness that depends on the size of the strain. Limits of
-//! rolling resistance are not changed, since the rolling stiffness depends on the same parameter.
+//! that, contacts at the limit of friction slide, and the result is a tangent stiffness that depends on the size of the strain.
+//! Limits of rolling resistance are not changed, since the rolling stiffness depends on the same parameter.
 //!
-//! The affine tensor, from the stress after a single step in which every grain follows the strain of the cell, is the
-//! mean-field estimate from the stiffness of every contact (Walton 1987 gives it for the mean contact); the difference between the two
+//! The affine tensor, from the stress after a single step in which every grain follows the strain of the cell, is the mean-field
+//! estimate from the stiffness of every contact (Walton 1987 gives it for the mean contact); the difference between the two
 //! tensors is due to the non-affine motion of the grains.
 
 mod degradation;
@@ -25,8 +25,8 @@ pub use degradation::{Degradation, degradation, degradation_table};
 pub use series::{Probed, Probes, table};
 pub use tensor::Tensor;
 
-/// Coefficient of friction on copies whose contacts must not slide. It is far above any ratio of tangential to normal force, and small
-/// enough for laws with micro-slip, in which terms of the size of friction times normal force cancel.
+/// Coefficient of friction on copies whose contacts must not slide. It is far above any ratio of tangential to normal force, and
+/// small enough for laws with micro-slip, in which terms of the size of friction times normal force cancel.
 pub const FROZEN: f64 = 10.0;
 
 /// How a stiffness is measured.
@@ -180,8 +180,8 @@ fn at_rest(simulation: &Simulation, probing: &Probing) -> Result<Simulation, Sti
     Ok(copy)
 }
 
-/// Global damping per step: slow compared with the vibrations of a contact, as in a preparation, and fast enough that a sample about ten
-/// grains wide is close to critical damping.
+/// Global damping per step: slow compared with the vibrations of a contact, as in a preparation, and fast enough that a sample
+/// about ten grains wide is close to critical damping.
 const DAMPING: f64 = 0.02;
 
 /// The same properties with a coefficient of friction so large that no contact slides.

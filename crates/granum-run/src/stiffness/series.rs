@@ -116,8 +116,8 @@ impl Observer for Probes {
     }
 }
 
-/// The measured stiffnesses as a table, one row per state: strains, void ratio, coordination number, stress, moduli, and the tensor as
-/// `c_xx_xx` to `c_xy_xy` (stress component, strain component).
+/// The measured stiffnesses as a table, one row per state: strains, void ratio, coordination number, stress, moduli, and the
+/// tensor as `c_xx_xx` to `c_xy_xy` (stress component, strain component).
 pub fn table(rows: &[Probed]) -> Table {
     let column = |name: &str, unit: &str, value: &dyn Fn(&Probed) -> f64| {
         Column::new(name, unit, rows.iter().map(value).collect())

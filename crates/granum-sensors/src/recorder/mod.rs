@@ -20,17 +20,18 @@ use crate::{Bins, Memory, Observation, Record, SensorColumn, SensorError, Sensor
 /// The following describes tests whose states are spaced by the deviator strain. The states of a stage can be spaced by another
 /// measure, and at equal intervals without an end ([`Recorder::of_stage`]).
 ///
-/// State k of `0..=states` is at the fraction `k / states` of the deviator strain at the end, and its window is one interval wide and
-/// centred on it (half a window at the end). Observations are evenly spaced in a window, half a spacing from its edges, so that they are
-/// evenly spaced over the whole test. A column of strain is averaged like every other, so that each row consists of mean values over the
-/// same observations.
+/// State k of `0..=states` is at the fraction `k / states` of the deviator strain at the end, and its window is one interval wide
+/// and centred on it (half a window at the end). Observations are evenly spaced in a window, half a spacing from its edges, so
+/// that they are evenly spaced over the whole test. A column of strain is averaged like every other, so that each row consists of
+/// mean values over the same observations.
 ///
-/// With another [`Spacing`](granum_dem::config::Spacing) the window of a state is centred on it too, and its width is the distance to
-/// the nearer of the two neighbouring states (below the first state the start counts as a neighbour, above the last one the end), so that
-/// windows never overlap.
+/// With another [`Spacing`](granum_dem::config::Spacing) the window of a state is centred on it too, and its width is the
+/// distance to the nearer of the two neighbouring states (below the first state the start counts as a neighbour, above the last
+/// one the end), so that windows never overlap.
 ///
-/// State 0 is the sample before it is strained: one observation at strain zero. A window around it would contain the elastic rise of
-/// the stress, which in stiff grains ends at a strain of about 1e-3; its mean would describe neither the sample nor the sheared state.
+/// State 0 is the sample before it is strained: one observation at strain zero. A window around it would contain the elastic rise
+/// of the stress, which in stiff grains ends at a strain of about 1e-3; its mean would describe neither the sample nor the
+/// sheared state.
 ///
 /// A recorder can be serialised with the data that its sensors store, and is read back as a [`SavedRecorder`], so that a resumed run
 /// gives the same bits.
@@ -146,8 +147,8 @@ impl Recorder {
         Recorder::with_schedule(sensors, Schedule::of_test(recording, end), false)
     }
 
-    /// A recorder for a stage whose measure is counted from `origin`. Of the recording only the number of observations, the bins and the
-    /// sensors are used.
+    /// A recorder for a stage whose measure is counted from `origin`. Of the recording only the number of observations, the bins
+    /// and the sensors are used.
     ///
     /// # Errors
     /// As [`Recorder::new`].

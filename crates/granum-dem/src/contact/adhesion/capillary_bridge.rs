@@ -1,8 +1,9 @@
 //! Liquid bridges of constant volume between wet grains: the closed form of Willett, Adams, Johnson and Seville (2000),
 //! Langmuir 16, 9396-9405.
 //!
-//! With the radius `R_e = 2 R_i R_j / (R_i + R_j)` (Derjaguin), the surface tension gamma, the contact angle theta, the volume V of
-//! the bridge, the gap `S = max(0, -alpha)` between the surfaces and `S+ = (S/2) (R_e/V)^(1/2)`, the attractive force of the bridge is
+//! With the radius `R_e = 2 R_i R_j / (R_i + R_j)` (Derjaguin), the surface tension gamma, the contact angle theta, the volume V
+//! of the bridge, the gap `S = max(0, -alpha)` between the surfaces and `S+ = (S/2) (R_e/V)^(1/2)`, the attractive force of the
+//! bridge is
 //!
 //! `F = 2 pi R_e gamma cos(theta) / (1 + 2.1 S+ + 10 S+^2)`.
 //!
@@ -10,9 +11,9 @@
 //! Its volume divided by `R_e^3` is a parameter: liquid is neither exchanged between bridges nor lost.
 //!
 //! Between formation and rupture the bridge is elastic. Its energy, which is zero when the surfaces just touch, is
-//! `2 F_0 (V/R_e)^(1/2) (2/D) (arctan((20 S+ + 2.1)/D) - arctan(2.1/D))` with `F_0 = F(0)` and `D = 35.59^(1/2)`, and `-F_0 alpha` where the
-//! grains overlap. The energy at `S_c` is lost when the bridge ruptures. Friction is limited by the load of the contact without the
-//! bridge.
+//! `2 F_0 (V/R_e)^(1/2) (2/D) (arctan((20 S+ + 2.1)/D) - arctan(2.1/D))` with `F_0 = F(0)` and `D = 35.59^(1/2)`, and
+//! `-F_0 alpha` where the grains overlap. The energy at `S_c` is lost when the bridge ruptures. Friction is limited by the load
+//! of the contact without the bridge.
 //!
 //! Against the solution of the Young-Laplace equation the closed form is 4 to 35 % too strong at touch and 12 to 49 % too weak
 //! near rupture (v from 1e-4 to 0.05, theta from 0 to 40 degrees); other programs use it as well.

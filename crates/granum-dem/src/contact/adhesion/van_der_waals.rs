@@ -5,9 +5,9 @@
 //!
 //! `F = A R*/6 (1/D^2 - 1/D_c^2)` for `D_0 <= D < D_c`, and `F(D_0)` for a smaller gap and for spheres that touch.
 //!
-//! The force decreases continuously to zero at the cut-off. `D_0` represents the atomic roughness of the surfaces, which repel each
-//! other at smaller gaps. At touch the force equals the pull-off force of DMT with `Gamma = A / (12 pi D_0^2)`, reduced by the fraction
-//! `(D_0/D_c)^2`.
+//! The force decreases continuously to zero at the cut-off. `D_0` represents the atomic roughness of the surfaces, which repel
+//! each other at smaller gaps. At touch the force equals the pull-off force of DMT with `Gamma = A / (12 pi D_0^2)`, reduced by
+//! the fraction `(D_0/D_c)^2`.
 //!
 //! The attraction has a potential and no memory: `U = -A R*/6 ((D_c - D)/D_c)^2 / D` down to `D_0`, then linear; no energy is lost.
 //! Friction is limited by the load of the contact without the attraction. Retardation, which matters beyond some tens of nanometres,

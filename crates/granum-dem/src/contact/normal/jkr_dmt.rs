@@ -12,9 +12,10 @@
 //! - force `N = ((4 E* a^3 / 3 R*)^(1/2) - w P_c^(1/2))^2 - P_c`,
 //! - overlap `alpha = a^2/R* - (4 pi (2 - p) Gamma a / E*)^(1/2)`.
 //!
-//! The overlap has the form of JKR's, `alpha / d_0 = x^4 - 2/3 x` with `x = sqrt(a / a_0)`, `a_0^3 = 9 pi (2 - p) Gamma R*^2 / E*` and
-//! `d_0 = a_0^2 / R*`, so that the same rational function inverts it. A contact is made at zero overlap and breaks under
-//! displacement control at `-0.27516 d_0`. At p = 3/2 the normal force is exactly that of JKR, at p = 2 that of DMT.
+//! The overlap has the form of JKR's, `alpha / d_0 = x^4 - 2/3 x` with `x = sqrt(a / a_0)`,
+//! `a_0^3 = 9 pi (2 - p) Gamma R*^2 / E*` and `d_0 = a_0^2 / R*`, so that the same rational function inverts it. A contact is
+//! made at zero overlap and breaks under displacement control at `-0.27516 d_0`. At p = 3/2 the normal force is exactly that of
+//! JKR, at p = 2 that of DMT.
 //!
 //! Friction is limited by the load `F = N + P_c (1 + w^2)`, which is Thornton's `N + 2 N_c` for JKR and the elastic load for DMT.
 //!

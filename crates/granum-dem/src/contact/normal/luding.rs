@@ -1,18 +1,21 @@
 //! Elastic-plastic adhesive contact with linear branches (Luding 2008, Granular Matter 10, 235-246).
 //!
-//! The history of a contact contains its largest overlap m. With the stiffnesses `k_1` of first loading, `k_p` of the hardest unloading and `k_c`
-//! of cohesion, and the overlap `m_p = k_p/(k_p - k_1) phi_f 2 R*` beyond which the unloading stiffness no longer increases,
+//! The history of a contact contains its largest overlap m. With the stiffnesses `k_1` of first loading, `k_p` of the hardest
+//! unloading and `k_c` of cohesion, and the overlap `m_p = k_p/(k_p - k_1) phi_f 2 R*` beyond which the unloading stiffness no
+//! longer increases,
 //!
 //! - unloading stiffness `k_2 = k_1 + (k_p - k_1) min(m, m_p)/m_p`, plastic overlap `d_0 = (1 - k_1/k_2) min(m, m_p)`,
 //! - force `N = k_2 (alpha - d_0)`, which is `k_1 alpha` at first loading up to m_p,
-//! - but at least `-k_c alpha`. Where this bound applies, m is reduced so that both expressions agree: `s m^2 - s alpha m - (k_1 + k_c) alpha = 0` with
-//!   `s = (k_p - k_1)/m_p`. (Codes that adjust m with the stiffness of the previous step converge to this for small steps.)
+//! - but at least `-k_c alpha`. Where this bound applies, m is reduced so that both expressions agree:
+//!   `s m^2 - s alpha m - (k_1 + k_c) alpha = 0` with `s = (k_p - k_1)/m_p`. (Codes that adjust m with the stiffness of the
+//!   previous step converge to this for small steps.)
 //!
 //! The pair touches where `alpha > 0`; the force vanishes continuously at `alpha = 0`, and the history is discarded with the contact.
 //!
-//! The energy `N^2/2 k_2`, which is recovered when the force is brought to zero, is stored; the rest of the work `int N dalpha`, by the
-//! trapezoidal rule over a step, is lost by plastic deformation, also on the cohesive branch. Friction is limited by the load `F = N + k_c alpha`, as in
-//! the paper. The tangential stiffness is a fraction of `k_2`, which is also the stiffness for the dashpot and for the time step.
+//! The energy `N^2/2 k_2`, which is recovered when the force is brought to zero, is stored; the rest of the work `int N dalpha`,
+//! by the trapezoidal rule over a step, is lost by plastic deformation, also on the cohesive branch. Friction is limited by the
+//! load `F = N + k_c alpha`, as in the paper. The tangential stiffness is a fraction of `k_2`, which is also the stiffness for
+//! the dashpot and for the time step.
 
 use granum_simd::{Mask, Real};
 

@@ -50,8 +50,8 @@ fn undrained(values: &Values) -> bool {
     values.is("drainage", "undrained")
 }
 
-/// With a strain amplitude the strain rate along x is prescribed. With a stress amplitude the rate of the deviator stress is prescribed,
-/// and the strain rate is limited to the speed of the stage, which matters when the sample flows.
+/// With a strain amplitude the strain rate along x is prescribed. With a stress amplitude the rate of the deviator stress is
+/// prescribed, and the strain rate is limited to the speed of the stage, which matters when the sample flows.
 fn control(values: &Values) -> Control {
     let (free, fixed) = (Drive::Free, Drive::Fixed);
     let held = Drive::Stress(Target::current());
