@@ -11,7 +11,7 @@ pub use engine_error::EngineError;
 pub use engine_trait::{Engine, Engines, PlannedRun, Task};
 
 impl Engines {
-    /// The formats that come with granum.
+    /// The engines that come with granum.
     pub fn standard() -> Engines {
         Engines(vec![Arc::new(native::Native)])
     }
@@ -64,12 +64,12 @@ mod tests {
         assert_eq!(folder.run().record().unwrap(), record);
         assert_eq!(folder.run().case().unwrap(), Case::default());
 
-        // What it refuses, it refuses before there is a folder.
+        // A refusal comes before a folder is created.
         let case = Case::default();
         let begun = laboratory.planned("prepare", &case, &Source::Case, &mut NoObserver);
         let message = begun.err().unwrap().to_string();
         assert_eq!(message, "the engine clerk: it makes no samples; use the engine granum");
-        // The record says whose run it is, so that the right engine is asked to go on with it.
+        // The record names the engine of a run, and resuming the run uses that engine.
         let message = laboratory.resume(&folder, &mut NoObserver).unwrap_err().to_string();
         assert!(message.starts_with("the engine clerk cannot resume an interrupted run"), "{message}");
         let message = Laboratory::here().resume(&folder, &mut NoObserver).unwrap_err().to_string();

@@ -1,17 +1,17 @@
-//! Anisotropies of contacts, normal forces and tangential forces, and the stress ratio that follows from them (the relation of
-//! stress, force and fabric: Rothenburg and Bathurst 1989; in three dimensions Chantawarangul 1993, Guo and Zhao 2013).
+//! Anisotropies of contacts, normal forces and tangential forces, and the stress ratio that follows from them (the
+//! stress-force-fabric relation: Rothenburg and Bathurst 1989; in three dimensions Chantawarangul 1993, Guo and Zhao 2013).
 //!
-//! With the fabric `phi = <n n>` the density of contact normals is `(1 + a^c_ij n_i n_j) / 4 pi`, `a^c = 15/2 phi'` (a dash is
+//! With the fabric `phi = <n n>` the density of contact normals is `(1 + a^c_ij n_i n_j) / 4 pi`, `a^c = 15/2 phi'` (a prime denotes
 //! the deviator). Normal and tangential forces as functions of the direction follow from means in which each contact counts
 //! with `w = 1 / (1 + a^c_ij n_i n_j)`, so that every direction has the same weight:
 //! `F^n = <w N n n>`, `f_0 = tr F^n`, `a^n = 15/2 F^n' / f_0`; `F^t = -<w T n>`, `a^t = 5 F^t' / f_0`.
 //!
 //! The scalars are `sqrt(3/2 a:a)`, negative where `a:sigma' < 0`. To first order
-//! `q/p = 2/5 (a_c + a_n + 3/2 a_t)`, q the von Mises stress: where the anisotropies share the axes of the stress and branches
-//! have one length. The column `stress_force_fabric_ratio` is the right side, to be compared with the measured ratio.
+//! `q/p = 2/5 (a_c + a_n + 3/2 a_t)` with the von Mises stress q, if the anisotropies are coaxial with the stress and all branches
+//! have the same length. The column `stress_force_fabric_ratio` is the right-hand side, to be compared with the measured ratio.
 //!
-//! The expansion ends at second order, so that in a strongly anisotropic assembly the density can come out negative for some
-//! directions; w is therefore at most 10.
+//! The expansion is of second order, so that in a strongly anisotropic assembly the density can become negative for some
+//! directions; w is therefore limited to 10.
 
 use granum_core::Part;
 use granum_core::assembly::Matrix;

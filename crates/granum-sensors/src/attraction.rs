@@ -1,8 +1,8 @@
-//! Attraction on top of contacts and beyond touch (liquid bridges), where a law of adhesion acts: its energy and what it lost since
-//! the start of the phase, and how many pairs it holds that do not touch. In a series without such a law these columns are left
-//! out.
+//! Attraction by an adhesion law, at contacts and between separated grains (for instance by liquid bridges): its energy, its
+//! losses since the start of the phase, and the number of separated pairs on which it acts. These columns are omitted from a
+//! series without such a law.
 //!
-//! `boundary_work` of [`crate::energy`] also comes to `change of attraction_energy + attraction_loss`.
+//! The energy balance of [`crate::energy`] then includes `change of attraction_energy + attraction_loss`.
 
 use granum_core::Part;
 
@@ -45,7 +45,7 @@ impl Sensor for Attraction {
 mod tests {
     use crate::{column_index, lattice, measure_row};
 
-    /// A pair apart counts with its energy and its pull, but is no contact.
+    /// A separated pair contributes its energy and its force, but is not a contact.
     #[test]
     fn pairs_apart_have_a_part_in_the_stress() {
         let assembly = lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4);

@@ -1,8 +1,9 @@
-//! Buckling of force chains (Tordesillas 2007): the share of the segments of three grains of the chains of a state whose angle at
-//! the middle grain is smaller by more than 2 degrees after 1 % of strain: each arm has turned by more than 1 degree on average.
+//! Buckling of force chains (Tordesillas 2007): the fraction of the segments of three grains, in the chains of a state, whose
+//! angle at the middle grain has decreased by more than 2 degrees after 1 % of strain, so that each arm has rotated by more than
+//! 1 degree on average.
 //!
 //! The chains are those of [`crate::force_chains`]; strain is arc length. The chains of one observation are followed until an
-//! observation at least 1 % later, whose chains are followed then; in between, the share of the last interval stands.
+//! observation at least 1 % later, whose chains are followed then; in between, the value of the last interval is reported.
 
 use granum_core::Part;
 use granum_core::assembly::{Assembly, Vector};
@@ -13,7 +14,7 @@ use crate::numerics::acos_degrees;
 use crate::observation::{mean, ratio};
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 
-/// Least bend, degrees.
+/// Smallest decrease of the angle of a segment that counts as buckling, degrees.
 const BEND: f64 = 2.0;
 /// Strain over which segments are followed.
 const INTERVAL: f64 = 0.01;
@@ -45,7 +46,8 @@ impl Sensor for ChainBuckling {
     }
 
     fn measure(&self, observation: &Observation, memory: &mut Memory, values: &mut Values) {
-        // The arc length at which the segments were found, the share and the number of the interval before, then the segments.
+        // The arc length at which the segments were found, the fraction in the previous interval, the number of segments, then
+        // the segments.
         let arc_length = observation.assembly.arc_length;
         if let [start, share, count, ..] = memory[..]
             && arc_length < start + (1.0 - 1e-9) * INTERVAL
@@ -70,7 +72,7 @@ impl Sensor for ChainBuckling {
     }
 }
 
-/// The share of segments that have bent.
+/// The fraction of segments that have buckled.
 fn bent(assembly: &Assembly, segments: &[f64]) -> f64 {
     let (mut bent, mut count) = (0, 0);
     for segment in segments.chunks_exact(4) {
@@ -165,7 +167,7 @@ mod tests {
         };
         // 0.02 more at each observation: 1.1 degrees each, 2.3 together.
         assert_eq!([observe(0.0, 0.1), observe(0.02, 0.105), observe(0.04, 0.11)], [0.0, 0.0, 1.0]);
-        // The share stands until the next interval is over, in which nothing bends any more.
+        // The value is reported until the end of the next interval, in which no segment buckles.
         assert_eq!([observe(0.04, 0.115), observe(0.04, 0.12)], [1.0, 0.0]);
     }
 }

@@ -1,9 +1,9 @@
-//! Rolling against sliding at the contacts, from the motion of the grains (Kuhn and Bagi 2004; Luding 2008).
+//! Rolling and sliding at the contacts, from the motion of the grains (Kuhn and Bagi 2004; Luding 2008).
 //!
-//! Of the two surfaces at a contact the relative velocity has the tangential part
+//! The relative velocity of the two surfaces at a contact has the tangential part
 //! `v_s = (1 - n n) (v_j - v_i + L l) - (R_i omega_i + R_j omega_j) x n`, the sliding velocity, with the velocity gradient L of
-//! the cell and the branch l; rolling has the velocity `v_r = R* (omega_i - omega_j) x n`, `1/R* = 1/R_i + 1/R_j`, which no
-//! rotation of the pair as a whole changes. A contact counts as rolling where `|v_r| > |v_s|`. The contacts at the limit of
+//! the cell and the branch l; rolling has the velocity `v_r = R* (omega_i - omega_j) x n`, `1/R* = 1/R_i + 1/R_j`, which does not
+//! change in a rotation of the pair as a rigid body. A contact counts as rolling where `|v_r| > |v_s|`. The contacts at the limit of
 //! friction are those of [`crate::sliding`]: a contact may creep without reaching it.
 
 use granum_core::Part;
@@ -91,7 +91,7 @@ mod tests {
 
     #[test]
     fn gears_roll_and_equal_spins_slide() {
-        // Surfaces move alike: 2 x 1 = -1 x -2. Rolling: R* = 2/3, (1 - -2) 2/3 = 2.
+        // The surfaces have the same velocity: 2 x 1 = -1 x -2. Rolling: R* = 2/3, (1 - -2) 2/3 = 2.
         let gears = pair([0.0; 2], [1.0, -2.0]);
         let [roll, slide] = squares(&gears, &gears.contacts[0]).unwrap();
         assert!((roll - 4.0).abs() < 1e-14 && slide < 1e-28, "{roll} {slide}");

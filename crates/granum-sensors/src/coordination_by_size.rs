@@ -1,7 +1,7 @@
 //! Coordination number by size: the grains in five classes of equal number from the smallest to the largest fifth, and the mean
-//! number of contacts of each class. Grains of equal size are told apart by their ids.
+//! number of contacts of each class. Grains of equal size are ordered by their ids.
 //!
-//! In a polydisperse sample small grains have fewer contacts and are more often rattlers; many contacts sit on few large grains.
+//! In a polydisperse sample small grains have fewer contacts and are more often rattlers; large grains have many contacts.
 
 use granum_core::Part;
 

@@ -1,14 +1,14 @@
-//! D2min (Falk and Langer 1998): how far the motion of a grain's neighbourhood is from any uniform strain, from one
+//! D2min (Falk and Langer 1998): the deviation of the motion of a grain's neighbours from the best-fitting uniform strain, from one
 //! observation to the next.
 //!
 //! With the branches r from a grain to its neighbours (centres nearer than 1.5 times the largest diameter at the first of the two
 //! observations, images included) `X = sum r(t) r(t_0)^T`, `Y = sum r(t_0) r(t_0)^T`, `F = X Y^-1`,
-//! `D2 = sum |r(t) - F r(t_0)|^2` over the number of neighbours and the squared mean diameter. A strain of the cell has none,
-//! nor has one that varies slowly in space: D2min sees the local rearrangements. Grains with fewer than four neighbours, or
-//! with neighbours in one plane, are left out.
+//! `D2 = sum |r(t) - F r(t_0)|^2` over the number of neighbours and the squared mean diameter. It is zero in a uniform strain of
+//! the cell and small where the strain varies slowly in space, so that it measures local rearrangements. Grains with fewer than
+//! four neighbours, or with neighbours in one plane, are excluded.
 //!
 //! The mean over the grains grows with the strain between the observations. The participation ratio `<D2>^2 / <D2^2>` is 1
-//! where all grains rearrange alike and small where few do.
+//! if D2 is the same for all grains, and small if few grains rearrange.
 
 use granum_core::Part;
 use granum_core::assembly::{Matrix, Vector};
@@ -78,7 +78,7 @@ fn rearrangements(cells: [&Matrix; 2], centres: [&[Vector]; 2], reach: f64) -> V
     for i in 0..places.len() {
         branches.clear();
         neighbours.of(i, |j, before, _| {
-            // The image of today is the one nearest to where the strain of the cell would have taken the branch.
+            // The present image is the one nearest to the branch that follows the strain of the cell.
             let carried = apply(&back, before);
             let place = std::array::from_fn(|k| {
                 let step = places[j][k] - places[i][k] - carried[k];

@@ -1,10 +1,10 @@
 //! Dilatancy angle: `sin(psi) = -tr(d_eps) / (|d_eps_1| + |d_eps_2| + |d_eps_3|)` of the principal strain increments from one
 //! observation to the next, compression positive, so that psi is positive where the sample dilates.
 //!
-//! The one formula contains the usual three: `-d_eps_v / (d_eps_1 - d_eps_2 - d_eps_3)` in axisymmetric compression
+//! This formula includes the three usual ones: `-d_eps_v / (d_eps_1 - d_eps_2 - d_eps_3)` in axisymmetric compression
 //! (Schanz and Vermeer 1996), `-d_eps_v / (d_eps_1 + d_eps_2 - d_eps_3)` in extension, and `-d_eps_v / (d_eps_1 - d_eps_3)` in
 //! plane strain (Hansen 1958). A purely volumetric increment has 90 degrees in expansion and -90 in compression. Elastic
-//! strains are included, so that the angle is that of the plastic flow only beyond the first parts of a per cent of strain.
+//! strains are included, so that the angle is that of the plastic flow only beyond a strain of a few tenths of a per cent.
 
 use granum_core::Part;
 use granum_core::assembly::Matrix;

@@ -1,9 +1,9 @@
 //! Directions of contacts, forces and branches: the tensors `<n n>`, `<N n n> / <N>` and `<l l> / <l . l>`, each of trace one,
 //! with the principal values and the direction of the largest (Satake 1982; Kanatani 1984).
 //!
-//! The direction is a unit vector with a positive x component, so that it is steady where the major direction stays away from
-//! the plane across x; over the observations of a state its components are averaged like any other column. In simple shear
-//! its turning is that of the principal axes. Where two principal values are equal the direction means nothing.
+//! The direction is a unit vector with a positive x component, so that it is continuous as long as the major direction is not
+//! perpendicular to x; over the observations of a state its components are averaged like any other column. In simple shear it
+//! shows the rotation of the principal axes. If two principal values are equal, the direction is arbitrary.
 
 use granum_core::Part;
 use granum_core::assembly::{Contact, Matrix};

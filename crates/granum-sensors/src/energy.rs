@@ -1,12 +1,11 @@
-//! Energy by mechanism, J: what is stored now, and the energy balance of what was worked and lost since the start of the
-//! phase.
+//! Energy by mechanism, J: the energy stored at present, and the work and losses since the start of the phase.
 //!
 //! The energy balance closes: `boundary_work = change of (kinetic + elastic normal) + tangential_work + damping + adhesion made +
-//! adhesion broken`, where the normal energy counts that of the joined surfaces. The tangential work is stored, slid or
-//! slipped: `tangential_work = change of elastic tangential + friction + micro-slip`; each is found by itself, so that
-//! what is missing here is the inconsistency of the tangential law (none without micro-slip). Where contacts resist rolling,
-//! `rolling_work` of [`crate::rolling`] comes to the right side, and so do the change of energy and the loss of
-//! [`crate::attraction`] where grains attract each other beyond touch.
+//! adhesion broken`, where the normal energy includes that of the joined surfaces. The tangential work is stored or dissipated by
+//! sliding and micro-slip: `tangential_work = change of elastic tangential + friction + micro-slip`; each term is computed
+//! independently, so that the gap of this equation is the inconsistency of the tangential law (none without micro-slip). If contacts
+//! resist rolling, the right-hand side also includes `rolling_work` of [`crate::rolling`], and if an adhesion law acts, the change of
+//! energy and the loss of [`crate::attraction`].
 
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 use granum_core::Part;

@@ -1,11 +1,11 @@
 //! Force chains (Peters, Muthuswamy, Wibowo and Tordesillas 2005): quasi-linear rows of highly stressed grains along which
 //! force is passed on.
 //!
-//! The stress of a grain is `sigma^p = (1/V_p) sum f r`, with the forces that press it and the arms r from its centre to the contacts. A
-//! grain is highly stressed if its largest principal stress exceeds the mean of that over all grains. Two such grains in
-//! contact are linked if the branch lies within 45 degrees of the major direction of both. So that chains do not branch, a grain
-//! keeps on either side only the link nearest to its direction, and a link counts if both of its grains keep it. A chain
-//! has three grains or more.
+//! The stress of a grain is `sigma^p = (1/V_p) sum f r`, with the contact forces f on it and the arms r from its centre to the
+//! contacts. A grain is highly stressed if its largest principal stress exceeds the mean of that over all grains. Two such grains
+//! in contact are linked if the branch lies within 45 degrees of the major direction of both. So that chains do not branch, only
+//! the link nearest to the major direction is retained on either side of a grain, and a link counts if it is retained at both of
+//! its grains. A chain has three grains or more.
 
 use granum_core::Part;
 use granum_core::assembly::{Contact, Matrix, Vector};
@@ -104,7 +104,7 @@ impl Chains {
     }
 }
 
-/// Keeps a link on the side of a grain that it lies on, if it is nearer to the direction than the one that is there.
+/// Stores a link on its side of a grain, if it is nearer to the major direction than the link stored there.
 fn keep(sides: &mut [Option<(usize, f64)>; 2], other: usize, cosine: f64) {
     let side = &mut sides[usize::from(cosine < 0.0)];
     if side.is_none_or(|(_, found)| cosine.abs() > found) {
@@ -188,7 +188,7 @@ pub(crate) mod tests {
         Assembly { cell, grains, contacts, ..Default::default() }
     }
 
-    /// A loaded row of five, beside a row of five that bears little, with weak contacts between them.
+    /// A loaded row of five grains next to a weakly loaded row of five, with weak contacts between them.
     #[test]
     fn a_loaded_row_is_one_chain() {
         let places: Vec<Vector> =

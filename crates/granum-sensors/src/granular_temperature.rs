@@ -1,9 +1,8 @@
 //! Granular temperature `T = <(v' - <v'>)^2> / 3`, the mean square of one component of the fluctuating velocity (Ogawa 1978;
 //! Campbell 1990), and that of the rotation, `<(R omega)^2> / 3`.
 //!
-//! Over the speed `rate d` by which neighbours pass one another, with the rate of [`crate::inertial_number`] and the mean
-//! diameter d, its square root says how much faster grains move than the strain of the cell asks of them; in slow flow it
-//! tends to a constant.
+//! Its square root, divided by the relative velocity `rate d` of neighbours (with the strain rate of [`crate::inertial_number`]
+//! and the mean diameter d), is the ratio of the fluctuating motion to the mean shear; in slow flow it tends to a constant.
 
 use granum_core::Part;
 use granum_core::assembly::{Assembly, Grain, Vector};

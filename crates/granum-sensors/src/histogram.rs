@@ -4,12 +4,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::observation::ratio;
 
-/// Most bins of a histogram.
+/// Largest number of bins of a histogram.
 const MOST_BINS: i64 = 1_000_000;
 
 /// The bins of a histogram that a sensor counts into.
 ///
-/// They have one width and one edge at zero. Who wants logarithmic bins counts logarithms.
+/// All bins have the same width, and one edge is at zero. For logarithmic bins a sensor can count logarithms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Bins {
@@ -44,13 +44,13 @@ impl Bins {
         Bins { smallest, largest, ..self }
     }
 
-    /// The histogram with nothing in it.
+    /// The empty histogram.
     pub fn empty(&self) -> Histogram {
         Histogram::new(self.width, self.smallest, self.largest)
     }
 }
 
-/// A histogram with bins of equal width, one edge at 0; counts are kept, so observations can be added.
+/// A histogram with bins of equal width and one edge at 0. It stores counts, so that observations can be added.
 ///
 /// Bin b covers `[(first + b) w, (first + b + 1) w)`.
 ///

@@ -1,12 +1,12 @@
 //! Soft sensors: what can be measured on an assembly of grains at one moment, and the record of it over a test.
 //!
-//! A [`Sensor`] reads an [`Assembly`](granum_core::Assembly) and nothing else, so it cannot disturb a run
-//! and works as well on another code's data, of which it says what is missing. One sensor is one file with its formula and
-//! tests, and one line in [`Sensors::standard`]; a program of one's own adds its sensors with [`Sensors::with`]. Axis 1 is the
+//! A [`Sensor`] reads only an [`Assembly`](granum_core::Assembly), so that it cannot disturb a run and can also be evaluated on
+//! the data of another code; data that are missing are reported. One sensor is one file with its formula and tests, and one line in
+//! [`Sensors::standard`]; a program that uses this library adds its own sensors with [`Sensors::with`]. Axis 1 is the
 //! axis of compression; axes 2 and 3 are averaged, as in Antony, Zhou and Wang (2006).
 //!
 //! Every column is a finite number for any finite assembly: a mean over nothing (no contacts, no grains, no
-//! strong contacts) is 0, and the count that tells so stands in a column beside it.
+//! strong contacts) is 0, and another column gives the count.
 //!
 //! ```
 //! use granum_core::assembly::Assembly;

@@ -2,11 +2,12 @@
 //! Gellatly and Finney 1982), in which a point belongs to the grain with the smallest `|x - c|^2 - R^2`.
 //!
 //! The cell of a grain is bounded by the planes at `h = (D^2 + R_i^2 - R_j^2) / 2D` along the branches of length D to its
-//! neighbours. Its volume is the sum over its faces of area times h over 3 (Gauss), where each face is a large square in its plane
-//! that all other planes clip: no face needs to know another, so that nothing fails where planes nearly meet in one point. A
-//! neighbour farther away than all corners of the cell allow cannot cut it; the reach grows until that holds.
+//! neighbours. Its volume is the sum over its faces of area times h over 3 (Gauss), where each face is a large square in its
+//! plane that is clipped by all other planes: each face is computed independently, so that the method is robust where planes
+//! nearly meet in one point. A neighbour that is farther away than the corners of the cell allow cannot cut it; the search
+//! distance is increased until this is the case for all neighbours beyond it.
 //!
-//! The volumes add up to that of the periodic cell; `voronoi_gap` is what is missing, relative, and rounding only.
+//! The volumes add up to that of the periodic cell; `voronoi_gap` is the relative difference, which is due to rounding only.
 
 use granum_core::Part;
 use granum_core::assembly::{Matrix, Vector};
@@ -80,7 +81,7 @@ pub struct VoronoiCell {
 ///
 /// let cell = [[2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 /// let cells = radical_voronoi(&cell, &[[0.5, 0.5, 0.5], [1.5, 0.5, 0.5]], &[0.5, 0.4]);
-/// // The planes stand at (1 + 0.25 - 0.16) / 2 = 0.545 from the larger sphere.
+/// // The planes are at a distance of (1 + 0.25 - 0.16) / 2 = 0.545 from the larger sphere.
 /// assert!((cells[0].volume - 1.09).abs() < 1e-12 && (cells[1].volume - 0.91).abs() < 1e-12);
 /// assert_eq!(cells[0].faces, 6);
 /// ```
@@ -130,9 +131,9 @@ fn planes_of(i: usize, neighbours: &Neighbours, radii: &[f64]) -> Vec<Plane> {
 /// Planes of which a first, larger cell is made.
 const NEAREST: usize = 20;
 
-/// The cell below all planes, the nearest of which stand first; `None` if a sphere beyond the reach might cut it.
+/// The cell below all planes, which are sorted by distance; `None` if a sphere beyond the reach might cut it.
 fn cell_of(planes: &[Plane], reach: f64, [own, largest]: [f64; 2]) -> Option<VoronoiCell> {
-    // What lies beyond all corners of the cell of the nearest planes cannot cut it.
+    // Planes beyond all corners of the cell of the nearest planes cannot cut it.
     let (_, corner) = intersection(&planes[..planes.len().min(NEAREST)], reach);
     let near = planes.iter().position(|plane| plane.height > corner).unwrap_or(planes.len());
     let (found, farthest) = intersection(&planes[..near.max(planes.len().min(NEAREST))], reach);

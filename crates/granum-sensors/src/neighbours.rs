@@ -1,5 +1,5 @@
-//! Grains within a distance of one another, in a periodic cell of any shape and size: also one that is smaller than the
-//! distance, where a grain has several images of another, and of itself, as neighbours.
+//! Grains within a given distance of each other, in a periodic cell of any shape and size. If the cell is smaller than the
+//! distance, a grain has several images of another grain, and of itself, as neighbours.
 
 use granum_core::assembly::{Matrix, Vector};
 use granum_core::geometry::{apply, determinant, invert};

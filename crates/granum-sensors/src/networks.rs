@@ -1,10 +1,10 @@
-//! Strong and weak networks: the contacts with a normal force above the mean, and the others (Radjai et al. 1998). Beside the
-//! strong fraction, the deviator fabrics and the parts of q/p along axis 1, which every test records, these are the measures
-//! that know no axis.
+//! Strong and weak networks: the contacts with a normal force above the mean, and the others (Radjai et al. 1998). Every test
+//! records the strong fraction, the deviator fabrics and the parts of q/p along axis 1; these are the measures that do not refer
+//! to an axis.
 //!
 //! The share of the mean stress is `p_strong / p`. The share of the deviator is `(s_strong : s) / (s : s)`, s the deviator of
-//! the stress; that of the weak contacts is the rest. The anisotropy of a network is `a_c = sqrt(3/2 a:a)` with
-//! `a = 15/2 phi'` of its own contacts, as in [`crate::anisotropies`], negative where it is turned against the stress.
+//! the stress; that of the weak contacts is the remainder. The anisotropy of a network is `a_c = sqrt(3/2 a:a)` with
+//! `a = 15/2 phi'` of its own contacts, as in [`crate::anisotropies`], negative if it is opposed to the stress.
 
 use granum_core::Part;
 use granum_core::assembly::Contact;

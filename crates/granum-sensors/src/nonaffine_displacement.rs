@@ -1,9 +1,9 @@
-//! Non-affine displacement: how far grains move against the uniform strain of the cell, from one observation to the next.
+//! Non-affine displacement: the displacement of grains relative to the uniform strain of the cell, from one observation to the next.
 //!
-//! With the place `s = H^-1 x` of a grain in the cell, which an affine motion does not change, its non-affine displacement is
-//! `u = H ds`, `ds` to the nearest image; its root mean square over the grains is given over the mean diameter. The uniform
-//! motion of all grains together is taken out. How much strain lies between the two observations is given beside: where grains
-//! diffuse, `<u^2>` grows in proportion to it; where they follow a steady flow, with its square.
+//! With the reduced position `s = H^-1 x` of a grain in the cell, which an affine motion does not change, its non-affine
+//! displacement is `u = H ds`, `ds` to the nearest image; its root mean square over the grains is divided by the mean diameter.
+//! The mean displacement of all grains is subtracted. A second column gives the strain between the two observations: if grains
+//! diffuse, `<u^2>` is proportional to it; in a steady flow `<u^2>` is proportional to its square.
 //!
 //! A grain must move by less than half of the cell between two observations.
 
@@ -46,7 +46,7 @@ impl Sensor for NonaffineDisplacement {
         let regular = determinant(cell) != 0.0;
         let inverse = if regular { invert(cell) } else { [[0.0; 3]; 3] };
         let places: Vec<Vector> = grains.iter().map(|grain| apply(&inverse, grain.position)).collect();
-        // The last number is the arc length, those before it are the places.
+        // The last number is the arc length, those before it are the reduced positions.
         let step = match memory.split_last() {
             Some((arc_length, before)) if before.len() == 3 * places.len() && regular => {
                 let diameter = 2.0 * mean(grains.iter().map(|grain| grain.radius).sum(), grains.len());

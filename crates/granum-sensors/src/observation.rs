@@ -17,11 +17,11 @@ pub struct Observation<'a> {
     pub volume: f64,
     /// Stress.
     pub stress: Stress,
-    /// The recording that the observation belongs to: parameters of sensors.
+    /// The recording of the observation, with the parameters of sensors.
     pub recording: &'a Recording,
 }
 
-/// The recording of an observation that belongs to none.
+/// The recording of an observation without one of its own.
 static USUAL: LazyLock<Recording> = LazyLock::new(Recording::default);
 
 impl<'a> Observation<'a> {

@@ -1,8 +1,8 @@
 //! Distribution of the overlaps of contacts in compression: their mean over the sum of the radii, and the histogram of each
 //! overlap over the mean one.
 //!
-//! With equal grains and Hertz's law `f = (alpha / <alpha>)^(3/2)` up to a factor, so that P(overlap) is the distribution of
-//! forces as another code or an experiment sees it that knows places and radii only.
+//! With equal grains and Hertz's law `f` is proportional to `(alpha / <alpha>)^(3/2)`, so that P(overlap) corresponds to the
+//! distribution of forces for codes or experiments that provide positions and radii only.
 
 use granum_core::Part;
 use granum_core::assembly::Contact;
@@ -69,7 +69,8 @@ mod tests {
         let mut assembly = lattice::simple_cubic(3, 1e-4, 1e-3, 2e-4);
         assert!((measured(&OverlapDistribution, &assembly)[0] / 1e-3 - 1.0).abs() < 1e-9);
         for (k, contact) in assembly.contacts.iter_mut().enumerate() {
-            // A third is stretched apart, a third once and a third three times as deep: the mean is twice the small ones.
+            // A third of the contacts is separated, and a third has three times the overlap of the last third: the mean is twice the
+            // smaller overlap.
             contact.approach = [-1e-9, 1e-9, 3e-9][k % 3];
         }
         let histogram = counted(&assembly);

@@ -1,7 +1,7 @@
-//! Energy lost by plastic deformation of contacts since the start of the phase, with a normal law that has a memory. In a series
-//! without such a law the column is left out.
+//! Energy lost by plastic deformation of contacts since the start of the phase, with a normal law that has a history. The column
+//! is omitted from a series without such a law.
 //!
-//! `boundary_work` of [`crate::energy`] also comes to `plastic_loss`; what unloading would give back is part of
+//! The energy balance of [`crate::energy`] then includes `plastic_loss`; the energy that would be recovered in unloading is part of
 //! `elastic_normal_energy`.
 
 use granum_core::Part;

@@ -1,10 +1,10 @@
 //! Radial distribution function g(r): the density of centres at a distance r from a centre, over the mean density.
 //!
-//! The sensor counts the distances r of pairs of centres, in mean diameters, in bins of 0.05 up to 5, images included. With
-//! the counts n_b over all observations of a state, N grains, the volume V of the cell in cubed mean diameters (the column
-//! `cell_volume_in_diameters`, and N beside it as `grains`) it is
-//! `g_b = 2 n_b V / (observations N^2 (4/3) pi (r_2^3 - r_1^3))`, which [`radial_distribution`] computes; it tends to 1 far away, in a
-//! cell whose smallest height is more than twice the distance (Allen and Tildesley 1987). Pairs farther apart are not counted.
+//! The sensor counts the distances r of pairs of centres, in mean diameters, in bins of 0.05 up to 5, images included. With the
+//! counts n_b over all observations of a state, N grains, the volume V of the cell in cubed mean diameters (the column
+//! `cell_volume_in_diameters`, and N beside it as `grains`) it is `g_b = 2 n_b V / (observations N^2 (4/3) pi (r_2^3 - r_1^3))`,
+//! which [`radial_distribution`] computes; it tends to 1 far away, in a cell whose smallest height is more than twice the
+//! distance (Allen and Tildesley 1987). Pairs farther apart are not counted.
 
 use granum_core::Part;
 use granum_core::assembly::Vector;
@@ -53,7 +53,7 @@ impl Sensor for RadialDistribution {
         let Some(neighbours) = Neighbours::new(&observation.assembly.cell, &positions, reach) else { return };
         let per_width = 1.0 / (diameter * histogram.bin_width);
         for i in 0..positions.len() {
-            // Each pair is met from both ends and counted once; two opposite images of a grain itself likewise.
+            // Each pair is found from both grains and counted once, and so are two opposite images of the grain itself.
             neighbours.of(i, |j, branch, distance| {
                 if j > i || (j == i && is_upper(&branch)) {
                     histogram.add_in_widths(distance * per_width);
@@ -75,7 +75,7 @@ fn is_upper(v: &Vector) -> bool {
 /// use granum_sensors::Histogram;
 /// use granum_sensors::radial_distribution::radial_distribution;
 ///
-/// // A hundred grains without order in a volume of 1000: g = 1 asks for so many pairs between the distances 2 and 3.
+/// // A hundred grains without order in a volume of 1000: the number of pairs at distances from 2 to 3 for g = 1.
 /// let mut distances = Histogram::new(1.0, 0.0, 4.0);
 /// distances.counts[2] = (0.5 * 100.0 * 100.0 / 1000.0 * 4.0 / 3.0 * std::f64::consts::PI * 19.0) as u64;
 /// let g = radial_distribution(&distances, 1.0, 100.0, 1000.0);

@@ -1,4 +1,4 @@
-//! What the sensors saw over a test: a series of rows and the histograms of each.
+//! The measurements of the sensors in a test: a series of rows, each with its histograms.
 
 use std::ops::Range;
 
@@ -53,9 +53,9 @@ pub enum RecordError {
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// One row a state: `state`, `observations`, every column of every sensor, then for each histogram how many values lie outside its
-    /// bins, as `forces_below` and `forces_above`. A test that is given as stages has a column `stage` before `state`, which
-    /// counts from 0 in each.
+    /// One row per state: `state`, `observations`, every column of every sensor, then for each histogram how many values lie
+    /// outside its bins, as `forces_below` and `forces_above`. A test that is defined as a list of stages has a column `stage`
+    /// before `state`, which is counted from 0 in each stage.
     pub series: Table,
     /// The histograms of the sensors, those of the contact forces first.
     pub histograms: Vec<Histograms>,
@@ -148,7 +148,7 @@ impl Record {
         self.histograms(FORCES)
     }
 
-    /// The histograms as tables with their names, one row a bin: `state`, `deviator_strain`, the centre of the bin (named as
+    /// The histograms as tables with their names, one row per bin: `state`, `deviator_strain`, the centre of the bin (named as
     /// what is counted, e.g. `force`), `bin_width`, `count`, `probability_density`, before them `stage` where the series has
     /// it. With [`Record::series`] they are the whole record.
     pub fn histogram_tables(&self) -> impl Iterator<Item = (&str, Table)> {
@@ -194,7 +194,7 @@ impl Record {
         table_of(stage.into_iter().chain(table))
     }
 
-    /// Puts a record together again from its tables: the series, and those of the histograms with their names.
+    /// Reconstructs a record from its tables: the series, and those of the histograms with their names.
     ///
     /// # Errors
     /// A missing column, columns of unequal length, a count that is not a whole number, or bins that are not consecutive.
@@ -226,7 +226,7 @@ fn read_histograms(series: &Table, name: &str, table: &Table) -> Result<Histogra
     let of = table.column("state")?;
     let stage_of = table.values("stage").unwrap_or(&[]);
     let stages = series.values("stage").unwrap_or(&[]);
-    // What is counted stands before the width of the bins.
+    // The column of the counted quantity precedes that of the bin width.
     let names: Vec<&str> = table.names().collect();
     let width = names.iter().position(|name| *name == "bin_width").unwrap_or(0);
     let quantity = names.get(width.saturating_sub(1)).copied().unwrap_or("force");

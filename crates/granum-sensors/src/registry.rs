@@ -1,5 +1,5 @@
-//! The sensors that a program knows. A new one is its file and its line in [`Sensors::standard`]; a program of one's own adds
-//! its sensors with [`Sensors::with`].
+//! The registry of sensors. A new sensor needs a file and a line in [`Sensors::standard`]; a program that uses this library adds
+//! its own sensors with [`Sensors::with`].
 
 use std::sync::{Arc, LazyLock};
 
@@ -23,13 +23,13 @@ use crate::{
 enum Recorded {
     /// In every test.
     Always,
-    /// In every test that is given as stages, and where a case names it.
+    /// In every test that is defined as a list of stages, and where a case names it.
     InStages,
     /// Where a case names it in `recording.sensors`.
     WhereNamed,
 }
 
-/// A sensor that cannot be taken.
+/// Reasons why a sensor cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SensorError {
@@ -48,17 +48,17 @@ pub enum SensorError {
     NameTaken {
         /// The sensor.
         sensor: &'static str,
-        /// Whose name it is: `name`, `column` or `histogram`.
+        /// The kind of the name: `name`, `column` or `histogram`.
         what: &'static str,
         /// The name.
         name: &'static str,
     },
-    /// The recording names it without what it needs.
+    /// The recording names it, but lacks a parameter that it needs.
     #[error("the sensor {sensor:?}: {what}")]
     Lacks {
         /// The sensor.
         sensor: &'static str,
-        /// What it needs, and how that is set.
+        /// The parameter that it needs, and how to set it.
         what: &'static str,
     },
     /// It measures another number of values than it has columns.
@@ -75,7 +75,7 @@ pub enum SensorError {
     },
 }
 
-/// A sensor and what it says of itself.
+/// A sensor with its description.
 pub(crate) struct Known {
     pub(crate) sensor: Box<dyn Sensor>,
     pub(crate) description: Description,
@@ -88,7 +88,7 @@ pub(crate) struct Known {
 /// use granum_core::{Assembly, Part, Parts};
 /// use granum_sensors::Sensors;
 ///
-/// // What can be said of spheres of which only the places are known, and why the rest cannot.
+/// // The sensors that can be evaluated on spheres with known positions, and the reasons why the others cannot.
 /// let parts = Parts::of(&[Part::Cell, Part::Positions, Part::Radii]);
 /// let measured = Sensors::standard().measure(&Assembly::default(), parts);
 /// assert_eq!(measured.value("solid_fraction"), Some(0.0));
@@ -141,7 +141,7 @@ static STANDARD: LazyLock<Sensors> = LazyLock::new(|| {
 });
 
 impl Sensors {
-    /// The formats that come with granum.
+    /// The sensors that come with granum.
     pub fn standard() -> Sensors {
         STANDARD.clone()
     }
@@ -197,12 +197,12 @@ impl Sensors {
         if values == columns { Ok(()) } else { Err(SensorError::Values { sensor, columns, values }) }
     }
 
-    /// What every sensor says of itself.
+    /// The descriptions of all sensors.
     pub fn descriptions(&self) -> impl Iterator<Item = &Description> {
         self.0.iter().map(|known| &known.description)
     }
 
-    /// What the sensor of that name says of itself.
+    /// The description of the sensor of the given name.
     ///
     /// # Errors
     /// [`SensorError::Unknown`] with the nearest name.
@@ -210,7 +210,7 @@ impl Sensors {
         Ok(&self.find(name)?.description)
     }
 
-    /// When a sensor is recorded, for people.
+    /// When a sensor is recorded, as a phrase for display.
     pub fn recorded(&self, name: &str) -> Result<&'static str, SensorError> {
         Ok(match self.find(name)?.recorded {
             Recorded::Always => "in every test",
@@ -236,8 +236,8 @@ impl Sensors {
         })
     }
 
-    /// The names of the sensors that a test records, in the order of their columns: those that always are, those of stages,
-    /// then those that the recording names.
+    /// The names of the sensors that a test records, in the order of their columns: those of every test, those of tests with
+    /// stages, then those that the recording names.
     ///
     /// # Errors
     /// [`SensorError::Unknown`] for a name that no sensor has.
@@ -262,7 +262,7 @@ impl Sensors {
         Ok(names)
     }
 
-    /// Measures everything that can be measured on an assembly of which these parts are known, and says what cannot and why.
+    /// Evaluates every sensor for which the known parts of an assembly suffice, and reports the others with the reason.
     pub fn measure(&self, assembly: &Assembly, parts: Parts) -> Measurement {
         self.measure_with(assembly, parts, &Recording::default())
     }
@@ -301,8 +301,9 @@ impl Sensors {
 }
 
 impl Sensors {
-    /// Measures a series of assemblies, of each of which these parts are known, in their order: every column that all of them
-    /// allow, with the sensors that compare an observation with the one before if there are two or more.
+    /// Measures a series of assemblies, each with its known parts, in their order: every column for which the parts that all of
+    /// them have suffice, including the sensors that compare an observation with the previous one if there are two or more
+    /// assemblies.
     ///
     /// ```
     /// use granum_core::{Assembly, Part, Parts};
@@ -364,13 +365,13 @@ impl Sensors {
     }
 }
 
-/// What was measured of a series of assemblies, and what could not be.
+/// The measurements of a series of assemblies, and the sensors that could not be evaluated.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct MeasuredSeries {
     /// Each column that could be measured, with one value for each assembly.
     pub columns: Vec<(SensorColumn, Vec<f64>)>,
-    /// What could not be measured, and why.
+    /// The sensors that could not be evaluated, and why.
     pub left_out: Vec<LeftOut>,
 }
 
@@ -387,19 +388,19 @@ impl std::fmt::Debug for Sensors {
     }
 }
 
-/// True for a name that can stand in a case file and be the name of a file.
+/// True for a name that can be used in a case file and as the name of a file.
 fn is_word(name: &str) -> bool {
     !name.is_empty() && name.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'_' || c == b'-')
 }
 
-/// What was measured of one assembly, and what could not be.
+/// The measurements of one assembly, and the sensors that could not be evaluated.
 #[derive(Clone, Debug, Default)]
 pub struct Measurement {
     /// Each column that could be measured, with its value.
     pub columns: Vec<(SensorColumn, f64)>,
     /// Each histogram that could be counted.
     pub histograms: Vec<(Bins, Histogram)>,
-    /// What could not be measured, and why.
+    /// The sensors that could not be evaluated, and why.
     pub left_out: Vec<LeftOut>,
 }
 
@@ -409,7 +410,7 @@ impl Measurement {
         self.columns.iter().find(|(known, _)| known.name == column).map(|(_, value)| *value)
     }
 
-    /// Columns of one sensor that lack the same parts are told together.
+    /// Columns of one sensor that lack the same parts are reported together.
     fn leave_out(&mut self, sensor: &'static str, column: &'static str, missing: Vec<Part>) {
         match self.left_out.iter_mut().find(|known| known.sensor == sensor && known.missing == missing) {
             Some(known) => known.columns.push(column),
@@ -424,7 +425,7 @@ impl Measurement {
     }
 }
 
-/// What could not be measured of an assembly, and why.
+/// A sensor, or some of its columns, that could not be measured on an assembly, and why.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct LeftOut {
@@ -436,7 +437,7 @@ pub struct LeftOut {
     pub missing: Vec<Part>,
     /// True if the sensor compares an observation with the one before, which a single assembly does not have.
     pub remembers: bool,
-    /// What it needs of a recording and does not find.
+    /// The parameter that it needs and the recording does not have.
     pub lacks: Option<&'static str>,
 }
 
@@ -472,7 +473,7 @@ pub fn column_index(name: &str) -> Option<usize> {
     columns().position(|column| column.name == name)
 }
 
-/// Measures an assembly of which everything is known: one value a column of [`columns`].
+/// Measures an assembly of which everything is known: one value for each column of [`columns`].
 pub fn measure_row(assembly: &Assembly) -> Vec<f64> {
     let observation = Observation::new(assembly);
     let mut row = Vec::with_capacity(columns().count());

@@ -1,8 +1,8 @@
 //! Second-order work `d2W = d_sigma_ij d_eps_ij` from one observation to the next (Hill 1958): where it is positive for every
 //! increment, a state is stable; it vanishes at the peak of the stress.
 //!
-//! Strain and stress are those of the cell, compression positive, so `d2W` is a work by volume, Pa. It grows with the square
-//! of the strain between observations, which [`crate::nonaffine_displacement`] gives.
+//! Strain and stress are those of the cell, compression positive, so that `d2W` is a work per volume, Pa. It is proportional to
+//! the square of the strain between observations, which [`crate::nonaffine_displacement`] records.
 
 use granum_core::Part;
 use granum_core::assembly::Matrix;

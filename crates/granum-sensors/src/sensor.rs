@@ -32,7 +32,7 @@ pub struct SensorColumn {
     /// True for a column that is omitted from a series, with the other optional columns of its sensor, if all of them are
     /// zero throughout.
     pub optional: bool,
-    /// Parts of an assembly that it needs beside those that its sensor needs.
+    /// Parts of an assembly that it needs in addition to those of its sensor.
     pub needs: &'static [Part],
 }
 
@@ -58,11 +58,11 @@ impl SensorColumn {
     }
 }
 
-/// What a sensor says of itself.
+/// The description of a sensor.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Description {
-    /// Its name, by which a case asks for it.
+    /// Its name, with which a case requests it.
     pub name: &'static str,
     /// What it measures, in one line.
     pub help: &'static str,
@@ -70,7 +70,7 @@ pub struct Description {
     pub columns: Vec<SensorColumn>,
     /// The parts of an assembly that it needs.
     pub needs: Vec<Part>,
-    /// True if it compares an observation with the one before, so that it says nothing of a single assembly.
+    /// True if it compares an observation with the previous one, so that it cannot be evaluated on a single assembly.
     pub remembers: bool,
 }
 
@@ -80,30 +80,30 @@ impl Description {
         Description { name, help, columns: Vec::new(), needs: Vec::new(), remembers: false }
     }
 
-    /// The same with these columns.
+    /// The same sensor with these columns.
     pub fn columns(self, columns: impl IntoIterator<Item = SensorColumn>) -> Description {
         Description { columns: columns.into_iter().collect(), ..self }
     }
 
-    /// The same, which needs these parts of an assembly.
+    /// The same sensor, which needs these parts of an assembly.
     pub fn needing(self, parts: &[Part]) -> Description {
         Description { needs: parts.to_vec(), ..self }
     }
 
-    /// The same, which compares an observation with the one before.
+    /// The same sensor, which compares an observation with the previous one.
     pub fn remembering(self) -> Description {
         Description { remembers: true, ..self }
     }
 }
 
-/// What a sensor remembers from one observation of a test to the next: plain finite numbers, none at the first one. They are
-/// written down with the run, so that one that is resumed goes on to the same bits.
+/// The data that a sensor stores from one observation of a test to the next: finite numbers, none at the first observation. They are
+/// part of the checkpoint, so that a resumed run gives the same bits.
 pub type Memory = Vec<f64>;
 
 /// Measures an assembly.
 ///
-/// A sensor reads the assembly and nothing else, so it cannot disturb a run and works as well on the data of another program.
-/// Scalars go into columns and many values into histograms; what one observation leaves for the next goes into a [`Memory`].
+/// A sensor reads only the assembly, so that it cannot disturb a run and can also be evaluated on the data of another program.
+/// Scalars go into columns, distributions into histograms, and data for the next observation into a [`Memory`].
 /// For any finite assembly every value must be a finite number: a mean over nothing is 0.
 ///
 /// ```
@@ -150,8 +150,8 @@ pub trait Sensor: Send + Sync {
         Vec::new()
     }
 
-    /// What the sensor needs of a recording and does not find, with what to set; `None` if nothing. A recording without it is
-    /// refused where it names the sensor.
+    /// The parameter that the sensor needs and the recording does not have, with the key to set; `None` if nothing is missing. A
+    /// recording that names the sensor without this parameter is refused.
     fn lacks(&self, recording: &Recording) -> Option<&'static str> {
         let _ = recording;
         None
@@ -161,7 +161,7 @@ pub trait Sensor: Send + Sync {
     fn measure(&self, observation: &Observation, memory: &mut Memory, values: &mut Values);
 }
 
-/// Takes what a sensor measures.
+/// Receives the values that a sensor measures.
 pub struct Values<'a> {
     row: &'a mut Vec<f64>,
     histograms: &'a mut [Histogram],
@@ -182,7 +182,7 @@ impl<'a> Values<'a> {
         self.row.extend(values);
     }
 
-    /// Counts values into a histogram, by its number in [`Sensor::histograms`]; one that is not there takes nothing.
+    /// Counts values into a histogram, by its number in [`Sensor::histograms`]; nothing is counted if there is no such histogram.
     pub fn count(&mut self, histogram: usize, values: impl IntoIterator<Item = f64>) {
         if let Some(histogram) = self.histogram(histogram) {
             values.into_iter().for_each(|value| histogram.add(value));
@@ -195,7 +195,7 @@ impl<'a> Values<'a> {
     }
 }
 
-/// What a sensor measures of one assembly, for tests.
+/// The values that a sensor measures on one assembly, for tests.
 #[cfg(test)]
 pub(crate) fn measured(sensor: &dyn Sensor, assembly: &granum_core::Assembly) -> Vec<f64> {
     let mut row = Vec::new();

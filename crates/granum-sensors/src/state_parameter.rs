@@ -1,5 +1,5 @@
-//! State parameter `psi = e - e_c(p)` (Been and Jefferies 1985): how much looser the sample is than at the critical state of the
-//! same mean stress. Negative where it is denser, and will dilate.
+//! State parameter `psi = e - e_c(p)` (Been and Jefferies 1985): the void ratio less that of the critical state at the same mean
+//! stress. It is negative if the sample is denser than in the critical state, so that it tends to dilate.
 //!
 //! The critical state line is given with the case, `e_c = e_0 - lambda (p / 100 kPa)^xi` with e_0, lambda and xi as
 //! `recording.critical_void_ratio`, `critical_slope` and `critical_exponent` (Li and Wang 1998; xi is about 0.7 for sand).
@@ -12,7 +12,7 @@ use crate::numerics::ln;
 use crate::void_ratio::void_ratio;
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 
-/// Stress of reference of the critical state line, Pa.
+/// Reference stress of the critical state line, Pa.
 const REFERENCE: f64 = 1e5;
 
 /// The sensor.

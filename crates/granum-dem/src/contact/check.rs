@@ -7,7 +7,7 @@ use super::selection::ContactModel;
 /// Laws that cannot be combined, or parameters that they do not have.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LawError {
-    /// A law does not go with the normal law.
+    /// A law cannot be combined with the normal law.
     #[error("contact.{slot} = {law:?} {reason}")]
     Apart {
         /// Its slot: `tangential` or `adhesion`.

@@ -1,7 +1,7 @@
 //! Transfer of the numbers of contacts to a law that is called through a function pointer, and back.
 //!
-//! Constants and histories are read and written where they lie, in rows of eight; everything else goes through the columns of a
-//! [`Sheet`], in which one law finds what another wrote.
+//! Constants and histories are read and written in place, in rows of eight; all other numbers are passed in the columns of a
+//! [`Sheet`], from which one law reads the results of another.
 
 use granum_simd::{LANES, Lanes, Real, Row8, Twice};
 
@@ -148,7 +148,7 @@ pub(super) mod at {
     /// Energy lost by making, by breaking, and by plastic deformation.
     pub const LOSSES: usize = TOUCHING + 1;
     pub const INCREMENT: usize = LOSSES + 3;
-    /// Cosine and sine by which stored vectors are turned.
+    /// Cosine and sine of the rotation of stored vectors.
     pub const TURN: usize = INCREMENT + 2;
     /// Rolling, twisting, time step.
     pub const SPIN: usize = TURN + 2;
@@ -168,7 +168,7 @@ pub(super) mod at {
 /// The columns of a call.
 pub(super) type Columns = [Column; at::ALL];
 
-/// What a law is called with: where the constants and the history of one batch or of two lie, and the columns.
+/// The arguments of the call of a law: the constants and the history of one batch or of two, and the columns.
 pub struct Sheet<'a> {
     pub(super) constants: [&'a [Row8]; 2],
     pub(super) history: [&'a mut [Row8]; 2],

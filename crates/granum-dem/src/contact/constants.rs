@@ -19,19 +19,20 @@ pub struct PairConstants<R> {
     pub tangential: [R; LAW_CONSTANTS],
     /// Constants of the moment law.
     pub rolling: [R; LAW_CONSTANTS],
-    /// Those of the law of adhesion.
+    /// Constants of the adhesion law.
     pub adhesion: [R; LAW_CONSTANTS],
 }
 
 impl PairConstants<f64> {
     /// Number of values of [`PairConstants::to_array`].
     pub const COUNT: usize = Self::WITHOUT_ADHESION + LAW_CONSTANTS;
-    /// Number of values, from the first, that matter without a law of adhesion.
+    /// Number of values, from the first, that are used without an adhesion law.
     pub const WITHOUT_ADHESION: usize = Self::WITHOUT_MOMENTS + LAW_CONSTANTS;
-    /// Number of values, from the first, that matter with neither a law of moments nor one of adhesion.
+    /// Number of values, from the first, that are used without a moment law and without an adhesion law.
     pub const WITHOUT_MOMENTS: usize = 3 + 2 * LAW_CONSTANTS;
 
-    /// Number of values, from the first, that matter for a set with or without a law of moments, with or without one of adhesion.
+    /// Number of values, from the first, that are used for a set with or without a moment law, and with or without an adhesion
+    /// law.
     #[inline(always)]
     pub fn kept(moments: bool, adhesion: bool) -> usize {
         match (moments, adhesion) {
@@ -65,7 +66,7 @@ impl PairConstants<f64> {
 }
 
 impl<R: Copy> PairConstants<R> {
-    /// From a function that gives column `c` of [`PairConstants::to_array`]; it is only asked for the first ones, as many as are
+    /// From a function that gives column `c` of [`PairConstants::to_array`]; it is called for the first `kept` columns only, see
     /// [`PairConstants::kept`].
     #[inline(always)]
     pub fn from_columns(kept: usize, column: impl Fn(usize) -> R) -> Self {

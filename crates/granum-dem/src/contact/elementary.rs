@@ -1,9 +1,9 @@
-//! Elementary functions for constants that laws prepare once for a pair: only sums, products, quotients and roots, so that every
-//! machine finds the same bits. (Functions that run in every step are in `granum_simd`.)
+//! Elementary functions for the constants that laws prepare once for a pair. They consist of sums, products, quotients and square
+//! roots only, so that every machine computes the same bits. (Functions that are used in every step are in `granum_simd`.)
 
 /// `arctan x`, exact to a few units in the last place.
 pub fn arctan(x: f64) -> f64 {
-    // Halving the angle thrice brings the argument below tan(pi/16).
+    // Halving the angle three times reduces the argument to at most tan(pi/16).
     let mut t = x;
     for _ in 0..3 {
         t /= 1.0 + (1.0 + t * t).sqrt();

@@ -27,8 +27,9 @@ pub struct Kinematics<R> {
     pub relative_spin: [R; 3],
 }
 
-/// What a contact does to its grains in a step. Everything is zero where the pair does not touch, but for
-/// `adhesion_broken`, `moment_work`, `moment_loss` and `plastic_loss`, which fall due just then, and for what a law of adhesion does.
+/// Forces on the grains of a pair in a step, and the work and losses of that step. Everything is zero where the pair does not
+/// touch, except the contributions of an adhesion law, and except `adhesion_broken`, `moment_work`, `moment_loss` and
+/// `plastic_loss` in the step in which a contact breaks.
 #[derive(Clone, Copy)]
 pub struct Interaction<R: Real> {
     /// Force on i, dashpots included, N.
@@ -39,7 +40,7 @@ pub struct Interaction<R: Real> {
     pub couple: [R; 3],
     /// Elastic force on i, N.
     pub elastic: [R; 3],
-    /// Elastic normal force N, what a law of adhesion adds included, N.
+    /// Elastic normal force N, including the force of an adhesion law, N.
     pub normal_force: R,
     /// Radius of the contact area, m.
     pub radius: R,
@@ -51,9 +52,9 @@ pub struct Interaction<R: Real> {
     pub step_stiffness: R,
     /// Where the pair touches.
     pub touching: R::Mask,
-    /// Where a law of adhesion acts.
+    /// Where an adhesion law acts.
     pub attracting: R::Mask,
-    /// Lost in this step where that attraction begins or ends, J.
+    /// Energy lost in this step where the attraction of an adhesion law begins or ends, J.
     pub attraction_loss: R,
     /// Where the tangential force is at the friction limit.
     pub sliding: R::Mask,
@@ -212,10 +213,11 @@ pub fn interact<R: Real, S: Laws<R>>(
     out
 }
 
-/// A third of a normal stiffness counts as a tangential one for the time step: grains swing fastest by spinning.
+/// For the time step a third of a normal stiffness counts as a tangential stiffness: above it the spinning of the grains is their
+/// fastest mode of oscillation.
 const THIRD: f64 = 1.0 / 3.0;
 
-/// Adds what the law of adhesion does.
+/// Adds the force and the loss of the adhesion law.
 #[inline(always)]
 fn attract<R: Real, S: Laws<R>>(
     laws: &S,

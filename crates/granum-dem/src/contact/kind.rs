@@ -1,4 +1,4 @@
-//! The choice of a law as a value that can be copied and compared, made from one of granum's laws or from a caller's own.
+//! The choice of a law as a value that can be copied and compared, made from one of granum's laws or from a law of the caller.
 
 use std::fmt;
 use std::hash::{Hash, Hasher};

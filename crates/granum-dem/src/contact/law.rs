@@ -55,7 +55,7 @@ pub enum Mixing {
     Geometric,
     /// The mean.
     Arithmetic,
-    /// `2 / (1/a + 1/b)`: springs in a row.
+    /// `2 / (1/a + 1/b)`: springs in series.
     Harmonic,
     /// The root of the mean of the squares: rms roughness.
     Quadratic,
@@ -66,7 +66,7 @@ pub enum Mixing {
 }
 
 impl Mixing {
-    /// The value of a pair. It does not depend on the order, and is the common value of like materials.
+    /// The value of a pair. It does not depend on the order of the two, and for equal materials it is their common value.
     pub fn of(self, a: f64, b: f64) -> f64 {
         if a == b {
             return a;
@@ -82,7 +82,7 @@ impl Mixing {
         }
     }
 
-    /// The rule in words, going on from "of a pair".
+    /// The rule in words, as a continuation of "of a pair".
     pub fn help(self) -> &'static str {
         match self {
             Mixing::Geometric => "the geometric mean",
@@ -177,10 +177,10 @@ pub struct NormalTraits {
 }
 
 impl NormalTraits {
-    /// Whether an attraction beside the contact may be added: not to a law that has adhesion of its own.
+    /// Whether an additional attraction can be combined with this law: not if the law itself includes adhesion.
     ///
     /// # Errors
-    /// With the reason, to follow the name of the law of adhesion.
+    /// The reason, as a continuation of the name of the adhesion law.
     pub fn without_adhesion(&self) -> Result<(), &'static str> {
         if self.adhesive {
             return Err(
@@ -242,16 +242,16 @@ pub trait NormalLaw: Copy + Send + Sync + 'static {
     const CONTACT_AREA: bool = true;
     /// True if contacts carry tension.
     const ADHESIVE: bool = false;
-    /// Columns of history used by a law with memory: plain numbers, the same for the pair (j, i) as for (i, j). They are kept while
-    /// the pair touches.
+    /// Number of history columns of a law with memory: scalars, which are the same for the pair (j, i) as for (i, j). They are
+    /// stored while the pair touches.
     const HISTORY: usize = 0;
     /// The constants of a pair that [`NormalLaw::evaluate`] needs; `parameters` in the order of the description.
     fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS];
-    /// Force, contact radius, stiffness and friction load at an overlap, m; `touched` tells whether the pair touched one
+    /// Force, contact radius, stiffness and friction load at an overlap, m; `touched` is true where the pair touched one
     /// step before. Where the pair does not touch, force, radius and load are zero.
     fn evaluate<R: Real>(constants: &[R; LAW_CONSTANTS], overlap: R, touched: R::Mask) -> Normal<R>;
-    /// A step to an overlap, and the energy lost in it by plastic deformation, J. The history is all zeros for a new contact. A
-    /// law without memory leaves this to [`NormalLaw::evaluate`], which for one with memory is the first loading.
+    /// A step to an overlap, and the energy lost in it by plastic deformation, J. The history is all zeros for a new contact. The
+    /// default, for a law without memory, calls [`NormalLaw::evaluate`], which for a law with memory gives the first loading.
     #[inline(always)]
     fn update<R: Real>(
         constants: &[R; LAW_CONSTANTS],
@@ -266,7 +266,7 @@ pub trait NormalLaw: Copy + Send + Sync + 'static {
     /// Energy of a touching pair relative to a separated one, J: the integral of N from zero overlap, minus the loss by
     /// formation of the contact that [`NormalLaw::losses`] returns.
     fn energy(constants: &[f64; LAW_CONSTANTS], overlap: f64) -> f64;
-    /// The same for a contact with memory: what is stored at its present overlap, J.
+    /// The same for a contact with memory: the energy stored at its present overlap, J.
     fn stored(constants: &[f64; LAW_CONSTANTS], overlap: f64, _history: &[f64; MAX_NORMAL_HISTORY]) -> f64 {
         Self::energy(constants, overlap)
     }
@@ -427,16 +427,16 @@ pub trait MomentLaw: Copy + Send + Sync + 'static {
     fn energy(constants: &[f64; LAW_CONSTANTS], history: &[f64; MAX_MOMENT_HISTORY]) -> f64;
 }
 
-/// What a law of adhesion says of a pair.
+/// State of a pair according to an adhesion law.
 #[derive(Clone, Copy)]
 pub struct Attraction<R: Real> {
-    /// Force that pulls the grains together along the line of their centres, N; negative where it pushes them apart.
+    /// Attractive force along the line of the centres, N; negative where it is repulsive.
     pub force: R,
-    /// Size of its slope by the distance, N/m, for the time step.
+    /// Absolute value of its derivative with respect to the distance, N/m, for the time step.
     pub stiffness: R,
-    /// Where the law acts: only there its history is kept.
+    /// Where the law acts: only there its history is stored.
     pub acting: R::Mask,
-    /// Energy lost in this step, J: what no force gives back where the attraction begins or ends.
+    /// Energy lost in this step, J, because the attraction begins or ends with a jump of its energy.
     pub loss: R,
 }
 
@@ -449,8 +449,8 @@ impl<R: Real> Attraction<R> {
     }
 }
 
-/// A law of adhesion on top of the contact: an attraction along the line of centres, of pairs that touch and of pairs up to
-/// [`AdhesionLaw::range`] apart.
+/// An adhesion law in addition to the contact laws: an attraction along the line of centres, between grains that touch and
+/// between grains whose surfaces are at most [`AdhesionLaw::range`] apart.
 ///
 /// ```
 /// use granum_dem::config::Material;
@@ -468,11 +468,12 @@ impl<R: Real> Attraction<R> {
 pub trait AdhesionLaw: Copy + Send + Sync + 'static {
     /// Name, label, help and parameters.
     const DESCRIPTION: Description;
-    /// False only for the law that does nothing.
+    /// False only for the law without a force.
     const ACTS: bool = true;
-    /// Columns of history used: plain numbers, the same for the pair (j, i) as for (i, j). They are kept while the law acts.
+    /// Number of history columns: scalars, which are the same for the pair (j, i) as for (i, j). They are stored while the law
+    /// acts.
     const HISTORY: usize;
-    /// Refuses a normal law that it does not go with: what is wrong and what would be right, going on from
+    /// Refuses a normal law with which it cannot be combined: what is wrong and what would be right, as a continuation of
     /// `contact.adhesion = "..."`.
     ///
     /// # Errors
@@ -480,7 +481,7 @@ pub trait AdhesionLaw: Copy + Send + Sync + 'static {
     fn goes_with(_normal: &NormalTraits) -> Result<(), &'static str> {
         Ok(())
     }
-    /// The constants of a pair that [`AdhesionLaw::update`] wants; `parameters` in the order of the description.
+    /// The constants of a pair that [`AdhesionLaw::update`] needs; `parameters` in the order of the description.
     fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS];
     /// Force, stiffness and loss at an overlap, m (negative for a pair apart), and whether the contact touches. The history is
     /// all zeros for a pair on which the law did not act a step before.
@@ -490,8 +491,8 @@ pub trait AdhesionLaw: Copy + Send + Sync + 'static {
         touching: R::Mask,
         history: &mut [R; MAX_ADHESION_HISTORY],
     ) -> Attraction<R>;
-    /// Energy of the attraction at an overlap, J: minus the work that it has done since the pair was without it, less what
-    /// [`Attraction::loss`] said.
+    /// Energy of the attraction at an overlap, J: minus the work that it has done since it began to act, less the losses that
+    /// [`Attraction::loss`] reported.
     fn energy(constants: &[f64; LAW_CONSTANTS], overlap: f64, history: &[f64; MAX_ADHESION_HISTORY]) -> f64;
     /// Largest distance of the surfaces at which the law acts, m.
     fn range(constants: &[f64; LAW_CONSTANTS]) -> f64;

@@ -1,10 +1,10 @@
-//! How much laws may remember and prepare.
+//! Limits on the history and the prepared constants of contact laws.
 
 /// Largest number of history columns of a tangential law.
 pub const MAX_HISTORY: usize = 10;
 /// Largest number of history columns of a moment law.
 pub const MAX_MOMENT_HISTORY: usize = 6;
-/// Most columns of history that a law of adhesion may keep.
+/// Largest number of history columns of an adhesion law.
 pub const MAX_ADHESION_HISTORY: usize = 4;
 /// Largest number of history columns of a normal law.
 pub const MAX_NORMAL_HISTORY: usize = 4;

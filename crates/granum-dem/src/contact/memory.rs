@@ -13,7 +13,7 @@ pub struct Memory<R> {
     pub history: [R; MAX_HISTORY],
     /// The columns of the moment law.
     pub moments: [R; MAX_MOMENT_HISTORY],
-    /// The columns of the law of adhesion, which may last beyond touch.
+    /// The columns of the adhesion law, which may act on separated grains.
     pub adhesion: [R; MAX_ADHESION_HISTORY],
     /// The columns of the normal law.
     pub loading: [R; MAX_NORMAL_HISTORY],

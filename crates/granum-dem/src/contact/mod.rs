@@ -1,13 +1,13 @@
-//! Contact laws: a normal law, a tangential law, a law of moments and a law of adhesion on top make a set.
+//! Contact laws: a set consists of a normal law, a tangential law, a moment law and an additional adhesion law.
 //!
 //! To add a law: a file in [`normal`], [`tangential`], [`rolling`] or [`adhesion`] with its name, parameters, formula and tests,
-//! and its line in [`registry`]. A program that uses this library does without the line: it makes a [`NormalKind`],
-//! [`TangentialKind`], [`RollingKind`] or [`AdhesionKind`] of a law of its own.
+//! and its line in [`registry`]. A program that uses this library does not need the line: it makes a [`NormalKind`],
+//! [`TangentialKind`], [`RollingKind`] or [`AdhesionKind`] from its own law.
 //!
-//! - [`law`]: what a law is;
-//! - [`interaction`]: what all laws share: kinematics, rotation of the history, damping, energy;
-//! - [`kind`], [`slot`], [`slots`]: a law as a value that is chosen at run time, and how it is called then;
-//! - [`set`]: what the engine asks of the laws of a set together.
+//! - [`law`]: definition of a law;
+//! - [`interaction`]: the part that all laws have in common: kinematics, rotation of the history, damping, energy;
+//! - [`kind`], [`slot`], [`slots`]: a law as a value that is chosen at run time, and its call through function pointers;
+//! - [`set`]: the interface between the engine and a set of laws.
 
 pub mod adhesion;
 pub mod check;

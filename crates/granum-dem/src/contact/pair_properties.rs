@@ -1,4 +1,4 @@
-//! What the laws are given of a pair of spheres.
+//! The properties of a pair of spheres, from which the laws prepare their constants.
 
 use crate::material::Material;
 
@@ -28,10 +28,10 @@ pub struct PairProperties {
 }
 
 impl PairProperties {
-    /// Those of two spheres of given material and radius, m, with dashpots of a fraction of critical damping.
+    /// The properties of two spheres of given materials and radii, m, with dashpots of a fraction of critical damping.
     ///
-    /// Friction and interface energy of unlike materials are the geometric means of the two; moduli follow from the theory, in
-    /// which the compliances of the two sides add.
+    /// Friction and interface energy of unlike materials are the geometric means of the two; moduli follow from contact
+    /// mechanics: the compliances of the two sides are added.
     pub fn new(i: (&Material, f64), j: (&Material, f64), damping: f64) -> Self {
         let compliance = |m: &Material| (1.0 - m.poissons_ratio * m.poissons_ratio) / m.youngs_modulus;
         let shear_compliance =

@@ -1,7 +1,7 @@
 //! A pair on a prescribed path, with results that do not depend on the spacing of the rows of the path.
 //!
-//! The tangential laws are incremental: a long step uses the stiffness at its start throughout, misses the spreading of the
-//! slip zone, and so gives too large a force and too little hysteresis. The straight line between two rows is therefore
+//! The tangential laws are incremental: a long step uses the stiffness at its start throughout, neglects the growth of the slip
+//! zone, and so gives too large a force and too little hysteresis. The straight line between two rows is therefore
 //! divided into equal steps, doubled in number each time, until the forces at the rows no longer change.
 
 use super::pair::{PairError, PairRow, PathRow, drive_pair_in_steps};

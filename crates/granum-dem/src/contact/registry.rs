@@ -25,7 +25,7 @@ pub(super) const TANGENTIAL: &[TangentialKind] =
 /// granum's moment laws.
 pub(super) const ROLLING: &[RollingKind] =
     &[RollingKind::NONE, RollingKind::ELASTIC_PLASTIC, RollingKind::ELASTIC_PLASTIC_TWISTING];
-/// granum's laws of adhesion on top of the contact.
+/// granum's additional adhesion laws.
 pub(super) const ADHESION: &[AdhesionKind] =
     &[AdhesionKind::NONE, AdhesionKind::CAPILLARY_BRIDGE, AdhesionKind::VAN_DER_WAALS];
 
@@ -46,12 +46,12 @@ pub enum RegisterError {
         /// The key.
         key: &'static str,
     },
-    /// There is no room for its parameters.
+    /// All laws together would have more than [`MOST_PARAMETERS`] parameters.
     #[error("all laws together can have at most {MOST_PARAMETERS} parameters")]
     TooMany,
 }
 
-/// Rejects parameters whose keys are taken, and more parameters than there is room for.
+/// Rejects parameters whose keys are taken, and more than [`MOST_PARAMETERS`] parameters.
 fn check_parameters(new: &Description) -> Result<(), RegisterError> {
     let known = parameters();
     let taken = |p: &&Parameter| known.iter().any(|k| k.key == p.key && **k != **p);
@@ -65,8 +65,8 @@ fn check_parameters(new: &Description) -> Result<(), RegisterError> {
 /// How many laws were registered.
 static REGISTERED: AtomicUsize = AtomicUsize::new(0);
 
-/// How many laws of the caller's own were registered so far: a list made from the registries is up to date while this does not
-/// change.
+/// Number of laws that the caller has registered so far: a list made from the registries is up to date as long as this number does
+/// not change.
 pub fn registered() -> usize {
     REGISTERED.load(Ordering::Acquire)
 }

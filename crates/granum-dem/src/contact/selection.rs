@@ -25,7 +25,7 @@ pub struct ContactModel {
     pub tangential: TangentialKind,
     /// Law of the moments of a contact: resistance to rolling and twisting.
     pub rolling: RollingKind,
-    /// Law of adhesion on top of the contact, which may act beyond touch.
+    /// Additional adhesion law, which may act on separated grains.
     pub adhesion: AdhesionKind,
     /// Fraction zeta of critical damping in the contact dashpots.
     pub damping: f64,
@@ -86,7 +86,7 @@ impl<'d> Deserialize<'d> for ContactModel {
 }
 
 impl ContactModel {
-    /// A normal and a tangential law with a fraction of critical damping; grains roll freely, nothing acts beyond touch, and
+    /// A normal and a tangential law with a fraction of critical damping, without a moment law and without an adhesion law;
     /// parameters have their defaults.
     pub const fn new(normal: NormalKind, tangential: TangentialKind, damping: f64) -> ContactModel {
         let (rolling, adhesion) = (RollingKind::NONE, AdhesionKind::NONE);

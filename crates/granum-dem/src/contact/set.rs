@@ -20,8 +20,8 @@ use crate::contact::limits::{
 use crate::contact::pair_properties::PairProperties;
 use crate::contact::selection::ContactModel;
 
-/// What [`super::interaction::interact`] needs from the laws of a set. Histories are given as the last step left them, and are
-/// turned into the present contact plane here.
+/// What [`super::interaction::interact`] needs from the laws of a set. Histories are given as the previous step left them, and are
+/// rotated into the present contact plane here.
 pub trait Laws<R: Real> {
     /// True if the set may have moments.
     const MAY_HAVE_MOMENTS: bool;
@@ -40,7 +40,7 @@ pub trait Laws<R: Real> {
         touched: R::Mask,
         history: &mut [R; MAX_NORMAL_HISTORY],
     ) -> (Normal<R>, AdhesionLosses<R>, R);
-    /// A step of the tangential law, its stiffness for the time step, and the force before the step, turned.
+    /// A step of the tangential law, its stiffness for the time step, and the rotated force before the step.
     fn tangential(
         &self,
         constants: &[R; LAW_CONSTANTS],
@@ -166,14 +166,14 @@ impl<R: Real, N: NormalLaw, T: TangentialLaw, M: MomentLaw, A: AdhesionLaw> Laws
     }
 }
 
-/// What the engine needs from a set for a single contact.
+/// Functions of a set for a single contact.
 impl ContactModel {
-    /// True for a set of a normal and a tangential law with nothing beside them.
+    /// True for a set of a normal and a tangential law only.
     pub(crate) fn has_contact_only(&self) -> bool {
         !self.rolling.law().acts() && !self.adhesion.law().acts()
     }
 
-    /// Columns of history: of the tangential law, of the law of moments, of the law of adhesion, of the normal law.
+    /// Number of history columns of the tangential law, the moment law, the adhesion law and the normal law.
     pub(crate) fn history(&self) -> [usize; 4] {
         let [tangential, moments] = [self.tangential.law().history()[0], self.rolling.law().history()[0]];
         [tangential, moments, self.adhesion.law().history(), self.normal.law().history()]
@@ -200,12 +200,12 @@ impl ContactModel {
         }
     }
 
-    /// The contact of a touching pair at a given overlap, m, that has no memory of another.
+    /// The contact of a touching pair at a given overlap, m, without a history.
     pub fn normal_contact(&self, constants: &PairConstants<f64>, overlap: f64) -> Normal<f64> {
         self.normal.law().of_touching(&constants.normal, overlap, &[0.0; MAX_NORMAL_HISTORY])
     }
 
-    /// The contact of a touching pair at its present overlap, m, with its memory.
+    /// The contact of a touching pair at its present overlap, m, with its history.
     pub(crate) fn normal_contact_of(
         &self,
         constants: &PairConstants<f64>,
@@ -242,7 +242,7 @@ impl ContactModel {
         self.rolling.law().energy(&constants.rolling, &memory.moments)
     }
 
-    /// Attraction beside the contact at an overlap, m, with this memory, N.
+    /// Force of the adhesion law, N, at an overlap, m, with this history.
     pub(crate) fn attraction(
         &self,
         constants: &PairConstants<f64>,
@@ -263,7 +263,7 @@ impl ContactModel {
         self.adhesion.law().energy(&constants.adhesion, overlap, &memory.adhesion)
     }
 
-    /// Largest distance of the surfaces at which grains that do not touch act on each other, m.
+    /// Largest distance of the surfaces at which grains interact without touching, m.
     pub fn range(&self, constants: &PairConstants<f64>) -> f64 {
         self.adhesion.law().range(&constants.adhesion)
     }

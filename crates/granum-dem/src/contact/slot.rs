@@ -102,7 +102,7 @@ impl<T: TangentialLaw> Call for TangentialCall<T> {
     }
 }
 
-/// The stiffness is in the first column, and so is the loss when it returns.
+/// The first column contains the stiffness at the call and the loss at the return.
 struct DiscardedCall<T>(std::marker::PhantomData<T>);
 impl<T: TangentialLaw> Call for DiscardedCall<T> {
     #[inline(always)]
@@ -341,7 +341,7 @@ impl<M: MomentLaw> MomentSlot for M {
     }
 }
 
-/// A law of adhesion behind function pointers. Every [`AdhesionLaw`] is one.
+/// An adhesion law behind function pointers. Every [`AdhesionLaw`] implements it.
 pub trait AdhesionSlot: Send + Sync {
     /// Name, label, help and parameters.
     fn description(&self) -> &'static Description;

@@ -22,7 +22,7 @@ pub(crate) const DIRECTION: usize = 3;
 pub struct Slots {
     laws: ContactModel,
     isa: Isa,
-    /// Columns of history: of the tangential law, of the law of moments, of the law of adhesion, of the normal law.
+    /// Number of history columns of the tangential law, the moment law, the adhesion law and the normal law.
     history: [usize; 4],
     has_moments: bool,
     has_adhesion: bool,
@@ -46,7 +46,7 @@ impl Slots {
         }
     }
 
-    /// Columns of history: of the tangential law, of the law of moments, of the law of adhesion, of the normal law.
+    /// Number of history columns of the tangential law, the moment law, the adhesion law and the normal law.
     #[inline(always)]
     pub(crate) fn history(&self) -> [usize; 4] {
         self.history
@@ -115,7 +115,7 @@ impl<const N: usize> Rows<N> {
 }
 
 /// Laws chosen at run time, each called through its slot, for contacts of the width `W`: one contact, or lanes of the
-/// instruction set of the slots. Constants and histories are copied to where the slots find them, and back.
+/// instruction set of the slots. Constants and histories are copied into rows for the call, and the histories back.
 pub struct Open<'a, W> {
     slots: &'a Slots,
     width: PhantomData<W>,
@@ -130,7 +130,7 @@ impl<'a, W> Open<'a, W> {
 }
 
 impl<W: Width> Open<'_, W> {
-    /// Calls a slot with its constants and its history, and returns what it left in the columns.
+    /// Calls a slot with its constants and its history, and returns its results from the columns.
     #[inline(always)]
     fn with<const N: usize, T>(
         &self,
@@ -210,8 +210,8 @@ impl<W: Width> Laws<W::Value> for Open<'_, W> {
     }
 }
 
-/// The same for the batches of the engine, whose constants and histories are left where they lie. The normal law must be called
-/// first: the others read the contact that it left in the columns.
+/// The same for the batches of the engine, whose constants and histories are used in place. The normal law must be called first:
+/// the others read the state of the contact that it wrote to the columns.
 pub(crate) struct InPlace<'a, 'b, W> {
     slots: &'a Slots,
     constants: [&'b [Row8]; 2],

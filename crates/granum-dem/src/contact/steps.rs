@@ -1,4 +1,5 @@
-//! One step of a law of each kind: its history is turned into the present contact plane, advanced, and discarded where it ends.
+//! One step of a law of each kind: its history is rotated into the present contact plane, advanced, and discarded where the contact
+//! ends.
 
 use granum_simd::Real;
 
@@ -10,7 +11,7 @@ use super::limits::{
     LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY,
 };
 
-/// A step of a normal law. The history is kept while the pair touches.
+/// A step of a normal law. The history is stored while the pair touches.
 #[inline(always)]
 pub(super) fn normal_step<R: Real, N: NormalLaw>(
     constants: &[R; LAW_CONSTANTS],
@@ -25,7 +26,7 @@ pub(super) fn normal_step<R: Real, N: NormalLaw>(
     (contact, loss)
 }
 
-/// A step of a tangential law: what it gives, its stiffness for the time step, and the force before.
+/// A step of a tangential law: its result, its stiffness for the time step, and the force before the step.
 #[inline(always)]
 pub(super) fn tangential_step<R: Real, T: TangentialLaw>(
     constants: &[R; LAW_CONSTANTS],
@@ -65,7 +66,7 @@ pub(super) fn moment_step<R: Real, M: MomentLaw>(
     out
 }
 
-/// A step of a law of adhesion. The history is kept while it acts.
+/// A step of an adhesion law. The history is stored while the law acts.
 #[inline(always)]
 pub(super) fn adhesion_step<R: Real, A: AdhesionLaw>(
     constants: &[R; LAW_CONSTANTS],

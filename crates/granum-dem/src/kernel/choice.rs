@@ -29,8 +29,8 @@ pub(crate) struct Stages {
     pub(crate) by_batch: Stage,
 }
 
-/// The stage of laws that are compiled into the loop. On a processor without vector instructions the loop over slots takes its
-/// place, which gives the same bits: the loops in plain numbers would be most of the code, and hardly anybody would run them.
+/// The stage of laws that are compiled into the loop. On a processor without vector instructions the loop over slots is used
+/// instead, which gives the same bits: compiled scalar loops would be most of the code, and would hardly ever run.
 fn stage<S: StageLaws, C: ConstantSource>(views: &Views, blocks: Range<usize>) {
     let kernel = ContactStage { views, blocks, laws: PhantomData::<(S, C)> };
     dispatch_or(views.isa, kernel, |kernel| slots(views, kernel.blocks));
@@ -78,7 +78,7 @@ impl Stages {
     }
 }
 
-/// True for a set with resistance to rolling alone beside the contact.
+/// True for a set whose only law in addition to the contact laws is the resistance to rolling.
 fn rolls(laws: &ContactModel) -> bool {
     laws.rolling == RollingKind::ELASTIC_PLASTIC && !laws.adhesion.law().acts()
 }

@@ -184,7 +184,7 @@ struct Totals<L> {
     discarded: L,
 }
 
-/// A batch in which at least one pair touches or touched in the step before, with the relative motion of its grains.
+/// A batch in which at least one pair interacts or did so in the step before, with the relative motion of its grains.
 #[derive(Clone, Copy)]
 struct PairBatch<L> {
     batch: usize,
@@ -269,7 +269,7 @@ fn near_batch<L: Lanes, S: StageLaws, C: ConstantSource, const IMAGE: bool, cons
     }
     let constants = constants_of::<L, S, C>(v, laws, b, common);
     if TESTED && marks.touched == 0 && (!S::MAY_HAVE_ADHESION || marks.attracting == 0) {
-        // Nothing acts at a distance in sets without a law of adhesion, and their range need not be added.
+        // In sets without an adhesion law separated grains do not interact, and no range need be added.
         let reach = if S::MAY_HAVE_ADHESION {
             constants.radius_sum + L::splat(v.range)
         } else {
@@ -308,7 +308,7 @@ fn near_batch<L: Lanes, S: StageLaws, C: ConstantSource, const IMAGE: bool, cons
         }
         (rolling, mass) = (mean_spin, L::zero());
     }
-    // The relative spin is copied as it is: sets without moments never write it.
+    // The relative spin is copied unchanged: sets without moments never write it.
     let relative_spin = slot.kinematics.relative_spin;
     slot.kinematics = Kinematics { branch, velocity, rolling, mean_spin, relative_spin };
     (slot.batch, slot.mass) = (b, mass);
@@ -328,8 +328,8 @@ fn rows_of<S: StageLaws>(laws: &S, b: usize) -> Range<usize> {
     b * columns..(b + 1) * columns
 }
 
-/// The old normal, and the histories of laws that are compiled into the loop: the tangential one and that of moments. Others are
-/// advanced in place.
+/// The old normal, and the histories of the tangential law and the moment law if the laws are compiled into the loop. Other
+/// histories are advanced in place.
 #[inline(always)]
 fn load_memory<R: Real, S: StageLaws>(laws: &S, load: impl Fn(usize) -> R) -> Memory<R> {
     let mut memory = Memory::<R>::new();
@@ -552,7 +552,7 @@ fn inverse_radii<L: Lanes, C: ConstantSource>(v: &Views, b: usize, constants: &P
         a[l] = particles[i[l] as usize].0[3];
         c[l] = particles[j[l] as usize].0[3];
     }
-    // No `map`: what is not always inlined is compiled without vector instructions.
+    // No `map`: a closure that is not inlined is compiled without vector instructions.
     let one = L::splat(1.0);
     [one / L::load(&a), one / L::load(&c)]
 }

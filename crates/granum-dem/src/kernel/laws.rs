@@ -11,12 +11,12 @@ use crate::contact::limits::{LAW_CONSTANTS, MAX_HISTORY};
 use crate::contact::set::Compiled;
 use crate::contact::slots::{InPlace, Slots};
 
-/// Couples on the grains of a batch, or an empty type for sets that never have any, so that nothing needs to be carried
-/// along.
+/// Couples on the grains of a batch, or an empty type for sets that never have any, so that no memory is used for them.
 pub(crate) trait Couples<L: Lanes>: Copy {
     /// No couples.
     fn none() -> Self;
-    /// From couples on the grains i, N m, whose opposites act on j, with the reciprocals of the radii of i and j, 1/m.
+    /// From the couples on the grains i, N m (the opposite couples act on the grains j), with the reciprocals of the radii of i and
+    /// j, 1/m.
     fn of(couple: [L; 3], inverse_radii: impl FnOnce() -> [L; 2]) -> Self;
     /// Torque over radius of i and of j, N, if any.
     fn moments(&self) -> Option<[[L; 3]; 2]>;
@@ -72,7 +72,7 @@ impl<L: Lanes> Couples<L> for AnyCouples<L> {
     }
 }
 
-/// Where a batch keeps its numbers: its rows of constants where grains differ, and its history.
+/// The data of a batch: its rows of constants, if grains differ, and its history.
 pub(crate) struct BatchData<'a> {
     pub(crate) views: &'a Views,
     pub(crate) batch: usize,
@@ -85,16 +85,16 @@ pub(crate) trait StageLaws {
     const MAY_HAVE_MOMENTS: bool;
     /// True if the set may have a law of adhesion.
     const MAY_HAVE_ADHESION: bool;
-    /// True if the normal law may have a memory, and contacts deform plastically.
+    /// True if the normal law may have a history, so that contacts may deform plastically.
     const MAY_BE_PLASTIC: bool;
-    /// True if [`StageLaws::interact`] advances the histories of the laws where they lie; otherwise it takes and leaves them in the
-    /// [`Memory`].
+    /// True if [`StageLaws::interact`] advances the histories of the laws in place; otherwise it reads them from the [`Memory`] and
+    /// writes them there.
     const IN_PLACE: bool;
     /// Type of the couples on grains.
     type Couples<L: Lanes>: Couples<L>;
     /// The laws of the simulation behind the views.
     fn of(views: &Views) -> Self;
-    /// Columns of history: of the tangential law, of the law of moments, of the law of adhesion, of the normal law.
+    /// Number of history columns of the tangential law, the moment law, the adhesion law and the normal law.
     fn history(&self) -> [usize; 4];
     /// True if the set has moments.
     fn has_moments(&self) -> bool;

@@ -1,6 +1,6 @@
 //! Dynamic pruning of the neighbour list: of the listed pairs, only those of an inner list are evaluated in every step.
 //!
-//! A neighbour list that lasts hundreds of steps holds many pairs that do not touch, and as contacts form and break, batches
+//! A neighbour list that lasts hundreds of steps contains many pairs that do not touch, and as contacts form and break, batches
 //! that were full of contacts become sparse. The slots of each block are therefore sorted every few dozen steps: touching
 //! pairs first, then pairs closer than the inner skin, then the rest, which need no evaluation until a grain may have moved
 //! by half the inner skin (Páll et al. 2020 prune their lists in the same way). Only slots in the wrong group are
@@ -65,7 +65,7 @@ fn measure<L: Lanes>(v: &Views, b: usize) -> Nearness {
     let branch = [c[0] - a[0] + image[0], c[1] - a[1] + image[1], c[2] - a[2] + image[2]];
     let square = dot(branch, branch);
     let sum = a[3] + c[3];
-    // Without a range the sum is that of the inner skin alone.
+    // Without an adhesion law the range is zero.
     let reach = sum + L::splat(v.range + v.inner_skin);
     let touching = square.lt(sum * sum).bits() as u8 | marks.touched | marks.attracting;
     Nearness { touching, near: square.lt(reach * reach).bits() as u8 }

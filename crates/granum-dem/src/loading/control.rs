@@ -48,7 +48,7 @@ pub enum Ramp {
 }
 
 impl Ramp {
-    /// How much a value changes that is `from` at the start.
+    /// The change of a value that is `from` at the start of the stage.
     pub fn change(self, from: f64) -> f64 {
         match self {
             Ramp::To(value) => value - from,
@@ -70,17 +70,17 @@ impl Ramp {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Target {
-    /// Its value at the start of the stage, Pa; `None`: the value that it has then.
+    /// Its value at the start of the stage, Pa; `None`: the value that the stress of the sample has then.
     pub value: Option<f64>,
     /// Its rate of change, Pa/s.
     pub rate: f64,
-    /// Where it is at the end of the stage, Pa, in place of a rate.
+    /// The end of a ramp, Pa, in place of a rate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ramp: Option<Ramp>,
 }
 
 impl Target {
-    /// What the stress is when the stage begins.
+    /// The stress at the start of the stage.
     pub fn current() -> Target {
         Target::default()
     }
@@ -95,7 +95,7 @@ impl Target {
         Target { rate, ..self }
     }
 
-    /// From what the stress is when the stage begins, linearly to the end of a ramp.
+    /// A linear change from the stress at the start of the stage to the end of a ramp.
     pub fn ramp(ramp: Ramp) -> Target {
         Target { ramp: Some(ramp), ..Target::default() }
     }
@@ -160,12 +160,13 @@ pub struct Control {
     pub servo_limit: f64,
     /// Time constant of the servo, in time steps.
     pub response: f64,
-    /// True if strain rates and moving targets grow from nothing at the start of the stage and wherever it turns round, over
-    /// a quarter of the time `d sqrt(rho / p)` in which grains move under p. At once the lateral stresses would jump.
+    /// True if strain rates and the rates of targets increase from zero at the start of the stage and at every reversal, over a
+    /// quarter of the time `d sqrt(rho / p)` in which grains move under p. With a sudden change the controlled stresses would
+    /// jump.
     pub eases: bool,
 }
 
-/// Share of the inertial time of the grains in which rates grow.
+/// Fraction of the inertial time of the grains in which rates increase from zero.
 const EASE: f64 = 0.25;
 
 /// Default time constant of the servo of a stage, in time steps.
@@ -174,11 +175,11 @@ const RESPONSE: f64 = 6.0;
 /// Bound on the strain rate that the servo adds where the cell is strained anyway, as a multiple of the speed.
 pub const SERVO_LIMIT: f64 = 30.0;
 
-/// Stiffness of a sample over the servo's estimate by which the time of a ramp of stress is chosen: grains move more than
-/// their contacts would let them by affine motion.
+/// Ratio of the stiffness of a sample, by which the duration of a ramp of stress is chosen, to the estimate of the servo, which
+/// assumes affine motion and is therefore too stiff.
 const YIELDING: f64 = 0.25;
 
-/// Shortest ramp, in inertial times of the grains: what changes faster is no quasi-static change, however small it is.
+/// Shortest duration of a ramp, in inertial times of the grains: a faster change is not quasi-static, however small it is.
 const SHORTEST_RAMP: f64 = 4.0;
 
 /// Reasons why a control is not possible.
@@ -253,19 +254,19 @@ impl Control {
             .chain(self.constraints.iter().flatten().filter(held).map(|constraint| &constraint.target))
     }
 
-    /// True if something goes along a ramp.
+    /// True if a strain or a stress follows a ramp.
     pub fn has_ramp(&self) -> bool {
         self.components.iter().any(|drive| matches!(drive, Drive::Ramp(_)))
             || self.targets().any(|target| target.ramp.is_some())
     }
 
-    /// True if some controlled stress moves.
+    /// True if the target of a controlled stress changes.
     pub fn moves_a_stress(&self) -> bool {
         self.targets().any(|target| target.rate != 0.0 || target.ramp.is_some())
     }
 
-    /// The time, s, that the ramps of the control take for a simulation; none without a ramp. The fastest strain goes at the
-    /// stage's speed; for stresses the strain is estimated from the contacts.
+    /// The duration, s, of the ramps of the control for a simulation; `None` without a ramp. The fastest strain proceeds at the
+    /// speed of the stage; for stresses the strain is estimated from the stiffness of the contacts.
     pub fn ramp_time(&self, simulation: &Simulation) -> Option<f64> {
         let state = simulation.state();
         let (stress, strain) = (state.stress(), state.strain());
@@ -301,7 +302,7 @@ impl Control {
         Some(longest)
     }
 
-    /// The strain rate that a rate of one stands for, 1/s, for a simulation.
+    /// The strain rate that corresponds to a rate of one, 1/s, for a simulation.
     pub fn strain_rate(&self, simulation: &Simulation) -> f64 {
         match self.speed {
             Speed::InertialNumber { number, at } => {
@@ -477,15 +478,15 @@ impl Constraint {
     }
 }
 
-/// The time `d sqrt(rho / p)`, s, in which grains move under the mean stress: the strain rate of an inertial number of one. It is
-/// not counted as longer than ten thousand time steps, for a sample that carries next to nothing.
+/// The time `d sqrt(rho / p)`, s, in which grains move under the mean stress, the reciprocal of the strain rate at an inertial number
+/// of one. It is at most ten thousand time steps, so that it remains finite for a sample with almost no stress.
 fn inertial_time(simulation: &Simulation) -> f64 {
     let state = simulation.state();
     let rate = simulation.strain_rate(1.0, state.mean_stress().max(0.0));
     (1.0 / rate).min(1e4 * state.time_step())
 }
 
-/// The bulk modulus that equations are weighed with, Pa; without contacts the stress is the only measure.
+/// The bulk modulus by which equations are scaled, Pa; without contacts it is estimated from the stress.
 fn modulus(simulation: &Simulation) -> f64 {
     let state = simulation.state();
     state.bulk_modulus().max(100.0 * invariants::mean(&state.stress()).abs()).max(1.0)

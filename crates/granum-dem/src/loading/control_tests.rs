@@ -1,4 +1,4 @@
-//! The servo that a stage asks for, on elastic solids.
+//! The servo of a stage, on elastic solids.
 
 use super::*;
 

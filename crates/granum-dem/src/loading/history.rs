@@ -1,4 +1,4 @@
-//! A history of strains and stresses, row by row: the points that a sample is led through.
+//! A history of strains and stresses, row by row: the points through which the loading path passes.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +7,7 @@ use crate::servo::COMPONENTS;
 /// Most rows of a history.
 pub const MOST_ROWS: usize = 5000;
 
-/// What a column of a history says, by the number of its component ([`COMPONENTS`]).
+/// The quantity in a column of a history, with the number of its component ([`COMPONENTS`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {
@@ -55,14 +55,14 @@ impl Quantity {
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct History {
-    /// What each column says.
+    /// The quantity in each column.
     pub columns: Vec<Quantity>,
-    /// One value a column in every row.
+    /// One value per column in every row.
     pub rows: Vec<Vec<f64>>,
 }
 
 impl History {
-    /// What is wrong with it as a whole, in a sentence that goes on from its name.
+    /// The fault of the history, if there is one, as the continuation of a sentence that begins with its name.
     pub fn fault(&self) -> Option<String> {
         if self.columns.is_empty() {
             return Some("has no column of strains or stresses, e.g. xx_strain or yy_stress".into());

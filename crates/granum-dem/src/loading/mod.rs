@@ -66,10 +66,10 @@ pub struct Stage {
     /// True if strain, time and energy are reset to zero at the start of this stage.
     pub resets: bool,
     /// Factor on the density of the grains in this stage. Without gravity only the inertial number matters, so that a strain
-    /// rate with a factor says the same as a higher rate without.
+    /// rate with a factor is equivalent to a higher rate without it.
     #[serde(default = "one")]
     pub density_scaling: f64,
-    /// Whether its start is the state that stages go back to.
+    /// The state from which it begins, and whether that state is saved for later stages.
     #[serde(default)]
     pub start: Start,
 }
@@ -78,16 +78,16 @@ fn one() -> f64 {
     1.0
 }
 
-/// What a stage begins from.
+/// The state from which a stage begins.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Start {
-    /// Where the stage before it ended.
+    /// The end of the previous stage.
     #[default]
     Here,
-    /// Where the stage before it ended; this state is kept for later stages.
+    /// The end of the previous stage; this state is saved for later stages.
     Kept,
-    /// The state that was kept last: everything since then is undone.
+    /// The state that was saved last: everything since then is undone.
     Back,
 }
 
@@ -134,7 +134,7 @@ impl Stage {
         }
     }
 
-    /// A stage that takes no time and records the state in which it finds the sample.
+    /// A stage without duration, which records the present state of the sample.
     pub fn mark(name: impl Into<String>) -> Stage {
         let control = Control { speed: Speed::StrainRate(1.0), ..Control::default() };
         Stage::new(name, control, vec![Until::Reaches { measure: Measure::Time, value: 0.0 }])
@@ -167,7 +167,7 @@ impl Stage {
 pub enum Ending {
     /// The stage is complete.
     Complete(Reason),
-    /// The observer stopped it; the simulation can go on from here.
+    /// The observer stopped it; the simulation can be continued from here.
     Stopped,
 }
 
@@ -216,7 +216,7 @@ pub fn begin(stage: &Stage, simulation: &mut Simulation) -> Result<StageProgress
     let control = stage.control.begin(simulation)?;
     simulation.damp_globally(if stage.settling { SETTLING } else { 0.0 });
     let mut stage_progress = StageProgress::begin(simulation);
-    // Over the time in which rates grow, half of the way is made.
+    // While rates increase from zero, only half of the full change takes place.
     stage_progress.ramp = stage.control.ramp_time(simulation).map(|time| time + 0.5 * control.ease);
     let start_up = if stage.control.is_strained() && !stage.control.eases { START_UP } else { 0.0 };
     simulation.judge_servo(stage_progress.start.arc_length + start_up);
@@ -290,7 +290,7 @@ fn turning_point(stage: &Stage, stage_progress: &StageProgress) -> Option<Event>
     Some(Event { measure, origin: stage_progress.origin(measure), value, rising })
 }
 
-/// The longest time that a stage may take, s. One that is to end at a time has twice that time.
+/// The longest permitted duration of a stage, s. A stage that ends at a given time is permitted twice that time.
 fn most_time(stage: &Stage, stage_progress: &StageProgress, simulation: &Simulation) -> f64 {
     let control = simulation.state().control();
     let limit = control.rate_limit / stage.control.servo_limit.max(f64::MIN_POSITIVE);

@@ -14,8 +14,7 @@ pub struct Record {
     pub states: usize,
     /// The spacing of the states.
     pub spacing: Spacing,
-    /// Value of the measure at the last state; infinite where states are recorded up to the end of the stage, wherever that
-    /// is.
+    /// Value of the measure at the last state; infinite if states are recorded up to the end of the stage.
     #[serde(with = "end")]
     pub end: f64,
 }
@@ -38,8 +37,8 @@ impl Record {
         Record { measure, states, spacing: Spacing::Equal, end }
     }
 
-    /// A state at every interval of a measure, until the stage ends. The shortest interval is 1e-12, also where a stage that has
-    /// nothing to do asks for zero.
+    /// A state at every interval of a measure, until the stage ends. The shortest interval is 1e-12, which replaces an interval of
+    /// zero.
     pub fn every(measure: Measure, interval: f64) -> Record {
         let interval = interval.max(1e-12);
         Record { measure, states: 0, spacing: Spacing::Every(interval), end: f64::INFINITY }

@@ -25,14 +25,14 @@ pub enum Until {
     Reversals(u64),
     /// All ramps of the stage are over.
     RampOver,
-    /// The mean stress has lost this part of what it was at the start of the stage: at constant volume the ratio
+    /// The mean stress has decreased by this fraction of its value at the start of the stage: at constant volume this is the ratio
     /// `r_u = 1 - p/p_0` of the excess pore pressure of a saturated sample under constant total mean stress.
     PorePressureRatio(f64),
-    /// A measure has gone this far since the stage turned round last: the double amplitude of a cycle.
+    /// A measure has changed by this amount since the last reversal of the stage: the double amplitude of a cycle.
     DoubleAmplitude {
         /// The measure.
         measure: Measure,
-        /// How far.
+        /// The change.
         value: f64,
     },
     /// The unbalanced force is below this value in three checks in a row, with every controlled stress within half a per
@@ -147,10 +147,10 @@ pub struct StageProgress {
     pub start_step: u64,
     /// Number of reversals of the stage.
     pub reversals: u64,
-    /// Stress, strain and clock where it turned round last.
+    /// Stress, strain and time at the last reversal.
     #[serde(default)]
     turned: Option<MacroState>,
-    /// Time that the ramps of the stage take, s.
+    /// Duration of the ramps of the stage, s.
     #[serde(default)]
     pub(super) ramp: Option<f64>,
     /// Number of successive checks that found equilibrium.
@@ -170,13 +170,13 @@ impl StageProgress {
         StageProgress { start: state.macro_state(), start_step: state.step(), ..StageProgress::default() }
     }
 
-    /// The stage turns round.
+    /// Registers a reversal of the stage.
     pub(super) fn turn(&mut self, state: &State) {
         self.reversals += 1;
         self.turned = Some(state.macro_state());
     }
 
-    /// The value from which a measure counts.
+    /// The value from which a measure is counted.
     pub fn origin(&self, measure: Measure) -> f64 {
         if measure.counts_from_stage() { measure.of(&self.start) } else { 0.0 }
     }
@@ -233,18 +233,18 @@ impl StageProgress {
         }
     }
 
-    /// The end of the ramps.
+    /// The event that the ramps have ended.
     fn ramp_end(&self) -> Option<Event> {
         self.ramp.map(|time| self.event(Measure::Time, time))
     }
 
-    /// The loss of a part of the mean stress.
+    /// The event that the mean stress has decreased by a fraction of its initial value.
     fn liquefied(&self, ratio: f64) -> Event {
         let value = (1.0 - ratio) * invariants::mean(&self.start.stress);
         Event { measure: Measure::MeanStress, origin: 0.0, value, rising: false }
     }
 
-    /// A measure so far from where the stage turned round last, on either side.
+    /// The events that a measure has changed by `value` since the last reversal, in either direction.
     fn span(&self, measure: Measure, value: f64) -> Option<[Event; 2]> {
         let origin = measure.of(self.turned.as_ref()?);
         Some([(value, true), (-value, false)].map(|(value, rising)| Event { measure, origin, value, rising }))

@@ -1,12 +1,13 @@
 //! Strain cycles after compaction, which make a sample denser than compression alone.
 //!
-//! The axial strain goes to the amplitude, to its negative, and so on, at constant mean stress and with the friction of the
-//! compaction. A turn is noticed at the checks of the preparation, every few hundred steps.
+//! The axial strain is brought to the amplitude, to its negative, and so on, at constant mean stress and with the friction of the
+//! compaction. A reversal takes place at the first check of the preparation after the amplitude is reached; checks are made every few
+//! hundred steps.
 
 use super::{Preparation, Simulation};
 use crate::servo::CellControl;
 
-/// Largest rate that the servo adds, as a multiple of the axial strain rate.
+/// Largest strain rate that the servo adds, as a multiple of the axial strain rate.
 const SERVO_LIMIT: f64 = 30.0;
 
 /// Begins to strain a sample at the mean stress of the preparation.
@@ -16,7 +17,7 @@ pub(super) fn begin(s: &mut Simulation, p: &Preparation) {
     s.reset_phase(0.0);
 }
 
-/// Turns round where the amplitude is reached; `turns` is the number of turns so far. True once all cycles are done.
+/// Reverses the strain rate when the amplitude is reached; `turns` is the number of reversals so far. True once all cycles are done.
 pub(super) fn turned(s: &mut Simulation, p: &Preparation, turns: &mut u64) -> bool {
     let strain = s.state().strain()[0][0];
     let sign = if turns.is_multiple_of(2) { 1.0 } else { -1.0 };

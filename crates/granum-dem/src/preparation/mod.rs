@@ -2,10 +2,9 @@
 //!
 //! 1. **Random insertion**: grains at random positions without overlap ([`crate::random_insertion`]).
 //! 2. **Compaction**: all axes are servo-controlled to the target mean stress, with the friction and interface energy of
-//!    the preparation; the strain rate is bounded by an inertial number, which is ten times larger while hardly any load is
-//!    carried.
-//! 3. **Cycles**, if the preparation has any: the axial strain goes to and fro at constant mean stress, which makes the sample
-//!    denser.
+//!    the preparation; the strain rate is bounded by an inertial number, which is ten times larger while the grains carry hardly
+//!    any load.
+//! 3. **Cycles**, if the preparation has any: the axial strain is cycled at constant mean stress, which makes the sample denser.
 //! 4. **Relaxation**: the final friction and interface energy are set (contacts keep their history), and the servo holds
 //!    the stress until the unbalanced force is small.
 //!
@@ -55,7 +54,7 @@ const MOST_RELAXATION_STEPS: u64 = 400_000;
 /// Fraction of the target stress below which a packing is loose.
 const LOOSE_BELOW: f64 = 0.5;
 
-/// Reasons why there is no sample.
+/// Reasons why a sample cannot be prepared.
 #[derive(Debug, thiserror::Error)]
 pub enum PreparationError {
     /// The initial state is too dense.
@@ -460,7 +459,7 @@ impl Preparing {
         Ok(())
     }
 
-    /// Turns the straining round, and starts the relaxation after the last cycle.
+    /// Reverses the axial strain rate at the ends of a cycle, and starts the relaxation after the last cycle.
     fn check_cycles(&mut self, specification: &SampleSpecification) -> Result<(), PreparationError> {
         let Stage::Cycles { turns } = &mut self.progress.stage else { return Ok(()) };
         if cycles::turned(&mut self.simulation, specification.preparation, turns) {
@@ -480,7 +479,7 @@ impl Preparing {
         Ok(())
     }
 
-    /// Whether the sample has come to rest, once that is decided.
+    /// Whether the sample has come to rest; `None` as long as this is not decided.
     fn check_relaxation(&mut self, p: &Preparation, limit: u64) -> Option<bool> {
         let state = self.simulation.state();
         let ratio = state.mean_stress() / p.mean_stress;

@@ -1,4 +1,4 @@
-//! What a preparation gives.
+//! The result of a preparation.
 
 use serde::{Deserialize, Serialize};
 

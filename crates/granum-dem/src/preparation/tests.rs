@@ -190,7 +190,7 @@ fn cycles_make_a_sample_denser_and_can_be_interrupted() {
     assert_same(&after, &pieces);
 }
 
-/// Attraction and resistance to rolling are there while a sample is compacted, and gone in the finished one.
+/// The attraction and the resistance to rolling of the preparation act during compaction only, not in the finished sample.
 #[test]
 fn laws_of_the_compaction_are_gone_in_the_sample() {
     let grains = grains(0.0);

@@ -1,7 +1,7 @@
 //! Learning curves: error on unseen runs as a function of the number of training runs.
 //!
-//! The paper trained on one run. On a single path of a single sample every quantity is a function of strain, and the
-//! information of a sensor cannot show, because it lies in the differences between runs. The same mappings are therefore
+//! The paper trained on one run. On a single path of a single sample every quantity is a function of strain, so that the
+//! information of a sensor, which is in the differences between runs, cannot be detected. The same mappings are therefore
 //! trained on 1, 2, 4, ... runs and scored on runs with other seeds, and are compared with strain-only networks, with ridge
 //! regression, and with the same networks that receive the sensors of another unseen run at the same strain. A difference
 //! counts only if it exceeds its scatter over the unseen runs.
@@ -69,7 +69,7 @@ pub struct CurvePoint {
     pub formula: String,
     /// Number of training runs.
     pub training_runs: usize,
-    /// Number of different sets of so many runs, whose errors are averaged.
+    /// Number of different sets of this number of runs, whose errors are averaged.
     pub sets: usize,
     /// Error of the networks.
     pub network: Estimate,

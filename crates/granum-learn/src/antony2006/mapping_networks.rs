@@ -252,7 +252,7 @@ impl MappingNetworks {
         Ok(intervals)
     }
 
-    /// Predictions of a network for observations of so many points, with their standard deviations.
+    /// Predictions of a network for observations of the given number of points, with their standard deviations.
     fn spread(&self, sub_model: usize, inputs: &[f64], points: usize, level: f64) -> Result<Spread> {
         let network = &self.networks[sub_model];
         let failed = |error: granum_nets::ModelError| self.failed(sub_model, &error);

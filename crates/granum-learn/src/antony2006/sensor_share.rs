@@ -30,7 +30,7 @@ const LEAST_PENALTY: f64 = 1e-6;
 const TARGET_RANGE: f64 = 0.8;
 
 /// The share for those sensors of a mapping for which `held_back` is true, from the training states of each run. Each state
-/// counts as so many `observations` of every value of the output.
+/// counts as the given number of `observations` of every value of the output.
 ///
 /// # Errors
 /// If a ridge regression cannot be solved.

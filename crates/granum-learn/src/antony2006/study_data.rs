@@ -23,7 +23,7 @@ use crate::error::{LearnError, Result};
 /// Options of a data set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StudyDataOptions {
-    /// One of so many states is used for training, and the others are held out.
+    /// Of this number of successive states one is used for training, and the others are held out.
     pub stride: usize,
     /// Lower edge of the first bin of f that is learned.
     pub smallest_force: f64,
@@ -134,7 +134,7 @@ pub struct StudyData {
     pub training_runs: Vec<Run>,
     /// Runs that are used neither for training nor for selection.
     pub unseen_runs: Vec<Run>,
-    /// One of so many states is used for training.
+    /// Of this number of successive states one is used for training.
     pub stride: usize,
 }
 

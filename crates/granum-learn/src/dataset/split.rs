@@ -4,14 +4,14 @@ use super::named_columns::Dataset;
 use super::run_states::{RunStates, STATE};
 use crate::error::{LearnError, Result};
 
-/// The rule for splitting a data set: one of so many states of the training runs is used for training, the others are held
-/// out, and the unseen runs are used for evaluation only.
+/// The rule for splitting a data set: every n-th state of the training runs is used for training (n is the stride), the others
+/// are held out, and the unseen runs are used for evaluation only.
 ///
 /// See [`Dataset`] for an example.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Split {
-    /// One of so many states is used for training (2).
+    /// Stride n: every n-th state is used for training (2).
     pub stride: usize,
     /// Number of the first state that is used, which is also the first training state; earlier states of a stage are
     /// omitted (0).

@@ -48,7 +48,7 @@ pub struct Laboratory {
 }
 
 impl Laboratory {
-    /// The threads and instruction set for a simulation of so many grains, given the runs that share the processors now.
+    /// The threads and instruction set for a simulation of a number of grains, given the runs that share the processors at present.
     pub(crate) fn hardware_for(&self, grains: usize) -> Hardware {
         let running = self.shared.as_ref().map_or(1, |s| s.running().max(1));
         let useful = grains / self.grains_per_thread.max(1);

@@ -40,10 +40,10 @@ pub(super) fn energy_gap(before: &Stored, end: &Assembly) -> f64 {
     let accounted =
         stored + e.tangential_work + e.damping + e.adhesion_made + e.adhesion_broken + e.rolling_work;
     let accounted = accounted + e.attraction_loss + e.plastic_loss;
-    // Next to no work is done where all is held; the energy that is there is then the measure.
+    // If hardly any work is done, as in a cell at rest, the gap is compared with the stored energy.
     let measure = e.boundary_work.abs().max(HARDLY_ANY * before.elastic_normal.abs());
     if measure == 0.0 { 0.0 } else { ((e.boundary_work - accounted) / measure).abs() }
 }
 
-/// Work of the boundary over the elastic energy before the test that counts as hardly any.
+/// Ratio of the boundary work to the elastic energy before the test below which the work counts as hardly any.
 const HARDLY_ANY: f64 = 1e-3;

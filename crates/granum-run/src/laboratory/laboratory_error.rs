@@ -33,10 +33,10 @@ pub enum LaboratoryError {
     /// The requested engine cannot be used.
     #[error(transparent)]
     Engine(#[from] EngineError),
-    /// A state that stages go back to cannot be kept or used.
+    /// A state to which stages return cannot be saved or restored.
     #[error("the state to which later stages go back: {0}")]
     Kept(String),
-    /// No stage kept a state.
+    /// No stage has saved a state.
     #[error("the stage {stage} goes back to a state, but no stage before it kept one (start = \"kept\")")]
     NothingKept {
         /// Name of the stage.

@@ -1,15 +1,16 @@
 //! The densest and the loosest state of the grains of a case, each by a stated procedure.
 //!
-//! There is no state of grains that is the densest or the loosest by itself, as there is none in a soil laboratory: standards state
-//! procedures. The ones used here, both at the mean stress of the preparation and with the relaxation of every sample:
+//! The densest and the loosest state of grains depend on the procedure by which they are prepared; standards for soil laboratories
+//! therefore prescribe procedures. Those used here, both at the mean stress of the preparation and with the relaxation of every
+//! sample:
 //!
 //! - **densest** (e_min): compression without friction, without resistance to rolling and without adhesion, then
 //!   [`CYCLES`] cycles of axial strain of ± [`CYCLE_STRAIN`] at constant mean stress, still without friction;
 //! - **loosest** (e_max): compression from a dispersed state with the grains' own friction and resistance to rolling, without
-//!   adhesion but for that of their contact law.
+//!   adhesion other than that of their contact law.
 //!
-//! Looser states exist while attraction or more friction than the grains have of their own hold them up, but fall together to denser
-//! ones than the above when that is taken away (measured in the book).
+//! Looser states exist as long as attraction, or more friction than the grains' own, supports them; when that is removed they
+//! collapse to denser states than the above (measured in the book).
 
 use granum_dem::config::NormalKind;
 use granum_dem::observer::Observer;
@@ -17,7 +18,7 @@ use granum_io::{Case, RunRecord};
 
 use super::{Laboratory, LaboratoryError};
 
-/// Cycles of the densest state.
+/// Number of cycles of the densest state.
 pub const CYCLES: u64 = 20;
 /// Their amplitude of axial strain.
 pub const CYCLE_STRAIN: f64 = 0.01;
@@ -49,7 +50,7 @@ pub fn loosest(case: &Case) -> Case {
     let attraction = case.grains.material.interface_energy;
     let p = &mut case.preparation;
     (p.friction, p.rolling_friction, p.cycles) = (Some(friction), None, 0);
-    // Grains with JKR adhesion of their own have it from the start.
+    // With the normal law JKR the adhesion acts from the start.
     p.interface_energy = if case.contact.normal == NormalKind::JKR { attraction } else { 0.0 };
     case
 }
@@ -89,8 +90,8 @@ mod tests {
 
     use super::*;
 
-    /// Between the two lies every sample that the search of a friction can make, and a sample of a relative density lies where it
-    /// was asked for.
+    /// The two limits enclose the void ratios that the search for a friction can reach, and a sample has the relative density
+    /// that was specified.
     #[test]
     fn a_relative_density_lies_between_the_limits() {
         let text = "grains.count = 200\ngrains.material.youngs_modulus = '5 GPa'\ngrains.material.friction = 0.5\ncontact.normal = 'hertz'\n\

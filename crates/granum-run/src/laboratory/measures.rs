@@ -40,7 +40,7 @@ pub(super) fn of_test(record: &Record, measures: &mut BTreeMap<String, f64>) {
         None => ("deviator_strain", "stress_ratio"),
     };
     let strains = column(strain);
-    // The sign of the von Mises stress jumps where compression and extension are none of the test.
+    // The signed von Mises stress may change its sign in a test that is neither triaxial compression nor extension.
     let ratios: Vec<f64> = match strain {
         "deviatoric_strain" => column(ratio).iter().map(|value| value.abs()).collect(),
         _ => column(ratio).to_vec(),
@@ -75,7 +75,8 @@ pub(super) fn of_test(record: &Record, measures: &mut BTreeMap<String, f64>) {
     }
 }
 
-/// Puts the ratio of lateral to axial stress at the end of every oedometric stage into the measures: `k0_` and its name.
+/// Adds the ratio of lateral to axial stress at the end of every oedometric stage to the measures, as `k0_` and the name of the
+/// stage.
 pub(super) fn of_oedometers(record: &Record, stages: &[Stage], measures: &mut BTreeMap<String, f64>) {
     let column = |name: &str| record.series.values(name).unwrap_or(&[]);
     let numbers = column("stage");

@@ -10,7 +10,7 @@ pub const BYTES_PER_GRAIN: u64 = 2300;
 /// Memory that the program needs for any number of grains, bytes.
 pub const BYTES_AT_LEAST: u64 = 64 << 20;
 
-/// Upper bound on the memory that a run with so many grains needs, bytes.
+/// Upper bound on the memory that a run with the given number of grains needs, bytes.
 pub fn needed(grains: usize) -> u64 {
     (grains as u64).saturating_mul(BYTES_PER_GRAIN).saturating_add(BYTES_AT_LEAST)
 }

@@ -42,7 +42,8 @@ pub fn simulation(packing: &Packing, properties: Properties) -> Result<Simulatio
     }
 }
 
-/// The material of each grain as the packing names it, where it does and there are several to choose from; else it is drawn.
+/// The material of each grain, if the packing names it and the case has several materials; otherwise `None`, and materials are
+/// drawn at random.
 fn materials(packing: &Packing, properties: &Properties) -> Result<Option<Vec<u8>>, LaboratoryError> {
     let mixture = &properties.mixture;
     if mixture.is_empty() || packing.materials.of.is_empty() {

@@ -71,7 +71,7 @@ pub(super) fn judge_rest(
     ]
 }
 
-/// A remark for the user if states were averaged over fewer samples than the case asks for.
+/// A remark for the user if states were averaged over fewer observations than the case requires.
 pub(super) fn remark_on_samples(missed_observations: &MissedObservations) -> Option<String> {
     let MissedObservations { wanted, missing, states, empty_states } = *missed_observations;
     let none = match empty_states {

@@ -72,11 +72,11 @@ pub(crate) fn run(
     })
 }
 
-/// Goes on with a preparation or test that was interrupted, killed or failed: from its last good checkpoint, or from
-/// the case if there is none yet.
+/// Continues a preparation or test that was interrupted, was killed or failed, from its last usable checkpoint, or from the case if
+/// there is none yet.
 ///
 /// # Errors
-/// [`LaboratoryError`] if what is there cannot be used, or it fails again.
+/// [`LaboratoryError`] if the contents of the folder cannot be used, or if the run fails again.
 pub(crate) fn resume(
     laboratory: &Laboratory,
     folder: &RunFolder,
@@ -269,8 +269,8 @@ fn complete(
     Ok(())
 }
 
-/// Notes in the record how each stage ended; the observer is warned of a stage that ended before its goal. Of a test of very many stages only
-/// those, and the number of the others.
+/// Notes in the record how each stage ended; the observer is warned of a stage that met none of its end conditions. For a test
+/// with more than [`STAGES_TOLD`] stages only these are noted, with the number of the others.
 fn record_stages(test: &Test, record: &mut RunRecord, observer: &mut dyn Observer) {
     let many = test.ends.len() > STAGES_TOLD;
     for (k, end) in test.ends.iter().enumerate() {
@@ -286,7 +286,7 @@ fn record_stages(test: &Test, record: &mut RunRecord, observer: &mut dyn Observe
                 if left > 0 { format!("; number of later stages not run: {left}") } else { String::new() };
             observer.warn(&format!("{note}{rest}"));
         } else if many || *steps == 0 {
-            // A stage without a step only records where the one before it came to.
+            // A stage without a step only records the end of the previous one.
             continue;
         }
         record.notes.push(note);

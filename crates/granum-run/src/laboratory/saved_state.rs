@@ -1,4 +1,4 @@
-//! The state of a simulation within a checkpoint, for stages that go back to it.
+//! A saved state of the simulation within a checkpoint, to which later stages return.
 
 use granum_dem::simulation::Simulation;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -10,13 +10,13 @@ use super::laboratory_error::LaboratoryError;
 pub(super) struct SavedState(Vec<u8>);
 
 impl SavedState {
-    /// A simulation as it is.
+    /// Saves a simulation.
     pub(super) fn of(simulation: &Simulation) -> Result<SavedState, LaboratoryError> {
         let bytes = simulation.checkpoint("").map_err(|error| LaboratoryError::Kept(error.to_string()))?;
         Ok(SavedState(bytes))
     }
 
-    /// The simulation as it was.
+    /// Restores the simulation.
     pub(super) fn restore(&self) -> Result<Simulation, LaboratoryError> {
         let (simulation, _) =
             Simulation::restore(&self.0).map_err(|error| LaboratoryError::Kept(error.to_string()))?;

@@ -50,7 +50,7 @@ impl Laboratory {
         let simulation = &mut run_state.simulation;
         let at = test.ends.len();
         if test.recorders.len() == at {
-            // The last stage is complete, or a stage ended before its goal.
+            // The last stage is complete, or a stage ended without meeting an end condition.
             return Ok(Segment::Complete);
         }
         let (Some(stage), Some(recorder)) = (test.stages.get(at), test.recorders.last_mut()) else {
@@ -90,7 +90,7 @@ impl Laboratory {
             recorder.end();
         }
         test.ends.push(StageEnd::of(stage, &test.stage_progress, reason, simulation));
-        // After a stage that did not reach its goal, the following stages would not start from the state that was asked for.
+        // After a stage that met none of its end conditions, the following stages would not start from the intended state.
         if !reason.is_asked_for() || test.ends.len() == test.stages.len() {
             return Ok(Segment::Complete);
         }

@@ -30,7 +30,7 @@ pub(super) struct Test<R = Recorder> {
     /// Deviator strains at which snapshots are still due.
     #[serde(default)]
     pub(super) snapshots: Vec<f64>,
-    /// The state that stages go back to, once a stage has kept one.
+    /// The state to which stages return, once a stage has saved one.
     #[serde(default)]
     kept: Option<Kept>,
 }
@@ -56,7 +56,7 @@ impl SavedTest {
     }
 }
 
-/// A state that was kept, with what is known of the energy there.
+/// A saved state, with the energy of the sample in it.
 #[derive(Clone, Serialize, Deserialize)]
 struct Kept {
     state: SavedState,
@@ -70,7 +70,7 @@ impl std::fmt::Debug for Kept {
     }
 }
 
-/// Most stages for each of which a snapshot and a note are left behind.
+/// Largest number of stages of a test for which a snapshot and a note are written at the end of every stage.
 pub(super) const STAGES_TOLD: usize = 24;
 
 impl Test {

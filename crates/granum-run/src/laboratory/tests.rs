@@ -113,7 +113,7 @@ fn density_scaling_says_the_same_physics() {
     }
 }
 
-/// A stage at a strain rate with scaled density is one at the inertial number that both come to.
+/// A stage at a strain rate with scaled density is equivalent to a stage at the corresponding inertial number.
 #[test]
 fn density_scaling_of_a_stage_says_the_same_physics() {
     let scaling = 4f64.powi(20);

@@ -8,7 +8,7 @@ use granum_dem::simulation::Simulation;
 
 use super::{Probing, StiffnessError, at_rest, difference, largest};
 
-/// Fastest strain between the points of rest, as an inertial number.
+/// Highest strain rate between the states at rest, as an inertial number.
 const INERTIAL_NUMBER: f64 = 1e-4;
 
 /// A point of the curve.
@@ -27,7 +27,7 @@ pub struct Degradation {
 /// The secant shear modulus over the strain in a compression along x at constant volume with the friction of the sample,
 /// on a copy of it: at each strain the grains come to rest, so that the curve is that of a static test, whatever the rate.
 ///
-/// The deviatoric strains must rise from a positive one.
+/// The deviatoric strains must be positive and increase.
 ///
 /// # Errors
 /// As [`super::measure`].
@@ -76,8 +76,8 @@ pub fn degradation(
     Ok(curve)
 }
 
-/// The curve as a table: `strain`, `secant_shear_modulus`, the same over its first value as `relative_shear_modulus`, `mean_stress` and
-/// `settled` (1 or 0).
+/// The curve as a table: `strain`, `secant_shear_modulus`, the same over its first value as `relative_shear_modulus`,
+/// `mean_stress` and `settled` (1 or 0).
 pub fn degradation_table(curve: &[Degradation]) -> Table {
     let first = curve.first().map_or(1.0, |point| point.shear_modulus);
     let column = |name: &str, unit: &str, value: fn(&Degradation) -> f64| {
@@ -102,7 +102,7 @@ fn settle(copy: &mut Simulation, start: &Matrix, probing: &Probing) -> Result<bo
         copy.advance(probing.block)?;
         let now = copy.state().stress();
         let moved = largest(&difference(&now, &before));
-        // Sliding contacts settle more slowly than elastic ones: a per cent of a block is asked for, not the tolerance of a tensor.
+        // Sliding contacts settle more slowly than elastic ones: the tolerance is 1e-3, larger than that of a stiffness tensor.
         if moved < 1e-3 * largest(&difference(&now, start)) {
             return Ok(true);
         }

@@ -2,16 +2,16 @@
 //!
 //! A copy of the simulation comes to rest in a fixed cell under global damping. Each of the six components of strain is then
 //! applied to two further copies, forward and backward, and these relax in lockstep until the difference of their stresses no
-//! longer changes. Column j of the tensor is that difference over twice the strain, so that what still creeps in both cancels, and
-//! so does the curvature of the contact law. The simulation itself is not touched: a run goes on with the same bits.
+//! longer changes. Column j of the tensor is that difference over twice the strain, so that residual creep, which is common to both,
+//! cancels, and so does the curvature of the contact law. The simulation itself is not changed: a run continues with the same bits.
 //!
 //! By default friction is raised on the copies to [`FROZEN`], so that no contact slides and the response is elastic; without
-//! that, contacts at the limit of friction slide, and the result is a tangent stiffness that depends on the size of the strain. Limits of
-//! rolling resistance stay as they are, since the stiffness of rolling depends on the same parameter.
+//! that, contacts at the limit of friction slide, and the result is a tangent stiffness that depends on the size of the strain.
+//! Limits of rolling resistance are not changed, since the rolling stiffness depends on the same parameter.
 //!
-//! The affine tensor, from the stress after a single step in which every grain follows the strain of the cell, is what a
-//! mean-field estimate gives that knows every contact (Walton 1987 is the same with the mean contact): the difference is what the grains' own
-//! motion relaxes.
+//! The affine tensor, from the stress after a single step in which every grain follows the strain of the cell, is the mean-field
+//! estimate from the stiffness of every contact (Walton 1987 gives it for the mean contact); the difference between the two
+//! tensors is due to the non-affine motion of the grains.
 
 mod degradation;
 mod series;
@@ -25,8 +25,8 @@ pub use degradation::{Degradation, degradation, degradation_table};
 pub use series::{Probed, Probes, table};
 pub use tensor::Tensor;
 
-/// Coefficient of friction on copies whose contacts shall not slide. It is far above any ratio of tangential to normal force, and small
-/// enough for laws with micro-slip, in which terms of the size of friction times normal force cancel.
+/// Coefficient of friction on copies whose contacts must not slide. It is far above any ratio of tangential to normal force, and
+/// small enough for laws with micro-slip, in which terms of the size of friction times normal force cancel.
 pub const FROZEN: f64 = 10.0;
 
 /// How a stiffness is measured.
@@ -49,7 +49,7 @@ pub struct Probing {
     pub tolerance: f64,
     /// Steps of relaxation between two checks of the stress.
     pub block: u64,
-    /// Most blocks of relaxation.
+    /// Largest number of blocks of relaxation.
     pub most_blocks: u64,
 }
 
@@ -166,7 +166,7 @@ fn at_rest(simulation: &Simulation, probing: &Probing) -> Result<Simulation, Sti
     for _ in 0..probing.most_blocks {
         copy.advance(probing.block)?;
         let now = copy.state().stress();
-        // A hundredth of what the strain will change is little enough, since it is common to both directions.
+        // A hundredth of the change that the strain will cause is small enough, since it is common to both directions.
         let enough = 0.01 * probing.strain * copy.state().bulk_modulus();
         if largest(&difference(&now, &before)) < enough {
             break;
@@ -180,11 +180,11 @@ fn at_rest(simulation: &Simulation, probing: &Probing) -> Result<Simulation, Sti
     Ok(copy)
 }
 
-/// Global damping by step: as slow, compared with the vibrations of a contact, as in a preparation, and fast enough that a sample of
-/// some ten grains across is near its critical damping.
+/// Global damping per step: slow compared with the vibrations of a contact, as in a preparation, and fast enough that a sample
+/// about ten grains wide is close to critical damping.
 const DAMPING: f64 = 0.02;
 
-/// The same properties with so much friction that nothing slides.
+/// The same properties with a coefficient of friction so large that no contact slides.
 fn without_sliding(properties: &Properties) -> Properties {
     let mut frozen = properties.clone();
     frozen.material.friction = FROZEN;

@@ -8,7 +8,7 @@ use granum_dem::simulation::Simulation;
 
 use super::{Probing, Stiffness, StiffnessError, measure};
 
-/// The stiffness of a state and what characterises that.
+/// The stiffness of a state, with quantities that characterise the state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Probed {
     /// Deviator strain since the start of the phase.
@@ -61,7 +61,7 @@ impl Probed {
 pub struct Probes {
     /// The stage, from 1.
     number: usize,
-    /// True while that is under way.
+    /// True while this stage is in progress.
     is_on: bool,
     due: Vec<f64>,
     probing: Probing,
@@ -84,7 +84,7 @@ impl Probes {
         self.failed.map_or(Ok(self.found), Err)
     }
 
-    /// The values that were not reached yet.
+    /// The values that have not been reached yet.
     pub fn due(&self) -> &[f64] {
         &self.due
     }
@@ -116,8 +116,8 @@ impl Observer for Probes {
     }
 }
 
-/// The measured stiffnesses as a table, one row a state: strains, void ratio, coordination number, stress, moduli, and the tensor as
-/// `c_xx_xx` to `c_xy_xy` (stress component, strain component).
+/// The measured stiffnesses as a table, one row per state: strains, void ratio, coordination number, stress, moduli, and the
+/// tensor as `c_xx_xx` to `c_xy_xy` (stress component, strain component).
 pub fn table(rows: &[Probed]) -> Table {
     let column = |name: &str, unit: &str, value: &dyn Fn(&Probed) -> f64| {
         Column::new(name, unit, rows.iter().map(value).collect())

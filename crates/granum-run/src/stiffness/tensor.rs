@@ -66,8 +66,9 @@ impl Tensor {
         Some(5.0 * self.shear_modulus() * shear + self.bulk_modulus() * bulk - 6.0)
     }
 
-    /// Largest `|C_ij - C_ji|` over the largest entry: 0 where an elastic potential exists. It is not exactly zero in a sample under
-    /// an anisotropic stress, of which the rate contributes (a part of the order of q over the stiffness), and not where contacts slide.
+    /// Largest `|C_ij - C_ji|` over the largest entry: 0 where an elastic potential exists. It is not exactly zero in a sample
+    /// under an anisotropic stress, which changes with the shape of the cell even at constant contact forces (a part of the order
+    /// of q over the stiffness), nor where contacts slide.
     pub fn asymmetry(&self) -> f64 {
         let c = &self.0;
         let pairs = (0..6).flat_map(|i| (0..6).map(move |j| (i, j)));

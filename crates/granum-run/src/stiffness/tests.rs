@@ -52,14 +52,15 @@ fn assert_cubic(found: &Stiffness, [c11, c12, c44]: [f64; 3], tolerance: f64) {
 }
 
 /// Lattices under a prestress p with a length L between neighbours: SC `C11 = k_n / L`, `C12 = p`, `C44 = k_t / 2L - p`; FCC
-/// `C11 = sqrt(2) (k_n + k_t) / L - p/2`, `C12 = (k_n - k_t) / (sqrt(2) L) + 5/4 p`, `C44 = (k_n + k_t) / (sqrt(2) L) - 3/4 p`. By symmetry no
-/// grain moves on its own, so that the affine tensor is the same. The tangential law gives another force where the normal force grows than
-/// where it falls, which is a part of the order of strain over overlap: it is seen in the face-centred lattice with the default strain,
-/// a thousandth of the overlap, and is gone with a smaller one.
+/// `C11 = sqrt(2) (k_n + k_t) / L - p/2`, `C12 = (k_n - k_t) / (sqrt(2) L) + 5/4 p`, `C44 = (k_n + k_t) / (sqrt(2) L) - 3/4 p`.
+/// By symmetry the motion of the grains is affine, so that the affine tensor is the same. The tangential law gives different
+/// forces for increasing and for decreasing normal forces; the relative difference, of the order of strain over overlap, is
+/// visible in the face-centred lattice with the default strain, a thousandth of the overlap, and negligible with a smaller
+/// strain.
 #[test]
 fn lattices_have_their_analytic_stiffness() {
     let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
-    // Smaller ones lose digits: the overlap is a difference of places.
+    // Smaller strains lose digits: the overlap is a difference of positions.
     let tiny = Probing { strain: 1e-8, ..Probing::default() };
     for (probing, tolerance) in [(tiny, 5e-6), (Probing::default(), 5e-5)] {
         let found = measure(&simple_cubic(contact), &probing).unwrap();

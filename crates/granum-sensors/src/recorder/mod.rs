@@ -15,26 +15,26 @@ pub(crate) use self::sums::StateSums;
 use crate::registry::Known;
 use crate::{Bins, Memory, Observation, Record, SensorColumn, SensorError, Sensors, Values};
 
-/// Takes observations at a test and averages them into states.
+/// Makes observations during a test and averages them into states.
 ///
-/// Of a stage of a test the states may stand at values of another measure than the deviator strain, which the following
-/// speaks of, and be asked for at equal intervals without an end ([`Recorder::of_stage`]).
+/// The following describes tests whose states are spaced by the deviator strain. The states of a stage can be spaced by another
+/// measure, and at equal intervals without an end ([`Recorder::of_stage`]).
 ///
-/// State k of `0..=states` stands at the deviator strain `k / states` of the end, and its window is one interval
-/// wide around it (half a window at the end). Observations are spread evenly over a window, half a spacing off its edges, so
-/// that the test is looked at in equal strides. A column of strain is averaged like every other, so each row pairs
-/// mean values of the same observations.
+/// State k of `0..=states` is at the fraction `k / states` of the deviator strain at the end, and its window is one interval wide
+/// and centred on it (half a window at the end). Observations are evenly spaced in a window, half a spacing from its edges, so
+/// that they are evenly spaced over the whole test. A column of strain is averaged like every other, so that each row consists of
+/// mean values over the same observations.
 ///
-/// With another [`Spacing`](granum_dem::config::Spacing) the window of a state is centred on it too, and as wide as the
-/// nearer of its two neighbours is far (the first state's neighbour below is the start, the last one's above is the end), so
-/// that windows never overlap.
+/// With another [`Spacing`](granum_dem::config::Spacing) the window of a state is centred on it too, and its width is the
+/// distance to the nearer of the two neighbouring states (below the first state the start counts as a neighbour, above the last
+/// one the end), so that windows never overlap.
 ///
-/// State 0 is the sample before it is strained: one observation at strain zero. Its window would hold the elastic rise of the
-/// stress, which stiff grains have behind them after some 1e-3 of strain; a mean over that is neither the sample nor
-/// the sheared state.
+/// State 0 is the sample before it is strained: one observation at strain zero. A window around it would contain the elastic rise
+/// of the stress, which in stiff grains ends at a strain of about 1e-3; its mean would describe neither the sample nor the
+/// sheared state.
 ///
-/// It can be serialised, with what its sensors remember, and is read back as a [`SavedRecorder`]: a run that is resumed
-/// goes on with the same bits.
+/// A recorder can be serialised with the data that its sensors store, and is read back as a [`SavedRecorder`], so that a resumed run
+/// gives the same bits.
 ///
 /// ```
 /// use granum_dem::{assembly::Assembly, config::Recording};
@@ -55,17 +55,17 @@ use crate::{Bins, Memory, Observation, Record, SensorColumn, SensorError, Sensor
 #[derive(Clone)]
 pub struct Recorder {
     saved: SavedRecorder,
-    /// Those that `saved` names, in its order.
+    /// The sensors that `saved` names, in the same order.
     sensors: Vec<Instance>,
 }
 
-/// A recorder as it is written down: without the sensors themselves, of which it has the names and what they remember.
+/// The serialised form of a recorder, with the names of the sensors and the data that they store, but without the sensors themselves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SavedRecorder {
     schedule: Schedule,
     /// Names of the sensors, in the order of their columns.
     sensors: Vec<String>,
-    /// What each of them remembers.
+    /// The data that each of them stores.
     memories: Vec<Memory>,
     states: Vec<StateSums>,
 }
@@ -103,7 +103,7 @@ impl MissedObservations {
 }
 
 impl SavedRecorder {
-    /// The recorder again, with its sensors.
+    /// Restores the recorder by adding its sensors.
     ///
     /// # Errors
     /// [`SensorError::Unknown`] if one of its sensors is not known.
@@ -147,8 +147,8 @@ impl Recorder {
         Recorder::with_schedule(sensors, Schedule::of_test(recording, end), false)
     }
 
-    /// A recorder for a stage whose measure counts from `origin`. Of the recording only the number of observations, the bins and the
-    /// sensors are used.
+    /// A recorder for a stage whose measure is counted from `origin`. Of the recording only the number of observations, the bins
+    /// and the sensors are used.
     ///
     /// # Errors
     /// As [`Recorder::new`].
@@ -188,7 +188,7 @@ impl Recorder {
         Record::from_states(&self.columns_by_sensor(), &self.bins(), rows, false)
     }
 
-    /// True if it can be what a fresh recorder has come to: one that was read back may be damaged or of another test.
+    /// True if its state can follow from the given fresh recorder: a recorder from a file may be damaged or belong to another test.
     pub fn is_like(&self, fresh: &Recorder) -> bool {
         let empty = fresh.empty_state(0);
         let (own, other) = (&self.saved, &fresh.saved);
@@ -211,8 +211,8 @@ impl Recorder {
         self.saved.schedule.is_complete()
     }
 
-    /// Observes once, for the last observation that is due, and goes on to the first that is not. Before anything is due it does
-    /// nothing, so it may be called at any time.
+    /// Makes one observation, for the last one that is due, and advances to the first that is not. It does nothing if none is due, so
+    /// that it may be called at any time.
     pub fn observe(&mut self, assembly: &Assembly) {
         let Some(state) = self.saved.schedule.due(assembly) else { return };
         if self.saved.states.last().is_none_or(|sums| sums.state != state) {
@@ -228,14 +228,14 @@ impl Recorder {
             let end = (first + bins.len()).min(sums.histograms.len());
             let histograms = sums.histograms.get_mut(first..end).unwrap_or_default();
             known.sensor.measure(&observation, memory, &mut Values::new(&mut row, histograms));
-            // What a sensor gives too much or too little must not move the columns of those after it.
+            // A sensor with too many or too few values must not shift the columns of the sensors after it.
             row.resize(columns, f64::NAN);
             first = end;
         }
         sums.add(&row, self.sensors.iter().flat_map(|instance| &instance.known.description.columns));
     }
 
-    /// Lets go of what the sensors remember: the stage is over, and nothing will be compared with its last observation.
+    /// Discards the data that the sensors store: the stage has ended, and nothing will be compared with its last observation.
     pub fn end(&mut self) {
         self.saved.memories.iter_mut().for_each(|memory| *memory = Memory::new());
     }

@@ -5,21 +5,21 @@ use granum_dem::config::{Recording, Spacing};
 use granum_dem::loading::{self, MacroState, Measure};
 use serde::{Deserialize, Serialize};
 
-/// Where the states of a test or stage stand, how many observations each takes, and which comes next.
+/// The positions of the states of a test or stage, the number of observations of each, and the next observation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Schedule {
     pub(super) recording: Recording,
     /// The measure by which states are spaced, and the origin that is subtracted from it.
     measure: Measure,
     origin: f64,
-    /// Value of the measure at the last state; `None` where there is no last one.
+    /// Value of the measure at the last state; `None` if there is no last state.
     end: Option<f64>,
     /// The next state, and the next observation within its window.
     next: (usize, usize),
 }
 
 impl Schedule {
-    /// Of a test that ends at a deviator strain `end`. Numbers of states or observations of zero count as one.
+    /// The schedule of a test that ends at a deviator strain `end`. Numbers of states or observations of zero count as one.
     pub(super) fn of_test(recording: &Recording, end: f64) -> Schedule {
         let (states, observations) = (recording.states.max(1), recording.observations_per_state.max(1));
         // The recorder does not take snapshots.
@@ -37,7 +37,7 @@ impl Schedule {
         }
     }
 
-    /// Of a stage whose measure counts from `origin`.
+    /// The schedule of a stage whose measure is counted from `origin`.
     pub(super) fn of_stage(recording: &Recording, record: &loading::Record, origin: f64) -> Schedule {
         let recording = recording.clone().with(|recording| {
             recording.states = record.states;
@@ -47,7 +47,7 @@ impl Schedule {
         Schedule { measure: record.measure, origin, end, ..Schedule::of_test(&recording, 0.0) }
     }
 
-    /// True if it can be what a fresh schedule has come to, with these states observed.
+    /// True if its state can follow from the given fresh schedule.
     pub(super) fn is_like(&self, fresh: &Schedule) -> bool {
         let (state, observation) = self.next;
         self.recording == fresh.recording
@@ -56,7 +56,7 @@ impl Schedule {
             && observation < fresh.recording.observations_per_state
     }
 
-    /// The state that comes next.
+    /// The next state.
     pub(super) fn next_state(&self) -> usize {
         self.next.0
     }
@@ -143,8 +143,8 @@ impl Schedule {
         self.next.0 > self.last_state()
     }
 
-    /// The state that an observation at an assembly belongs to, if one is due; then goes on to the first that is not. A strain that
-    /// falls short by rounding only is due: the caller may have added it up in another order.
+    /// The state to which an observation of an assembly belongs, if one is due; advances to the first observation that is not due. An
+    /// observation is also due if the strain falls short only by a rounding error: the caller may have summed it in another order.
     pub(super) fn due(&mut self, assembly: &Assembly) -> Option<usize> {
         let reading = match self.measure.needs_stress() {
             true => MacroState::of(assembly),

@@ -1,4 +1,4 @@
-//! What the observations at one state add up to.
+//! Sums over the observations of one state.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +18,7 @@ impl StateSums {
         StateSums { state, observations: 0, sums: vec![0.0; columns], histograms }
     }
 
-    /// Adds the values of an observation; its counts were added before.
+    /// Adds the values of an observation; its counts have already been added to the histograms.
     pub(super) fn add<'a>(&mut self, row: &[f64], columns: impl Iterator<Item = &'a SensorColumn>) {
         for ((sum, value), column) in self.sums.iter_mut().zip(row).zip(columns) {
             match column.averaging {
@@ -42,7 +42,7 @@ impl StateSums {
             .collect()
     }
 
-    /// True if it has the width and bins of another one, and not more observations than a state takes.
+    /// True if it has the number of columns and the bins of another one, and at most the number of observations of a state.
     pub(super) fn is_like(&self, fresh: &StateSums, observations: usize) -> bool {
         self.sums.len() == fresh.sums.len()
             && self.histograms.len() == fresh.histograms.len()

@@ -1,20 +1,22 @@
 //! Liquid bridges of constant volume between wet grains: the closed form of Willett, Adams, Johnson and Seville (2000),
 //! Langmuir 16, 9396-9405.
 //!
-//! With the radius `R_e = 2 R_i R_j / (R_i + R_j)` (Derjaguin), the surface tension gamma, the contact angle theta, the volume V of
-//! the bridge, the gap `S = max(0, -alpha)` between the surfaces and `S+ = (S/2) (R_e/V)^(1/2)`, the bridge pulls with
+//! With the radius `R_e = 2 R_i R_j / (R_i + R_j)` (Derjaguin), the surface tension gamma, the contact angle theta, the volume V
+//! of the bridge, the gap `S = max(0, -alpha)` between the surfaces and `S+ = (S/2) (R_e/V)^(1/2)`, the attractive force of the
+//! bridge is
 //!
 //! `F = 2 pi R_e gamma cos(theta) / (1 + 2.1 S+ + 10 S+^2)`.
 //!
 //! A bridge forms where the grains touch, and ruptures at the gap `S_c = R_e (1 + theta/2) (v^(1/3) + v^(2/3)/10)`, `v = V/R_e^3`.
-//! Its volume is a parameter over `R_e^3`: liquid is neither shared nor lost.
+//! Its volume divided by `R_e^3` is a parameter: liquid is neither exchanged between bridges nor lost.
 //!
-//! While it lasts the bridge is elastic. Its energy counts from zero at touch:
-//! `2 F_0 (V/R_e)^(1/2) (2/D) (arctan((20 S+ + 2.1)/D) - arctan(2.1/D))` with `F_0 = F(0)` and `D = 35.59^(1/2)`, and `-F_0 alpha` where the
-//! grains overlap. What it holds at `S_c` is lost when it ruptures. Friction is limited by the load of the contact without it.
+//! Between formation and rupture the bridge is elastic. Its energy, which is zero when the surfaces just touch, is
+//! `2 F_0 (V/R_e)^(1/2) (2/D) (arctan((20 S+ + 2.1)/D) - arctan(2.1/D))` with `F_0 = F(0)` and `D = 35.59^(1/2)`, and
+//! `-F_0 alpha` where the grains overlap. The energy at `S_c` is lost when the bridge ruptures. Friction is limited by the load
+//! of the contact without the bridge.
 //!
 //! Against the solution of the Young-Laplace equation the closed form is 4 to 35 % too strong at touch and 12 to 49 % too weak
-//! near rupture (v from 1e-4 to 0.05, theta from 0 to 40 degrees); it is what other programs run.
+//! near rupture (v from 1e-4 to 0.05, theta from 0 to 40 degrees); other programs use it as well.
 
 use granum_simd::Real;
 
@@ -29,7 +31,7 @@ pub struct CapillaryBridge;
 
 /// `F_0`, N.
 const FORCE: usize = 0;
-/// `(R_e/V)^(1/2) / 2`, 1/m: times the gap it is S+.
+/// `(R_e/V)^(1/2) / 2`, 1/m: multiplied by the gap it gives S+.
 const PER_GAP: usize = 1;
 /// `S_c`, m.
 const RUPTURE: usize = 2;
@@ -119,7 +121,7 @@ impl AdhesionLaw for CapillaryBridge {
         let plus = c[PER_GAP] * gap;
         let share = one / plus.mul_add(plus.mul_add(R::splat(SQUARE), R::splat(LINEAR)), one);
         let force = (c[FORCE] * share).keep(acting);
-        // -dF/dS, of which there is none where the grains overlap.
+        // -dF/dS. Where the grains overlap the force is constant, and the value at touch is used for the time step.
         let slope = plus.mul_add(R::splat(2.0 * SQUARE), R::splat(LINEAR)) * c[PER_GAP];
         history[BRIDGED] = one.keep(acting);
         Attraction { force, stiffness: force * share * slope, acting, loss: c[LOST].keep(before & !acting) }
@@ -211,7 +213,7 @@ mod tests {
         }
     }
 
-    /// Grains that come near without touching have no bridge; one that ruptured forms again only at touch.
+    /// Grains that approach without touching have no bridge, and after a rupture a bridge forms again only at touch.
     #[test]
     fn bridges_form_at_touch_and_remember() {
         let c = constants(1.25e-15, 0.0);

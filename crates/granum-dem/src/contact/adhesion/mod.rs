@@ -1,4 +1,4 @@
-//! Laws of adhesion on top of a contact, which may act beyond touch, one file each.
+//! Adhesion laws in addition to the contact laws, which may act on separated grains, one file each.
 
 pub mod capillary_bridge;
 pub mod none;

@@ -1,4 +1,4 @@
-//! Nothing on top of the contact: grains act on each other by their contact alone.
+//! No additional adhesion: grains interact by their contact alone.
 
 use granum_simd::Real;
 
@@ -6,7 +6,7 @@ use crate::contact::law::{AdhesionLaw, Attraction, Description};
 use crate::contact::limits::{LAW_CONSTANTS, MAX_ADHESION_HISTORY};
 use crate::contact::pair_properties::PairProperties;
 
-/// No adhesion beside that of the normal law.
+/// No adhesion in addition to that of the normal law.
 #[derive(Clone, Copy, Debug)]
 pub struct NoAdhesion;
 

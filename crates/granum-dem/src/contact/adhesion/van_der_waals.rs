@@ -1,15 +1,17 @@
-//! Van der Waals attraction of spheres beyond touch (Hamaker 1937, Physica 4, 1058-1072), in the form for surfaces that are close
+//! Van der Waals attraction of spheres, also across a gap (Hamaker 1937, Physica 4, 1058-1072), in the form for gaps that are small
 //! compared with the radii.
 //!
 //! With Hamaker's constant A, the gap `D = -alpha`, a least separation `D_0` and a cut-off `D_c`
 //!
-//! `F = A R*/6 (1/D^2 - 1/D_c^2)` for `D_0 <= D < D_c`, and `F(D_0)` for a smaller gap, of touching spheres too.
+//! `F = A R*/6 (1/D^2 - 1/D_c^2)` for `D_0 <= D < D_c`, and `F(D_0)` for a smaller gap and for spheres that touch.
 //!
-//! The force comes to zero at the cut-off without a jump. `D_0` stands for the roughness of the atoms: closer than that the surfaces
-//! repel each other. At touch the pull is that of DMT with `Gamma = A / (12 pi D_0^2)`, but for the share `(D_0/D_c)^2`.
+//! The force decreases continuously to zero at the cut-off. `D_0` represents the atomic roughness of the surfaces, which repel
+//! each other at smaller gaps. At touch the force equals the pull-off force of DMT with `Gamma = A / (12 pi D_0^2)`, reduced by
+//! the fraction `(D_0/D_c)^2`.
 //!
-//! The attraction has a potential and no memory: `U = -A R*/6 ((D_c - D)/D_c)^2 / D` down to `D_0`, then linear; nothing is lost.
-//! Friction is limited by the load of the contact without it. Retardation is left out, which matters beyond some tens of nanometres;
+//! The attraction has a potential and no memory: `U = -A R*/6 ((D_c - D)/D_c)^2 / D` down to `D_0`, then linear; no energy is lost.
+//! Friction is limited by the load of the contact without the attraction. Retardation, which matters beyond some tens of nanometres,
+//! is neglected;
 //! Hamaker's full expression for spheres of 10 micrometres is 0.04 % weaker at 1 nm and 0.4 % at 10 nm.
 
 use granum_simd::Real;
@@ -51,7 +53,7 @@ impl AdhesionLaw for VanDerWaals {
                 unit: Unit::LENGTH,
                 default: 4e-10,
                 bounds: [1e-11, 1e-6],
-                meaning: "Gap D_0 of the surfaces below which their attraction no longer grows, for touching grains too",
+                meaning: "Gap D_0 of the surfaces below which their attraction is constant, also for touching grains",
                 without_area: false,
                 mixing: Mixing::Arithmetic,
             },
@@ -60,7 +62,7 @@ impl AdhesionLaw for VanDerWaals {
                 unit: Unit::LENGTH,
                 default: 5e-8,
                 bounds: [1e-10, 1e-5],
-                meaning: "Gap D_c of the surfaces at which the attraction ends; it comes to zero there without a jump",
+                meaning: "Gap D_c of the surfaces at which the attraction ends; it is continuous there",
                 without_area: false,
                 mixing: Mixing::Arithmetic,
             },
@@ -94,7 +96,7 @@ impl AdhesionLaw for VanDerWaals {
         let inverse = R::splat(1.0) / gap;
         let pull = c[STRENGTH] * inverse * inverse;
         let force = (pull - c[SHIFT]).max(R::zero()).keep(acting);
-        // Below the least separation too, so that grains that come out of it find a time step that is short enough.
+        // Also below the least separation, so that the time step is short enough when grains separate again.
         let stiffness = (R::splat(2.0) * pull * inverse).keep(acting);
         Attraction { force, stiffness, acting, loss: R::zero() }
     }

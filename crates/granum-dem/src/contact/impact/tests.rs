@@ -72,7 +72,7 @@ fn adhesive_contact_times() {
     }
 }
 
-/// Wet grains come apart when their bridge ruptures, with what it held at its rupture missing: `v'^2 = v^2 - 2 E_c/m*`.
+/// Wet grains separate when their bridge ruptures and lose the energy of the bridge at rupture: `v'^2 = v^2 - 2 E_c/m*`.
 #[test]
 fn wet_grains_lose_what_their_bridge_held() {
     let pair = PairProperties::new((&smooth(), 0.5 * DIAMETER), (&smooth(), 0.5 * DIAMETER), 0.0);

@@ -22,7 +22,7 @@ use crate::contact::pair_properties::PairProperties;
 #[derive(Clone, Copy, Debug)]
 pub struct Dmt;
 
-/// `P_c`, N. The constants of Hertz's law stand before it.
+/// `P_c`, N. It follows the constants of Hertz's law.
 const PULL_OFF: usize = 4;
 
 impl NormalLaw for Dmt {
@@ -99,7 +99,7 @@ mod tests {
         }
     }
 
-    /// Making and breaking a contact costs nothing: grains rebound as fast as they met, however slow.
+    /// No energy is lost when a contact forms or breaks: the rebound velocity equals the impact velocity at any velocity.
     #[test]
     fn impacts_without_dashpot_lose_nothing() {
         let material = Material { interface_energy: 0.05, ..Material::default() };

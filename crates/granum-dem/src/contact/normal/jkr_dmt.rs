@@ -2,8 +2,8 @@
 //! Sci. 261, 99-106), with the pull-off force of Maugis's theory (1992) as fitted by Carpick, Ogletree and Salmeron (1999, J.
 //! Colloid Interface Sci. 211, 395-400).
 //!
-//! The interface energy Gamma, the separation z_0 of the surfaces at equilibrium and the size of the grains determine where a pair
-//! stands: with Tabor's parameter `mu_T = (R* Gamma^2 / E*^2 z_0^3)^(1/3)` and `lambda = 1.157 mu_T`
+//! The interface energy Gamma, the separation z_0 of the surfaces at equilibrium and the size of the grains determine the position of
+//! a pair between the two limits: with Tabor's parameter `mu_T = (R* Gamma^2 / E*^2 z_0^3)^(1/3)` and `lambda = 1.157 mu_T`
 //!
 //! `p = P_c / (pi Gamma R*) = 7/4 - 1/4 (4.04 lambda^1.4 - 1) / (4.04 lambda^1.4 + 1)`,
 //!
@@ -12,9 +12,10 @@
 //! - force `N = ((4 E* a^3 / 3 R*)^(1/2) - w P_c^(1/2))^2 - P_c`,
 //! - overlap `alpha = a^2/R* - (4 pi (2 - p) Gamma a / E*)^(1/2)`.
 //!
-//! The overlap has the form of JKR's, `alpha / d_0 = x^4 - 2/3 x` with `x = sqrt(a / a_0)`, `a_0^3 = 9 pi (2 - p) Gamma R*^2 / E*` and
-//! `d_0 = a_0^2 / R*`, so that the same rational function inverts it. A contact is made at zero overlap and breaks under
-//! displacement control at `-0.27516 d_0`. At p = 3/2 the normal force is exactly that of JKR, at p = 2 that of DMT.
+//! The overlap has the form of JKR's, `alpha / d_0 = x^4 - 2/3 x` with `x = sqrt(a / a_0)`,
+//! `a_0^3 = 9 pi (2 - p) Gamma R*^2 / E*` and `d_0 = a_0^2 / R*`, so that the same rational function inverts it. A contact is
+//! made at zero overlap and breaks under displacement control at `-0.27516 d_0`. At p = 3/2 the normal force is exactly that of
+//! JKR, at p = 2 that of DMT.
 //!
 //! Friction is limited by the load `F = N + P_c (1 + w^2)`, which is Thornton's `N + 2 N_c` for JKR and the elastic load for DMT.
 //!
@@ -66,7 +67,7 @@ fn constants(pair: &PairProperties, ratio: f64) -> [f64; LAW_CONSTANTS] {
     let (radius, modulus) = (pair.effective_radius, pair.effective_modulus);
     let energy = std::f64::consts::PI * pair.interface_energy;
     let cube = 9.0 * (2.0 - ratio).max(0.0) * energy * radius * radius / modulus;
-    // So small that it does not matter where the contact is that of DMT, or of Hertz.
+    // The lower bound is so small that it has no effect on a contact of DMT or of Hertz.
     let contact = granum_simd::cbrt(cube).max(radius * LEAST_LENGTH.sqrt());
     let length = contact * contact / radius;
     let mut c = [0.0; LAW_CONSTANTS];
@@ -81,7 +82,7 @@ fn constants(pair: &PairProperties, ratio: f64) -> [f64; LAW_CONSTANTS] {
     c
 }
 
-/// `(int N dalpha + P_c alpha) / (FORCE d_0)` from x = 0, where the surfaces are apart.
+/// `(int N dalpha + P_c alpha) / (FORCE d_0)` from x = 0, where the contact radius is zero.
 #[inline(always)]
 fn primitive<R: Real>(x: R, q: R) -> R {
     let s = x * x * x;
@@ -101,7 +102,7 @@ impl NormalLaw for JkrDmt {
             default: 4e-10,
             bounds: [1e-11, 1e-6],
             meaning: "Separation z_0 of the surfaces at equilibrium, about the range of the attraction: with the size of the \
-                      grains it determines whether they stick as JKR or as DMT have it",
+                      grains it determines whether their adhesion is close to JKR or to DMT",
             without_area: false,
             mixing: Mixing::Arithmetic,
         }],

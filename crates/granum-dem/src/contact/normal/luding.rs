@@ -1,18 +1,21 @@
 //! Elastic-plastic adhesive contact with linear branches (Luding 2008, Granular Matter 10, 235-246).
 //!
-//! The contact remembers its largest overlap m. With the stiffnesses `k_1` of first loading, `k_p` of the hardest unloading and `k_c`
-//! of cohesion, and the overlap `m_p = k_p/(k_p - k_1) phi_f 2 R*` from which unloading grows no stiffer,
+//! The history of a contact contains its largest overlap m. With the stiffnesses `k_1` of first loading, `k_p` of the hardest
+//! unloading and `k_c` of cohesion, and the overlap `m_p = k_p/(k_p - k_1) phi_f 2 R*` beyond which the unloading stiffness no
+//! longer increases,
 //!
 //! - unloading stiffness `k_2 = k_1 + (k_p - k_1) min(m, m_p)/m_p`, plastic overlap `d_0 = (1 - k_1/k_2) min(m, m_p)`,
 //! - force `N = k_2 (alpha - d_0)`, which is `k_1 alpha` at first loading up to m_p,
-//! - but at least `-k_c alpha`. Where that holds, m shrinks so that both agree: `s m^2 - s alpha m - (k_1 + k_c) alpha = 0` with
-//!   `s = (k_p - k_1)/m_p`. (Codes that adjust m with the stiffness of the step before tend to this in small steps.)
+//! - but at least `-k_c alpha`. Where this bound applies, m is reduced so that both expressions agree:
+//!   `s m^2 - s alpha m - (k_1 + k_c) alpha = 0` with `s = (k_p - k_1)/m_p`. (Codes that adjust m with the stiffness of the
+//!   previous step converge to this for small steps.)
 //!
-//! The pair touches where `alpha > 0`; the force vanishes there without a jump, and the memory ends with the contact.
+//! The pair touches where `alpha > 0`; the force vanishes continuously at `alpha = 0`, and the history is discarded with the contact.
 //!
-//! What unloading or pulling to zero force gives back is stored, `N^2/2 k_2`; the rest of the work `int N dalpha`, by the trapezoidal
-//! rule over a step, is lost plastically, on the branch of cohesion too. Friction is limited by the load `F = N + k_c alpha`, as in
-//! the paper. The tangential stiffness is a share of `k_2`, which is also the stiffness of the dashpot and of the time step.
+//! The energy `N^2/2 k_2`, which is recovered when the force is brought to zero, is stored; the rest of the work `int N dalpha`,
+//! by the trapezoidal rule over a step, is lost by plastic deformation, also on the cohesive branch. Friction is limited by the
+//! load `F = N + k_c alpha`, as in the paper. The tangential stiffness is a fraction of `k_2`, which is also the stiffness for
+//! the dashpot and for the time step.
 
 use granum_simd::{Mask, Real};
 
@@ -168,7 +171,7 @@ impl NormalLaw for Luding {
         Self::evaluate(&c, if soft < c[LARGEST] { soft } else { hard }, true)
     }
 
-    /// What the first loading stores.
+    /// Energy stored in the first loading.
     fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64) -> f64 {
         let n = Self::evaluate(c, overlap, true);
         if n.touching { 0.5 * n.force * n.force / n.stiffness } else { 0.0 }
@@ -223,7 +226,7 @@ mod tests {
         near((stiffness - 1.0) / (stiffness + 1.0) * 0.04, 0.022_456_140_350_9);
     }
 
-    /// Loading, unloading into cohesion, loading again and parting: the work is stored or lost, and no loss is negative.
+    /// Loading, unloading into cohesion, reloading and separation: the work is stored or lost, and no loss is negative.
     #[test]
     fn work_is_stored_or_lost() {
         let c = constants(1.0, 5.0, 1.0, 0.0625);

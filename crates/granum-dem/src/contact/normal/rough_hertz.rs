@@ -12,8 +12,8 @@
 //! and stiffness are continuous where the stages meet determines `t_1 = 2.109319`, `t_2 = 24.467024`, `c = 2.589795` and
 //! `b = 1.583010`: the curve is the same for all contacts.
 //!
-//! Both stiffnesses fall in the same ratio: the radius that the tangential laws use is that of the smooth contact of equal normal
-//! stiffness, `a = k_n / 2 E*`. The contact is elastic, without memory; it starts at alpha = 0.
+//! Normal and tangential stiffness are reduced in the same ratio: the radius that the tangential laws use is that of the smooth
+//! contact of equal normal stiffness, `a = k_n / 2 E*`. The contact is elastic, without memory; it starts at alpha = 0.
 
 use granum_simd::{Mask, Real, power};
 
@@ -33,7 +33,7 @@ const FORCE: usize = 1;
 const COMPLIANCE: usize = 2;
 const ROOT_COMPLIANCE: usize = 3;
 
-/// Smallest S / R* used: far below any real value, so that smooth spheres touch as Hertz has it.
+/// Smallest S / R* used: far below any real value, so that smooth spheres follow Hertz's law.
 const LEAST_LENGTH: f64 = 1e-30;
 
 const FIRST_END: f64 = 2.109_318_870_100_697_3;
@@ -205,7 +205,8 @@ mod tests {
         }
     }
 
-    /// Under 20 kPa the normal stiffness is 0.78, 0.30 and 0.15 of Hertz's with 10, 100 and 500 nm of roughness; smooth, it is Hertz's.
+    /// Under 20 kPa the normal stiffness is 0.78, 0.30 and 0.15 of Hertz's with 10, 100 and 500 nm of roughness; smooth, it is
+    /// Hertz's.
     #[test]
     fn rough_contacts_are_softer() {
         let load = 2e-4;

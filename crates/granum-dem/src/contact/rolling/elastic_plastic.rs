@@ -66,7 +66,7 @@ pub(super) const ROLLING_DAMPING: Parameter = Parameter {
 };
 
 impl ElasticPlasticRolling {
-    /// Place of the share of the normal stiffness that counts as a tangential one.
+    /// Index of the fraction of the normal stiffness that counts as a tangential stiffness.
     pub(super) const STEP: usize = 3;
 }
 

@@ -7,11 +7,11 @@
 //! `M_n += k w_n dt`, then `|M_n| <= mu_t R* F` with the friction load F of the normal law (N without adhesion).
 //!
 //! The couple is `-M_n n` on grain i and `+M_n n` on j. Below the limit a dashpot adds `2 zeta_t (I_t k)^(1/2) w_n` to it, with
-//! `1/I_t = 1/I_i + 1/I_j`; it is no part of the remembered couple. A contact that resists twisting by friction over a contact
-//! area of radius a has `mu_t R* = 2/3 mu a` for a pressure that is the same everywhere, and `3 pi/16 mu a` for Hertz's.
+//! `1/I_t = 1/I_i + 1/I_j`; it is not part of the stored couple. A contact that resists twisting by friction over a contact
+//! area of radius a has `mu_t R* = 2/3 mu a` for a uniform pressure, and `3 pi/16 mu a` for the pressure of Hertz.
 //!
 //! Spring, slider and energies are those of rolling; the spin about the normal is the same for every observer, and the couple about
-//! it is a plain number that need not be turned.
+//! the normal is a scalar that does not rotate with the contact.
 
 use granum_simd::Real;
 
@@ -26,12 +26,12 @@ use crate::contact::pair_properties::PairProperties;
 #[derive(Clone, Copy, Debug)]
 pub struct ElasticPlasticTwisting;
 
-/// `mu_t R*`, m. The constants of rolling stand before it.
+/// `mu_t R*`, m. It follows the constants of rolling.
 const ARM: usize = 4;
-/// `2 zeta_t I_t^(1/2)`: times the root of the stiffness it is the dashpot's coefficient.
+/// `2 zeta_t I_t^(1/2)`: multiplied by the square root of the stiffness it gives the coefficient of the dashpot.
 const DASHPOT: usize = 5;
 
-/// Column of the couple about the normal; those of rolling stand before it.
+/// Column of the couple about the normal; it follows those of rolling.
 const COUPLE: usize = ElasticPlasticRolling::HISTORY;
 const STIFFNESS_BEFORE: usize = COUPLE + 1;
 
@@ -76,7 +76,7 @@ impl MomentLaw for ElasticPlasticTwisting {
         let mut c = ElasticPlasticRolling::prepare(pair, &parameters[..2]);
         c[ARM] = friction * pair.effective_radius;
         c[DASHPOT] = 2.0 * damping * (ABOUT_CENTRE * pair.rolling_inertia).sqrt();
-        // Grains that twist in phase swing at most as fast as with half this stiffness against rolling.
+        // Grains that twist in phase oscillate at most as fast as with half of this stiffness against rolling.
         let arm = c[ARM] / pair.smaller_radius;
         c[ElasticPlasticRolling::STEP] += 0.5 * SHAPE * arm * arm;
         c

@@ -1,22 +1,23 @@
-//! A spring with a slider, in the plane of rolling or about the normal: what the elastic-plastic laws share.
+//! A spring with a slider, in the plane of rolling or about the normal: the common part of the elastic-plastic laws.
 
 use granum_simd::Real;
 
-/// What a step came to.
+/// Result of a step.
 pub(super) struct Slid<R: Real, const D: usize> {
     /// The couple at its end, N m.
     pub(super) couple: [R; D],
-    /// Where it stands at its limit.
+    /// Where it is at its limit.
     pub(super) at_limit: R::Mask,
-    /// Work that it took up, J.
+    /// Work absorbed by the couple, J.
     pub(super) work: R,
-    /// The part of it that is not stored, J.
+    /// The part of the work that is not stored, J.
     pub(super) loss: R,
 }
 
-/// Turns a spring by an angle, rad, with the couple that it held, its stiffness before and now, N m, and the limit of the couple.
+/// Rotates a spring by an angle, rad, given the couple before, N m, the stiffness before and now, N m, and the limit of the couple,
+/// N m.
 ///
-/// Where the stiffness fell the couple falls with it, lest unloading makes energy.
+/// Where the stiffness has decreased the couple is reduced in proportion, so that unloading does not create energy.
 #[inline(always)]
 pub(super) fn slide<R: Real, const D: usize>(
     held: [R; D],
@@ -45,7 +46,7 @@ pub(super) fn slide<R: Real, const D: usize>(
 
 /// `M^2 / 2 k`. Without a couple there is no energy, even where the stiffness is zero.
 ///
-/// A function and no closure: unless it is always inlined, it is compiled for a processor without vector instructions.
+/// This is a function and not a closure: a closure that is not inlined would be compiled without vector instructions.
 #[inline(always)]
 fn energy<R: Real, const D: usize>(couple: [R; D], stiffness: R) -> R {
     R::splat(0.5) * dot(couple, couple) / stiffness.max(R::splat(1e-200))

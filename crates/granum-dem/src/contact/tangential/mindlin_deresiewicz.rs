@@ -19,9 +19,9 @@
 //! is the integral of the squared sum over `16 G* a`, and while slip spreads, the springs beyond theta lose their limit
 //! times their slip: `L (1 - theta)^2 (1 + theta/2) (e.ddelta - dL / 8 G* a)`. A contact that grows without slip becomes
 //! stiffer under its force: `T^2 dL / 6 L` over `8 G* a` is lost (`a^3` is proportional to L). With a discarded turning
-//! point, the energy that the state stored beyond a loading curve to the same force is lost. Under a changing load the law,
-//! whose history contains forces only, does not know all the energy that a contact stores (Elata and Berryman 1996); the
-//! energy that it creates or loses in this way appears in no column.
+//! point, the energy that the state stored beyond a loading curve to the same force is lost. Under a changing load the history
+//! of the law, which contains forces only, does not determine all the energy that a contact stores (Elata and Berryman 1996); the
+//! energy that the law creates or loses in this way is in no column.
 
 use granum_simd::{Real, cbrt};
 

@@ -144,7 +144,7 @@ proptest! {
             }
             let gap = gap_of_a_line((normal, tangential), &path, false);
             prop_assert!(gap.abs() < 2e-4, "{normal:?} {tangential:?}: {gap:e}");
-            // Under a changing load the incremental law does not know all the energy that a contact stores.
+            // Under a changing load the history of the incremental law does not determine all the energy that a contact stores.
             if tangential == TangentialKind::NO_SLIP {
                 let gap = gap_of_a_line((normal, tangential), &path, true);
                 prop_assert!(gap.abs() < 1e-10, "changing load, {normal:?}: {gap:e}");

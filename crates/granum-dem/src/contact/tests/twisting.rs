@@ -129,7 +129,7 @@ fn the_dashpot_ends_at_the_limit() {
     assert!(beyond.at_limit && beyond.twisting_dashpot == 0.0);
 }
 
-/// A twisted pair that turns as one body keeps its couple about the normal, and (j, i) sees what (i, j) sees.
+/// A twisted pair in rigid rotation keeps its couple about the normal, and the pair (j, i) gives the same result as (i, j).
 #[test]
 fn the_couple_turns_with_the_pair_and_is_opposite_on_the_other_grain() {
     let laws = Compiled::<Hertz, NoSlip, Twisting>::new();

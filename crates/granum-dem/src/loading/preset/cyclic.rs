@@ -1,4 +1,4 @@
-//! Cyclic triaxial test: axis x is strained to and fro between two strains or two deviator stresses, drained or undrained.
+//! Cyclic triaxial test: the strain along x is reversed at two strains or two deviator stresses, drained or undrained.
 
 use super::{Default, INERTIAL_NUMBER, Parameter, Preset, Values, deviator, number, optional, stress, word};
 use crate::loading::{Constraint, Control, Drive, Measure, Ramp, Record, Stage, Target, Turns, Until};
@@ -20,7 +20,7 @@ pub(super) const PRESET: Preset = Preset {
         if undrained(values) {
             until.push(Until::PorePressureRatio(values.number("pore_pressure_ratio")));
         }
-        // The strain of one cycle is bounded by what ends the test.
+        // The strain of one cycle is bounded by the end conditions of the test.
         let (one_cycle, default_interval) = match by_stress {
             Some(_) => {
                 let value = values.number("double_amplitude");
@@ -42,7 +42,7 @@ pub(super) const PRESET: Preset = Preset {
     },
 };
 
-/// States recorded in a cycle of strain, and the distance of states in arc length where a stress turns it.
+/// States recorded in a strain cycle, and the arc length between states of a test that is reversed at stresses.
 const STATES_OF_A_CYCLE: f64 = 40.0;
 const INTERVAL_BY_STRESS: f64 = 1e-4;
 
@@ -50,8 +50,8 @@ fn undrained(values: &Values) -> bool {
     values.is("drainage", "undrained")
 }
 
-/// A strain amplitude drives axis x by its strain rate. A stress amplitude drives the deviator stress by a rate of its own, and
-/// the strain rate stays below that of the stage's speed, as where the sample flows.
+/// With a strain amplitude the strain rate along x is prescribed. With a stress amplitude the rate of the deviator stress is
+/// prescribed, and the strain rate is limited to the speed of the stage, which matters when the sample flows.
 fn control(values: &Values) -> Control {
     let (free, fixed) = (Drive::Free, Drive::Fixed);
     let held = Drive::Stress(Target::current());

@@ -1,4 +1,4 @@
-//! A history of strains or stresses from a file: the sample is led from row to row.
+//! A history of strains or stresses from a file: the loading follows straight lines from row to row.
 
 use super::{Default, INERTIAL_NUMBER, Kind, Parameter, Preset, STATES, optional, word};
 use crate::loading::{Control, Drive, History, Measure, Quantity, Ramp, Record, Speed, Stage, Target, Until};
@@ -24,7 +24,7 @@ pub(super) const PRESET: Preset = Preset {
     },
 };
 
-/// From wherever the sample is to a row.
+/// The control from the present state of the sample to a row.
 fn control(history: &History, row: &[f64], sign: f64, speed: Speed) -> Control {
     let mut components = [Drive::Fixed; 6];
     for (column, value) in history.columns.iter().zip(row) {

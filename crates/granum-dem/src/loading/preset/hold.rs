@@ -1,4 +1,4 @@
-//! Hold: the stresses stay as they are and strains creep, or the strains stay and stresses relax.
+//! Hold: the stresses are constant and the sample creeps, or the strains are constant and the stresses relax.
 
 use super::{INERTIAL_NUMBER, INTERVAL, Parameter, Preset, number, optional, word};
 use crate::loading::{Control, Drive, Measure, Record, Stage, Target, Until};

@@ -35,9 +35,9 @@ pub use self::parameter::{
 pub struct Preset {
     /// Its name.
     pub name: &'static str,
-    /// What it does, in one or two sentences.
+    /// Description of the path, in one or two sentences.
     pub help: &'static str,
-    /// What it takes beside what every preset takes ([`Preset::parameters`]).
+    /// Its parameters in addition to those of every preset ([`Preset::parameters`]).
     pub own: &'static [Parameter],
     /// Its stages.
     pub stages: fn(&Values) -> Vec<Stage>,
@@ -62,10 +62,10 @@ pub const ALL: &[Preset] = &[
     probes::PRESET,
 ];
 
-/// Presets of the caller's own.
+/// Presets that the caller has registered.
 static OWN: RwLock<Vec<&'static Preset>> = RwLock::new(Vec::new());
 
-/// Every preset that a name can stand for: granum's, then those of [`register`].
+/// Every preset with a name: granum's own, then those of [`register`].
 pub fn all() -> Vec<&'static Preset> {
     let own = OWN.read().unwrap_or_else(PoisonError::into_inner);
     ALL.iter().chain(own.iter().copied()).collect()
@@ -80,13 +80,13 @@ pub fn named(name: &str) -> Option<&'static Preset> {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RegisterError {
-    /// Its name stands for another preset.
+    /// There is already another preset of this name.
     #[error("there is already a path {name:?}: give the new one another name")]
     NameTaken {
         /// The name.
         name: &'static str,
     },
-    /// A key is used twice, or has a meaning of its own in a stage.
+    /// A key is used twice, or has another meaning in a stage.
     #[error(
         "the path {path:?} has the parameter {key:?} twice, or it is the key of the path's name: choose another key"
     )]
@@ -109,7 +109,7 @@ pub enum RegisterError {
     },
 }
 
-/// Lets a name in case files stand for a path of the caller's own.
+/// Registers a path of the caller, which case files can then name.
 ///
 /// ```
 /// use granum_dem::loading::preset::{INERTIAL_NUMBER, Preset, named, register};
@@ -131,7 +131,7 @@ pub enum RegisterError {
 /// ```
 ///
 /// # Errors
-/// If the name stands for another path, or a parameter is declared twice or with a default outside its bounds.
+/// If there is already another path of this name, or a parameter is declared twice or with a default outside its bounds.
 pub fn register(preset: &'static Preset) -> Result<(), RegisterError> {
     match named(preset.name) {
         Some(known) if known.is_same_as(preset) => return Ok(()),
@@ -143,7 +143,7 @@ pub fn register(preset: &'static Preset) -> Result<(), RegisterError> {
 }
 
 impl Preset {
-    /// A path of that name, with its own parameters and a function that writes out its stages.
+    /// A path of the given name, with its own parameters and a function that returns its stages.
     pub const fn new(
         name: &'static str,
         help: &'static str,
@@ -158,7 +158,7 @@ impl Preset {
             && std::ptr::fn_addr_eq(self.stages, other.stages)
     }
 
-    /// Whether its parameters can be.
+    /// Checks the declarations of its parameters.
     fn check(&self) -> Result<(), RegisterError> {
         for (k, Parameter { key, default, bounds, .. }) in self.own.iter().enumerate() {
             if *key == "path" || self.own[..k].iter().any(|other| other.key == *key) {
@@ -177,7 +177,7 @@ impl Preset {
         Ok(())
     }
 
-    /// Everything that it takes: its own parameters, and those of every preset.
+    /// All parameters: its own, and those of every preset.
     pub fn parameters(&self) -> impl Iterator<Item = &'static Parameter> + Clone {
         let own = self.own;
         let common = COMMON.iter().filter(move |common| !own.iter().any(|known| known.key == common.key));
@@ -204,7 +204,7 @@ impl Preset {
 }
 
 impl Values<'_> {
-    /// The stress of a parameter, or what it is when the stage begins.
+    /// The stress given by a parameter; if it is not given, the stress of the sample at the start of the stage.
     pub fn target(&self, key: &str) -> Target {
         self.optional(key).map_or_else(Target::current, Target::held)
     }
@@ -228,7 +228,7 @@ fn consolidation(stress: f64, inertial_number: f64) -> Stage {
     Stage { settling: true, ..Stage::new("consolidation", control, vec![rest]) }
 }
 
-/// A generous bound on the strain of a test, after which it counts as one that does not end.
+/// A large bound on the arc length of a test, after which it is considered not to reach its end.
 fn generous(strain: f64) -> Option<f64> {
     Some(4.0 * strain.abs() + 0.01)
 }

@@ -1,4 +1,4 @@
-//! What a named path takes: parameters with their kinds, defaults and bounds, and the values given to them.
+//! The parameters of a named path, with their kinds, defaults and bounds, and the values given to them.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use crate::loading::{History, Speed};
 pub struct Parameter {
     /// Its key in a case file.
     pub key: &'static str,
-    /// What its values are.
+    /// The kind of its values.
     pub kind: Kind,
     /// The SI unit of a number; `1` for a pure number.
     pub unit: &'static str,
@@ -25,20 +25,20 @@ pub struct Parameter {
     pub bounds: [f64; 2],
 }
 
-/// What the values of a parameter are.
+/// The kind of the values of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
     /// A number.
     Number,
     /// One of these words, each with its meaning.
     Word(&'static [[&'static str; 2]]),
-    /// Numbers that rise.
+    /// Increasing numbers.
     List,
-    /// A history of strains and stresses, as a file or a table has it.
+    /// A history of strains and stresses, from a file or a table.
     History,
 }
 
-/// What applies where a parameter is not given.
+/// The rule for a parameter that is not given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Default {
     /// This number.
@@ -69,7 +69,7 @@ pub enum Value {
     Number(f64),
     /// A word.
     Word(String),
-    /// Numbers that rise.
+    /// Increasing numbers.
     List(Vec<f64>),
     /// A history of strains and stresses.
     History(History),
@@ -141,7 +141,7 @@ impl<'a> Values<'a> {
         }
     }
 
-    /// The speed that the parameters `strain_rate` or `inertial_number` say.
+    /// The speed that is given by the parameter `strain_rate` or `inertial_number`.
     pub fn speed(&self) -> Speed {
         match self.optional(STRAIN_RATE.key) {
             Some(rate) => Speed::StrainRate(rate),
@@ -155,7 +155,7 @@ impl<'a> Values<'a> {
     }
 }
 
-/// How fast every path goes, for [`Values::speed`].
+/// The speed of a path, for [`Values::speed`].
 pub const INERTIAL_NUMBER: Parameter = Parameter {
     key: "inertial_number",
     help: "Speed: inertial number I of the driving strain rate at the mean stress at the start of the stage.",
@@ -164,7 +164,7 @@ pub const INERTIAL_NUMBER: Parameter = Parameter {
     ..STATES
 };
 
-/// The other way to say the speed, of every preset.
+/// The speed as a strain rate, for every preset.
 pub(super) const STRAIN_RATE: Parameter = Parameter {
     key: "strain_rate",
     unit: "1/s",
@@ -174,7 +174,7 @@ pub(super) const STRAIN_RATE: Parameter = Parameter {
     ..STATES
 };
 
-/// Density with a strain rate, of every preset.
+/// Factor on the density, together with a strain rate, for every preset.
 pub(super) const DENSITY_SCALING: Parameter = Parameter {
     key: "density_scaling",
     help: "Factor on the density of every grain in the stages driven at strain_rate; only together with strain_rate.",
@@ -183,10 +183,10 @@ pub(super) const DENSITY_SCALING: Parameter = Parameter {
     ..STATES
 };
 
-/// What every preset takes that does not declare it itself.
+/// The parameters of every preset that does not declare them itself.
 pub(super) const COMMON: &[Parameter] = &[INERTIAL_NUMBER, STRAIN_RATE, DENSITY_SCALING];
 
-/// How many states a path records, for [`Values::states`].
+/// The number of states that a path records, for [`Values::states`].
 pub const STATES: Parameter = Parameter {
     key: "states",
     kind: Kind::Number,
@@ -205,7 +205,7 @@ pub const INTERVAL: Parameter = Parameter {
     ..STATES
 };
 
-/// A stress that may be left out: then it is that of the sample.
+/// A stress that may be left out; it is then that of the sample.
 pub const fn stress(key: &'static str, help: &'static str) -> Parameter {
     let default = Default::Absent("that of the sample");
     Parameter { key, unit: "Pa", help, default, bounds: [1e-3, 1e11], ..STATES }
@@ -221,7 +221,7 @@ pub const fn number(key: &'static str, help: &'static str, default: f64, bounds:
     Parameter { key, help, default: Default::Value(default), bounds, ..STATES }
 }
 
-/// A number that may be left out, with what then holds.
+/// A number that may be left out, with a description of what applies then.
 pub const fn optional(
     key: &'static str,
     help: &'static str,

@@ -1,7 +1,7 @@
 //! Stress or strain probes: small equal increments in many directions from one state, for the response envelope of Gudehus
 //! (1979) or the tangent stiffness.
 //!
-//! Every probe begins from the same state, to which the sample goes back. Around the triaxial plane probe k has the direction
+//! Every probe begins from the same saved state. Around the triaxial plane probe k has the direction
 //! `(cos a, sin a / sqrt 2, sin a / sqrt 2)` of (x, y, z) with `a = 2 pi k / n`, so that all increments have one length.
 
 use super::{Default, INERTIAL_NUMBER, Parameter, Preset, Values, number, stress, word};

@@ -39,7 +39,7 @@ fn strains(values: &Values, sense: f64) -> Control {
     Control::of(values.speed(), [rates[0], rates[1], rates[2], fixed, fixed, fixed])
 }
 
-/// `sigma_axis - ratio sigma_x` keeps its target.
+/// The constraint that `sigma_axis - ratio sigma_x` follows its target.
 fn in_ratio(values: &Values, axis: usize, target: Target) -> Constraint {
     let mut weights = [0.0; 6];
     weights[0] = -ratio(values, axis);
@@ -54,7 +54,7 @@ fn stresses(values: &Values, sense: f64) -> Control {
         .with(in_ratio(values, 2, Target::held(0.0)))
 }
 
-/// The stresses come to their ratios at constant mean stress.
+/// The stage that brings the stresses to their ratios at constant mean stress.
 fn approach(values: &Values) -> Stage {
     let (free, fixed) = (Drive::Free, Drive::Fixed);
     let control = Control::of(values.speed(), [free, free, free, fixed, fixed, fixed])

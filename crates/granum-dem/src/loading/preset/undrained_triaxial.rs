@@ -15,7 +15,7 @@ pub(super) const PRESET: Preset = Preset {
         let until = Until::Reaches { measure: Measure::Strain(0), value: end };
         let control = match values.optional("fluid_modulus") {
             None => Control::of(values.speed(), [axial, lateral, lateral, fixed, fixed, fixed]),
-            // The pore pressure K_f eps_v / n and the effective stress along z make up the constant cell pressure.
+            // The sum of the pore pressure K_f eps_v / n and of the effective stress along z is the constant cell pressure.
             Some(modulus) => Control::of(values.speed(), [axial, free, free, fixed, fixed, fixed])
                 .with(Constraint::strains([0.0, 1.0, -1.0, 0.0, 0.0, 0.0], 0.0))
                 .with(Constraint {

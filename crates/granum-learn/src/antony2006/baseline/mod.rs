@@ -71,7 +71,7 @@ impl Baselines {
         })
     }
 
-    /// True if these are the baselines of the given mappings with so many bins of f.
+    /// True if these are the baselines of the given mappings with the given number of bins of f.
     pub fn are_of<'a>(&self, mappings: impl IntoIterator<Item = &'a Mapping>, bins: usize) -> bool {
         let fits = |mapping: &Mapping| {
             self.mappings.get(&mapping.name).is_some_and(|both| {

@@ -89,7 +89,7 @@ impl Ridge {
         row(&self.deviations, &basis(state.strain, self.end), values)
     }
 
-    /// True if it was fitted to the inputs and the output of the given mapping, with so many bins of f.
+    /// True if it was fitted to the inputs and the output of the given mapping, with the given number of bins of f.
     pub(super) fn is_of(&self, mapping: &Mapping, bins: usize) -> bool {
         let values = |quantity: &Quantity| if *quantity == Quantity::ForceDistribution { bins } else { 1 };
         let sensors: Vec<Quantity> =

@@ -44,7 +44,7 @@ pub trait StudyObserver: Sync {
     /// (then the duration is 0).
     fn trained(&self, _network: &str, _model: &Model, _seconds: f64) {}
     /// Called after every epoch with the state from which the training can be resumed; `key` identifies the training.
-    /// `last` is true if the training ends here because [`StudyObserver::stop`] asks for it.
+    /// `last` is true if the training ends here because [`StudyObserver::stop`] returned true.
     fn under_way(&self, _network: &str, _key: &str, _last: bool, _state: &dyn Fn() -> TrainerState) {}
     /// The state from which the unfinished training identified by `key` can be resumed.
     fn state(&self, _network: &str, _key: &str) -> Option<TrainerState> {
