@@ -129,7 +129,7 @@ pub trait Observer {
     }
 
     /// Value of the measure that a stage records by at which [`Observer::observe`] is to be called next; infinity for never.
-    fn next_look(&self) -> f64 {
+    fn next_observation(&self) -> f64 {
         f64::INFINITY
     }
 
@@ -168,7 +168,7 @@ impl<F: FnMut(&Progress) -> Flow> Observer for F {
 /// };
 /// let mut none = NoObserver;
 /// let both = Observers(vec![&mut counting, &mut none]);
-/// assert_eq!(both.next_look(), f64::INFINITY);
+/// assert_eq!(both.next_observation(), f64::INFINITY);
 /// ```
 pub struct Observers<'a>(pub Vec<&'a mut dyn Observer>);
 
@@ -188,14 +188,14 @@ impl Observer for Observers<'_> {
         self.0.iter_mut().for_each(|observer| observer.stage(number));
     }
 
-    fn next_look(&self) -> f64 {
-        self.0.iter().map(|observer| observer.next_look()).fold(f64::INFINITY, f64::min)
+    fn next_observation(&self) -> f64 {
+        self.0.iter().map(|observer| observer.next_observation()).fold(f64::INFINITY, f64::min)
     }
 
     fn observe(&mut self, simulation: &Simulation) {
-        let due = self.next_look();
+        let due = self.next_observation();
         for observer in &mut self.0 {
-            if observer.next_look() <= due {
+            if observer.next_observation() <= due {
                 observer.observe(simulation);
             }
         }

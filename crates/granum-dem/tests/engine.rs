@@ -80,7 +80,7 @@ fn small_sample(hardware: Hardware, spread: f64) -> Simulation {
 /// An observer that measures often and thoroughly.
 struct Everything(f64);
 impl Observer for Everything {
-    fn next_look(&self) -> f64 {
+    fn next_observation(&self) -> f64 {
         self.0
     }
     fn observe(&mut self, simulation: &Simulation) {

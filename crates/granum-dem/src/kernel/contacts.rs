@@ -120,7 +120,7 @@ impl<S: StageLaws, C: ConstantSource> Kernel for ContactStage<'_, S, C> {
                     waiting += usize::from(close);
                 }
                 let put = sampled.then_some(&mut discarded);
-                if waiting == 2 {
+                if L::PAIRED && waiting == 2 {
                     for push in pair::<L, S, C>(v, &laws, &pair_batches, &common, &mut totals, put) {
                         push.add(v);
                     }

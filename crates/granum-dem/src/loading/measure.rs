@@ -20,10 +20,11 @@ pub struct MacroState {
 }
 
 impl MacroState {
-    /// The state of an assembly, with the stress computed from all its contacts.
+    /// The state of an assembly, with the stress computed from all its contacts and from pairs that attract each other without
+    /// touching.
     pub fn of(assembly: &Assembly) -> MacroState {
         let mut stress = [[0.0; 3]; 3];
-        for contact in &assembly.contacts {
+        for contact in assembly.contacts.iter().chain(&assembly.apart) {
             let force = contact.force();
             for r in 0..3 {
                 for c in 0..3 {

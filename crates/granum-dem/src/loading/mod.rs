@@ -242,10 +242,10 @@ pub fn follow(
     let mut events = Vec::new();
     loop {
         let here = measure.of(&simulation.state().macro_state()) - origin;
-        while observer.next_look() <= here {
-            let due = observer.next_look();
+        while observer.next_observation() <= here {
+            let due = observer.next_observation();
             observer.observe(simulation);
-            if observer.next_look() == due {
+            if observer.next_observation() == due {
                 // The observer computes the measure in another way and finds it short by a rounding error: it will be
                 // reached in the next step.
                 break;
@@ -263,7 +263,7 @@ pub fn follow(
             return Ok(Ending::Stopped);
         }
         events.clear();
-        let next = observer.next_look();
+        let next = observer.next_observation();
         if next.is_finite() {
             events.push(Event { measure, origin, value: next, rising: true });
         }

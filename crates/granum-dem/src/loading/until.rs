@@ -99,13 +99,17 @@ impl fmt::Display for Reason {
     }
 }
 
+/// The unit of a measure after a space; nothing for a pure number.
+fn unit_of(measure: Measure) -> String {
+    let unit = measure.unit();
+    if unit == "1" { String::new() } else { format!(" {unit}") }
+}
+
 impl fmt::Display for Until {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Until::Reaches { measure, value } => {
-                let unit = measure.unit();
-                let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
-                write!(f, "{} reached {value}{unit}", measure.name())
+                write!(f, "{} reached {value}{}", measure.name(), unit_of(*measure))
             }
             Until::Reversals(count) => write!(f, "it was reversed {count} times"),
             Until::RampOver => write!(f, "its ramp is over"),
@@ -113,7 +117,7 @@ impl fmt::Display for Until {
                 write!(f, "the pore pressure ratio 1 - p/p_0 reached {ratio}: the sample has liquefied")
             }
             Until::DoubleAmplitude { measure, value } => {
-                write!(f, "the double amplitude of {} reached {value}", measure.name())
+                write!(f, "the double amplitude of {} reached {value}{}", measure.name(), unit_of(*measure))
             }
             Until::AtRest { unbalanced_force } => {
                 write!(f, "the sample is at rest: the unbalanced force is below {unbalanced_force}")
@@ -211,7 +215,7 @@ impl StageProgress {
     pub(super) fn unjammed(&self, state: &State) -> Option<Reason> {
         let before = invariants::mean(&self.start.stress);
         let mean_stress = state.mean_stress();
-        let lost = state.control().rows().next().is_some() && mean_stress < UNJAMMED * before;
+        let lost = before > 0.0 && state.control().rows().next().is_some() && mean_stress < UNJAMMED * before;
         lost.then_some(Reason::Unjammed { mean_stress, before })
     }
 

@@ -38,11 +38,11 @@ use crate::servo::CellControl;
 use crate::simulation::{Hardware, Properties, Simulation, SimulationError};
 
 /// Number of steps between two checks for the end of a phase, and between two calls of the observer.
-const LOOK_EVERY: u64 = 500;
+const CHECK_EVERY: u64 = 500;
 /// Fraction of the target stress below which the grains hardly carry load.
 const LOADED: f64 = 0.02;
 /// Rate limit before load is carried, as a multiple of the limit afterwards.
-const GAS_SPEED: f64 = 10.0;
+const LOOSE_COMPRESSION: f64 = 10.0;
 /// Rate of global damping relative to the frequency sqrt(k/m) of a contact at the target stress.
 const GLOBAL_DAMPING: f64 = 0.005;
 /// Largest number of trials for the friction of the preparation.
@@ -311,7 +311,7 @@ impl Preparing {
         let s = &mut simulation;
         s.set_time_step_factor(specification.time_step_factor);
         s.expect_force(p.mean_stress * s.mean_diameter().powi(2));
-        fade(s, specification);
+        damp_globally(s, specification);
         begin_relaxation(s, p);
         let progress = PreparationState {
             trials: Vec::new(),
@@ -362,9 +362,9 @@ impl Preparing {
         let NextTrial { friction, trials, steps, time } = next;
         s.set_time_step_factor(specification.time_step_factor);
         s.expect_force(p.mean_stress * diameter.powi(2));
-        fade(&mut s, specification);
+        damp_globally(&mut s, specification);
         let slow = s.strain_rate(p.inertial_number, p.mean_stress);
-        s.set_control(CellControl::isotropic(p.mean_stress, GAS_SPEED * slow));
+        s.set_control(CellControl::isotropic(p.mean_stress, LOOSE_COMPRESSION * slow));
         let stage = Stage::Compaction { slow, limit: most_steps(&s, slow), loaded: false };
         let progress = PreparationState {
             trials,
@@ -393,7 +393,7 @@ impl Preparing {
             if observer.progress(&self.progress()) == Flow::Stop {
                 return Ok(Outcome::Stopped(Box::new(self)));
             }
-            self.simulation.advance(LOOK_EVERY)?;
+            self.simulation.advance(CHECK_EVERY)?;
             let settled = match self.progress.stage {
                 Stage::Compaction { .. } => {
                     self.check_compaction(specification)?;
@@ -539,7 +539,7 @@ fn most_steps(s: &Simulation, rate: f64) -> u64 {
 }
 
 /// Sets the global damping, which is slow compared with the vibrations of a contact.
-fn fade(s: &mut Simulation, specification: &SampleSpecification) {
+fn damp_globally(s: &mut Simulation, specification: &SampleSpecification) {
     s.set_global_damping(GLOBAL_DAMPING * specification.time_step_factor / s.state().time_step());
 }
 

@@ -60,7 +60,7 @@ impl Default for Notes {
 }
 
 impl Observer for Notes {
-    fn next_look(&self) -> f64 {
+    fn next_observation(&self) -> f64 {
         self.next
     }
     fn observe(&mut self, simulation: &Simulation) {

@@ -16,7 +16,7 @@ use super::fields::{FIELDS, RENAMED, SECTIONS, field};
 use super::reader::{Reader, scalar};
 use super::rules::RULES;
 use super::sieve;
-use super::stage::has_no_part;
+use super::stage::is_unused_with_stages;
 use crate::error::{Error, InputError, Result};
 use granum_core::names::nearest;
 
@@ -91,7 +91,7 @@ impl Case {
         if path.starts_with("material.") || path.starts_with("pair.") {
             return self.set_material(path, text);
         }
-        if self.has_stages() && has_no_part(path) {
+        if self.has_stages() && is_unused_with_stages(path) {
             return Err(wrong("has no effect in a case with stages; set stage.1.KEY instead".into()));
         }
         let section = path.rsplit_once('.').map_or("", |(section, _)| section);
@@ -247,7 +247,7 @@ impl Reader<'_> {
         if !self.keys.contains_key("stage") {
             return;
         }
-        let none: Vec<_> = self.keys.iter().filter(|(path, _)| has_no_part(path)).collect();
+        let none: Vec<_> = self.keys.iter().filter(|(path, _)| is_unused_with_stages(path)).collect();
         let none: Vec<_> = none.into_iter().map(|(path, span)| (path.clone(), span.clone())).collect();
         for (path, span) in none {
             self.error(span, format!("{path} has no effect in a case with [[stage]]")).help = Some(

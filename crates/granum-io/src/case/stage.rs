@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use granum_dem::config::Recording;
-use granum_dem::loading::preset::{self, Default as ParameterDefault, Given, Kind, Parameter, Preset, Value};
+use granum_dem::loading::preset::{
+    self, Default as ParameterDefault, Fault, Given, Kind, Parameter, Preset, Value,
+};
 use granum_dem::loading::{Stage, Start};
 
 use super::case_stage::{CaseStage, MOST_STAGES};
@@ -30,7 +32,7 @@ pub(super) fn fault_of_order(stages: &[CaseStage]) -> Option<(usize, String)> {
 }
 
 /// What is wrong with parameters of a path together: the key, and a sentence that begins with it.
-pub(super) fn path_fault(preset: &Preset, given: &Given) -> Option<(&'static str, String)> {
+pub(super) fn path_fault(preset: &Preset, given: &Given) -> Option<Fault> {
     let needed = |p: &&Parameter| p.default == ParameterDefault::Needed && !given.contains_key(p.key);
     if let Some(parameter) = preset.parameters().find(needed) {
         return Some((parameter.key, format!("{} must be given", parameter.key)));
@@ -47,7 +49,7 @@ pub(super) fn path_fault(preset: &Preset, given: &Given) -> Option<(&'static str
             "density_scaling has no effect without strain_rate; add it, or give inertial_number alone";
         return Some(("density_scaling", message.into()));
     }
-    None
+    preset.fault(given)
 }
 
 /// Reads a value of a parameter of a path from text, as a flag has it.
@@ -107,7 +109,7 @@ pub(super) fn bounds(parameter: &Parameter) -> String {
 }
 
 /// Keys of `[shear]` and `[recording]` that are not used in a case with stages.
-pub(super) fn has_no_part(path: &str) -> bool {
+pub(super) fn is_unused_with_stages(path: &str) -> bool {
     path.starts_with("shear.")
         || ["recording.states", "recording.first_strain", "recording.strains", "recording.snapshots"]
             .contains(&path)

@@ -325,8 +325,45 @@ fn any_path() -> impl Strategy<Value = CaseStage> {
             parameters.insert("strain_rate".into(), Value::Number(1e-5));
             parameters.insert("density_scaling".into(), Value::Number(1e12));
         }
+        while let Some((key, _)) = path.fault(&parameters) {
+            parameters.remove(key);
+        }
         CaseStage::Path { name: path.name.to_string(), parameters, resets }
     })
+}
+
+/// Parameters of a path that exclude each other, or that would let it end where it begins.
+#[test]
+fn parameters_that_do_not_go_together_are_refused() {
+    let refused = |path: &str, keys: &str, wanted: &str| {
+        let text = message(&format!("[[stage]]\npath = \"{path}\"\n{keys}"));
+        assert!(text.contains(wanted), "{path}: {text}");
+    };
+    refused("drained-triaxial", "axial_strain = 0", "axial_strain must not be 0");
+    refused("constant-p", "deviator_strain = 0", "deviator_strain must not be 0");
+    refused("constant-p", "states = 7.5", "states = 7.5 must be a whole number");
+    refused("probes", "directions = 7.9", "directions = 7.9 must be a whole number");
+    refused("probes", "strain = 1e-5\nstress = \"1 kPa\"", "strain has no effect with stress");
+    refused(
+        "oedometer",
+        "axial_stress = \"1 MPa\"\nunloading_stress = \"2 MPa\"",
+        "must be below axial_stress",
+    );
+    refused(
+        "cyclic",
+        "strain_amplitude = 1e-3\nstress_amplitude = \"1 kPa\"",
+        "strain_amplitude has no effect with",
+    );
+    refused(
+        "cyclic",
+        "drainage = \"drained\"\npore_pressure_ratio = 0.9",
+        "pore_pressure_ratio has no effect with",
+    );
+    refused(
+        "hold",
+        "duration = \"1 s\"\nunbalanced_force = 1e-3",
+        "unbalanced_force has no effect with duration",
+    );
 }
 
 /// A random stage with an explicit control, taken from the expansion of a path.

@@ -3,7 +3,7 @@
 use super::definition::Case;
 use super::field::Field;
 use super::fields::{FIELDS, SECTIONS};
-use super::stage::has_no_part;
+use super::stage::is_unused_with_stages;
 
 const TEMPLATE_HEAD: &str = "\
 # A granum case: all inputs that determine a result.
@@ -76,7 +76,7 @@ impl Case {
             text.push_str(&format!("\n[{section}]\n"));
             for field in FIELDS.iter().filter(|field| field.section == *section) {
                 let Some(value) = field.value(self) else { continue };
-                if self.has_stages() && has_no_part(&field.path()) {
+                if self.has_stages() && is_unused_with_stages(&field.path()) {
                     continue;
                 }
                 let unit = field.si_unit();

@@ -135,8 +135,8 @@ pub fn of_seeds(
 struct SeriesObserver(Recorder);
 
 impl Observer for SeriesObserver {
-    fn next_look(&self) -> f64 {
-        self.0.next_look()
+    fn next_observation(&self) -> f64 {
+        self.0.next_observation()
     }
     fn observe(&mut self, simulation: &Simulation) {
         self.0.observe(&simulation.assembly());

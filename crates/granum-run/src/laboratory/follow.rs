@@ -34,8 +34,8 @@ impl Observer for Follow<'_> {
         self.stopped = self.observer.progress(&announced) == Flow::Stop;
         if self.stopped || self.checkpoint.is_over() { Flow::Stop } else { Flow::Continue }
     }
-    fn next_look(&self) -> f64 {
-        self.observer.next_look()
+    fn next_observation(&self) -> f64 {
+        self.observer.next_observation()
     }
     fn observe(&mut self, simulation: &Simulation) {
         self.observer.observe(simulation);
@@ -46,8 +46,8 @@ impl Observer for Follow<'_> {
 pub(super) struct Record<'a>(pub(super) &'a mut Recorder);
 
 impl Observer for Record<'_> {
-    fn next_look(&self) -> f64 {
-        self.0.next_look()
+    fn next_observation(&self) -> f64 {
+        self.0.next_observation()
     }
     fn observe(&mut self, simulation: &Simulation) {
         self.0.observe(&simulation.assembly());
@@ -66,7 +66,7 @@ pub(super) struct Snapshots<'a> {
 }
 
 impl Observer for Snapshots<'_> {
-    fn next_look(&self) -> f64 {
+    fn next_observation(&self) -> f64 {
         self.due.first().copied().unwrap_or(f64::INFINITY)
     }
     fn observe(&mut self, simulation: &Simulation) {

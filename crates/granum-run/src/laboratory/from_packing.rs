@@ -13,7 +13,13 @@ use super::source::Source;
 use crate::engine::engine_trait::Laboratory;
 
 /// Keys that have an effect only if the packing is compacted.
-const USED_IN_COMPACTION: [&str; 2] = ["preparation.friction", "preparation.interface_energy"];
+const USED_IN_COMPACTION: [&str; 5] = [
+    "preparation.friction",
+    "preparation.rolling_friction",
+    "preparation.interface_energy",
+    "preparation.cycles",
+    "preparation.cycle_strain",
+];
 
 /// Name of a packing's file without its folder.
 fn file_name(path: &Path) -> String {

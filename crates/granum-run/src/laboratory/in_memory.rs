@@ -48,7 +48,11 @@ impl Laboratory {
         let run::Begun { record: mut about, run_state } = run::begin(&task, &Native, observer)?;
         let run_state = self.go_on(case, run_state, Store(None), &mut about, observer)?;
         if about.status == RunStatus::Interrupted {
-            return Err(PreparationError::Stopped { phase: Phase::Compaction }.into());
+            let phase = match &run_state.stage {
+                Stage::Preparation(state) | Stage::Consolidation(state) => state.phase(),
+                _ => Phase::Compaction,
+            };
+            return Err(PreparationError::Stopped { phase }.into());
         }
         run_state.write_into(&mut about);
         about.status = RunStatus::Finished;

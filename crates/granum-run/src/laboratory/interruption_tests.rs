@@ -120,6 +120,8 @@ fn staged() -> Case {
     case.recording = granum_dem::config::Recording::default().with(|recording| {
         recording.observations_per_state = 3;
         recording.sensors = sensors.to_vec();
+        // Without effect in a case with stages, and no reason to refuse its checkpoints.
+        recording.snapshots = vec![0.001];
     });
     case
 }

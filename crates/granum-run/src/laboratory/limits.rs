@@ -12,7 +12,6 @@
 //! Looser states exist as long as attraction, or more friction than the grains' own, supports them; when that is removed they
 //! collapse to denser states than the above (measured in the book).
 
-use granum_dem::config::NormalKind;
 use granum_dem::observer::Observer;
 use granum_io::{Case, RunRecord};
 
@@ -50,8 +49,8 @@ pub fn loosest(case: &Case) -> Case {
     let attraction = case.grains.material.interface_energy;
     let p = &mut case.preparation;
     (p.friction, p.rolling_friction, p.cycles) = (Some(friction), None, 0);
-    // With the normal law JKR the adhesion acts from the start.
-    p.interface_energy = if case.contact.normal == NormalKind::JKR { attraction } else { 0.0 };
+    // With an adhesive normal law the adhesion acts from the start.
+    p.interface_energy = if case.contact.normal.law().traits().adhesive { attraction } else { 0.0 };
     case
 }
 

@@ -1,6 +1,7 @@
 //! Summary of a finished test in a few numbers: peak and late values.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use granum_dem::loading::{Drive, Stage};
 use granum_sensors::Record;
@@ -31,10 +32,32 @@ pub fn late_mean(strains: &[f64], values: &[f64]) -> Option<f64> {
     (length > 0.0).then(|| area / length)
 }
 
+/// The rows of the series in which peak and late values are sought: all of the paper's test, and of a list of stages those of
+/// the last stage with two states or more, since a stage may begin a new count of strain.
+fn rows_of_test(record: &Record) -> Range<usize> {
+    let numbers = record.series.values("stage").unwrap_or(&[]);
+    let mut end = numbers.len();
+    while end > 0 {
+        let start =
+            numbers[..end].iter().rposition(|number| *number != numbers[end - 1]).map_or(0, |row| row + 1);
+        if end - start >= 2 {
+            return start..end;
+        }
+        end = start;
+    }
+    0..record.series.rows()
+}
+
+/// These rows of a column; nothing if there is no such column.
+fn column<'a>(record: &'a Record, name: &str, rows: &Range<usize>) -> &'a [f64] {
+    record.series.values(name).and_then(|values| values.get(rows.clone())).unwrap_or(&[])
+}
+
 /// Adds the peak and late values of a test to the measures of its run: those of the paper's stress ratio and deviator
 /// strain, or those of the invariants if the test is defined as a list of stages.
 pub(super) fn of_test(record: &Record, measures: &mut BTreeMap<String, f64>) {
-    let column = |name: &str| record.series.values(name).unwrap_or(&[]);
+    let rows = rows_of_test(record);
+    let column = |name: &str| column(record, name, &rows);
     let (strain, ratio) = match record.series.values("von_mises_ratio") {
         Some(_) => ("deviatoric_strain", "von_mises_ratio"),
         None => ("deviator_strain", "stress_ratio"),
@@ -54,7 +77,7 @@ pub(super) fn of_test(record: &Record, measures: &mut BTreeMap<String, f64>) {
             ("deviator_fabric_at_peak", "deviator_fabric"),
             ("solid_fraction_at_peak", "solid_fraction"),
         ] {
-            if let Some(value) = record.series.values(column).and_then(|values| values.get(peak)) {
+            if let Some(value) = self::column(record, column, &rows).get(peak) {
                 measures.insert(name.into(), *value);
             }
         }
@@ -76,7 +99,7 @@ pub(super) fn of_test(record: &Record, measures: &mut BTreeMap<String, f64>) {
 }
 
 /// Adds the ratio of lateral to axial stress at the end of every oedometric stage to the measures, as `k0_` and the name of the
-/// stage.
+/// stage, with its number where stages have one name.
 pub(super) fn of_oedometers(record: &Record, stages: &[Stage], measures: &mut BTreeMap<String, f64>) {
     let column = |name: &str| record.series.values(name).unwrap_or(&[]);
     let numbers = column("stage");
@@ -94,7 +117,11 @@ pub(super) fn of_oedometers(record: &Record, stages: &[Stage], measures: &mut BT
                 .chars()
                 .map(|c| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '_' })
                 .collect();
-            measures.insert(format!("k0_{name}"), 0.5 * (y + z) / axial);
+            let ratio = 0.5 * (y + z) / axial;
+            // Stages of one name, as of a path that is repeated, are distinguished by their numbers.
+            let key = format!("k0_{name}");
+            let key = if measures.contains_key(&key) { format!("{key}_{}", k + 1) } else { key };
+            measures.insert(key, ratio);
         }
     }
 }
@@ -107,7 +134,26 @@ fn is_oedometric(stage: &Stage) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use granum_core::{Column, Table};
+
     use super::*;
+
+    /// A stage may begin a new count of strain, so that the strains of two stages are not those of one curve.
+    #[test]
+    fn peak_and_late_values_are_those_of_the_last_stage_with_states() {
+        let column = |name: &str, values: &[f64]| Column::new(name, "", values.to_vec());
+        let series = Table::new(vec![
+            column("stage", &[1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 3.0]),
+            column("deviatoric_strain", &[0.0, 0.1, 0.2, 0.0, 0.1, 0.2, 0.0]),
+            column("von_mises_ratio", &[0.0, 0.9, 0.9, 0.0, -0.6, -0.5, 0.3]),
+        ])
+        .unwrap();
+        let mut measures = BTreeMap::new();
+        of_test(&Record { series, ..Record::default() }, &mut measures);
+        assert_eq!(measures["peak_stress_ratio"], 0.6);
+        assert_eq!(measures["deviatoric_strain_at_peak"], 0.1);
+        assert!((measures["late_stress_ratio"] - 0.525).abs() < 1e-12, "{measures:?}");
+    }
 
     #[test]
     fn late_is_the_last_quarter_of_the_strain_however_states_are_spaced() {

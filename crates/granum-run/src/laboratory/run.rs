@@ -15,7 +15,7 @@ use super::segment::Segment;
 use super::source::Source;
 use super::status::Speedometer;
 use super::store::{END, SAMPLE, Store};
-use super::test_state::{STAGES_TOLD, Test};
+use super::test_state::{MOST_STAGES_NOTED, Test};
 use super::{consolidation, from_packing, measures, memory, quality};
 use crate::engine::engine_trait::{Engine, Laboratory, Task};
 use crate::record::write_record;
@@ -270,9 +270,9 @@ fn complete(
 }
 
 /// Notes in the record how each stage ended; the observer is warned of a stage that met none of its end conditions. For a test
-/// with more than [`STAGES_TOLD`] stages only these are noted, with the number of the others.
+/// with more than [`MOST_STAGES_NOTED`] stages only these are noted, with the number of the others.
 fn record_stages(test: &Test, record: &mut RunRecord, observer: &mut dyn Observer) {
-    let many = test.ends.len() > STAGES_TOLD;
+    let many = test.ends.len() > MOST_STAGES_NOTED;
     for (k, end) in test.ends.iter().enumerate() {
         let StageEnd { name, reason, steps, .. } = end;
         let mut note = format!("stage {} ({name}) ended after {steps} steps: {reason}", k + 1);

@@ -11,7 +11,7 @@ use super::run_state::{RunState, Stage};
 use super::segment::Segment;
 use super::status::Speedometer;
 use super::store::Store;
-use super::test_state::{STAGES_TOLD, Test};
+use super::test_state::{MOST_STAGES_NOTED, Test};
 use crate::engine::engine_trait::Laboratory;
 
 /// Name of the snapshot at the end of a stage that is followed by another.
@@ -94,7 +94,7 @@ impl Laboratory {
         if !reason.is_asked_for() || test.ends.len() == test.stages.len() {
             return Ok(Segment::Complete);
         }
-        if test.stages.len() <= STAGES_TOLD {
+        if test.stages.len() <= MOST_STAGES_NOTED {
             store.snapshot(&stage_snapshot(test.ends.len()), &simulation.assembly())?;
         }
         test.begin_stage(case, &self.sensors, simulation)?;

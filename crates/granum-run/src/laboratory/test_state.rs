@@ -32,7 +32,7 @@ pub(super) struct Test<R = Recorder> {
     pub(super) snapshots: Vec<f64>,
     /// The state to which stages return, once a stage has saved one.
     #[serde(default)]
-    kept: Option<Kept>,
+    kept: Option<SavedStart>,
 }
 
 /// A test in the form of a checkpoint, with recorders that lack their sensors.
@@ -58,20 +58,20 @@ impl SavedTest {
 
 /// A saved state, with the energy of the sample in it.
 #[derive(Clone, Serialize, Deserialize)]
-struct Kept {
+struct SavedStart {
     state: SavedState,
     before: Stored,
     damped: bool,
 }
 
-impl std::fmt::Debug for Kept {
+impl std::fmt::Debug for SavedStart {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Kept").finish_non_exhaustive()
+        f.debug_struct("SavedStart").finish_non_exhaustive()
     }
 }
 
 /// Largest number of stages of a test for which a snapshot and a note are written at the end of every stage.
-pub(super) const STAGES_TOLD: usize = 24;
+pub(super) const MOST_STAGES_NOTED: usize = 24;
 
 impl Test {
     /// Begins the first stage of a case's test.
@@ -89,7 +89,8 @@ impl Test {
             before: Stored::of(&simulation.assembly()),
             damped: false,
             staged: case.has_stages(),
-            snapshots: case.recording.snapshots.clone(),
+            // Snapshots at given strains are those of the paper's test; a list of stages leaves one at the end of each stage.
+            snapshots: if case.has_stages() { Vec::new() } else { case.recording.snapshots.clone() },
             kept: None,
         };
         test.begin_stage(case, sensors, simulation)?;
@@ -108,7 +109,7 @@ impl Test {
             (Start::Here, _) => {}
             (Start::Kept, _) => {
                 let state = SavedState::of(simulation)?;
-                self.kept = Some(Kept { state, before: self.before, damped: self.damped });
+                self.kept = Some(SavedStart { state, before: self.before, damped: self.damped });
             }
             (Start::Back, Some(kept)) => {
                 *simulation = kept.state.restore()?;

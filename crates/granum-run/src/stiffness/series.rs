@@ -53,9 +53,9 @@ impl Probed {
 /// use granum_run::Observer;
 ///
 /// let mut probes = Probes::new(1, vec![0.0, 0.01], Probing::default());
-/// assert_eq!(probes.next_look(), f64::INFINITY, "no stage has begun");
+/// assert_eq!(probes.next_observation(), f64::INFINITY, "no stage has begun");
 /// probes.stage(1);
-/// assert_eq!(probes.next_look(), 0.0);
+/// assert_eq!(probes.next_observation(), 0.0);
 /// ```
 #[derive(Clone, Debug)]
 pub struct Probes {
@@ -95,7 +95,7 @@ impl Observer for Probes {
         self.is_on = number == self.number;
     }
 
-    fn next_look(&self) -> f64 {
+    fn next_observation(&self) -> f64 {
         let due = self.due.first().copied().unwrap_or(f64::INFINITY);
         if self.is_on && self.failed.is_none() { due } else { f64::INFINITY }
     }
@@ -122,7 +122,8 @@ pub fn table(rows: &[Probed]) -> Table {
     let column = |name: &str, unit: &str, value: &dyn Fn(&Probed) -> f64| {
         Column::new(name, unit, rows.iter().map(value).collect())
     };
-    let young = |row: &Probed, axis: usize| row.stiffness.tensor.youngs_moduli().map_or(0.0, |e| e[axis]);
+    let young =
+        |row: &Probed, axis: usize| row.stiffness.tensor.youngs_moduli().map_or(f64::NAN, |e| e[axis]);
     let stress = |row: &Probed| row.stiffness.stress;
     let mut columns = vec![
         column("deviator_strain", "", &|row| row.deviator_strain),
@@ -139,7 +140,7 @@ pub fn table(rows: &[Probed]) -> Table {
         column("youngs_modulus_x", "Pa", &|row| young(row, 0)),
         column("youngs_modulus_y", "Pa", &|row| young(row, 1)),
         column("youngs_modulus_z", "Pa", &|row| young(row, 2)),
-        column("anisotropy", "", &|row| row.stiffness.tensor.anisotropy().unwrap_or(0.0)),
+        column("anisotropy", "", &|row| row.stiffness.tensor.anisotropy().unwrap_or(f64::NAN)),
         column("asymmetry", "", &|row| row.stiffness.tensor.asymmetry()),
         column("unsettled", "", &|row| row.stiffness.unsettled),
     ];

@@ -41,7 +41,7 @@ fn the_start_of_the_curves_is_that_of_lammps() {
     });
     let mut recorder = Recorder::new(&Sensors::standard(), &recording, 0.01).unwrap();
     loop {
-        if s.state().deviator_strain() >= recorder.next_look() {
+        if s.state().deviator_strain() >= recorder.next_observation() {
             recorder.observe(&s.assembly());
         }
         if recorder.is_complete() {

@@ -44,7 +44,7 @@ use crate::{Bins, Memory, Observation, Record, SensorColumn, SensorError, Sensor
 /// let mut recorder = Recorder::new(&Sensors::standard(), &recording, 0.3)?;
 /// let mut assembly = Assembly::default();
 /// while assembly.strain[0][0] < 0.3 {
-///     if assembly.strain[0][0] >= recorder.next_look() {
+///     if assembly.strain[0][0] >= recorder.next_observation() {
 ///         recorder.observe(&assembly);
 ///     }
 ///     assembly.strain[0][0] += 0.001;
@@ -202,8 +202,8 @@ impl Recorder {
 
     /// Value of the measure (in the paper's test the deviator strain) at which the next observation is due; infinite when there
     /// is none.
-    pub fn next_look(&self) -> f64 {
-        self.saved.schedule.next_look()
+    pub fn next_observation(&self) -> f64 {
+        self.saved.schedule.next_observation()
     }
 
     /// True when the last observation has been made.

@@ -111,7 +111,7 @@ impl Schedule {
     }
 
     /// Value of the measure at which the next observation is due; infinite when there is none.
-    pub(super) fn next_look(&self) -> f64 {
+    pub(super) fn next_observation(&self) -> f64 {
         let (state, observation) = self.next;
         if state > self.last_state() {
             return f64::INFINITY;
@@ -151,12 +151,12 @@ impl Schedule {
             false => MacroState::without_stress(assembly),
         };
         let strain = self.measure.of(&reading) - self.origin + self.tolerance();
-        if strain.is_nan() || strain < self.next_look() {
+        if strain.is_nan() || strain < self.next_observation() {
             return None;
         }
         // If several observations are due, the last one is made: the nearest to the present strain.
         let mut state = 0;
-        while self.next_look() <= strain {
+        while self.next_observation() <= strain {
             state = self.next.0;
             self.advance();
         }

@@ -17,7 +17,7 @@ fn run(recorder: &mut Recorder, steps: usize, end: f64) -> usize {
     let mut observations = 0;
     for k in 0..=steps {
         let strain = end * (k as f64 / steps as f64);
-        if strain >= recorder.next_look() {
+        if strain >= recorder.next_observation() {
             recorder.observe(&at(strain));
             observations += 1;
         }
@@ -33,7 +33,7 @@ fn windows_are_centred_with_half_a_window_at_the_end() {
     });
     let mut recorder = recorder(&recording, 0.4);
     assert_eq!(run(&mut recorder, 2400, 0.4), 1 + 3 * 6 + 3);
-    assert!(recorder.is_complete() && recorder.next_look().is_infinite());
+    assert!(recorder.is_complete() && recorder.next_observation().is_infinite());
     assert!(
         recorder.is_like(&self::recorder(&recording, 0.4))
             && !recorder.is_like(&self::recorder(&recording, 0.3))
@@ -61,7 +61,7 @@ fn a_single_look_a_state_stands_on_the_state() {
         recording.observations_per_state = 1;
     });
     let mut recorder = recorder(&recording, 0.3);
-    assert_eq!(recorder.next_look(), 0.0);
+    assert_eq!(recorder.next_observation(), 0.0);
     assert_eq!(run(&mut recorder, 300, 0.3), 4);
     let record = recorder.record();
     let strain = record.series.values("deviator_strain").unwrap();
@@ -104,7 +104,7 @@ fn strides_longer_than_a_window_leave_states_out_and_early_looks_do_nothing() {
 fn due(mut recorder: Recorder) -> Vec<f64> {
     let mut due = Vec::new();
     while !recorder.is_complete() {
-        due.push(recorder.next_look());
+        due.push(recorder.next_observation());
         recorder.saved.schedule.advance();
     }
     due
@@ -172,10 +172,10 @@ fn a_strain_short_by_rounding_is_due() {
         0.3,
     );
     recorder.observe(&at(0.0));
-    let before = recorder.next_look();
+    let before = recorder.next_observation();
     assert!(before > 0.0);
     recorder.observe(&at(before * (1.0 - 1e-15)));
-    assert!(recorder.next_look() > before);
+    assert!(recorder.next_observation() > before);
 }
 
 #[test]

@@ -161,8 +161,8 @@ impl granum_run::Observer for Until<'_> {
     fn stage(&mut self, number: usize) {
         self.probes.stage(number);
     }
-    fn next_look(&self) -> f64 {
-        self.probes.next_look()
+    fn next_observation(&self) -> f64 {
+        self.probes.next_observation()
     }
     fn observe(&mut self, simulation: &Simulation) {
         self.probes.observe(simulation);

@@ -10,6 +10,7 @@ pub(super) const PRESET: Preset = Preset {
     name: "constant-p",
     help: "Axisymmetric compression or extension at constant mean stress: the test of Antony, Zhou and Wang (2006).",
     own: PARAMETERS,
+    faults: |values| values.zero("deviator_strain"),
     stages: |values| {
         let end = values.number("deviator_strain");
         let test = Stage {

@@ -7,6 +7,7 @@ pub(super) const PRESET: Preset = Preset {
     name: "constant-p-and-b",
     help: "True triaxial test: axis x is strained at constant mean stress p and constant b = (sigma_y - sigma_z) / (sigma_x - sigma_z).",
     own: PARAMETERS,
+    faults: |values| values.zero("axial_strain"),
     stages: |values| {
         let end = values.number("axial_strain");
         let b = values.number("b");

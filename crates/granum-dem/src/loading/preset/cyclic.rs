@@ -8,6 +8,15 @@ pub(super) const PRESET: Preset = Preset {
     help: "Cyclic triaxial test between two axial strains or two deviator stresses, drained or undrained: a number of \
            cycles, or until liquefaction or a double amplitude of strain.",
     own: PARAMETERS,
+    faults: |values| {
+        let amplitudes = values.both("strain_amplitude", "stress_amplitude");
+        amplitudes.or_else(|| values.both("mean_strain", "stress_amplitude")).or_else(|| {
+            (values.is_given("pore_pressure_ratio") && !undrained(values)).then(|| {
+                let message = "pore_pressure_ratio has no effect with drainage = \"drained\"; leave it out, or choose \"undrained\"";
+                ("pore_pressure_ratio", message.into())
+            })
+        })
+    },
     stages: |values| {
         let cycles = values.number("cycles");
         let by_stress = values.optional("stress_amplitude");

@@ -7,6 +7,7 @@ pub(super) const PRESET: Preset = Preset {
     name: "drained-triaxial",
     help: "Drained triaxial compression or extension: axis x is strained, the stresses along y and z are held.",
     own: PARAMETERS,
+    faults: |values| values.zero("axial_strain"),
     stages: |values| {
         let end = values.number("axial_strain");
         let held = Drive::Stress(values.target("lateral_stress"));

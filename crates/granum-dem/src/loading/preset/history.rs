@@ -7,6 +7,7 @@ pub(super) const PRESET: Preset = Preset {
     name: "history",
     help: "Strains or stresses from a CSV file, row by row: the cell follows straight lines between the rows.",
     own: PARAMETERS,
+    faults: |_| None,
     stages: |values| {
         let Some(history) = values.history("file") else { return Vec::new() };
         let sign = if values.is("compression", "negative") { -1.0 } else { 1.0 };

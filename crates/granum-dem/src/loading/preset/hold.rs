@@ -8,6 +8,10 @@ pub(super) const PRESET: Preset = Preset {
     help: "All stresses are held (creep), or all strains (relaxation), until the sample is at rest or for a given \
            time.",
     own: PARAMETERS,
+    faults: |values| {
+        let rest = values.both("unbalanced_force", "duration");
+        rest.or_else(|| values.both("interval", "duration"))
+    },
     stages: |values| {
         let held = match values.is("held", "stress") {
             true => Drive::Stress(Target::current()),

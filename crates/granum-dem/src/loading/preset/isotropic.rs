@@ -8,6 +8,7 @@ pub(super) const PRESET: Preset = Preset {
     help: "Isotropic compression or unloading: all three axes are brought to one stress, at which the sample comes to \
            rest; then to a second stress if one is given.",
     own: PARAMETERS,
+    faults: |_| None,
     stages: |values| {
         let stage = |name: &str, stress: f64| {
             let record = Record::every(Measure::ArcLength, values.number("interval"));

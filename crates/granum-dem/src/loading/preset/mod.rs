@@ -25,8 +25,8 @@ use super::{Control, Drive, Speed, Stage, Target, Until};
 pub use self::constant_p::antony2006;
 use self::parameter::{COMMON, DENSITY_SCALING};
 pub use self::parameter::{
-    Default, Given, INERTIAL_NUMBER, INTERVAL, Kind, Parameter, STATES, Value, Values, deviator, number,
-    optional, stress, word,
+    Default, Fault, Given, INERTIAL_NUMBER, INTERVAL, Kind, Parameter, STATES, Value, Values, deviator,
+    number, optional, stress, word,
 };
 
 /// A named path.
@@ -39,6 +39,8 @@ pub struct Preset {
     pub help: &'static str,
     /// Its parameters in addition to those of every preset ([`Preset::parameters`]).
     pub own: &'static [Parameter],
+    /// What is wrong with its parameters together, such as two that exclude each other.
+    pub faults: fn(&Values) -> Option<Fault>,
     /// Its stages.
     pub stages: fn(&Values) -> Vec<Stage>,
 }
@@ -142,6 +144,9 @@ pub fn register(preset: &'static Preset) -> Result<(), RegisterError> {
     Ok(())
 }
 
+/// Keys of a stage in a case file that no parameter of a path may have.
+const RESERVED: [&str; 4] = ["path", "stage", "repeat", "resets"];
+
 impl Preset {
     /// A path of the given name, with its own parameters and a function that returns its stages.
     pub const fn new(
@@ -150,7 +155,18 @@ impl Preset {
         own: &'static [Parameter],
         stages: fn(&Values) -> Vec<Stage>,
     ) -> Preset {
-        Preset { name, help, own, stages }
+        Preset { name, help, own, faults: |_| None, stages }
+    }
+
+    /// The same with a check of its parameters together.
+    pub const fn refusing(self, faults: fn(&Values) -> Option<Fault>) -> Preset {
+        Preset { faults, ..self }
+    }
+
+    /// What is wrong with parameters together, if anything is.
+    pub fn fault(&self, given: &Given) -> Option<Fault> {
+        let values = Values { preset: self, given };
+        values.not_whole(STATES.key).or_else(|| (self.faults)(&values))
     }
 
     fn is_same_as(&self, other: &Preset) -> bool {
@@ -161,7 +177,7 @@ impl Preset {
     /// Checks the declarations of its parameters.
     fn check(&self) -> Result<(), RegisterError> {
         for (k, Parameter { key, default, bounds, .. }) in self.own.iter().enumerate() {
-            if *key == "path" || self.own[..k].iter().any(|other| other.key == *key) {
+            if RESERVED.contains(key) || self.own[..k].iter().any(|other| other.key == *key) {
                 return Err(RegisterError::KeyTaken { path: self.name, key });
             }
             let [low, high] = *bounds;

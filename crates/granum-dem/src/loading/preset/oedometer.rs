@@ -7,6 +7,13 @@ pub(super) const PRESET: Preset = Preset {
     name: "oedometer",
     help: "Oedometer: axis x is compressed without lateral strain up to a stress, and unloaded if a second is given.",
     own: PARAMETERS,
+    faults: |values| {
+        let (loading, unloading) = (values.number("axial_stress"), values.optional("unloading_stress")?);
+        (unloading >= loading).then(|| {
+            let message = "unloading_stress must be below axial_stress, from which the sample is unloaded";
+            ("unloading_stress", message.into())
+        })
+    },
     stages: |values| {
         let stage = |name: &str, sense: f64, stress: f64| {
             let fixed = Drive::Fixed;

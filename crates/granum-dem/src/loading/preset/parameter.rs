@@ -87,6 +87,9 @@ impl From<&str> for Value {
     }
 }
 
+/// What is wrong with parameters of a path together: the key, and a sentence that begins with it.
+pub type Fault = (&'static str, String);
+
 /// Values by the keys of their parameters; those not given have their defaults.
 pub type Given = BTreeMap<String, Value>;
 
@@ -108,6 +111,28 @@ impl<'a> Values<'a> {
             (_, Some(Default::Value(number))) => Some(number),
             _ => None,
         }
+    }
+
+    /// True if the key is given, so that no default takes its place.
+    pub fn is_given(&self, key: &str) -> bool {
+        self.given.contains_key(key)
+    }
+
+    /// The fault that a key is given which has no effect with another one.
+    pub fn both(&self, key: &'static str, with: &str) -> Option<Fault> {
+        let both = self.is_given(key) && self.is_given(with);
+        both.then(|| (key, format!("{key} has no effect with {with}; keep one of them")))
+    }
+
+    /// The fault that an end is zero, at which the path would be over before it begins.
+    pub fn zero(&self, key: &'static str) -> Option<Fault> {
+        (self.number(key) == 0.0).then(|| (key, format!("{key} must not be 0, where the path begins")))
+    }
+
+    /// The fault that a number of things is not whole.
+    pub fn not_whole(&self, key: &'static str) -> Option<Fault> {
+        let value = self.optional(key)?;
+        (value.fract() != 0.0).then(|| (key, format!("{key} = {value} must be a whole number")))
     }
 
     /// A number that has a default.

@@ -7,6 +7,7 @@ pub(super) const PRESET: Preset = Preset {
     name: "plane-strain",
     help: "Plane strain compression or extension: axis x is strained, axis y does not strain, the stress along z is held.",
     own: PARAMETERS,
+    faults: |values| values.zero("axial_strain"),
     stages: |values| {
         let end = values.number("axial_strain");
         let fixed = Drive::Fixed;

@@ -11,6 +11,7 @@ pub(super) const PRESET: Preset = Preset {
     name: "probes",
     help: "Small increments of strain or stress in many directions, each from the same state at rest: the response envelope.",
     own: PARAMETERS,
+    faults: |values| values.both("strain", "stress").or_else(|| values.not_whole("directions")),
     stages: |values| {
         let held = Drive::Stress(Target::current());
         let control = Control { servo_limit: 1.0, ..Control::of(values.speed(), [held; 6]) };

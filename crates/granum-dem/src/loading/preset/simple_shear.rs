@@ -8,6 +8,7 @@ pub(super) const PRESET: Preset = Preset {
     name: "simple-shear",
     help: "Simple shear in the plane xy at constant normal stress along y, without strain along x and z.",
     own: PARAMETERS,
+    faults: |values| values.zero("shear_strain"),
     stages: |values| {
         let held = Drive::Stress(values.target("normal_stress"));
         let test = shear(values.speed(), held, values.number("shear_strain"), values.states());

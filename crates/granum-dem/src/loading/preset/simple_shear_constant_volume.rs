@@ -8,6 +8,7 @@ pub(super) const PRESET: Preset = Preset {
     name: "simple-shear-constant-volume",
     help: "Simple shear in the plane xy at constant volume: an undrained simple shear test.",
     own: PARAMETERS,
+    faults: |values| values.zero("shear_strain"),
     stages: |values| {
         let test = shear(values.speed(), Drive::Fixed, values.number("shear_strain"), values.states());
         values.consolidation("mean_stress").into_iter().chain([test]).collect()

@@ -8,6 +8,7 @@ pub(super) const PRESET: Preset = Preset {
     name: "undrained-triaxial",
     help: "Undrained triaxial compression or extension: axis x is strained at constant volume. The stresses are effective ones.",
     own: PARAMETERS,
+    faults: |values| values.zero("axial_strain"),
     stages: |values| {
         let end = values.number("axial_strain");
         let (axial, free, fixed) = (Drive::Rate(end.signum()), Drive::Free, Drive::Fixed);
@@ -23,14 +24,15 @@ pub(super) const PRESET: Preset = Preset {
                     ..Constraint::stresses([0.0, 0.0, 1.0, 0.0, 0.0, 0.0], Target::current())
                 }),
         };
+        // With a compressible fluid the arc length is not the axial strain, so that the end is not known.
+        let record = match values.optional("fluid_modulus") {
+            None => Record::equal(Measure::ArcLength, values.states(), end.abs()),
+            Some(_) => Record::every(Measure::ArcLength, end.abs() / values.number("states")),
+        };
         let test = Stage {
             most_arc_length: generous(end),
             resets: true,
-            ..Stage::new("shear", control, vec![until]).recording(Record::equal(
-                Measure::ArcLength,
-                values.states(),
-                end.abs(),
-            ))
+            ..Stage::new("shear", control, vec![until]).recording(record)
         };
         values.consolidation("mean_stress").into_iter().chain([test]).collect()
     },

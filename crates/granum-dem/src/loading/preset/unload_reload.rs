@@ -7,6 +7,7 @@ pub(super) const PRESET: Preset = Preset {
     name: "unload-reload",
     help: "Drained triaxial compression along x in which the deviator stress is removed and reapplied at given strains.",
     own: PARAMETERS,
+    faults: |_| None,
     stages: |values| {
         let end = values.number("axial_strain");
         let record = Record::every(Measure::ArcLength, end / values.number("states"));
