@@ -60,7 +60,7 @@ pub fn random_insertion(
     // Large grains first: small ones fit between them.
     radii.sort_unstable_by(|a, b| b.total_cmp(a));
     let solid: f64 = radii.iter().map(|r| 4.0 / 3.0 * std::f64::consts::PI * r.powi(3)).sum();
-    let length = (solid / solid_fraction).cbrt();
+    let length = libm::cbrt(solid / solid_fraction);
     let mut boxes = Boxes::new(length, 2.0 * radii[0]);
     let smallest = radii.last().copied().unwrap_or(0.0);
     let mut rooms: Option<Rooms> = None;

@@ -25,7 +25,7 @@ pub(crate) struct Near {
 pub(crate) fn find(isa: Isa, cell: &Cell, particles: &[Row8], skin: f64) -> Vec<Near> {
     let largest = particles.iter().fold(0.0f64, |m, row| m.max(row.0[3]));
     let cutoff = 2.0 * largest + skin;
-    let limit = (particles.len() as f64).cbrt().ceil() as usize + 1;
+    let limit = libm::cbrt(particles.len() as f64).ceil() as usize + 1;
     let counts = cell.heights().map(|h| ((h / cutoff).floor() as usize).clamp(1, limit.max(1)));
     if counts.iter().all(|&n| n >= 3) {
         let smallest = particles.iter().fold(f64::INFINITY, |m, row| m.min(row.0[3]));

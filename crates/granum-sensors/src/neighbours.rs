@@ -31,7 +31,7 @@ impl<'a> Neighbours<'a> {
         let heights: Vector =
             std::array::from_fn(|k| 1.0 / inverse[k].iter().map(|x| x * x).sum::<f64>().sqrt());
         // More bins than grains would be empty.
-        let most = (positions.len() as f64).cbrt().ceil().max(1.0);
+        let most = libm::cbrt(positions.len() as f64).ceil().max(1.0);
         let counts: [i64; 3] =
             std::array::from_fn(|k| (2.0 * heights[k] / reach).floor().clamp(1.0, most) as i64);
         let spans = std::array::from_fn(|k| (reach * counts[k] as f64 / heights[k]).ceil() as i64);

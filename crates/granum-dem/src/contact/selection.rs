@@ -100,7 +100,7 @@ impl ContactModel {
     /// up to `w dt = 2 (sqrt(1 + x^2) - x)`.
     pub fn stable_fraction(&self, contacts: f64) -> f64 {
         let x = self.damping * (5.0 * contacts / 3.0).sqrt();
-        (1.2 / contacts).sqrt() * (x.hypot(1.0) - x)
+        (1.2 / contacts).sqrt() * (libm::hypot(x, 1.0) - x)
     }
 }
 

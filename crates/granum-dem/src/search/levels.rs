@@ -51,7 +51,7 @@ fn levels(cell: &Cell, particles: &[Row8], skin: f64) -> Option<Vec<Level>> {
     let grids = members.into_iter().filter(|grains| !grains.is_empty()).map(|grains| {
         let own: Vec<Row8> = grains.iter().map(|&g| particles[g as usize]).collect();
         let largest = own.iter().fold(0.0f64, |m, row| m.max(row.0[3]));
-        let limit = (own.len() as f64).cbrt().ceil() as usize + 2;
+        let limit = libm::cbrt(own.len() as f64).ceil() as usize + 2;
         let counts = cell.heights().map(|h| ((h / (2.0 * largest + skin)).floor() as usize).min(limit));
         counts.iter().all(|&n| n >= 3).then(|| Level { grid: Grid::new(cell, &own, counts), grains })
     });

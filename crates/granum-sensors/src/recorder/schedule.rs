@@ -93,7 +93,7 @@ impl Schedule {
             Spacing::Every(interval) => interval * state as f64,
             Spacing::Strains(strains) => strains.get(state - 1).copied().unwrap_or(end),
             Spacing::Geometric(first) if state < states => {
-                first * (end / first).powf((state - 1) as f64 / (states - 1) as f64)
+                first * libm::pow(end / first, (state - 1) as f64 / (states - 1) as f64)
             }
             Spacing::Geometric(_) => end,
             Spacing::Equal => end * (state as f64 / states as f64),

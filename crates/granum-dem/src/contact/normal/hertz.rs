@@ -20,7 +20,7 @@ const ROOT_MODULUS: usize = 3;
 
 /// The Hertz contact under a load, N: `a^3 = 3 R* N / 4 E*`.
 pub(super) fn under_load(pair: &PairProperties, load: f64) -> Normal<f64> {
-    let radius = (0.75 * load * pair.effective_radius / pair.effective_modulus).cbrt();
+    let radius = libm::cbrt(0.75 * load * pair.effective_radius / pair.effective_modulus);
     let stiffness = 2.0 * pair.effective_modulus * radius;
     Normal {
         force: load,
