@@ -7,7 +7,7 @@
 
 use std::any::TypeId;
 
-use granum_simd::{Isa, Kernel, Lanes, dispatch_or};
+use granum_simd::{Isa, Kernel, Lanes, dispatch_or, fused};
 
 use super::columns::{
     Batch, Count, One, Sheet, TwoBatches, Width, at, read, read_normal, write, write_normal,
@@ -50,7 +50,10 @@ impl<C: Call> Kernel for Run<'_, '_, C> {
 /// the same bits: formulas over eight plain numbers would be half of the code, and hardly anybody would run them.
 fn run<C: Call>(isa: Isa, count: Count, sheet: &mut Sheet<'_>) {
     match count {
-        Count::One => C::call::<One>(sheet),
+        Count::One => fused(
+            #[inline(always)]
+            || C::call::<One>(sheet),
+        ),
         _ => dispatch_or(isa, Run::<C>(sheet, count, std::marker::PhantomData), |Run(sheet, count, _)| {
             sheet.for_each_batch(count, |sheet| sheet.for_each_contact(C::call::<One>));
         }),
@@ -210,7 +213,10 @@ impl<N: NormalLaw> NormalSlot for N {
         overlap: f64,
         history: &[f64; MAX_NORMAL_HISTORY],
     ) -> f64 {
-        N::stored(constants, overlap, history)
+        fused(
+            #[inline(always)]
+            || N::stored(constants, overlap, history),
+        )
     }
     fn breaking_overlap(&self, constants: &[f64; LAW_CONSTANTS]) -> f64 {
         N::breaking_overlap(constants)
@@ -221,7 +227,10 @@ impl<N: NormalLaw> NormalSlot for N {
         overlap: f64,
         history: &[f64; MAX_NORMAL_HISTORY],
     ) -> Normal<f64> {
-        N::update(constants, overlap, true, &mut { *history }).0
+        fused(
+            #[inline(always)]
+            || N::update(constants, overlap, true, &mut { *history }).0,
+        )
     }
 }
 
@@ -293,7 +302,10 @@ impl<T: TangentialLaw> TangentialSlot for T {
         [T::stiffness(constants, normal), T::step_stiffness(constants, normal)]
     }
     fn energy(&self, constants: &[f64; LAW_CONSTANTS], stiffness: f64, history: &[f64; MAX_HISTORY]) -> f64 {
-        T::energy(constants, stiffness, history)
+        fused(
+            #[inline(always)]
+            || T::energy(constants, stiffness, history),
+        )
     }
 }
 

@@ -171,6 +171,7 @@ impl NormalLaw for Jkr {
     }
 
     /// `N_c d_0 (8/5 x^10 - 8/3 x^7 + 2/3 x^4)`: elastic energy minus the energy of the joined surfaces.
+    #[inline(always)]
     fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64) -> f64 {
         let primitive = |x: f64| {
             let s = x * x * x;

@@ -147,6 +147,7 @@ impl NormalLaw for JkrDmt {
     }
 
     /// Elastic energy minus the energy of the joined surfaces.
+    #[inline(always)]
     fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64) -> f64 {
         let h = (overlap * c[INVERSE_LENGTH]).max(BREAK);
         let elastic = c[FORCE] * primitive(invert(h), c[SHIFT]);

@@ -172,6 +172,7 @@ impl NormalLaw for Luding {
     }
 
     /// Energy stored in the first loading.
+    #[inline(always)]
     fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64) -> f64 {
         let n = Self::evaluate(c, overlap, true);
         if n.touching { 0.5 * n.force * n.force / n.stiffness } else { 0.0 }

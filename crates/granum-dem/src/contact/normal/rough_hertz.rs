@@ -151,6 +151,7 @@ impl NormalLaw for RoughHertz {
     }
 
     /// The integral of the force.
+    #[inline(always)]
     fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64) -> f64 {
         if overlap > 0.0 { c[FORCE] / c[INVERSE_LENGTH] * work(overlap * c[INVERSE_LENGTH]) } else { 0.0 }
     }
