@@ -267,6 +267,7 @@ pub trait NormalLaw: Copy + Send + Sync + 'static {
     /// formation of the contact that [`NormalLaw::losses`] returns.
     fn energy(constants: &[f64; LAW_CONSTANTS], overlap: f64) -> f64;
     /// The same for a contact with memory: the energy stored at its present overlap, J.
+    #[inline(always)]
     fn stored(constants: &[f64; LAW_CONSTANTS], overlap: f64, _history: &[f64; MAX_NORMAL_HISTORY]) -> f64 {
         Self::energy(constants, overlap)
     }
@@ -347,6 +348,7 @@ pub trait TangentialLaw: Copy + Send + Sync + 'static {
         R::zero()
     }
     /// Energy stored by the tangential displacement, J, given [`TangentialLaw::stiffness`]: `T^2 / 2 k` without slip.
+    #[inline(always)]
     fn energy(_constants: &[f64; LAW_CONSTANTS], stiffness: f64, history: &[f64; MAX_HISTORY]) -> f64 {
         let square = history[0] * history[0] + history[1] * history[1];
         if stiffness > 0.0 { 0.5 * square / stiffness } else { 0.0 }

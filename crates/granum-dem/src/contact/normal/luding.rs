@@ -179,6 +179,7 @@ impl NormalLaw for Luding {
     }
 
     /// `N^2 / 2 k_2`.
+    #[inline(always)]
     fn stored(c: &[f64; LAW_CONSTANTS], _overlap: f64, history: &[f64; MAX_NORMAL_HISTORY]) -> f64 {
         let [stiffness, _] = elastic(c, history[BEFORE], history[MOST]);
         0.5 * history[FORCE] * history[FORCE] / stiffness

@@ -313,6 +313,7 @@ impl TangentialLaw for MindlinDeresiewicz {
         excess(&state_of(history), stiffness, c[FRICTION] * history[LOAD])
     }
 
+    #[inline(always)]
     fn energy(c: &[f64; LAW_CONSTANTS], stiffness: f64, history: &[f64; MAX_HISTORY]) -> f64 {
         energy(&state_of(history), 1.0 / stiffness.max(TINY), c[FRICTION] * history[LOAD])
     }

@@ -164,6 +164,7 @@ impl TangentialLaw for Peeling {
     }
 
     /// Once peeled, the energy is that of Mindlin and Deresiewicz with the radius of `N + 2 N_c`.
+    #[inline(always)]
     fn energy(c: &[f64; LAW_CONSTANTS], stiffness: f64, history: &[f64; MAX_HISTORY]) -> f64 {
         let load = history[LOAD];
         if history[STATUS] < 1.5 {
