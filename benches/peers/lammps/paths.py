@@ -15,18 +15,18 @@ import subprocess
 import tempfile
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-RATE = {"inertial_number": "2e-3"}
+RATE = {"inertial_number": "3e-3"}
 # Name in granum, parameters, coordinate and number of its intervals.
 PATHS = {
-    "drained": ("drained-triaxial", {"axial_strain": 0.04, "states": 80}, "axial_strain"),
-    "undrained": ("undrained-triaxial", {"axial_strain": 0.04, "states": 80}, "axial_strain"),
-    "constant-p": ("constant-p", {"deviator_strain": 0.06, "states": 80}, "deviator_strain"),
+    "drained": ("drained-triaxial", {"axial_strain": 0.03, "states": 80}, "axial_strain"),
+    "undrained": ("undrained-triaxial", {"axial_strain": 0.03, "states": 80}, "axial_strain"),
+    "constant-p": ("constant-p", {"deviator_strain": 0.045, "states": 80}, "deviator_strain"),
     "oedometer": (
         "oedometer",
-        {"axial_stress": "200 kPa", "unloading_stress": "50 kPa", "interval": 1e-5, "inertial_number": "2e-4"},
+        {"axial_stress": "200 kPa", "unloading_stress": "50 kPa", "interval": 1e-5, "inertial_number": "3e-4"},
         "axial_stress",
     ),
-    "simple-shear": ("simple-shear-constant-volume", {"shear_strain": 0.06, "states": 80}, "shear_strain_xy"),
+    "simple-shear": ("simple-shear-constant-volume", {"shear_strain": 0.045, "states": 80}, "shear_strain_xy"),
 }
 INTERVALS = 20
 ROLLING = ["--set", "contact.rolling=elastic-plastic", "--set", "contact.rolling_friction=0.1"]
