@@ -4,8 +4,8 @@
     python paths.py --table ../../../data/validation/paths
 
 Without and with rolling resistance; two copies in each program, which differ in the time step and are a measure of the scatter.
-Writes PATH-[rolling-]PROGRAM-COPY.csv: means over equal intervals of the coordinate of the path. `--table` prints the distances of
-these curves. Needs `lmp` with GRANULAR, granum, and nothing but Python. `--only drained` runs one path.
+Writes PATH-[rolling-]PROGRAM-COPY.csv: means over equal intervals of the coordinate of the path but the first, in which stresses rise
+so steeply that the places of the rows decide. `--table` prints the distances of these curves. Needs `lmp` with GRANULAR, granum, and nothing but Python. `--only drained` runs one path.
 """
 import argparse
 import csv
@@ -18,15 +18,15 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 RATE = {"inertial_number": "3e-3"}
 # Name in granum, parameters, coordinate and number of its intervals.
 PATHS = {
-    "drained": ("drained-triaxial", {"axial_strain": 0.03, "states": 80}, "axial_strain"),
-    "undrained": ("undrained-triaxial", {"axial_strain": 0.03, "states": 80}, "axial_strain"),
-    "constant-p": ("constant-p", {"deviator_strain": 0.045, "states": 80}, "deviator_strain"),
+    "drained": ("drained-triaxial", {"axial_strain": 0.02, "states": 80}, "axial_strain"),
+    "undrained": ("undrained-triaxial", {"axial_strain": 0.02, "states": 80}, "axial_strain"),
+    "constant-p": ("constant-p", {"deviator_strain": 0.03, "states": 80}, "deviator_strain"),
     "oedometer": (
         "oedometer",
         {"axial_stress": "200 kPa", "unloading_stress": "50 kPa", "interval": 1e-5, "inertial_number": "3e-4"},
         "axial_stress",
     ),
-    "simple-shear": ("simple-shear-constant-volume", {"shear_strain": 0.045, "states": 80}, "shear_strain_xy"),
+    "simple-shear": ("simple-shear-constant-volume", {"shear_strain": 0.03, "states": 80}, "shear_strain_xy"),
 }
 INTERVALS = 20
 ROLLING = ["--set", "contact.rolling=elastic-plastic", "--set", "contact.rolling_friction=0.1"]
@@ -64,7 +64,7 @@ def reduced(rows, path):
     for stage in stages:
         mine = [row for row in rows if row.get("stage", 1) == stage]
         low, high = interval(path, stage)
-        for k in range(INTERVALS):
+        for k in range(1, INTERVALS):
             at = [low + (high - low) * j / INTERVALS for j in (k, k + 1)]
             inside = [row for row in mine if min(at) < row[coordinate] <= max(at)]
             if inside:
@@ -147,8 +147,8 @@ def main():
     arguments = parser.parse_args()
     if not arguments.table:
         os.makedirs(arguments.folder, exist_ok=True)
-        for rolling in (False, True):
-            for path in arguments.only or PATHS:
+        for path in arguments.only or PATHS:
+            for rolling in (False, True):
                 run(arguments, path, rolling)
     table(arguments.folder)
 

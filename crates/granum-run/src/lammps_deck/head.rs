@@ -61,7 +61,7 @@ pub(super) const COLUMNS: [(&str, &str); 21] = [
 ];
 /// Columns that are taken at the end of a row, since each costs as much as a part of a step.
 pub(super) const AT_END: [(&str, &str); 2] =
-    [("coordination_number", "c_coordination"), ("mechanical_coordination_number", "v_mechanical")];
+    [("coordination_number", "v_coordination"), ("mechanical_coordination_number", "v_mechanical")];
 
 const REMARKS: &str = "\
 # A test of granum for LAMMPS, written by `granum export`. Run it in its folder:
@@ -82,6 +82,20 @@ const REMARKS: &str = "\
 # stiffest contact; spins are not damped while the sample comes to rest. With rolling resistance, the stiffness against rolling is
 # one number for all contacts, and its dashpot counts for the limit. JKR contacts break at the lowest force, in granum at the
 # largest distance. Coordination numbers count spheres that overlap.
+";
+
+/// Counts the contacts at the present step.
+///
+/// They are counted in a `run 0` of their own: LAMMPS keeps the list of neighbours of an occasional compute if it was made at the
+/// step of the last rebuild, so that a list made at the last step of a run would be used, out of date, in the next.
+pub(super) const LOOK: &str = "\
+thermo_style custom step c_coordination v_mechanical c_touching
+thermo_modify lost error norm no
+run 0 post no
+variable coordination equal $(c_coordination)
+variable touching equal $(c_touching)
+thermo_style custom step time v_stage lx ly lz v_p v_q
+thermo_modify lost error norm no
 ";
 
 /// The text.
@@ -133,11 +147,12 @@ pub(super) fn head(of: &Head) -> String {
          variable one atom c_contacts==1\n\
          compute loose all reduce sum v_none v_one\n\
          variable mechanical equal ({n}*c_coordination-c_loose[2])/({n}-c_loose[1]-c_loose[2]+1e-9)\n\
-         # Mean resultant force of the grains over the mean normal force 3 p V / (N_c d) of the contacts.\n\
-         variable net atom sqrt(fx*fx+fy*fy+fz*fz)\n\
          variable touches atom c_contacts>0\n\
-         compute net all reduce sum v_net v_touches\n\
-         variable unbalanced equal c_net[1]/(c_net[2]+1e-9)*{half}*c_coordination/(3*v_p*vol)\n",
+         compute touching all reduce sum v_touches\n\
+         # Mean resultant force of the grains that touch over the mean normal force 3 p V / (N_c d) of the contacts.\n\
+         variable net atom sqrt(fx*fx+fy*fy+fz*fz)\n\
+         compute net all reduce sum v_net\n\
+         variable unbalanced equal c_net/(v_touching+1e-9)*{half}*v_coordination/(3*v_p*vol)\n",
         n = of.grains,
         half = number(0.5 * of.grains as f64 * of.diameter),
     );
@@ -152,8 +167,7 @@ pub(super) fn head(of: &Head) -> String {
              variable g12 equal 0\nvariable g23 equal 0\nvariable time0 equal 0\n\
              timestep $(v_time_step_factor*";
     text += &format!("{})\n", number(of.time_step));
-    text += "thermo_style custom step time v_stage lx ly lz v_p v_q c_coordination v_mechanical\n\
-             thermo_modify lost error norm no\nthermo 1000000\nrun 0\n";
+    text += &format!("thermo 1000000\n{LOOK}");
     let names: Vec<&str> = COLUMNS.iter().chain(&AT_END).map(|(name, _)| *name).collect();
     text + &format!("print \"stage,step,{}\" file ${{out}} screen no\n", names.join(","))
 }

@@ -5,7 +5,7 @@ use granum_dem::servo::{CellControl, Row};
 
 use super::deck_error::DeckError;
 use super::formula::{STRAINS, STRESSES, number, of_measure, sum, term};
-use super::head::{AT_END, COLUMNS};
+use super::head::{AT_END, COLUMNS, LOOK};
 
 /// Time constant of the servo, in time steps, as in granum's stages.
 const RESPONSE: f64 = 6.0;
@@ -141,7 +141,7 @@ pub(super) fn text(at: usize, stage: &Stage, setting: &Setting) -> Result<String
     let from_here = from_here(&cell, setting.tilt);
     text += &start(&cell, stage.control.eases, &from_here);
     text += &format!(
-        "label stage_{at}\ntimestep $(v_step_now)\n{from_here}run ${{every}} post no\nif \"$(v_over) > 0.5\" then \"run 0 post no\"\n{}\
+        "label stage_{at}\ntimestep $(v_step_now)\n{from_here}run ${{every}} post no\n{LOOK}{}\
          if \"$(v_over) <= 0.5\" then \"jump SELF stage_{at}\"\n",
         row(false)
     );
