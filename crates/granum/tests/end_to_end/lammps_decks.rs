@@ -98,7 +98,7 @@ fn lammps_runs_the_decks_of_other_paths() {
                   inertial_number = 3e-3\n";
     let (before, after) = laws.split_once("[shear]").unwrap();
     let after = after.split_once("[recording]").unwrap().1;
-    let sample = format!("{before}[recording]{after}");
+    let sample = format!("{before}[recording]{}", after.replace("states = 8\n", ""));
     std::fs::write(here.join("case.toml"), &sample).unwrap();
     done(here, &["prepare", "case.toml", "--out", "sample"]);
     granum_io::write_packing(
