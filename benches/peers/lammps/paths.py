@@ -108,13 +108,17 @@ def run(arguments, path, rolling):
     print(name, flush=True)
 
 
+def aligned(curves):
+    """The rows that all curves have, in the same order."""
+    coordinate = list(curves[0][0])[1]
+    by_place = [{(row["stage"], round(row[coordinate], 9)): row for row in rows} for rows in curves]
+    places = [place for place in by_place[0] if all(place in rows for rows in by_place)]
+    return [[rows[place] for place in places] for rows in by_place]
+
+
 def distance(one, other, key):
-    """Root mean square of the differences where both curves have a row."""
-    coordinate = list(one[0])[1]
-    place = {(row["stage"], round(row[coordinate], 9)): row[key] for row in other}
-    pairs = [(row[key], place[row["stage"], round(row[coordinate], 9)]) for row in one
-             if (row["stage"], round(row[coordinate], 9)) in place]
-    return math.sqrt(sum((a - b) ** 2 for a, b in pairs) / len(pairs))
+    """Root mean square of the differences."""
+    return math.sqrt(sum((a[key] - b[key]) ** 2 for a, b in zip(one, other)) / len(one))
 
 
 def middle(curves):
@@ -129,7 +133,7 @@ def table(folder):
             files = [os.path.join(folder, f"{name}-{program}-{copy}.csv") for program in COPIES for copy in (1, 2)]
             if not all(os.path.exists(file) for file in files):
                 continue
-            theirs, again, ours, mine = map(rows_of, files)
+            theirs, again, ours, mine = aligned([rows_of(file) for file in files])
             a, b = middle([theirs, again]), middle([ours, mine])
             for key in VALUES:
                 mean = [sum(row[key] for row in rows) / len(rows) for rows in (a, b)]
@@ -142,13 +146,14 @@ def main():
     parser.add_argument("packing", nargs="?", help="packing in granum's CSV")
     parser.add_argument("folder", help="folder of the curves")
     parser.add_argument("--granum", default="granum", help="the program")
-    parser.add_argument("--only", choices=PATHS, action="append")
+    parser.add_argument("--only", choices=PATHS, action="append", help="this path; can be repeated")
+    parser.add_argument("--rolling", choices=("with", "without"), help="only with, or only without resistance to rolling")
     parser.add_argument("--table", action="store_true")
     arguments = parser.parse_args()
     if not arguments.table:
         os.makedirs(arguments.folder, exist_ok=True)
         for path in arguments.only or PATHS:
-            for rolling in (False, True):
+            for rolling in [rolling for word, rolling in (("without", False), ("with", True)) if arguments.rolling in (None, word)]:
                 run(arguments, path, rolling)
     table(arguments.folder)
 

@@ -90,16 +90,22 @@ impl LammpsDeck {
         let controls: Vec<CellControl> =
             stages.iter().map(|stage| stage::checked(stage, modulus)).collect::<Result<_, _>>()?;
         let [radius, mass] = means(&assembly.grains);
+        let stiffening = stiffening(case.contact.normal);
+        let pair = |follows| {
+            pair_lines(sample.properties(), &assembly.materials, [radius, mean_force(&assembly)], follows)
+        };
+        let moments = case.contact.rolling.law().acts();
         let setting = Setting {
             unit_rate: sample.strain_rate(1.0, 1.0),
             modulus,
             drag: mass * SETTLING * case.numerics.time_step_factor / state.time_step(),
             tilt: only_tilt(&stages, &controls)?,
+            laws: if moments && stiffening != Stiffening::None { pair(true)? } else { String::new() },
         };
-        let pair = pair_lines(sample.properties(), &assembly.materials, radius, mean_force(&assembly, &stages))?;
         let cube = |grain: &Grain| grain.radius.powi(3);
         let mut script = head(&Head {
-            pair: &pair,
+            pair: &pair(false)?,
+            moments,
             sheared: setting.tilt.is_some(),
             grains: assembly.grains.len(),
             diameter: 2.0 * radius,
@@ -107,7 +113,7 @@ impl LammpsDeck {
             mean_stress: state.mean_stress(),
             modulus,
             time_step: state.time_step(),
-            stiffening: stiffening(case.contact.normal),
+            stiffening,
         });
         // Stages count from 1, as in granum; what precedes them is stage 0.
         let first = if stages.len() > case.test_stages().len() { 0 } else { 1 };
@@ -233,15 +239,8 @@ fn means(grains: &[Grain]) -> [f64; 2] {
     [sum(|grain| grain.radius), sum(|grain| grain.mass)]
 }
 
-/// Mean normal force of the contacts, N, at the stress of the first stage that comes to rest at one.
-fn mean_force(assembly: &Assembly, stages: &[Stage]) -> f64 {
+/// Mean normal force of the contacts in compression, N.
+fn mean_force(assembly: &Assembly) -> f64 {
     let forces = || assembly.contacts.iter().map(|contact| contact.normal_force).filter(|force| *force > 0.0);
-    let mean = forces().sum::<f64>() / forces().count().max(1) as f64;
-    let state = granum_dem::loading::MacroState::of(assembly);
-    let now = granum_dem::invariants::mean(&state.stress);
-    let held = stages.first().and_then(|stage| match stage.control.components[0] {
-        Drive::Stress(target) => target.value,
-        _ => None,
-    });
-    held.filter(|_| now > 0.0).map_or(mean, |held| mean * held / now)
+    forces().sum::<f64>() / forces().count().max(1) as f64
 }

@@ -8,8 +8,8 @@
 //! | `elastic-plastic` | `rolling sds` |
 //! | `elastic-plastic-twisting` | `rolling sds`, `twisting sds` |
 //!
-//! Granum's rolling stiffness follows the normal stiffness of each contact, LAMMPS's is one number: that of a contact of mean radii
-//! under the mean normal force of the sample. With `pseudo-force x R*` as LAMMPS has it, `k = 9/4 k_n mu_r^2`,
+//! Granum's rolling stiffness follows the normal stiffness of each contact, LAMMPS's is one number for all: that of a contact of mean
+//! radii under the mean normal force of the sample. The script changes it with the mean stress, row by row of its curve. With `pseudo-force x R*` as LAMMPS has it, `k = 9/4 k_n mu_r^2`,
 //! `gamma = 2 zeta_r (I_r k_theta)^(1/2) / R*^2` and `mu = mu_r`.
 
 use granum_dem::config::{ContactModel, NormalKind, RollingKind, TangentialKind};
@@ -20,22 +20,23 @@ use granum_dem::simulation::Properties;
 use super::deck_error::DeckError;
 use super::formula::number;
 
-/// Lines `pair_style` and `pair_coeff` for grains of a mean radius, m, whose contacts carry a mean normal force, N.
+/// Lines `pair_coeff` for grains of a mean radius, m, whose contacts carry a mean normal force, N. With `follows` the resistance to rolling
+/// is that of the present mean stress, by the variable `stiffer`; else that of the sample.
 pub(super) fn pair_lines(
     properties: &Properties,
     names: &[String],
-    radius: f64,
-    force: f64,
+    [radius, force]: [f64; 2],
+    follows: bool,
 ) -> Result<String, DeckError> {
     let contact = &properties.contact;
     check(properties)?;
-    let mut text = String::from("pair_style granular\n");
+    let mut text = String::new();
     let alike = |material: &Material| Some((material.youngs_modulus, material.poissons_ratio));
     if names.is_empty() {
         let material = &properties.material;
         let side = (material, radius);
         let pair = PairProperties::new(side, side, contact.damping);
-        text += &line("* *", contact, &pair, alike(material), force)?;
+        text += &line("* *", contact, &pair, alike(material), force, follows)?;
         return Ok(text);
     }
     for (i, one) in names.iter().enumerate() {
@@ -44,7 +45,7 @@ pub(super) fn pair_lines(
                 .map_err(|error| DeckError::Sample(error.to_string()))?;
             let own = properties.mixture.components.iter().find(|component| component.name == *one);
             let own = own.filter(|_| i == j).and_then(|component| alike(&component.material));
-            text += &line(&format!("{} {}", i + 1, j + 1), contact, &pair, own, force)?;
+            text += &line(&format!("{} {}", i + 1, j + 1), contact, &pair, own, force, follows)?;
         }
     }
     Ok(text)
@@ -101,6 +102,7 @@ fn line(
     pair: &PairProperties,
     material: Option<(f64, f64)>,
     force: f64,
+    follows: bool,
 ) -> Result<String, DeckError> {
     let hooke = contact.normal == NormalKind::HOOKE;
     // Tsuji's dashpot is taken on N/alpha, two thirds of the stiffness of Hertz's law.
@@ -131,22 +133,35 @@ fn line(
     let mut text =
         format!("pair_coeff {types} {normal} tangential {tangential} {} damping tsuji", number(pair.friction));
     if contact.rolling.law().acts() {
-        let [stiffness, _] = contact.stiffness_under(pair, force);
-        let radius = pair.effective_radius;
-        let [friction, damping] = ["rolling_friction", "rolling_damping"].map(|key| value(contact, key));
-        let spring = 2.25 * stiffness * (friction * radius).powi(2);
-        let dashpot = 2.0 * damping * (pair.rolling_inertia * spring).sqrt();
-        let [spring, dashpot] = [spring, dashpot].map(|couple| number(couple / (radius * radius)));
-        text += &format!(" rolling sds {spring} {dashpot} {}", number(friction));
-        if let Some([friction, damping]) = twisting(contact) {
-            let arm = friction * radius;
-            let spring = 2.25 * stiffness * arm * arm;
-            // 1/I_i + 1/I_j of spheres about their centres, where rolling is about the contact.
-            let dashpot = 2.0 * damping * (2.0 / 7.0 * pair.rolling_inertia * spring).sqrt();
-            text += &format!(" twisting sds {} {} {}", number(spring), number(dashpot), number(arm));
-        }
+        text += &moments(contact, pair, force, follows);
     }
     Ok(text + "\n")
+}
+
+/// The words for rolling and twisting.
+fn moments(contact: &ContactModel, pair: &PairProperties, force: f64, follows: bool) -> String {
+    let [stiffness, _] = contact.stiffness_under(pair, force);
+    let radius = pair.effective_radius;
+    let now = |value: f64, factor: &str| match follows {
+        true => format!("$({}*{factor})", number(value)),
+        false => number(value),
+    };
+    let springs = |spring: f64, dashpot: f64| {
+        format!("{} {}", now(spring, "v_stiffer"), now(dashpot, "sqrt(v_stiffer)"))
+    };
+    let [friction, damping] = ["rolling_friction", "rolling_damping"].map(|key| value(contact, key));
+    let spring = 2.25 * stiffness * (friction * radius).powi(2);
+    let dashpot = 2.0 * damping * (pair.rolling_inertia * spring).sqrt();
+    let square = radius * radius;
+    let mut text = format!(" rolling sds {} {}", springs(spring / square, dashpot / square), number(friction));
+    if let Some([friction, damping]) = twisting(contact) {
+        let arm = friction * radius;
+        let spring = 2.25 * stiffness * arm * arm;
+        // 1/I_i + 1/I_j of spheres about their centres, where rolling is about the contact.
+        let dashpot = 2.0 * damping * (2.0 / 7.0 * pair.rolling_inertia * spring).sqrt();
+        text += &format!(" twisting sds {} {}", springs(spring, dashpot), number(arm));
+    }
+    text
 }
 
 /// Tsuji's coefficient of damping, as LAMMPS computes it of a restitution.

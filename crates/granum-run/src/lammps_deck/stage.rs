@@ -28,6 +28,8 @@ pub(super) struct Setting {
     pub(super) drag: f64,
     /// The tilt of the box that changes in some stage.
     pub(super) tilt: Option<Tilt>,
+    /// Laws that change with the mean stress; empty if none do.
+    pub(super) laws: String,
 }
 
 /// Row and column of the entries of the velocity gradient that a box of LAMMPS can follow, with their names.
@@ -141,9 +143,10 @@ pub(super) fn text(at: usize, stage: &Stage, setting: &Setting) -> Result<String
     let from_here = from_here(&cell, setting.tilt);
     text += &start(&cell, stage.control.eases, &from_here);
     text += &format!(
-        "label stage_{at}\ntimestep $(v_step_now)\n{from_here}run ${{every}} post no\n{LOOK}{}\
+        "label stage_{at}\ntimestep $(v_step_now)\n{laws}{from_here}run ${{every}} post no\n{LOOK}{}\
          if \"$(v_over) <= 0.5\" then \"jump SELF stage_{at}\"\n",
-        row(false)
+        row(false),
+        laws = setting.laws,
     );
     text += &format!("print \"stage {at} ended at step $(step:%.0f), axial strain $(v_e11:%.6g), p = $(v_p:%.6g) Pa\"\n");
     text += &end(&cell, &rows, stage);

@@ -119,6 +119,14 @@ fn laws_are_those_of_the_case() {
     let stiffness = 2.0 * 70e9 / (2.0 * 0.91) * (2.5e-5 * 8.5e-9f64).sqrt();
     assert!((values[0] / (2.25 * 0.01 * stiffness) - 1.0).abs() < 1e-2, "{rolling}");
     assert_eq!(values[2], 0.1);
+    // With Hertz's law the stiffness follows the mean stress in every row of the curve; with Hooke's it does not.
+    let case = format!("{LAWS}rolling = 'elastic-plastic'\n");
+    let script = deck(&case).unwrap();
+    assert!(script.matches("*v_stiffer) $(").count() == 2, "one in each stage");
+    // The memory of rolling does not outlive a change of the order of atoms.
+    assert!(script.contains("\natom_modify sort 0 0.0\n") && !deck(LAWS).unwrap().contains("atom_modify"));
+    let case = "[contact]\nnormal = 'hooke'\ntangential = 'no-slip'\nnormal_stiffness = 4e4\nrolling = 'elastic-plastic'\n";
+    assert!(!deck(case).unwrap().contains("*v_stiffer) $("));
     let twisting = laws(&format!("{LAWS}rolling = 'elastic-plastic-twisting'\ntwisting_friction = 0.2\n"));
     // The limit of twisting is a length, mu_t R*.
     let arm: f64 = twisting.rsplit(' ').next().unwrap().parse().unwrap();

@@ -60,7 +60,9 @@ impl DeckFlags {
             };
             (source.clone(), read_packing(packing)?, Confinement::Prepared)
         };
-        let case = self.flags.read_with_path(&file, true, self.path()?.as_ref().map(|(name, with)| (*name, with.as_slice())))?;
+        let parameters = super::run::parameters(&self.with)?;
+        let path = self.path.as_deref().map(|name| (name, parameters.as_slice()));
+        let case = self.flags.read_with_path(&file, true, path)?;
         let deck = LammpsDeck::new(&case, &packing, confinement)?;
         deck.write(folder, context.force)?;
         let (grains, shown) = (deck.grains(), folder.display());
@@ -69,10 +71,6 @@ impl DeckFlags {
         })
     }
 
-    fn path(&self) -> Result<Option<(&str, Vec<(&str, &str)>)>, Failure> {
-        let Some(name) = &self.path else { return Ok(None) };
-        Ok(Some((name, super::run::parameters(&self.with)?)))
-    }
 }
 
 /// The sample of a run as its test began.
