@@ -156,7 +156,8 @@ fn density(case: &Case, stages: &[Stage]) -> Result<f64, DeckError> {
     if !case.has_stages() {
         return Ok(density_scaling(&case.shear.rate));
     }
-    let mut factors = stages.iter().filter(|stage| !stage.settling && !stage.is_mark()).map(|stage| stage.density_scaling);
+    let mut factors =
+        stages.iter().filter(|stage| !stage.settling && !stage.is_mark()).map(|stage| stage.density_scaling);
     let first = factors.next().unwrap_or(1.0);
     match factors.find(|factor| *factor != first) {
         None => Ok(first),

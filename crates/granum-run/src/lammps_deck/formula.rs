@@ -70,8 +70,11 @@ mod tests {
 
     #[test]
     fn what_a_box_of_lammps_cannot_show_is_no_measure() {
-        let unknown: Vec<&str> =
-            Measure::ALL.iter().filter(|(_, _, m)| of_measure(*m).is_none()).map(|(name, ..)| *name).collect();
+        let unknown: Vec<&str> = Measure::ALL
+            .iter()
+            .filter(|(_, _, m)| of_measure(*m).is_none())
+            .map(|(name, ..)| *name)
+            .collect();
         assert_eq!(unknown, ["arc_length", "zx_strain"]);
     }
 }

@@ -184,7 +184,9 @@ pub(super) fn head(of: &Head) -> String {
 fn stiffness(of: &Head) -> String {
     let share = |least: f64| {
         let (p, least) = (number(of.mean_stress), number(least));
-        format!("variable share_of_p equal v_p/{p}\nvariable stiffer equal ((v_share_of_p>{least})*v_share_of_p+(v_share_of_p<={least})*{least})^(1/3)\n")
+        format!(
+            "variable share_of_p equal v_p/{p}\nvariable stiffer equal ((v_share_of_p>{least})*v_share_of_p+(v_share_of_p<={least})*{least})^(1/3)\n"
+        )
     };
     match of.stiffening {
         Stiffening::None => "variable stiffer equal 1\n".into(),

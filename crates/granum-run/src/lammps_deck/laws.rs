@@ -53,10 +53,15 @@ pub(super) fn pair_lines(
 
 fn check(properties: &Properties) -> Result<(), DeckError> {
     let contact = &properties.contact;
-    let refuse =
-        |key, value: &str, why: &str| Err(DeckError::Setting { key, value: format!("{value:?}"), why: why.into() });
+    let refuse = |key, value: &str, why: &str| {
+        Err(DeckError::Setting { key, value: format!("{value:?}"), why: why.into() })
+    };
     if ![NormalKind::HERTZ, NormalKind::HOOKE, NormalKind::JKR].contains(&contact.normal) {
-        return refuse("contact.normal", contact.normal.name(), "of its normal laws hertz, hooke and jkr can be");
+        return refuse(
+            "contact.normal",
+            contact.normal.name(),
+            "of its normal laws hertz, hooke and jkr can be",
+        );
     }
     if contact.tangential != TangentialKind::NO_SLIP {
         return refuse("contact.tangential", contact.tangential.name(), "it has no such law; no-slip can be");
@@ -64,7 +69,10 @@ fn check(properties: &Properties) -> Result<(), DeckError> {
     if contact.adhesion.law().acts() {
         return refuse("contact.adhesion", contact.adhesion.name(), "nothing but none can be");
     }
-    if contact.rolling.law().acts() && twisting(contact).is_none() && contact.rolling != RollingKind::ELASTIC_PLASTIC {
+    if contact.rolling.law().acts()
+        && twisting(contact).is_none()
+        && contact.rolling != RollingKind::ELASTIC_PLASTIC
+    {
         let why = "none, elastic-plastic and elastic-plastic-twisting can be";
         return refuse("contact.rolling", contact.rolling.name(), why);
     }
@@ -81,7 +89,8 @@ fn check(properties: &Properties) -> Result<(), DeckError> {
 /// Coefficient and damping of twisting, where the law has them.
 fn twisting(contact: &ContactModel) -> Option<[f64; 2]> {
     let law = contact.rolling.law().description();
-    (law.name == "elastic-plastic-twisting").then(|| [value(contact, "twisting_friction"), value(contact, "twisting_damping")])
+    (law.name == "elastic-plastic-twisting")
+        .then(|| [value(contact, "twisting_friction"), value(contact, "twisting_damping")])
 }
 
 /// The value of a parameter of one of the laws.
@@ -109,7 +118,9 @@ fn line(
     let coefficient = if hooke { 2.0 } else { 6f64.sqrt() } * contact.damping;
     let Some(restitution) = restitution(coefficient) else {
         let most = tsuji(0.0) * contact.damping / coefficient;
-        let why = format!("its dashpots cannot be stronger than {most:.3} of critical damping with this normal law");
+        let why = format!(
+            "its dashpots cannot be stronger than {most:.3} of critical damping with this normal law"
+        );
         return Err(DeckError::Setting { key: "contact.damping", value: number(contact.damping), why });
     };
     let (modulus, ratio) = material.unwrap_or((2.0 * pair.effective_modulus, 0.0));
@@ -130,8 +141,10 @@ fn line(
         };
         (normal, tangential)
     };
-    let mut text =
-        format!("pair_coeff {types} {normal} tangential {tangential} {} damping tsuji", number(pair.friction));
+    let mut text = format!(
+        "pair_coeff {types} {normal} tangential {tangential} {} damping tsuji",
+        number(pair.friction)
+    );
     if contact.rolling.law().acts() {
         text += &moments(contact, pair, force, follows);
     }
@@ -153,7 +166,8 @@ fn moments(contact: &ContactModel, pair: &PairProperties, force: f64, follows: b
     let spring = 2.25 * stiffness * (friction * radius).powi(2);
     let dashpot = 2.0 * damping * (pair.rolling_inertia * spring).sqrt();
     let square = radius * radius;
-    let mut text = format!(" rolling sds {} {}", springs(spring / square, dashpot / square), number(friction));
+    let mut text =
+        format!(" rolling sds {} {}", springs(spring / square, dashpot / square), number(friction));
     if let Some([friction, damping]) = twisting(contact) {
         let arm = friction * radius;
         let spring = 2.25 * stiffness * arm * arm;

@@ -33,7 +33,8 @@ pub(super) struct Setting {
 }
 
 /// Row and column of the entries of the velocity gradient that a box of LAMMPS can follow, with their names.
-const ENTRIES: [(usize, usize, &str); 5] = [(0, 0, "11"), (1, 1, "22"), (2, 2, "33"), (0, 1, "12"), (1, 2, "23")];
+const ENTRIES: [(usize, usize, &str); 5] =
+    [(0, 0, "11"), (1, 1, "22"), (2, 2, "33"), (0, 1, "12"), (1, 2, "23")];
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// A tilt of the box that simple shear changes.
@@ -100,7 +101,9 @@ pub(super) fn checked(stage: &Stage, modulus: f64) -> Result<CellControl, DeckEr
                 "it shears the cell without rotation, but a box of LAMMPS can be sheared only as in simple shear, in xy and yz \
                  (shear_kinematics = \"simple\")"
             }
-            Kinematics::SimpleShear => "it shears the cell in zx, but a box of LAMMPS can be sheared only in xy and yz",
+            Kinematics::SimpleShear => {
+                "it shears the cell in zx, but a box of LAMMPS can be sheared only in xy and yz"
+            }
         };
         return Err(refuse(why));
     }
@@ -114,7 +117,9 @@ pub(super) fn checked(stage: &Stage, modulus: f64) -> Result<CellControl, DeckEr
             _ => false,
         };
         if !known {
-            let why = format!("its end condition ({until}) is not one of a strain, a stress, a time, rest or a pore pressure ratio");
+            let why = format!(
+                "its end condition ({until}) is not one of a strain, a stress, a time, rest or a pore pressure ratio"
+            );
             return Err(refuse(&why));
         }
     }
@@ -125,7 +130,9 @@ pub(super) fn checked(stage: &Stage, modulus: f64) -> Result<CellControl, DeckEr
 pub(super) fn text(at: usize, stage: &Stage, setting: &Setting) -> Result<String, DeckError> {
     let cell = checked(stage, setting.modulus)?;
     let name: String = stage.name.chars().filter(|c| !c.is_control() && !"\"$&".contains(*c)).collect();
-    let mut text = format!("\n# ---- Stage {at}: {name} ----\n\nprint \"stage {at}: {name}\"\nvariable stage equal {at}\n");
+    let mut text = format!(
+        "\n# ---- Stage {at}: {name} ----\n\nprint \"stage {at}: {name}\"\nvariable stage equal {at}\n"
+    );
     if stage.resets {
         text += "variable x0 equal $(lx)\nvariable y0 equal $(ly)\nvariable z0 equal $(lz)\nvariable time0 equal $(time)\n\
                  variable g12 equal 0\nvariable g23 equal 0\n";
@@ -148,7 +155,9 @@ pub(super) fn text(at: usize, stage: &Stage, setting: &Setting) -> Result<String
         row(false),
         laws = setting.laws,
     );
-    text += &format!("print \"stage {at} ended at step $(step:%.0f), axial strain $(v_e11:%.6g), p = $(v_p:%.6g) Pa\"\n");
+    text += &format!(
+        "print \"stage {at} ended at step $(step:%.0f), axial strain $(v_e11:%.6g), p = $(v_p:%.6g) Pa\"\n"
+    );
     text += &end(&cell, &rows, stage);
     Ok(text)
 }
@@ -183,7 +192,10 @@ fn servo(rows: &[Row], limit: f64) -> String {
         let n = k + 1;
         let stresses = row.stress.iter().map(|weight| weight / row.divisor).zip(STRESSES);
         let strains = row.strain.iter().copied().zip(STRAINS);
-        text += &format!("\n# Controlled stress {n}.\nvariable value{n} equal {}\n", sum(stresses.chain(strains)));
+        text += &format!(
+            "\n# Controlled stress {n}.\nvariable value{n} equal {}\n",
+            sum(stresses.chain(strains))
+        );
         let target = if row.target.is_nan() { format!("$(v_value{n})") } else { number(row.target) };
         let stiffness = format!("({}*v_modulus)", number(row.stiffness));
         let aim = sum([(1.0, format!("v_target{n}").as_str()), (row.target_rate, "v_progress")]);

@@ -51,7 +51,8 @@ fn every_path_that_lammps_can_follow_is_written_without_minus_zero() {
     ];
     for path in paths {
         let script = stage(path).unwrap_or_else(|error| panic!("{path}: {error}"));
-        let mut zeros = script.match_indices("-0.0").map(|(at, zero)| script[at + zero.len()..].chars().next());
+        let mut zeros =
+            script.match_indices("-0.0").map(|(at, zero)| script[at + zero.len()..].chars().next());
         assert!(zeros.all(|next| next.is_some_and(|c| c.is_ascii_digit())), "{path}: minus zero in {script}");
         assert!(!script.contains("NaN") && !script.contains("inf"), "{path}");
         assert!(!script.contains("erate") && !script.contains("press/"), "{path}");
@@ -72,10 +73,15 @@ fn the_servo_is_that_of_the_stage() {
     let script = stage("path = 'drained-triaxial'\naxial_strain = 0.05\n").unwrap();
     // The axial rate is prescribed, each lateral stress is held at what it is by its own axis.
     let l11 = script.rfind("variable l11 equal -v_share*v_speed\n").unwrap();
-    assert!(script[l11..].contains("variable l22 equal -v_out1\nvariable l33 equal -v_out2\nvariable l12 equal 0\n"));
+    assert!(
+        script[l11..]
+            .contains("variable l22 equal -v_out1\nvariable l33 equal -v_out2\nvariable l12 equal 0\n")
+    );
     assert!(script.contains("variable target1 equal $(v_value1)\n"));
     assert!(script.contains("variable sense0 equal $(1-2*(0.05<v_e11))\n"));
-    assert!(script.contains("fix cell all deform 1 x variable v_change_x v_rate_x y variable v_change_y v_rate_y z variable"));
+    assert!(script.contains(
+        "fix cell all deform 1 x variable v_change_x v_rate_x y variable v_change_y v_rate_y z variable"
+    ));
     // A sample without tangential forces comes to rest before the test, which is stage 1.
     assert!(script.contains("print \"stage 0: rest\"") && script.contains("print \"stage 1: shear\""));
     // With a consolidation of its own it does not come to rest twice.
@@ -106,15 +112,29 @@ fn laws_are_those_of_the_case() {
     assert!((number(10) / 0.907_485_212_973_03 - 1.0).abs() < 1e-12, "{hertz}");
     assert_eq!(words[11..], ["0.3", "damping", "tsuji"]);
 
-    let hooke = laws("[contact]\nnormal = 'hooke'\ntangential = 'no-slip'\nnormal_stiffness = 4e4\ntangential_stiffness_ratio = 0.25\n");
-    assert!(hooke.contains("hooke 40000.0 ") && hooke.contains(" linear_history 10000.0 0.5 0.3 "), "{hooke}");
+    let hooke = laws(
+        "[contact]\nnormal = 'hooke'\ntangential = 'no-slip'\nnormal_stiffness = 4e4\ntangential_stiffness_ratio = 0.25\n",
+    );
+    assert!(
+        hooke.contains("hooke 40000.0 ") && hooke.contains(" linear_history 10000.0 0.5 0.3 "),
+        "{hooke}"
+    );
 
-    let jkr = laws("[contact]\nnormal = 'jkr'\ntangential = 'no-slip'\n[grains.material]\ninterface_energy = 0.05\n[preparation]\nmean_stress = '5 kPa'\n");
+    let jkr = laws(
+        "[contact]\nnormal = 'jkr'\ntangential = 'no-slip'\n[grains.material]\ninterface_energy = 0.05\n[preparation]\nmean_stress = '5 kPa'\n",
+    );
     assert!(jkr.contains(" jkr 70000000000.0 ") && jkr.contains(" 0.3 0.025 tangential"), "{jkr}");
 
-    let rolling = laws(&format!("{LAWS}rolling = 'elastic-plastic'\nrolling_friction = 0.1\nrolling_damping = 0.3\n"));
-    let values: Vec<f64> =
-        rolling.split(" rolling sds ").nth(1).unwrap().trim().split(' ').map(|word| word.parse().unwrap()).collect();
+    let rolling =
+        laws(&format!("{LAWS}rolling = 'elastic-plastic'\nrolling_friction = 0.1\nrolling_damping = 0.3\n"));
+    let values: Vec<f64> = rolling
+        .split(" rolling sds ")
+        .nth(1)
+        .unwrap()
+        .trim()
+        .split(' ')
+        .map(|word| word.parse().unwrap())
+        .collect();
     // Contacts of the lattice: alpha = 8.5e-9 m, k_n = 2 E* (R* alpha)^(1/2), k = 9/4 k_n mu_r^2.
     let stiffness = 2.0 * 70e9 / (2.0 * 0.91) * (2.5e-5 * 8.5e-9f64).sqrt();
     assert!((values[0] / (2.25 * 0.01 * stiffness) - 1.0).abs() < 1e-2, "{rolling}");
@@ -136,10 +156,16 @@ fn laws_are_those_of_the_case() {
 #[test]
 fn what_lammps_has_not_is_refused_by_name() {
     let refused = [
-        ("[contact]\nnormal = 'hertz'\n", "contact.tangential = \"mindlin-deresiewicz\" cannot be written for LAMMPS"),
+        (
+            "[contact]\nnormal = 'hertz'\n",
+            "contact.tangential = \"mindlin-deresiewicz\" cannot be written for LAMMPS",
+        ),
         ("[contact]\nnormal = 'dmt'\ntangential = 'no-slip'\n", "contact.normal = \"dmt\""),
         ("[contact]\nnormal = 'hertz'\ntangential = 'no-slip'\ndamping = 0.6\n", "contact.damping = 0.6"),
-        ("[contact]\nnormal = 'hertz'\ntangential = 'no-slip'\nadhesion = 'van-der-waals'\n", "contact.adhesion"),
+        (
+            "[contact]\nnormal = 'hertz'\ntangential = 'no-slip'\nadhesion = 'van-der-waals'\n",
+            "contact.adhesion",
+        ),
     ];
     for (case, message) in refused {
         let error = deck(case).unwrap_err();

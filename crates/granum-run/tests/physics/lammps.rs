@@ -70,7 +70,8 @@ fn the_start_of_the_curves_is_that_of_lammps() {
 /// Mean of a column over the rows of a table whose axial strain is in a range.
 fn mean(table: &Table, column: &str, range: std::ops::Range<f64>) -> f64 {
     let values = table.column("axial_strain").unwrap().iter().zip(table.column(column).unwrap());
-    let inside: Vec<f64> = values.filter(|(strain, _)| range.contains(strain)).map(|(_, value)| *value).collect();
+    let inside: Vec<f64> =
+        values.filter(|(strain, _)| range.contains(strain)).map(|(_, value)| *value).collect();
     inside.iter().sum::<f64>() / inside.len() as f64
 }
 
@@ -87,8 +88,11 @@ fn the_start_of_undrained_paths_is_that_of_lammps() {
         case.preparation.unbalanced_force = 5e-3;
         let source = Source::Packing(data("packing-5000.csv"));
         let test = Laboratory::here().test_of(&case, &source, &mut NoObserver).unwrap();
-        let copies = [1, 2].map(|copy| read_table(data(&format!("validation/paths/{name}-lammps-{copy}.csv"))).unwrap());
-        for (column, relative) in [("von_mises_ratio", 0.02), ("mean_stress", 0.08), ("coordination_number", 0.01)] {
+        let copies = [1, 2]
+            .map(|copy| read_table(data(&format!("validation/paths/{name}-lammps-{copy}.csv"))).unwrap());
+        for (column, relative) in
+            [("von_mises_ratio", 0.02), ("mean_stress", 0.08), ("coordination_number", 0.01)]
+        {
             for k in 1..4 {
                 // The rows of the stored curves are means over 0.001 of strain.
                 let range = 0.001 * f64::from(k)..0.001 * f64::from(k + 1);

@@ -32,9 +32,15 @@ pub struct DeckFlags {
 impl DeckFlags {
     /// Checks that none of these flags is given to an export of data.
     pub fn check_unused(&self) -> Result<(), Failure> {
-        let given = [("--packing", self.packing.is_some()), ("--path", self.path.is_some()), ("--set", self.flags.is_given())];
+        let given = [
+            ("--packing", self.packing.is_some()),
+            ("--path", self.path.is_some()),
+            ("--set", self.flags.is_given()),
+        ];
         match given.into_iter().find(|(_, given)| *given) {
-            Some((flag, _)) => Err(Failure::new(format!("{flag} belongs to --to lammps: other exports take no case"))),
+            Some((flag, _)) => {
+                Err(Failure::new(format!("{flag} belongs to --to lammps: other exports take no case")))
+            }
             None => Ok(()),
         }
     }
@@ -70,7 +76,6 @@ impl DeckFlags {
             format!("wrote a deck of {grains} grains to {shown}; run it there with `lmp -in {SCRIPT}`")
         })
     }
-
 }
 
 /// The sample of a run as its test began.

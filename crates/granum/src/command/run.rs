@@ -49,7 +49,9 @@ impl Run {
 /// Keys and values of `--with`.
 pub fn parameters(with: &[String]) -> Result<Vec<(&str, &str)>, Failure> {
     let needed = |text: &String| {
-        Failure::new(format!("--with {text:?}: a parameter and its value are needed, e.g. --with axial_strain=0.1"))
+        Failure::new(format!(
+            "--with {text:?}: a parameter and its value are needed, e.g. --with axial_strain=0.1"
+        ))
     };
     let pair = |text| str::split_once(text, '=').map(|(key, value)| (key.trim(), value.trim()));
     with.iter().map(|text| pair(text.as_str()).ok_or_else(|| needed(text))).collect()

@@ -10,7 +10,8 @@ use crate::{SMALL, done, refused};
 
 /// The small case with laws that LAMMPS has.
 fn case() -> String {
-    let laws = "[grains.material]\ninterface_energy = 0\n[contact]\nnormal = \"hertz\"\ntangential = \"no-slip\"\n";
+    let laws =
+        "[grains.material]\ninterface_energy = 0\n[contact]\nnormal = \"hertz\"\ntangential = \"no-slip\"\n";
     format!("{SMALL}{laws}")
 }
 
@@ -54,7 +55,8 @@ fn lammps_runs_the_deck_of_a_sample_and_finds_the_curve_of_granum() {
     let told = done(here, &[&["export", "sample", "--to", "lammps", "--out", "deck"], &TEST[..]].concat());
     assert!(told.contains("a deck of 150 grains") && told.contains("lmp -in in.granum"), "{told}");
     // A second deck does not replace the first.
-    let error = refused(here, 1, &[&["export", "sample", "--to", "lammps", "--out", "deck"], &TEST[..]].concat());
+    let error =
+        refused(here, 1, &[&["export", "sample", "--to", "lammps", "--out", "deck"], &TEST[..]].concat());
     assert!(error.contains("--force"), "{error}");
     if !executed(&here.join("deck")) {
         return;
@@ -64,9 +66,12 @@ fn lammps_runs_the_deck_of_a_sample_and_finds_the_curve_of_granum() {
     let theirs = read_table(here.join("deck/curve.csv")).unwrap();
     let ours = read_table(here.join("series.csv")).unwrap();
     // (column, tolerance): several times what two copies of either program with other time steps differ by.
-    for (column, tolerance) in
-        [("von_mises_ratio", 0.05), ("solid_fraction", 1.5e-3), ("coordination_number", 0.2), ("mean_stress", 500.0)]
-    {
+    for (column, tolerance) in [
+        ("von_mises_ratio", 0.05),
+        ("solid_fraction", 1.5e-3),
+        ("coordination_number", 0.2),
+        ("mean_stress", 500.0),
+    ] {
         let [a, b] = [&theirs, &ours].map(|table| mean(table, column, 0.005..0.02));
         println!("{column}: LAMMPS {a}, granum {b}");
         assert!((a - b).abs() < tolerance, "{column}: LAMMPS {a}, granum {b}");
@@ -91,7 +96,10 @@ fn lammps_runs_the_deck_of_a_sample_and_finds_the_curve_of_granum() {
 fn lammps_runs_the_decks_of_other_paths() {
     let base = tempfile::tempdir().unwrap();
     let here = base.path();
-    let laws = case().replace("tangential = \"no-slip\"", "tangential = \"no-slip\"\nrolling = \"elastic-plastic-twisting\"");
+    let laws = case().replace(
+        "tangential = \"no-slip\"",
+        "tangential = \"no-slip\"\nrolling = \"elastic-plastic-twisting\"",
+    );
     let stages = "[[stage]]\npath = 'isotropic'\nmean_stress = '25 kPa'\n[[stage]]\npath = 'oedometer'\naxial_stress = '60 kPa'\n\
                   unloading_stress = '40 kPa'\ninertial_number = 1e-3\n[[stage]]\npath = 'undrained-triaxial'\n\
                   axial_strain = -0.004\ninertial_number = 3e-3\n[[stage]]\npath = 'simple-shear-constant-volume'\nshear_strain = 0.01\n\
@@ -103,7 +111,9 @@ fn lammps_runs_the_decks_of_other_paths() {
     done(here, &["prepare", "case.toml", "--out", "sample"]);
     granum_io::write_packing(
         here.join("packing.csv"),
-        &granum_io::Packing::from_assembly(&granum_io::Run::at(here.join("sample")).unwrap().snapshot("start").unwrap()),
+        &granum_io::Packing::from_assembly(
+            &granum_io::Run::at(here.join("sample")).unwrap().snapshot("start").unwrap(),
+        ),
     )
     .unwrap();
     std::fs::write(here.join("stages.toml"), format!("{sample}{stages}")).unwrap();
@@ -119,7 +129,11 @@ fn lammps_runs_the_decks_of_other_paths() {
     assert!((p[last(1.0)] / 25e3 - 1.0).abs() < 5e-3, "{}", p[last(1.0)]);
     let axial_stress = curve.column("stress_11").unwrap();
     assert!(axial_stress[last(2.0)] > 50e3 && axial_stress[last(3.0)] < axial_stress[last(2.0)]);
-    assert!((axial[last(4.0)] + 0.004).abs() < 2e-4 && volume[last(4.0)].abs() < 1e-6, "{}", axial[last(4.0)]);
+    assert!(
+        (axial[last(4.0)] + 0.004).abs() < 2e-4 && volume[last(4.0)].abs() < 1e-6,
+        "{}",
+        axial[last(4.0)]
+    );
     assert!((shear[last(5.0)] - 0.01).abs() < 5e-4 && axial[last(5.0)].abs() < 1e-9, "{}", shear[last(5.0)]);
     // Grains move along -x with y, which is positive shear with compression positive, and a positive shear stress resists it.
     assert!(curve.column("stress_12").unwrap()[last(5.0)] > 1e3);
@@ -137,9 +151,14 @@ fn what_no_deck_can_be_is_said() {
     assert!(error.contains("--path belongs to --to lammps"), "{error}");
     done(here, &["prepare", "case.toml", "--out", "sample"]);
     let law = ["--set", "contact.tangential=mindlin-deresiewicz"];
-    let error = refused(here, 1, &[&["export", "sample", "--to", "lammps", "--out", "deck"], &law[..]].concat());
-    assert!(error.contains("contact.tangential = \"mindlin-deresiewicz\" cannot be written for LAMMPS"), "{error}");
-    let error = refused(here, 1, &["export", "sample", "--to", "lammps", "--out", "deck", "--path", "cyclic"]);
+    let error =
+        refused(here, 1, &[&["export", "sample", "--to", "lammps", "--out", "deck"], &law[..]].concat());
+    assert!(
+        error.contains("contact.tangential = \"mindlin-deresiewicz\" cannot be written for LAMMPS"),
+        "{error}"
+    );
+    let error =
+        refused(here, 1, &["export", "sample", "--to", "lammps", "--out", "deck", "--path", "cyclic"]);
     assert!(error.contains("it turns round"), "{error}");
     assert!(!here.join("deck").exists(), "nothing is written for a case that is refused");
 }
