@@ -50,7 +50,8 @@ pub enum Confinement {
 /// use granum_run::lammps_deck::{Confinement, LammpsDeck};
 ///
 /// let case = Case::parse(
-///     "[contact]\nnormal = 'hertz'\ntangential = 'no-slip'\n[[stage]]\npath = 'drained-triaxial'\n",
+///     "[contact]\nnormal = 'hertz'\ntangential = 'no-slip'\n[preparation]\nmean_stress = '5 kPa'\n\
+///      [[stage]]\npath = 'drained-triaxial'\n",
 ///     "case.toml",
 /// )?;
 /// // Two grains on a lattice, which touch each other across the faces of the cell.
