@@ -71,8 +71,9 @@ const REMARKS: &str = "\
 #   lmp -in in.granum                               # writes curve.csv
 #   lmp -in in.granum -var time_step_factor 0.85 -var out again.csv
 #
-# Needs LAMMPS of 29 Sep 2021 or later with the package GRANULAR. SI units; compression is positive in stresses and strains, which
-# are logarithmic; shear strains are angles.
+# Needs LAMMPS with the package GRANULAR. It was tried with that of 29 Sep 2021 (update 2); in the newest versions `damping tsuji` has a
+# factor of the root of two, so that dashpots are stronger by it, and does not go with jkr. SI units; compression is positive in
+# stresses and strains, which are logarithmic; shear strains are angles.
 #
 # The servo is granum's, written in variables: each controlled stress is driven by
 # rate = (error + integral(error dt) / 6 tau) / (a K tau), tau = 6 steps, with the bulk modulus K of the sample, which grows with the
