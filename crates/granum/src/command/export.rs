@@ -57,6 +57,11 @@ pub struct Export {
 impl Export {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         if self.to.as_deref() == Some("lammps") {
+            if self.snapshot.is_some() {
+                return Err(Failure::new(
+                    "--snapshot does not go with --to lammps: a deck begins where the test began",
+                ));
+            }
             return self.deck.write(context, &self.data, &self.output);
         }
         self.deck.check_unused()?;
