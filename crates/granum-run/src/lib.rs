@@ -7,6 +7,7 @@
 
 pub mod engine;
 pub mod laboratory;
+pub mod lammps_deck;
 pub mod record;
 pub mod stiffness;
 

@@ -337,6 +337,27 @@ impl Control {
         Ok(control)
     }
 
+    /// The control of the cell for a speed of one, for a program that solves for the strain rates itself: base strain rates and
+    /// the bound on those of the servo are multiples of the speed. `modulus`, Pa, is the bulk modulus that constraints of strains
+    /// and stresses are weighed with. The target of a stress that is held at what it is at the start of the stage is NaN.
+    ///
+    /// ```
+    /// use granum_dem::loading::{Control, Drive, Speed, Target};
+    ///
+    /// let (held, fixed) = (Drive::Stress(Target::current()), Drive::Fixed);
+    /// let control = Control::of(Speed::StrainRate(5.0), [Drive::Rate(1.0), held, fixed, fixed, fixed, fixed]);
+    /// let cell = control.per_speed(1e8)?;
+    /// assert_eq!(cell.rate[0][0], 1.0);
+    /// assert!(cell.rows().all(|row| row.target.is_nan() && row.stress[1] == 1.0));
+    /// # Ok::<(), granum_dem::loading::ControlError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ControlError`] if the equations do not determine the strain rates.
+    pub fn per_speed(&self, modulus: f64) -> Result<servo::CellControl, ControlError> {
+        self.solve(1.0, &[[f64::NAN; 3]; 3], &[[0.0; 3]; 3], modulus, None)
+    }
+
     fn solve(
         &self,
         rate: f64,

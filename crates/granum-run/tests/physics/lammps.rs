@@ -1,12 +1,13 @@
-//! The first percent of strain of the test that `data/validation/lammps.csv` contains in full.
+//! The start of the tests that `data/validation` contains in full.
 
 use std::path::{Path, PathBuf};
 
 use granum_dem::config::{Grains, Preparation, Recording};
 use granum_dem::preparation::{Flow, Progress, SampleSpecification, settle};
 use granum_dem::simulation::{Hardware, Simulation};
-use granum_io::read_table;
+use granum_io::{Case, Table, read_table};
 use granum_run::laboratory::{cell, spheres};
+use granum_run::{Laboratory, NoObserver, Source};
 use granum_sensors::{Recorder, Sensors};
 
 use super::sample::{compress, properties};
@@ -62,6 +63,44 @@ fn the_start_of_the_curves_is_that_of_lammps() {
         for (k, limit) in limits.into_iter().enumerate() {
             println!("{column} {k}: {:.5} {:.5}", ours[k], theirs[k]);
             assert!((ours[k] - theirs[k]).abs() < limit, "{column}, state {k}: {} {}", ours[k], theirs[k]);
+        }
+    }
+}
+
+/// Mean of a column over the rows of a table whose axial strain is in a range.
+fn mean(table: &Table, column: &str, range: std::ops::Range<f64>) -> f64 {
+    let values = table.column("axial_strain").unwrap().iter().zip(table.column(column).unwrap());
+    let inside: Vec<f64> =
+        values.filter(|(strain, _)| range.contains(strain)).map(|(_, value)| *value).collect();
+    inside.iter().sum::<f64>() / inside.len() as f64
+}
+
+/// 0.4 % of axial strain at constant volume, in which p rises severalfold, with and without resistance to rolling, against LAMMPS with the
+/// deck of the same case.
+#[test]
+fn the_start_of_undrained_paths_is_that_of_lammps() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../benches/peers/lammps/sand.toml");
+    let path = [("axial_strain", "0.004"), ("states", "32"), ("inertial_number", "3e-3")];
+    let case = Case::read(file).unwrap().with_path("undrained-triaxial", &path).unwrap();
+    for (name, rolling) in [("undrained", "none"), ("undrained-rolling", "elastic-plastic")] {
+        let mut case = case.clone();
+        case.set("contact.rolling", rolling).unwrap();
+        case.preparation.unbalanced_force = 5e-3;
+        let source = Source::Packing(data("packing-5000.csv"));
+        let test = Laboratory::here().test_of(&case, &source, &mut NoObserver).unwrap();
+        let copies = [1, 2]
+            .map(|copy| read_table(data(&format!("validation/paths/{name}-lammps-{copy}.csv"))).unwrap());
+        for (column, relative) in
+            [("von_mises_ratio", 0.02), ("mean_stress", 0.08), ("coordination_number", 0.01)]
+        {
+            for k in 1..4 {
+                // The rows of the stored curves are means over 0.001 of strain.
+                let range = 0.001 * f64::from(k)..0.001 * f64::from(k + 1);
+                let ours = mean(&test.record.series, column, range.clone());
+                let theirs = 0.5 * copies.iter().map(|copy| mean(copy, column, range.clone())).sum::<f64>();
+                println!("{name} {column} {range:?}: granum {ours:.5}, LAMMPS {theirs:.5}");
+                assert!((ours / theirs - 1.0).abs() < relative, "{name} {column} {range:?}: {ours} {theirs}");
+            }
         }
     }
 }

@@ -79,6 +79,11 @@ impl SetFlags {
 }
 
 impl CaseFlags {
+    /// True if a key or the seed is given.
+    pub fn is_given(&self) -> bool {
+        self.seed.is_some() || !self.set.set.is_empty()
+    }
+
     /// Reads a case file and applies the flags. With `packing`, flags that have no effect on a run from a packing are
     /// refused.
     pub fn read(&self, path: &Path, packing: bool) -> Result<Case, Failure> {

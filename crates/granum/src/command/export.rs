@@ -1,4 +1,4 @@
-//! `granum export`: series, grains and contacts in the formats of other programs.
+//! `granum export`: series, grains and contacts in the formats of other programs, and cases as input decks for them.
 
 use std::path::{Path, PathBuf};
 
@@ -9,6 +9,7 @@ use granum_io::snapshot::{contacts_table, grains_table};
 use granum_io::{Run, check_output_file, read_table, write_table};
 use serde_json::json;
 
+use super::export_deck::DeckFlags;
 use super::sources::SourceFlags;
 use crate::context::Context;
 use crate::failure::Failure;
@@ -19,19 +20,25 @@ use crate::output;
 ///
 /// Tables: .csv and .parquet. Grains and contacts at one instant: .vtp (ParaView), .data (LAMMPS), .csv (packing). Grains at any
 /// number of instants: .xyz (extended XYZ) and .gsd (OVITO, freud).
+///
+/// With --to lammps it writes a folder with a complete input deck for LAMMPS instead: the sample (packing.data) and a script
+/// (in.granum) that tests it along the same path and writes curve.csv. The sample is that of a run or of a prepared sample as its test
+/// began; for a case file it is that of --packing. LAMMPS first brings it to rest, since files of LAMMPS hold no tangential forces.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum export run-1 -o series.csv\n  granum export run-1 -o end.vtp\n  granum export run-1 --snapshot all -o \
-                  run.gsd\n  granum export run-1 --table contacts -o contacts.parquet\n  granum export grains.dump -o packing.csv"
+                  run.gsd\n  granum export run-1 --table contacts -o contacts.parquet\n  granum export grains.dump -o packing.csv\n  \
+                  granum export run-1 --to lammps --out deck\n  granum export sample --to lammps --path drained-triaxial --with \
+                  axial_strain=0.05 --out deck\n  granum export my-sand.toml --packing packing.csv --to lammps --out deck"
 )]
 pub struct Export {
-    /// A run folder, a packing file, or files of results of another program.
+    /// A run folder, a packing file, or files of results of another program; with --to lammps a run folder or a case file.
     #[arg(required = true, value_name = "DATA")]
     data: Vec<PathBuf>,
-    /// File to write.
-    #[arg(short, long, value_name = "FILE")]
+    /// File to write; with --to lammps the folder.
+    #[arg(short, long, visible_alias = "out", value_name = "FILE")]
     output: PathBuf,
-    /// Format of the file, where its extension does not say it: vtp, lammps-data, extended-xyz, gsd.
+    /// Format of the file, where its extension does not say it: vtp, lammps-data, extended-xyz, gsd. Or lammps: an input deck.
     #[arg(long, value_name = "FORMAT")]
     to: Option<String>,
     /// Table to write: of a run series (the default), forces, preparation, or a further histogram by its name; of a run or other
@@ -43,10 +50,21 @@ pub struct Export {
     snapshot: Option<String>,
     #[command(flatten)]
     sources: SourceFlags,
+    #[command(flatten)]
+    deck: DeckFlags,
 }
 
 impl Export {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        if self.to.as_deref() == Some("lammps") {
+            if self.snapshot.is_some() {
+                return Err(Failure::new(
+                    "--snapshot does not go with --to lammps: a deck begins where the test began",
+                ));
+            }
+            return self.deck.write(context, &self.data, &self.output);
+        }
+        self.deck.check_unused()?;
         check_output_file(&self.output, context.force)?;
         let formats = Formats::standard();
         let path = &self.output;

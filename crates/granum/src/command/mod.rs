@@ -7,6 +7,7 @@ mod compare;
 mod digest;
 mod evaluate;
 mod export;
+mod export_deck;
 mod forces;
 mod hardware;
 mod impact;

@@ -39,19 +39,22 @@ pub struct Run {
 impl Run {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let Some(file) = self.case.as_ref().filter(|_| !self.list) else { return list(context) };
-        let mut parameters = Vec::new();
-        for text in &self.with {
-            let Some((key, value)) = text.split_once('=') else {
-                return Err(Failure::new(format!(
-                    "--with {text:?}: a parameter and its value are needed, e.g. --with axial_strain=0.1"
-                )));
-            };
-            parameters.push((key.trim(), value.trim()));
-        }
+        let parameters = parameters(&self.with)?;
         let path = self.path.as_deref().map(|name| (name, parameters.as_slice()));
         let case = self.test.flags.read_with_path(file, self.test.has_packing(), path)?;
         self.test.run(context, &case)
     }
+}
+
+/// Keys and values of `--with`.
+pub fn parameters(with: &[String]) -> Result<Vec<(&str, &str)>, Failure> {
+    let needed = |text: &String| {
+        Failure::new(format!(
+            "--with {text:?}: a parameter and its value are needed, e.g. --with axial_strain=0.1"
+        ))
+    };
+    let pair = |text| str::split_once(text, '=').map(|(key, value)| (key.trim(), value.trim()));
+    with.iter().map(|text| pair(text.as_str()).ok_or_else(|| needed(text))).collect()
 }
 
 /// The named paths with their parameters.

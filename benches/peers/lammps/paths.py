@@ -1,0 +1,162 @@
+"""Tests of one packing along five paths in granum and in LAMMPS, by the decks of `granum export --to lammps`:
+
+    python paths.py --granum ../../../target/release/granum ../../../data/packing-5000.csv ../../../data/validation/paths
+    python paths.py --table ../../../data/validation/paths
+
+Without and with rolling resistance; two copies in each program, which differ in the time step and are a measure of the scatter.
+Writes PATH-[rolling-]PROGRAM-COPY.csv: means over equal intervals of the coordinate of the path but the first, in which stresses rise
+so steeply that the places of the rows decide. `--table` prints the distances of these curves. Needs `lmp` with GRANULAR, granum, and nothing but Python. `--only drained` runs one path.
+"""
+import argparse
+import csv
+import math
+import os
+import subprocess
+import tempfile
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+RATE = {"inertial_number": "3e-3"}
+# Name in granum, parameters, coordinate and number of its intervals.
+PATHS = {
+    "drained": ("drained-triaxial", {"axial_strain": 0.02, "states": 80}, "axial_strain"),
+    "undrained": ("undrained-triaxial", {"axial_strain": 0.02, "states": 80}, "axial_strain"),
+    "constant-p": ("constant-p", {"deviator_strain": 0.03, "states": 80}, "deviator_strain"),
+    "oedometer": (
+        "oedometer",
+        {"axial_stress": "200 kPa", "unloading_stress": "50 kPa", "interval": 1e-5, "inertial_number": "3e-4"},
+        "axial_stress",
+    ),
+    "simple-shear": ("simple-shear-constant-volume", {"shear_strain": 0.03, "states": 80}, "shear_strain_xy"),
+}
+INTERVALS = 20
+ROLLING = ["--set", "contact.rolling=elastic-plastic", "--set", "contact.rolling_friction=0.1"]
+# Factors on granum's time step of 0.2 sqrt(m/k_t).
+COPIES = {"lammps": ["1.0", "0.85"], "granum": ["0.2", "0.17"]}
+VALUES = ["von_mises_ratio", "mean_stress", "void_ratio", "coordination_number", "mechanical_coordination_number"]
+
+
+def call(command, **more):
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env={**os.environ, "OMP_NUM_THREADS": "1"}, **more)
+
+
+def words(path, rolling):
+    name, parameters, _ = PATHS[path]
+    out = ["--path", name]
+    for key, value in {**RATE, **parameters}.items():
+        out += ["--with", f"{key}={value}"]
+    return out + (ROLLING if rolling else [])
+
+
+def rows_of(file):
+    with open(file) as lines:
+        return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(lines)]
+
+
+def reduced(rows, path):
+    """Means of the rows over equal intervals of the coordinate: of each stage, where there are several."""
+    rows = [row for row in rows if row.get("stage", 1) >= 1]
+    coordinate = PATHS[path][2]
+    if coordinate == "axial_stress":
+        for row in rows:
+            row["axial_stress"] = row["stress_11"]
+    stages = sorted({row.get("stage", 1) for row in rows})
+    out = []
+    for stage in stages:
+        mine = [row for row in rows if row.get("stage", 1) == stage]
+        low, high = interval(path, stage)
+        for k in range(1, INTERVALS):
+            at = [low + (high - low) * j / INTERVALS for j in (k, k + 1)]
+            inside = [row for row in mine if min(at) < row[coordinate] <= max(at)]
+            if inside:
+                mean = {key: sum(row[key] for row in inside) / len(inside) for key in [coordinate] + VALUES}
+                out.append({"stage": int(stage), **mean, coordinate: 0.5 * sum(at)})
+    return out
+
+
+def interval(path, stage):
+    _, parameters, _ = PATHS[path]
+    if path == "oedometer":
+        return (20e3, 200e3) if stage == 1 else (200e3, 50e3)
+    return 0.0, parameters.get("axial_strain") or parameters.get("deviator_strain") or parameters["shear_strain"]
+
+
+def write(file, rows):
+    with open(file, "w") as target:
+        target.write(",".join(rows[0]) + "\n")
+        for row in rows:
+            target.write(",".join(f"{value:.6g}" for value in row.values()) + "\n")
+
+
+def run(arguments, path, rolling):
+    name = path + ("-rolling" if rolling else "")
+    packing, granum = os.path.abspath(arguments.packing), os.path.abspath(arguments.granum)
+    case = os.path.join(HERE, "sand.toml")
+    with tempfile.TemporaryDirectory() as scratch:
+        deck, folder = os.path.join(scratch, "deck"), os.path.join(scratch, "run")
+        more = ["--packing", packing] + words(path, rolling)
+        call([granum, "export", case, "--to", "lammps", "--out", deck] + more)
+        for copy, factor in enumerate(COPIES["lammps"], 1):
+            call(["lmp", "-in", "in.granum", "-screen", "none", "-var", "time_step_factor", factor], cwd=deck)
+            rows = rows_of(os.path.join(deck, "curve.csv"))
+            write(os.path.join(arguments.folder, f"{name}-lammps-{copy}.csv"), reduced(rows, path))
+        for copy, factor in enumerate(COPIES["granum"], 1):
+            factor = ["--set", f"numerics.time_step_factor={factor}", "--threads", "1"]
+            call([granum, "run", case, "--out", folder, "--force"] + factor + more)
+            series = os.path.join(scratch, "series.csv")
+            call([granum, "export", folder, "-o", series, "--force"])
+            write(os.path.join(arguments.folder, f"{name}-granum-{copy}.csv"), reduced(rows_of(series), path))
+    print(name, flush=True)
+
+
+def aligned(curves):
+    """The rows that all curves have, in the same order."""
+    coordinate = list(curves[0][0])[1]
+    by_place = [{(row["stage"], round(row[coordinate], 9)): row for row in rows} for rows in curves]
+    places = [place for place in by_place[0] if all(place in rows for rows in by_place)]
+    return [[rows[place] for place in places] for rows in by_place]
+
+
+def distance(one, other, key):
+    """Root mean square of the differences."""
+    return math.sqrt(sum((a[key] - b[key]) ** 2 for a, b in zip(one, other)) / len(one))
+
+
+def middle(curves):
+    return [{key: sum(rows[key] for rows in group) / len(group) for key in group[0]} for group in zip(*curves)]
+
+
+def table(folder):
+    print("| path | curve | mean, LAMMPS | mean, granum | distance | copies of LAMMPS | copies of granum |")
+    print("|---|---|---|---|---|---|---|")
+    for path in PATHS:
+        for name in (path, path + "-rolling"):
+            files = [os.path.join(folder, f"{name}-{program}-{copy}.csv") for program in COPIES for copy in (1, 2)]
+            if not all(os.path.exists(file) for file in files):
+                continue
+            theirs, again, ours, mine = aligned([rows_of(file) for file in files])
+            a, b = middle([theirs, again]), middle([ours, mine])
+            for key in VALUES:
+                mean = [sum(row[key] for row in rows) / len(rows) for rows in (a, b)]
+                found = [distance(*pair, key) for pair in ((a, b), (theirs, again), (ours, mine))]
+                print(f"| {name} | {key} | " + " | ".join(f"{x:.4g}" for x in mean + found) + " |")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("packing", nargs="?", help="packing in granum's CSV")
+    parser.add_argument("folder", help="folder of the curves")
+    parser.add_argument("--granum", default="granum", help="the program")
+    parser.add_argument("--only", choices=PATHS, action="append", help="this path; can be repeated")
+    parser.add_argument("--rolling", choices=("with", "without"), help="only with, or only without resistance to rolling")
+    parser.add_argument("--table", action="store_true")
+    arguments = parser.parse_args()
+    if not arguments.table:
+        os.makedirs(arguments.folder, exist_ok=True)
+        for path in arguments.only or PATHS:
+            for rolling in [rolling for word, rolling in (("without", False), ("with", True)) if arguments.rolling in (None, word)]:
+                run(arguments, path, rolling)
+    table(arguments.folder)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,248 @@
+//! The deck: sample and script.
+
+use std::io::Write;
+use std::path::Path;
+
+use granum_core::assembly::{Assembly, Grain};
+use granum_core::{Part, Parts};
+use granum_dem::config::{NormalKind, Preparation};
+use granum_dem::loading::{Control, Drive, Speed, Stage, Target, Until, density_scaling};
+use granum_dem::preparation::is_loose;
+use granum_dem::servo::CellControl;
+use granum_dem::simulation::Simulation;
+use granum_io::atomic::write_atomically;
+use granum_io::formats::lammps_data::LammpsData;
+use granum_io::formats::{Observation, ResultFormat};
+use granum_io::{Case, OutputFolder, Packing};
+
+use super::deck_error::DeckError;
+use super::head::{Head, Stiffening, head};
+use super::laws::pair_lines;
+use super::stage::{self, Setting, Tilt};
+use crate::laboratory::simulation;
+
+/// Name of the script in the folder of a deck.
+pub const SCRIPT: &str = "in.granum";
+/// Name of the sample.
+pub const DATA: &str = "packing.data";
+/// Name of the curve that the script writes.
+pub const CURVE: &str = "curve.csv";
+
+/// Fraction of a velocity that is lost per `sqrt(m / k_t)` while a sample comes to rest, as in granum.
+const SETTLING: f64 = 0.005;
+/// Inertial number of the bound on the strain rates while the sample that was read comes to rest.
+const REST_INERTIAL_NUMBER: f64 = 1e-3;
+
+/// The stresses at which the sample comes to rest before its test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Confinement {
+    /// Those that it has along each axis.
+    Own,
+    /// That to which the case prepares its sample.
+    Prepared,
+}
+
+/// A sample and a script by which LAMMPS tests it as granum does.
+///
+/// ```
+/// use granum_io::packing::PackedGrain;
+/// use granum_io::{Case, Packing};
+/// use granum_run::lammps_deck::{Confinement, LammpsDeck};
+///
+/// let case = Case::parse(
+///     "[contact]\nnormal = 'hertz'\ntangential = 'no-slip'\n[preparation]\nmean_stress = '5 kPa'\n\
+///      [[stage]]\npath = 'drained-triaxial'\n",
+///     "case.toml",
+/// )?;
+/// // Two grains on a lattice, which touch each other across the faces of the cell.
+/// let (radius, edge) = (5e-5, 0.99995e-4);
+/// let grains = (0..2).map(|k| {
+///     let x = (k as f64 + 0.5) * edge;
+///     PackedGrain { id: k + 1, position: [x, 0.5 * edge, 0.5 * edge], radius }
+/// });
+/// let cell = [[2.0 * edge, 0.0, 0.0], [0.0, edge, 0.0], [0.0, 0.0, edge]];
+/// let packing = Packing::new([0.0; 3], cell, grains.collect());
+/// let deck = LammpsDeck::new(&case, &packing, Confinement::Own)?;
+/// assert!(deck.script().contains("pair_coeff * * hertz/material 70000000000.0"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct LammpsDeck {
+    assembly: Assembly,
+    script: String,
+}
+
+impl LammpsDeck {
+    /// The deck of a case's test on a sample. The script first brings the sample to rest, since it begins without tangential forces,
+    /// unless the first stage does so.
+    ///
+    /// # Errors
+    /// [`DeckError`] with the key, the stage or the sample that LAMMPS cannot have.
+    pub fn new(case: &Case, packing: &Packing, confinement: Confinement) -> Result<LammpsDeck, DeckError> {
+        let stages = case.test_stages();
+        let density = density(case, &stages)?;
+        let mut sample = simulation(packing, case.properties().with_densities(density))?;
+        sample.set_time_step_factor(case.numerics.time_step_factor);
+        check(&sample, &case.preparation)?;
+        let stages = with_rest(case, stages, &sample, confinement);
+        let assembly = sample.assembly();
+        let state = sample.state();
+        let modulus = state.bulk_modulus();
+        let controls: Vec<CellControl> =
+            stages.iter().map(|stage| stage::checked(stage, modulus)).collect::<Result<_, _>>()?;
+        let [radius, mass] = means(&assembly.grains);
+        let stiffening = stiffening(case.contact.normal);
+        let pair = |follows| {
+            pair_lines(sample.properties(), &assembly.materials, [radius, mean_force(&assembly)], follows)
+        };
+        let moments = case.contact.rolling.law().acts();
+        let setting = Setting {
+            unit_rate: sample.strain_rate(1.0, 1.0),
+            modulus,
+            drag: mass * SETTLING * case.numerics.time_step_factor / state.time_step(),
+            tilt: only_tilt(&stages, &controls)?,
+            laws: if moments && stiffening != Stiffening::None { pair(true)? } else { String::new() },
+        };
+        let cube = |grain: &Grain| grain.radius.powi(3);
+        let mut script = head(&Head {
+            pair: &pair(false)?,
+            moments,
+            sheared: setting.tilt.is_some(),
+            grains: assembly.grains.len(),
+            diameter: 2.0 * radius,
+            volume: 4.0 / 3.0 * std::f64::consts::PI * assembly.grains.iter().map(cube).sum::<f64>(),
+            mean_stress: state.mean_stress(),
+            modulus,
+            time_step: state.time_step(),
+            stiffening,
+        });
+        // Stages count from 1, as in granum; what precedes them is stage 0.
+        let first = if stages.len() > case.test_stages().len() { 0 } else { 1 };
+        for (k, stage) in stages.iter().enumerate() {
+            script += &stage::text(first + k, stage, &setting)?;
+        }
+        script += "\nprint \"all stages are complete\"\n";
+        Ok(LammpsDeck { assembly, script })
+    }
+
+    /// The script.
+    pub fn script(&self) -> &str {
+        &self.script
+    }
+
+    /// Number of grains.
+    pub fn grains(&self) -> usize {
+        self.assembly.grains.len()
+    }
+
+    /// Writes sample and script into a folder.
+    ///
+    /// # Errors
+    /// If the folder holds something else, or holds a deck and `force` is not set, or a file cannot be written.
+    pub fn write(&self, folder: &Path, force: bool) -> Result<(), DeckError> {
+        let folder = OutputFolder::create(folder, force)?;
+        // The box is centred on the origin, about which LAMMPS strains it.
+        let edges = &self.assembly.cell;
+        let origin = std::array::from_fn(|a| -0.5 * (edges[a][0] + edges[a][1] + edges[a][2]));
+        let parts = Parts::of(&[Part::Cell, Part::Positions, Part::Radii, Part::Masses]);
+        let observation = Observation { assembly: self.assembly.clone(), parts, origin };
+        LammpsData.write(&folder.file(DATA), &[observation])?;
+        write_atomically(&folder.file(SCRIPT), |file| file.write_all(self.script.as_bytes()))?;
+        Ok(())
+    }
+}
+
+/// The factor on the densities in all stages but those in which the sample comes to rest.
+fn density(case: &Case, stages: &[Stage]) -> Result<f64, DeckError> {
+    if !case.has_stages() {
+        return Ok(density_scaling(&case.shear.rate));
+    }
+    let mut factors =
+        stages.iter().filter(|stage| !stage.settling && !stage.is_mark()).map(|stage| stage.density_scaling);
+    let first = factors.next().unwrap_or(1.0);
+    match factors.find(|factor| *factor != first) {
+        None => Ok(first),
+        Some(other) => Err(DeckError::Setting {
+            key: "stage.density_scaling",
+            value: super::formula::number(other),
+            why: format!("another stage has {first}; give all stages the same"),
+        }),
+    }
+}
+
+/// Whether LAMMPS can begin with a sample.
+fn check(sample: &Simulation, preparation: &Preparation) -> Result<(), DeckError> {
+    let edges = sample.state().cell().edges;
+    if [edges[1][0], edges[2][0], edges[2][1]] != [0.0; 3] {
+        let why = "its cell was sheared without rotation, and a box of LAMMPS has its first edge along x and its second in the plane \
+                   of x and y";
+        return Err(DeckError::Sample(why.into()));
+    }
+    if is_loose(sample, preparation) || sample.state().mean_stress() <= 0.0 {
+        let why = "it is loose, and LAMMPS would have to compact it as granum does; make a sample of it with `granum prepare --packing`, \
+                   and export that";
+        return Err(DeckError::Sample(why.into()));
+    }
+    Ok(())
+}
+
+/// The stages with one before them in which the sample comes to rest, where the first does not do so.
+fn with_rest(case: &Case, stages: Vec<Stage>, sample: &Simulation, confinement: Confinement) -> Vec<Stage> {
+    if stages.first().is_some_and(|stage| stage.settling) {
+        return stages;
+    }
+    let own = sample.state().stress();
+    let wanted = match confinement {
+        _ if !case.has_stages() => Some(case.shear.mean_stress.unwrap_or(case.preparation.mean_stress)),
+        Confinement::Prepared => Some(case.preparation.mean_stress),
+        Confinement::Own => None,
+    };
+    let held = |a: usize| Drive::Stress(Target::held(wanted.unwrap_or(own[a][a])));
+    let speed = Speed::InertialNumber { number: REST_INERTIAL_NUMBER, at: None };
+    let drives = [held(0), held(1), held(2), Drive::Fixed, Drive::Fixed, Drive::Fixed];
+    let control = Control { servo_limit: 1.0, ..Control::of(speed, drives) };
+    let until = Until::AtRest { unbalanced_force: case.preparation.unbalanced_force };
+    let rest = Stage::new("rest", control, vec![until]).with(|stage| {
+        stage.settling = true;
+        stage.resets = true;
+    });
+    [rest].into_iter().chain(stages).collect()
+}
+
+/// The one tilt of the box that the stages change.
+fn only_tilt(stages: &[Stage], controls: &[CellControl]) -> Result<Option<Tilt>, DeckError> {
+    let mut found = None;
+    for (stage, control) in stages.iter().zip(controls) {
+        for tilt in stage::tilts(control) {
+            if found.is_some_and(|other| other != tilt) {
+                let why = "a box of LAMMPS is sheared in xy or in yz, but not in both in one test".into();
+                return Err(DeckError::Stage { stage: stage.name.clone(), why });
+            }
+            found = Some(tilt);
+        }
+    }
+    Ok(found)
+}
+
+fn stiffening(normal: NormalKind) -> Stiffening {
+    if normal == NormalKind::HOOKE {
+        Stiffening::None
+    } else if normal == NormalKind::JKR {
+        Stiffening::Adhesive
+    } else {
+        Stiffening::Hertz
+    }
+}
+
+/// Mean radius, m, and mean mass, kg.
+fn means(grains: &[Grain]) -> [f64; 2] {
+    let count = grains.len().max(1) as f64;
+    let sum = |of: fn(&Grain) -> f64| grains.iter().map(of).sum::<f64>() / count;
+    [sum(|grain| grain.radius), sum(|grain| grain.mass)]
+}
+
+/// Mean normal force of the contacts in compression, N.
+fn mean_force(assembly: &Assembly) -> f64 {
+    let forces = || assembly.contacts.iter().map(|contact| contact.normal_force).filter(|force| *force > 0.0);
+    forces().sum::<f64>() / forces().count().max(1) as f64
+}

@@ -1,0 +1,197 @@
+//! The beginning of the script: what it is, the sample, the laws, and the variables that all stages use.
+
+use super::formula::number;
+
+/// What the head needs.
+pub(super) struct Head<'a> {
+    /// Lines `pair_coeff`.
+    pub(super) pair: &'a str,
+    /// True if contacts resist rolling.
+    pub(super) moments: bool,
+    /// True if the box is to be tilted.
+    pub(super) sheared: bool,
+    /// Number of grains.
+    pub(super) grains: usize,
+    /// Their mean diameter, m.
+    pub(super) diameter: f64,
+    /// Their volume, m3.
+    pub(super) volume: f64,
+    /// Mean stress to which the next two numbers belong, Pa.
+    pub(super) mean_stress: f64,
+    /// Affine bulk modulus, Pa.
+    pub(super) modulus: f64,
+    /// Time step, s.
+    pub(super) time_step: f64,
+    /// How contacts become stiffer with the mean stress.
+    pub(super) stiffening: Stiffening,
+}
+
+/// How contacts become stiffer with the mean stress p.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Stiffening {
+    /// Not at all.
+    None,
+    /// With `p^(1/3)`.
+    Hertz,
+    /// With `p^(1/3)` above the mean stress of the sample; below it adhesion holds them.
+    Adhesive,
+}
+
+/// The columns of the curve: name, and variable or compute that is averaged over the steps of a row.
+pub(super) const COLUMNS: [(&str, &str); 21] = [
+    ("time", "v_since"),
+    ("axial_strain", "v_e11"),
+    ("lateral_strain_2", "v_e22"),
+    ("lateral_strain_3", "v_e33"),
+    ("shear_strain_xy", "v_g12"),
+    ("shear_strain_yz", "v_g23"),
+    ("volumetric_strain", "v_volumetric_strain"),
+    ("deviator_strain", "v_deviator_strain"),
+    ("stress_11", "v_s11"),
+    ("stress_22", "v_s22"),
+    ("stress_33", "v_s33"),
+    ("stress_12", "v_s12"),
+    ("stress_23", "v_s23"),
+    ("stress_13", "v_s13"),
+    ("mean_stress", "v_p"),
+    ("deviator_stress", "v_q"),
+    ("stress_ratio", "v_ratio"),
+    ("von_mises_stress", "v_von_mises"),
+    ("von_mises_ratio", "v_von_mises_ratio"),
+    ("solid_fraction", "v_solid_fraction"),
+    ("void_ratio", "v_void_ratio"),
+];
+/// Columns that are taken at the end of a row, since each costs as much as a part of a step.
+pub(super) const AT_END: [(&str, &str); 2] =
+    [("coordination_number", "v_coordination"), ("mechanical_coordination_number", "v_mechanical")];
+
+const REMARKS: &str = "\
+# A test of granum for LAMMPS, written by `granum export`. Run it in its folder:
+#
+#   lmp -in in.granum                               # writes curve.csv
+#   lmp -in in.granum -var time_step_factor 0.85 -var out again.csv
+#
+# Needs LAMMPS with the package GRANULAR. It was tried with that of 29 Sep 2021 (update 2); in the newest versions `damping tsuji` has a
+# factor of the root of two, so that dashpots are stronger by it, and does not go with jkr. SI units; compression is positive in
+# stresses and strains, which are logarithmic; shear strains are angles.
+#
+# The servo is granum's, written in variables: each controlled stress is driven by
+# rate = (error + integral(error dt) / 6 tau) / (a K tau), tau = 6 steps, with the bulk modulus K of the sample, which grows with the
+# mean stress as the stiffness of the contacts does. `fix deform` only carries out the lengths that these variables give.
+#
+# What differs from granum: stresses are those of the pair forces, without the kinetic part as in granum, but with the dashpots,
+# which granum leaves out; the dashpot also counts for the friction limit; LAMMPS integrates the velocities in the laboratory,
+# granum those relative to the cell; the sample begins without tangential forces; the time step follows the mean stress, not the
+# stiffest contact; spins are not damped while the sample comes to rest. With rolling resistance, the stiffness against rolling is
+# one number for all contacts, which follows the mean stress row by row, and its dashpot counts for the limit. JKR contacts break at the lowest force, in granum at the
+# largest distance. Coordination numbers count spheres that overlap.
+";
+
+/// Found on the undrained path of `data/validation/paths`: with sorting q/p fell by 0.035 where LAMMPS sorted the atoms.
+const SORTING: &str = "\
+# LAMMPS turns the memory of rolling and twisting round when two atoms change their order, so that they are not sorted.
+atom_modify sort 0 0.0
+";
+
+/// Counts the contacts at the present step.
+///
+/// They are counted in a `run 0` of their own: LAMMPS keeps the list of neighbours of an occasional compute if it was made at the
+/// step of the last rebuild, so that a list made at the last step of a run would be used, out of date, in the next.
+pub(super) const LOOK: &str = "\
+thermo_style custom step c_coordination v_mechanical c_touching
+thermo_modify lost error norm no
+run 0 post no
+variable coordination equal $(c_coordination)
+variable touching equal $(c_touching)
+thermo_style custom step time v_stage lx ly lz v_p v_q
+thermo_modify lost error norm no
+";
+
+/// The text.
+pub(super) fn head(of: &Head) -> String {
+    let mut text = format!(
+        "{REMARKS}\nvariable out index {curve}\nvariable time_step_factor index 1.0\n\nunits si\natom_style sphere\n{sorting}boundary p p p\n\
+         newton off\ncomm_modify vel yes\nread_data {data}\n",
+        sorting = if of.moments { SORTING } else { "" },
+        curve = super::CURVE,
+        data = super::DATA,
+    );
+    if of.sheared {
+        text += "change_box all triclinic\n";
+    }
+    let skin = number(0.02 * of.diameter);
+    text += &format!(
+        "\npair_style granular\n{pair}\nneighbor {skin} bin\nneigh_modify delay 0 every 1 check yes\nfix move all nve/sphere\n",
+        pair = of.pair
+    );
+    text += "\n# Stress of the contacts, Pa, and what follows from it.\n\
+             compute stress all pressure NULL pair\n\
+             fix stress all ave/time 1 1 1 c_stress[1] c_stress[2] c_stress[3] c_stress[4] c_stress[5] c_stress[6]\n";
+    for (name, k) in [("s11", 1), ("s22", 2), ("s33", 3), ("s12", 4), ("s13", 5), ("s23", 6)] {
+        text += &format!("variable {name} equal f_stress[{k}]\n");
+    }
+    text += "variable p equal (v_s11+v_s22+v_s33)/3\n\
+             variable q equal v_s11-0.5*(v_s22+v_s33)\n\
+             variable ratio equal v_q/v_p\n\
+             variable squares equal 0.5*((v_s11-v_s22)^2+(v_s22-v_s33)^2+(v_s33-v_s11)^2)+3*(v_s12^2+v_s13^2+v_s23^2)\n\
+             variable third equal (v_s11-v_p)*((v_s22-v_p)*(v_s33-v_p)-v_s23^2)-v_s12*(v_s12*(v_s33-v_p)-v_s23*v_s13)+v_s13*(v_s12*v_s23-(v_s22-v_p)*v_s13)\n\
+             variable von_mises equal sqrt(v_squares)*(1-2*(v_third<0))\n\
+             variable von_mises_ratio equal v_von_mises/v_p\n";
+    text += "\n# Strain since the start of the test, from the lengths x0, y0, z0 of the cell there.\n\
+             variable e11 equal ln(v_x0/lx)\n\
+             variable e22 equal ln(v_y0/ly)\n\
+             variable e33 equal ln(v_z0/lz)\n\
+             variable volumetric_strain equal v_e11+v_e22+v_e33\n\
+             variable deviator_strain equal v_e11-0.5*(v_e22+v_e33)\n\
+             variable deviatoric_strain equal sqrt(2/9*((v_e11-v_e22)^2+(v_e22-v_e33)^2+(v_e33-v_e11)^2)+(v_g12^2+v_g23^2)/3)\n\
+             variable since equal time-v_time0\n";
+    text += &format!(
+        "variable solid_fraction equal {volume}/vol\nvariable void_ratio equal vol/{volume}-1\n",
+        volume = number(of.volume)
+    );
+    text += &format!(
+        "\n# Contacts: coordination number of all grains, and of those with two contacts or more.\n\
+         compute contacts all contact/atom\n\
+         compute coordination all reduce ave c_contacts\n\
+         variable none atom c_contacts==0\n\
+         variable one atom c_contacts==1\n\
+         compute loose all reduce sum v_none v_one\n\
+         variable mechanical equal ({n}*c_coordination-c_loose[2])/({n}-c_loose[1]-c_loose[2]+1e-9)\n\
+         variable touches atom c_contacts>0\n\
+         compute touching all reduce sum v_touches\n\
+         # Mean resultant force of the grains that touch over the mean normal force 3 p V / (N_c d) of the contacts.\n\
+         variable net atom sqrt(fx*fx+fy*fy+fz*fz)\n\
+         compute net all reduce sum v_net\n\
+         variable unbalanced equal c_net/(v_touching+1e-9)*{half}*v_coordination/(3*v_p*vol)\n",
+        n = of.grains,
+        half = number(0.5 * of.grains as f64 * of.diameter),
+    );
+    text += "\n# How much stiffer the contacts are than in the sample that was read; from that, modulus of the servo and time step.\n";
+    text += &stiffness(of);
+    text += &format!(
+        "variable modulus equal {}*v_stiffer\nvariable step_now equal v_time_step_factor*{}/sqrt(v_stiffer)\n",
+        number(of.modulus),
+        number(of.time_step)
+    );
+    text += "variable stage equal 0\nvariable x0 equal $(lx)\nvariable y0 equal $(ly)\nvariable z0 equal $(lz)\n\
+             variable g12 equal 0\nvariable g23 equal 0\nvariable time0 equal 0\n\
+             timestep $(v_time_step_factor*";
+    text += &format!("{})\n", number(of.time_step));
+    text += &format!("thermo 1000000\n{LOOK}");
+    let names: Vec<&str> = COLUMNS.iter().chain(&AT_END).map(|(name, _)| *name).collect();
+    text + &format!("print \"stage,step,{}\" file ${{out}} screen no\n", names.join(","))
+}
+
+fn stiffness(of: &Head) -> String {
+    let share = |least: f64| {
+        let (p, least) = (number(of.mean_stress), number(least));
+        format!(
+            "variable share_of_p equal v_p/{p}\nvariable stiffer equal ((v_share_of_p>{least})*v_share_of_p+(v_share_of_p<={least})*{least})^(1/3)\n"
+        )
+    };
+    match of.stiffening {
+        Stiffening::None => "variable stiffer equal 1\n".into(),
+        Stiffening::Hertz => share(0.01),
+        Stiffening::Adhesive => share(1.0),
+    }
+}
