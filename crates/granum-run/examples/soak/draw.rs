@@ -1,7 +1,11 @@
 //! Random cases, reproducible from a seed.
 
-use granum_dem::config::{NormalKind, Rate, Recording, TangentialKind};
+use granum_dem::config::{Rate, Recording};
+use granum_dem::contact::check::{parameters_of, sets};
+use granum_dem::loading::preset::{self, Given, Value};
+use granum_dem::loading::{History, Quantity};
 use granum_io::Case;
+use granum_io::case::CaseStage;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
@@ -66,16 +70,11 @@ impl Draws {
         }
     }
 
-    /// A random case: materials from rubber to steel, grains from a micrometre to a centimetre, every pair of contact
-    /// laws, and mean stresses from a millionth to a thousandth of the modulus of the grains.
+    /// A random case: materials from rubber to steel, grains from a micrometre to a centimetre, every set of contact
+    /// laws, and mean stresses from a millionth to a thousandth of the modulus of the grains; half
+    /// of the cases follow one or two random paths in place of the paper's test.
     pub fn case(&mut self) -> Case {
-        const LAWS: [(NormalKind, TangentialKind); 5] = [
-            (NormalKind::HERTZ, TangentialKind::MINDLIN_DERESIEWICZ),
-            (NormalKind::HERTZ, TangentialKind::NO_SLIP),
-            (NormalKind::JKR, TangentialKind::MINDLIN_DERESIEWICZ),
-            (NormalKind::JKR, TangentialKind::NO_SLIP),
-            (NormalKind::JKR, TangentialKind::PEELING),
-        ];
+        let sets = sets();
         let mut case = Case::default();
         let grains = &mut case.grains;
         grains.count = self.decades(200.0, 2000.0) as usize;
@@ -92,8 +91,28 @@ impl Draws {
         let adhesion = if self.chance(0.2) { 0.0 } else { self.decades(1e-4, 0.3) };
         material.interface_energy = (adhesion * preparation.mean_stress * grains.diameter).min(100.0);
         preparation.interface_energy = if self.chance(0.3) { material.interface_energy } else { 0.0 };
-        (case.contact.normal, case.contact.tangential) = LAWS[(self.fraction() * 5.0) as usize];
+        let force = preparation.mean_stress * grains.diameter * grains.diameter;
+        let separation = 4e-10;
+        case.contact = sets[(self.fraction() * sets.len() as f64) as usize];
         case.contact.damping = self.decades(0.01, 0.7);
+        // Values with which a law is neither without effect nor out of proportion to the mean stress.
+        let values = [
+            ("normal_stiffness", force / (grains.diameter * self.decades(1e-5, 3e-3))),
+            ("roughness", grains.diameter * self.decades(1e-7, 1e-5)),
+            ("surface_tension", adhesion * force / grains.diameter),
+            ("bridge_volume", self.decades(1e-6, 0.01)),
+            ("least_separation", separation),
+            ("hamaker_constant", adhesion * force * 48.0 * separation * separation / grains.diameter),
+            ("rolling_friction", self.even(0.0, 0.4)),
+            ("rolling_damping", self.even(0.0, 0.5)),
+        ];
+        for parameter in parameters_of(&case.contact) {
+            if let Some((_, value)) = values.iter().find(|(key, _)| *key == parameter.key) {
+                let [low, high] = parameter.bounds;
+                // A set has room for the parameters of all its laws.
+                let _ = case.contact.parameters.set(parameter.key, value.clamp(low, high));
+            }
+        }
         preparation.seed = self.0.next_u64() >> 32;
         preparation.solid_fraction = None;
         preparation.friction = Some(if self.chance(0.2) { 0.0 } else { self.even(0.0, 0.8) });
@@ -117,6 +136,53 @@ impl Draws {
             recording.observations_per_state = observations;
         });
         case.numerics.time_step_factor = self.even(0.08, 0.22);
+        if self.chance(0.5) {
+            let pressure = case.preparation.mean_stress;
+            case.stages = (0..1 + (self.fraction() * 2.0) as usize).map(|_| self.path(pressure)).collect();
+        }
         case
+    }
+
+    /// A random path, short enough for a case of a few seconds, for a sample at a mean stress, Pa.
+    fn path(&mut self, pressure: f64) -> CaseStage {
+        let path = &preset::ALL[(self.fraction() * preset::ALL.len() as f64) as usize];
+        let mut given = Given::new();
+        let strain = self.decades(1e-3, 1e-2);
+        let sense = if self.chance(0.5) { 1.0 } else { -1.0 };
+        for parameter in path.parameters() {
+            let number = match parameter.key {
+                "inertial_number" => self.decades(3e-4, 5e-3),
+                "deviator_strain" if path.name == "constant-p" => sense * strain,
+                "axial_strain" if ["drained-triaxial", "undrained-triaxial"].contains(&path.name) => {
+                    sense * strain
+                }
+                "axial_strain" | "shear_strain" | "deviator_strain" => strain,
+                "strain_amplitude" => 0.2 * strain,
+                "cycles" => 1.0 + (2.0 * self.fraction()).floor(),
+                "mean_stress" if path.name == "isotropic" => 1.5 * pressure,
+                "axial_stress" => 2.0 * pressure,
+                "unloading_stress" if self.chance(0.5) => 1.2 * pressure,
+                "strain" if path.name == "probes" => 1e-5,
+                "directions" => 2.0,
+                "unbalanced_force" => 0.02,
+                "states" => 3.0,
+                "interval" => 1e-3,
+                _ => continue,
+            };
+            let [low, high] = parameter.bounds;
+            given.insert(parameter.key.to_string(), number.clamp(low, high).into());
+        }
+        match path.name {
+            "unload-reload" => {
+                given.insert("at".into(), Value::List(vec![0.5 * strain]));
+            }
+            "history" => {
+                let columns = vec![Quantity::Strain(0), Quantity::Stress(2)];
+                let rows = vec![vec![strain, 1.1 * pressure], vec![0.5 * strain, pressure]];
+                given.insert("file".into(), Value::History(History { columns, rows }));
+            }
+            _ => {}
+        }
+        CaseStage::Path { name: path.name.to_string(), parameters: given, resets: true }
     }
 }

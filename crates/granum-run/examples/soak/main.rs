@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use granum_io::Case;
+use granum_io::case::CaseStage;
 
 use draw::{Draws, Way};
 use trial::{Outcome, trial};
@@ -56,6 +57,7 @@ struct Totals {
     grain_steps: f64,
     ways: BTreeMap<&'static str, u64>,
     laws: BTreeMap<String, u64>,
+    paths: BTreeMap<String, u64>,
     /// Number of cases that were given up because they took too long.
     given_up: u64,
     /// Numbers of cases that ended with an error message instead of a result, by message.
@@ -98,6 +100,7 @@ impl Totals {
             seconds, self.cases, self.runs, self.grain_steps
         );
         println!("laws: {}", list(&self.laws));
+        println!("paths: {}", list(&self.paths));
         println!("ways: {}", list(&ways));
         println!(
             "energy gap: at most {:.2e} in {} quasi-static tests, {:.2e} in the others",
@@ -162,8 +165,20 @@ fn main() {
         let name = format!("seed-{}-case-{}", wanted.seed, totals.cases);
         totals.cases += 1;
         *totals.ways.entry(way.name()).or_default() += 1;
-        let law = format!("{} {}", case.contact.normal, case.contact.tangential);
-        *totals.laws.entry(law).or_default() += 1;
+        let contact = &case.contact;
+        for law in [
+            contact.normal.name(),
+            contact.tangential.name(),
+            contact.rolling.name(),
+            contact.adhesion.name(),
+        ] {
+            *totals.laws.entry(law.to_string()).or_default() += 1;
+        }
+        for stage in &case.stages {
+            if let CaseStage::Path { name, .. } = stage {
+                *totals.paths.entry(name.clone()).or_default() += 1;
+            }
+        }
         let began = Instant::now();
         let outcome = trial(&case, way, draws.fraction());
         eprintln!(

@@ -62,6 +62,11 @@ impl Export {
                     "--snapshot does not go with --to lammps: a deck begins where the test began",
                 ));
             }
+            if let Some(flag) = self.sources.first_given() {
+                return Err(Failure::new(format!(
+                    "{flag} does not go with --to lammps: a deck is made of a run or a case, not of another program's results"
+                )));
+            }
             return self.deck.write(context, &self.data, &self.output);
         }
         self.deck.check_unused()?;

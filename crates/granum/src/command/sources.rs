@@ -27,6 +27,17 @@ pub struct SourceFlags {
 }
 
 impl SourceFlags {
+    /// The first of the flags that is given.
+    pub fn first_given(&self) -> Option<&'static str> {
+        let given = [
+            ("--cell", self.cell.is_some()),
+            ("--columns", !self.columns.is_empty()),
+            ("--density", self.density.is_some()),
+            ("--time-step", self.time_step.is_some()),
+        ];
+        given.into_iter().find(|(_, given)| *given).map(|(flag, _)| flag)
+    }
+
     /// Reads and joins files of results.
     pub fn read(&self, files: &[PathBuf]) -> Result<Vec<Observation>, Failure> {
         let mut columns: Vec<(PathBuf, Vec<String>)> = Vec::new();

@@ -163,5 +163,8 @@ fn what_no_deck_can_be_is_said() {
     let error =
         refused(here, 1, &["export", "sample", "--to", "lammps", "--out", "deck", "--snapshot", "start"]);
     assert!(error.contains("--snapshot does not go with --to lammps"), "{error}");
+    let error =
+        refused(here, 1, &["export", "sample", "--to", "lammps", "--out", "deck", "--cell", "1, 1, 1"]);
+    assert!(error.contains("--cell does not go with --to lammps"), "{error}");
     assert!(!here.join("deck").exists(), "nothing is written for a case that is refused");
 }
