@@ -55,7 +55,7 @@ pub fn fields(progress: &Progress) -> Vec<Field> {
         _ => {}
     }
     fields.push(Field::new(3, format!("p {:.1} kPa", s.mean_stress() / 1e3)));
-    fields.push(Field::new(0, format!("solid fraction {:.3}", s.solid_fraction())));
+    fields.push(Field::new(0, format!("density {:.3}", s.solid_fraction())));
     fields.extend(progress.grain_steps_per_second.map(|rate| Field::new(0, format!("{}/s", speed(rate)))));
     fields
 }
