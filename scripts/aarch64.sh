@@ -25,7 +25,8 @@ digest() {
     "${program[@]}" shear "$out/case.toml" --out "$out/$name" --threads 1 --set grains.count=60 --set preparation.solid_fraction=none \
         --set shear.deviator_strain=0.01 --set shear.inertial_number=1e-2 --set recording.states=5 \
         --set recording.observations_per_state=2 "$@" > /dev/null 2> "$out/$name.log" || { cat "$out/$name.log"; exit 1; }
-    "$native" digest "$out/$name"
+    # The hash without the name of the folder.
+    "$native" digest "$out/$name" | cut -d" " -f1
 }
 
 "$native" init "$out/case.toml" > /dev/null

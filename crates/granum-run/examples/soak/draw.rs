@@ -95,6 +95,10 @@ impl Draws {
         let separation = 4e-10;
         case.contact = sets[(self.fraction() * sets.len() as f64) as usize];
         case.contact.damping = self.decades(0.01, 0.7);
+        if case.contact.adhesion.law().acts() {
+            // Temporary adhesion is that of JKR, which a law of adhesion does not go with.
+            preparation.interface_energy = 0.0;
+        }
         // Values with which a law is neither without effect nor out of proportion to the mean stress.
         let values = [
             ("normal_stiffness", force / (grains.diameter * self.decades(1e-5, 3e-3))),
