@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn units_stand_in_the_header_and_time_is_unused_with_stages() {
+    fn units_stand_in_the_header_and_time_is_no_quantity() {
         let found = read("# an element\ntime,xx_strain (%),yy_stress [kPa]\n0,0,100\n1,0.5,120\n").unwrap();
         assert_eq!(found.columns, [Quantity::Strain(0), Quantity::Stress(1)]);
         assert_eq!(found.rows, [[0.0, 100e3], [0.005, 120e3]]);
