@@ -104,13 +104,7 @@ impl<'a> Progress<'a> {
 ///
 /// let (grains, contact) = (Grains::default().with(|grains| grains.count = 60), ContactModel::default());
 /// let preparation = Preparation::default().with(|preparation| preparation.inertial_number = 1e-2);
-/// let specification = SampleSpecification {
-///     grains: &grains,
-///     contact: &contact,
-///     preparation: &preparation,
-///     time_step_factor: 0.2,
-///     hardware: Default::default(),
-/// };
+/// let specification = SampleSpecification::new(&grains, &contact, &preparation);
 /// let mut observer = UntilDense::default();
 /// assert!(matches!(prepare(&specification, &mut observer), Err(PreparationError::Stopped { .. })));
 /// assert!(observer.calls > 1);

@@ -67,13 +67,8 @@ fn small_sample(hardware: Hardware, spread: f64) -> Simulation {
         preparation.unbalanced_force = 1e-2;
     });
     let contact = ContactModel::default();
-    let specification = SampleSpecification {
-        grains: &grains,
-        contact: &contact,
-        preparation: &preparation,
-        time_step_factor: 0.2,
-        hardware,
-    };
+    let specification =
+        SampleSpecification { hardware, ..SampleSpecification::new(&grains, &contact, &preparation) };
     prepare(&specification, &mut |_: &Progress| Flow::Continue).unwrap().simulation
 }
 

@@ -30,7 +30,7 @@ use serde::{Deserialize, Serialize};
 
 use self::friction_search::{next_friction, repeats};
 pub use self::progress::{Sample, Trial};
-use crate::config::{Grains, Preparation};
+use crate::config::{Grains, Numerics, Preparation};
 use crate::contact::selection::ContactModel;
 pub use crate::observer::{Flow, Observer, Phase, Progress};
 use crate::random_insertion::{InsertionError, random_insertion};
@@ -101,7 +101,17 @@ pub struct SampleSpecification<'a> {
     pub hardware: Hardware,
 }
 
-impl SampleSpecification<'_> {
+impl<'a> SampleSpecification<'a> {
+    /// With the default time step factor, on one thread with the widest instruction set.
+    pub fn new(
+        grains: &'a Grains,
+        contact: &'a ContactModel,
+        preparation: &'a Preparation,
+    ) -> SampleSpecification<'a> {
+        let (time_step_factor, hardware) = (Numerics::default().time_step_factor, Hardware::default());
+        SampleSpecification { grains, contact, preparation, time_step_factor, hardware }
+    }
+
     /// Materials and law of the finished sample.
     pub fn properties(&self) -> Properties {
         Properties::of(self.grains, self.contact, self.preparation.seed)

@@ -14,14 +14,6 @@ fn quick() -> Preparation {
     }
 }
 
-fn specification<'a>(
-    grains: &'a Grains,
-    contact: &'a ContactModel,
-    preparation: &'a Preparation,
-) -> SampleSpecification<'a> {
-    SampleSpecification { grains, contact, preparation, time_step_factor: 0.2, hardware: Hardware::default() }
-}
-
 /// Both parts, saved and restored.
 fn written_and_read(preparing: &Preparing) -> Preparing {
     let bytes = preparing.simulation.checkpoint("").unwrap();
@@ -74,7 +66,7 @@ fn a_preparation_in_pieces_makes_the_same_sample() {
         // Not attainable, so that the search tries several frictions.
         let preparation =
             Preparation { solid_fraction: Some(0.52), solid_fraction_tolerance: 1e-4, ..quick() };
-        let specification = specification(&grains, &contact, &preparation);
+        let specification = SampleSpecification::new(&grains, &contact, &preparation);
         let straight = prepare(&specification, &mut |_: &Progress| Flow::Continue).unwrap();
         assert!(straight.trials.len() >= 2 && !straight.solid_fraction_met, "{:?}", straight.trials);
         let (pieces, stops, seen) = in_pieces(Preparing::new(&specification).unwrap(), &specification, 3);
@@ -89,10 +81,10 @@ fn a_packing_settles_in_pieces_to_the_same_sample() {
     let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
     let grains = grains(0.0);
     let preparation = Preparation { solid_fraction: None, friction: Some(0.1), ..quick() };
-    let first = specification(&grains, &contact, &preparation);
+    let first = SampleSpecification::new(&grains, &contact, &preparation);
     let packing = prepare(&first, &mut |_: &Progress| Flow::Continue).unwrap().simulation;
     let denser = Preparation { mean_stress: 60e3, unbalanced_force: 1e-4, ..preparation.clone() };
-    let second = specification(&grains, &contact, &denser);
+    let second = SampleSpecification::new(&grains, &contact, &denser);
     let straight = settle(packing.clone(), &second, &mut |_: &Progress| Flow::Continue).unwrap();
     let (pieces, stops, _) = in_pieces(Preparing::settling(packing, &second), &second, 2);
     assert!(stops >= 2 && straight.trials.is_empty(), "{stops}");
@@ -123,7 +115,7 @@ fn a_loose_packing_is_compacted_by_friction_and_target_as_a_random_one_is() {
     let packing = random_insertion(&grains, 0.3, 7).unwrap();
     let with = |friction, solid_fraction| {
         let preparation = Preparation { friction, solid_fraction, solid_fraction_tolerance: 1e-3, ..quick() };
-        compacted(&packing, &specification(&grains, &contact, &preparation))
+        compacted(&packing, &SampleSpecification::new(&grains, &contact, &preparation))
     };
     let (slippery, rough) = (with(Some(0.0), None), with(Some(1.0), None));
     let density = |sample: &Sample| sample.simulation.state().solid_fraction();
@@ -142,11 +134,11 @@ fn a_loose_packing_is_compacted_by_friction_and_target_as_a_random_one_is() {
 fn a_sample_is_brought_to_another_mean_stress_and_is_at_rest_there() {
     let (grains, contact) = (grains(0.0), ContactModel::default());
     let preparation = Preparation { solid_fraction: None, friction: Some(0.1), ..quick() };
-    let first = specification(&grains, &contact, &preparation);
+    let first = SampleSpecification::new(&grains, &contact, &preparation);
     let sample = prepare(&first, &mut |_: &Progress| Flow::Continue).unwrap().simulation;
     for mean_stress in [200e3, 5e3] {
         let other = Preparation { mean_stress, ..preparation.clone() };
-        let specification = specification(&grains, &contact, &other);
+        let specification = SampleSpecification::new(&grains, &contact, &other);
         let start = || Preparing::consolidating(sample.clone(), &specification);
         assert_eq!(start().progress.phase(), Phase::Consolidation);
         let Outcome::Sample(straight) =
@@ -165,7 +157,7 @@ fn a_sample_is_brought_to_another_mean_stress_and_is_at_rest_there() {
 #[test]
 fn an_observer_ends_a_preparation() {
     let (grains, contact, preparation) = (grains(0.0), ContactModel::default(), quick());
-    let specification = specification(&grains, &contact, &preparation);
+    let specification = SampleSpecification::new(&grains, &contact, &preparation);
     let error = prepare(&specification, &mut |_: &Progress| Flow::Stop).err().unwrap();
     assert!(matches!(error, PreparationError::Stopped { phase: Phase::Compaction }), "{error}");
 }
@@ -177,13 +169,14 @@ fn cycles_make_a_sample_denser_and_can_be_interrupted() {
     let plain = Preparation { solid_fraction: None, friction: Some(0.3), ..quick() };
     let cycled = Preparation { cycles: 3, cycle_strain: 0.02, ..plain.clone() };
     let sample = |preparation: &Preparation| {
-        prepare(&specification(&grains, &contact, preparation), &mut |_: &Progress| Flow::Continue).unwrap()
+        prepare(&SampleSpecification::new(&grains, &contact, preparation), &mut |_: &Progress| Flow::Continue)
+            .unwrap()
     };
     let (before, after) = (sample(&plain), sample(&cycled));
     let density = |sample: &Sample| sample.simulation.state().solid_fraction();
     assert!(density(&after) > density(&before) + 0.002, "{} {}", density(&before), density(&after));
     assert!(after.steps > before.steps);
-    let cycled_specification = specification(&grains, &contact, &cycled);
+    let cycled_specification = SampleSpecification::new(&grains, &contact, &cycled);
     let (pieces, _, seen) =
         in_pieces(Preparing::new(&cycled_specification).unwrap(), &cycled_specification, 3);
     assert!(seen.contains(&(1, Phase::Cycles)), "{seen:?}");
@@ -202,7 +195,7 @@ fn laws_of_the_compaction_are_gone_in_the_sample() {
         rolling_friction: Some(0.5),
         ..quick()
     };
-    let specification = specification(&grains, &contact, &preparation);
+    let specification = SampleSpecification::new(&grains, &contact, &preparation);
     let start = Preparing::new(&specification).unwrap();
     let meanwhile = start.simulation.properties();
     assert_eq!(
@@ -226,8 +219,10 @@ fn grains_of_a_tenth_of_the_largest_diameter_are_placed_and_compacted() {
     let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
     let preparation =
         Preparation { initial_solid_fraction: 0.45, friction: Some(0.1), solid_fraction: None, ..quick() };
-    let sample =
-        prepare(&specification(&grains, &contact, &preparation), &mut |_: &Progress| Flow::Continue).unwrap();
+    let sample = prepare(&SampleSpecification::new(&grains, &contact, &preparation), &mut |_: &Progress| {
+        Flow::Continue
+    })
+    .unwrap();
     let state = sample.simulation.state();
     assert!(sample.settled && state.solid_fraction() > 0.66, "{}", state.solid_fraction());
     let assembly = sample.simulation.assembly();

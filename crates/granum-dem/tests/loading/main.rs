@@ -33,14 +33,7 @@ fn sample() -> Simulation {
             preparation.inertial_number = 3e-3;
             preparation.unbalanced_force = 2e-3;
         });
-        let hardware = Hardware::default();
-        let specification = SampleSpecification {
-            grains: &grains,
-            contact: &contact,
-            preparation: &preparation,
-            time_step_factor: 0.2,
-            hardware,
-        };
+        let specification = SampleSpecification::new(&grains, &contact, &preparation);
         prepare(&specification, &mut |_: &Progress| Flow::Continue).unwrap().simulation
     };
     SAMPLE.get_or_init(make).clone()

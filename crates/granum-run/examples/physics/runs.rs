@@ -9,7 +9,7 @@ use granum_dem::config::{
 use granum_dem::loading::{begin, follow, preset};
 use granum_dem::observer::{NoObserver, Observer};
 use granum_dem::preparation::{SampleSpecification, prepare, settle};
-use granum_dem::simulation::{Hardware, Properties, Simulation};
+use granum_dem::simulation::{Properties, Simulation};
 use granum_run::laboratory::{cell, spheres};
 use granum_sensors::{Recorder, Sensors};
 
@@ -64,7 +64,7 @@ pub fn sample(laws: Laws, count: usize, friction: f64, seed: u64) -> Result<Simu
         preparation.inertial_number = 2e-3;
         preparation.unbalanced_force = 2e-3;
     });
-    Ok(prepare(&specification(&grains, &contact, &preparation), &mut NoObserver)?.simulation)
+    Ok(prepare(&SampleSpecification::new(&grains, &contact, &preparation), &mut NoObserver)?.simulation)
 }
 
 /// A packing of another program, brought to rest.
@@ -74,15 +74,8 @@ pub fn packed(path: &std::path::Path) -> Result<Simulation, Box<dyn Error>> {
     let preparation = Preparation::default();
     let properties = Properties::new(grains.material, contact);
     let simulation = Simulation::new(cell(&packing), &spheres(&packing), properties)?;
-    Ok(settle(simulation, &specification(&grains, &contact, &preparation), &mut NoObserver)?.simulation)
-}
-
-fn specification<'a>(
-    grains: &'a Grains,
-    contact: &'a ContactModel,
-    preparation: &'a Preparation,
-) -> SampleSpecification<'a> {
-    SampleSpecification { grains, contact, preparation, time_step_factor: 0.2, hardware: Hardware::default() }
+    Ok(settle(simulation, &SampleSpecification::new(&grains, &contact, &preparation), &mut NoObserver)?
+        .simulation)
 }
 
 /// Settings of a test.

@@ -26,11 +26,8 @@ fn the_start_of_the_curves_is_that_of_lammps() {
     let preparation = Preparation::default().with(|preparation| preparation.unbalanced_force = 5e-3);
     let hardware = Hardware { threads: 2, ..Hardware::default() };
     let specification = SampleSpecification {
-        grains: &grains,
-        contact: &properties.contact,
-        preparation: &preparation,
-        time_step_factor: 0.2,
         hardware,
+        ..SampleSpecification::new(&grains, &properties.contact, &preparation)
     };
     let mut s = settle(simulation, &specification, &mut |_: &Progress| Flow::Continue).unwrap().simulation;
     s.set_hardware(hardware);

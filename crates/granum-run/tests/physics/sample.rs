@@ -7,7 +7,7 @@ use granum_core::cell::Cell;
 use granum_dem::config::{ContactModel, Grains, Material, NormalKind, Preparation, TangentialKind};
 use granum_dem::preparation::{Flow, Progress, SampleSpecification, prepare};
 use granum_dem::servo::CellControl;
-use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation};
+use granum_dem::simulation::{InitialSphere, Properties, Simulation};
 
 pub const MEAN_STRESS: f64 = 20e3;
 
@@ -40,9 +40,7 @@ pub fn prepared(grains: &Grains, contact: &ContactModel) -> Simulation {
         preparation.inertial_number = 3e-3;
         preparation.unbalanced_force = 2e-3;
     });
-    let hardware = Hardware::default();
-    let specification =
-        SampleSpecification { grains, contact, preparation: &preparation, time_step_factor: 0.2, hardware };
+    let specification = SampleSpecification::new(grains, contact, &preparation);
     prepare(&specification, &mut |_: &Progress| Flow::Continue).unwrap().simulation
 }
 

@@ -8,7 +8,7 @@ pub(super) const PRESET: Preset = Preset {
     help: "Proportional loading: the strains along y and z are constant multiples of that along x; or the stresses \
            are, which are first brought to these ratios at constant mean stress.",
     own: PARAMETERS,
-    faults: |_| None,
+    faults: |values| values.zero("axial_strain"),
     stages: |values| {
         let end = values.number("axial_strain");
         let by_stress = values.is("ratios_of", "stress");
