@@ -244,11 +244,11 @@ impl Formats {
         join::join(read, options)
     }
 
-    /// Writes observations in the format of that name, or else in that of the file's extension.
+    /// The format in which results are written: of the given name, or of the file's extension.
     ///
     /// # Errors
-    /// If no format has the name or the extension, or as for [`ResultFormat::write`].
-    pub fn write_results(&self, path: &Path, name: Option<&str>, observations: &[Observation]) -> Result<()> {
+    /// If no format that is written has that name or extension.
+    pub fn written_format(&self, path: &Path, name: Option<&str>) -> Result<&dyn ResultFormat> {
         let wanted = extension(path);
         let fits = |format: &&dyn ResultFormat| match name {
             Some(name) => {
@@ -256,14 +256,21 @@ impl Formats {
             }
             None => format.is_written() && format.extensions().contains(&wanted.as_str()),
         };
-        let Some(format) = self.results().find(fits) else {
+        self.results().find(fits).ok_or_else(|| {
             let known =
                 self.results().filter(|format| format.is_written()).flat_map(|format| format.extensions());
             let what = name.map_or_else(|| format!("\".{wanted}\""), |name| format!("{name:?}"));
             let message = format!("no format that granum writes is {what}; it may be {}", any_of(known));
-            return Err(Error::content(path, message));
-        };
-        format.write(path, observations)
+            Error::content(path, message)
+        })
+    }
+
+    /// Writes observations in the format of that name, or else in that of the file's extension.
+    ///
+    /// # Errors
+    /// If no format has the name or the extension, or as for [`ResultFormat::write`].
+    pub fn write_results(&self, path: &Path, name: Option<&str>, observations: &[Observation]) -> Result<()> {
+        self.written_format(path, name)?.write(path, observations)
     }
 
     /// Writes a packing in the format of the file's extension.

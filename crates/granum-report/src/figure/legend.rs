@@ -50,8 +50,11 @@ fn bare(kind: &Kind) -> Kind {
     kind
 }
 
+/// Widths are those of Helvetica; the letters of what takes its place where it is not installed, such as DejaVu Sans, are wider.
+const WIDEST_FONT: f64 = 1.13;
+
 fn entry_width(entry: &Entry) -> f64 {
-    SAMPLE + GAP + Rich::new(&entry.label).width(TICK_SIZE)
+    SAMPLE + GAP + WIDEST_FONT * Rich::new(&entry.label).width(TICK_SIZE)
 }
 
 /// Size of a legend with one entry per line.

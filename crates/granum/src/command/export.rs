@@ -45,7 +45,7 @@ pub struct Export {
     /// results grains or contacts.
     #[arg(long, value_name = "NAME", conflicts_with = "to")]
     table: Option<String>,
-    /// Snapshot of the run folder, or all in the order of their times; the one at its end by default.
+    /// Snapshot of the run folder, or all in the order of their times; the one at its end by default, of a prepared sample the only one.
     #[arg(long, value_name = "NAME")]
     snapshot: Option<String>,
     #[command(flatten)]
@@ -73,6 +73,9 @@ impl Export {
         check_output_file(&self.output, context.force)?;
         let formats = Formats::standard();
         let path = &self.output;
+        if let Some(name) = &self.to {
+            formats.written_format(path, Some(name))?;
+        }
         let run = match &self.data[..] {
             [folder] if folder.is_dir() => Some(Run::at(folder)?),
             _ => None,
@@ -108,7 +111,12 @@ impl Export {
     /// The snapshots of a run that are asked for.
     fn snapshots(&self, run: &Run) -> Result<Vec<Observation>, Failure> {
         let names = run.snapshots()?;
-        let wanted = self.snapshot.as_deref().unwrap_or("end");
+        // A sample that was prepared and not tested has one snapshot, that of its start.
+        let usual = match &names[..] {
+            [only] => only,
+            _ => "end",
+        };
+        let wanted = self.snapshot.as_deref().unwrap_or(usual);
         let chosen: Vec<&String> = names.iter().filter(|name| wanted == "all" || *name == wanted).collect();
         if chosen.is_empty() {
             let known = names.join(", ");
