@@ -72,8 +72,10 @@ pub struct Contact {
 
 impl Contact {
     /// Elastic force on grain i, N: `-N n + T`.
+    #[inline]
     pub fn force(&self) -> Vector {
-        std::array::from_fn(|a| self.tangential_force[a] - self.normal_force * self.normal[a])
+        let ([x, y, z], [a, b, c], n) = (self.tangential_force, self.normal, self.normal_force);
+        [x - n * a, y - n * b, z - n * c]
     }
 }
 

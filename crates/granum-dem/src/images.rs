@@ -1,6 +1,6 @@
 //! Periodic images: the displacement of a grain by whole edges of the cell, and its code.
 
-use granum_simd::{Row4, Row8};
+use granum_simd::{Row4, Row8, fused};
 
 use crate::cell::Cell;
 use granum_core::geometry::{apply, invert};
@@ -39,18 +39,22 @@ pub(crate) fn image_table(cell: &Cell) -> [Row4; IMAGES] {
 /// Moves grains into the cell; returns for each the image vector that was subtracted from its position.
 pub(crate) fn wrap(cell: &Cell, particles: &mut [Row8]) -> Vec<[i32; 3]> {
     let inverse = invert(&cell.edges);
-    particles
-        .iter_mut()
-        .map(|row| {
-            let fraction = apply(&inverse, [row.0[0], row.0[1], row.0[2]]);
-            let moved: [i32; 3] = fraction.map(|x| x.floor() as i32);
-            if moved != [0; 3] {
-                let back = cell.image(moved);
-                for a in 0..3 {
-                    row.0[a] -= back[a];
+    fused(
+        #[inline(always)]
+        || {
+            let mut moves = Vec::with_capacity(particles.len());
+            for row in particles {
+                let [x, y, z] = apply(&inverse, [row.0[0], row.0[1], row.0[2]]);
+                let moved = [x.floor() as i32, y.floor() as i32, z.floor() as i32];
+                if moved != [0; 3] {
+                    let back = cell.image(moved);
+                    for a in 0..3 {
+                        row.0[a] -= back[a];
+                    }
                 }
+                moves.push(moved);
             }
-            moved
-        })
-        .collect()
+            moves
+        },
+    )
 }

@@ -19,6 +19,7 @@ pub mod simulation;
 pub mod sizes;
 pub mod state;
 
+mod assembly_of_state;
 mod blocks;
 mod contact_sums;
 mod discarded;

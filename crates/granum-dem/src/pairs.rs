@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::cell::Cell;
 use crate::contact::interaction::Memory;
-use crate::contact::limits::{MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY};
 use crate::rows;
 use granum_core::geometry::{apply, invert};
 
@@ -94,31 +93,30 @@ impl Pairs {
         self.columns.iter().sum()
     }
 
-    /// History column `c` of batch `b`.
-    pub(crate) fn column(&self, b: usize, c: usize) -> &[f64; LANES] {
-        &self.memory[b * self.columns_in_all() + c].0
-    }
-
     /// The contact history in a slot.
     pub(crate) fn memory(&self, slot: usize) -> Memory<f64> {
+        let mut memory = Memory::new();
+        self.read_memory(slot, &mut memory);
+        memory
+    }
+
+    /// Reads the contact history in a slot. The columns that no law uses are left as they are.
+    #[inline(always)]
+    pub(crate) fn read_memory(&self, slot: usize, memory: &mut Memory<f64>) {
         let (b, l) = (slot / LANES, slot % LANES);
-        let mut history = [0.0; MAX_HISTORY];
-        for (c, value) in history.iter_mut().enumerate().take(self.columns[0] - NORMAL_COLUMNS) {
-            *value = self.column(b, NORMAL_COLUMNS + c)[l];
-        }
-        let mut moments = [0.0; MAX_MOMENT_HISTORY];
-        for (c, value) in moments.iter_mut().enumerate().take(self.columns[1]) {
-            *value = self.column(b, self.columns[0] + c)[l];
-        }
-        let mut adhesion = [0.0; MAX_ADHESION_HISTORY];
-        for (c, value) in adhesion.iter_mut().enumerate().take(self.columns[2]) {
-            *value = self.column(b, self.columns[0] + self.columns[1] + c)[l];
-        }
-        let mut loading = [0.0; MAX_NORMAL_HISTORY];
-        for (c, value) in loading.iter_mut().enumerate().take(self.columns[3]) {
-            *value = self.column(b, self.columns[..3].iter().sum::<usize>() + c)[l];
-        }
-        Memory { normal: [0, 1, 2].map(|c| self.column(b, c)[l]), history, moments, adhesion, loading }
+        let all = self.columns_in_all();
+        let mut rows = self.memory[b * all..(b + 1) * all].iter();
+        let [of_contact, moments, adhesion, loading] = self.columns;
+        let mut fill = |values: &mut [f64], count: usize| {
+            for (value, row) in values.iter_mut().zip(rows.by_ref().take(count)) {
+                *value = row.0[l];
+            }
+        };
+        fill(&mut memory.normal, NORMAL_COLUMNS);
+        fill(&mut memory.history, of_contact - NORMAL_COLUMNS);
+        fill(&mut memory.moments, moments);
+        fill(&mut memory.adhesion, adhesion);
+        fill(&mut memory.loading, loading);
     }
 
     pub(crate) fn set_memory(&mut self, slot: usize, memory: &Memory<f64>) {
@@ -165,7 +163,10 @@ impl Pairs {
 
     /// Slots of the pairs that touched in the last step.
     pub(crate) fn touching(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.batches() * LANES).filter(|&slot| self.touched(slot))
+        let batches = self.marks.iter().enumerate().filter(|(_, marks)| marks.touched != 0);
+        batches.flat_map(|(b, marks)| {
+            (0..LANES).filter(|l| marks.touched >> l & 1 != 0).map(move |l| b * LANES + l)
+        })
     }
 }
 

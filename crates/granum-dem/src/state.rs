@@ -1,15 +1,11 @@
 //! The complete state of a simulation at one instant: the content of a checkpoint, and what sensors observe.
 
-use granum_simd::{LANES, Row4, Row8};
+use granum_simd::{Row4, Row8};
 use serde::{Deserialize, Serialize};
 
-use crate::assembly::{Assembly, Contact, EnergyBalance, Grain, Matrix};
+use crate::assembly::{EnergyBalance, Matrix};
 use crate::cell::Cell;
-use crate::config::ContactModel;
-use crate::contact::constants::PairConstants;
-use crate::contact::law;
 use crate::contact_sums::ContactSums;
-use crate::images::{self, image_vector};
 use crate::inner_list::InnerList;
 use crate::loading::measure::MacroState;
 use crate::pairs::{Pairs, resultant};
@@ -341,122 +337,8 @@ impl State {
         self.pairs.contacts()
     }
 
-    /// A picture for sensors.
-    pub(crate) fn assembly(
-        &self,
-        constants: impl Fn(usize) -> PairConstants<f64>,
-        laws: &ContactModel,
-        materials: Vec<String>,
-    ) -> Assembly {
-        let n = self.grains();
-        let mut order: Vec<usize> = (0..n).collect();
-        order.sort_unstable_by_key(|&g| self.ids[g]);
-        let mut rank = vec![0usize; n];
-        for (r, &g) in order.iter().enumerate() {
-            rank[g] = r;
-        }
-        let mut inside = self.particles[..n].to_vec();
-        images::wrap(&self.cell, &mut inside);
-        let grains = order
-            .iter()
-            .map(|&g| {
-                let total = self.resultant(g);
-                let (p, w) = (&self.particles[g].0, &self.spin[g].0);
-                Grain {
-                    id: self.ids[g],
-                    position: [inside[g].0[0], inside[g].0[1], inside[g].0[2]],
-                    velocity: [p[4], p[5], p[6]],
-                    spin: [w[0], w[1], w[2]],
-                    radius: p[3],
-                    mass: p[7],
-                    force: [total[0], total[1], total[2]],
-                    torque: [p[3] * total[4], p[3] * total[5], p[3] * total[6]],
-                    material: self.materials.get(g).copied().unwrap_or(0).into(),
-                }
-            })
-            .collect();
-        let sorted = |slots: &mut dyn Iterator<Item = usize>| {
-            let mut order: Vec<[usize; 3]> = slots.map(|slot| self.ranks_of_pair(slot, &rank)).collect();
-            order.sort_unstable();
-            let mut contacts: Vec<Contact> =
-                order.iter().map(|&[_, _, slot]| self.contact(slot, &rank, &constants, laws)).collect();
-            // Images of one pair, in a small cell, by their branch vectors.
-            for images in contacts.chunk_by_mut(|a, b| (a.i, a.j) == (b.i, b.j)) {
-                images.sort_unstable_by(|a, b| a.branch[0].total_cmp(&b.branch[0]));
-            }
-            contacts
-        };
-        let contacts = sorted(&mut self.pairs.touching());
-        let apart = sorted(&mut self.pairs.apart());
-        Assembly {
-            time: self.time,
-            step: self.step,
-            time_step: self.dt,
-            cell: self.cell.edges,
-            velocity_gradient: self.gradient,
-            strain: self.strain,
-            arc_length: self.arc_length(),
-            target_mean_stress: self.target_mean_stress(),
-            grains,
-            contacts,
-            apart,
-            materials,
-            energy: self.energy_balance,
-        }
-    }
-
     /// The target of the mean stress, if the control has one.
     pub fn target_mean_stress(&self) -> Option<f64> {
         self.control.target_mean_stress(self.time)
-    }
-
-    /// The ranks of the grains of a pair, the lower one first, and its slot: sorting these is cheaper than sorting contacts.
-    fn ranks_of_pair(&self, slot: usize, rank: &[usize]) -> [usize; 3] {
-        let (b, l) = (slot / LANES, slot % LANES);
-        let (i, j) = (rank[self.pairs.first[b][l] as usize], rank[self.pairs.second[b][l] as usize]);
-        [i.min(j), i.max(j), slot]
-    }
-
-    fn contact(
-        &self,
-        slot: usize,
-        rank: &[usize],
-        constants: impl Fn(usize) -> PairConstants<f64>,
-        laws: &ContactModel,
-    ) -> Contact {
-        let (b, l) = (slot / LANES, slot % LANES);
-        let (i, j) = (self.pairs.first[b][l] as usize, self.pairs.second[b][l] as usize);
-        let image = self.cell.image(image_vector(self.pairs.image[b][l]));
-        let branch: [f64; 3] =
-            std::array::from_fn(|k| self.particles[j].0[k] + image[k] - self.particles[i].0[k]);
-        let distance = (branch[0] * branch[0] + branch[1] * branch[1] + branch[2] * branch[2]).sqrt();
-        let pair = constants(slot);
-        let approach = pair.radius_sum - distance;
-        let memory = self.pairs.memory(slot);
-        let touching = self.pairs.touched(slot);
-        let attraction = laws.attraction(&pair, approach, touching, &memory);
-        let attraction_energy = laws.attraction_energy(&pair, approach, &memory);
-        // A pair apart has what acts at a distance alone.
-        let contact_of = |overlap: f64| laws.normal_contact_of(&pair, overlap, &memory);
-        let normal = if touching { contact_of(approach) } else { contact_of(-pair.radius_sum) };
-        let t = law::tangential_force(&memory);
-        // By rank, so that i < j holds for ids whatever the storage order.
-        let sign = if rank[i] <= rank[j] { 1.0 } else { -1.0 };
-        let (first, second) = if sign > 0.0 { (i, j) } else { (j, i) };
-        Contact {
-            i: rank[first],
-            j: rank[second],
-            branch: branch.map(|x| sign * x),
-            normal: branch.map(|x| sign * x / distance),
-            approach,
-            normal_force: normal.force - attraction,
-            tangential_force: t.map(|x| sign * x),
-            radius: normal.radius,
-            sliding: self.pairs.sliding(slot),
-            normal_energy: if touching { laws.normal_energy(&pair, approach, &memory) } else { 0.0 },
-            tangential_energy: laws.tangential_energy(&pair, &normal, &memory),
-            rolling_energy: laws.moment_energy(&pair, &memory),
-            attraction_energy,
-        }
     }
 }

@@ -41,8 +41,7 @@ impl Sensor for Fabric {
     }
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
-        let (strong, strong_count) = fabric(observation, |contact| observation.is_strong(contact));
-        let (weak, weak_count) = fabric(observation, |contact| !observation.is_strong(contact));
+        let [(weak, weak_count), (strong, strong_count)] = fabrics(observation, |c| observation.is_strong(c));
         let count = (strong_count + weak_count).max(1) as f64;
         let (a, b) = (strong_count as f64 / count, weak_count as f64 / count);
         let all: Matrix = std::array::from_fn(|i| std::array::from_fn(|j| a * strong[i][j] + b * weak[i][j]));
@@ -54,13 +53,20 @@ impl Sensor for Fabric {
 
 /// Fabric tensor of the selected contacts, and their number; zero without any.
 pub fn fabric(observation: &Observation, chosen: impl Fn(&Contact) -> bool) -> (Matrix, usize) {
-    let mut sum = [[0.0; 3]; 3];
-    let mut count = 0;
-    for contact in observation.assembly.contacts.iter().filter(|contact| chosen(contact)) {
-        add_dyad(&mut sum, 1.0, &contact.normal, &contact.normal);
-        count += 1;
+    let [_, of_chosen] = fabrics(observation, chosen);
+    of_chosen
+}
+
+/// Fabric tensors of the contacts that are not selected and of those that are, and their numbers.
+fn fabrics(observation: &Observation, chosen: impl Fn(&Contact) -> bool) -> [(Matrix, usize); 2] {
+    let mut sums = [([[0.0; 3]; 3], 0); 2];
+    for contact in &observation.assembly.contacts {
+        // An index instead of a branch, which no processor could predict.
+        let (sum, count) = &mut sums[usize::from(chosen(contact))];
+        add_dyad(sum, 1.0, &contact.normal, &contact.normal);
+        *count += 1;
     }
-    if count == 0 { (sum, 0) } else { (scaled(&sum, 1.0 / count as f64), count) }
+    sums.map(|(sum, count)| if count == 0 { (sum, 0) } else { (scaled(&sum, 1.0 / count as f64), count) })
 }
 
 /// Deviator fabric `phi_d` of all contacts.

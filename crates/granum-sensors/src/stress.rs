@@ -93,15 +93,16 @@ impl Stress {
         if observation.volume == 0.0 {
             return stress;
         }
+        let mut sums = [[[[0.0; 3]; 3]; 2]; 2];
         for contact in &observation.assembly.contacts {
-            let (normal, tangential) = if observation.is_strong(contact) {
-                (&mut stress.strong_normal, &mut stress.strong_tangential)
-            } else {
-                (&mut stress.weak_normal, &mut stress.weak_tangential)
-            };
+            // An index instead of a branch, which no processor could predict.
+            let [normal, tangential] = &mut sums[usize::from(observation.is_strong(contact))];
             add_dyad(normal, contact.normal_force, &contact.normal, &contact.branch);
             add_dyad(tangential, -1.0, &contact.tangential_force, &contact.branch);
         }
+        let [weak, strong] = sums;
+        [stress.weak_normal, stress.weak_tangential] = weak;
+        [stress.strong_normal, stress.strong_tangential] = strong;
         // Pairs that act on each other without touching: tension, and so weak.
         for pair in &observation.assembly.apart {
             add_dyad(&mut stress.weak_normal, pair.normal_force, &pair.normal, &pair.branch);

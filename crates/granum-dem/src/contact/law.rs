@@ -213,6 +213,24 @@ pub struct Normal<R: Real> {
     pub touching: R::Mask,
 }
 
+impl<R: Real> Normal<R> {
+    /// A pair that does not touch.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = R::zero();
+        Normal {
+            force: zero,
+            radius: zero,
+            stiffness: zero,
+            root_stiffness: zero,
+            tangential_measure: zero,
+            root_tangential_measure: zero,
+            friction_load: zero,
+            touching: granum_simd::Mask::splat(false),
+        }
+    }
+}
+
 /// Energy that no force returns when a contact forms or breaks, J.
 #[derive(Clone, Copy)]
 pub struct AdhesionLosses<R> {

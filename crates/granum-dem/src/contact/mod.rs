@@ -22,6 +22,7 @@ pub mod law;
 pub mod limits;
 pub mod memory;
 pub mod normal;
+pub mod observed;
 pub mod pair;
 pub mod pair_properties;
 pub mod parameters;

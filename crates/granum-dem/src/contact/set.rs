@@ -205,64 +205,6 @@ impl ContactModel {
         self.normal.law().of_touching(&constants.normal, overlap, &[0.0; MAX_NORMAL_HISTORY])
     }
 
-    /// The contact of a touching pair at its present overlap, m, with its history.
-    pub(crate) fn normal_contact_of(
-        &self,
-        constants: &PairConstants<f64>,
-        overlap: f64,
-        memory: &Memory<f64>,
-    ) -> Normal<f64> {
-        self.normal.law().of_touching(&constants.normal, overlap, &memory.loading)
-    }
-
-    /// Elastic energy of the overlap, J.
-    pub(crate) fn normal_energy(
-        &self,
-        constants: &PairConstants<f64>,
-        overlap: f64,
-        memory: &Memory<f64>,
-    ) -> f64 {
-        self.normal.law().stored(&constants.normal, overlap, &memory.loading)
-    }
-
-    /// Elastic energy of the tangential displacement, J.
-    pub(crate) fn tangential_energy(
-        &self,
-        constants: &PairConstants<f64>,
-        normal: &Normal<f64>,
-        memory: &Memory<f64>,
-    ) -> f64 {
-        let law = self.tangential.law();
-        let [stiffness, _] = law.stiffness(&constants.tangential, normal);
-        law.energy(&constants.tangential, stiffness, &memory.history)
-    }
-
-    /// Elastic energy of rolling and twisting, J.
-    pub(crate) fn moment_energy(&self, constants: &PairConstants<f64>, memory: &Memory<f64>) -> f64 {
-        self.rolling.law().energy(&constants.rolling, &memory.moments)
-    }
-
-    /// Force of the adhesion law, N, at an overlap, m, with this history.
-    pub(crate) fn attraction(
-        &self,
-        constants: &PairConstants<f64>,
-        overlap: f64,
-        touching: bool,
-        memory: &Memory<f64>,
-    ) -> f64 {
-        self.adhesion.law().force(&constants.adhesion, overlap, touching, &memory.adhesion)
-    }
-
-    /// Energy of that attraction, J.
-    pub(crate) fn attraction_energy(
-        &self,
-        constants: &PairConstants<f64>,
-        overlap: f64,
-        memory: &Memory<f64>,
-    ) -> f64 {
-        self.adhesion.law().energy(&constants.adhesion, overlap, &memory.adhesion)
-    }
-
     /// Largest distance of the surfaces at which grains interact without touching, m.
     pub fn range(&self, constants: &PairConstants<f64>) -> f64 {
         self.adhesion.law().range(&constants.adhesion)

@@ -17,6 +17,7 @@ use super::law::{
     AdhesionLaw, AdhesionLosses, Description, MomentLaw, Normal, NormalLaw, NormalTraits, RelativeSpin,
     TangentialLaw,
 };
+use super::observed::ObservedContact;
 use super::steps::{adhesion_step, moment_step, normal_step, tangential_step};
 use crate::contact::limits::{
     LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY,
@@ -166,13 +167,8 @@ pub trait NormalSlot: Send + Sync {
     fn evaluate(&self, isa: Isa, count: Count, sheet: &mut Sheet<'_>);
     /// [`NormalLaw::loaded`].
     fn loaded(&self, pair: &PairProperties, parameters: &[f64], load: f64) -> Normal<f64>;
-    /// [`NormalLaw::stored`].
-    fn stored(
-        &self,
-        constants: &[f64; LAW_CONSTANTS],
-        overlap: f64,
-        history: &[f64; MAX_NORMAL_HISTORY],
-    ) -> f64;
+    /// [`NormalLaw::update`] and [`NormalLaw::stored`] for pairs with their histories.
+    fn observe(&self, contacts: &mut [ObservedContact]);
     /// [`NormalLaw::breaking_overlap`].
     fn breaking_overlap(&self, constants: &[f64; LAW_CONSTANTS]) -> f64;
     /// [`NormalLaw::update`] for one contact that touched with this history.
@@ -207,16 +203,18 @@ impl<N: NormalLaw> NormalSlot for N {
     fn loaded(&self, pair: &PairProperties, parameters: &[f64], load: f64) -> Normal<f64> {
         N::loaded(pair, parameters, load)
     }
-    fn stored(
-        &self,
-        constants: &[f64; LAW_CONSTANTS],
-        overlap: f64,
-        history: &[f64; MAX_NORMAL_HISTORY],
-    ) -> f64 {
+    fn observe(&self, contacts: &mut [ObservedContact]) {
         fused(
             #[inline(always)]
-            || N::stored(constants, overlap, history),
-        )
+            || {
+                for c in contacts {
+                    let (constants, overlap) = (&c.constants.normal, c.overlap_of_contact());
+                    c.contact = N::update(constants, overlap, true, &mut { c.memory.loading }).0;
+                    let stored = N::stored(constants, overlap, &c.memory.loading);
+                    c.normal_energy = if c.touching { stored } else { 0.0 };
+                }
+            },
+        );
     }
     fn breaking_overlap(&self, constants: &[f64; LAW_CONSTANTS]) -> f64 {
         N::breaking_overlap(constants)
@@ -262,8 +260,8 @@ pub trait TangentialSlot: Send + Sync {
     fn discarded(&self, isa: Isa, count: Count, sheet: &mut Sheet<'_>);
     /// [`TangentialLaw::stiffness`] and [`TangentialLaw::step_stiffness`] for one contact.
     fn stiffness(&self, constants: &[f64; LAW_CONSTANTS], normal: &Normal<f64>) -> [f64; 2];
-    /// [`TangentialLaw::energy`].
-    fn energy(&self, constants: &[f64; LAW_CONSTANTS], stiffness: f64, history: &[f64; MAX_HISTORY]) -> f64;
+    /// [`TangentialLaw::energy`] for pairs whose normal part is known.
+    fn observe(&self, contacts: &mut [ObservedContact]);
 }
 
 impl<T: TangentialLaw> TangentialSlot for T {
@@ -301,11 +299,17 @@ impl<T: TangentialLaw> TangentialSlot for T {
     fn stiffness(&self, constants: &[f64; LAW_CONSTANTS], normal: &Normal<f64>) -> [f64; 2] {
         [T::stiffness(constants, normal), T::step_stiffness(constants, normal)]
     }
-    fn energy(&self, constants: &[f64; LAW_CONSTANTS], stiffness: f64, history: &[f64; MAX_HISTORY]) -> f64 {
+    fn observe(&self, contacts: &mut [ObservedContact]) {
         fused(
             #[inline(always)]
-            || T::energy(constants, stiffness, history),
-        )
+            || {
+                for c in contacts {
+                    let constants = &c.constants.tangential;
+                    let stiffness = T::stiffness(constants, &c.contact);
+                    c.tangential_energy = T::energy(constants, stiffness, &c.memory.history);
+                }
+            },
+        );
     }
 }
 

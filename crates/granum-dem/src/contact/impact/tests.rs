@@ -84,7 +84,7 @@ fn wet_grains_lose_what_their_bridge_held() {
         let constants = wet.constants(&pair);
         let apart = wet.range(&constants);
         let bridged = Memory { adhesion: [1.0, 0.0, 0.0, 0.0], ..Memory::new() };
-        let held = wet.attraction_energy(&constants, -apart, &bridged);
+        let held = wet.adhesion.law().energy(&constants.adhesion, -apart, &bridged.adhesion);
         let least = (2.0 * held / pair.effective_mass).sqrt();
         for times in [1.2, 2.0, 5.0] {
             let impact = collide(&wet, &smooth(), DIAMETER, times * least, 0.0).unwrap();

@@ -7,6 +7,7 @@ use super::{ALL, Bench, LawPair, spheres};
 use crate::contact::kind::{NormalKind, TangentialKind};
 use crate::contact::law::{NormalLaw, TangentialLaw};
 use crate::contact::normal::Hertz;
+use crate::contact::observed::ObservedContact;
 use crate::contact::tangential::MindlinDeresiewicz;
 
 /// Sums over a path.
@@ -39,8 +40,11 @@ impl Bench {
         sums.friction += out.friction_loss;
         sums.micro_slip += out.micro_slip_loss;
         sums.size += 0.3 * self.friction_load(approach) * slip[0].hypot(slip[1]);
-        let law = self.contact.tangential.law();
-        sums.stored = law.energy(&self.constants.tangential, out.tangential_stiffness, &self.memory.history);
+        let new = ObservedContact::new(self.constants);
+        let mut observed =
+            [ObservedContact { memory: self.memory, overlap: approach, touching: true, ..new }];
+        self.contact.observe(&mut observed);
+        sums.stored = observed[0].tangential_energy;
     }
 
     /// A displacement in one direction, with a linear change of the approach from one value to another.
