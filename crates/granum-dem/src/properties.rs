@@ -49,7 +49,7 @@ impl Properties {
     pub fn of(grains: &Grains, contact: &ContactModel, seed: u64) -> Properties {
         Properties {
             material: grains.material,
-            contact: *contact,
+            contact: contact.with_all_parameters(),
             mixture: grains.mixture.clone().with_seed(seed),
         }
     }

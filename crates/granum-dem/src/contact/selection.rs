@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::check::parameters_of;
 use super::kind::{AdhesionKind, NormalKind, RollingKind, TangentialKind};
 use super::parameters::ParameterValues;
 
@@ -91,6 +92,16 @@ impl ContactModel {
     pub const fn new(normal: NormalKind, tangential: TangentialKind, damping: f64) -> ContactModel {
         let (rolling, adhesion) = (RollingKind::NONE, AdhesionKind::NONE);
         ContactModel { normal, tangential, rolling, adhesion, damping, parameters: ParameterValues::NONE }
+    }
+
+    /// The same with a value for every parameter of its laws, where none is given the default: two models that mean the same are
+    /// then equal, and have the same bytes in a checkpoint.
+    pub fn with_all_parameters(mut self) -> ContactModel {
+        for parameter in parameters_of(&self) {
+            // A registered set has room for the parameters of its laws; more are refused before a simulation begins.
+            let _ = self.parameters.set(parameter.key, self.parameters.value(parameter));
+        }
+        self
     }
 
     /// Largest stable `dt sqrt(k_t / m)` of a grain that spins in phase with its neighbours, at Z contacts of the tangential

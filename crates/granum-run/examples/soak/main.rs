@@ -3,8 +3,8 @@
 //! memory does not grow.
 //!
 //! ```text
-//! cargo run --release -p granum-learn --example soak -- --seconds 3600 --seed 1
-//! cargo run --release -p granum-learn --example soak -- --case soak-failures/case-17.toml
+//! cargo run --release -p granum-run --example soak -- --seconds 3600 --seed 1
+//! cargo run --release -p granum-run --example soak -- --case soak-failures/case-17.toml
 //! ```
 
 mod draw;

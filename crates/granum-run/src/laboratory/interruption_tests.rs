@@ -4,6 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use granum_dem::config::{AdhesionKind, ContactModel, NormalKind, TangentialKind};
 use granum_dem::observer::{Flow, NoObserver, Observer, Progress};
 use granum_dem::simulation::Hardware;
 use granum_io::Case;
@@ -103,6 +104,26 @@ fn a_run_stopped_again_and_again_ends_in_the_same_bytes() {
     assert_same(&straight, &broken);
     assert_eq!((&record.steps, &record.measures), (&whole.steps, &whole.measures));
     assert_eq!((&record.quality, &record.phase, record.grains), (&whole.quality, &whole.phase, whole.grains));
+}
+
+/// A program may set a parameter to its default; a case that is read from a file takes such a value as not given.
+#[test]
+fn parameters_set_to_their_defaults_give_the_same_bytes_after_a_resumption() {
+    let base = tempfile::tempdir().unwrap();
+    let mut case = searching();
+    case.preparation.friction = Some(0.1);
+    case.contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.2);
+    case.contact.adhesion = AdhesionKind::VAN_DER_WAALS;
+    case.contact.parameters.set("least_separation", 4e-10).unwrap();
+    case.grains.material.interface_energy = 0.0;
+    let lab = laboratory();
+    let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
+    lab.shear(&case, &Source::Case, &straight, &mut NoObserver).unwrap();
+    let broken = RunFolder::create(base.path().join("broken"), false).unwrap();
+    let record = lab.shear(&case, &Source::Case, &broken, &mut Stopper::after(3)).unwrap();
+    assert_eq!(record.phase, "compaction");
+    lab.resume(&broken, &mut NoObserver).unwrap();
+    assert_same(&straight, &broken);
 }
 
 /// A test of several stages: a consolidation, a standard path and a user-defined stage.
