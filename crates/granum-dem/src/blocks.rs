@@ -354,12 +354,11 @@ mod tests {
         assert_eq!(slid(&again), slid(&pairs));
         for slot in real(&again) {
             let (r, d) = branch(&again, &cell, &particles, slot);
-            let (b, l) = (slot / LANES, slot % LANES);
             for a in 0..3 {
-                assert!((again.column(b, a)[l] - r[a] / d).abs() < 1e-12);
-                assert!((again.column(b, 3 + a)[l] - r[a]).abs() < 1e-12);
+                assert!((again.memory(slot).normal[a] - r[a] / d).abs() < 1e-12);
+                assert!((again.memory(slot).history[a] - r[a]).abs() < 1e-12);
             }
-            assert!((again.column(b, 6)[l] - d).abs() < 1e-12);
+            assert!((again.memory(slot).history[3] - d).abs() < 1e-12);
         }
         for g in 0..COUNT {
             assert_eq!(sum(&again, new_place[g] as usize), before[g]);

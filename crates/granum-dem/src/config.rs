@@ -98,6 +98,10 @@ pub struct Preparation {
     /// Coefficient of friction during compaction; `None`: found such that `solid_fraction` is met or, without a target, the
     /// friction of the material.
     pub friction: Option<f64>,
+    /// Mean stress at which the grains are compacted, Pa; `None`: the target mean stress or, where the target density needs it, a
+    /// smaller one. The relaxation brings the sample to the target mean stress.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compaction_stress: Option<f64>,
     /// Interface energy during compaction, J/m2.
     pub interface_energy: f64,
     /// Coefficient of rolling friction during compaction; `None`: as the contact law has it. A sample whose contact law has no
@@ -178,6 +182,7 @@ impl Default for Preparation {
             mean_stress: 20e3,
             initial_solid_fraction: 0.35,
             friction: None,
+            compaction_stress: None,
             interface_energy: 0.0,
             rolling_friction: None,
             cycles: 0,

@@ -1,17 +1,18 @@
 //! Preparation of a sample: random insertion from a seed, isotropic compression, relaxation with the final properties.
 //!
 //! 1. **Random insertion**: grains at random positions without overlap ([`crate::random_insertion`]).
-//! 2. **Compaction**: all axes are servo-controlled to the target mean stress, with the friction and interface energy of
+//! 2. **Compaction**: all axes are servo-controlled to the mean stress of the compaction, with the friction and interface energy of
 //!    the preparation; the strain rate is bounded by an inertial number, which is ten times larger while the grains carry hardly
-//!    any load.
+//!    any load. This stress is the target mean stress unless the preparation prescribes a smaller one, which makes looser samples.
 //! 3. **Cycles**, if the preparation has any: the axial strain is cycled at constant mean stress, which makes the sample denser.
 //! 4. **Relaxation**: the final friction and interface energy are set (contacts keep their history), and the servo holds
 //!    the stress until the unbalanced force is small.
 //!
 //! A slight global damping of the fluctuating velocities acts in all of them and is switched off in every test after them.
 //!
-//! A target solid fraction is met by searching for the friction of the preparation: with less friction the sample becomes
-//! denser. Each trial is a complete preparation from the same seed.
+//! A target solid fraction is met by searching for the procedure ([`Procedure`]): with less friction the sample becomes denser, and
+//! beyond that with strain cycles; with the friction of the grains it becomes looser, and beyond that with a smaller stress of the
+//! compaction. Each trial is a complete preparation from the same seed.
 //!
 //! A packing that was made elsewhere replaces the random insertion if it is loose ([`is_loose`]): it is then compacted and
 //! relaxed by the same rules, and every trial starts from it again. A packing that carries its load is only brought to rest.
@@ -23,12 +24,13 @@
 //! can be saved at any check and resumed.
 
 mod cycles;
-mod friction_search;
+mod procedure_search;
 mod progress;
 
 use serde::{Deserialize, Serialize};
 
-use self::friction_search::{next_friction, repeats};
+pub use self::procedure_search::Procedure;
+use self::procedure_search::{Line, repeats};
 pub use self::progress::{Sample, Trial};
 use crate::config::{Grains, Numerics, Preparation};
 use crate::contact::selection::ContactModel;
@@ -45,7 +47,7 @@ const LOADED: f64 = 0.02;
 const LOOSE_COMPRESSION: f64 = 10.0;
 /// Rate of global damping relative to the frequency sqrt(k/m) of a contact at the target stress.
 const GLOBAL_DAMPING: f64 = 0.005;
-/// Largest number of trials for the friction of the preparation.
+/// Largest number of trials for the procedure of the preparation.
 const MOST_TRIALS: usize = 8;
 /// Number of checks in a row that must find the goal of a phase reached.
 const CHECKS_TO_CONVERGE: u32 = 3;
@@ -138,8 +140,10 @@ pub struct PreparationState {
     /// Simulated time of completed phases, s.
     #[serde(default)]
     time: f64,
-    /// Coefficient of friction of this trial; `None` where a packing is only brought to rest.
-    friction: Option<f64>,
+    /// The procedure of this trial; `None` where a packing is only brought to rest.
+    procedure: Option<Procedure>,
+    /// Its position in the search.
+    position: f64,
     stage: Stage,
     /// Number of checks in a row that found the goal of the phase reached.
     converged_checks: u32,
@@ -148,10 +152,11 @@ pub struct PreparationState {
     packing: bool,
 }
 
-/// The next trial for the friction of the preparation, and the results of the trials before.
+/// The next trial for the procedure of the preparation, and the results of the trials before.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NextTrial {
-    friction: f64,
+    procedure: Procedure,
+    position: f64,
     trials: Vec<Trial>,
     steps: u64,
     time: f64,
@@ -160,18 +165,20 @@ pub struct NextTrial {
 impl NextTrial {
     /// The first trial of a specification.
     pub fn first(specification: &SampleSpecification) -> NextTrial {
-        let p = specification.preparation;
-        let friction = match (p.friction, p.target()) {
-            (Some(friction), _) => friction,
-            (None, Some(target)) => next_friction(&[], target),
-            (None, None) => specification.grains.mean_friction(),
+        let (p, own) = (specification.preparation, specification.grains.mean_friction());
+        let line = Line::new(p, own);
+        let position = match (p.friction, p.target()) {
+            (None, Some(target)) => line.next(&[], target),
+            _ => own,
         };
-        NextTrial { friction, trials: Vec::new(), steps: 0, time: 0.0 }
+        let mut procedure = line.procedure(position);
+        procedure.friction = p.friction.unwrap_or(procedure.friction);
+        NextTrial { procedure, position, trials: Vec::new(), steps: 0, time: 0.0 }
     }
 
     /// Material and contact laws during the compaction of this trial.
     pub fn properties(&self, specification: &SampleSpecification) -> Properties {
-        specification.properties().while_compacting(specification.preparation, self.friction)
+        specification.properties().while_compacting(specification.preparation, self.procedure.friction)
     }
 }
 
@@ -232,12 +239,12 @@ impl PreparationState {
         }
     }
 
-    /// Coefficient of friction during compaction; `None` where nothing is compacted.
-    pub fn friction(&self) -> Option<f64> {
-        self.friction
+    /// The procedure of the compaction; `None` where nothing is compacted.
+    pub fn procedure(&self) -> Option<Procedure> {
+        self.procedure
     }
 
-    /// Number of the present trial for the friction of the preparation, from 1.
+    /// Number of the present trial of the search, from 1.
     pub fn trial(&self) -> usize {
         self.trials.len() + 1
     }
@@ -327,7 +334,8 @@ impl Preparing {
             trials: Vec::new(),
             steps: 0,
             time: 0.0,
-            friction: None,
+            procedure: None,
+            position: 0.0,
             stage,
             converged_checks: 0,
             packing: true,
@@ -342,7 +350,7 @@ impl Preparing {
         next: NextTrial,
     ) -> Preparing {
         let diameter = simulation.mean_diameter();
-        let loaded = simulation.state().mean_stress() > LOADED * specification.preparation.mean_stress;
+        let loaded = simulation.state().mean_stress() > LOADED * next.procedure.mean_stress;
         let mut preparing = Preparing::compaction(simulation, specification, next, diameter);
         preparing.progress.packing = true;
         if let (true, Stage::Compaction { slow, loaded, .. }) = (loaded, &mut preparing.progress.stage) {
@@ -369,18 +377,19 @@ impl Preparing {
         diameter: f64,
     ) -> Preparing {
         let p = specification.preparation;
-        let NextTrial { friction, trials, steps, time } = next;
+        let NextTrial { procedure, position, trials, steps, time } = next;
         s.set_time_step_factor(specification.time_step_factor);
         s.expect_force(p.mean_stress * diameter.powi(2));
         damp_globally(&mut s, specification);
-        let slow = s.strain_rate(p.inertial_number, p.mean_stress);
-        s.set_control(CellControl::isotropic(p.mean_stress, LOOSE_COMPRESSION * slow));
+        let slow = s.strain_rate(p.inertial_number, procedure.mean_stress);
+        s.set_control(CellControl::isotropic(procedure.mean_stress, LOOSE_COMPRESSION * slow));
         let stage = Stage::Compaction { slow, limit: most_steps(&s, slow), loaded: false };
         let progress = PreparationState {
             trials,
             steps,
             time,
-            friction: Some(friction),
+            procedure: Some(procedure),
+            position,
             stage,
             converged_checks: 0,
             packing: false,
@@ -440,8 +449,9 @@ impl Preparing {
     fn check_compaction(&mut self, specification: &SampleSpecification) -> Result<(), PreparationError> {
         let p = specification.preparation;
         let (s, progress) = (&mut self.simulation, &mut self.progress);
+        let Some(procedure) = progress.procedure else { return Ok(()) };
         let Stage::Compaction { slow, limit, loaded } = &mut progress.stage else { return Ok(()) };
-        let ratio = s.state().mean_stress() / p.mean_stress;
+        let ratio = s.state().mean_stress() / procedure.mean_stress;
         if !*loaded && ratio > LOADED {
             *loaded = true;
             s.set_rate_limit(*slow);
@@ -457,22 +467,23 @@ impl Preparing {
                 steps: step,
                 mean_stress: s.state().mean_stress(),
                 solid_fraction: s.state().solid_fraction(),
-                target: p.mean_stress,
+                target: procedure.mean_stress,
             });
         }
-        if p.cycles == 0 {
+        if procedure.cycles == 0 {
             return self.relax(specification);
         }
         progress.count(s);
-        cycles::begin(s, p);
+        cycles::begin(s, p, procedure.mean_stress);
         progress.stage = Stage::Cycles { turns: 0 };
         Ok(())
     }
 
     /// Reverses the axial strain rate at the ends of a cycle, and starts the relaxation after the last cycle.
     fn check_cycles(&mut self, specification: &SampleSpecification) -> Result<(), PreparationError> {
+        let cycles = self.progress.procedure.map_or(0, |procedure| procedure.cycles);
         let Stage::Cycles { turns } = &mut self.progress.stage else { return Ok(()) };
-        if cycles::turned(&mut self.simulation, specification.preparation, turns) {
+        if cycles::turned(&mut self.simulation, specification.preparation, cycles, turns) {
             self.relax(specification)
         } else {
             Ok(())
@@ -501,7 +512,7 @@ impl Preparing {
         (state.step() >= limit).then_some(false)
     }
 
-    /// Returns the finished sample, or the next friction to try.
+    /// Returns the finished sample, or the next procedure to try.
     fn end_trial(self, specification: &SampleSpecification, settled: bool) -> Ended {
         let p = specification.preparation;
         let Preparing { mut simulation, progress } = self;
@@ -512,14 +523,16 @@ impl Preparing {
         let time = progress.time + state.time();
         let mut trials = progress.trials;
         let mut solid_fraction_met = true;
-        if let Some(friction) = progress.friction {
-            trials.push(Trial { friction, solid_fraction });
+        if let Some(procedure) = progress.procedure {
+            trials.push(Trial { solid_fraction, ..procedure.trial(progress.position) });
             if let Some(target) = p.target() {
                 solid_fraction_met = (solid_fraction - target).abs() <= p.solid_fraction_tolerance;
                 let over = p.friction.is_some() || trials.len() >= MOST_TRIALS || repeats(&trials);
                 if !solid_fraction_met && !over {
-                    let friction = next_friction(&trials, target);
-                    return Ended::Again(NextTrial { friction, trials, steps, time });
+                    let line = Line::new(p, specification.grains.mean_friction());
+                    let position = line.next(&trials, target);
+                    let procedure = line.procedure(position);
+                    return Ended::Again(NextTrial { procedure, position, trials, steps, time });
                 }
             }
         }

@@ -2,23 +2,38 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::procedure_search::Procedure;
 use crate::simulation::Simulation;
 
-/// One trial for the friction of the preparation.
+/// One trial of the search for the procedure that gives a target solid fraction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Trial {
+    /// Position on the line of procedures, from the densest to the loosest.
+    pub position: f64,
     /// Coefficient of friction during compaction.
     pub friction: f64,
+    /// Mean stress of the compaction, Pa.
+    pub mean_stress: f64,
+    /// Number of cycles of axial strain after it.
+    pub cycles: u64,
     /// Resulting solid fraction.
     pub solid_fraction: f64,
+}
+
+impl Procedure {
+    /// The trial of this procedure, without a result.
+    pub(super) fn trial(self, position: f64) -> Trial {
+        let Procedure { friction, mean_stress, cycles } = self;
+        Trial { position, friction, mean_stress, cycles, solid_fraction: f64::NAN }
+    }
 }
 
 /// A sample and the record of its preparation.
 pub struct Sample {
     /// The simulation, at rest at the target stress with the final properties.
     pub simulation: Simulation,
-    /// All trials for the friction of the preparation; the last one gave the sample.
+    /// All trials of the search; the last one gave the sample.
     pub trials: Vec<Trial>,
     /// Steps of all trials together.
     pub steps: u64,

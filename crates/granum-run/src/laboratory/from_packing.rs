@@ -13,8 +13,9 @@ use super::source::Source;
 use crate::engine::engine_trait::Laboratory;
 
 /// Keys that have an effect only if the packing is compacted.
-const USED_IN_COMPACTION: [&str; 5] = [
+const USED_IN_COMPACTION: [&str; 6] = [
     "preparation.friction",
+    "preparation.compaction_stress",
     "preparation.rolling_friction",
     "preparation.interface_energy",
     "preparation.cycles",

@@ -7,7 +7,9 @@
 //! - **densest** (e_min): compression without friction, without resistance to rolling and without adhesion, then
 //!   [`CYCLES`] cycles of axial strain of ± [`CYCLE_STRAIN`] at constant mean stress, still without friction;
 //! - **loosest** (e_max): compression from a dispersed state with the grains' own friction and resistance to rolling, without
-//!   adhesion other than that of their contact law.
+//!   adhesion other than that of their contact law, at [`LOOSE_STRESS`] times the mean stress, to which the sample is then brought.
+//!
+//! They are the ends of the line of procedures along which a target density is sought ([`granum_dem::preparation`]).
 //!
 //! Looser states exist as long as attraction, or more friction than the grains' own, supports them; when that is removed they
 //! collapse to denser states than the above (measured in the book).
@@ -21,6 +23,8 @@ use super::{Laboratory, LaboratoryError};
 pub const CYCLES: u64 = 20;
 /// Their amplitude of axial strain.
 pub const CYCLE_STRAIN: f64 = 0.01;
+/// Mean stress of the compaction of the loosest state, relative to that of the preparation.
+pub const LOOSE_STRESS: f64 = 1e-3;
 /// The void ratios between which the grains of a case can be, by the procedures of this module.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
@@ -49,6 +53,7 @@ pub fn loosest(case: &Case) -> Case {
     let attraction = case.grains.material.interface_energy;
     let p = &mut case.preparation;
     (p.friction, p.rolling_friction, p.cycles) = (Some(friction), None, 0);
+    p.compaction_stress = Some(LOOSE_STRESS * p.mean_stress);
     // With an adhesive normal law the adhesion acts from the start.
     p.interface_energy = if case.contact.normal.law().traits().adhesive { attraction } else { 0.0 };
     case
@@ -58,7 +63,7 @@ pub fn loosest(case: &Case) -> Case {
 fn prepared(case: &Case) -> Case {
     let mut case = case.clone();
     let p = &mut case.preparation;
-    (p.solid_fraction, p.void_ratio, p.relative_density) = (None, None, None);
+    (p.solid_fraction, p.void_ratio, p.relative_density, p.compaction_stress) = (None, None, None, None);
     case
 }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use granum_dem::config::Preparation;
 use granum_dem::observer::{Flow, Observer, Observers, Progress};
-use granum_dem::preparation::{Outcome, Phase, Preparing, Sample, SampleSpecification};
+use granum_dem::preparation::{Outcome, Phase, Preparing, Sample, SampleSpecification, Trial};
 use granum_dem::simulation::Simulation;
 use granum_io::case::{decides_sample, differences};
 use granum_io::run::{CHECKPOINT, PREVIOUS_CHECKPOINT, Run, RunRecord, RunSource};
@@ -102,7 +102,7 @@ impl Laboratory {
         let Stage::Preparation(progress) = stage else {
             return Ok((RunState { simulation, stage, results, older }, Segment::GoOn));
         };
-        let compacted = progress.friction().is_some();
+        let compacted = progress.procedure().is_some();
         let specification = self.specification(case, &case.preparation, results.grains);
         let preparing = Preparing { simulation, progress };
         let (outcome, stopped) =
@@ -243,6 +243,8 @@ fn note_sample(case: &Case, sample: &Sample, compacted: bool, results: &mut RunR
     results.measures.insert("sample_unbalanced_force".into(), sample.unbalanced_force);
     if let Some(trial) = sample.trials.last() {
         results.measures.insert("preparation_friction".into(), trial.friction);
+        results.measures.insert("preparation_stress".into(), trial.mean_stress);
+        results.measures.insert("preparation_cycles".into(), trial.cycles as f64);
         results.measures.insert("preparation_trials".into(), sample.trials.len() as f64);
     }
     results.quality.extend(quality::judge_rest("sample", &sample.simulation, sample.unbalanced_force, p));
@@ -264,14 +266,14 @@ fn note_sample(case: &Case, sample: &Sample, compacted: bool, results: &mut RunR
                  preparation.solid_fraction = \"none\""
             )
         } else {
-            let friction = sample.trials.last().map_or(0.0, |trial| (trial.friction * 1e3).round() / 1e3);
+            let procedure = sample.trials.last().map_or_else(String::new, described);
             let means = if reached < target {
-                "preparation.cycles makes denser samples"
+                "more preparation.cycles, or preparation.rolling_friction = 0, make denser samples"
             } else {
-                "a lower preparation.mean_stress or a larger preparation.inertial_number makes looser ones"
+                "more resistance to rolling of the grains or a larger preparation.inertial_number makes looser ones"
             };
             format!(
-                "target {target} not reached: friction {friction} gives {reached:.4}, and no other friction came closer; choose another \
+                "target {target} not reached: compaction with {procedure} gives {reached:.4}, and no other came closer; choose another \
                  preparation.solid_fraction, or \"none\" ({means})"
             )
         };
@@ -281,6 +283,16 @@ fn note_sample(case: &Case, sample: &Sample, compacted: bool, results: &mut RunR
             p.solid_fraction_tolerance,
             advice,
         ));
+    }
+}
+
+/// The procedure of a trial in words.
+fn described(trial: &Trial) -> String {
+    let friction = (trial.friction * 1e3).round() / 1e3;
+    let stress = trial.mean_stress / 1e3;
+    match trial.cycles {
+        0 => format!("friction {friction} at {stress:.4} kPa"),
+        cycles => format!("friction {friction} at {stress:.4} kPa and {cycles} strain cycles"),
     }
 }
 

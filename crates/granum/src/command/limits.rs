@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use granum_io::{RunRecord, atomic::write_atomically, check_output_file};
-use granum_run::laboratory::limits::{CYCLE_STRAIN, CYCLES, Limits as Found};
+use granum_run::laboratory::limits::{CYCLE_STRAIN, CYCLES, LOOSE_STRESS, Limits as Found};
 use serde_json::{Value, json};
 
 use super::case_flags::CaseFlags;
@@ -18,8 +18,8 @@ use crate::output;
 /// Find the void ratios e_min and e_max between which the grains of a case can be, each by a stated procedure.
 ///
 /// Densest: compression without friction and resistance to rolling, then 20 cycles of axial strain of 1 % at constant mean stress.
-/// Loosest: compression from a dispersed state with the grains' own friction and resistance to rolling. Both at the mean stress of
-/// the preparation. The two numbers are what preparation.relative_density needs.
+/// Loosest: compression from a dispersed state with the grains' own friction and resistance to rolling at a thousandth of the mean
+/// stress. Both are then at rest at the mean stress of the preparation. The two numbers are what preparation.relative_density needs.
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum limits my-sand.toml -o limits.json")]
 pub struct Limits {
@@ -73,7 +73,10 @@ fn as_json(found: &Found) -> Value {
         "densest_void_ratio": found.densest_void_ratio,
         "loosest_void_ratio": found.loosest_void_ratio,
         "densest": state(dense, json!({ "friction": 0, "cycles": CYCLES, "cycle_strain": CYCLE_STRAIN })),
-        "loosest": state(loose, json!({ "friction": "own", "rolling_friction": "own", "cycles": 0 })),
+        "loosest": state(
+            loose,
+            json!({ "friction": "own", "rolling_friction": "own", "cycles": 0, "relative_compaction_stress": LOOSE_STRESS }),
+        ),
     })
 }
 

@@ -62,9 +62,14 @@ fn text(record: &RunRecord) -> String {
         ));
     }
     if let Some(friction) = measure("preparation_friction") {
+        let trials = measure("preparation_trials").unwrap_or(1.0);
+        let cycles = match measure("preparation_cycles") {
+            Some(cycles) if cycles > 0.0 => format!(" and {cycles} strain cycles"),
+            _ => String::new(),
+        };
+        let stress = measure("preparation_stress").unwrap_or(0.0) / 1e3;
         lines.push(format!(
-            "preparation friction {friction:.4} after {} trial(s)",
-            measure("preparation_trials").unwrap_or(1.0)
+            "compacted with friction {friction:.4} at {stress:.4} kPa{cycles}, after {trials} trial(s)"
         ));
     }
     if let Some(steps) = record.steps.get("consolidation") {
