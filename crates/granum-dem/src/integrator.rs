@@ -130,6 +130,11 @@ impl Integrator {
         2.0 * self.mean_radius
     }
 
+    /// Largest distance of the surfaces at which grains that do not touch begin to act on each other, m.
+    fn onset(&self) -> f64 {
+        if self.properties.contact.adhesion.law().begins_at_touch() { 0.0 } else { self.range }
+    }
+
     fn all_alike(&self) -> bool {
         let n = self.state.grains();
         let first = self.state.particles[0].0;
@@ -168,6 +173,7 @@ impl Integrator {
             moved: &moved,
             new_place: new_place.as_deref(),
             swap: &|memory| laws.swap_sides(memory),
+            skin: laws.adhesion.law().begins_at_touch().then_some(state.skin),
         };
         state.pairs = blocks::rebuild(old, &near, &state.cell, &state.particles[..n], &change, columns);
         state.travel = 0.0;
@@ -376,7 +382,7 @@ impl Integrator {
             gradient: s.gradient,
             dt: s.dt,
             inner_skin: s.inner_list.inner_skin,
-            range: self.range,
+            onset: self.onset(),
             sampling_weight: 0.0,
             retain: 1.0,
         }

@@ -472,6 +472,9 @@ pub trait AdhesionLaw: Copy + Send + Sync + 'static {
     const DESCRIPTION: Description;
     /// False only for the law without a force.
     const ACTS: bool = true;
+    /// True for a law that begins to act only on grains that touch, such as a liquid bridge. A pair apart on which it does not act
+    /// is then not evaluated until the grains may touch.
+    const BEGINS_AT_TOUCH: bool = false;
     /// Number of history columns: scalars, which are the same for the pair (j, i) as for (i, j). They are stored while the law
     /// acts.
     const HISTORY: usize;

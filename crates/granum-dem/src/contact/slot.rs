@@ -361,6 +361,8 @@ pub trait AdhesionSlot: Send + Sync {
     fn id(&self) -> TypeId;
     /// [`AdhesionLaw::ACTS`].
     fn acts(&self) -> bool;
+    /// [`AdhesionLaw::BEGINS_AT_TOUCH`].
+    fn begins_at_touch(&self) -> bool;
     /// [`AdhesionLaw::goes_with`].
     ///
     /// # Errors
@@ -402,6 +404,9 @@ impl<A: AdhesionLaw> AdhesionSlot for A {
     }
     fn acts(&self) -> bool {
         A::ACTS
+    }
+    fn begins_at_touch(&self) -> bool {
+        A::BEGINS_AT_TOUCH
     }
     fn goes_with(&self, normal: &NormalTraits) -> Result<(), &'static str> {
         A::goes_with(normal)

@@ -271,7 +271,7 @@ fn near_batch<L: Lanes, S: StageLaws, C: ConstantSource, const IMAGE: bool, cons
     if TESTED && marks.touched == 0 && (!S::MAY_HAVE_ADHESION || marks.attracting == 0) {
         // In sets without an adhesion law separated grains do not interact, and no range need be added.
         let reach = if S::MAY_HAVE_ADHESION {
-            constants.radius_sum + L::splat(v.range)
+            constants.radius_sum + L::splat(v.onset)
         } else {
             constants.radius_sum
         };

@@ -89,6 +89,7 @@ impl AdhesionLaw for CapillaryBridge {
             },
         ],
     };
+    const BEGINS_AT_TOUCH: bool = true;
     const HISTORY: usize = 1;
 
     fn goes_with(normal: &NormalTraits) -> Result<(), &'static str> {
