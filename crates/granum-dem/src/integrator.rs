@@ -143,12 +143,18 @@ impl Integrator {
     }
 
     /// The material of the grain in a place; the phantoms have that of the first grain.
-    fn material_of(&self, grain: u32) -> u8 {
+    pub(crate) fn material_of(&self, grain: u32) -> u8 {
         self.state.materials.get(grain as usize).or(self.state.materials.first()).copied().unwrap_or(0)
     }
 
+    /// The laws between a grain and others of its material.
+    pub(crate) fn contact_of_grain(&self, grain: u32) -> &ContactModel {
+        let material = self.material_of(grain);
+        &self.table.of(material, material).contact
+    }
+
     /// Constants of a pair of grains of given materials and radii, m.
-    fn constants_of(&self, [a, b]: [u8; 2], radii: [f64; 2]) -> PairConstants<f64> {
+    pub(crate) fn constants_of(&self, [a, b]: [u8; 2], radii: [f64; 2]) -> PairConstants<f64> {
         let common = self.table.of(a, b);
         common.contact.constants(&common.pair(radii))
     }
@@ -364,6 +370,7 @@ impl Integrator {
             target: RawSlice::new(&mut s.pairs.target),
             image: RawSlice::new(&mut s.pairs.image),
             memory: RawSlice::new(&mut s.pairs.memory),
+            films: RawSlice::new(&mut s.films),
             marks: RawSlice::new(&mut s.pairs.marks),
             nearness: RawSlice::new(&mut self.nearness),
             columns: s.pairs.columns_in_all(),
@@ -494,6 +501,9 @@ fn reorder_grains(state: &mut State, spacing: f64) -> Vec<u32> {
     state.particles[..n].copy_from_slice(&particles);
     state.spin[..n].copy_from_slice(&spin);
     state.ids = ids;
+    if !state.films.is_empty() {
+        state.films = order.iter().map(|&o| state.films[o as usize]).collect();
+    }
     if !state.materials.is_empty() {
         state.materials = order.iter().map(|&o| state.materials[o as usize]).collect();
     }

@@ -29,6 +29,8 @@ pub struct State {
     pub(crate) ids: Vec<u64>,
     /// Material of each grain, as its place in the mixture; empty where there is one material.
     pub(crate) materials: Vec<u8>,
+    /// Volume of the liquid film of each grain, m3; empty as long as no law has shared liquid.
+    pub(crate) films: Vec<f64>,
     pub(crate) cell: Cell,
     pub(crate) gradient: Matrix,
     pub(crate) strain: Matrix,
@@ -401,6 +403,7 @@ impl State {
             contacts,
             apart,
             materials,
+            liquid: self.liquid(laws, &order),
             energy: self.energy_balance,
         }
     }
@@ -434,8 +437,12 @@ impl State {
         let approach = pair.radius_sum - distance;
         let memory = self.pairs.memory(slot);
         let touching = self.pairs.touched(slot);
-        let attraction = laws.attraction(&pair, approach, touching, &memory);
-        let attraction_energy = laws.attraction_energy(&pair, approach, &memory);
+        // A bridge that formed at the end of the last step has not acted yet.
+        let (mut attraction, mut attraction_energy) = (0.0, 0.0);
+        if self.pairs.attracting(slot) {
+            attraction = laws.attraction(&pair, approach, touching, &memory);
+            attraction_energy = laws.attraction_energy(&pair, approach, &memory);
+        }
         // A pair apart has what acts at a distance alone.
         let contact_of = |overlap: f64| laws.normal_contact_of(&pair, overlap, &memory);
         let normal = if touching { contact_of(approach) } else { contact_of(-pair.radius_sum) };

@@ -363,6 +363,14 @@ pub trait AdhesionSlot: Send + Sync {
     fn acts(&self) -> bool;
     /// [`AdhesionLaw::BEGINS_AT_TOUCH`].
     fn begins_at_touch(&self) -> bool;
+    /// [`AdhesionLaw::SHARES_LIQUID`].
+    fn shares_liquid(&self) -> bool;
+    /// [`AdhesionLaw::film`].
+    fn film(&self, radius: f64, parameters: &[f64]) -> f64;
+    /// [`AdhesionLaw::largest_bridge`].
+    fn largest_bridge(&self, constants: &[f64; LAW_CONSTANTS]) -> f64;
+    /// [`AdhesionLaw::bridge`].
+    fn bridge(&self, constants: &[f64; LAW_CONSTANTS], volume: f64) -> [f64; MAX_ADHESION_HISTORY];
     /// [`AdhesionLaw::goes_with`].
     ///
     /// # Errors
@@ -408,6 +416,18 @@ impl<A: AdhesionLaw> AdhesionSlot for A {
     fn begins_at_touch(&self) -> bool {
         A::BEGINS_AT_TOUCH
     }
+    fn shares_liquid(&self) -> bool {
+        A::SHARES_LIQUID
+    }
+    fn film(&self, radius: f64, parameters: &[f64]) -> f64 {
+        A::film(radius, parameters)
+    }
+    fn largest_bridge(&self, constants: &[f64; LAW_CONSTANTS]) -> f64 {
+        A::largest_bridge(constants)
+    }
+    fn bridge(&self, constants: &[f64; LAW_CONSTANTS], volume: f64) -> [f64; MAX_ADHESION_HISTORY] {
+        A::bridge(constants, volume)
+    }
     fn goes_with(&self, normal: &NormalTraits) -> Result<(), &'static str> {
         A::goes_with(normal)
     }
@@ -423,7 +443,11 @@ impl<A: AdhesionLaw> AdhesionSlot for A {
         }
     }
     fn at_touch(&self, constants: &[f64; LAW_CONSTANTS]) -> [f64; 2] {
-        let out = A::update(constants, 0.0, true, &mut [0.0; MAX_ADHESION_HISTORY]);
+        let mut history = match A::SHARES_LIQUID {
+            true => A::bridge(constants, A::largest_bridge(constants)),
+            false => [0.0; MAX_ADHESION_HISTORY],
+        };
+        let out = A::update(constants, 0.0, true, &mut history);
         [out.force, out.stiffness]
     }
     fn force(

@@ -23,6 +23,8 @@ pub(crate) struct Views {
     pub(crate) target: RawSlice<[u32; LANES]>,
     pub(crate) image: RawSlice<[u32; LANES]>,
     pub(crate) memory: RawSlice<Row8>,
+    /// Volumes of the films of grains; empty if no law shares liquid.
+    pub(crate) films: RawSlice<f64>,
     pub(crate) marks: RawSlice<Marks>,
     /// Working memory of the pruning stage.
     pub(crate) nearness: RawSlice<Nearness>,
