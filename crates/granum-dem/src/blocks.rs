@@ -239,7 +239,7 @@ impl Kept {
                 touched: old.touched(slot).into(),
                 sliding: old.sliding(slot).into(),
                 attracting: old.attracting(slot).into(),
-                ruptured: 0,
+                stirred: 0,
             };
             kept.memories.push((memory, marks));
             kept.from[n] = kept.memories.len() as u32;

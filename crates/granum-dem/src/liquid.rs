@@ -3,7 +3,7 @@
 //!
 //! The exchange is the serial work at the end of a step, in the order of the slots of the pairs, so that its result does not depend on
 //! threads. First the bridges that ruptured in the step return their liquid, one half to the film of each grain. Then bridges form
-//! between grains that touch and have none: both films give equal volumes, as much as the drier of the two has, up to the
+//! between grains that touch and have none (where a contact began in the step, or films received liquid): both films give equal volumes, as much as the drier of the two has, up to the
 //! largest volume of a bridge. What is taken from one place is added to another, and thus the sum of liquid changes by
 //! rounding errors only.
 //!
@@ -18,7 +18,7 @@ use crate::contact::limits::MAX_ADHESION_HISTORY;
 use crate::contact::selection::ContactModel;
 use crate::integrator::Integrator;
 use crate::kernel::Views;
-use crate::pairs::NORMAL_COLUMNS;
+use crate::pairs::{Block, Marks, NORMAL_COLUMNS};
 use crate::state::State;
 
 /// The column of a contact history that holds the volume of liquid of a bridge, m3; the other columns of the adhesion law follow.
@@ -32,35 +32,68 @@ fn lanes(bits: u8) -> impl Iterator<Item = usize> {
     (0..LANES).filter(move |l| bits >> l & 1 != 0)
 }
 
-/// Returns the liquid of ruptured bridges to the films and makes new ones; returns the energy lost by that, J, and whether a bridge
-/// was made.
+/// The batches of the inner lists: only in these a pair can touch, or have a bridge.
+fn evaluated(blocks: &[Block]) -> impl Iterator<Item = usize> {
+    let range = |from: u32, to: u32| from as usize..to as usize;
+    blocks.iter().flat_map(move |block| {
+        let ([start, inner, _], [within, across]) = (block.batches, block.inner_ends);
+        range(start, within).chain(range(inner, across))
+    })
+}
+
+/// What an exchange looks at.
+#[derive(Clone, Copy, PartialEq)]
+enum Look {
+    /// The pairs that the last step stirred, and every dry contact where films received liquid.
+    Stirred,
+    /// All contacts.
+    All,
+}
+
+/// What an exchange did.
+struct Exchanged {
+    /// Energy lost by the formation of bridges, J.
+    lost: f64,
+    /// True if bridges formed.
+    made: bool,
+}
+
+/// Returns the liquid of ruptured bridges to the films and makes new ones.
 ///
 /// # Safety
 /// No other thread may work on these views.
-unsafe fn exchange(v: &Views, constants: impl Fn(usize) -> PairConstants<f64>) -> (f64, bool) {
+unsafe fn exchange(v: &Views, look: Look, constants: impl Fn(usize) -> PairConstants<f64>) -> Exchanged {
     let law = v.laws.adhesion.law();
     let (column, columns, held) = (volume_column(&v.laws), v.columns, law.history());
     // SAFETY: guaranteed by the caller.
-    let (films, marks, memory, first, second) = unsafe {
+    let (films, marks, memory, blocks, first, second) = unsafe {
         (
             v.films.write(0..v.films.len()),
             v.marks.write(0..v.marks.len()),
             v.memory.write(0..v.memory.len()),
+            v.blocks.read(),
             v.first.read(),
             v.second.read(),
         )
     };
-    for (b, marks) in marks.iter_mut().enumerate().filter(|(_, marks)| marks.ruptured != 0) {
-        for l in lanes(marks.ruptured) {
+    let mut returned = false;
+    for b in evaluated(blocks) {
+        for l in lanes(marks[b].stirred & !marks[b].touched) {
             let half = 0.5 * std::mem::take(&mut memory[b * columns + column].0[l]);
             films[first[b][l] as usize] += half;
             films[second[b][l] as usize] += half;
+            returned = true;
         }
-        marks.ruptured = 0;
     }
+    let all = returned || look == Look::All;
     let (mut lost, mut made) = (0.0, false);
-    for (b, marks) in marks.iter().enumerate() {
-        for l in lanes(marks.touched & !marks.attracting) {
+    for b in evaluated(blocks) {
+        let Marks { touched, attracting, stirred, .. } = marks[b];
+        if stirred | touched & !attracting == 0 {
+            continue;
+        }
+        marks[b].stirred = 0;
+        for l in lanes(touched & !attracting & if all { u8::MAX } else { stirred }) {
             let [i, j] = [first[b][l] as usize, second[b][l] as usize];
             // A grain that touches an image of itself gives both halves.
             let available = if i == j { films[i] } else { 2.0 * films[i].min(films[j]) };
@@ -83,7 +116,7 @@ unsafe fn exchange(v: &Views, constants: impl Fn(usize) -> PairConstants<f64>) -
             made = true;
         }
     }
-    (lost, made)
+    Exchanged { lost, made }
 }
 
 fn store(rows: &mut [Row8], lane: usize, history: &[f64; MAX_ADHESION_HISTORY]) {
@@ -117,10 +150,21 @@ impl Integrator {
         }
         // SAFETY: guaranteed by the caller; nothing else refers to the sums of the contacts.
         unsafe {
-            let (lost, made) = exchange(views, |slot| self.pair_constants(slot));
-            views.contact_sums.write(0..1)[0].attraction_loss += lost;
-            made
+            let done = exchange(views, Look::Stirred, |slot| self.pair_constants(slot));
+            views.contact_sums.write(0..1)[0].attraction_loss += done.lost;
+            done.made
         }
+    }
+
+    /// Makes bridges at contacts that exist when a law begins to share liquid, or when there is more of it.
+    pub(crate) fn make_bridges(&mut self) {
+        if !self.properties.contact.adhesion.law().shares_liquid() {
+            return;
+        }
+        let views = self.views();
+        // SAFETY: no other thread works on these views.
+        let done = unsafe { exchange(&views, Look::All, |slot| self.pair_constants(slot)) };
+        self.state.energy_balance.attraction_loss += done.lost;
     }
 
     /// The films that grains have at the start, m3, if the law shares liquid.

@@ -44,9 +44,10 @@ pub struct Marks {
     pub(crate) sliding: u8,
     /// On which pairs a law of adhesion acted, touching or not.
     pub(crate) attracting: u8,
-    /// Pairs whose bridge ruptured and holds liquid that has still to be returned: none between two steps.
+    /// Pairs whose liquid has to be looked at after this step, since their bridge ruptured or they began to touch without one; none
+    /// between two steps.
     #[serde(skip)]
-    pub(crate) ruptured: u8,
+    pub(crate) stirred: u8,
 }
 
 /// Pairs in batches, their histories and their forces on the grains in the last step.

@@ -183,6 +183,7 @@ impl Simulation {
         self.integrator.wet_grains(films.as_deref());
         self.integrator.change_history(&before);
         self.integrator.rebuild();
+        self.integrator.make_bridges();
         Ok(())
     }
 

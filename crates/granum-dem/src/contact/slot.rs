@@ -7,7 +7,7 @@
 
 use std::any::TypeId;
 
-use granum_simd::{Isa, Kernel, Lanes, dispatch_or, fused};
+use granum_simd::{Isa, Kernel, Lanes, Mask, Real, dispatch_or, fused};
 
 use super::columns::{
     Batch, Count, One, Sheet, TwoBatches, Width, at, read, read_normal, write, write_normal,
@@ -144,7 +144,10 @@ impl<A: AdhesionLaw> Call for AdhesionCall<A> {
         let touching = W::read_mask(&sheet.columns[at::TOUCHING]);
         let overlap = W::read(&sheet.columns[at::OVERLAP]);
         let out = adhesion_step::<_, A>(&constants, overlap, touching, &mut history);
-        sheet.keep::<W, MAX_ADHESION_HISTORY>(&history, A::HISTORY);
+        // The history of a bridge that holds liquid changes only where it ruptures.
+        if !A::SHARES_LIQUID || (history[0].gt(W::Value::zero()) & !out.acting).any() {
+            sheet.keep::<W, MAX_ADHESION_HISTORY>(&history, A::HISTORY);
+        }
         write::<W, 3>([out.force, out.stiffness, out.loss], sheet.columns, at::ADHESION);
         W::write_mask(out.acting, &mut sheet.columns[at::ACTING]);
     }

@@ -22,7 +22,7 @@
 
 use granum_simd::Real;
 
-use crate::contact::elementary::{arctan, cosine};
+use crate::contact::elementary::{arctan, arctan_of, cosine};
 use crate::contact::law::{AdhesionLaw, Attraction, Description, Mixing, NormalTraits, Parameter, Unit};
 use crate::contact::limits::{LAW_CONSTANTS, MAX_ADHESION_HISTORY};
 use crate::contact::pair_properties::PairProperties;
@@ -95,13 +95,12 @@ pub(super) fn rupture_distance(radius: f64, angle: f64, coefficient: f64, v: f64
 }
 
 /// Energy of a bridge, J, that has a force at touch, N, at a gap, m; zero at touch.
-pub(super) fn energy_at(force: f64, per_gap: f64, gap: f64) -> f64 {
-    if force == 0.0 {
-        return 0.0;
-    }
+#[inline(always)]
+pub(super) fn energy_at<R: Real>(force: R, per_gap: R, gap: R) -> R {
     let root = (4.0 * SQUARE - LINEAR * LINEAR).sqrt();
-    let angle = |plus: f64| arctan((2.0 * SQUARE * plus + LINEAR) / root);
-    force / per_gap * (2.0 / root) * (angle(per_gap * gap) - angle(0.0))
+    let (linear, twice) = (R::splat(LINEAR), R::splat(2.0 * SQUARE));
+    let angle = arctan_of((twice * (per_gap * gap) + linear) / R::splat(root));
+    force / per_gap * R::splat(2.0 / root) * (angle - R::splat(arctan(LINEAR / root)))
 }
 
 /// Force of a bridge, N, and the absolute value of its derivative, N/m, at a gap, m, of zero or more. Where the grains overlap

@@ -10,7 +10,7 @@
 //! volume decides how fast the force falls with the gap and where the bridge ruptures. At a liquid content W (volume of
 //! liquid over that of solid) and Z bridges per grain, the mean of `V/R^3` of equal grains is at most `8 pi W / 3 Z`.
 
-use granum_simd::Real;
+use granum_simd::{Mask, Real};
 
 use super::capillary_bridge::{
     CONTACT_ANGLE, RUPTURE_COEFFICIENT, SURFACE_TENSION, energy_at, force_at_touch, per_gap, pull,
@@ -41,8 +41,6 @@ const VOLUME: usize = 0;
 const PER_GAP: usize = 1;
 /// `S_c`, m.
 const RUPTURE: usize = 2;
-/// Energy of the bridge at `S_c`, J.
-const LOST: usize = 3;
 
 /// Smallest volume of a bridge over `R_e^3`: the formula was tried down to that.
 const SMALLEST: f64 = 1e-6;
@@ -79,7 +77,7 @@ impl AdhesionLaw for CapillaryBridgeFilms {
     };
     const BEGINS_AT_TOUCH: bool = true;
     const SHARES_LIQUID: bool = true;
-    const HISTORY: usize = 4;
+    const HISTORY: usize = 3;
 
     fn goes_with(normal: &NormalTraits) -> Result<(), &'static str> {
         normal.without_adhesion()
@@ -106,7 +104,13 @@ impl AdhesionLaw for CapillaryBridgeFilms {
         let before = history[VOLUME].gt(R::zero());
         let acting = before & gap.lt(history[RUPTURE]);
         let (force, stiffness) = pull(c[FORCE], history[PER_GAP], gap, acting);
-        Attraction { force, stiffness, acting, loss: history[LOST].keep(before & !acting) }
+        // A bridge that has ruptured before holds nothing but liquid to be returned.
+        let ruptured = before & !acting & history[RUPTURE].gt(R::zero());
+        let mut loss = R::zero();
+        if ruptured.any() {
+            loss = energy_at(c[FORCE], history[PER_GAP], history[RUPTURE]).keep(ruptured);
+        }
+        Attraction { force, stiffness, acting, loss }
     }
 
     fn film(radius: f64, parameters: &[f64]) -> f64 {
@@ -124,7 +128,6 @@ impl AdhesionLaw for CapillaryBridgeFilms {
             history[VOLUME] = volume;
             history[PER_GAP] = per_gap(c[RADIUS], relative);
             history[RUPTURE] = rupture_distance(c[RADIUS], c[ANGLE], c[COEFFICIENT], relative);
-            history[LOST] = energy_at(c[FORCE], history[PER_GAP], history[RUPTURE]);
         }
         history
     }
