@@ -110,6 +110,17 @@ pub struct EnergyBalance {
     pub plastic_loss: f64,
 }
 
+/// Where the liquid of wet grains is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Liquid {
+    /// Volume of liquid in the films of all grains, m3.
+    pub films: f64,
+    /// Volume of liquid in all bridges, m3.
+    pub bridges: f64,
+    /// Number of bridges.
+    pub count: usize,
+}
+
 /// True for what files without a law of moments, of adhesion or with memory leave out.
 fn is_zero(value: &f64) -> bool {
     *value == 0.0
@@ -146,6 +157,9 @@ pub struct Assembly {
     /// Names of the materials, where there are several.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub materials: Vec<String>,
+    /// Liquid in films and bridges, where a law of adhesion shares liquid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub liquid: Option<Liquid>,
     /// Energy by mechanism.
     pub energy: EnergyBalance,
 }

@@ -80,6 +80,7 @@ impl State {
             contacts: list(self.pairs.touching().collect()),
             apart: list(self.pairs.apart().collect()),
             materials,
+            liquid: self.liquid(laws, &order),
             energy: self.energy_balance,
         }
     }
@@ -199,6 +200,8 @@ impl State {
             branches.push(branch);
             found.overlap = found.constants.radius_sum - branch.length;
             found.touching = self.pairs.touched(slot);
+            // A bridge that formed at the end of the last step has not acted yet.
+            found.attracting = self.pairs.attracting(slot);
         }
         laws.observe(observed);
     }

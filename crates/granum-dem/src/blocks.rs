@@ -29,6 +29,8 @@ pub(crate) struct Change<'a> {
     pub(crate) new_place: Option<&'a [u32]>,
     /// Rewrites a contact history when i and j change roles.
     pub(crate) swap: &'a dyn Fn(&mut Memory<f64>),
+    /// If present, pairs whose surfaces are farther apart than this, m, are listed only if they have a history.
+    pub(crate) skin: Option<f64>,
 }
 
 /// Builds the new list from `near` (sorted). `particles` holds the grains in their new order, inside the cell, followed by
@@ -43,10 +45,23 @@ pub(crate) fn rebuild(
     columns: [usize; 4],
 ) -> Pairs {
     let grains = particles.len();
-    let kept = Kept::of(&old, near, change, grains);
+    let mut kept = Kept::of(&old, near, change, grains);
     drop(old);
     let images: Vec<[f64; 3]> =
         (0..crate::images::IMAGES as u32).map(|code| cell.image(image_vector(code))).collect();
+    let fewer: Vec<Near>;
+    let near = match change.skin {
+        None => near,
+        Some(skin) => {
+            let listed = |(pair, from): (&Near, u32)| {
+                let (a, b) = (&particles[pair.i as usize], &particles[pair.j as usize]);
+                let listed = from != 0 || is_near(a, b, &images[pair.image as usize], skin);
+                listed.then_some((*pair, from))
+            };
+            (fewer, kept.from) = near.iter().zip(kept.from).filter_map(listed).unzip();
+            &fewer
+        }
+    };
     let touches = |(pair, &from): (&Near, &u32)| {
         let (a, b) = (&particles[pair.i as usize], &particles[pair.j as usize]);
         from != 0 || is_near(a, b, &images[pair.image as usize], 0.0)
@@ -224,6 +239,7 @@ impl Kept {
                 touched: old.touched(slot).into(),
                 sliding: old.sliding(slot).into(),
                 attracting: old.attracting(slot).into(),
+                stirred: 0,
             };
             kept.memories.push((memory, marks));
             kept.from[n] = kept.memories.len() as u32;
@@ -311,7 +327,7 @@ mod tests {
         let mut particles = grains(COUNT, &cell, 0.8);
         let near = find(Isa::detect(), &cell, &particles, 0.05);
         let none = vec![[0; 3]; COUNT];
-        let change = Change { moved: &none, new_place: None, swap: &negate };
+        let change = Change { moved: &none, new_place: None, swap: &negate, skin: None };
         let mut pairs = rebuild(Pairs::default(), &near, &cell, &particles, &change, [7, 0, 0, 0]);
         assert!(pairs.blocks.len() > 3 && pairs.forces.len() > COUNT);
         // Store the direction and the branch vector itself as history, and let every pair pull with its branch vector.
@@ -346,7 +362,7 @@ mod tests {
         }
         let particles: Vec<Row8> = order.iter().map(|&o| particles[o as usize]).collect();
         let near = find(Isa::detect(), &cell, &particles, 0.05);
-        let change = Change { moved: &moved, new_place: Some(&new_place), swap: &negate };
+        let change = Change { moved: &moved, new_place: Some(&new_place), swap: &negate, skin: None };
         let again = rebuild(pairs.clone(), &near, &cell, &particles, &change, [7, 0, 0, 0]);
         assert_eq!((again.count, again.contacts()), (pairs.count, pairs.count));
         assert_eq!(real(&again).count(), again.count);
@@ -371,7 +387,7 @@ mod tests {
         let particles = grains(COUNT, &cell, 0.8);
         let near = find(Isa::detect(), &cell, &particles, 0.3);
         let none = vec![[0; 3]; COUNT];
-        let change = Change { moved: &none, new_place: None, swap: &negate };
+        let change = Change { moved: &none, new_place: None, swap: &negate, skin: None };
         let pairs = rebuild(Pairs::default(), &near, &cell, &particles, &change, [5, 0, 0, 0]);
         let mut owner = vec![usize::MAX; pairs.forces.len()];
         for (k, block) in pairs.blocks.iter().enumerate() {

@@ -19,7 +19,7 @@ use crate::state::State;
 const MAGIC: &[u8; 8] = b"GRANUMCP";
 const HEADER: usize = 24;
 /// Version that this granum writes.
-pub const VERSION: u32 = 7;
+pub const VERSION: u32 = 8;
 
 /// Reasons why bytes are not a usable checkpoint.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -162,6 +162,10 @@ impl Simulation {
         if integrator.state.pairs.columns != [NORMAL_COLUMNS + tangential, moments, adhesion, normal] {
             return Err(inconsistent("the contact history does not match the contact laws"));
         }
+        let shares = integrator.properties.contact.adhesion.law().shares_liquid();
+        if shares && integrator.state.films.is_empty() {
+            return Err(inconsistent("there are no films of liquid for the bridges"));
+        }
         integrator.prepare_constants();
         Ok((simulation, body.attachment))
     }
@@ -254,6 +258,8 @@ fn check_state(state: &State) -> Result<(), CheckpointError> {
     require(p.image.iter().flatten().all(|&c| (c as usize) < IMAGES), "images of grains")?;
     let volume = state.cell.volume();
     require(volume.is_finite() && volume > 0.0, "volume of the cell")?;
+    require(state.films.is_empty() || state.films.len() == n, "films of liquid")?;
+    require(state.films.iter().all(|film| film.is_finite() && *film >= 0.0), "films of liquid")?;
     let finite = state.particles.iter().flat_map(|r| r.0).all(f64::is_finite);
     require(finite && state.particles.iter().all(|r| r.0[3] > 0.0 && r.0[7] > 0.0), "grains")?;
     let largest = state.particles[..n].iter().fold(0.0f64, |m, row| m.max(row.0[3]));

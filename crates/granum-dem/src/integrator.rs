@@ -130,6 +130,11 @@ impl Integrator {
         2.0 * self.mean_radius
     }
 
+    /// Largest distance of the surfaces at which grains that do not touch begin to act on each other, m.
+    fn onset(&self) -> f64 {
+        if self.properties.contact.adhesion.law().begins_at_touch() { 0.0 } else { self.range }
+    }
+
     fn all_alike(&self) -> bool {
         let n = self.state.grains();
         let first = self.state.particles[0].0;
@@ -138,12 +143,18 @@ impl Integrator {
     }
 
     /// The material of the grain in a place; the phantoms have that of the first grain.
-    fn material_of(&self, grain: u32) -> u8 {
+    pub(crate) fn material_of(&self, grain: u32) -> u8 {
         self.state.materials.get(grain as usize).or(self.state.materials.first()).copied().unwrap_or(0)
     }
 
+    /// The laws between a grain and others of its material.
+    pub(crate) fn contact_of_grain(&self, grain: u32) -> &ContactModel {
+        let material = self.material_of(grain);
+        &self.table.of(material, material).contact
+    }
+
     /// Constants of a pair of grains of given materials and radii, m.
-    fn constants_of(&self, [a, b]: [u8; 2], radii: [f64; 2]) -> PairConstants<f64> {
+    pub(crate) fn constants_of(&self, [a, b]: [u8; 2], radii: [f64; 2]) -> PairConstants<f64> {
         let common = self.table.of(a, b);
         common.contact.constants(&common.pair(radii))
     }
@@ -168,6 +179,7 @@ impl Integrator {
             moved: &moved,
             new_place: new_place.as_deref(),
             swap: &|memory| laws.swap_sides(memory),
+            skin: laws.adhesion.law().begins_at_touch().then_some(state.skin),
         };
         state.pairs = blocks::rebuild(old, &near, &state.cell, &state.particles[..n], &change, columns);
         state.travel = 0.0;
@@ -358,6 +370,7 @@ impl Integrator {
             target: RawSlice::new(&mut s.pairs.target),
             image: RawSlice::new(&mut s.pairs.image),
             memory: RawSlice::new(&mut s.pairs.memory),
+            films: RawSlice::new(&mut s.films),
             marks: RawSlice::new(&mut s.pairs.marks),
             nearness: RawSlice::new(&mut self.nearness),
             columns: s.pairs.columns_in_all(),
@@ -376,7 +389,7 @@ impl Integrator {
             gradient: s.gradient,
             dt: s.dt,
             inner_skin: s.inner_list.inner_skin,
-            range: self.range,
+            onset: self.onset(),
             sampling_weight: 0.0,
             retain: 1.0,
         }
@@ -488,6 +501,9 @@ fn reorder_grains(state: &mut State, spacing: f64) -> Vec<u32> {
     state.particles[..n].copy_from_slice(&particles);
     state.spin[..n].copy_from_slice(&spin);
     state.ids = ids;
+    if !state.films.is_empty() {
+        state.films = order.iter().map(|&o| state.films[o as usize]).collect();
+    }
     if !state.materials.is_empty() {
         state.materials = order.iter().map(|&o| state.materials[o as usize]).collect();
     }

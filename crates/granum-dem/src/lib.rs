@@ -29,6 +29,7 @@ mod initial_sphere;
 mod inner_list;
 mod integrator;
 mod kernel;
+mod liquid;
 mod pairs;
 mod properties;
 mod rows;

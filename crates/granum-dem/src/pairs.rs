@@ -43,6 +43,10 @@ pub struct Marks {
     pub(crate) sliding: u8,
     /// On which pairs a law of adhesion acted, touching or not.
     pub(crate) attracting: u8,
+    /// Pairs whose liquid has to be looked at after this step, since their bridge ruptured or they began to touch without one; none
+    /// between two steps.
+    #[serde(skip)]
+    pub(crate) stirred: u8,
 }
 
 /// Pairs in batches, their histories and their forces on the grains in the last step.
@@ -91,6 +95,11 @@ impl Pairs {
     /// Number of history columns of a batch.
     pub(crate) fn columns_in_all(&self) -> usize {
         self.columns.iter().sum()
+    }
+
+    /// History column `c` of batch `b`.
+    pub(crate) fn column(&self, b: usize, c: usize) -> &[f64; LANES] {
+        &self.memory[b * self.columns_in_all() + c].0
     }
 
     /// The contact history in a slot.

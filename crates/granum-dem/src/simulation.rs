@@ -78,6 +78,7 @@ impl Simulation {
             spin: vec![Row4::default(); particles.len()],
             ids: spheres.iter().map(|s| s.id).collect(),
             materials: materials.to_vec(),
+            films: Vec::new(),
             particles,
             cell,
             gradient: [[0.0; 3]; 3],
@@ -105,6 +106,7 @@ impl Simulation {
         };
         let mut simulation = Simulation { integrator: Integrator::new(state, properties) };
         simulation.integrator.rebuild();
+        simulation.integrator.wet_grains(None);
         stepping::forces(&mut simulation.integrator);
         simulation.integrator.reset_time_step();
         Ok(simulation)
@@ -175,9 +177,13 @@ impl Simulation {
         let ratio = self.integrator.density_ratio(&properties)?;
         self.integrator.scale_density(ratio);
         self.integrator.stages = Stages::of(&properties.contact);
+        let films = self.integrator.first_films();
         self.integrator.set_properties(properties);
+        self.integrator.change_bridges(&before);
+        self.integrator.wet_grains(films.as_deref());
         self.integrator.change_history(&before);
         self.integrator.rebuild();
+        self.integrator.make_bridges();
         Ok(())
     }
 

@@ -25,6 +25,8 @@ pub struct State {
     pub(crate) ids: Vec<u64>,
     /// Material of each grain, as its place in the mixture; empty where there is one material.
     pub(crate) materials: Vec<u8>,
+    /// Volume of the liquid film of each grain, m3; empty as long as no law has shared liquid.
+    pub(crate) films: Vec<f64>,
     pub(crate) cell: Cell,
     pub(crate) gradient: Matrix,
     pub(crate) strain: Matrix,

@@ -104,6 +104,7 @@ impl Team<'_> {
                 Stage::Contacts(Moved { fastest, renewed }) => {
                     let steps = &mut *self.steps.get();
                     *steps -= 1;
+                    integrator.exchange_liquid(&*self.views.get());
                     if let Err(error) = integrator.end_step(fastest, renewed) {
                         *self.failure.get() = Some(error);
                         self.work.end();
@@ -198,7 +199,12 @@ pub(crate) fn forces(integrator: &mut Integrator) {
     let mut views = integrator.views();
     views.dt = 0.0;
     let blocks = 0..views.blocks.len();
-    contact_stage(integrator)(&views, blocks);
+    contact_stage(integrator)(&views, blocks.clone());
+    // SAFETY: no other thread works on these views.
+    if unsafe { integrator.exchange_liquid(&views) } {
+        // With the bridges that have just formed.
+        contact_stage(integrator)(&views, blocks);
+    }
     integrator.state.sums = ContactSums::total(&integrator.contact_sums);
 }
 

@@ -6,10 +6,14 @@ use granum_dem::cell::Cell;
 use granum_dem::config::{
     AdhesionKind, Component, ContactModel, Grains, Material, Mixture, NormalKind, RollingKind, TangentialKind,
 };
-use granum_dem::contact::PairProperties;
+use granum_dem::contact::adhesion::CapillaryBridge;
+use granum_dem::contact::{
+    AdhesionLaw, Attraction, Description, LAW_CONSTANTS, MAX_ADHESION_HISTORY, PairProperties,
+};
 use granum_dem::random_insertion::random_insertion;
 use granum_dem::servo::CellControl;
 use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation, SimulationError};
+use granum_simd::Real;
 
 const DIAMETER: f64 = 1e-4;
 
@@ -169,6 +173,84 @@ fn the_energy_is_in_balance() {
     let gap = (e.boundary_work - lost - (end - start)) / size;
     assert!(e.attraction_loss > 0.01 * size, "{e:?}");
     assert!(gap.abs() < 0.01, "{gap}: {e:?}, stored {start:e} to {end:e}");
+}
+
+/// The same law without the statement that bridges begin at touch: the engine evaluates every pair within its range.
+#[derive(Clone, Copy)]
+struct Everywhere;
+
+impl AdhesionLaw for Everywhere {
+    const DESCRIPTION: Description = Description::new(
+        "bridge-everywhere",
+        "bridges",
+        "bridges of which every pair in range is evaluated",
+        CapillaryBridge::DESCRIPTION.parameters,
+    );
+    const HISTORY: usize = CapillaryBridge::HISTORY;
+    fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
+        CapillaryBridge::prepare(pair, parameters)
+    }
+    #[inline(always)]
+    fn update<R: Real>(
+        constants: &[R; LAW_CONSTANTS],
+        overlap: R,
+        touching: R::Mask,
+        history: &mut [R; MAX_ADHESION_HISTORY],
+    ) -> Attraction<R> {
+        CapillaryBridge::update(constants, overlap, touching, history)
+    }
+    fn energy(constants: &[f64; LAW_CONSTANTS], overlap: f64, history: &[f64; MAX_ADHESION_HISTORY]) -> f64 {
+        CapillaryBridge::energy(constants, overlap, history)
+    }
+    fn range(constants: &[f64; LAW_CONSTANTS]) -> f64 {
+        CapillaryBridge::range(constants)
+    }
+}
+
+/// Pairs within the range of a law that begins at touch are neither listed nor evaluated while it does not act on them. The
+/// sample is the same as if they were, but for the order of sums.
+#[test]
+fn pairs_without_a_bridge_are_left_out() {
+    for spread in [0.0, 0.3] {
+        let run = |adhesion| {
+            let mut contact = wet(0.1);
+            contact.adhesion = adhesion;
+            let (cell, spheres) = random_insertion(
+                &Grains::default().with(|grains| {
+                    grains.count = 200;
+                    grains.spread = spread;
+                }),
+                0.35,
+                9,
+            )
+            .unwrap();
+            let mut s = Simulation::new(cell, &spheres, Properties::new(plain(), contact)).unwrap();
+            s.fix_time_step(Some(3e-9));
+            for rate in [3e4, -3e4] {
+                let mut control = CellControl::fixed();
+                control.rate = [[rate, 0.0, 0.0], [0.0, rate, 0.0], [0.0, 0.0, rate]];
+                s.set_control(control);
+                s.advance(1500).unwrap();
+            }
+            s
+        };
+        let (few, all) = (run(AdhesionKind::CAPILLARY_BRIDGE), run(AdhesionKind::new(&Everywhere)));
+        assert!(few.near_pairs() < all.near_pairs(), "{} {}", few.near_pairs(), all.near_pairs());
+        let (few, all) = (few.assembly(), all.assembly());
+        assert!(
+            few.apart.len() > 20 && !few.contacts.is_empty(),
+            "{} {}",
+            few.apart.len(),
+            few.contacts.len()
+        );
+        for (few, all) in [(&few.contacts, &all.contacts), (&few.apart, &all.apart)] {
+            assert_eq!(few.len(), all.len());
+            for (a, b) in few.iter().zip(all) {
+                assert_eq!((a.i, a.j), (b.i, b.j));
+                assert!((a.approach - b.approach).abs() < 1e-9 * DIAMETER, "{a:?} {b:?}");
+            }
+        }
+    }
 }
 
 /// The stress of the engine is that of all pairs that act.

@@ -34,6 +34,7 @@ pub mod granular_temperature;
 mod histogram;
 pub mod inertial_number;
 pub mod invariants;
+pub mod liquid;
 pub mod local_solid_fraction;
 mod neighbours;
 pub mod networks;

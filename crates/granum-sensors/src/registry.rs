@@ -12,7 +12,7 @@ use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 use crate::{
     anisotropies, attraction, chain_buckling, contact_motion, coordination, coordination_by_size, d2min,
     dilatancy, directions, energy, fabric, force_chains, force_distribution, friction_angle,
-    granular_temperature, inertial_number, invariants, local_solid_fraction, networks,
+    granular_temperature, inertial_number, invariants, liquid, local_solid_fraction, networks,
     nonaffine_displacement, overlap, overlap_distribution, plasticity, radial_distribution, rolling, rose,
     second_order_work, servo, sliding, solid_fraction, state_parameter, strain, stress, unbalanced_force,
     void_ratio,
@@ -116,6 +116,7 @@ static STANDARD: LazyLock<Sensors> = LazyLock::new(|| {
     sensors.add(Always, energy::Energy);
     sensors.add(Always, rolling::Rolling);
     sensors.add(Always, attraction::Attraction);
+    sensors.add(Always, liquid::LiquidVolumes);
     sensors.add(Always, plasticity::Plasticity);
     sensors.add(Always, rose::RoseOfContacts);
     sensors.add(InStages, invariants::Invariants);

@@ -1,20 +1,29 @@
 //! Elementary functions for the constants that laws prepare once for a pair. They consist of sums, products, quotients and square
 //! roots only, so that every machine computes the same bits. (Functions that are used in every step are in `granum_simd`.)
 
+use granum_simd::Real;
+
 /// `arctan x`, exact to a few units in the last place.
 pub fn arctan(x: f64) -> f64 {
+    arctan_of(x)
+}
+
+/// The same for one number or for lanes.
+#[inline(always)]
+pub fn arctan_of<R: Real>(x: R) -> R {
+    let one = R::splat(1.0);
     // Halving the angle three times reduces the argument to at most tan(pi/16).
     let mut t = x;
     for _ in 0..3 {
-        t /= 1.0 + (1.0 + t * t).sqrt();
+        t = t / (one + (one + t * t).sqrt());
     }
     let square = t * t;
-    let mut sum = 0.0;
+    let mut sum = R::zero();
     for k in (0..16).rev() {
-        let term = 1.0 / f64::from(2 * k + 1);
+        let term = R::splat(1.0 / f64::from(2 * k + 1));
         sum = term - square * sum;
     }
-    8.0 * t * sum
+    R::splat(8.0) * t * sum
 }
 
 /// `cos x` for an angle from 0 to pi, rad.

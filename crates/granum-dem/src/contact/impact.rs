@@ -273,6 +273,7 @@ impl Kernel for Motion<'_> {
         let inside = if first.radius > 0.0 { 0.0 } else { pair.radius_sum * 1e-14 };
         let edge = pair.radius_sum - self.separation * (1.0 - 1e-9) - inside;
         let mut memory = Memory::<f64>::new();
+        self.contact.wet(&self.constants, 0.0, &mut memory);
         let mut time = 0.0;
         let mut opened = false;
         while time < patience {

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::hash::{Hash, Hasher};
 
-use super::adhesion::{CapillaryBridge, NoAdhesion, VanDerWaals};
+use super::adhesion::{CapillaryBridge, CapillaryBridgeFilms, NoAdhesion, VanDerWaals};
 use super::law::{AdhesionLaw, MomentLaw, NormalLaw, TangentialLaw};
 use super::normal::{Dmt, Hertz, Hooke, Jkr, JkrDmt, Luding, RoughHertz};
 use super::rolling::{ElasticPlasticRolling, ElasticPlasticTwisting, NoMoments};
@@ -99,5 +99,6 @@ kind! {
     AdhesionKind, AdhesionSlot, AdhesionLaw, "law of additional adhesion",
     NONE = NoAdhesion,
     CAPILLARY_BRIDGE = CapillaryBridge,
+    CAPILLARY_BRIDGE_FILMS = CapillaryBridgeFilms,
     VAN_DER_WAALS = VanDerWaals,
 }

@@ -479,7 +479,7 @@ impl<R: Real> Attraction<R> {
 ///
 /// let sphere = (&Material::default(), 5e-5);
 /// let pair = PairProperties::new(sphere, sphere, 0.1);
-/// let constants = CapillaryBridge::prepare(&pair, &[0.072, 0.0, 0.01]);
+/// let constants = CapillaryBridge::prepare(&pair, &[0.072, 0.0, 0.01, 0.1]);
 /// let mut history = [0.0; 4];
 /// let touching = CapillaryBridge::update(&constants, 1e-9, true, &mut history);
 /// let apart = CapillaryBridge::update(&constants, -1e-6, false, &mut history);
@@ -490,6 +490,14 @@ pub trait AdhesionLaw: Copy + Send + Sync + 'static {
     const DESCRIPTION: Description;
     /// False only for the law without a force.
     const ACTS: bool = true;
+    /// True for a law that begins to act only on grains that touch, such as a liquid bridge. A pair apart on which it does not act
+    /// is then not evaluated until the grains may touch.
+    const BEGINS_AT_TOUCH: bool = false;
+    /// True for a law of bridges whose liquid comes from films on the grains and returns to them. The first column of the history is
+    /// then the volume of the liquid in the bridge, m3, and zero where there is none. At the end of a step the engine makes a
+    /// bridge ([`AdhesionLaw::bridge`]) between grains that touch and have liquid, and returns the liquid of the bridges on
+    /// which the law has ceased to act; [`AdhesionLaw::update`] leaves the first column as it is.
+    const SHARES_LIQUID: bool = false;
     /// Number of history columns: scalars, which are the same for the pair (j, i) as for (i, j). They are stored while the law
     /// acts.
     const HISTORY: usize;
@@ -511,6 +519,19 @@ pub trait AdhesionLaw: Copy + Send + Sync + 'static {
         touching: R::Mask,
         history: &mut [R; MAX_ADHESION_HISTORY],
     ) -> Attraction<R>;
+    /// Volume of the liquid on a grain of a given radius, m, at the start, m3; `parameters` of the grain's own material, in the order
+    /// of the description. Only for a law that shares liquid, as the two functions below.
+    fn film(_radius: f64, _parameters: &[f64]) -> f64 {
+        0.0
+    }
+    /// Largest volume of liquid that a bridge takes from the films of its grains, m3.
+    fn largest_bridge(_constants: &[f64; LAW_CONSTANTS]) -> f64 {
+        0.0
+    }
+    /// The history of a new bridge with this volume of liquid, m3; all zeros where that is too little for a bridge.
+    fn bridge(_constants: &[f64; LAW_CONSTANTS], _volume: f64) -> [f64; MAX_ADHESION_HISTORY] {
+        [0.0; MAX_ADHESION_HISTORY]
+    }
     /// Energy of the attraction at an overlap, J: minus the work that it has done since it began to act, less the losses that
     /// [`Attraction::loss`] reported.
     fn energy(constants: &[f64; LAW_CONSTANTS], overlap: f64, history: &[f64; MAX_ADHESION_HISTORY]) -> f64;

@@ -19,6 +19,8 @@ pub struct ObservedContact {
     pub overlap: f64,
     /// True if the pair touches.
     pub touching: bool,
+    /// True if a law of adhesion acts on the pair.
+    pub attracting: bool,
     /// The normal part of the contact; without force and area where the pair does not touch.
     pub contact: Normal<f64>,
     /// Elastic energy of the overlap, J.
@@ -41,6 +43,7 @@ impl ObservedContact {
             memory: Memory::new(),
             overlap: 0.0,
             touching: false,
+            attracting: false,
             contact: Normal::none(),
             normal_energy: 0.0,
             tangential_energy: 0.0,
@@ -71,9 +74,12 @@ impl ContactModel {
         }
         if adhesion.acts() {
             for c in contacts {
-                let (constants, history) = (&c.constants.adhesion, &c.memory.adhesion);
-                c.attraction = adhesion.force(constants, c.overlap, c.touching, history);
-                c.attraction_energy = adhesion.energy(constants, c.overlap, history);
+                (c.attraction, c.attraction_energy) = (0.0, 0.0);
+                if c.attracting {
+                    let (constants, history) = (&c.constants.adhesion, &c.memory.adhesion);
+                    c.attraction = adhesion.force(constants, c.overlap, c.touching, history);
+                    c.attraction_energy = adhesion.energy(constants, c.overlap, history);
+                }
             }
         }
     }

@@ -137,12 +137,19 @@ pub(super) fn drive_pair_in_steps(
     let isa = Isa::detect();
     Ok(dispatch(
         isa,
-        Steps { constants: contact.constants(pair), path, steps, laws: Open::new(&Slots::new(contact, isa)) },
+        Steps {
+            contact,
+            constants: contact.constants(pair),
+            path,
+            steps,
+            laws: Open::new(&Slots::new(contact, isa)),
+        },
     ))
 }
 
 /// The steps of a path in scalar arithmetic, compiled for the fused operations of the processor.
 struct Steps<'a> {
+    contact: &'a ContactModel,
     constants: PairConstants<f64>,
     path: &'a [PathRow],
     steps: usize,
@@ -184,6 +191,7 @@ impl Kernel for Steps<'_> {
                     mean_spin: [0.0; 3],
                     relative_spin: [0.0; 3],
                 };
+                self.contact.wet(&self.constants, end.normal_approach, &mut memory);
                 // Each step takes one second: the path has no rate.
                 let out = interact(&self.laws, &self.constants, &kinematics, 1.0, &mut memory);
                 answer = PairRow {

@@ -26,8 +26,12 @@ pub(super) const TANGENTIAL: &[TangentialKind] =
 pub(super) const ROLLING: &[RollingKind] =
     &[RollingKind::NONE, RollingKind::ELASTIC_PLASTIC, RollingKind::ELASTIC_PLASTIC_TWISTING];
 /// granum's additional adhesion laws.
-pub(super) const ADHESION: &[AdhesionKind] =
-    &[AdhesionKind::NONE, AdhesionKind::CAPILLARY_BRIDGE, AdhesionKind::VAN_DER_WAALS];
+pub(super) const ADHESION: &[AdhesionKind] = &[
+    AdhesionKind::NONE,
+    AdhesionKind::CAPILLARY_BRIDGE,
+    AdhesionKind::CAPILLARY_BRIDGE_FILMS,
+    AdhesionKind::VAN_DER_WAALS,
+];
 
 /// A law that cannot be registered.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

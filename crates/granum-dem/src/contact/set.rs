@@ -205,6 +205,15 @@ impl ContactModel {
         self.normal.law().of_touching(&constants.normal, overlap, &[0.0; MAX_NORMAL_HISTORY])
     }
 
+    /// Gives a pair that touches a bridge of the largest volume, if the law of adhesion shares liquid: for a pair alone, whose grains
+    /// have enough of it.
+    pub(crate) fn wet(&self, constants: &PairConstants<f64>, overlap: f64, memory: &mut Memory<f64>) {
+        let law = self.adhesion.law();
+        if law.shares_liquid() && overlap >= 0.0 {
+            memory.adhesion = law.bridge(&constants.adhesion, law.largest_bridge(&constants.adhesion));
+        }
+    }
+
     /// Largest distance of the surfaces at which grains interact without touching, m.
     pub fn range(&self, constants: &PairConstants<f64>) -> f64 {
         self.adhesion.law().range(&constants.adhesion)

@@ -7,7 +7,7 @@
 
 use std::any::TypeId;
 
-use granum_simd::{Isa, Kernel, Lanes, dispatch_or, fused};
+use granum_simd::{Isa, Kernel, Lanes, Mask, Real, dispatch_or, fused};
 
 use super::columns::{
     Batch, Count, One, Sheet, TwoBatches, Width, at, read, read_normal, write, write_normal,
@@ -145,7 +145,10 @@ impl<A: AdhesionLaw> Call for AdhesionCall<A> {
         let touching = W::read_mask(&sheet.columns[at::TOUCHING]);
         let overlap = W::read(&sheet.columns[at::OVERLAP]);
         let out = adhesion_step::<_, A>(&constants, overlap, touching, &mut history);
-        sheet.keep::<W, MAX_ADHESION_HISTORY>(&history, A::HISTORY);
+        // The history of a bridge that holds liquid changes only where it ruptures.
+        if !A::SHARES_LIQUID || (history[0].gt(W::Value::zero()) & !out.acting).any() {
+            sheet.keep::<W, MAX_ADHESION_HISTORY>(&history, A::HISTORY);
+        }
         write::<W, 3>([out.force, out.stiffness, out.loss], sheet.columns, at::ADHESION);
         W::write_mask(out.acting, &mut sheet.columns[at::ACTING]);
     }
@@ -365,6 +368,16 @@ pub trait AdhesionSlot: Send + Sync {
     fn id(&self) -> TypeId;
     /// [`AdhesionLaw::ACTS`].
     fn acts(&self) -> bool;
+    /// [`AdhesionLaw::BEGINS_AT_TOUCH`].
+    fn begins_at_touch(&self) -> bool;
+    /// [`AdhesionLaw::SHARES_LIQUID`].
+    fn shares_liquid(&self) -> bool;
+    /// [`AdhesionLaw::film`].
+    fn film(&self, radius: f64, parameters: &[f64]) -> f64;
+    /// [`AdhesionLaw::largest_bridge`].
+    fn largest_bridge(&self, constants: &[f64; LAW_CONSTANTS]) -> f64;
+    /// [`AdhesionLaw::bridge`].
+    fn bridge(&self, constants: &[f64; LAW_CONSTANTS], volume: f64) -> [f64; MAX_ADHESION_HISTORY];
     /// [`AdhesionLaw::goes_with`].
     ///
     /// # Errors
@@ -407,6 +420,21 @@ impl<A: AdhesionLaw> AdhesionSlot for A {
     fn acts(&self) -> bool {
         A::ACTS
     }
+    fn begins_at_touch(&self) -> bool {
+        A::BEGINS_AT_TOUCH
+    }
+    fn shares_liquid(&self) -> bool {
+        A::SHARES_LIQUID
+    }
+    fn film(&self, radius: f64, parameters: &[f64]) -> f64 {
+        A::film(radius, parameters)
+    }
+    fn largest_bridge(&self, constants: &[f64; LAW_CONSTANTS]) -> f64 {
+        A::largest_bridge(constants)
+    }
+    fn bridge(&self, constants: &[f64; LAW_CONSTANTS], volume: f64) -> [f64; MAX_ADHESION_HISTORY] {
+        A::bridge(constants, volume)
+    }
     fn goes_with(&self, normal: &NormalTraits) -> Result<(), &'static str> {
         A::goes_with(normal)
     }
@@ -422,7 +450,11 @@ impl<A: AdhesionLaw> AdhesionSlot for A {
         }
     }
     fn at_touch(&self, constants: &[f64; LAW_CONSTANTS]) -> [f64; 2] {
-        let out = A::update(constants, 0.0, true, &mut [0.0; MAX_ADHESION_HISTORY]);
+        let mut history = match A::SHARES_LIQUID {
+            true => A::bridge(constants, A::largest_bridge(constants)),
+            false => [0.0; MAX_ADHESION_HISTORY],
+        };
+        let out = A::update(constants, 0.0, true, &mut history);
         [out.force, out.stiffness]
     }
     fn force(

@@ -26,6 +26,7 @@ pub struct Slots {
     history: [usize; 4],
     has_moments: bool,
     has_adhesion: bool,
+    shares_liquid: bool,
     discards: bool,
     columns: RefCell<Columns>,
 }
@@ -41,6 +42,7 @@ impl Slots {
             history: laws.history(),
             has_moments: laws.rolling.law().acts(),
             has_adhesion: laws.adhesion.law().acts(),
+            shares_liquid: laws.adhesion.law().shares_liquid(),
             discards: laws.tangential.law().discards(),
             columns: RefCell::new([[EMPTY; 2]; at::ALL]),
         }
@@ -62,6 +64,12 @@ impl Slots {
     #[inline(always)]
     pub(crate) fn has_adhesion(&self) -> bool {
         self.has_adhesion
+    }
+
+    /// True if the bridges of the law of adhesion share liquid with films on the grains.
+    #[inline(always)]
+    pub(crate) fn shares_liquid(&self) -> bool {
+        self.shares_liquid
     }
 
     /// True if the tangential law discards parts of its history that store energy.

@@ -66,7 +66,8 @@ pub(super) fn moment_step<R: Real, M: MomentLaw>(
     out
 }
 
-/// A step of an adhesion law. The history is stored while the law acts.
+/// A step of an adhesion law. The history is stored while the law acts; the volume of liquid of a bridge that has ruptured is kept
+/// until it is returned to the films.
 #[inline(always)]
 pub(super) fn adhesion_step<R: Real, A: AdhesionLaw>(
     constants: &[R; LAW_CONSTANTS],
@@ -75,7 +76,7 @@ pub(super) fn adhesion_step<R: Real, A: AdhesionLaw>(
     history: &mut [R; MAX_ADHESION_HISTORY],
 ) -> Attraction<R> {
     let out = A::update(constants, overlap, touching, history);
-    for value in history.iter_mut().take(A::HISTORY) {
+    for value in history.iter_mut().take(A::HISTORY).skip(usize::from(A::SHARES_LIQUID)) {
         *value = value.keep(out.acting);
     }
     out

@@ -100,6 +100,11 @@ pub(crate) trait StageLaws {
     fn has_moments(&self) -> bool;
     /// True if the set has a law of adhesion.
     fn has_adhesion(&self) -> bool;
+    /// True if the bridges of the law of adhesion share liquid with films on the grains.
+    #[inline(always)]
+    fn shares_liquid(&self) -> bool {
+        false
+    }
     /// True if the tangential law discards parts of its history that store energy.
     fn discards(&self) -> bool;
     /// One step of a batch.
@@ -296,6 +301,10 @@ impl StageLaws for AnyLaws {
     #[inline(always)]
     fn has_adhesion(&self) -> bool {
         self.slots.has_adhesion()
+    }
+    #[inline(always)]
+    fn shares_liquid(&self) -> bool {
+        self.slots.shares_liquid()
     }
     #[inline(always)]
     fn discards(&self) -> bool {

@@ -65,8 +65,8 @@ fn measure<L: Lanes>(v: &Views, b: usize) -> Nearness {
     let branch = [c[0] - a[0] + image[0], c[1] - a[1] + image[1], c[2] - a[2] + image[2]];
     let square = dot(branch, branch);
     let sum = a[3] + c[3];
-    // Without an adhesion law the range is zero.
-    let reach = sum + L::splat(v.range + v.inner_skin);
+    // Zero without an adhesion law.
+    let reach = sum + L::splat(v.onset + v.inner_skin);
     let touching = square.lt(sum * sum).bits() as u8 | marks.touched | marks.attracting;
     Nearness { touching, near: square.lt(reach * reach).bits() as u8 }
 }

@@ -23,6 +23,8 @@ pub(crate) struct Views {
     pub(crate) target: RawSlice<[u32; LANES]>,
     pub(crate) image: RawSlice<[u32; LANES]>,
     pub(crate) memory: RawSlice<Row8>,
+    /// Volumes of the films of grains; empty if no law shares liquid.
+    pub(crate) films: RawSlice<f64>,
     pub(crate) marks: RawSlice<Marks>,
     /// Working memory of the pruning stage.
     pub(crate) nearness: RawSlice<Nearness>,
@@ -48,8 +50,8 @@ pub(crate) struct Views {
     pub(crate) dt: f64,
     /// Pairs with a gap below this belong to the inner list, m.
     pub(crate) inner_skin: f64,
-    /// Largest distance of the surfaces at which grains interact without touching, m.
-    pub(crate) range: f64,
+    /// Largest distance of the surfaces at which grains that do not touch begin to interact, m.
+    pub(crate) onset: f64,
     /// Weight of the energy of discarded histories in this step; zero where it is not evaluated.
     pub(crate) sampling_weight: f64,
     /// Factor on velocities and spins in a step: 1 without global damping.

@@ -105,6 +105,10 @@ impl Draws {
             ("roughness", grains.diameter * self.decades(1e-7, 1e-5)),
             ("surface_tension", adhesion * force / grains.diameter),
             ("bridge_volume", self.decades(1e-6, 0.01)),
+            ("rupture_coefficient", if self.chance(0.5) { 0.1 } else { 0.0 }),
+            // From too little liquid for any bridge to more than the bridges can hold.
+            ("liquid_content", self.decades(1e-8, 0.1)),
+            ("largest_bridge_volume", self.decades(1e-6, 0.01)),
             ("least_separation", separation),
             ("hamaker_constant", adhesion * force * 48.0 * separation * separation / grains.diameter),
             ("rolling_friction", self.even(0.0, 0.4)),

@@ -4,6 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use granum_core::Table;
 use granum_dem::Isa;
 use granum_dem::simulation::{Hardware, Simulation};
 use granum_io::{Case, RunFolder, RunRecord, RunStatus};
@@ -161,6 +162,21 @@ fn of_the_work(case: &Case, folder: &RunFolder) -> Result<[f64; 2], String> {
     Ok([work, state.energy().damping].map(|energy| energy / work.max(least)))
 }
 
+/// Checks that the liquid of films and bridges is conserved, where there is any.
+fn check_liquid(series: &Table) -> Result<(), String> {
+    let [Ok(films), Ok(bridges)] = ["film_volume", "bridge_volume"].map(|name| series.column(name)) else {
+        return Ok(());
+    };
+    let first = films.first().zip(bridges.first()).map_or(0.0, |(film, bridge)| film + bridge);
+    for (film, bridge) in films.iter().zip(bridges) {
+        let change = (film + bridge) / first - 1.0;
+        if change.is_nan() || change.abs() > 1e-11 {
+            return Err(format!("the volume of liquid changed by a fraction of {change:.2e}"));
+        }
+    }
+    Ok(())
+}
+
 /// Checks that no result is NaN or infinite and that the energy balance closes.
 fn look_over(
     case: &Case,
@@ -180,6 +196,7 @@ fn look_over(
             }
         }
     }
+    check_liquid(&folder.run().series().map_err(|error| error.to_string())?)?;
     if let Some((name, value)) = record.measures.iter().find(|(_, value)| !value.is_finite()) {
         return Err(format!("{name} is {value}"));
     }

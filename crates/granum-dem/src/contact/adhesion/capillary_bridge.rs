@@ -7,8 +7,10 @@
 //!
 //! `F = 2 pi R_e gamma cos(theta) / (1 + 2.1 S+ + 10 S+^2)`.
 //!
-//! A bridge forms where the grains touch, and ruptures at the gap `S_c = R_e (1 + theta/2) (v^(1/3) + v^(2/3)/10)`, `v = V/R_e^3`.
-//! Its volume divided by `R_e^3` is a parameter: liquid is neither exchanged between bridges nor lost.
+//! A bridge forms where the grains touch, and ruptures at the gap `S_c = R_e (1 + theta/2) (v^(1/3) + c v^(2/3))`, `v = V/R_e^3`,
+//! with `c` = 0.1 according to Willett et al.; `c` = 0 is the rupture distance of Lian, Thornton and Adams (1993), J. Colloid
+//! Interface Sci. 161, 138-147. The volume divided by `R_e^3` is a parameter: liquid is neither exchanged between bridges nor
+//! lost. ([`super::CapillaryBridgeFilms`] has bridges whose liquid comes from films on the grains.)
 //!
 //! Between formation and rupture the bridge is elastic. Its energy, which is zero when the surfaces just touch, is
 //! `2 F_0 (V/R_e)^(1/2) (2/D) (arctan((20 S+ + 2.1)/D) - arctan(2.1/D))` with `F_0 = F(0)` and `D = 35.59^(1/2)`, and
@@ -20,7 +22,7 @@
 
 use granum_simd::Real;
 
-use crate::contact::elementary::{arctan, cosine};
+use crate::contact::elementary::{arctan, arctan_of, cosine};
 use crate::contact::law::{AdhesionLaw, Attraction, Description, Mixing, NormalTraits, Parameter, Unit};
 use crate::contact::limits::{LAW_CONSTANTS, MAX_ADHESION_HISTORY};
 use crate::contact::pair_properties::PairProperties;
@@ -44,14 +46,73 @@ const BRIDGED: usize = 0;
 const LINEAR: f64 = 2.1;
 const SQUARE: f64 = 10.0;
 
-/// Energy of a bridge at a gap, J, from zero at touch.
-fn energy_at(c: &[f64; LAW_CONSTANTS], gap: f64) -> f64 {
-    if c[FORCE] == 0.0 {
-        return 0.0;
-    }
+/// Surface tension of the liquid.
+pub(super) const SURFACE_TENSION: Parameter = Parameter {
+    key: "surface_tension",
+    unit: Unit::STIFFNESS,
+    default: 0.072,
+    bounds: [0.0, 10.0],
+    meaning: "Surface tension gamma of the liquid of the bridges",
+    without_area: false,
+    mixing: Mixing::Geometric,
+};
+/// Contact angle of the liquid.
+pub(super) const CONTACT_ANGLE: Parameter = Parameter {
+    key: "contact_angle",
+    unit: Unit::ANGLE,
+    default: 0.0,
+    bounds: [0.0, 1.5],
+    meaning: "Contact angle theta of the liquid on the grains",
+    without_area: false,
+    mixing: Mixing::Cosine,
+};
+/// The coefficient c of the rupture distance.
+pub(super) const RUPTURE_COEFFICIENT: Parameter = Parameter {
+    key: "rupture_coefficient",
+    unit: Unit::NUMBER,
+    default: 0.1,
+    bounds: [0.0, 1.0],
+    meaning: "Coefficient c of the rupture distance R_e (1 + theta/2) (v^(1/3) + c v^(2/3)), v = V/R_e^3: 0.1 of \
+              Willett et al. 2000, 0 of Lian et al. 1993",
+    without_area: false,
+    mixing: Mixing::Arithmetic,
+};
+
+/// Force of a bridge between grains that touch, N; `radius` is `R_e`, m.
+pub(super) fn force_at_touch(radius: f64, tension: f64, angle: f64) -> f64 {
+    2.0 * std::f64::consts::PI * radius * tension * cosine(angle)
+}
+
+/// `(R_e/V)^(1/2) / 2`, 1/m, for `v = V/R_e^3`: multiplied by the gap it gives S+.
+pub(super) fn per_gap(radius: f64, v: f64) -> f64 {
+    0.5 / (radius * v.sqrt())
+}
+
+/// `S_c`, m, for `v = V/R_e^3`.
+pub(super) fn rupture_distance(radius: f64, angle: f64, coefficient: f64, v: f64) -> f64 {
+    let root = granum_simd::cbrt(v);
+    radius * (1.0 + 0.5 * angle) * (root + coefficient * root * root)
+}
+
+/// Energy of a bridge, J, that has a force at touch, N, at a gap, m; zero at touch.
+#[inline(always)]
+pub(super) fn energy_at<R: Real>(force: R, per_gap: R, gap: R) -> R {
     let root = (4.0 * SQUARE - LINEAR * LINEAR).sqrt();
-    let angle = |plus: f64| arctan((2.0 * SQUARE * plus + LINEAR) / root);
-    c[FORCE] / c[PER_GAP] * (2.0 / root) * (angle(c[PER_GAP] * gap) - angle(0.0))
+    let (linear, twice) = (R::splat(LINEAR), R::splat(2.0 * SQUARE));
+    let angle = arctan_of((twice * (per_gap * gap) + linear) / R::splat(root));
+    force / per_gap * R::splat(2.0 / root) * (angle - R::splat(arctan(LINEAR / root)))
+}
+
+/// Force of a bridge, N, and the absolute value of its derivative, N/m, at a gap, m, of zero or more. Where the grains overlap
+/// the force is constant, and the value at touch is used for the time step.
+#[inline(always)]
+pub(super) fn pull<R: Real>(force: R, per_gap: R, gap: R, acting: R::Mask) -> (R, R) {
+    let plus = per_gap * gap;
+    let one = R::splat(1.0);
+    let share = one / plus.mul_add(plus.mul_add(R::splat(SQUARE), R::splat(LINEAR)), one);
+    let force = (force * share).keep(acting);
+    let slope = plus.mul_add(R::splat(2.0 * SQUARE), R::splat(LINEAR)) * per_gap;
+    (force, force * share * slope)
 }
 
 impl AdhesionLaw for CapillaryBridge {
@@ -60,24 +121,8 @@ impl AdhesionLaw for CapillaryBridge {
         label: "capillary bridges (Willett et al. 2000)",
         help: "liquid bridges of constant volume that form when grains touch: Willett et al. 2000",
         parameters: &[
-            Parameter {
-                key: "surface_tension",
-                unit: Unit::STIFFNESS,
-                default: 0.072,
-                bounds: [0.0, 10.0],
-                meaning: "Surface tension gamma of the liquid of the bridges",
-                without_area: false,
-                mixing: Mixing::Geometric,
-            },
-            Parameter {
-                key: "contact_angle",
-                unit: Unit::ANGLE,
-                default: 0.0,
-                bounds: [0.0, 1.5],
-                meaning: "Contact angle theta of the liquid on the grains",
-                without_area: false,
-                mixing: Mixing::Cosine,
-            },
+            SURFACE_TENSION,
+            CONTACT_ANGLE,
             Parameter {
                 key: "bridge_volume",
                 unit: Unit::NUMBER,
@@ -87,8 +132,10 @@ impl AdhesionLaw for CapillaryBridge {
                 without_area: false,
                 mixing: Mixing::Geometric,
             },
+            RUPTURE_COEFFICIENT,
         ],
     };
+    const BEGINS_AT_TOUCH: bool = true;
     const HISTORY: usize = 1;
 
     fn goes_with(normal: &NormalTraits) -> Result<(), &'static str> {
@@ -96,14 +143,14 @@ impl AdhesionLaw for CapillaryBridge {
     }
 
     fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
-        let [tension, angle, volume] = [parameters[0], parameters[1], parameters[2]];
+        let [tension, angle, volume, coefficient] =
+            [parameters[0], parameters[1], parameters[2], parameters[3]];
         let radius = 2.0 * pair.effective_radius;
-        let root = granum_simd::cbrt(volume);
         let mut c = [0.0; LAW_CONSTANTS];
-        c[FORCE] = 2.0 * std::f64::consts::PI * radius * tension * cosine(angle);
-        c[PER_GAP] = 0.5 / (radius * volume.sqrt());
-        c[RUPTURE] = radius * (1.0 + 0.5 * angle) * (root + 0.1 * root * root);
-        c[LOST] = energy_at(&c, c[RUPTURE]);
+        c[FORCE] = force_at_touch(radius, tension, angle);
+        c[PER_GAP] = per_gap(radius, volume);
+        c[RUPTURE] = rupture_distance(radius, angle, coefficient, volume);
+        c[LOST] = energy_at(c[FORCE], c[PER_GAP], c[RUPTURE]);
         c
     }
 
@@ -114,24 +161,20 @@ impl AdhesionLaw for CapillaryBridge {
         touching: R::Mask,
         history: &mut [R; MAX_ADHESION_HISTORY],
     ) -> Attraction<R> {
-        let (zero, one) = (R::zero(), R::splat(1.0));
+        let zero = R::zero();
         let gap = (-overlap).max(zero);
         let before = history[BRIDGED].gt(zero);
         let acting = (before | touching) & gap.lt(c[RUPTURE]);
-        let plus = c[PER_GAP] * gap;
-        let share = one / plus.mul_add(plus.mul_add(R::splat(SQUARE), R::splat(LINEAR)), one);
-        let force = (c[FORCE] * share).keep(acting);
-        // -dF/dS. Where the grains overlap the force is constant, and the value at touch is used for the time step.
-        let slope = plus.mul_add(R::splat(2.0 * SQUARE), R::splat(LINEAR)) * c[PER_GAP];
-        history[BRIDGED] = one.keep(acting);
-        Attraction { force, stiffness: force * share * slope, acting, loss: c[LOST].keep(before & !acting) }
+        let (force, stiffness) = pull(c[FORCE], c[PER_GAP], gap, acting);
+        history[BRIDGED] = R::splat(1.0).keep(acting);
+        Attraction { force, stiffness, acting, loss: c[LOST].keep(before & !acting) }
     }
 
     fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64, history: &[f64; MAX_ADHESION_HISTORY]) -> f64 {
         if history[BRIDGED] == 0.0 {
             return 0.0;
         }
-        if overlap >= 0.0 { -c[FORCE] * overlap } else { energy_at(c, -overlap) }
+        if overlap >= 0.0 { -c[FORCE] * overlap } else { energy_at(c[FORCE], c[PER_GAP], -overlap) }
     }
 
     fn range(c: &[f64; LAW_CONSTANTS]) -> f64 {
@@ -148,9 +191,14 @@ mod tests {
     const TENSION: f64 = 0.072;
 
     fn constants(volume: f64, degrees: f64) -> [f64; LAW_CONSTANTS] {
+        with_coefficient(volume, degrees, 0.1)
+    }
+
+    fn with_coefficient(volume: f64, degrees: f64, coefficient: f64) -> [f64; LAW_CONSTANTS] {
         let sphere = (&Material::default(), RADIUS);
         let pair = PairProperties::new(sphere, sphere, 0.0);
-        CapillaryBridge::prepare(&pair, &[TENSION, degrees.to_radians(), volume / RADIUS.powi(3)])
+        let relative = volume / RADIUS.powi(3);
+        CapillaryBridge::prepare(&pair, &[TENSION, degrees.to_radians(), relative, coefficient])
     }
 
     fn force(c: &[f64; LAW_CONSTANTS], gap: f64) -> f64 {
@@ -193,6 +241,19 @@ mod tests {
             assert!((c[LOST] / lost - 1.0).abs() < 1e-9, "{:e}", c[LOST]);
             assert_eq!(force(&c, 1.001 * gap), 0.0);
             assert!(force(&c, 0.999 * gap) > 0.0);
+        }
+    }
+
+    /// Lian, Thornton and Adams (1993): `(1 + theta/2) V^(1/3)`, over R: 0.1, 0.253045 and 0.497 for three bridges.
+    #[test]
+    fn rupture_without_the_second_term_is_that_of_lian() {
+        for (relative, degrees, gap) in [(1e-3, 0.0, 0.1), (1e-2, 20.0, 0.253_045), (5e-2, 40.0, 0.497)] {
+            let c = with_coefficient(relative * RADIUS.powi(3), degrees, 0.0);
+            let exact = (1.0 + 0.5 * f64::to_radians(degrees)) * relative.cbrt();
+            assert!((CapillaryBridge::range(&c) / RADIUS - exact).abs() < 1e-14);
+            assert!((exact - gap).abs() < 1e-6, "{exact}");
+            assert_eq!(force(&c, 1.001 * gap * RADIUS), 0.0);
+            assert!(force(&c, 0.999 * gap * RADIUS) > 0.0);
         }
     }
 

@@ -76,14 +76,16 @@ fn adhesive_contact_times() {
 #[test]
 fn wet_grains_lose_what_their_bridge_held() {
     let pair = PairProperties::new((&smooth(), 0.5 * DIAMETER), (&smooth(), 0.5 * DIAMETER), 0.0);
-    for normal in [NormalKind::HERTZ, NormalKind::HOOKE] {
-        let wet = ContactModel {
-            adhesion: AdhesionKind::CAPILLARY_BRIDGE,
-            ..contact(normal, TangentialKind::NO_SLIP, 0.0)
-        };
+    for (normal, adhesion) in [
+        (NormalKind::HERTZ, AdhesionKind::CAPILLARY_BRIDGE),
+        (NormalKind::HOOKE, AdhesionKind::CAPILLARY_BRIDGE),
+        (NormalKind::HERTZ, AdhesionKind::CAPILLARY_BRIDGE_FILMS),
+    ] {
+        let wet = ContactModel { adhesion, ..contact(normal, TangentialKind::NO_SLIP, 0.0) };
         let constants = wet.constants(&pair);
         let apart = wet.range(&constants);
-        let bridged = Memory { adhesion: [1.0, 0.0, 0.0, 0.0], ..Memory::new() };
+        let mut bridged = Memory { adhesion: [1.0, 0.0, 0.0, 0.0], ..Memory::new() };
+        wet.wet(&constants, 0.0, &mut bridged);
         let held = wet.adhesion.law().energy(&constants.adhesion, -apart, &bridged.adhesion);
         let least = (2.0 * held / pair.effective_mass).sqrt();
         for times in [1.2, 2.0, 5.0] {

@@ -247,7 +247,7 @@ impl Kernel for ThroughSlots<'_> {
 fn constants_of(contact: &ContactModel, interface_energy: f64) -> PairConstants<f64> {
     let pair = PairProperties { damping: 0.1, ..spheres(interface_energy) };
     let mut constants = contact.constants(&pair);
-    constants.adhesion = CapillaryBridge::prepare(&pair, &[0.072, 0.3, BRIDGE]);
+    constants.adhesion = CapillaryBridge::prepare(&pair, &[0.072, 0.3, BRIDGE, 0.1]);
     constants
 }
 

@@ -1,0 +1,198 @@
+//! Liquid bridges between wet grains that share the liquid of films on the grains.
+//!
+//! The bridges are those of [`super::capillary_bridge`], each with a volume V of its own. A grain starts with a film whose volume is a
+//! parameter times that of the grain. A bridge forms where grains touch: it takes liquid from both films in equal parts, as much
+//! as the drier grain has, up to a largest volume. When it ruptures, each grain gets one half of its liquid. The liquid is neither
+//! lost nor created, but wanders between grains. Where the liquid does not suffice for a bridge of `1e-6 R_e^3`, the contact stays dry until the films have
+//! received more.
+//!
+//! With the material's contact angle theta the force at touch is `F_0 = 2 pi R_e gamma cos(theta)`, whatever the volume; the
+//! volume decides how fast the force falls with the gap and where the bridge ruptures. At a liquid content W (volume of
+//! liquid over that of solid) and Z bridges per grain, the mean of `V/R^3` of equal grains is at most `8 pi W / 3 Z`.
+
+use granum_simd::{Mask, Real};
+
+use super::capillary_bridge::{
+    CONTACT_ANGLE, RUPTURE_COEFFICIENT, SURFACE_TENSION, energy_at, force_at_touch, per_gap, pull,
+    rupture_distance,
+};
+use crate::contact::law::{AdhesionLaw, Attraction, Description, Mixing, NormalTraits, Parameter, Unit};
+use crate::contact::limits::{LAW_CONSTANTS, MAX_ADHESION_HISTORY};
+use crate::contact::pair_properties::PairProperties;
+
+/// Bridges of Willett et al. (2000) with liquid from films on the grains.
+#[derive(Clone, Copy, Debug)]
+pub struct CapillaryBridgeFilms;
+
+/// `F_0`, N.
+const FORCE: usize = 0;
+/// `R_e`, m.
+const RADIUS: usize = 1;
+/// Contact angle, rad.
+const ANGLE: usize = 2;
+/// Coefficient of the rupture distance.
+const COEFFICIENT: usize = 3;
+/// Largest volume of a bridge over `R_e^3`.
+const LARGEST: usize = 4;
+
+/// Columns of the history. Volume, m3.
+const VOLUME: usize = 0;
+/// `(R_e/V)^(1/2) / 2`, 1/m.
+const PER_GAP: usize = 1;
+/// `S_c`, m.
+const RUPTURE: usize = 2;
+
+/// Smallest volume of a bridge over `R_e^3`: the formula was tried down to that.
+const SMALLEST: f64 = 1e-6;
+
+impl AdhesionLaw for CapillaryBridgeFilms {
+    const DESCRIPTION: Description = Description {
+        name: "capillary-bridge-films",
+        label: "capillary bridges that share liquid films",
+        help: "liquid bridges that take their liquid from films on the grains and return it when they rupture",
+        parameters: &[
+            SURFACE_TENSION,
+            CONTACT_ANGLE,
+            Parameter {
+                key: "liquid_content",
+                unit: Unit::NUMBER,
+                default: 0.01,
+                bounds: [0.0, 0.3],
+                meaning: "Volume of the liquid on a grain at the start over the volume of the grain",
+                without_area: false,
+                mixing: Mixing::Geometric,
+            },
+            Parameter {
+                key: "largest_bridge_volume",
+                unit: Unit::NUMBER,
+                default: 0.02,
+                bounds: [SMALLEST, 0.1],
+                meaning: "Largest volume of a bridge over the cube of R_e = 2 R_i R_j / (R_i + R_j), where the films \
+                          have that much liquid",
+                without_area: false,
+                mixing: Mixing::Geometric,
+            },
+            RUPTURE_COEFFICIENT,
+        ],
+    };
+    const BEGINS_AT_TOUCH: bool = true;
+    const SHARES_LIQUID: bool = true;
+    const HISTORY: usize = 3;
+
+    fn goes_with(normal: &NormalTraits) -> Result<(), &'static str> {
+        normal.without_adhesion()
+    }
+
+    fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
+        let [tension, angle, largest, coefficient] =
+            [parameters[0], parameters[1], parameters[3], parameters[4]];
+        let radius = 2.0 * pair.effective_radius;
+        let mut c = [0.0; LAW_CONSTANTS];
+        c[FORCE] = force_at_touch(radius, tension, angle);
+        (c[RADIUS], c[ANGLE], c[COEFFICIENT], c[LARGEST]) = (radius, angle, coefficient, largest);
+        c
+    }
+
+    #[inline(always)]
+    fn update<R: Real>(
+        c: &[R; LAW_CONSTANTS],
+        overlap: R,
+        _touching: R::Mask,
+        history: &mut [R; MAX_ADHESION_HISTORY],
+    ) -> Attraction<R> {
+        let gap = (-overlap).max(R::zero());
+        let before = history[VOLUME].gt(R::zero());
+        let acting = before & gap.lt(history[RUPTURE]);
+        let (force, stiffness) = pull(c[FORCE], history[PER_GAP], gap, acting);
+        // A bridge that has ruptured before holds nothing but liquid to be returned.
+        let ruptured = before & !acting & history[RUPTURE].gt(R::zero());
+        let mut loss = R::zero();
+        if ruptured.any() {
+            loss = energy_at(c[FORCE], history[PER_GAP], history[RUPTURE]).keep(ruptured);
+        }
+        Attraction { force, stiffness, acting, loss }
+    }
+
+    fn film(radius: f64, parameters: &[f64]) -> f64 {
+        4.0 / 3.0 * std::f64::consts::PI * parameters[2] * radius * radius * radius
+    }
+
+    fn largest_bridge(c: &[f64; LAW_CONSTANTS]) -> f64 {
+        c[LARGEST] * c[RADIUS] * c[RADIUS] * c[RADIUS]
+    }
+
+    fn bridge(c: &[f64; LAW_CONSTANTS], volume: f64) -> [f64; MAX_ADHESION_HISTORY] {
+        let relative = volume / (c[RADIUS] * c[RADIUS] * c[RADIUS]);
+        let mut history = [0.0; MAX_ADHESION_HISTORY];
+        if relative >= SMALLEST {
+            history[VOLUME] = volume;
+            history[PER_GAP] = per_gap(c[RADIUS], relative);
+            history[RUPTURE] = rupture_distance(c[RADIUS], c[ANGLE], c[COEFFICIENT], relative);
+        }
+        history
+    }
+
+    fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64, history: &[f64; MAX_ADHESION_HISTORY]) -> f64 {
+        if history[VOLUME] == 0.0 {
+            return 0.0;
+        }
+        if overlap >= 0.0 { -c[FORCE] * overlap } else { energy_at(c[FORCE], history[PER_GAP], -overlap) }
+    }
+
+    fn range(c: &[f64; LAW_CONSTANTS]) -> f64 {
+        rupture_distance(c[RADIUS], c[ANGLE], c[COEFFICIENT], c[LARGEST])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::CapillaryBridge;
+    use super::*;
+    use crate::config::Material;
+
+    const R: f64 = 50e-6;
+
+    fn pair() -> PairProperties {
+        PairProperties::new((&Material::default(), R), (&Material::default(), R), 0.0)
+    }
+
+    /// A bridge of a volume is that of the law with constant volume, at every gap, with its rupture, energies and losses.
+    #[test]
+    fn a_bridge_is_one_of_constant_volume() {
+        for (relative, angle, coefficient) in [(1e-3, 0.0, 0.1), (1e-2, 0.349, 0.1), (0.05, 0.7, 0.0)] {
+            let constant = CapillaryBridge::prepare(&pair(), &[0.072, angle, relative, coefficient]);
+            let c = CapillaryBridgeFilms::prepare(&pair(), &[0.072, angle, 0.01, 0.1, coefficient]);
+            let mut history = CapillaryBridgeFilms::bridge(&c, relative * R * R * R);
+            let range = CapillaryBridge::range(&constant);
+            assert!((history[RUPTURE] / range - 1.0).abs() < 1e-14);
+            assert!(CapillaryBridgeFilms::range(&c) > range);
+            for gap in [-1e-7, 0.0, 1e-8, 1e-6, 0.999 * range] {
+                let one = CapillaryBridge::update(&constant, -gap, false, &mut [1.0, 0.0, 0.0, 0.0]);
+                let out = CapillaryBridgeFilms::update(&c, -gap, false, &mut { history });
+                assert!(out.acting && (out.force / one.force - 1.0).abs() < 1e-13, "{gap:e}");
+                assert!((out.stiffness - one.stiffness).abs() <= 1e-13 * one.stiffness);
+                let energies = [
+                    CapillaryBridge::energy(&constant, -gap, &[1.0, 0.0, 0.0, 0.0]),
+                    CapillaryBridgeFilms::energy(&c, -gap, &history),
+                ];
+                assert!((energies[1] - energies[0]).abs() <= 1e-12 * energies[0].abs(), "{energies:?}");
+            }
+            let one = CapillaryBridge::update(&constant, -1.001 * range, false, &mut [1.0, 0.0, 0.0, 0.0]);
+            let out = CapillaryBridgeFilms::update(&c, -1.001 * range, false, &mut history);
+            assert!(!out.acting && (out.loss / one.loss - 1.0).abs() < 1e-12);
+            // What it held can still be returned.
+            assert_eq!(history[VOLUME], relative * R * R * R);
+        }
+    }
+
+    #[test]
+    fn without_liquid_there_is_no_bridge() {
+        let c = CapillaryBridgeFilms::prepare(&pair(), &[0.072, 0.0, 0.01, 0.02, 0.1]);
+        assert_eq!(CapillaryBridgeFilms::bridge(&c, 0.9e-6 * R * R * R), [0.0; MAX_ADHESION_HISTORY]);
+        let none = CapillaryBridgeFilms::update(&c, 1e-8, true, &mut [0.0; MAX_ADHESION_HISTORY]);
+        assert!(!none.acting && none.force == 0.0 && none.loss == 0.0);
+        // A hundredth of the volume of the grain.
+        let film = CapillaryBridgeFilms::film(R, &[0.072, 0.0, 0.01, 0.02, 0.1]);
+        assert!((film / (0.01 * 4.0 / 3.0 * std::f64::consts::PI * R * R * R) - 1.0).abs() < 1e-15);
+    }
+}
