@@ -123,6 +123,11 @@ fn a_lammps_data_file_is_the_last_state_of_the_dump_and_a_packing() {
     // These soft spheres overlap by more than a packing of grains may.
     let error = granum_io::read_packing(sample("lammps/end.data")).unwrap_err().to_string();
     assert!(error.contains("overlaps grain") && error.contains("of the smaller diameter"), "{error}");
+    // Named are the lines of the file, where the atoms follow the head and stand in an order of their own.
+    assert!(error.contains("end.data:17:1: grain 1 overlaps grain 19 (line 31) by"), "{error}");
+    let text = std::fs::read_to_string(sample("lammps/end.data")).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    assert!(lines[16].starts_with("1 1 ") && lines[30].starts_with("19 1 "), "{} {}", lines[16], lines[30]);
     // The same grains with smaller radii are a packing.
     let mut smaller = data.clone();
     smaller.assembly.grains.iter_mut().for_each(|grain| grain.radius *= 0.9);
@@ -336,4 +341,26 @@ fn damaged_files_are_refused_with_their_place() {
         .read_results(&[(path, ReadOptions::default())], &JoinOptions::default())
         .unwrap_err();
     assert!(error.to_string().contains("a.gsd: is no GSD file or is damaged"), "{error}");
+}
+
+/// Files without lines name grains alone.
+#[test]
+fn a_grain_that_is_wrong_is_named_with_the_line_of_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let message = |name: &str, text: &str| {
+        let (path, _) = written(folder.path(), name, text);
+        granum_io::read_packing(path).unwrap_err().to_string()
+    };
+    let xyz = "3\nLattice=\"4 0 0 0 4 0 0 0 4\" Properties=id:I:1:pos:R:3:radius:R:1\n9 1 1 1 0.5\n4 3 3 3 0.5\n7 1.5 1 1 0.5\n";
+    let found = message("a.xyz", xyz);
+    assert!(found.contains("a.xyz:5:1: grain 7 overlaps grain 9 (line 3) by 5.000e-1 m, 50.0 %"), "{found}");
+    let found = message("a.xyz", &xyz.replace("9 1 1 1 0.5", "7 1 1 1 0.5"));
+    assert!(found.contains("a.xyz:5:1: grain 7 is already given in line 3"), "{found}");
+    let found = message("a.xyz", &xyz.replace("4 3 3 3 0.5", "4 3 3 3 2.5"));
+    assert!(found.contains("a.xyz:4:1: grain 4: radius = 2.5e0 m does not fit"), "{found}");
+    let observation = &read(&[written(folder.path(), "b.xyz", xyz)])[0];
+    let path = folder.path().join("a.gsd");
+    Formats::standard().write_results(&path, None, std::slice::from_ref(observation)).unwrap();
+    let found = granum_io::read_packing(&path).unwrap_err().to_string();
+    assert!(found.contains("a.gsd: grain 2 overlaps grain 3 by 5.000e-1 m"), "{found}");
 }

@@ -105,6 +105,7 @@ fn frame(words: &mut Words, count: usize) -> Result<Frame> {
             return Err(words.error(message));
         }
         frame.grains.push(layout.grain(words, number as u64 + 1)?);
+        frame.lines.push(words.line_number());
     }
     Ok(frame)
 }

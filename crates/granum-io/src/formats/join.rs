@@ -9,7 +9,7 @@ use granum_core::{Part, Parts};
 
 use super::result::{Frame, FrameCell, Observation, Pair};
 use super::strain::add_strains;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, in_file};
 
 /// What the files do not say.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -129,11 +129,8 @@ fn no_partner(path: &Path, frame: &Frame, place: usize, count: usize, all: usize
 
 /// One observation: grains in the order of their ids, wrapped into the cell, and their contacts.
 fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<Observation> {
-    let Frame { step, time, cell, mut grains, contacts, mut parts } = frame;
-    grains.sort_by_key(|grain| grain.id);
-    if let Some(pair) = grains.windows(2).find(|pair| pair[0].id == pair[1].id) {
-        return Err(Error::content(path, format!("grain {} stands there twice", pair[0].id)));
-    }
+    let Frame { step, time, cell, grains, lines, contacts, mut parts } = frame;
+    let (mut grains, lines) = in_order(path, grains, lines)?;
     let cell = cell.or(options.cell);
     if let Some(cell) = &cell {
         wrap(path, &mut grains, cell)?;
@@ -159,7 +156,24 @@ fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<Obser
     if let Some(pairs) = contacts {
         parts = add_contacts(path, &mut assembly, parts, &pairs)?;
     }
-    Ok(Observation { assembly, parts, origin: cell.map_or([0.0; 3], |cell| cell.origin) })
+    let origin = cell.map_or([0.0; 3], |cell| cell.origin);
+    Ok(Observation { lines, ..Observation::new(assembly, parts, origin) })
+}
+
+/// The grains in the order of their ids, and the line of each; every id must be there once.
+fn in_order(path: &Path, grains: Vec<Grain>, mut lines: Vec<usize>) -> Result<(Vec<Grain>, Vec<usize>)> {
+    let has_lines = lines.len() == grains.len();
+    lines.resize(grains.len(), 0);
+    let mut rows: Vec<(Grain, usize)> = grains.into_iter().zip(lines).collect();
+    rows.sort_by_key(|(grain, line)| (grain.id, *line));
+    if let Some([(first, line), (_, second)]) = rows.windows(2).find(|rows| rows[0].0.id == rows[1].0.id) {
+        let file = path.display().to_string();
+        let where_first = if has_lines { format!(" in line {line}") } else { String::new() };
+        let message = format!("grain {} is already given{where_first}", first.id);
+        return Err(in_file(&file, *second, message, "each grain has an id of its own"));
+    }
+    let (grains, lines): (Vec<Grain>, Vec<usize>) = rows.into_iter().unzip();
+    Ok((grains, if has_lines { lines } else { Vec::new() }))
 }
 
 /// Moves the grains so that a corner of the cell is at the origin and each of them is inside.
