@@ -115,6 +115,9 @@ pub struct Frame {
     pub lines: Vec<usize>,
     /// The contacts, by the ids of their grains; none where the file has no list of them.
     pub contacts: Option<Vec<Pair>>,
+    /// Centres by whose place in this list, from 0, the contacts name their grains instead of ids, in files that have no ids; else
+    /// empty.
+    pub centres: Vec<Vector>,
     /// What of the grains is known.
     pub parts: Parts,
 }
