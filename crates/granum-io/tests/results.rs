@@ -364,3 +364,71 @@ fn a_grain_that_is_wrong_is_named_with_the_line_of_its_file() {
     let found = granum_io::read_packing(&path).unwrap_err().to_string();
     assert!(found.contains("a.gsd: grain 2 overlaps grain 3 by 5.000e-1 m"), "{found}");
 }
+
+/// The stress that a line of a file gives in nine numbers, after some words.
+fn printed_stress(name: &str, starts: &str, skipped: usize) -> Matrix {
+    let text = std::fs::read_to_string(sample(name)).unwrap();
+    let line = text.lines().find(|line| line.starts_with(starts)).unwrap();
+    let n: Vec<f64> = line.split_whitespace().skip(skipped).map(|word| word.parse().unwrap()).collect();
+    std::array::from_fn(|a| std::array::from_fn(|b| n[3 * a + b]))
+}
+
+/// Largest difference of two stresses, relative to the first component.
+fn gap(one: &Matrix, two: &Matrix) -> f64 {
+    let gaps = (0..9).map(|n| (one[n / 3][n % 3] - two[n / 3][n % 3]).abs());
+    gaps.fold(0.0, f64::max) / one[0][0].abs()
+}
+
+/// MercuryDPM writes ten digits, in the restart file fifteen; `getStaticStress` was printed by the run.
+#[test]
+fn the_stress_of_a_mercury_sample_is_its_own_to_the_digits_of_its_files() {
+    let theirs = printed_stress("mercury/stress.txt", "STRESS static", 2);
+    let found = &read(&[plain("mercury/box.data"), plain("mercury/box.fstat")])[0];
+    assert_eq!((found.assembly.grains.len(), found.assembly.contacts.len()), (27, 62));
+    assert!(gap(&stress(found), &theirs) < 5e-9, "{} {:?} {theirs:?}", gap(&stress(found), &theirs), stress(found));
+    let restart = &read(&[plain("mercury/box.restart")])[0];
+    assert_eq!((restart.assembly.grains.len(), restart.assembly.contacts.len()), (27, 62));
+    assert!(gap(&stress(restart), &theirs) < 1e-12, "{} {:?} {theirs:?}", gap(&stress(restart), &theirs), stress(restart));
+    for (one, two) in found.assembly.grains.iter().zip(&restart.assembly.grains) {
+        assert!((one.radius / two.radius - 1.0).abs() < 1e-9, "{one:?} {two:?}");
+        let mass = 2650.0 * 4.0 / 3.0 * std::f64::consts::PI * two.radius.powi(3);
+        assert!((two.mass / mass - 1.0).abs() < 1e-12, "{two:?} {mass}");
+        assert!((0..3).all(|a| (one.position[a] - two.position[a]).abs() < 1e-15), "{one:?} {two:?}");
+        assert!((0..3).all(|a| (one.spin[a] - two.spin[a]).abs() < 1e-5), "{one:?} {two:?}");
+    }
+}
+
+/// LIGGGHTS's virial pressure was printed by the run, after a run of no steps and at the end of 500 steps, where it evaluates the
+/// dashpots for the table with other velocities than for the pressure.
+#[test]
+fn the_stress_of_a_liggghts_run_is_its_own() {
+    let text = std::fs::read_to_string(sample("liggghts/stress.txt")).unwrap();
+    let rows = text.lines().map(|line| line.split_whitespace().map(|word| word.parse().unwrap()).collect());
+    let rows: Vec<Vec<f64>> = rows.collect();
+    let apart = |observation: &Observation, row: &[f64]| {
+        let ours = stress(observation);
+        let ours = [ours[0][0], ours[1][1], ours[2][2], ours[1][0], ours[2][0], ours[2][1]];
+        ours.iter().zip(&row[2..]).map(|(one, two)| (one - two).abs() / row[2]).fold(0.0, f64::max)
+    };
+    let columns = "id1,id2,-,force_x,force_y,force_z,-";
+    let found = read(&[plain("liggghts/grains.dump"), with_columns("liggghts/contacts.dump", columns)]);
+    assert_eq!((found.len(), found[1].assembly.grains.len()), (2, 27));
+    assert_eq!(found[1].assembly.step as f64, rows[1][0]);
+    assert!(apart(&found[0], &rows[0]) < 1e-14, "{}", apart(&found[0], &rows[0]));
+    assert!(apart(&found[1], &rows[1]) < 2e-4, "{}", apart(&found[1], &rows[1]));
+    // The data file is of the end and has the box with all digits, the dump with six.
+    let end = &read(&[plain("liggghts/end.data")])[0];
+    assert!((end.assembly.volume() / rows[1][1] - 1.0).abs() < 1e-14, "{}", end.assembly.volume());
+    assert!((end.assembly.volume() / found[1].assembly.volume() - 1.0).abs() < 1e-5);
+    for (one, two) in end.assembly.grains.iter().zip(&found[1].assembly.grains) {
+        assert_eq!((one.id, one.radius), (two.id, two.radius));
+        assert!((one.mass / two.mass - 1.0).abs() < 1e-12);
+        assert!((0..3).all(|a| (one.spin[a] - two.spin[a]).abs() < 1e-12), "{one:?} {two:?}");
+    }
+    // Its VTK files hold places with seven digits, the box with all.
+    let names = ["liggghts/grains-6000.vtp", "liggghts/contacts-6000.vtp", "liggghts/grains-boundingBox_6000.vtr"];
+    let found = &read(&names.map(plain))[0];
+    assert!(apart(found, &rows[0]) < 1e-5, "{}", apart(found, &rows[0]));
+    assert!((found.assembly.volume() / rows[0][1] - 1.0).abs() < 1e-14);
+    assert!(found.parts.missing(&[Part::Spins, Part::Masses, Part::Velocities, Part::Overlaps]).is_empty());
+}

@@ -151,7 +151,7 @@ fn damaged_files_are_refused() {
     let found = text(" 0.0005408 ", " -1 ");
     assert!(found.contains("grain 1: its place") && found.contains("radius -1 positive"), "{found}");
     let found = text("type=\"UnstructuredGrid\"", "type=\"ImageData\"");
-    assert!(found.contains("has type=\"ImageData\"; PolyData and UnstructuredGrid can be read"), "{found}");
+    assert!(found.contains("has type=\"ImageData\"; PolyData, UnstructuredGrid and RectilinearGrid can be read"), "{found}");
     let found = text("</PointData>", "</Pointdata>");
     assert!(found.contains("is no VTK XML file or is damaged"), "{found}");
 }

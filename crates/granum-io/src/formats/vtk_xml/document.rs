@@ -45,6 +45,8 @@ pub(super) struct Document {
     pub(super) point_data: Vec<Array>,
     pub(super) cell_data: Vec<Array>,
     pub(super) field_data: Vec<Array>,
+    /// The coordinates along the axes of a rectilinear grid.
+    pub(super) coordinates: Vec<Array>,
 }
 
 impl Document {
@@ -53,8 +55,8 @@ impl Document {
         let xml = parse_text(path, &text)?;
         let kind = kind(path, &xml)?;
         let root = xml.root_element();
-        if !["PolyData", "UnstructuredGrid"].contains(&kind) {
-            let message = format!("has type=\"{kind}\"; PolyData and UnstructuredGrid can be read");
+        if !["PolyData", "UnstructuredGrid", "RectilinearGrid"].contains(&kind) {
+            let message = format!("has type=\"{kind}\"; PolyData, UnstructuredGrid and RectilinearGrid can be read");
             return Err(Error::content(path, message));
         }
         let file = File { path, xml: &xml, layout: layout(path, root)?, appended: appended(path, bytes)? };
@@ -70,6 +72,9 @@ impl Document {
 
     fn add(&mut self, file: &File, piece: Node, first: bool) -> Result<()> {
         let before = self.points.len();
+        for node in children(piece, "Coordinates") {
+            self.coordinates.extend(file.arrays(node)?);
+        }
         for node in children(piece, "Points") {
             for array in file.arrays(node)? {
                 if array.components != 3 {

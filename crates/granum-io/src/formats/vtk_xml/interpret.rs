@@ -18,12 +18,12 @@ pub(super) fn frame(path: &Path, document: &Document) -> Result<Frame> {
         frame = grains(path, document)?;
     }
     let of_lines = Table::new(&document.cell_data, Some(&lines));
-    if of_lines.has(&["first"]) && of_lines.has(&["second"]) {
+    if of_lines.has(&FIRST) && of_lines.has(&SECOND) {
         frame.contacts = Some(pieces(path, document, &lines)?);
     } else if of_lines.has(&["forceN"]) {
         (frame.contacts, frame.centres) = recorded(path, document, &lines)?;
     }
-    frame.cell = of_fields(path, document, &mut frame)?.or(hexahedron(path, document)?);
+    frame.cell = of_fields(path, document, &mut frame)?.or(hexahedron(path, document)?).or(bounds(path, document)?);
     if frame.grains.is_empty() && frame.contacts.is_none() && frame.cell.is_none() {
         let message = "holds neither grains (points with the array radii or radius), nor contacts (lines with the array forceN), nor a \
                        cell (one hexahedron)";
@@ -31,6 +31,10 @@ pub(super) fn frame(path: &Path, document: &Document) -> Result<Frame> {
     }
     Ok(frame)
 }
+
+/// Ids of the grains of a contact, in granum's files and in those of LIGGGHTS.
+const FIRST: [&str; 2] = ["first", "id1"];
+const SECOND: [&str; 2] = ["second", "id2"];
 
 /// Names of radii; a diameter is halved.
 const RADII: [&str; 4] = ["radii", "radius", "Radius", "diameter"];
@@ -125,10 +129,10 @@ fn grains(path: &Path, document: &Document) -> Result<Frame> {
         frame.knows(&[Part::Masses]);
     }
     for (names, part) in [
-        (["linVelVec", "velocity"], Some(Part::Velocities)),
-        (["angVelVec", "angular_velocity"], Some(Part::Spins)),
-        (["forceVec", "force_on_grain"], Some(Part::ResultantForces)),
-        (["torqueVec", "torque_on_grain"], None),
+        (["linVelVec", "v", "Velocity", "velocity"], Some(Part::Velocities)),
+        (["angVelVec", "omega", "AngularVelocity", "angular_velocity"], Some(Part::Spins)),
+        (["forceVec", "f", "Force", "force_on_grain"], Some(Part::ResultantForces)),
+        (["torqueVec", "tq", "Torque", "torque_on_grain"], None),
     ] {
         let Some(values) = vectors(&names)? else { continue };
         for (grain, value) in frame.grains.iter_mut().zip(values) {
@@ -144,26 +148,34 @@ fn grains(path: &Path, document: &Document) -> Result<Frame> {
     Ok(frame)
 }
 
-/// The contacts of granum's own files: each is one or several lines, since it is cut at the faces of the cell.
+/// The contacts of files that name their grains. In granum's own each is one or several lines, since it is cut at the faces of the
+/// cell; in those of LIGGGHTS (`dump local/gran/vtk`) a line, with the force on the first grain.
 fn pieces(path: &Path, document: &Document, lines: &[usize]) -> Result<Vec<Pair>> {
     let table = Table::new(&document.cell_data, Some(lines));
-    let scalars = |name: &str| table.read::<1>(path, &[name], lines.len());
-    let (first, second) = (scalars("first")?.unwrap_or_default(), scalars("second")?.unwrap_or_default());
-    let (normal_force, approach) = (scalars("normal_force")?, scalars("overlap")?);
-    let tangential = table.read::<3>(path, &["tangential_force"], lines.len())?;
+    let scalars = |names: &[&str]| table.read::<1>(path, names, lines.len());
+    let vectors = |name: &str| match table.array(&[name]).is_some_and(|array| array.components == 3) {
+        true => table.read::<3>(path, &[name], lines.len()),
+        false => Ok(None),
+    };
+    let (first, second) = (scalars(&FIRST)?.unwrap_or_default(), scalars(&SECOND)?.unwrap_or_default());
+    let (normal_force, approach) = (scalars(&["normal_force"])?, scalars(&["overlap", "delta"])?);
+    let (tangential, force) = (vectors("tangential_force")?, vectors("force")?);
+    let is_own = table.has(&FIRST[..1]);
     let mut pairs: Vec<Pair> = Vec::new();
     for (k, line) in lines.iter().enumerate() {
         let [from, to] = ends(path, &document.cells[*line])?.map(|point| document.points[point]);
         let step: Vector = std::array::from_fn(|a| to[a] - from[a]);
         let ids = (first[k][0] as u64, second[k][0] as u64);
-        if let Some(last) = pairs.last_mut().filter(|last| (last.first, last.second) == ids) {
+        if let Some(last) = pairs.last_mut().filter(|last| is_own && (last.first, last.second) == ids) {
             last.branch = last.branch.map(|branch| std::array::from_fn(|a| branch[a] + step[a]));
             continue;
         }
         pairs.push(Pair {
             first: ids.0,
             second: ids.1,
-            branch: Some(step),
+            // Lines of LIGGGHTS may lead to any image of a grain.
+            branch: is_own.then_some(step),
+            force: force.as_ref().map(|values| values[k]),
             normal_force: normal_force.as_ref().map(|values| values[k][0]),
             tangential_force: tangential.as_ref().map(|values| values[k]),
             approach: approach.as_ref().map(|values| values[k][0]),
@@ -231,6 +243,18 @@ fn of_fields(path: &Path, document: &Document, frame: &mut Frame) -> Result<Opti
     let Some(edges) = table.read::<9>(path, &["cell"], 1)? else { return Ok(None) };
     let origin = table.read::<3>(path, &["origin"], 1)?.map_or([0.0; 3], |rows| rows[0]);
     Ok(Some(FrameCell { origin, edges: std::array::from_fn(|a| std::array::from_fn(|k| edges[0][3 * k + a])) }))
+}
+
+/// The box of a rectilinear grid of one cell, as LIGGGHTS writes it beside its grains.
+fn bounds(path: &Path, document: &Document) -> Result<Option<FrameCell>> {
+    let [x, y, z] = &document.coordinates[..] else { return Ok(None) };
+    let wrong = || Error::content(path, "is a grid that is no box: each axis must have two coordinates, the second above the first");
+    let of = |axis: &Array| match axis.values[..] {
+        [low, high] if low < high && low.is_finite() && high.is_finite() => Ok([low, high]),
+        _ => Err(wrong()),
+    };
+    let axes = [of(x)?, of(y)?, of(z)?];
+    Ok(Some(FrameCell::between(axes.map(|axis| axis[0]), axes.map(|axis| axis[1]))))
 }
 
 /// The cell as YADE records it, its corners in the order of its legacy files: the fifth is its own, the edges lead to the eighth,

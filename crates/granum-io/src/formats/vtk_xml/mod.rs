@@ -1,5 +1,5 @@
-//! VTK XML files (`.vtu`, `.vtp`, `.vtm`): grains, contacts and the cell as YADE's `VTKRecorder` records them, and what granum
-//! itself writes as [VTP](super::vtp).
+//! VTK XML files (`.vtu`, `.vtp`, `.vtm`, `.vtr`): grains, contacts and the cell as YADE's `VTKRecorder` and LIGGGHTS write them, and
+//! what granum itself writes as [VTP](super::vtp).
 //!
 //! Arrays may be text or binary, inside the document or appended to it, plain or compressed with zlib.
 //!
@@ -9,6 +9,10 @@
 //! - Contacts (`NAME-intrs.N.vtp`, recorder `intr`): lines with `forceN`; the grains are found by their places. Of the tangential
 //!   force the file has the magnitudes of the components, without their signs: it is known only where all of them are zero.
 //! - `NAME-N.vtm` (`multiblock=True`) names the files of one instant, which are read together.
+//!
+//! LIGGGHTS: `dump custom/vtk` (points with `radius`, `id`, `mass`, `v`, `omega`, `f`), its `boundingBox` (`.vtr`), taken as periodic,
+//! and `dump local/gran/vtk` of a `compute pair/gran/local pos id force` (lines with `id1`, `id2`, `force` on the first grain). Names
+//! as MercuryDPM has them (`Radius`, `Velocity`) are known as well.
 //!
 //! `N` is the time step. YADE 2023.02a writes the forces of contacts across a face of the cell twice, but not their lines (only
 //! the centres, two a contact): such contacts are found by their doubled rows.
@@ -32,7 +36,7 @@ impl ResultFormat for VtkXml {
         "VTK XML"
     }
     fn extensions(&self) -> &'static [&'static str] {
-        &["vtu", "vtm"]
+        &["vtu", "vtm", "vtr"]
     }
     fn recognises(&self, head: &[u8]) -> bool {
         String::from_utf8_lossy(head).contains("<VTKFile")
