@@ -275,6 +275,9 @@ fn what_is_written_for_other_programs_is_read_again() {
             }
         }
     }
+    // A species that ASE accepts.
+    let text = std::fs::read_to_string(folder.path().join("a.xyz")).unwrap();
+    assert!(text.lines().nth(2).unwrap().starts_with("X 1 "), "{text}");
     let error = Formats::standard().write_results(&folder.path().join("a.data"), None, &series).unwrap_err();
     assert!(error.to_string().contains("holds one instant, not 3"), "{error}");
     let error = Formats::standard().write_results(&folder.path().join("a.dump"), None, &series).unwrap_err();
@@ -385,10 +388,20 @@ fn the_stress_of_a_mercury_sample_is_its_own_to_the_digits_of_its_files() {
     let theirs = printed_stress("mercury/stress.txt", "STRESS static", 2);
     let found = &read(&[plain("mercury/box.data"), plain("mercury/box.fstat")])[0];
     assert_eq!((found.assembly.grains.len(), found.assembly.contacts.len()), (27, 62));
-    assert!(gap(&stress(found), &theirs) < 5e-9, "{} {:?} {theirs:?}", gap(&stress(found), &theirs), stress(found));
+    assert!(
+        gap(&stress(found), &theirs) < 5e-9,
+        "{} {:?} {theirs:?}",
+        gap(&stress(found), &theirs),
+        stress(found)
+    );
     let restart = &read(&[plain("mercury/box.restart")])[0];
     assert_eq!((restart.assembly.grains.len(), restart.assembly.contacts.len()), (27, 62));
-    assert!(gap(&stress(restart), &theirs) < 1e-12, "{} {:?} {theirs:?}", gap(&stress(restart), &theirs), stress(restart));
+    assert!(
+        gap(&stress(restart), &theirs) < 1e-12,
+        "{} {:?} {theirs:?}",
+        gap(&stress(restart), &theirs),
+        stress(restart)
+    );
     for (one, two) in found.assembly.grains.iter().zip(&restart.assembly.grains) {
         assert!((one.radius / two.radius - 1.0).abs() < 1e-9, "{one:?} {two:?}");
         let mass = 2650.0 * 4.0 / 3.0 * std::f64::consts::PI * two.radius.powi(3);
@@ -426,7 +439,8 @@ fn the_stress_of_a_liggghts_run_is_its_own() {
         assert!((0..3).all(|a| (one.spin[a] - two.spin[a]).abs() < 1e-12), "{one:?} {two:?}");
     }
     // Its VTK files hold places with seven digits, the box with all.
-    let names = ["liggghts/grains-6000.vtp", "liggghts/contacts-6000.vtp", "liggghts/grains-boundingBox_6000.vtr"];
+    let names =
+        ["liggghts/grains-6000.vtp", "liggghts/contacts-6000.vtp", "liggghts/grains-boundingBox_6000.vtr"];
     let found = &read(&names.map(plain))[0];
     assert!(apart(found, &rows[0]) < 1e-5, "{}", apart(found, &rows[0]));
     assert!((found.assembly.volume() / rows[0][1] - 1.0).abs() < 1e-14);

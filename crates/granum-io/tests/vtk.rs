@@ -47,7 +47,14 @@ fn the_stress_of_a_recorded_sample_without_friction_is_yades() {
     let found = &recorded(&["smooth-125200.vtm"])[0];
     let theirs = printed("STRESS 0.0");
     assert_eq!((found.assembly.grains.len(), found.assembly.contacts.len() as f64), (24, theirs[9]));
-    let parts = [Part::Cell, Part::Masses, Part::Velocities, Part::Spins, Part::ResultantForces, Part::TangentialForces];
+    let parts = [
+        Part::Cell,
+        Part::Masses,
+        Part::Velocities,
+        Part::Spins,
+        Part::ResultantForces,
+        Part::TangentialForces,
+    ];
     assert!(found.parts.missing(&parts).is_empty(), "{:?}", found.parts.missing(&parts));
     assert_eq!((found.assembly.step, found.assembly.cell[0][1] != 0.0), (125_200, true));
     let ours = stress(found);
@@ -55,7 +62,7 @@ fn the_stress_of_a_recorded_sample_without_friction_is_yades() {
         for b in 0..3 {
             let gap = (ours[a][b] + theirs[3 * a + b]).abs();
             // Places have the seven digits of single precision: of a branch of about a diameter 1e-7 of the cell.
-            assert!(gap < 1e-6 * 1.5e5, "{a}{b}: {} {}", ours[a][b], -theirs[3 * a + b]);
+            assert!(gap < 3e-7 * 1.5e5, "{a}{b}: {} {}", ours[a][b], -theirs[3 * a + b]);
         }
     }
 }
@@ -75,7 +82,10 @@ fn of_a_recorded_sample_with_friction_the_normal_forces_are_known() {
     }
     let body = printed("BODY5 0.4");
     let grain = found.assembly.grains[5];
-    assert!((0..3).all(|a| (grain.position[a] - body[a]).abs() < 1e-9) && grain.radius == body[3], "{grain:?}");
+    assert!(
+        (0..3).all(|a| (grain.position[a] - body[a]).abs() < 1e-9) && grain.radius == body[3],
+        "{grain:?}"
+    );
     assert!((0..3).all(|a| (grain.velocity[a] - body[5 + a]).abs() < 1e-15));
     assert!((0..3).all(|a| (grain.spin[a] - body[8 + a]).abs() < 1e-12));
     // A frame of contacts alone finds no grains.
@@ -151,7 +161,10 @@ fn damaged_files_are_refused() {
     let found = text(" 0.0005408 ", " -1 ");
     assert!(found.contains("grain 1: its place") && found.contains("radius -1 positive"), "{found}");
     let found = text("type=\"UnstructuredGrid\"", "type=\"ImageData\"");
-    assert!(found.contains("has type=\"ImageData\"; PolyData, UnstructuredGrid and RectilinearGrid can be read"), "{found}");
+    assert!(
+        found.contains("has type=\"ImageData\"; PolyData, UnstructuredGrid and RectilinearGrid can be read"),
+        "{found}"
+    );
     let found = text("</PointData>", "</Pointdata>");
     assert!(found.contains("is no VTK XML file or is damaged"), "{found}");
 }
@@ -175,15 +188,24 @@ fn granums_own_vtp_is_read_again() {
     assert_eq!(after.assembly.grains.len(), before.assembly.grains.len());
     let edge = before.assembly.cell[0][0];
     for (one, two) in before.assembly.grains.iter().zip(&after.assembly.grains) {
-        assert_eq!((one.id, one.radius, one.mass, one.spin, one.force), (two.id, two.radius, two.mass, two.spin, two.force));
+        assert_eq!(
+            (one.id, one.radius, one.mass, one.spin, one.force),
+            (two.id, two.radius, two.mass, two.spin, two.force)
+        );
         assert!((0..3).all(|a| (one.position[a] - two.position[a]).abs() < 1e-15 * edge), "{one:?} {two:?}");
     }
     assert_eq!(after.assembly.contacts.len(), before.assembly.contacts.len());
     for (one, two) in before.assembly.contacts.iter().zip(&after.assembly.contacts) {
-        assert_eq!((one.i, one.j, one.normal_force, one.tangential_force), (two.i, two.j, two.normal_force, two.tangential_force));
+        assert_eq!(
+            (one.i, one.j, one.normal_force, one.tangential_force),
+            (two.i, two.j, two.normal_force, two.tangential_force)
+        );
         assert_eq!(one.approach, two.approach);
         assert!((0..3).all(|a| (one.branch[a] - two.branch[a]).abs() < 1e-14 * edge), "{one:?} {two:?}");
     }
     let (ours, theirs) = (stress(before), stress(after));
-    assert!((0..9).all(|n| (ours[n / 3][n % 3] - theirs[n / 3][n % 3]).abs() < 1e-12 * ours[0][0]), "{ours:?} {theirs:?}");
+    assert!(
+        (0..9).all(|n| (ours[n / 3][n % 3] - theirs[n / 3][n % 3]).abs() < 1e-12 * ours[0][0]),
+        "{ours:?} {theirs:?}"
+    );
 }

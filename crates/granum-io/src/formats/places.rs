@@ -27,14 +27,20 @@ pub(super) fn identify(
     let mut id = |number: u64| -> Result<u64> {
         let at = usize::try_from(number).ok().filter(|at| *at < centres.len());
         let Some(at) = at else {
-            return Err(Error::content(path, format!("a contact names the centre {number}, which is not there")));
+            return Err(Error::content(
+                path,
+                format!("a contact names the centre {number}, which is not there"),
+            ));
         };
         if let Some(known) = ids[at] {
             return Ok(known);
         }
         let place = std::array::from_fn(|a| centres[at][a] - corner[a]);
         let found = grid.grain(place).ok_or_else(|| {
-            let message = format!("a contact has its end at {:?}, where no grain is; is it of the same instant?", centres[at]);
+            let message = format!(
+                "a contact has its end at {:?}, where no grain is; is it of the same instant?",
+                centres[at]
+            );
             Error::content(path, message)
         })?;
         ids[at] = Some(assembly.grains[found].id);
@@ -111,7 +117,8 @@ impl<'a> Grid<'a> {
     fn distance(&self, place: Vector, k: usize) -> f64 {
         let other = self.place(self.assembly.grains[k].position);
         let apart: Vector = std::array::from_fn(|a| other[a] - place[a]);
-        let vector = if self.is_cell { apply(&self.assembly.cell, apart.map(|s| s - s.round())) } else { apart };
+        let vector =
+            if self.is_cell { apply(&self.assembly.cell, apart.map(|s| s - s.round())) } else { apart };
         vector.iter().map(|x| x * x).sum::<f64>().sqrt()
     }
 }
@@ -132,7 +139,8 @@ mod tests {
 
     #[test]
     fn grains_are_found_by_their_images_and_each_contact_once() {
-        let centres = vec![[3.99 + 0.02, 1.0, 1.0], [1.001, 1.0, 1.0], [4.2 - 4.0, 3.0, 5.0], [0.011, 1.0, 1.0]];
+        let centres =
+            vec![[3.99 + 0.02, 1.0, 1.0], [1.001, 1.0, 1.0], [4.2 - 4.0, 3.0, 5.0], [0.011, 1.0, 1.0]];
         let pair = |first, second| Pair { first, second, ..Pair::default() };
         let found = identify(
             Path::new("c.vtp"),

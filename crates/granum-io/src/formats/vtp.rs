@@ -164,11 +164,11 @@ fn text(observation: &Observation) -> String {
     if parts.has(Part::Masses) {
         array(&mut xml, "mass", 1, &both(grains.iter().map(|grain| grain.mass).collect(), &|_| one(0.0)));
     }
-    let vectors: [(Part, &str, &dyn Fn(&Grain) -> Vector); 4] = [
-        (Part::Velocities, "velocity", &|grain| grain.velocity),
-        (Part::Spins, "angular_velocity", &|grain| grain.spin),
-        (Part::ResultantForces, "force_on_grain", &|grain| grain.force),
-        (Part::ResultantForces, "torque_on_grain", &|grain| grain.torque),
+    let vectors: [(Part, &str, fn(&Grain) -> Vector); 4] = [
+        (Part::Velocities, "velocity", |grain| grain.velocity),
+        (Part::Spins, "angular_velocity", |grain| grain.spin),
+        (Part::ResultantForces, "force_on_grain", |grain| grain.force),
+        (Part::ResultantForces, "torque_on_grain", |grain| grain.torque),
     ];
     for (_, name, value) in vectors.into_iter().filter(|(part, _, _)| parts.has(*part)) {
         let values = grains.iter().flat_map(value).collect();

@@ -140,7 +140,8 @@ impl Packing {
     ) -> Result<Packing> {
         check_cell(file, &origin, &cell, &grains)?;
         overlap::check(file, &cell, &grains)?;
-        let numbered = |(k, (grain, _)): (usize, (PackedGrain, usize))| PackedGrain { id: k as u64 + 1, ..grain };
+        let numbered =
+            |(k, (grain, _)): (usize, (PackedGrain, usize))| PackedGrain { id: k as u64 + 1, ..grain };
         Ok(Packing::new(origin, cell, grains.into_iter().enumerate().map(numbered).collect()))
     }
 }

@@ -130,7 +130,13 @@ fn compressed(data: &[u8], at: usize, encoding: Encoding, layout: Layout) -> Res
 }
 
 /// The first numbers of a header.
-fn header(data: &[u8], at: usize, encoding: Encoding, layout: Layout, count: usize) -> Result<Vec<usize>, String> {
+fn header(
+    data: &[u8],
+    at: usize,
+    encoding: Encoding,
+    layout: Layout,
+    count: usize,
+) -> Result<Vec<usize>, String> {
     let bytes = encoding.take(data, at, count.checked_mul(layout.header).ok_or_else(cut)?)?;
     let number = |bytes: &[u8]| usize::try_from(unsigned(bytes, layout.big_endian)).map_err(|_| cut());
     bytes.chunks_exact(layout.header).map(number).collect()
@@ -183,9 +189,13 @@ fn base64(text: &[u8]) -> Result<Vec<u8>, String> {
     };
     let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
     for group in text.chunks(4) {
-        let digits: Vec<u8> =
-            group.iter().take_while(|byte| **byte != b'=').map(|byte| digit(*byte)).collect::<Result<_, _>>()?;
-        let bits = digits.iter().fold(0_u32, |sum, digit| sum << 6 | u32::from(*digit)) << (6 * (4 - digits.len()));
+        let digits: Vec<u8> = group
+            .iter()
+            .take_while(|byte| **byte != b'=')
+            .map(|byte| digit(*byte))
+            .collect::<Result<_, _>>()?;
+        let bits =
+            digits.iter().fold(0_u32, |sum, digit| sum << 6 | u32::from(*digit)) << (6 * (4 - digits.len()));
         bytes.extend(bits.to_be_bytes()[1..].iter().take((digits.len() * 6) / 8));
     }
     Ok(bytes)

@@ -56,7 +56,8 @@ impl Document {
         let kind = kind(path, &xml)?;
         let root = xml.root_element();
         if !["PolyData", "UnstructuredGrid", "RectilinearGrid"].contains(&kind) {
-            let message = format!("has type=\"{kind}\"; PolyData, UnstructuredGrid and RectilinearGrid can be read");
+            let message =
+                format!("has type=\"{kind}\"; PolyData, UnstructuredGrid and RectilinearGrid can be read");
             return Err(Error::content(path, message));
         }
         let file = File { path, xml: &xml, layout: layout(path, root)?, appended: appended(path, bytes)? };
@@ -83,15 +84,19 @@ impl Document {
                 self.points.extend(array.values.chunks_exact(3).map(|x| [x[0], x[1], x[2]]));
             }
         }
-        for (name, shape) in
-            [("Verts", Shape::Vertex), ("Lines", Shape::Line), ("Strips", Shape::Other), ("Polys", Shape::Other)]
-        {
+        for (name, shape) in [
+            ("Verts", Shape::Vertex),
+            ("Lines", Shape::Line),
+            ("Strips", Shape::Other),
+            ("Polys", Shape::Other),
+        ] {
             for node in children(piece, name) {
                 self.add_cells(file, node, before, |_| shape)?;
             }
         }
         for node in children(piece, "Cells") {
-            let types = file.arrays(node)?.into_iter().find(|array| array.name == "types").unwrap_or_default();
+            let types =
+                file.arrays(node)?.into_iter().find(|array| array.name == "types").unwrap_or_default();
             self.add_cells(file, node, before, |k| match types.values.get(k) {
                 Some(1.0) => Shape::Vertex,
                 Some(3.0) => Shape::Line,
@@ -118,15 +123,25 @@ impl Document {
         Ok(())
     }
 
-    fn add_cells(&mut self, file: &File, node: Node, before: usize, shape: impl Fn(usize) -> Shape) -> Result<()> {
+    fn add_cells(
+        &mut self,
+        file: &File,
+        node: Node,
+        before: usize,
+        shape: impl Fn(usize) -> Shape,
+    ) -> Result<()> {
         let arrays = file.arrays(node)?;
-        let of = |name: &str| arrays.iter().find(|array| array.name == name).map_or(&[][..], |array| &array.values);
+        let of = |name: &str| {
+            arrays.iter().find(|array| array.name == name).map_or(&[][..], |array| &array.values)
+        };
         let (connectivity, offsets) = (of("connectivity"), of("offsets"));
         let mut start = 0;
         for (k, end) in offsets.iter().enumerate() {
             let end = *end as usize;
             let Some(points) = connectivity.get(Range { start, end }) else {
-                return Err(file.error(node, format!("offset {end} does not follow {start} in the connectivity")));
+                return Err(
+                    file.error(node, format!("offset {end} does not follow {start} in the connectivity"))
+                );
             };
             let all = self.points.len();
             let known = |point: &f64| *point >= 0.0 && before + (*point as usize) < all;
@@ -178,7 +193,9 @@ fn layout(path: &Path, root: Node) -> Result<Layout> {
         None | Some("") => false,
         Some("vtkZLibDataCompressor") => true,
         Some(other) => {
-            let message = format!("is compressed by {other}; plain files and those of vtkZLibDataCompressor can be read");
+            let message = format!(
+                "is compressed by {other}; plain files and those of vtkZLibDataCompressor can be read"
+            );
             return Err(Error::content(path, message));
         }
     };
@@ -234,13 +251,15 @@ impl File<'_> {
         let name = node.attribute("Name").unwrap_or("Points").to_string();
         let wrong = |what: String| self.error(node, format!("the array {name} {what}"));
         let type_name = node.attribute("type").unwrap_or("");
-        let kind = Kind::named(type_name).ok_or_else(|| wrong(format!("has the unknown type {type_name:?}")))?;
+        let kind =
+            Kind::named(type_name).ok_or_else(|| wrong(format!("has the unknown type {type_name:?}")))?;
         let components = match node.attribute("NumberOfComponents").map(str::parse::<usize>) {
             None => 1,
             Some(Ok(count)) if count > 0 => count,
             Some(_) => return Err(wrong("has no number of components".into())),
         };
-        let text = || node.children().find(|child| child.is_text()).and_then(|child| child.text()).unwrap_or("");
+        let text =
+            || node.children().find(|child| child.is_text()).and_then(|child| child.text()).unwrap_or("");
         let values = match node.attribute("format").unwrap_or("ascii") {
             "ascii" => text_values(text(), kind).map_err(wrong)?,
             "binary" => {

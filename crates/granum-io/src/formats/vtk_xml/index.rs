@@ -19,7 +19,8 @@ pub(super) fn files(path: &Path, bytes: &[u8]) -> Result<Option<Vec<PathBuf>>> {
     }
     let folder = path.parent().unwrap_or(Path::new(""));
     let named = document.descendants().filter(|node| node.has_tag_name("DataSet"));
-    let files: Vec<PathBuf> = named.filter_map(|node| node.attribute("file")).map(|file| folder.join(file)).collect();
+    let files: Vec<PathBuf> =
+        named.filter_map(|node| node.attribute("file")).map(|file| folder.join(file)).collect();
     if files.is_empty() {
         return Err(Error::content(path, "names no files"));
     }

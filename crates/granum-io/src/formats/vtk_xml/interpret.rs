@@ -23,7 +23,8 @@ pub(super) fn frame(path: &Path, document: &Document) -> Result<Frame> {
     } else if of_lines.has(&["forceN"]) {
         (frame.contacts, frame.centres) = recorded(path, document, &lines)?;
     }
-    frame.cell = of_fields(path, document, &mut frame)?.or(hexahedron(path, document)?).or(bounds(path, document)?);
+    frame.cell =
+        of_fields(path, document, &mut frame)?.or(hexahedron(path, document)?).or(bounds(path, document)?);
     if frame.grains.is_empty() && frame.contacts.is_none() && frame.cell.is_none() {
         let message = "holds neither grains (points with the array radii or radius), nor contacts (lines with the array forceN), nor a \
                        cell (one hexahedron)";
@@ -64,7 +65,12 @@ impl<'a> Table<'a> {
     }
 
     /// The wanted rows of an array of `N` components; none if it is not there.
-    fn read<const N: usize>(&self, path: &Path, names: &[&str], count: usize) -> Result<Option<Vec<[f64; N]>>> {
+    fn read<const N: usize>(
+        &self,
+        path: &Path,
+        names: &[&str],
+        count: usize,
+    ) -> Result<Option<Vec<[f64; N]>>> {
         let Some(array) = self.array(names) else { return Ok(None) };
         let wrong = |what: String| Err(Error::content(path, format!("the array {} {what}", array.name)));
         if array.components != N {
@@ -95,10 +101,8 @@ fn grains(path: &Path, document: &Document) -> Result<Frame> {
     };
     let count = points.len();
     // Of points if they are there, as YADE has them; granum's files have those of vertices.
-    let (of_points, of_vertices) = (
-        Table::new(&document.point_data, Some(&points)),
-        Table::new(&document.cell_data, Some(&vertices)),
-    );
+    let (of_points, of_vertices) =
+        (Table::new(&document.point_data, Some(&points)), Table::new(&document.cell_data, Some(&vertices)));
     let scalars = |names: &[&str]| -> Result<Option<Vec<f64>>> {
         let table = if of_points.has(names) { &of_points } else { &of_vertices };
         Ok(table.read::<1>(path, names, count)?.map(|rows| rows.into_iter().map(|[x]| x).collect()))
@@ -118,7 +122,8 @@ fn grains(path: &Path, document: &Document) -> Result<Frame> {
             return Err(Error::content(path, format!("grain {}: id = {id} is no whole number", k + 1)));
         }
         if !position.iter().all(|x| x.is_finite()) || radius <= 0.0 {
-            let message = format!("grain {id}: its place {position:?} must be finite and its radius {radius} positive");
+            let message =
+                format!("grain {id}: its place {position:?} must be finite and its radius {radius} positive");
             return Err(Error::content(path, message));
         }
         frame.grains.push(Grain { id: id as u64, position, radius, ..Grain::default() });
@@ -216,7 +221,11 @@ fn recorded(path: &Path, document: &Document, lines: &[usize]) -> Result<(Option
         of_row.push(k);
         k += 1 + usize::from(doubled);
     }
-    if bodies.is_none() || across > document.points.len() || named.len() != of_row.len() || inside.next().is_some() {
+    if bodies.is_none()
+        || across > document.points.len()
+        || named.len() != of_row.len()
+        || inside.next().is_some()
+    {
         let message = format!(
             "has {rows} rows of forces for {} lines, and which belong together cannot be found",
             lines.len()
@@ -242,13 +251,21 @@ fn of_fields(path: &Path, document: &Document, frame: &mut Frame) -> Result<Opti
     frame.step = table.read::<1>(path, &["step"], 1)?.map(|rows| rows[0][0] as u64);
     let Some(edges) = table.read::<9>(path, &["cell"], 1)? else { return Ok(None) };
     let origin = table.read::<3>(path, &["origin"], 1)?.map_or([0.0; 3], |rows| rows[0]);
-    Ok(Some(FrameCell { origin, edges: std::array::from_fn(|a| std::array::from_fn(|k| edges[0][3 * k + a])) }))
+    Ok(Some(FrameCell {
+        origin,
+        edges: std::array::from_fn(|a| std::array::from_fn(|k| edges[0][3 * k + a])),
+    }))
 }
 
 /// The box of a rectilinear grid of one cell, as LIGGGHTS writes it beside its grains.
 fn bounds(path: &Path, document: &Document) -> Result<Option<FrameCell>> {
     let [x, y, z] = &document.coordinates[..] else { return Ok(None) };
-    let wrong = || Error::content(path, "is a grid that is no box: each axis must have two coordinates, the second above the first");
+    let wrong = || {
+        Error::content(
+            path,
+            "is a grid that is no box: each axis must have two coordinates, the second above the first",
+        )
+    };
     let of = |axis: &Array| match axis.values[..] {
         [low, high] if low < high && low.is_finite() && high.is_finite() => Ok([low, high]),
         _ => Err(wrong()),
@@ -264,7 +281,10 @@ fn hexahedron(path: &Path, document: &Document) -> Result<Option<FrameCell>> {
     let [only] = found[..] else { return Ok(None) };
     let corners = &document.cells[only].points;
     if corners.len() != 8 {
-        return Err(Error::content(path, format!("the hexahedron has {} corners instead of 8", corners.len())));
+        return Err(Error::content(
+            path,
+            format!("the hexahedron has {} corners instead of 8", corners.len()),
+        ));
     }
     let corner = |k: usize| document.points[corners[k]];
     let origin = corner(4);

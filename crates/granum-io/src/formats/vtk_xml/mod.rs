@@ -19,8 +19,8 @@
 
 mod decode;
 mod document;
-mod interpret;
 mod index;
+mod interpret;
 
 use std::path::Path;
 

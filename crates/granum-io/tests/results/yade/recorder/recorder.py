@@ -1,4 +1,5 @@
 # 24 spheres in a skewed periodic cell, without and with friction, at rest, as YADE's VTKRecorder records them.
+# The compression is so fast that two pairs of spheres pass into one another without a contact: the files are what counts here.
 # Written with YADE 2023.02a of Debian 12: MU=0 yade -n -x recorder.py > stress.txt; MU=0.4 yade -n -x recorder.py >> stress.txt
 # The recorder intr is used with multiblock=True: without it this version writes the contacts of a periodic cell and then crashes,
 # while it writes an index of pieces of any size (hundreds of megabytes).
