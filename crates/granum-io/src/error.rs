@@ -166,6 +166,14 @@ impl From<InputError> for Error {
     }
 }
 
+/// An error about a line of a file, or about the whole file if the line is 0 because the file has no lines.
+pub(crate) fn in_file(file: &str, line: usize, message: String, help: &str) -> Error {
+    if line == 0 {
+        return Error::content(Path::new(file), format!("{message}; {help}"));
+    }
+    InputError::in_line(file, line, "", 0..0, message).with_help(help).into()
+}
+
 fn join(errors: &[InputError]) -> String {
     errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
 }

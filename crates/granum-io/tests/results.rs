@@ -123,6 +123,11 @@ fn a_lammps_data_file_is_the_last_state_of_the_dump_and_a_packing() {
     // These soft spheres overlap by more than a packing of grains may.
     let error = granum_io::read_packing(sample("lammps/end.data")).unwrap_err().to_string();
     assert!(error.contains("overlaps grain") && error.contains("of the smaller diameter"), "{error}");
+    // Named are the lines of the file, where the atoms follow the head and stand in an order of their own.
+    assert!(error.contains("end.data:17:1: grain 1 overlaps grain 19 (line 31) by"), "{error}");
+    let text = std::fs::read_to_string(sample("lammps/end.data")).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    assert!(lines[16].starts_with("1 1 ") && lines[30].starts_with("19 1 "), "{} {}", lines[16], lines[30]);
     // The same grains with smaller radii are a packing.
     let mut smaller = data.clone();
     smaller.assembly.grains.iter_mut().for_each(|grain| grain.radius *= 0.9);
@@ -270,6 +275,9 @@ fn what_is_written_for_other_programs_is_read_again() {
             }
         }
     }
+    // A species that ASE accepts.
+    let text = std::fs::read_to_string(folder.path().join("a.xyz")).unwrap();
+    assert!(text.lines().nth(2).unwrap().starts_with("X 1 "), "{text}");
     let error = Formats::standard().write_results(&folder.path().join("a.data"), None, &series).unwrap_err();
     assert!(error.to_string().contains("holds one instant, not 3"), "{error}");
     let error = Formats::standard().write_results(&folder.path().join("a.dump"), None, &series).unwrap_err();
@@ -336,4 +344,105 @@ fn damaged_files_are_refused_with_their_place() {
         .read_results(&[(path, ReadOptions::default())], &JoinOptions::default())
         .unwrap_err();
     assert!(error.to_string().contains("a.gsd: is no GSD file or is damaged"), "{error}");
+}
+
+/// Files without lines name grains alone.
+#[test]
+fn a_grain_that_is_wrong_is_named_with_the_line_of_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let message = |name: &str, text: &str| {
+        let (path, _) = written(folder.path(), name, text);
+        granum_io::read_packing(path).unwrap_err().to_string()
+    };
+    let xyz = "3\nLattice=\"4 0 0 0 4 0 0 0 4\" Properties=id:I:1:pos:R:3:radius:R:1\n9 1 1 1 0.5\n4 3 3 3 0.5\n7 1.5 1 1 0.5\n";
+    let found = message("a.xyz", xyz);
+    assert!(found.contains("a.xyz:5:1: grain 7 overlaps grain 9 (line 3) by 5.000e-1 m, 50.0 %"), "{found}");
+    let found = message("a.xyz", &xyz.replace("9 1 1 1 0.5", "7 1 1 1 0.5"));
+    assert!(found.contains("a.xyz:5:1: grain 7 is already given in line 3"), "{found}");
+    let found = message("a.xyz", &xyz.replace("4 3 3 3 0.5", "4 3 3 3 2.5"));
+    assert!(found.contains("a.xyz:4:1: grain 4: radius = 2.5e0 m does not fit"), "{found}");
+    let observation = &read(&[written(folder.path(), "b.xyz", xyz)])[0];
+    let path = folder.path().join("a.gsd");
+    Formats::standard().write_results(&path, None, std::slice::from_ref(observation)).unwrap();
+    let found = granum_io::read_packing(&path).unwrap_err().to_string();
+    assert!(found.contains("a.gsd: grain 2 overlaps grain 3 by 5.000e-1 m"), "{found}");
+}
+
+/// The stress that a line of a file gives in nine numbers, after some words.
+fn printed_stress(name: &str, starts: &str, skipped: usize) -> Matrix {
+    let text = std::fs::read_to_string(sample(name)).unwrap();
+    let line = text.lines().find(|line| line.starts_with(starts)).unwrap();
+    let n: Vec<f64> = line.split_whitespace().skip(skipped).map(|word| word.parse().unwrap()).collect();
+    std::array::from_fn(|a| std::array::from_fn(|b| n[3 * a + b]))
+}
+
+/// Largest difference of two stresses, relative to the first component.
+fn gap(one: &Matrix, two: &Matrix) -> f64 {
+    let gaps = (0..9).map(|n| (one[n / 3][n % 3] - two[n / 3][n % 3]).abs());
+    gaps.fold(0.0, f64::max) / one[0][0].abs()
+}
+
+/// MercuryDPM writes ten digits, in the restart file fifteen; `getStaticStress` was printed by the run.
+#[test]
+fn the_stress_of_a_mercury_sample_is_its_own_to_the_digits_of_its_files() {
+    let theirs = printed_stress("mercury/stress.txt", "STRESS static", 2);
+    let found = &read(&[plain("mercury/box.data"), plain("mercury/box.fstat")])[0];
+    assert_eq!((found.assembly.grains.len(), found.assembly.contacts.len()), (27, 62));
+    assert!(
+        gap(&stress(found), &theirs) < 5e-9,
+        "{} {:?} {theirs:?}",
+        gap(&stress(found), &theirs),
+        stress(found)
+    );
+    let restart = &read(&[plain("mercury/box.restart")])[0];
+    assert_eq!((restart.assembly.grains.len(), restart.assembly.contacts.len()), (27, 62));
+    assert!(
+        gap(&stress(restart), &theirs) < 1e-12,
+        "{} {:?} {theirs:?}",
+        gap(&stress(restart), &theirs),
+        stress(restart)
+    );
+    for (one, two) in found.assembly.grains.iter().zip(&restart.assembly.grains) {
+        assert!((one.radius / two.radius - 1.0).abs() < 1e-9, "{one:?} {two:?}");
+        let mass = 2650.0 * 4.0 / 3.0 * std::f64::consts::PI * two.radius.powi(3);
+        assert!((two.mass / mass - 1.0).abs() < 1e-12, "{two:?} {mass}");
+        assert!((0..3).all(|a| (one.position[a] - two.position[a]).abs() < 1e-15), "{one:?} {two:?}");
+        assert!((0..3).all(|a| (one.spin[a] - two.spin[a]).abs() < 1e-5), "{one:?} {two:?}");
+    }
+}
+
+/// LIGGGHTS's virial pressure was printed by the run, after a run of no steps and at the end of 500 steps, where it evaluates the
+/// dashpots for the table with other velocities than for the pressure.
+#[test]
+fn the_stress_of_a_liggghts_run_is_its_own() {
+    let text = std::fs::read_to_string(sample("liggghts/stress.txt")).unwrap();
+    let rows = text.lines().map(|line| line.split_whitespace().map(|word| word.parse().unwrap()).collect());
+    let rows: Vec<Vec<f64>> = rows.collect();
+    let apart = |observation: &Observation, row: &[f64]| {
+        let ours = stress(observation);
+        let ours = [ours[0][0], ours[1][1], ours[2][2], ours[1][0], ours[2][0], ours[2][1]];
+        ours.iter().zip(&row[2..]).map(|(one, two)| (one - two).abs() / row[2]).fold(0.0, f64::max)
+    };
+    let columns = "id1,id2,-,force_x,force_y,force_z,-";
+    let found = read(&[plain("liggghts/grains.dump"), with_columns("liggghts/contacts.dump", columns)]);
+    assert_eq!((found.len(), found[1].assembly.grains.len()), (2, 27));
+    assert_eq!(found[1].assembly.step as f64, rows[1][0]);
+    assert!(apart(&found[0], &rows[0]) < 1e-14, "{}", apart(&found[0], &rows[0]));
+    assert!(apart(&found[1], &rows[1]) < 2e-4, "{}", apart(&found[1], &rows[1]));
+    // The data file is of the end and has the box with all digits, the dump with six.
+    let end = &read(&[plain("liggghts/end.data")])[0];
+    assert!((end.assembly.volume() / rows[1][1] - 1.0).abs() < 1e-14, "{}", end.assembly.volume());
+    assert!((end.assembly.volume() / found[1].assembly.volume() - 1.0).abs() < 1e-5);
+    for (one, two) in end.assembly.grains.iter().zip(&found[1].assembly.grains) {
+        assert_eq!((one.id, one.radius), (two.id, two.radius));
+        assert!((one.mass / two.mass - 1.0).abs() < 1e-12);
+        assert!((0..3).all(|a| (one.spin[a] - two.spin[a]).abs() < 1e-12), "{one:?} {two:?}");
+    }
+    // Its VTK files hold places with seven digits, the box with all.
+    let names =
+        ["liggghts/grains-6000.vtp", "liggghts/contacts-6000.vtp", "liggghts/grains-boundingBox_6000.vtr"];
+    let found = &read(&names.map(plain))[0];
+    assert!(apart(found, &rows[0]) < 1e-5, "{}", apart(found, &rows[0]));
+    assert!((found.assembly.volume() / rows[0][1] - 1.0).abs() < 1e-14);
+    assert!(found.parts.missing(&[Part::Spins, Part::Masses, Part::Velocities, Part::Overlaps]).is_empty());
 }

@@ -2,7 +2,9 @@
 //! bz cx cy cz"`, `Origin="x y z"`, `Time=` and `Properties=name:type:columns:...`, then one grain a line.
 //!
 //! Read are the properties `id`, `pos`, `radius` (or `diameter`), `mass` (or `masses`), `velo` (or `velocities`, `vel`),
-//! `angular_velocity`, `force` (or `forces`); of these `pos` must be there. Written are those that are known, with OVITO's names.
+//! `angular_velocity`, `force` (or `forces`); of these `pos` must be there. Written are those that are known, with OVITO's names. The
+//! species is the material of a grain, by which OVITO colours; without named materials it is `X`, since ASE refuses names that are
+//! no chemical elements.
 
 use std::io::Write;
 use std::path::Path;
@@ -105,6 +107,7 @@ fn frame(words: &mut Words, count: usize) -> Result<Frame> {
             return Err(words.error(message));
         }
         frame.grains.push(layout.grain(words, number as u64 + 1)?);
+        frame.lines.push(words.line_number());
     }
     Ok(frame)
 }
@@ -201,7 +204,8 @@ fn write_frame(file: &mut impl Write, observation: &Observation) -> std::io::Res
         let place: Vector = std::array::from_fn(|a| observation.origin[a] + grain.position[a]);
         let species = match assembly.materials.get(grain.material as usize) {
             Some(name) => name.as_str(),
-            None => "grain",
+            // ASE takes the species for a chemical element; X is none.
+            None => "X",
         };
         write!(file, "{species} {} {}", grain.id, vector_text(&place))?;
         let scalars = [(Part::Radii, grain.radius), (Part::Masses, grain.mass)];

@@ -7,9 +7,10 @@ use granum_core::assembly::{Assembly, Contact, Grain, Vector};
 use granum_core::geometry::{apply, invert};
 use granum_core::{Part, Parts};
 
+use super::places;
 use super::result::{Frame, FrameCell, Observation, Pair};
 use super::strain::add_strains;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, in_file};
 
 /// What the files do not say.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -56,6 +57,10 @@ pub fn join(files: Vec<(PathBuf, Vec<Frame>)>, options: &JoinOptions) -> Result<
     if others.len() > 1 && others.iter().all(|(_, frames)| frames.len() == 1) {
         others = by_kind(others);
     }
+    if grains.iter().all(|(_, frame)| frame.step.is_some()) && has_own_file_each(&grains) {
+        // Names sort as run.1000, run.200.
+        grains.sort_by_key(|(_, frame)| frame.step);
+    }
     for (path, frames) in others {
         attach(&mut grains, &path, frames)?;
     }
@@ -65,6 +70,13 @@ pub fn join(files: Vec<(PathBuf, Vec<Frame>)>, options: &JoinOptions) -> Result<
     }
     add_strains(&mut found);
     Ok(found)
+}
+
+/// True if no two frames are of one file.
+fn has_own_file_each(frames: &[(PathBuf, Frame)]) -> bool {
+    let mut paths: Vec<&PathBuf> = frames.iter().map(|(path, _)| path).collect();
+    paths.sort_unstable();
+    paths.windows(2).all(|pair| pair[0] != pair[1])
 }
 
 /// Files of one frame each as two lists: those of contacts, and those of cells alone.
@@ -110,6 +122,7 @@ fn attach(grains: &mut [(PathBuf, Frame)], path: &Path, frames: Vec<Frame>) -> R
         known.time = known.time.or(frame.time);
         if frame.contacts.is_some() {
             known.contacts = frame.contacts;
+            known.centres = frame.centres;
         }
     }
     Ok(())
@@ -129,11 +142,8 @@ fn no_partner(path: &Path, frame: &Frame, place: usize, count: usize, all: usize
 
 /// One observation: grains in the order of their ids, wrapped into the cell, and their contacts.
 fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<Observation> {
-    let Frame { step, time, cell, mut grains, contacts, mut parts } = frame;
-    grains.sort_by_key(|grain| grain.id);
-    if let Some(pair) = grains.windows(2).find(|pair| pair[0].id == pair[1].id) {
-        return Err(Error::content(path, format!("grain {} stands there twice", pair[0].id)));
-    }
+    let Frame { step, time, cell, grains, lines, contacts, centres, mut parts } = frame;
+    let (mut grains, lines) = in_order(path, grains, lines)?;
     let cell = cell.or(options.cell);
     if let Some(cell) = &cell {
         wrap(path, &mut grains, cell)?;
@@ -156,10 +166,31 @@ fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<Obser
         grains,
         ..Assembly::default()
     };
-    if let Some(pairs) = contacts {
+    if let Some(mut pairs) = contacts {
+        if !centres.is_empty() {
+            let corner = cell.map_or([0.0; 3], |cell| cell.origin);
+            pairs = places::identify(path, &assembly, corner, &centres, pairs)?;
+        }
         parts = add_contacts(path, &mut assembly, parts, &pairs)?;
     }
-    Ok(Observation { assembly, parts, origin: cell.map_or([0.0; 3], |cell| cell.origin) })
+    let origin = cell.map_or([0.0; 3], |cell| cell.origin);
+    Ok(Observation { lines, ..Observation::new(assembly, parts, origin) })
+}
+
+/// The grains in the order of their ids, and the line of each; every id must be there once.
+fn in_order(path: &Path, grains: Vec<Grain>, mut lines: Vec<usize>) -> Result<(Vec<Grain>, Vec<usize>)> {
+    let has_lines = lines.len() == grains.len();
+    lines.resize(grains.len(), 0);
+    let mut rows: Vec<(Grain, usize)> = grains.into_iter().zip(lines).collect();
+    rows.sort_by_key(|(grain, line)| (grain.id, *line));
+    if let Some([(first, line), (_, second)]) = rows.windows(2).find(|rows| rows[0].0.id == rows[1].0.id) {
+        let file = path.display().to_string();
+        let where_first = if has_lines { format!(" in line {line}") } else { String::new() };
+        let message = format!("grain {} is already given{where_first}", first.id);
+        return Err(in_file(&file, *second, message, "each grain has an id of its own"));
+    }
+    let (grains, lines): (Vec<Grain>, Vec<usize>) = rows.into_iter().unzip();
+    Ok((grains, if has_lines { lines } else { Vec::new() }))
 }
 
 /// Moves the grains so that a corner of the cell is at the origin and each of them is inside.

@@ -78,7 +78,7 @@ fn read(words: &mut Words) -> Result<Frame> {
             "" => {}
             "Atoms" => {
                 check_style(words, style.as_deref())?;
-                frame.grains = read_atoms(words, header.atoms)?;
+                read_atoms(words, header.atoms, &mut frame)?;
             }
             "Velocities" => {
                 read_velocities(words, &mut frame.grains)?;
@@ -133,9 +133,10 @@ fn check_style(words: &Words, style: Option<&str>) -> Result<()> {
 }
 
 /// Rows `id type diameter density x y z [ix iy iz]`.
-fn read_atoms(words: &mut Words, count: usize) -> Result<Vec<Grain>> {
-    let mut grains = Vec::with_capacity(count.min(1 << 20));
-    while grains.len() < count {
+fn read_atoms(words: &mut Words, count: usize, into: &mut Frame) -> Result<()> {
+    let end = into.grains.len() + count;
+    into.grains.reserve(count.min(1 << 20));
+    while into.grains.len() < end {
         words.need("an atom")?;
         let length = words.words().take_while(|word| !word.starts_with('#')).count();
         if length == 0 {
@@ -149,7 +150,8 @@ fn read_atoms(words: &mut Words, count: usize) -> Result<Vec<Grain>> {
         }
         let radius = 0.5 * words.positive(2, "diameter")?;
         let density = words.positive(3, "density")?;
-        grains.push(Grain {
+        into.lines.push(words.line_number());
+        into.grains.push(Grain {
             id: words.whole(0, "id")?,
             position: words.vector(4, "a coordinate")?,
             radius,
@@ -157,7 +159,7 @@ fn read_atoms(words: &mut Words, count: usize) -> Result<Vec<Grain>> {
             ..Grain::default()
         });
     }
-    Ok(grains)
+    Ok(())
 }
 
 /// Rows `id vx vy vz wx wy wz`.

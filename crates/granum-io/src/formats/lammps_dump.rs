@@ -174,6 +174,7 @@ fn read_rows(
             words.need("an atom")?;
             columns.check_length(words)?;
             frame.grains.push(layout.grain(words, head.cell.as_ref())?);
+            frame.lines.push(words.line_number());
         }
     } else {
         let columns = Columns(options.columns.clone().unwrap_or(names));

@@ -76,6 +76,7 @@ fn frame(words: &mut Words) -> Result<Frame> {
             spin: words.vector(10, "an angular velocity")?,
             ..Grain::default()
         });
+        frame.lines.push(words.line_number());
     }
     frame.knows(&[Part::Positions, Part::Velocities, Part::Spins, Part::Radii]);
     Ok(frame)

@@ -50,6 +50,7 @@ impl ResultFormat for MercuryRestart {
                 let grain = grain(&words)?;
                 all_masses &= grain.mass > 0.0;
                 frame.grains.push(grain);
+                frame.lines.push(words.line_number());
             } else if let Some(place) = at("particleIds") {
                 let pair = pair(&words, place)?;
                 frame.contacts.get_or_insert_default().push(pair);

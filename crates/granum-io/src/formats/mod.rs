@@ -29,10 +29,12 @@ pub mod mercury_fstat;
 pub mod mercury_restart;
 pub mod packing_csv;
 pub mod parquet;
+mod places;
 mod result;
 mod snapshot_json;
 mod strain;
 pub mod vtk_legacy;
+pub mod vtk_xml;
 pub mod vtp;
 mod words;
 pub mod yade_text;
@@ -108,6 +110,7 @@ impl Formats {
                 Arc::new(lammps_data::LammpsData),
                 Arc::new(yade_text::YadeText),
                 Arc::new(vtk_legacy::VtkLegacy),
+                Arc::new(vtk_xml::VtkXml),
                 Arc::new(mercury_data::MercuryData),
                 Arc::new(mercury_fstat::MercuryFstat),
                 Arc::new(mercury_restart::MercuryRestart),

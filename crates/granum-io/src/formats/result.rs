@@ -111,8 +111,13 @@ pub struct Frame {
     pub cell: Option<FrameCell>,
     /// The grains with the ids of the file, in any order; empty for a file of contacts.
     pub grains: Vec<Grain>,
+    /// The line of each grain in the file, from 1, for messages; empty for files without lines.
+    pub lines: Vec<usize>,
     /// The contacts, by the ids of their grains; none where the file has no list of them.
     pub contacts: Option<Vec<Pair>>,
+    /// Centres by whose place in this list, from 0, the contacts name their grains instead of ids, in files that have no ids; else
+    /// empty.
+    pub centres: Vec<Vector>,
     /// What of the grains is known.
     pub parts: Parts,
 }
@@ -168,12 +173,19 @@ pub struct Observation {
     pub parts: Parts,
     /// Corner of the cell in the file, m.
     pub origin: Vector,
+    /// The line of each grain in its file, from 1, for messages; empty where there are no lines.
+    pub lines: Vec<usize>,
 }
 
 impl Observation {
+    /// An assembly of which these parts are known, in a cell with this corner, m.
+    pub fn new(assembly: Assembly, parts: Parts, origin: Vector) -> Observation {
+        Observation { assembly, parts, origin, lines: Vec::new() }
+    }
+
     /// An assembly of granum, of which everything is known.
     pub fn complete(assembly: Assembly) -> Observation {
-        Observation { assembly, parts: Parts::all(), origin: [0.0; 3] }
+        Observation::new(assembly, Parts::all(), [0.0; 3])
     }
 
     /// The packing of its grains, numbered from 1; `path` is the file for messages.
@@ -187,11 +199,12 @@ impl Observation {
         }
         let grain = |(k, grain): (usize, &Grain)| {
             let position = std::array::from_fn(|a| self.origin[a] + grain.position[a]);
-            (crate::packing::PackedGrain { id: k as u64 + 1, position, radius: grain.radius }, k + 1)
+            let line = self.lines.get(k).copied().unwrap_or(0);
+            (crate::packing::PackedGrain { id: grain.id, position, radius: grain.radius }, line)
         };
         let grains = self.assembly.grains.iter().enumerate().map(grain).collect();
         let file = path.display().to_string();
-        let packing = crate::Packing::checked(&file, self.origin, self.assembly.cell, grains)?;
+        let packing = crate::Packing::numbered_from_one(&file, self.origin, self.assembly.cell, grains)?;
         if self.assembly.materials.is_empty() {
             return Ok(packing);
         }
@@ -216,6 +229,6 @@ impl Observation {
             ..Assembly::default()
         };
         let parts = Parts::of(&[Part::Cell, Part::Positions, Part::Radii]);
-        Observation { assembly, parts, origin: packing.origin }
+        Observation::new(assembly, parts, packing.origin)
     }
 }

@@ -142,7 +142,7 @@ mod tests {
         let at = |k: f64| {
             let mut assembly = granum_core::Assembly { time: 2.0 * k, ..Default::default() };
             assembly.cell = [[(-0.1 * k).exp(), 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, (0.05 * k).exp()]];
-            Observation { assembly, parts, origin: [0.0; 3] }
+            Observation::new(assembly, parts, [0.0; 3])
         };
         let mut series: Vec<Observation> = (0..4).map(|k| at(f64::from(k))).collect();
         add_strains(&mut series);

@@ -38,6 +38,8 @@ impl ResultFormat for VtkLegacy {
 /// What such a file holds: points, and arrays of one or three numbers a point.
 struct Content {
     points: Vec<Vector>,
+    /// The line of each point.
+    lines: Vec<usize>,
     scalars: BTreeMap<String, Vec<f64>>,
     vectors: BTreeMap<String, Vec<Vector>>,
     is_grid: bool,
@@ -46,7 +48,7 @@ struct Content {
 impl Content {
     fn read(words: &mut Words) -> Result<Content> {
         let (points, scalars, vectors) = (Vec::new(), BTreeMap::new(), BTreeMap::new());
-        let mut content = Content { points, scalars, vectors, is_grid: false };
+        let mut content = Content { points, lines: Vec::new(), scalars, vectors, is_grid: false };
         for what in ["the first line", "a comment", "the kind of the file"] {
             words.need(what)?;
         }
@@ -60,7 +62,14 @@ impl Content {
                 "DATASET" => content.is_grid = words.word(1) == "UNSTRUCTURED_GRID",
                 "POINTS" => {
                     let count = words.count(1, "the number of points")?;
-                    content.points = read_vectors(words, count)?;
+                    content.points.reserve(count.min(1 << 20));
+                    while content.points.len() < count {
+                        words.need("a point")?;
+                        for at in (0..words.len()).step_by(3) {
+                            content.points.push(words.vector(at, "a coordinate")?);
+                            content.lines.push(words.line_number());
+                        }
+                    }
                 }
                 "POINT_DATA" | "CELL_DATA" => rows = words.count(1, "the number of rows")?,
                 "SCALARS" => {
@@ -102,6 +111,7 @@ impl Content {
         let grain =
             |k| Grain { id: k as u64, position: self.points[k], radius: radii[k], ..Grain::default() };
         let mut frame = Frame { grains: (0..count).map(grain).collect(), ..Frame::default() };
+        frame.lines = std::mem::take(&mut self.lines);
         if let Some(k) = radii.iter().position(|radius| *radius <= 0.0) {
             return Err(Error::content(path, format!("sphere {k}: radius = {} must be positive", radii[k])));
         }

@@ -1,20 +1,22 @@
 //! VTK PolyData (`.vtp`) for ParaView: grains as vertices and contacts as lines from centre to centre, in one file.
 //!
 //! A line that leaves the cell is cut at the face and goes on from the opposite one, so that force chains do not cross the picture.
-//! Arrays of vertices and lines (cell data): `id`, `radius`, `diameter`, `velocity`, `force_on_grain`, `coordination_number` of
-//! grains; `normal_force`, `tangential_force`, `force` (magnitude), `sliding` of contacts; each is zero for the other kind, and
-//! `is_contact` distinguishes them (filter Threshold). Point data: `radius` (of grains, zero elsewhere) for the filter Glyph, and
-//! `normal_force` for the filter Tube.
+//! Arrays of vertices and lines (cell data): `id`, `radius`, `diameter`, `mass`, `velocity`, `angular_velocity`, `force_on_grain`,
+//! `torque_on_grain`, `coordination_number` of grains; `first`, `second` (ids of the grains), `overlap`, `normal_force`,
+//! `tangential_force`, `force` (magnitude), `sliding` of contacts; each is zero for the other kind, and `is_contact` distinguishes
+//! them (filter Threshold). Point data: `radius` (of grains, zero elsewhere) for the filter Glyph, and `normal_force` for the filter
+//! Tube. Field data: `cell` (its three edges), `origin`, `TimeValue`, `step`. granum reads its own files [again](super::vtk_xml).
 
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::Path;
 
 use granum_core::Part;
-use granum_core::assembly::{Assembly, Contact, Vector};
+use granum_core::assembly::{Assembly, Contact, Grain, Vector};
 use granum_core::geometry::{apply, invert};
 
 use super::result::{Frame, Observation, ReadOptions, ResultFormat};
+use super::vtk_xml::VtkXml;
 use crate::atomic::write_atomically;
 use crate::error::{Error, Result};
 
@@ -29,13 +31,11 @@ impl ResultFormat for Vtp {
         &["vtp"]
     }
     fn recognises(&self, _: &[u8]) -> bool {
+        // Files of VTK XML are recognised together, whatever they hold.
         false
     }
-    fn read(&self, path: &Path, _: &ReadOptions) -> Result<Vec<Frame>> {
-        Err(Error::content(
-            path,
-            "granum writes VTP but does not read it: it holds lines that were cut at the faces of the cell",
-        ))
+    fn read(&self, path: &Path, options: &ReadOptions) -> Result<Vec<Frame>> {
+        VtkXml.read(path, options)
     }
     fn is_written(&self) -> bool {
         true
@@ -134,6 +134,7 @@ fn text(observation: &Observation) -> String {
     let mut xml = String::from(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\">\n<PolyData>\n",
     );
+    fields(&mut xml, observation);
     let _ = writeln!(
         xml,
         "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{n}\" NumberOfLines=\"{lines}\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">",
@@ -160,13 +161,26 @@ fn text(observation: &Observation) -> String {
     array(&mut xml, "diameter", 1, &both(radii.iter().map(|r| 2.0 * r).collect(), &|_| one(0.0)));
     array(&mut xml, "coordination_number", 1, &both(degree, &|_| one(0.0)));
     let parts = observation.parts;
-    if parts.has(Part::Velocities) {
-        let values = grains.iter().flat_map(|grain| grain.velocity).collect();
-        array(&mut xml, "velocity", 3, &both(values, &|_| vec![0.0; 3]));
+    if parts.has(Part::Masses) {
+        array(&mut xml, "mass", 1, &both(grains.iter().map(|grain| grain.mass).collect(), &|_| one(0.0)));
     }
-    if parts.has(Part::ResultantForces) {
-        let values = grains.iter().flat_map(|grain| grain.force).collect();
-        array(&mut xml, "force_on_grain", 3, &both(values, &|_| vec![0.0; 3]));
+    let vectors: [(Part, &str, fn(&Grain) -> Vector); 4] = [
+        (Part::Velocities, "velocity", |grain| grain.velocity),
+        (Part::Spins, "angular_velocity", |grain| grain.spin),
+        (Part::ResultantForces, "force_on_grain", |grain| grain.force),
+        (Part::ResultantForces, "torque_on_grain", |grain| grain.torque),
+    ];
+    for (_, name, value) in vectors.into_iter().filter(|(part, _, _)| parts.has(*part)) {
+        let values = grains.iter().flat_map(value).collect();
+        array(&mut xml, name, 3, &both(values, &|_| vec![0.0; 3]));
+    }
+    if parts.has(Part::Contacts) {
+        let id = |index: usize| one(grains.get(index).map_or(0.0, |grain| grain.id as f64));
+        array(&mut xml, "first", 1, &both(vec![0.0; n], &|contact| id(contact.i)));
+        array(&mut xml, "second", 1, &both(vec![0.0; n], &|contact| id(contact.j)));
+    }
+    if parts.has(Part::Overlaps) {
+        array(&mut xml, "overlap", 1, &both(vec![0.0; n], &|contact| one(contact.approach)));
     }
     if parts.has(Part::NormalForces) {
         array(&mut xml, "normal_force", 1, &both(vec![0.0; n], &|contact| one(contact.normal_force)));
@@ -196,6 +210,32 @@ fn text(observation: &Observation) -> String {
     cells(&mut xml, "Lines", n, lines, 2);
     xml.push_str("</Piece>\n</PolyData>\n</VTKFile>\n");
     xml
+}
+
+/// Cell, corner, time and step.
+fn fields(xml: &mut String, observation: &Observation) {
+    let (assembly, parts) = (&observation.assembly, observation.parts);
+    xml.push_str("<FieldData>\n");
+    let mut field = |name: &str, values: &[f64]| {
+        let numbers: Vec<String> = values.iter().map(|x| format!("{x:?}")).collect();
+        let count = values.len();
+        let _ = writeln!(
+            xml,
+            "<DataArray type=\"Float64\" Name=\"{name}\" NumberOfComponents=\"{count}\" NumberOfTuples=\"1\" format=\"ascii\">\n{}\n\
+             </DataArray>",
+            numbers.join(" ")
+        );
+    };
+    if parts.has(Part::Cell) {
+        let edges: Vec<f64> = (0..9).map(|n| assembly.cell[n % 3][n / 3]).collect();
+        field("cell", &edges);
+        field("origin", &observation.origin);
+    }
+    if parts.has(Part::Time) {
+        field("TimeValue", &[assembly.time]);
+    }
+    field("step", &[assembly.step as f64]);
+    xml.push_str("</FieldData>\n");
 }
 
 /// One array of numbers.

@@ -56,6 +56,11 @@ impl Words {
         self.lines.line()
     }
 
+    /// Number of the present line, from 1.
+    pub(crate) fn line_number(&self) -> usize {
+        self.lines.number()
+    }
+
     pub(crate) fn file(&self) -> &str {
         self.lines.file()
     }

@@ -43,6 +43,7 @@ impl ResultFormat for YadeText {
             } else if !words.word(0).starts_with('#') {
                 let grain = grain(&words, &columns, frame.grains.len() as u64)?;
                 frame.grains.push(grain);
+                frame.lines.push(words.line_number());
             }
         }
         if frame.grains.is_empty() {

@@ -11,7 +11,7 @@ use granum_core::assembly::{Assembly, Matrix, Vector};
 use granum_core::geometry::{apply, determinant, invert};
 use granum_dem::mixture::MOST_MATERIALS;
 
-use crate::error::{Error, InputError, Result};
+use crate::error::{Error, Result, in_file};
 use granum_core::quantity::format_number;
 
 pub use overlap::GROSS_OVERLAP;
@@ -108,36 +108,57 @@ impl Packing {
         4.0 / 3.0 * std::f64::consts::PI * cubes / determinant(&self.cell).abs()
     }
 
-    /// A packing from the content of a file: corner and edges of the cell, and the grains, each with the number of its line
-    /// (or record) for messages.
+    /// A packing from the content of a file: corner and edges of the cell, and the grains, each with the number of its line for
+    /// messages (0 in files that have no lines). Their ids must be 1, 2, ... each once.
     ///
     /// # Errors
-    /// [`Error::Input`] with line and grain for a flat cell, grains outside the cell, ids that are missing or repeated, and
-    /// overlaps above [`GROSS_OVERLAP`] of the smaller diameter; [`Error::Content`] if there are no grains.
+    /// [`Error::Input`] with line and grain (without a line [`Error::Content`]) for a flat cell, grains outside the cell, ids that
+    /// are missing or repeated, and overlaps above [`GROSS_OVERLAP`] of the smaller diameter; [`Error::Content`] if there are no
+    /// grains.
     pub fn checked(
         file: &str,
         origin: Vector,
         cell: Matrix,
         grains: Vec<(PackedGrain, usize)>,
     ) -> Result<Packing> {
-        if grains.is_empty() {
-            let message = "is not a packing: it needs a cell and grains";
-            return Err(Error::content(Path::new(file), message));
-        }
-        let inverse = invert(&cell);
-        if inverse.iter().flatten().any(|x| !x.is_finite()) {
-            let volume = determinant(&cell);
-            let message = format!("the cell has the volume {volume:e} m3; it must be positive");
-            return Err(Error::content(Path::new(file), message));
-        }
-        for (grain, line) in &grains {
-            check_inside(file, *line, grain, &origin, &cell, &inverse)?;
-        }
+        check_cell(file, &origin, &cell, &grains)?;
         let grains = check_ids(file, grains)?;
         overlap::check(file, &cell, &grains)?;
-        let grains = grains.into_iter().map(|(grain, _)| grain).collect();
-        Ok(Packing { origin, cell, grains, materials: PackedMaterials::default() })
+        Ok(Packing::new(origin, cell, grains.into_iter().map(|(grain, _)| grain).collect()))
     }
+
+    /// As [`Packing::checked`] for grains with any ids, by which messages name them; in the packing they are 1, 2, ... in the order
+    /// given.
+    ///
+    /// # Errors
+    /// As for [`Packing::checked`], except that ids may be any.
+    pub(crate) fn numbered_from_one(
+        file: &str,
+        origin: Vector,
+        cell: Matrix,
+        grains: Vec<(PackedGrain, usize)>,
+    ) -> Result<Packing> {
+        check_cell(file, &origin, &cell, &grains)?;
+        overlap::check(file, &cell, &grains)?;
+        let numbered =
+            |(k, (grain, _)): (usize, (PackedGrain, usize))| PackedGrain { id: k as u64 + 1, ..grain };
+        Ok(Packing::new(origin, cell, grains.into_iter().enumerate().map(numbered).collect()))
+    }
+}
+
+/// Checks that there are grains, that the cell has a volume, and that the grains are in it.
+fn check_cell(file: &str, origin: &Vector, cell: &Matrix, grains: &[(PackedGrain, usize)]) -> Result<()> {
+    if grains.is_empty() {
+        let message = "is not a packing: it needs a cell and grains";
+        return Err(Error::content(Path::new(file), message));
+    }
+    let inverse = invert(cell);
+    if inverse.iter().flatten().any(|x| !x.is_finite()) {
+        let volume = determinant(cell);
+        let message = format!("the cell has the volume {volume:e} m3; it must be positive");
+        return Err(Error::content(Path::new(file), message));
+    }
+    grains.iter().try_for_each(|(grain, line)| check_inside(file, *line, grain, origin, cell, &inverse))
 }
 
 /// Checks that a grain is inside the cell, and that the cell is wide enough for it.
@@ -151,7 +172,6 @@ fn check_inside(
 ) -> Result<()> {
     let from_corner: Vector = std::array::from_fn(|a| grain.position[a] - origin[a]);
     let place = apply(inverse, from_corner);
-    let error = |message: String| InputError::in_line(file, line, "", 0..0, message);
     if let Some(axis) = (0..3).find(|k| !(-ROUNDING..=1.0 + ROUNDING).contains(&place[*k])) {
         let [x, y, z] = grain.position;
         let message = format!(
@@ -160,7 +180,7 @@ fn check_inside(
             format_number(place[axis]),
             ["a", "b", "c"][axis]
         );
-        return Err(error(message).with_help("wrap it into the periodic cell").into());
+        return Err(in_file(file, line, message, "wrap it into the periodic cell"));
     }
     let narrow = Cell { edges: *edges }.heights().into_iter().fold(f64::INFINITY, f64::min);
     if 2.0 * grain.radius > narrow {
@@ -168,7 +188,7 @@ fn check_inside(
             "grain {}: radius = {:e} m does not fit in the cell, {narrow:e} m wide",
             grain.id, grain.radius
         );
-        return Err(error(message).with_help("lengths are in m").into());
+        return Err(in_file(file, line, message, "lengths are in m"));
     }
     Ok(())
 }
@@ -182,12 +202,14 @@ fn check_ids(file: &str, mut grains: Vec<(PackedGrain, usize)>) -> Result<Vec<(P
             continue;
         }
         let message = if grain.id < wanted {
-            format!("grain {} is already given in line {}", grain.id, grains[at - 1].1)
+            match grains[at - 1].1 {
+                0 => format!("grain {} is already given", grain.id),
+                before => format!("grain {} is already given in line {before}", grain.id),
+            }
         } else {
             format!("grain {wanted} is missing: after {} comes {}", wanted - 1, grain.id)
         };
-        let error = InputError::in_line(file, *line, "", 0..0, message);
-        return Err(error.with_help("ids must be 1, 2, ... each once").into());
+        return Err(in_file(file, *line, message, "ids must be 1, 2, ... each once"));
     }
     Ok(grains)
 }

@@ -8,7 +8,7 @@ use granum_core::Cell;
 use granum_core::geometry::{Matrix, Vector, apply, invert};
 
 use super::packed_grain::PackedGrain;
-use crate::error::{InputError, Result};
+use crate::error::{Result, in_file};
 
 /// Overlap as a fraction of the smaller diameter above which a packing is rejected.
 pub const GROSS_OVERLAP: f64 = 0.05;
@@ -23,15 +23,16 @@ pub(super) fn check(file: &str, edges: &Matrix, grains: &[(PackedGrain, usize)])
     for at in 0..grains.len() {
         let Some((other, overlap)) = search.overlapping(at) else { continue };
         let ((grain, line), (second, second_line)) = (&grains[at], &grains[other]);
+        let other_line = if *second_line == 0 { String::new() } else { format!(" (line {second_line})") };
         let message = format!(
-            "grain {} overlaps grain {} (line {second_line}) by {overlap:.3e} m, {:.1} % of the smaller diameter",
+            "grain {} overlaps grain {}{other_line} by {overlap:.3e} m, {:.1} % of the smaller diameter",
             grain.id,
             second.id,
             50.0 * overlap / grain.radius.min(second.radius)
         );
         let help =
             format!("at most {} % is accepted in a packing; are the radii right?", 100.0 * GROSS_OVERLAP);
-        return Err(InputError::in_line(file, *line, "", 0..0, message).with_help(help).into());
+        return Err(in_file(file, *line, message, &help));
     }
     Ok(())
 }

@@ -145,7 +145,7 @@ impl LammpsDeck {
         let edges = &self.assembly.cell;
         let origin = std::array::from_fn(|a| -0.5 * (edges[a][0] + edges[a][1] + edges[a][2]));
         let parts = Parts::of(&[Part::Cell, Part::Positions, Part::Radii, Part::Masses]);
-        let observation = Observation { assembly: self.assembly.clone(), parts, origin };
+        let observation = Observation::new(self.assembly.clone(), parts, origin);
         LammpsData.write(&folder.file(DATA), &[observation])?;
         write_atomically(&folder.file(SCRIPT), |file| file.write_all(self.script.as_bytes()))?;
         Ok(())
