@@ -4,7 +4,7 @@
 //!
 //! - `-1 <= x < 0`: compaction without friction, then `-20 x` strain cycles ([`MOST_CYCLES`] at the dense end);
 //! - `0 <= x <= mu`: compaction with the friction x, up to the friction mu of the grains;
-//! - `mu < x <= mu + 3`: compaction with the friction of the grains at a mean stress that is smaller than the target by the factor
+//! - `mu < x <= mu + 2`: compaction with the friction of the grains at a mean stress that is smaller than the target by the factor
 //!   `10^(x - mu)`; the relaxation brings the sample to the target. More friction than that of the grains makes no looser sample,
 //!   since the structure that it supports collapses at the relaxation.
 //!
@@ -19,7 +19,7 @@ use crate::config::Preparation;
 /// Number of strain cycles at the dense end of the line.
 const MOST_CYCLES: f64 = 20.0;
 /// Decades of the mean stress at the loose end.
-const MOST_DECADES: f64 = 3.0;
+const MOST_DECADES: f64 = 2.0;
 
 /// How a trial compacts the grains.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -87,10 +87,18 @@ impl<'a> Line<'a> {
     }
 }
 
+/// Number of trials after which the search interpolates between trials on both sides of the target: a secant through two trials
+/// that are close together would follow their scatter.
+const SECANTS: usize = 3;
+
 fn secant(trials: &[Trial], target: f64) -> f64 {
     let mut near: Vec<&Trial> = trials.iter().collect();
     near.sort_by(|a, b| (a.solid_fraction - target).abs().total_cmp(&(b.solid_fraction - target).abs()));
-    let (a, b) = (near[0], near[1]);
+    let (a, mut b) = (near[0], near[1]);
+    if trials.len() > SECANTS {
+        let other_side = |t: &&&Trial| (t.solid_fraction < target) != (a.solid_fraction < target);
+        b = near.iter().find(other_side).copied().unwrap_or(b);
+    }
     let slope = (b.position - a.position) / (b.solid_fraction - a.solid_fraction);
     let step = slope * (target - a.solid_fraction);
     let bound = 0.1 + 0.5 * a.position.abs();
@@ -164,8 +172,8 @@ mod tests {
         let line = Line::new(&preparation, 0.5);
         let dense = line.procedure(-1.0);
         assert_eq!((dense.friction, dense.mean_stress, dense.cycles), (0.0, 100e3, 20));
-        let loose = line.procedure(3.5);
-        assert_eq!((loose.friction, loose.mean_stress.round(), loose.cycles), (0.5, 100.0, 0));
+        let loose = line.procedure(2.5);
+        assert_eq!((loose.friction, loose.mean_stress.round(), loose.cycles), (0.5, 1000.0, 0));
         // What a preparation prescribes is not varied.
         let fixed = preparation.with(|p| (p.cycles, p.compaction_stress) = (3, Some(2e3)));
         let line = Line::new(&fixed, 0.5);

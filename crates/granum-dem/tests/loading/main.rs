@@ -337,7 +337,7 @@ fn mean_of(notes: &Notes, of: impl Fn(&Matrix, &Matrix) -> f64) -> f64 {
 }
 
 #[test]
-fn isotropic_unloading_comes_back_looser_than_it_went() {
+fn after_isotropic_unloading_a_part_of_the_compression_remains() {
     let mut s = sample();
     let before = s.state().solid_fraction();
     let stages = expand("isotropic", &[("mean_stress", 80e3), ("unloading_stress", 20e3)]);

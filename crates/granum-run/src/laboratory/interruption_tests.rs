@@ -35,14 +35,14 @@ impl Observer for Stopper {
     }
 }
 
-/// A case in which all trials of the preparation friction miss the solid fraction.
+/// A case in which the search for the solid fraction takes several trials.
 fn searching() -> Case {
     let mut case = small();
     case.grains.count = 80;
     case.grains.spread = 0.1;
     case.preparation.initial_solid_fraction = 0.3;
     case.preparation.friction = None;
-    case.preparation.solid_fraction = Some(0.52);
+    case.preparation.solid_fraction = Some(0.6);
     case.preparation.solid_fraction_tolerance = 1e-4;
     case.preparation.inertial_number = 1e-2;
     case.preparation.unbalanced_force = 2e-2;

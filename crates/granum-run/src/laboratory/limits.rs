@@ -24,7 +24,7 @@ pub const CYCLES: u64 = 20;
 /// Their amplitude of axial strain.
 pub const CYCLE_STRAIN: f64 = 0.01;
 /// Mean stress of the compaction of the loosest state, relative to that of the preparation.
-pub const LOOSE_STRESS: f64 = 1e-3;
+pub const LOOSE_STRESS: f64 = 1e-2;
 /// The void ratios between which the grains of a case can be, by the procedures of this module.
 #[derive(Clone, Debug)]
 #[non_exhaustive]

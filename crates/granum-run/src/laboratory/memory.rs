@@ -68,7 +68,9 @@ mod tests {
     }
 
     #[test]
-    fn this_machine_tells_its_memory() {
-        assert!(available().is_none_or(|bytes| bytes > 1 << 20));
+    fn the_memory_of_this_computer_is_known() {
+        // Other systems may not report it.
+        let known = available().is_some_and(|bytes| bytes > 1 << 20);
+        assert!(known || !cfg!(target_os = "linux"));
     }
 }

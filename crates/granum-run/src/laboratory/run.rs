@@ -153,8 +153,10 @@ impl Laboratory {
         // This first checkpoint makes the run independent of all files outside its folder.
         save(store, &run_state, record)?;
         let mut speedometer = Speedometer::new();
+        let mut saved = Instant::now();
         loop {
             let started = Instant::now();
+            let in_test = matches!(run_state.stage, Stage::Test(_));
             speedometer.begin();
             let phase = run_state.phase();
             let segment = match run_state.stage {
@@ -198,7 +200,12 @@ impl Laboratory {
                     return Ok(run_state);
                 }
                 Segment::GoOn if phase.is_none() => {}
-                Segment::GoOn => save(store, &run_state, record)?,
+                // A test may have thousands of short stages, and a checkpoint is large.
+                Segment::GoOn if in_test && saved.elapsed() < self.checkpoint_every => {}
+                Segment::GoOn => {
+                    save(store, &run_state, record)?;
+                    saved = Instant::now();
+                }
                 Segment::Stop => {
                     save(store, &run_state, record)?;
                     record.status = RunStatus::Interrupted;

@@ -18,7 +18,7 @@ use crate::output;
 /// Find the void ratios e_min and e_max between which the grains of a case can be, each by a stated procedure.
 ///
 /// Densest: compression without friction and resistance to rolling, then 20 cycles of axial strain of 1 % at constant mean stress.
-/// Loosest: compression from a dispersed state with the grains' own friction and resistance to rolling at a thousandth of the mean
+/// Loosest: compression from a dispersed state with the grains' own friction and resistance to rolling at a hundredth of the mean
 /// stress. Both are then at rest at the mean stress of the preparation. The two numbers are what preparation.relative_density needs.
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum limits my-sand.toml -o limits.json")]

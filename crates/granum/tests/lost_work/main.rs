@@ -18,7 +18,7 @@ count = 120
 spread = 0.1
 [preparation]
 initial_solid_fraction = 0.3
-solid_fraction = 0.52
+solid_fraction = 0.6
 solid_fraction_tolerance = 1e-4
 inertial_number = 1e-2
 unbalanced_force = 2e-2
