@@ -239,6 +239,7 @@ pub fn write_snapshot(folder: &Path, name: &str, assembly: &Assembly) -> Result<
         target_mean_stress: assembly.target_mean_stress,
         energy: assembly.energy,
         materials: assembly.materials.clone(),
+        liquid: assembly.liquid,
         ..Assembly::default()
     };
     let state = State {
@@ -351,7 +352,7 @@ pub fn list_snapshots(folder: &Path) -> Result<Vec<String>> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use granum_core::assembly::EnergyBalance;
+    use granum_core::assembly::{EnergyBalance, Liquid};
 
     /// Three grains and two contacts in which no number occurs twice.
     pub(crate) fn assembly() -> Assembly {
@@ -402,6 +403,7 @@ pub(crate) mod tests {
             contacts,
             apart: Vec::new(),
             materials: Vec::new(),
+            liquid: Some(Liquid { films: 0.3e-15, bridges: 0.1e-15, count: 2 }),
             energy: EnergyBalance { boundary_work: 0.1 + 0.2, ..EnergyBalance::default() },
         }
     }
