@@ -119,6 +119,10 @@ fn mistakes_are_told_with_their_place_and_remedy() {
         &["case.toml:3:11: material.1.density = \"2 m\" is a length", "e.g. density = \"2650 kg/m3\""],
     );
     said(
+        "contact.normal = \"rough-hertz\"\npreparation.interface_energy = \"1 J/m2\"\n",
+        &["case.toml:2:13: preparation.interface_energy has no effect with contact.normal = \"rough-hertz\""],
+    );
+    said(
         "[[material]]\nname = \"a\"\nrolling_friction = 0.1\n",
         &["case.toml:3:1: material.1.rolling_friction has no effect with contact.normal"],
     );

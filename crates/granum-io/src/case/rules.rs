@@ -1,7 +1,7 @@
 //! Rules between fields: each field may be valid by itself while the combination is not.
 
 use granum_dem::config::{AdhesionKind, NormalKind, Spacing};
-use granum_dem::contact::check;
+use granum_dem::contact::{PairProperties, check};
 use granum_dem::simulation::{LARGEST_REACH, Properties};
 
 use super::definition::Case;
@@ -53,6 +53,19 @@ pub(super) const RULES: &[Rule] = &[
                     "preparation.interface_energy needs contact.adhesion = \"none\" with normal = \"hertz\", since contacts follow JKR \
                      while they are compacted, and {:?} does not go with that",
                     case.contact.adhesion.name()
+                )
+            })
+        },
+    },
+    Rule {
+        fields: &["preparation.interface_energy", "contact.normal"],
+        broken: |case| {
+            let unused = case.preparation.interface_energy > 0.0 && !holds_while_compacting(case);
+            unused.then(|| {
+                format!(
+                    "preparation.interface_energy has no effect with contact.normal = {:?}, whose contacts do not depend on it; use a \
+                     law that does, or \"hertz\", whose contacts follow JKR while they are compacted, or 0 J/m2",
+                    case.contact.normal.name()
                 )
             })
         },
@@ -116,6 +129,18 @@ pub(super) const RULES: &[Rule] = &[
         },
     },
 ];
+
+/// True if contacts depend on the interface energy of the preparation while they are compacted.
+fn holds_while_compacting(case: &Case) -> bool {
+    let constants = |interface_energy| {
+        let preparation = case.preparation.clone().with(|p| p.interface_energy = interface_energy);
+        let properties = case.properties().while_compacting(&preparation, case.grains.mean_friction());
+        let sphere = (&properties.material, smallest_radius(case));
+        let pair = PairProperties::new(sphere, sphere, case.contact.damping);
+        (properties.contact.normal, properties.contact.constants(&pair).to_array())
+    };
+    constants(case.preparation.interface_energy) != constants(0.0)
+}
 
 /// Smallest radius of the grains, m.
 fn smallest_radius(case: &Case) -> f64 {

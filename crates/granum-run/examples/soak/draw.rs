@@ -1,6 +1,6 @@
 //! Random cases, reproducible from a seed.
 
-use granum_dem::config::{Rate, Recording};
+use granum_dem::config::{NormalKind, Rate, Recording};
 use granum_dem::contact::check::{parameters_of, sets};
 use granum_dem::loading::preset::{self, Given, Value};
 use granum_dem::loading::{History, Quantity};
@@ -97,6 +97,12 @@ impl Draws {
         case.contact.damping = self.decades(0.01, 0.7);
         if case.contact.adhesion.law().acts() {
             // Temporary adhesion is that of JKR, which a law of adhesion does not go with.
+            preparation.interface_energy = 0.0;
+        }
+        // With some normal laws contacts do not depend on it, and it is refused.
+        let normal = case.contact.normal;
+        let adhesive = normal.law().traits().adhesive && normal.name() != "luding";
+        if !adhesive && normal != NormalKind::HERTZ {
             preparation.interface_energy = 0.0;
         }
         // Values with which a law is neither without effect nor out of proportion to the mean stress.
