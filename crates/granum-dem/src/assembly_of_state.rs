@@ -31,57 +31,63 @@ struct Branch {
 }
 
 impl State {
-    /// The assembly of this state.
-    pub(crate) fn assembly(
+    /// Makes an assembly that of this state. Its vectors are filled again: an observation of a large sample writes to megabytes of
+    /// memory, and asking the system for them each time would cost as much as a sensor.
+    pub(crate) fn assembly_into(
         &self,
         constants: impl Fn(usize) -> PairConstants<f64>,
         laws: &ContactModel,
-        materials: Vec<String>,
-    ) -> Assembly {
+        out: &mut Assembly,
+    ) {
         let order = self.order_of_ids();
         let mut rank = vec![0; order.len()];
         for (r, &g) in order.iter().enumerate() {
             rank[g] = r;
         }
-        let list = |slots: Vec<usize>| {
-            let mut contacts = vec![Contact::default(); slots.len()];
-            let Places { places, images } = self.places(&slots, &rank);
-            let (mut branches, mut observed) = (Vec::new(), Vec::new());
-            for (slots, places) in slots.chunks(TOGETHER).zip(places.chunks(TOGETHER)) {
-                fused(
-                    #[inline(always)]
-                    || {
-                        self.evaluate(slots, &constants, laws, &mut branches, &mut observed);
-                        let found = branches.iter().zip(&observed);
-                        for ((slot, place), (branch, found)) in slots.iter().zip(places).zip(found) {
-                            contacts[*place] = self.contact(*slot, &rank, branch, found);
-                        }
-                    },
-                );
+        self.add_grains(&order, &mut out.grains);
+        self.list(self.pairs.touching().collect(), &rank, &constants, laws, &mut out.contacts);
+        self.list(self.pairs.apart().collect(), &rank, &constants, laws, &mut out.apart);
+        out.time = self.time;
+        out.step = self.step;
+        out.time_step = self.dt;
+        out.cell = self.cell.edges;
+        out.velocity_gradient = self.gradient;
+        out.strain = self.strain;
+        out.arc_length = self.arc_length();
+        out.target_mean_stress = self.target_mean_stress();
+        out.liquid = self.liquid(laws, &order);
+        out.energy = self.energy_balance;
+    }
+
+    /// The contacts of the pairs in these slots, in the order of the ranks of their grains.
+    fn list(
+        &self,
+        slots: Vec<usize>,
+        rank: &[usize],
+        constants: &impl Fn(usize) -> PairConstants<f64>,
+        laws: &ContactModel,
+        contacts: &mut Vec<Contact>,
+    ) {
+        contacts.resize_with(slots.len(), Contact::default);
+        let Places { places, images } = self.places(&slots, rank);
+        let (mut branches, mut observed) = (Vec::new(), Vec::new());
+        for (slots, places) in slots.chunks(TOGETHER).zip(places.chunks(TOGETHER)) {
+            fused(
+                #[inline(always)]
+                || {
+                    self.evaluate(slots, constants, laws, &mut branches, &mut observed);
+                    let found = branches.iter().zip(&observed);
+                    for ((slot, place), (branch, found)) in slots.iter().zip(places).zip(found) {
+                        contacts[*place] = self.contact(*slot, rank, branch, found);
+                    }
+                },
+            );
+        }
+        // Images of one pair, in a small cell, by their branch vectors.
+        if images {
+            for images in contacts.chunk_by_mut(|a, b| (a.i, a.j) == (b.i, b.j)) {
+                images.sort_unstable_by(|a, b| a.branch[0].total_cmp(&b.branch[0]));
             }
-            // Images of one pair, in a small cell, by their branch vectors.
-            if images {
-                for images in contacts.chunk_by_mut(|a, b| (a.i, a.j) == (b.i, b.j)) {
-                    images.sort_unstable_by(|a, b| a.branch[0].total_cmp(&b.branch[0]));
-                }
-            }
-            contacts
-        };
-        Assembly {
-            time: self.time,
-            step: self.step,
-            time_step: self.dt,
-            cell: self.cell.edges,
-            velocity_gradient: self.gradient,
-            strain: self.strain,
-            arc_length: self.arc_length(),
-            target_mean_stress: self.target_mean_stress(),
-            grains: self.grains_in_order(&order),
-            contacts: list(self.pairs.touching().collect()),
-            apart: list(self.pairs.apart().collect()),
-            materials,
-            liquid: self.liquid(laws, &order),
-            energy: self.energy_balance,
         }
     }
 
@@ -104,7 +110,7 @@ impl State {
         order
     }
 
-    fn grains_in_order(&self, order: &[usize]) -> Vec<Grain> {
+    fn add_grains(&self, order: &[usize], grains: &mut Vec<Grain>) {
         let mut inside = self.particles[..order.len()].to_vec();
         images::wrap(&self.cell, &mut inside);
         let grain = |&g: &usize| {
@@ -122,7 +128,8 @@ impl State {
                 material: self.materials.get(g).copied().unwrap_or(0).into(),
             }
         };
-        order.iter().map(grain).collect()
+        grains.clear();
+        grains.extend(order.iter().map(grain));
     }
 
     /// The indices of the grains of the pair in a slot.

@@ -241,13 +241,21 @@ impl Simulation {
 
     /// A snapshot for sensors. It copies the data that it contains and changes nothing.
     pub fn assembly(&self) -> Assembly {
+        let mut assembly = Assembly::default();
+        self.assembly_into(&mut assembly);
+        assembly
+    }
+
+    /// The same in place of an older one, whose memory is used again.
+    pub fn assembly_into(&self, assembly: &mut Assembly) {
         let integrator = &self.integrator;
         let names = integrator.properties.mixture.components.iter().map(|component| component.name.clone());
-        integrator.state.assembly(
+        assembly.materials = names.collect();
+        integrator.state.assembly_into(
             |slot| integrator.pair_constants(slot),
             &integrator.properties.contact,
-            names.collect(),
-        )
+            assembly,
+        );
     }
 
     /// Mean diameter of the grains, m.

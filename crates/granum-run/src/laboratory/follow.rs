@@ -1,6 +1,7 @@
 //! The observers with which the laboratory follows its runs: one passes on the progress and stops for checkpoints, one
 //! records the measurements, and one writes snapshots.
 
+use granum_core::assembly::Assembly;
 use granum_core::quantity::format_number;
 use granum_dem::loading::{Measure, StageProgress};
 use granum_dem::observer::{Flow, Observer, Progress};
@@ -43,14 +44,25 @@ impl Observer for Follow<'_> {
 }
 
 /// Calls the recorder of a stage.
-pub(super) struct Record<'a>(pub(super) &'a mut Recorder);
+pub(super) struct Record<'a> {
+    recorder: &'a mut Recorder,
+    /// The assembly of the last observation, whose memory the next one uses.
+    assembly: Assembly,
+}
+
+impl<'a> Record<'a> {
+    pub(super) fn new(recorder: &'a mut Recorder) -> Record<'a> {
+        Record { recorder, assembly: Assembly::default() }
+    }
+}
 
 impl Observer for Record<'_> {
     fn next_observation(&self) -> f64 {
-        self.0.next_observation()
+        self.recorder.next_observation()
     }
     fn observe(&mut self, simulation: &Simulation) {
-        self.0.observe(&simulation.assembly());
+        simulation.assembly_into(&mut self.assembly);
+        self.recorder.observe(&self.assembly);
     }
 }
 

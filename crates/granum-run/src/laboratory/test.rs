@@ -67,7 +67,7 @@ impl Laboratory {
             place: [at, test.stages.len()],
             stopped: false,
         };
-        let mut record = follow::Record(recorder);
+        let mut record = follow::Record::new(recorder);
         let mut snapshots = Snapshots {
             due: &mut test.snapshots,
             measure: stage.record.measure,
