@@ -202,6 +202,12 @@ fn mercury_files_give_each_contact_once_with_its_force() {
     // Pushed along x by 7 N and dragged along y by 2 N.
     assert_eq!(contact.force(), [7.0, 2.0, 0.0]);
     assert_eq!(found.assembly.time, 0.5);
+    // An instant before the first particle, and the format of two dimensions.
+    let empty = format!("0 0 0 0 0 4 4 4 \n{data}");
+    assert_eq!(read(&[written(folder.path(), "empty.data", &empty)]).len(), 1);
+    let flat = written(folder.path(), "flat.data", "1 0 0 0 4 4 \n2 2 0 0 0.5 0 0 0\n");
+    let error = Formats::standard().read_results(&[flat], &JoinOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("flat.data:1:1:") && error.contains("two-dimensional"), "{error}");
     let wall = fstat.replace("0.5 0 1 -0.25", "0.5 0 -1 -0.25");
     let files = [files[0].clone(), written(folder.path(), "wall.fstat", &wall)];
     let error = Formats::standard().read_results(&files, &JoinOptions::default()).unwrap_err().to_string();
@@ -240,6 +246,11 @@ fn a_restart_file_of_mercury_has_masses_and_a_cell_where_it_is_periodic() {
     assert_eq!(found.assembly.contacts[0].normal_force, 4.0);
     let open = text.replace(&boundary(1, "0 1 0"), "");
     assert!(!read(&[written(folder.path(), "open.restart", &open)])[0].parts.has(Part::Cell));
+    // Not every domain has a height, nor every boundary a normal.
+    let flat = open
+        .replace("zMax 3", "zMax 0")
+        .replace("Boundaries 3\n", "Boundaries 3\nAngledPeriodicBoundary id 3\n");
+    assert!(!read(&[written(folder.path(), "flat.restart", &flat)])[0].parts.has(Part::Cell));
 }
 
 /// What granum writes it reads: places, radii and cell, to the precision of the format.

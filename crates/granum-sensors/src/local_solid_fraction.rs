@@ -131,12 +131,24 @@ fn planes_of(i: usize, neighbours: &Neighbours, radii: &[f64]) -> Vec<Plane> {
 /// Planes of which a first, larger cell is made.
 const NEAREST: usize = 20;
 
+/// Planes that are taken at once, without a try of fewer.
+const MANY: usize = 8 * NEAREST;
+
 /// The cell below all planes, which are sorted by distance; `None` if a sphere beyond the reach might cut it.
 fn cell_of(planes: &[Plane], reach: f64, [own, largest]: [f64; 2]) -> Option<VoronoiCell> {
+    let mut count = planes.len().min(NEAREST);
+    let (mut found, mut farthest) = intersection(&planes[..count], reach);
     // Planes beyond all corners of the cell of the nearest planes cannot cut it.
-    let (_, corner) = intersection(&planes[..planes.len().min(NEAREST)], reach);
-    let near = planes.iter().position(|plane| plane.height > corner).unwrap_or(planes.len());
-    let (found, farthest) = intersection(&planes[..near.max(planes.len().min(NEAREST))], reach);
+    loop {
+        let near = planes.iter().position(|plane| plane.height > farthest).unwrap_or(planes.len());
+        if near <= count {
+            break;
+        }
+        // Where the nearest planes close no cell, as for a grain at the side of a cluster, nearly all planes are near; their number
+        // squared is the cost.
+        count = if near <= MANY { near } else { near.min(4 * count) };
+        (found, farthest) = intersection(&planes[..count], reach);
+    }
     // The nearest plane that a sphere beyond the reach can give.
     let nearest = 0.5 * (reach * reach + own * own - largest * largest) / reach;
     (farthest <= nearest).then_some(found)
@@ -226,6 +238,21 @@ mod tests {
     use granum_core::Assembly;
     use granum_core::geometry::{apply, determinant};
     use proptest::prelude::*;
+
+    /// A sheet of grains in a wide cell, whose nearest neighbours close no cell.
+    #[test]
+    fn grains_of_a_cluster_in_a_wide_cell_have_their_cells() {
+        let cell = [[100.0, 0.0, 0.0], [0.0, 100.0, 0.0], [0.0, 0.0, 100.0]];
+        // No two distances are the same.
+        let shift = |k: usize| 0.3 * ((k * 7919 % 1000) as f64 / 1000.0);
+        let centre = |k: usize| {
+            [2.0 * (k % 30) as f64 + shift(k), 2.0 * (k / 30) as f64 + shift(k + 1), 5.0 + shift(k + 2)]
+        };
+        let centres: Vec<Vector> = (0..150).map(centre).collect();
+        let cells = radical_voronoi(&cell, &centres, &[0.5; 150]);
+        let volume: f64 = cells.iter().map(|cell| cell.volume).sum();
+        assert!((volume / 1e6 - 1.0).abs() < 1e-9, "{volume}");
+    }
 
     /// Cubes with 6 faces and rhombic dodecahedra with 12: the local solid fraction is that of the lattice, pi/6 and
     /// pi/sqrt(18), without scatter, in cells of one cube and of many.

@@ -32,13 +32,23 @@ impl ResultFormat for MercuryData {
             let values: Option<Vec<f64>> = line.split_whitespace().map(|word| word.parse().ok()).collect();
             values.map_or(0, |values| values.len())
         };
-        matches!(&lines[..], [first, second, ..] if numbers(first) == 8 && numbers(second) == COLUMNS)
+        let [first, second, ..] = &lines[..] else { return false };
+        // An instant without particles is followed by the next one; files of two dimensions are refused by name.
+        let is_empty = first.split_whitespace().next() == Some("0");
+        match numbers(first) {
+            8 => numbers(second) == COLUMNS || is_empty && numbers(second) == 8,
+            6 => numbers(second) == 8 || is_empty && numbers(second) == 6,
+            _ => false,
+        }
     }
     fn read(&self, path: &Path, _: &ReadOptions) -> Result<Vec<Frame>> {
         let mut words = Words::open(path)?;
         let mut frames = Vec::new();
         while words.advance_to_text()? {
-            frames.push(frame(&mut words)?);
+            let frame = frame(&mut words)?;
+            if !frame.grains.is_empty() {
+                frames.push(frame);
+            }
         }
         if frames.is_empty() {
             return Err(Error::content(path, "has no particles"));

@@ -43,7 +43,8 @@ impl ResultFormat for MercuryRestart {
             if let Some(place) = at("time").filter(|_| words.word(0) == "timeStep") {
                 frame.time = Some(words.number(place + 1, "the time")?);
             }
-            if words.word(0).ends_with("PeriodicBoundary") {
+            // Boundaries of other kinds (angled, in time, Lees-Edwards) make no cell of three edges at rest.
+            if words.word(0) == "PeriodicBoundary" {
                 let axis = periodic(&words, &mut low, &mut high)?;
                 is_periodic[axis] = true;
             } else if words.word(0).ends_with("Particle") && at("radius").is_some() {
@@ -56,10 +57,14 @@ impl ResultFormat for MercuryRestart {
                 frame.contacts.get_or_insert_default().push(pair);
             }
         }
-        if frame.grains.is_empty() || (0..3).any(|a| high[a] <= low[a]) {
-            return Err(Error::content(path, "is no restart file with particles in a domain"));
+        if frame.grains.is_empty() {
+            return Err(Error::content(path, "is no restart file with particles"));
         }
-        frame.cell = is_periodic.iter().all(|is| *is).then(|| FrameCell::between(low, high));
+        let has_cell = is_periodic.iter().all(|is| *is);
+        if has_cell && (0..3).any(|a| high[a] <= low[a]) {
+            return Err(Error::content(path, "has periodic boundaries without a distance between them"));
+        }
+        frame.cell = has_cell.then(|| FrameCell::between(low, high));
         frame.knows(&[Part::Positions, Part::Velocities, Part::Spins, Part::Radii, Part::ResultantForces]);
         if all_masses {
             frame.knows(&[Part::Masses]);

@@ -114,6 +114,9 @@ fn cut(
     }
 }
 
+/// A vector of each grain.
+type OfGrain = fn(&Grain) -> Vector;
+
 fn text(observation: &Observation) -> String {
     let assembly = &observation.assembly;
     let (grains, contacts) = (&assembly.grains, &assembly.contacts);
@@ -164,7 +167,7 @@ fn text(observation: &Observation) -> String {
     if parts.has(Part::Masses) {
         array(&mut xml, "mass", 1, &both(grains.iter().map(|grain| grain.mass).collect(), &|_| one(0.0)));
     }
-    let vectors: [(Part, &str, fn(&Grain) -> Vector); 4] = [
+    let vectors: [(Part, &str, OfGrain); 4] = [
         (Part::Velocities, "velocity", |grain| grain.velocity),
         (Part::Spins, "angular_velocity", |grain| grain.spin),
         (Part::ResultantForces, "force_on_grain", |grain| grain.force),
