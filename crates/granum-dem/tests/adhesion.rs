@@ -6,7 +6,7 @@ use granum_dem::cell::Cell;
 use granum_dem::config::{
     AdhesionKind, Component, ContactModel, Grains, Material, Mixture, NormalKind, RollingKind, TangentialKind,
 };
-use granum_dem::contact::adhesion::CapillaryBridge;
+use granum_dem::contact::adhesion::{CapillaryBridge, CapillaryBridgeFilms};
 use granum_dem::contact::{
     AdhesionLaw, Attraction, Description, LAW_CONSTANTS, MAX_ADHESION_HISTORY, PairProperties,
 };
@@ -251,6 +251,62 @@ fn pairs_without_a_bridge_are_left_out() {
             }
         }
     }
+}
+
+/// A law defined outside the crate, with the bridges of granum's law that shares films.
+#[derive(Clone, Copy)]
+struct OwnFilms;
+
+impl AdhesionLaw for OwnFilms {
+    const DESCRIPTION: Description = Description::new(
+        "own-films",
+        "bridges of the caller",
+        "bridges that share films, of the caller",
+        CapillaryBridgeFilms::DESCRIPTION.parameters,
+    );
+    const BEGINS_AT_TOUCH: bool = true;
+    const SHARES_LIQUID: bool = true;
+    const HISTORY: usize = CapillaryBridgeFilms::HISTORY;
+    fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
+        CapillaryBridgeFilms::prepare(pair, parameters)
+    }
+    #[inline(always)]
+    fn update<R: Real>(
+        constants: &[R; LAW_CONSTANTS],
+        overlap: R,
+        touching: R::Mask,
+        history: &mut [R; MAX_ADHESION_HISTORY],
+    ) -> Attraction<R> {
+        CapillaryBridgeFilms::update(constants, overlap, touching, history)
+    }
+    fn film(radius: f64, parameters: &[f64]) -> f64 {
+        CapillaryBridgeFilms::film(radius, parameters)
+    }
+    fn largest_bridge(constants: &[f64; LAW_CONSTANTS]) -> f64 {
+        CapillaryBridgeFilms::largest_bridge(constants)
+    }
+    fn bridge(constants: &[f64; LAW_CONSTANTS], volume: f64) -> [f64; MAX_ADHESION_HISTORY] {
+        CapillaryBridgeFilms::bridge(constants, volume)
+    }
+    fn energy(constants: &[f64; LAW_CONSTANTS], overlap: f64, history: &[f64; MAX_ADHESION_HISTORY]) -> f64 {
+        CapillaryBridgeFilms::energy(constants, overlap, history)
+    }
+    fn range(constants: &[f64; LAW_CONSTANTS]) -> f64 {
+        CapillaryBridgeFilms::range(constants)
+    }
+}
+
+#[test]
+fn a_law_of_the_caller_can_share_liquid() {
+    let run = |adhesion| {
+        let mut contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
+        contact.adhesion = adhesion;
+        compressed(Properties::new(plain(), contact), 0.3, Hardware::default())
+    };
+    let [own, known] = [AdhesionKind::new(&OwnFilms), AdhesionKind::CAPILLARY_BRIDGE_FILMS].map(run);
+    assert!(own.state() == known.state());
+    let liquid = own.assembly().liquid.unwrap();
+    assert!(liquid.count > 100 && liquid.bridges > 0.0, "{liquid:?}");
 }
 
 /// The stress of the engine is that of all pairs that act.

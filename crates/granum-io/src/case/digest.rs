@@ -34,6 +34,7 @@ const LATER: [&str; 21] = [
     "recording.critical_exponent",
     "contact.rolling",
     "contact.adhesion",
+    "contact.rupture_coefficient",
 ];
 
 impl Case {
@@ -80,7 +81,7 @@ impl Case {
             if unused && (field.is_of_law() || field.is_of_sizes() || later) {
                 continue;
             }
-            if later && value == field.value(&standard) {
+            if later && (value == field.value(&standard) || field.is_default_of_law(&value)) {
                 continue;
             }
             let value = match value {

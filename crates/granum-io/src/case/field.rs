@@ -139,6 +139,11 @@ impl Field {
         matches!(self.kind, Kind::Law(_))
     }
 
+    /// True if the field is a parameter of contact laws and this value is its default.
+    pub(super) fn is_default_of_law(&self, value: &Option<Value>) -> bool {
+        matches!(&self.kind, Kind::Law(parameter) if *value == Some(Value::Number(Some(parameter.default))))
+    }
+
     /// Section and key, e.g. `grains.material.youngs_modulus`.
     pub fn path(&self) -> String {
         format!("{}.{}", self.section, self.key)

@@ -235,6 +235,22 @@ mod tests {
         assert_eq!(Case::default().preparation_digest(), preparation);
     }
 
+    /// A parameter that a law received later does not change the digest of a case in which it has its default.
+    #[test]
+    fn the_digest_of_a_case_with_bridges_stays() {
+        let text = "[grains]\ncount = 60\n[grains.material]\ninterface_energy = 0\n[contact]\nnormal = \"hertz\"\n\
+                    tangential = \"no-slip\"\nadhesion = \"capillary-bridge\"\nbridge_volume = 1e-3\n\
+                    [preparation]\nsolid_fraction = \"none\"\n[shear]\ndeviator_strain = 1e-3\n\
+                    inertial_number = 3e-2\n[recording]\nstates = 2\n";
+        let mut case = parse(text);
+        let digest = "7b42e0dbdf0438ed964a5bff976efbf51638ebb0015038faa38032eaf0845767";
+        assert_eq!(case.digest(), digest);
+        case.set("contact.rupture_coefficient", "0.1").unwrap();
+        assert_eq!(case.digest(), digest);
+        case.set("contact.rupture_coefficient", "0").unwrap();
+        assert_ne!(case.digest(), digest);
+    }
+
     #[test]
     fn a_packing_is_part_of_the_digests() {
         let case = Case::default();
