@@ -183,8 +183,10 @@ fn every_surrogate_comes_back_from_its_file_with_the_same_bits() {
         let newer = text.replacen("\"version\": 1", "\"version\": 2", 1);
         assert_eq!(message(&newer), "s.json: it has version 2, this program reads version 1");
         // The digest is valid, but the content is that of another method.
-        let alien = sealed(&text.replacen("\"content\": {", "\"content\": {\"alien\": 1, ", 1));
-        assert!(alien.contains("alien"), "{name}: {text:.200}");
+        let alien = text.replacen("\"content\": {", "\"content\": {\"alien\": 1, ", 1);
+        let alien = sealed(&alien.replacen("\"content\": [", "\"content\": [\"alien\", ", 1));
+        let place = text.find("\"content\"").unwrap();
+        assert!(alien.contains("alien"), "{name}: {:.60}", &text[place..]);
         let refusal = message(&alien);
         assert!(refusal.contains("the content is not that of a surrogate of this method"), "{refusal}");
     }
