@@ -193,8 +193,8 @@ impl Integrator {
         }
     }
 
-    /// Adapts the bridges that hold liquid to other properties, before the histories are: a bridge that the new law does not hold
-    /// returns its liquid, and one that would be larger than the largest returns the rest.
+    /// Adapts the bridges that hold liquid to other properties, before the histories are: a bridge that the new law does not hold,
+    /// or that is longer than its bridges can be, returns its liquid, and one that is larger than the largest returns the rest.
     pub(crate) fn change_bridges(&mut self, before: &ContactModel) {
         if !before.adhesion.law().shares_liquid() {
             return;
@@ -209,12 +209,15 @@ impl Integrator {
                     continue;
                 }
                 let [i, j] = [self.state.pairs.first[b][l], self.state.pairs.second[b][l]];
+                let materials = [i, j].map(|grain| self.material_of(grain));
+                let radii = [i, j].map(|grain| self.state.particles[grain as usize].0[3]);
+                let constants = self.constants_of(materials, radii);
+                let gap = self.state.distance(b * LANES + l) - constants.radius_sum;
                 let mut history = [0.0; MAX_ADHESION_HISTORY];
-                if same {
-                    let materials = [i, j].map(|grain| self.material_of(grain));
-                    let radii = [i, j].map(|grain| self.state.particles[grain as usize].0[3]);
-                    let constants = self.constants_of(materials, radii).adhesion;
-                    history = law.bridge(&constants, volume.min(law.largest_bridge(&constants)));
+                // The neighbour list to come may leave out a pair that is farther apart than bridges reach.
+                if same && gap < law.range(&constants.adhesion) {
+                    let largest = law.largest_bridge(&constants.adhesion);
+                    history = law.bridge(&constants.adhesion, volume.min(largest));
                 }
                 let rest = 0.5 * (volume - history[0]);
                 self.state.films[i as usize] += rest;

@@ -420,6 +420,19 @@ impl State {
         [i.min(j), i.max(j), slot]
     }
 
+    /// From the centre of grain i of the pair in a slot to the image of the centre of j, m.
+    fn branch(&self, slot: usize) -> [f64; 3] {
+        let (b, l) = (slot / LANES, slot % LANES);
+        let [i, j] = [self.pairs.first[b][l], self.pairs.second[b][l]].map(|grain| grain as usize);
+        let image = self.cell.image(image_vector(self.pairs.image[b][l]));
+        std::array::from_fn(|k| self.particles[j].0[k] + image[k] - self.particles[i].0[k])
+    }
+
+    /// Distance of the centres of the pair in a slot, m.
+    pub(crate) fn distance(&self, slot: usize) -> f64 {
+        length(self.branch(slot))
+    }
+
     fn contact(
         &self,
         slot: usize,
@@ -429,10 +442,8 @@ impl State {
     ) -> Contact {
         let (b, l) = (slot / LANES, slot % LANES);
         let (i, j) = (self.pairs.first[b][l] as usize, self.pairs.second[b][l] as usize);
-        let image = self.cell.image(image_vector(self.pairs.image[b][l]));
-        let branch: [f64; 3] =
-            std::array::from_fn(|k| self.particles[j].0[k] + image[k] - self.particles[i].0[k]);
-        let distance = (branch[0] * branch[0] + branch[1] * branch[1] + branch[2] * branch[2]).sqrt();
+        let branch = self.branch(slot);
+        let distance = length(branch);
         let pair = constants(slot);
         let approach = pair.radius_sum - distance;
         let memory = self.pairs.memory(slot);
@@ -466,4 +477,8 @@ impl State {
             attraction_energy,
         }
     }
+}
+
+fn length(a: [f64; 3]) -> f64 {
+    (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]).sqrt()
 }
