@@ -237,7 +237,12 @@ fn pairs_without_a_bridge_are_left_out() {
         let (few, all) = (run(AdhesionKind::CAPILLARY_BRIDGE), run(AdhesionKind::new(&Everywhere)));
         assert!(few.near_pairs() < all.near_pairs(), "{} {}", few.near_pairs(), all.near_pairs());
         let (few, all) = (few.assembly(), all.assembly());
-        assert!(few.apart.len() > 20 && !few.contacts.is_empty(), "{} {}", few.apart.len(), few.contacts.len());
+        assert!(
+            few.apart.len() > 20 && !few.contacts.is_empty(),
+            "{} {}",
+            few.apart.len(),
+            few.contacts.len()
+        );
         for (few, all) in [(&few.contacts, &all.contacts), (&few.apart, &all.apart)] {
             assert_eq!(few.len(), all.len());
             for (a, b) in few.iter().zip(all) {

@@ -148,7 +148,10 @@ fn a_bridge_takes_equally_and_returns_halves() {
                 bridged += 1;
                 let left = films(&s);
                 for (left, own) in left.iter().zip(own) {
-                    assert!((left + taken - own).abs() < 1e-15 * own, "{largest}: {left:e} {taken:e} {own:e}");
+                    assert!(
+                        (left + taken - own).abs() < 1e-15 * own,
+                        "{largest}: {left:e} {taken:e} {own:e}"
+                    );
                 }
                 assert!((liquid.bridges / (2.0 * taken) - 1.0).abs() < 1e-15);
                 forces += usize::from(s.assembly().apart.iter().any(|pair| pair.normal_force < 0.0));
