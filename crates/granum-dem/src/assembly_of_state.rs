@@ -185,6 +185,11 @@ impl State {
         Branch { vector: [x, y, z], length: (x * x + y * y + z * z).sqrt() }
     }
 
+    /// Distance of the centres of the pair in a slot, m.
+    pub(crate) fn distance(&self, slot: usize) -> f64 {
+        self.branch(slot).length
+    }
+
     /// Evaluates the laws for the pairs in these slots.
     #[inline(always)]
     fn evaluate(

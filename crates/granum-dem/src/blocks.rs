@@ -239,7 +239,7 @@ impl Kept {
                 touched: old.touched(slot).into(),
                 sliding: old.sliding(slot).into(),
                 attracting: old.attracting(slot).into(),
-                stirred: 0,
+                changed: 0,
             };
             kept.memories.push((memory, marks));
             kept.from[n] = kept.memories.len() as u32;

@@ -41,11 +41,11 @@ fn evaluated(blocks: &[Block]) -> impl Iterator<Item = usize> {
     })
 }
 
-/// What an exchange looks at.
+/// The pairs that an exchange looks at.
 #[derive(Clone, Copy, PartialEq)]
-enum Look {
-    /// The pairs that the last step stirred, and every dry contact where films received liquid.
-    Stirred,
+enum Scope {
+    /// The pairs that began or ceased to interact in the last step, and every dry contact where films received liquid.
+    Changed,
     /// All contacts.
     All,
 }
@@ -62,7 +62,7 @@ struct Exchanged {
 ///
 /// # Safety
 /// No other thread may work on these views.
-unsafe fn exchange(v: &Views, look: Look, constants: impl Fn(usize) -> PairConstants<f64>) -> Exchanged {
+unsafe fn exchange(v: &Views, scope: Scope, constants: impl Fn(usize) -> PairConstants<f64>) -> Exchanged {
     let law = v.laws.adhesion.law();
     let (column, columns, held) = (volume_column(&v.laws), v.columns, law.history());
     // SAFETY: guaranteed by the caller.
@@ -78,22 +78,22 @@ unsafe fn exchange(v: &Views, look: Look, constants: impl Fn(usize) -> PairConst
     };
     let mut returned = false;
     for b in evaluated(blocks) {
-        for l in lanes(marks[b].stirred & !marks[b].touched) {
+        for l in lanes(marks[b].changed & !marks[b].touched) {
             let half = 0.5 * std::mem::take(&mut memory[b * columns + column].0[l]);
             films[first[b][l] as usize] += half;
             films[second[b][l] as usize] += half;
             returned = true;
         }
     }
-    let all = returned || look == Look::All;
+    let all = returned || scope == Scope::All;
     let (mut lost, mut made) = (0.0, false);
     for b in evaluated(blocks) {
-        let Marks { touched, attracting, stirred, .. } = marks[b];
-        if stirred | touched & !attracting == 0 {
+        let Marks { touched, attracting, changed, .. } = marks[b];
+        if changed | touched & !attracting == 0 {
             continue;
         }
-        marks[b].stirred = 0;
-        for l in lanes(touched & !attracting & if all { u8::MAX } else { stirred }) {
+        marks[b].changed = 0;
+        for l in lanes(touched & !attracting & if all { u8::MAX } else { changed }) {
             let [i, j] = [first[b][l] as usize, second[b][l] as usize];
             // A grain that touches an image of itself gives both halves.
             let available = if i == j { films[i] } else { 2.0 * films[i].min(films[j]) };
@@ -150,7 +150,7 @@ impl Integrator {
         }
         // SAFETY: guaranteed by the caller; nothing else refers to the sums of the contacts.
         unsafe {
-            let done = exchange(views, Look::Stirred, |slot| self.pair_constants(slot));
+            let done = exchange(views, Scope::Changed, |slot| self.pair_constants(slot));
             views.contact_sums.write(0..1)[0].attraction_loss += done.lost;
             done.made
         }
@@ -163,7 +163,7 @@ impl Integrator {
         }
         let views = self.views();
         // SAFETY: no other thread works on these views.
-        let done = unsafe { exchange(&views, Look::All, |slot| self.pair_constants(slot)) };
+        let done = unsafe { exchange(&views, Scope::All, |slot| self.pair_constants(slot)) };
         self.state.energy_balance.attraction_loss += done.lost;
     }
 
@@ -193,8 +193,8 @@ impl Integrator {
         }
     }
 
-    /// Adapts the bridges that hold liquid to other properties, before the histories are: a bridge that the new law does not hold
-    /// returns its liquid, and one that would be larger than the largest returns the rest.
+    /// Adapts the bridges that hold liquid to other properties, before the histories are: a bridge that the new law does not hold,
+    /// or that is longer than its bridges can be, returns its liquid, and one that is larger than the largest returns the rest.
     pub(crate) fn change_bridges(&mut self, before: &ContactModel) {
         if !before.adhesion.law().shares_liquid() {
             return;
@@ -209,12 +209,15 @@ impl Integrator {
                     continue;
                 }
                 let [i, j] = [self.state.pairs.first[b][l], self.state.pairs.second[b][l]];
+                let materials = [i, j].map(|grain| self.material_of(grain));
+                let radii = [i, j].map(|grain| self.state.particles[grain as usize].0[3]);
+                let constants = self.constants_of(materials, radii);
+                let gap = self.state.distance(b * LANES + l) - constants.radius_sum;
                 let mut history = [0.0; MAX_ADHESION_HISTORY];
-                if same {
-                    let materials = [i, j].map(|grain| self.material_of(grain));
-                    let radii = [i, j].map(|grain| self.state.particles[grain as usize].0[3]);
-                    let constants = self.constants_of(materials, radii).adhesion;
-                    history = law.bridge(&constants, volume.min(law.largest_bridge(&constants)));
+                // The neighbour list to come may leave out a pair that is farther apart than bridges reach.
+                if same && gap < law.range(&constants.adhesion) {
+                    let largest = law.largest_bridge(&constants.adhesion);
+                    history = law.bridge(&constants.adhesion, volume.min(largest));
                 }
                 let rest = 0.5 * (volume - history[0]);
                 self.state.films[i as usize] += rest;

@@ -43,10 +43,10 @@ pub struct Marks {
     pub(crate) sliding: u8,
     /// On which pairs a law of adhesion acted, touching or not.
     pub(crate) attracting: u8,
-    /// Pairs whose liquid has to be looked at after this step, since their bridge ruptured or they began to touch without one; none
+    /// Pairs whose bridge ruptured in this step, or that began to touch without one, so that liquid is exchanged after it; none
     /// between two steps.
     #[serde(skip)]
-    pub(crate) stirred: u8,
+    pub(crate) changed: u8,
 }
 
 /// Pairs in batches, their histories and their forces on the grains in the last step.

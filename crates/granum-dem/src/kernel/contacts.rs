@@ -494,18 +494,18 @@ fn finish_batch<L: Lanes, R: Real, S: StageLaws, C: ConstantSource, P: Part<L, R
         sums[16] = sums[16] + P::of(out.adhesion_made);
         sums[17] = sums[17] + P::of(out.adhesion_broken);
     }
-    let (mut attracting, mut stirred) = (0, 0);
+    let (mut attracting, mut changed) = (0, 0);
     if S::MAY_HAVE_ADHESION && laws.has_adhesion() {
         attracting = P::mask(out.attracting).bits() as u8;
         sums[20] = sums[20] + P::of(out.attraction_loss);
         if laws.shares_liquid() {
-            stirred = (marks.attracting | touching & !marks.touched) & !attracting;
+            changed = (marks.attracting | touching & !marks.touched) & !attracting;
         }
     }
     if S::MAY_BE_PLASTIC {
         sums[21] = sums[21] + P::of(out.plastic_loss);
     }
-    *marks = Marks { touched: touching, sliding: P::mask(out.sliding).bits() as u8, attracting, stirred };
+    *marks = Marks { touched: touching, sliding: P::mask(out.sliding).bits() as u8, attracting, changed };
     let force = [P::of(out.force[0]), P::of(out.force[1]), P::of(out.force[2])];
     let moment = [P::of(out.moment[0]), P::of(out.moment[1]), P::of(out.moment[2])];
     let branch = pair_batch.kinematics.branch;

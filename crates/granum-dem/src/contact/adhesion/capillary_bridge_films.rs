@@ -3,7 +3,7 @@
 //! The bridges are those of [`super::capillary_bridge`], each with a volume V of its own. A grain starts with a film whose volume is a
 //! parameter times that of the grain. A bridge forms where grains touch: it takes liquid from both films in equal parts, as much
 //! as the drier grain has, up to a largest volume. When it ruptures, each grain gets one half of its liquid. The liquid is neither
-//! lost nor created, but wanders between grains. Where the liquid does not suffice for a bridge of `1e-6 R_e^3`, the contact stays dry until the films have
+//! lost nor created, but moves from grain to grain. Where the liquid does not suffice for a bridge of `1e-6 R_e^3`, the contact stays dry until the films have
 //! received more.
 //!
 //! With the material's contact angle theta the force at touch is `F_0 = 2 pi R_e gamma cos(theta)`, whatever the volume; the
