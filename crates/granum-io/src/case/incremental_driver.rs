@@ -1,4 +1,4 @@
-//! MacroState the loading path `test.inp` of Niemunis' IncrementalDriver into stages.
+//! Reads the loading path `test.inp` of Niemunis' IncrementalDriver into stages.
 //!
 //! Components stand there in the order 11, 22, 33, 12, 13, 23, compression is negative, strains are logarithmic and shear strains
 //! angles; values are totals over a step. Each step becomes a stage with ramps. The time of a step and its number of increments

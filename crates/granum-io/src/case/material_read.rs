@@ -1,4 +1,4 @@
-//! MacroState the tables `[[material]]` and `[[pair]]` of a case file.
+//! Reads the tables `[[material]]` and `[[pair]]` of a case file.
 
 use std::ops::Range;
 

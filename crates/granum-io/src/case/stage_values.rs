@@ -1,4 +1,4 @@
-//! MacroState the values of a stage of a case file: numbers, words, drives, constraints, ends.
+//! Reads the values of a stage of a case file: numbers, words, drives, constraints, ends.
 
 use std::ops::Range;
 
