@@ -40,11 +40,13 @@ pub enum Part {
     TargetMeanStress,
     /// Work of the boundary and losses since the start.
     EnergyBalance,
+    /// Liquid in films on grains and in bridges.
+    Liquid,
 }
 
 impl Part {
     /// Every part.
-    pub const ALL: [Part; 18] = [
+    pub const ALL: [Part; 19] = [
         Part::Cell,
         Part::Positions,
         Part::Radii,
@@ -63,6 +65,7 @@ impl Part {
         Part::Time,
         Part::TargetMeanStress,
         Part::EnergyBalance,
+        Part::Liquid,
     ];
 
     /// Its name in reports.
@@ -86,6 +89,7 @@ impl Part {
             Part::Time => "time",
             Part::TargetMeanStress => "target mean stress",
             Part::EnergyBalance => "energy balance",
+            Part::Liquid => "liquid in films and bridges",
         }
     }
 }

@@ -17,7 +17,7 @@ impl Sensor for LiquidVolumes {
                 SensorColumn::new("bridges", "1", "liquid bridges that hold liquid").optional(),
                 SensorColumn::new("mean_bridge_volume", "m3", "of the liquid in a bridge").optional(),
             ])
-            .needing(&[Part::Contacts, Part::ContactEnergies, Part::EnergyBalance])
+            .needing(&[Part::Liquid])
     }
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {

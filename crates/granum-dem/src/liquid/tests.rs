@@ -108,7 +108,7 @@ fn the_same_bits_on_threads_instruction_sets_and_through_a_checkpoint() {
         let (mut restored, _) = Simulation::restore(&bytes).unwrap();
         assert!(restored.state() == reference.state());
         reference.advance(700).unwrap();
-        // In pieces, with a look at it after each: a look changes nothing.
+        // In pieces, with an observation after each, which changes nothing.
         for _ in 0..7 {
             restored.advance(100).unwrap();
             let _ = restored.assembly();

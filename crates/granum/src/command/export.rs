@@ -105,7 +105,11 @@ impl Export {
             return self.say(context, &format!("a packing of {grains} grains"));
         }
         formats.write_results(path, self.to.as_deref(), &observations)?;
-        self.say(context, &format!("{grains} grains at {} instants", observations.len()))
+        let instants = match observations.len() {
+            1 => "1 instant".to_string(),
+            many => format!("{many} instants"),
+        };
+        self.say(context, &format!("{grains} grains at {instants}"))
     }
 
     /// The snapshots of a run that are asked for.
