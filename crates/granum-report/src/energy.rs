@@ -94,18 +94,25 @@ pub fn figure(run: &RunReport) -> Option<(Figure, String)> {
     let scale = Axis::new("Energy over final work").logarithmic().between(SHOWN[0], SHOWN[1]);
     let mut energies = Plot::new(axis(), scale)
         .with(Layer::stroked(shares(&balance.work), Stroke::new(INK, 1.6)).named("boundary work"));
-    for (k, (name, values)) in balance.parts.iter().enumerate() {
+    // Mechanisms that the laws of the run do not have would take names and colours from the others.
+    let present = balance.parts.iter().filter(|(_, values)| values.iter().any(|value| *value != 0.0));
+    let mut losses = 0;
+    for (name, values) in present {
         let stroke = match ELASTIC.iter().position(|elastic| elastic == name) {
             Some(n) => Stroke::new(color(n), 1.3).dashed(&[5.0, 3.0]),
-            None => Stroke::new(if *name == KINETIC { GREY } else { color(k) }, 1.3),
+            None if *name == KINETIC => Stroke::new(GREY, 1.3),
+            None => {
+                losses += 1;
+                Stroke::new(color(losses - 1), 1.3)
+            }
         };
         energies = energies.with(Layer::stroked(shares(values), stroke).named(name));
     }
     let error: Vec<f64> = balance.residual().iter().map(|r| r / work).collect();
-    let closing =
-        Plot::new(axis(), Axis::new("Residual of the energy balance over final work").including(0.0))
-            .with(Layer::stroked(vec![[0.0, 0.0], [1.0, 0.0]], Stroke::new(GREY, 0.8)))
-            .with(Layer::line(points(&error), color(0)));
+    let ends = strain.iter().fold([0.0f64; 2], |[low, high], &x| [low.min(x), high.max(x)]);
+    let closing = Plot::new(axis(), Axis::new("Residual over final work").including(0.0))
+        .with(Layer::stroked(ends.map(|x| [x, 0.0]).to_vec(), Stroke::new(GREY, 0.8)))
+        .with(Layer::line(points(&error), color(0)));
     let panels = vec![Panel::plot(energies), Panel::plot(closing)];
     let caption = "(a) Boundary work since the first recorded state, and the energies into which it went, as shares of \
                    that work; elastic energies (dashed) are recoverable. (b) Boundary work that no mechanism accounts \
