@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use granum_core::Part;
 use granum_core::assembly::Matrix;
+use granum_dem::loading::MacroState;
 use granum_io::formats::{Formats, JoinOptions, Observation, ReadOptions};
 
 fn sample(name: &str) -> PathBuf {
@@ -28,17 +29,7 @@ fn printed(what: &str) -> Vec<f64> {
 }
 
 fn stress(observation: &Observation) -> Matrix {
-    let assembly = &observation.assembly;
-    let mut sum = [[0.0; 3]; 3];
-    for contact in &assembly.contacts {
-        let force = contact.force();
-        for a in 0..3 {
-            for b in 0..3 {
-                sum[a][b] -= force[a] * contact.branch[b] / assembly.volume();
-            }
-        }
-    }
-    sum
+    MacroState::of(&observation.assembly).stress
 }
 
 /// Without friction the recorder holds all of the forces. YADE's stress has tension positive.
