@@ -1,17 +1,17 @@
 //! Attraction beyond touch in the engine: liquid bridges.
 
+mod common;
+
 use granum_dem::Isa;
 use granum_dem::assembly::Assembly;
 use granum_dem::cell::Cell;
 use granum_dem::config::{
-    AdhesionKind, Component, ContactModel, Grains, Material, Mixture, NormalKind, RollingKind, TangentialKind,
+    AdhesionKind, Component, ContactModel, Material, Mixture, NormalKind, RollingKind, TangentialKind,
 };
 use granum_dem::contact::adhesion::{CapillaryBridge, CapillaryBridgeFilms};
 use granum_dem::contact::{
     AdhesionLaw, Attraction, Description, LAW_CONSTANTS, MAX_ADHESION_HISTORY, PairProperties,
 };
-use granum_dem::random_insertion::random_insertion;
-use granum_dem::servo::CellControl;
 use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation, SimulationError};
 use granum_simd::Real;
 
@@ -103,23 +103,9 @@ fn slow_grains_stay_together() {
 }
 
 fn compressed(properties: Properties, spread: f64, hardware: Hardware) -> Simulation {
-    let (cell, spheres) = random_insertion(
-        &Grains::default().with(|grains| {
-            grains.count = 200;
-            grains.spread = spread;
-        }),
-        0.35,
-        9,
-    )
-    .unwrap();
-    let mut s = Simulation::new(cell, &spheres, properties).unwrap();
-    s.set_hardware(hardware);
-    s.set_control(CellControl::isotropic(20e3, 2e4));
-    s.advance(4000).unwrap();
+    let mut s = common::compressed(200, spread, properties, 4000, hardware);
     // Pulled apart again, so that contacts open and their bridges are stretched.
-    let mut control = CellControl::fixed();
-    control.rate = [[-300.0, 0.0, 0.0], [0.0, -300.0, 0.0], [0.0, 0.0, -300.0]];
-    s.set_control(control);
+    s.set_control(common::growing(300.0));
     s.advance(3000).unwrap();
     s
 }
@@ -215,21 +201,10 @@ fn pairs_without_a_bridge_are_left_out() {
         let run = |adhesion| {
             let mut contact = wet(0.1);
             contact.adhesion = adhesion;
-            let (cell, spheres) = random_insertion(
-                &Grains::default().with(|grains| {
-                    grains.count = 200;
-                    grains.spread = spread;
-                }),
-                0.35,
-                9,
-            )
-            .unwrap();
-            let mut s = Simulation::new(cell, &spheres, Properties::new(plain(), contact)).unwrap();
+            let mut s = common::dispersed(200, spread, Properties::new(plain(), contact));
             s.fix_time_step(Some(3e-9));
             for rate in [3e4, -3e4] {
-                let mut control = CellControl::fixed();
-                control.rate = [[rate, 0.0, 0.0], [0.0, rate, 0.0], [0.0, 0.0, rate]];
-                s.set_control(control);
+                s.set_control(common::growing(-rate));
                 s.advance(1500).unwrap();
             }
             s

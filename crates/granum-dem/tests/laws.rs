@@ -1,13 +1,14 @@
 //! Laws with additional parameters in the engine: granum's and a caller's.
 
+mod common;
+
 use granum_dem::Isa;
 use granum_dem::assembly::Assembly;
 use granum_dem::cell::Cell;
-use granum_dem::config::{ContactModel, Grains, Material, NormalKind, RollingKind, TangentialKind};
+use granum_dem::config::{ContactModel, Material, NormalKind, RollingKind, TangentialKind};
 use granum_dem::contact::normal::Hertz;
 use granum_dem::contact::registry::{RegisterError, normal_named, register_normal};
 use granum_dem::contact::{Description, LAW_CONSTANTS, Normal, NormalLaw, PairProperties, Parameter, Unit};
-use granum_dem::random_insertion::random_insertion;
 use granum_dem::servo::CellControl;
 use granum_dem::simulation::{Hardware, InitialSphere, Properties, Simulation, SimulationError};
 
@@ -107,20 +108,7 @@ fn rolling_ends_in_losses_that_are_counted() {
 }
 
 fn sample(properties: Properties, spread: f64, hardware: Hardware) -> Simulation {
-    let (cell, spheres) = random_insertion(
-        &Grains::default().with(|grains| {
-            grains.count = 200;
-            grains.spread = spread;
-        }),
-        0.35,
-        9,
-    )
-    .unwrap();
-    let mut s = Simulation::new(cell, &spheres, properties).unwrap();
-    s.set_hardware(hardware);
-    s.set_control(CellControl::isotropic(20e3, 2e4));
-    s.advance(4000).unwrap();
-    s
+    common::compressed(200, spread, properties, 4000, hardware)
 }
 
 /// On every instruction set, with several threads, and through a checkpoint; with the energy in balance.

@@ -1,12 +1,12 @@
 //! Several materials in the engine.
 
+mod common;
+
 use granum_dem::Isa;
 use granum_dem::assembly::Assembly;
 use granum_dem::config::{
-    Component, ContactModel, Grains, Material, Mixture, NormalKind, PairRule, RollingKind, TangentialKind,
+    Component, ContactModel, Material, Mixture, NormalKind, PairRule, RollingKind, TangentialKind,
 };
-use granum_dem::random_insertion::random_insertion;
-use granum_dem::servo::CellControl;
 use granum_dem::simulation::{Hardware, Properties, Simulation, SimulationError};
 
 fn plain() -> Material {
@@ -36,20 +36,7 @@ fn two(contact: ContactModel) -> Properties {
 }
 
 fn compressed(properties: Properties, spread: f64, hardware: Hardware) -> Simulation {
-    let (cell, spheres) = random_insertion(
-        &Grains::default().with(|grains| {
-            grains.count = 200;
-            grains.spread = spread;
-        }),
-        0.35,
-        9,
-    )
-    .unwrap();
-    let mut s = Simulation::new(cell, &spheres, properties).unwrap();
-    s.set_hardware(hardware);
-    s.set_control(CellControl::isotropic(20e3, 2e4));
-    s.advance(5000).unwrap();
-    s
+    common::compressed(200, spread, properties, 5000, hardware)
 }
 
 #[test]

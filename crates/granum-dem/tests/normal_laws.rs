@@ -1,12 +1,13 @@
 //! DMT, JKR–DMT, rough, elastic-plastic contacts and van der Waals attraction in the engine: the same bits everywhere, with grains
 //! of two materials, and the energy in balance.
 
+mod common;
+
 use granum_dem::Isa;
 use granum_dem::assembly::Assembly;
 use granum_dem::config::{
-    AdhesionKind, Component, ContactModel, Grains, Material, Mixture, NormalKind, RollingKind, TangentialKind,
+    AdhesionKind, Component, ContactModel, Material, Mixture, NormalKind, RollingKind, TangentialKind,
 };
-use granum_dem::random_insertion::random_insertion;
 use granum_dem::servo::CellControl;
 use granum_dem::simulation::{Hardware, Properties, Simulation};
 
@@ -76,22 +77,8 @@ impl Case {
 
 /// Compressed for a number of steps, then pulled apart a little, so that contacts form and break.
 fn sample(properties: Properties, spread: f64, steps: u64, hardware: Hardware) -> Simulation {
-    let (cell, spheres) = random_insertion(
-        &Grains::default().with(|grains| {
-            grains.count = 150;
-            grains.spread = spread;
-        }),
-        0.35,
-        9,
-    )
-    .unwrap();
-    let mut s = Simulation::new(cell, &spheres, properties).unwrap();
-    s.set_hardware(hardware);
-    s.set_control(CellControl::isotropic(20e3, 2e4));
-    s.advance(steps).unwrap();
-    let mut control = CellControl::fixed();
-    control.rate = [[-2.0, 0.0, 0.0], [0.0, -2.0, 0.0], [0.0, 0.0, -2.0]];
-    s.set_control(control);
+    let mut s = common::compressed(150, spread, properties, steps, hardware);
+    s.set_control(common::growing(2.0));
     s.advance(200).unwrap();
     s
 }
