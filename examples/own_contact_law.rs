@@ -58,8 +58,9 @@ impl NormalLaw for Foundation {
         Self::evaluate(&constants, (load / constants[0]).sqrt(), true)
     }
 
-    fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64) -> f64 {
-        c[0] * overlap.max(0.0).powi(3) / 3.0
+    fn energy<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R) -> R {
+        let alpha = overlap.max(R::zero());
+        c[0] * alpha * alpha * alpha / R::splat(3.0)
     }
 }
 

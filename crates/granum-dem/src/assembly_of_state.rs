@@ -2,12 +2,12 @@
 //!
 //! Grains and contacts are in the order of the ids of the grains, whatever order the engine keeps them in.
 
-use granum_simd::{LANES, fused};
+use granum_simd::{Isa, LANES, fused};
 
 use crate::assembly::{Assembly, Contact, Grain};
 use crate::contact::constants::PairConstants;
 use crate::contact::law;
-use crate::contact::observed::ObservedContact;
+use crate::contact::observed::{ObservedBatch, ObservedContact};
 use crate::contact::selection::ContactModel;
 use crate::images::{self, image_vector};
 use crate::state::State;
@@ -76,7 +76,7 @@ impl State {
                 #[inline(always)]
                 || {
                     self.evaluate(slots, constants, laws, &mut branches, &mut observed);
-                    let found = branches.iter().zip(&observed);
+                    let found = branches.iter().zip(observed.as_flattened());
                     for ((slot, place), (branch, found)) in slots.iter().zip(places).zip(found) {
                         contacts[*place] = self.contact(*slot, rank, branch, found);
                     }
@@ -198,12 +198,14 @@ impl State {
         constants: impl Fn(usize) -> PairConstants<f64>,
         laws: &ContactModel,
         branches: &mut Vec<Branch>,
-        observed: &mut Vec<ObservedContact>,
+        observed: &mut Vec<ObservedBatch>,
     ) {
         let Some(&first) = slots.first() else { return };
         branches.clear();
-        observed.resize_with(slots.len(), || ObservedContact::new(constants(first)));
-        for (found, &slot) in observed.iter_mut().zip(slots) {
+        let batches = slots.len().div_ceil(LANES);
+        // The contacts that fill the last batch are evaluated in vain.
+        observed.resize_with(batches, || [ObservedContact::new(constants(first)); LANES]);
+        for (found, &slot) in observed.as_flattened_mut().iter_mut().zip(slots) {
             if !self.pairs.constants.is_empty() {
                 found.constants = constants(slot);
             }
@@ -215,7 +217,7 @@ impl State {
             // A bridge that formed at the end of the last step has not acted yet.
             found.attracting = self.pairs.attracting(slot);
         }
-        laws.observe(observed);
+        laws.observe(Isa::detect(), observed);
     }
 
     /// The contact in a slot, from what its laws give. By rank, so that i < j holds for ids whatever the storage order.

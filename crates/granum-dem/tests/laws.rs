@@ -226,7 +226,7 @@ impl NormalLaw for OtherModulus {
     fn loaded(pair: &PairProperties, _parameters: &[f64], load: f64) -> Normal<f64> {
         Hertz::loaded(pair, &[], load)
     }
-    fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64) -> f64 {
+    fn energy<R: granum_simd::Real>(c: &[R; LAW_CONSTANTS], overlap: R) -> R {
         Hertz::energy(c, overlap)
     }
 }
@@ -267,7 +267,7 @@ fn names_stand_for_one_law() {
         fn loaded(pair: &PairProperties, parameters: &[f64], load: f64) -> Normal<f64> {
             Hertz::loaded(pair, parameters, load)
         }
-        fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64) -> f64 {
+        fn energy<R: granum_simd::Real>(c: &[R; LAW_CONSTANTS], overlap: R) -> R {
             Hertz::energy(c, overlap)
         }
     }

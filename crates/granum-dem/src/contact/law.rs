@@ -283,10 +283,10 @@ pub trait NormalLaw: Copy + Send + Sync + 'static {
     fn loaded(pair: &PairProperties, parameters: &[f64], load: f64) -> Normal<f64>;
     /// Energy of a touching pair relative to a separated one, J: the integral of N from zero overlap, minus the loss by
     /// formation of the contact that [`NormalLaw::losses`] returns.
-    fn energy(constants: &[f64; LAW_CONSTANTS], overlap: f64) -> f64;
+    fn energy<R: Real>(constants: &[R; LAW_CONSTANTS], overlap: R) -> R;
     /// The same for a contact with memory: the energy stored at its present overlap, J.
     #[inline(always)]
-    fn stored(constants: &[f64; LAW_CONSTANTS], overlap: f64, _history: &[f64; MAX_NORMAL_HISTORY]) -> f64 {
+    fn stored<R: Real>(constants: &[R; LAW_CONSTANTS], overlap: R, _history: &[R; MAX_NORMAL_HISTORY]) -> R {
         Self::energy(constants, overlap)
     }
     /// Energy lost when a contact forms and when it breaks, J: zero without adhesion.
@@ -367,9 +367,9 @@ pub trait TangentialLaw: Copy + Send + Sync + 'static {
     }
     /// Energy stored by the tangential displacement, J, given [`TangentialLaw::stiffness`]: `T^2 / 2 k` without slip.
     #[inline(always)]
-    fn energy(_constants: &[f64; LAW_CONSTANTS], stiffness: f64, history: &[f64; MAX_HISTORY]) -> f64 {
+    fn energy<R: Real>(_constants: &[R; LAW_CONSTANTS], stiffness: R, history: &[R; MAX_HISTORY]) -> R {
         let square = history[0] * history[0] + history[1] * history[1];
-        if stiffness > 0.0 { 0.5 * square / stiffness } else { 0.0 }
+        (R::splat(0.5) * square / stiffness).keep(stiffness.gt(R::zero()))
     }
 }
 

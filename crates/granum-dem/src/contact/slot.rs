@@ -17,7 +17,7 @@ use super::law::{
     AdhesionLaw, AdhesionLosses, Description, MomentLaw, Normal, NormalLaw, NormalTraits, RelativeSpin,
     TangentialLaw,
 };
-use super::observed::ObservedContact;
+use super::observed::{self, ObservedBatch};
 use super::steps::{adhesion_step, moment_step, normal_step, tangential_step};
 use crate::contact::limits::{
     LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY,
@@ -171,7 +171,7 @@ pub trait NormalSlot: Send + Sync {
     /// [`NormalLaw::loaded`].
     fn loaded(&self, pair: &PairProperties, parameters: &[f64], load: f64) -> Normal<f64>;
     /// [`NormalLaw::update`] and [`NormalLaw::stored`] for pairs with their histories.
-    fn observe(&self, contacts: &mut [ObservedContact]);
+    fn observe(&self, isa: Isa, contacts: &mut [ObservedBatch]);
     /// [`NormalLaw::breaking_overlap`].
     fn breaking_overlap(&self, constants: &[f64; LAW_CONSTANTS]) -> f64;
     /// [`NormalLaw::update`] for one contact that touched with this history.
@@ -206,18 +206,8 @@ impl<N: NormalLaw> NormalSlot for N {
     fn loaded(&self, pair: &PairProperties, parameters: &[f64], load: f64) -> Normal<f64> {
         N::loaded(pair, parameters, load)
     }
-    fn observe(&self, contacts: &mut [ObservedContact]) {
-        fused(
-            #[inline(always)]
-            || {
-                for c in contacts {
-                    let (constants, overlap) = (&c.constants.normal, c.overlap_of_contact());
-                    c.contact = N::update(constants, overlap, true, &mut { c.memory.loading }).0;
-                    let stored = N::stored(constants, overlap, &c.memory.loading);
-                    c.normal_energy = if c.touching { stored } else { 0.0 };
-                }
-            },
-        );
+    fn observe(&self, isa: Isa, contacts: &mut [ObservedBatch]) {
+        observed::normal::<N>(isa, contacts);
     }
     fn breaking_overlap(&self, constants: &[f64; LAW_CONSTANTS]) -> f64 {
         N::breaking_overlap(constants)
@@ -264,7 +254,7 @@ pub trait TangentialSlot: Send + Sync {
     /// [`TangentialLaw::stiffness`] and [`TangentialLaw::step_stiffness`] for one contact.
     fn stiffness(&self, constants: &[f64; LAW_CONSTANTS], normal: &Normal<f64>) -> [f64; 2];
     /// [`TangentialLaw::energy`] for pairs whose normal part is known.
-    fn observe(&self, contacts: &mut [ObservedContact]);
+    fn observe(&self, isa: Isa, contacts: &mut [ObservedBatch]);
 }
 
 impl<T: TangentialLaw> TangentialSlot for T {
@@ -302,17 +292,8 @@ impl<T: TangentialLaw> TangentialSlot for T {
     fn stiffness(&self, constants: &[f64; LAW_CONSTANTS], normal: &Normal<f64>) -> [f64; 2] {
         [T::stiffness(constants, normal), T::step_stiffness(constants, normal)]
     }
-    fn observe(&self, contacts: &mut [ObservedContact]) {
-        fused(
-            #[inline(always)]
-            || {
-                for c in contacts {
-                    let constants = &c.constants.tangential;
-                    let stiffness = T::stiffness(constants, &c.contact);
-                    c.tangential_energy = T::energy(constants, stiffness, &c.memory.history);
-                }
-            },
-        );
+    fn observe(&self, isa: Isa, contacts: &mut [ObservedBatch]) {
+        observed::tangential::<T>(isa, contacts);
     }
 }
 

@@ -53,8 +53,8 @@ impl NormalLaw for Dmt {
 
     /// `8/15 E* sqrt(R*) alpha^(5/2) - P_c alpha`.
     #[inline(always)]
-    fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64) -> f64 {
-        Hertz::energy(c, overlap) - c[PULL_OFF] * overlap.max(0.0)
+    fn energy<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R) -> R {
+        Hertz::energy(c, overlap) - c[PULL_OFF] * overlap.max(R::zero())
     }
 }
 

@@ -75,8 +75,8 @@ impl NormalLaw for Hertz {
 
     /// `8/15 E* sqrt(R*) alpha^(5/2)`.
     #[inline(always)]
-    fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64) -> f64 {
-        let alpha = overlap.max(0.0);
-        0.4 * c[FOUR_THIRDS_MODULUS] * (c[RADIUS] * alpha).sqrt() * alpha * alpha
+    fn energy<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R) -> R {
+        let alpha = overlap.max(R::zero());
+        R::splat(0.4) * c[FOUR_THIRDS_MODULUS] * (c[RADIUS] * alpha).sqrt() * alpha * alpha
     }
 }

@@ -75,9 +75,9 @@ impl NormalLaw for Hooke {
 
     /// `k_n alpha^2 / 2`.
     #[inline(always)]
-    fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64) -> f64 {
-        let alpha = overlap.max(0.0);
-        0.5 * c[STIFFNESS] * alpha * alpha
+    fn energy<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R) -> R {
+        let alpha = overlap.max(R::zero());
+        R::splat(0.5) * c[STIFFNESS] * alpha * alpha
     }
 }
 

@@ -172,13 +172,12 @@ impl NormalLaw for Jkr {
 
     /// `N_c d_0 (8/5 x^10 - 8/3 x^7 + 2/3 x^4)`: elastic energy minus the energy of the joined surfaces.
     #[inline(always)]
-    fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64) -> f64 {
-        let primitive = |x: f64| {
-            let s = x * x * x;
-            s * x * (s * (1.6 * s - 8.0 / 3.0) + 2.0 / 3.0)
-        };
-        let unit = 0.25 * c[FOUR_FORCES] / c[INVERSE_LENGTH];
-        unit * primitive(invert((overlap * c[INVERSE_LENGTH]).max(BREAK)))
+    fn energy<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R) -> R {
+        let x = invert((overlap * c[INVERSE_LENGTH]).max(R::splat(BREAK)));
+        let s = x * x * x;
+        let low = s * (R::splat(1.6) * s - R::splat(8.0 / 3.0)) + R::splat(2.0 / 3.0);
+        let unit = R::splat(0.25) * c[FOUR_FORCES] / c[INVERSE_LENGTH];
+        unit * (s * x * low)
     }
 
     #[inline(always)]

@@ -148,8 +148,8 @@ impl NormalLaw for JkrDmt {
 
     /// Elastic energy minus the energy of the joined surfaces.
     #[inline(always)]
-    fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64) -> f64 {
-        let h = (overlap * c[INVERSE_LENGTH]).max(BREAK);
+    fn energy<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R) -> R {
+        let h = (overlap * c[INVERSE_LENGTH]).max(R::splat(BREAK));
         let elastic = c[FORCE] * primitive(invert(h), c[SHIFT]);
         (elastic - c[PULL_OFF] * h) / c[INVERSE_LENGTH]
     }

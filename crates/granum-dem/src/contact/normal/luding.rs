@@ -173,16 +173,16 @@ impl NormalLaw for Luding {
 
     /// Energy stored in the first loading.
     #[inline(always)]
-    fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64) -> f64 {
-        let n = Self::evaluate(c, overlap, true);
-        if n.touching { 0.5 * n.force * n.force / n.stiffness } else { 0.0 }
+    fn energy<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R) -> R {
+        let n = Self::evaluate(c, overlap, R::Mask::splat(true));
+        (R::splat(0.5) * n.force * n.force / n.stiffness).keep(n.touching)
     }
 
     /// `N^2 / 2 k_2`.
     #[inline(always)]
-    fn stored(c: &[f64; LAW_CONSTANTS], _overlap: f64, history: &[f64; MAX_NORMAL_HISTORY]) -> f64 {
+    fn stored<R: Real>(c: &[R; LAW_CONSTANTS], _overlap: R, history: &[R; MAX_NORMAL_HISTORY]) -> R {
         let [stiffness, _] = elastic(c, history[BEFORE], history[MOST]);
-        0.5 * history[FORCE] * history[FORCE] / stiffness
+        R::splat(0.5) * history[FORCE] * history[FORCE] / stiffness
     }
 }
 

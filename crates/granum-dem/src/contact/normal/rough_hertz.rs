@@ -70,21 +70,30 @@ fn curve<R: Real>(t: R) -> [R; 2] {
 }
 
 /// Integral of the force over N_1 from t = 0.
-fn work(t: f64) -> f64 {
-    let first = |t: f64| t * curve(t)[0] / (FIRST_POWER + 1.0);
-    let second = |t: f64| (t - SECOND_START) * curve(t)[0] / (SECOND_POWER + 1.0);
-    let third = |t: f64| 0.4 * (t - THIRD_START) * curve(t)[0];
+#[inline(always)]
+fn work<R: Real>(t: R) -> R {
     // Just below the ends, where the curve is still that of the stage.
-    let end = |t: f64| t * (1.0 - 1e-15);
-    let one = first(end(FIRST_END));
-    let two = one + second(end(SECOND_END)) - second(FIRST_END);
-    if t < FIRST_END {
-        first(t)
-    } else if t < SECOND_END {
-        one + second(t) - second(FIRST_END)
-    } else {
-        two + third(t) - third(SECOND_END)
-    }
+    let below = |t: f64| t * (1.0 - 1e-15);
+    let [first_end, _, _] = primitives(below(FIRST_END));
+    let [_, second_start, _] = primitives(FIRST_END);
+    let [_, second_end, _] = primitives(below(SECOND_END));
+    let [_, _, third_start] = primitives(SECOND_END);
+    let before_third = first_end + second_end - second_start;
+    let [first, second, third] = primitives(t);
+    let second = R::splat(first_end) + second - R::splat(second_start);
+    let third = R::splat(before_third) + third - R::splat(third_start);
+    R::select(t.lt(R::splat(FIRST_END)), first, R::select(t.lt(R::splat(SECOND_END)), second, third))
+}
+
+/// A primitive of the force of each stage; only that of the stage to which t belongs has a meaning.
+#[inline(always)]
+fn primitives<R: Real>(t: R) -> [R; 3] {
+    let [force, _] = curve(t);
+    [
+        t * force / R::splat(FIRST_POWER + 1.0),
+        (t - R::splat(SECOND_START)) * force / R::splat(SECOND_POWER + 1.0),
+        R::splat(0.4) * (t - R::splat(THIRD_START)) * force,
+    ]
 }
 
 impl NormalLaw for RoughHertz {
@@ -152,8 +161,9 @@ impl NormalLaw for RoughHertz {
 
     /// The integral of the force.
     #[inline(always)]
-    fn energy(c: &[f64; LAW_CONSTANTS], overlap: f64) -> f64 {
-        if overlap > 0.0 { c[FORCE] / c[INVERSE_LENGTH] * work(overlap * c[INVERSE_LENGTH]) } else { 0.0 }
+    fn energy<R: Real>(c: &[R; LAW_CONSTANTS], overlap: R) -> R {
+        let touching = overlap.gt(R::zero());
+        (c[FORCE] / c[INVERSE_LENGTH] * work(overlap * c[INVERSE_LENGTH])).keep(touching)
     }
 }
 

@@ -314,7 +314,7 @@ impl TangentialLaw for MindlinDeresiewicz {
     }
 
     #[inline(always)]
-    fn energy(c: &[f64; LAW_CONSTANTS], stiffness: f64, history: &[f64; MAX_HISTORY]) -> f64 {
-        energy(&state_of(history), 1.0 / stiffness.max(TINY), c[FRICTION] * history[LOAD])
+    fn energy<R: Real>(c: &[R; LAW_CONSTANTS], stiffness: R, history: &[R; MAX_HISTORY]) -> R {
+        energy(&state_of(history), R::splat(1.0) / stiffness.max(R::splat(TINY)), c[FRICTION] * history[LOAD])
     }
 }

@@ -165,12 +165,13 @@ impl TangentialLaw for Peeling {
 
     /// Once peeled, the energy is that of Mindlin and Deresiewicz with the radius of `N + 2 N_c`.
     #[inline(always)]
-    fn energy(c: &[f64; LAW_CONSTANTS], stiffness: f64, history: &[f64; MAX_HISTORY]) -> f64 {
+    fn energy<R: Real>(c: &[R; LAW_CONSTANTS], stiffness: R, history: &[R; MAX_HISTORY]) -> R {
         let load = history[LOAD];
-        if history[STATUS] < 1.5 {
-            return if stiffness > 0.0 { 0.5 * square([history[0], history[1]]) / stiffness } else { 0.0 };
-        }
-        let stiffness = c[EIGHT_MODULI] * cbrt((load / c[LOAD_OF_CUBE]).max(0.0));
-        energy(&state_of(history), 1.0 / stiffness.max(TINY), c[FRICTION] * load)
+        let before = history[STATUS].lt(R::splat(1.5));
+        let spring = R::splat(0.5) * square([history[0], history[1]]) / stiffness;
+        let own = c[EIGHT_MODULI] * cbrt((load / c[LOAD_OF_CUBE]).max(R::zero()));
+        let compliance = R::splat(1.0) / own.max(R::splat(TINY));
+        let peeled = energy(&state_of(history), compliance, c[FRICTION] * load);
+        R::select(before, spring.keep(stiffness.gt(R::zero())), peeled)
     }
 }

@@ -2,6 +2,8 @@
 
 use proptest::prelude::*;
 
+use granum_simd::{Isa, LANES};
+
 use super::One;
 use super::{ALL, Bench, LawPair, spheres};
 use crate::contact::kind::{NormalKind, TangentialKind};
@@ -41,10 +43,10 @@ impl Bench {
         sums.micro_slip += out.micro_slip_loss;
         sums.size += 0.3 * self.friction_load(approach) * slip[0].hypot(slip[1]);
         let new = ObservedContact::new(self.constants);
-        let mut observed =
-            [ObservedContact { memory: self.memory, overlap: approach, touching: true, ..new }];
-        self.contact.observe(&mut observed);
-        sums.stored = observed[0].tangential_energy;
+        let observed = ObservedContact { memory: self.memory, overlap: approach, touching: true, ..new };
+        let mut batch = [[observed; LANES]];
+        self.contact.observe(Isa::detect(), &mut batch);
+        sums.stored = batch[0][0].tangential_energy;
     }
 
     /// A displacement in one direction, with a linear change of the approach from one value to another.

@@ -4,6 +4,7 @@ mod energy;
 mod friction;
 mod lanes;
 mod objectivity;
+mod observed;
 mod peeling;
 mod rolling;
 mod tables;
