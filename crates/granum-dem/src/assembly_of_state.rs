@@ -2,18 +2,24 @@
 //!
 //! Grains and contacts are in the order of the ids of the grains, whatever order the engine keeps them in.
 
-use granum_simd::{Isa, LANES, fused};
+use granum_simd::{LANES, Row8};
 
 use crate::assembly::{Assembly, Contact, Grain};
 use crate::contact::constants::PairConstants;
-use crate::contact::law;
-use crate::contact::observed::{ObservedBatch, ObservedContact};
 use crate::contact::selection::ContactModel;
-use crate::images::{self, image_vector};
+use crate::images::{self, NO_IMAGE, image_vector};
+use crate::observed_pairs::{Observing, TOGETHER};
 use crate::state::State;
 
-/// Number of contacts that are evaluated together; they fit into the first cache.
-const TOGETHER: usize = 32;
+/// Prefetches the memory of a contact that will be written: its place has nothing to do with those of its neighbours in the list of
+/// pairs, so that the processor cannot predict it.
+#[inline(always)]
+fn fetch_ahead(contact: &Contact) {
+    let start: *const Contact = contact;
+    for line in (0..size_of::<Contact>()).step_by(64) {
+        granum_simd::prefetch(start.cast::<u8>().wrapping_add(line));
+    }
+}
 
 /// Where the contacts of slots stand in an assembly.
 struct Places {
@@ -23,30 +29,20 @@ struct Places {
     images: bool,
 }
 
-/// The branch from the centre of the first grain of a pair to that of the second, m, and its length.
-#[derive(Clone, Copy)]
-struct Branch {
-    vector: [f64; 3],
-    length: f64,
-}
-
 impl State {
     /// Makes an assembly that of this state. Its vectors are filled again: an observation of a large sample writes to megabytes of
     /// memory, and asking the system for them each time would cost as much as a sensor.
-    pub(crate) fn assembly_into(
-        &self,
-        constants: impl Fn(usize) -> PairConstants<f64>,
-        laws: &ContactModel,
-        out: &mut Assembly,
-    ) {
+    pub(crate) fn assembly_into(&self, alike: &PairConstants<f64>, laws: &ContactModel, out: &mut Assembly) {
         let order = self.order_of_ids();
         let mut rank = vec![0; order.len()];
         for (r, &g) in order.iter().enumerate() {
             rank[g] = r;
         }
         self.add_grains(&order, &mut out.grains);
-        self.list(self.pairs.touching().collect(), &rank, &constants, laws, &mut out.contacts);
-        self.list(self.pairs.apart().collect(), &rank, &constants, laws, &mut out.apart);
+        let mut observing = Observing::new(self, laws, alike);
+        self.list(self.pairs.touching().collect(), &rank, &mut observing, &mut out.contacts);
+        let apart = if laws.adhesion.law().acts() { self.pairs.apart().collect() } else { Vec::new() };
+        self.list(apart, &rank, &mut observing, &mut out.apart);
         out.time = self.time;
         out.step = self.step;
         out.time_step = self.dt;
@@ -64,24 +60,24 @@ impl State {
         &self,
         slots: Vec<usize>,
         rank: &[usize],
-        constants: &impl Fn(usize) -> PairConstants<f64>,
-        laws: &ContactModel,
+        observing: &mut Observing<'_>,
         contacts: &mut Vec<Contact>,
     ) {
         contacts.resize_with(slots.len(), Contact::default);
         let Places { places, images } = self.places(&slots, rank);
-        let (mut branches, mut observed) = (Vec::new(), Vec::new());
-        for (slots, places) in slots.chunks(TOGETHER).zip(places.chunks(TOGETHER)) {
-            fused(
-                #[inline(always)]
-                || {
-                    self.evaluate(slots, constants, laws, &mut branches, &mut observed);
-                    let found = branches.iter().zip(observed.as_flattened());
-                    for ((slot, place), (branch, found)) in slots.iter().zip(places).zip(found) {
-                        contacts[*place] = self.contact(*slot, rank, branch, found);
-                    }
-                },
-            );
+        let batches: Vec<&[usize]> = slots.chunk_by(|a, b| a / LANES == b / LANES).collect();
+        let mut done = 0;
+        for batches in batches.chunks(TOGETHER) {
+            for &place in places[done..].iter().skip(TOGETHER * LANES).take(TOGETHER * LANES) {
+                fetch_ahead(&contacts[place]);
+            }
+            observing.evaluate(batches.iter().map(|slots| slots[0] / LANES));
+            for (k, slots) in batches.iter().enumerate() {
+                for &slot in *slots {
+                    contacts[places[done]] = self.contact(slot, rank, observing, k);
+                    done += 1;
+                }
+            }
         }
         // Images of one pair, in a small cell, by their branch vectors.
         if images {
@@ -176,69 +172,40 @@ impl State {
         Places { places, images }
     }
 
-    #[inline(always)]
-    fn branch(&self, slot: usize) -> Branch {
-        let [i, j] = self.grains_of(slot);
-        let image = self.cell.image(image_vector(self.pairs.image[slot / LANES][slot % LANES]));
-        let (a, b) = (&self.particles[i].0, &self.particles[j].0);
-        let [x, y, z] = [b[0] + image[0] - a[0], b[1] + image[1] - a[1], b[2] + image[2] - a[2]];
-        Branch { vector: [x, y, z], length: (x * x + y * y + z * z).sqrt() }
-    }
-
     /// Distance of the centres of the pair in a slot, m.
     pub(crate) fn distance(&self, slot: usize) -> f64 {
-        self.branch(slot).length
+        let [i, j] = self.grains_of(slot);
+        let (a, b) = (&self.particles[i].0, &self.particles[j].0);
+        let code = self.pairs.image[slot / LANES][slot % LANES];
+        let image = if code == NO_IMAGE { [0.0; 3] } else { self.cell.image(image_vector(code)) };
+        let [x, y, z] = [b[0] + image[0] - a[0], b[1] + image[1] - a[1], b[2] + image[2] - a[2]];
+        (x * x + y * y + z * z).sqrt()
     }
 
-    /// Evaluates the laws for the pairs in these slots.
+    /// The contact in a slot of the k-th of the observed batches. By rank, so that i < j holds for ids whatever the storage order.
     #[inline(always)]
-    fn evaluate(
-        &self,
-        slots: &[usize],
-        constants: impl Fn(usize) -> PairConstants<f64>,
-        laws: &ContactModel,
-        branches: &mut Vec<Branch>,
-        observed: &mut Vec<ObservedBatch>,
-    ) {
-        let Some(&first) = slots.first() else { return };
-        branches.clear();
-        let batches = slots.len().div_ceil(LANES);
-        // The contacts that fill the last batch are evaluated in vain.
-        observed.resize_with(batches, || [ObservedContact::new(constants(first)); LANES]);
-        for (found, &slot) in observed.as_flattened_mut().iter_mut().zip(slots) {
-            if !self.pairs.constants.is_empty() {
-                found.constants = constants(slot);
-            }
-            self.pairs.read_memory(slot, &mut found.memory);
-            let branch = self.branch(slot);
-            branches.push(branch);
-            found.overlap = found.constants.radius_sum - branch.length;
-            found.touching = self.pairs.touched(slot);
-            // A bridge that formed at the end of the last step has not acted yet.
-            found.attracting = self.pairs.attracting(slot);
-        }
-        laws.observe(Isa::detect(), observed);
-    }
-
-    /// The contact in a slot, from what its laws give. By rank, so that i < j holds for ids whatever the storage order.
-    #[inline(always)]
-    fn contact(&self, slot: usize, rank: &[usize], branch: &Branch, found: &ObservedContact) -> Contact {
+    fn contact(&self, slot: usize, rank: &[usize], observing: &Observing<'_>, k: usize) -> Contact {
+        let l = slot % LANES;
+        let (pairs, laws) = (&observing.pairs[k], &observing.laws_give[k]);
+        let [force, radius, ..] = &laws.contact;
         let [i, j] = self.grains_of(slot).map(|g| rank[g]);
         let sign = if i <= j { 1.0 } else { -1.0 };
+        // By reference: a row is large.
+        let vector = |rows: &[Row8; 3]| [sign * rows[0].0[l], sign * rows[1].0[l], sign * rows[2].0[l]];
         Contact {
             i: i.min(j),
             j: i.max(j),
-            branch: branch.vector.map(|x| sign * x),
-            normal: branch.vector.map(|x| sign * x / branch.length),
-            approach: found.overlap,
-            normal_force: found.contact.force - found.attraction,
-            tangential_force: law::tangential_force(&found.memory).map(|x| sign * x),
-            radius: found.contact.radius,
+            branch: vector(&pairs.branch),
+            normal: vector(&pairs.normal),
+            approach: laws.overlap.0[l],
+            normal_force: force.0[l] - laws.attraction.0[l],
+            tangential_force: vector(&pairs.tangential_force),
+            radius: radius.0[l],
             sliding: self.pairs.sliding(slot),
-            normal_energy: found.normal_energy,
-            tangential_energy: found.tangential_energy,
-            rolling_energy: found.rolling_energy,
-            attraction_energy: found.attraction_energy,
+            normal_energy: laws.normal_energy.0[l],
+            tangential_energy: laws.tangential_energy.0[l],
+            rolling_energy: laws.rolling_energy.0[l],
+            attraction_energy: laws.attraction_energy.0[l],
         }
     }
 }

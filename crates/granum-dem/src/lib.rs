@@ -30,6 +30,7 @@ mod inner_list;
 mod integrator;
 mod kernel;
 mod liquid;
+mod observed_pairs;
 mod pairs;
 mod properties;
 mod rows;

@@ -128,6 +128,25 @@ impl Pairs {
         fill(&mut memory.loading, loading);
     }
 
+    /// Reads the histories of a batch. The columns that no law uses are left as they are.
+    #[inline(always)]
+    pub(crate) fn read_batch(&self, b: usize, memory: &mut Memory<Row8>) {
+        let all = self.columns_in_all();
+        let mut rows = &self.memory[b * all..(b + 1) * all];
+        let [of_contact, moments, adhesion, loading] = self.columns;
+        for (to, count) in [
+            (&mut memory.normal[..], NORMAL_COLUMNS),
+            (&mut memory.history[..], of_contact - NORMAL_COLUMNS),
+            (&mut memory.moments[..], moments),
+            (&mut memory.adhesion[..], adhesion),
+            (&mut memory.loading[..], loading),
+        ] {
+            let (part, rest) = rows.split_at(count);
+            to[..count].copy_from_slice(part);
+            rows = rest;
+        }
+    }
+
     pub(crate) fn set_memory(&mut self, slot: usize, memory: &Memory<f64>) {
         let (b, l) = (slot / LANES, slot % LANES);
         let history = self.columns[0] - NORMAL_COLUMNS;

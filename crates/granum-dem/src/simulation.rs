@@ -251,11 +251,7 @@ impl Simulation {
         let integrator = &self.integrator;
         let names = integrator.properties.mixture.components.iter().map(|component| component.name.clone());
         assembly.materials = names.collect();
-        integrator.state.assembly_into(
-            |slot| integrator.pair_constants(slot),
-            &integrator.properties.contact,
-            assembly,
-        );
+        integrator.state.assembly_into(&integrator.alike, &integrator.properties.contact, assembly);
     }
 
     /// Mean diameter of the grains, m.

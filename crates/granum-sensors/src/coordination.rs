@@ -83,25 +83,24 @@ impl Coordination {
     pub fn of(observation: &Observation) -> Self {
         let grains = observation.assembly.grains.len();
         // A contact with a grain that does not exist (in a file of another code) is not counted.
-        let contacts: Vec<&Contact> = observation
-            .assembly
-            .contacts
-            .iter()
-            .filter(|contact| contact.i.max(contact.j) < grains)
-            .collect();
+        let of_grains = |contact: &&Contact| contact.i.max(contact.j) < grains;
         let mut degree = vec![0u32; grains];
-        for contact in &contacts {
+        let mut contacts = Vec::with_capacity(observation.assembly.contacts.len());
+        let mut compressive = 0;
+        for contact in observation.assembly.contacts.iter().filter(of_grains) {
             degree[contact.i] += 1;
             degree[contact.j] += 1;
+            compressive += usize::from(contact.normal_force > 0.0);
+            contacts.push([contact.i as u32, contact.j as u32]);
         }
-        let compressive = contacts.iter().filter(|contact| contact.normal_force > 0.0).count();
+        let count = contacts.len();
         let alone = degree.iter().filter(|&&d| d == 0).count();
         let single = degree.iter().filter(|&&d| d == 1).count();
         Coordination {
-            all: mean(2.0 * contacts.len() as f64, grains),
-            mechanical: mean((2 * contacts.len() - single) as f64, grains - alone - single),
+            all: mean(2.0 * count as f64, grains),
+            mechanical: mean((2 * count - single) as f64, grains - alone - single),
             compressive: mean(2.0 * compressive as f64, grains),
-            backbone: backbone(&contacts, degree),
+            backbone: backbone(contacts, degree),
             rattler_fraction: mean((alone + single) as f64, grains),
         }
     }
@@ -109,11 +108,11 @@ impl Coordination {
 
 /// Coordination number of the contacts that are left after grains with fewer than two contacts have been removed until none
 /// is left.
-fn backbone(contacts: &[&Contact], mut degree: Vec<u32>) -> f64 {
-    let mut left: Vec<(usize, usize)> = contacts.iter().map(|c| (c.i, c.j)).collect();
+fn backbone(mut left: Vec<[u32; 2]>, mut degree: Vec<u32>) -> f64 {
     loop {
         let before = left.len();
-        left.retain(|&(i, j)| {
+        left.retain(|pair| {
+            let [i, j] = pair.map(|g| g as usize);
             let kept = degree[i] >= 2 && degree[j] >= 2;
             if !kept {
                 degree[i] -= 1;

@@ -5,6 +5,7 @@ use granum_core::assembly::{Matrix, Vector};
 pub use granum_dem::invariants::{axial_deviator as deviator, eigenvalues, trace};
 
 /// Adds `factor * a b^T`.
+#[inline(always)]
 pub(crate) fn add_dyad(t: &mut Matrix, factor: f64, a: &[f64; 3], b: &[f64; 3]) {
     for i in 0..3 {
         for j in 0..3 {

@@ -2,276 +2,257 @@
 
 use std::marker::PhantomData;
 
-use granum_simd::{Isa, Kernel, LANES, Lanes, Mask, Real, Row8, dispatch_or, fused};
+use granum_simd::{Isa, Kernel, LANES, Lanes, Real, Row8, dispatch_or, fused};
 
 use super::constants::PairConstants;
 use super::law::{Normal, NormalLaw, TangentialLaw};
-use super::limits::{LAW_CONSTANTS, MAX_HISTORY, MAX_NORMAL_HISTORY};
 use super::memory::Memory;
 use super::selection::ContactModel;
 
-/// A pair whose grains touch, or on which a law of adhesion acts, with what an observer wants to know about it.
+/// Eight pairs side by side, with what an observer wants to know about those that touch or on which a law of adhesion acts.
+///
+/// Every number has a row of eight, as in the list of pairs: rows are copied from it as they are, and a law evaluates the pairs in
+/// lanes.
 #[derive(Clone, Copy)]
-pub struct ObservedContact {
-    /// The constants of the pair.
-    pub constants: PairConstants<f64>,
-    /// The history of the pair.
-    pub memory: Memory<f64>,
+pub struct ObservedBatch {
+    /// The constants of the pairs.
+    pub constants: PairConstants<Row8>,
+    /// Their histories.
+    pub memory: Memory<Row8>,
     /// Overlap, m.
-    pub overlap: f64,
-    /// True if the pair touches.
-    pub touching: bool,
-    /// True if a law of adhesion acts on the pair.
-    pub attracting: bool,
-    /// The normal part of the contact; without force and area where the pair does not touch.
-    pub contact: Normal<f64>,
+    pub overlap: Row8,
+    /// The pairs that touch, one bit for each.
+    pub touching: u8,
+    /// The pairs on which a law of adhesion acts, one bit for each.
+    pub attracting: u8,
+    /// The normal part of a contact, without force and area where the pair does not touch: the numbers of [`Normal`] in their order,
+    /// `touching` as one or zero.
+    pub contact: [Row8; 8],
     /// Elastic energy of the overlap, J.
-    pub normal_energy: f64,
+    pub normal_energy: Row8,
     /// Elastic energy of the tangential displacement, J.
-    pub tangential_energy: f64,
+    pub tangential_energy: Row8,
     /// Elastic energy of rolling and twisting, J.
-    pub rolling_energy: f64,
+    pub rolling_energy: Row8,
     /// Attractive force of a law of adhesion, N.
-    pub attraction: f64,
+    pub attraction: Row8,
     /// Energy of this attraction, J.
-    pub attraction_energy: f64,
+    pub attraction_energy: Row8,
 }
 
-/// Contacts that a law evaluates side by side.
-pub type ObservedBatch = [ObservedContact; LANES];
-
-impl ObservedContact {
-    /// A pair with these constants that has not been evaluated.
-    pub(crate) fn new(constants: PairConstants<f64>) -> ObservedContact {
-        ObservedContact {
-            constants,
-            memory: Memory::new(),
-            overlap: 0.0,
-            touching: false,
-            attracting: false,
-            contact: Normal::none(),
-            normal_energy: 0.0,
-            tangential_energy: 0.0,
-            rolling_energy: 0.0,
-            attraction: 0.0,
-            attraction_energy: 0.0,
+impl ObservedBatch {
+    /// Pairs with the same constants that have not been evaluated.
+    pub(crate) fn new(constants: &PairConstants<f64>) -> ObservedBatch {
+        let zero = Row8::default();
+        let all = constants.to_array();
+        ObservedBatch {
+            constants: PairConstants::from_columns(PairConstants::COUNT, |c| Row8([all[c]; LANES])),
+            memory: Memory {
+                normal: [zero; 3],
+                history: Default::default(),
+                moments: Default::default(),
+                adhesion: Default::default(),
+                loading: Default::default(),
+            },
+            overlap: zero,
+            touching: 0,
+            attracting: 0,
+            contact: [zero; 8],
+            normal_energy: zero,
+            tangential_energy: zero,
+            rolling_energy: zero,
+            attraction: zero,
+            attraction_energy: zero,
         }
     }
 
     /// The overlap with which the normal law is evaluated, m: that of grains far apart where the pair does not touch, since only
     /// the law of adhesion acts there.
     #[inline(always)]
-    fn overlap_of_contact(&self) -> f64 {
-        if self.touching { self.overlap } else { -self.constants.radius_sum }
+    fn overlap_of_contact(&self) -> Row8 {
+        let mut overlap = self.overlap;
+        for l in 0..LANES {
+            if self.touching >> l & 1 == 0 {
+                overlap.0[l] = -self.constants.radius_sum.0[l];
+            }
+        }
+        overlap
     }
+}
+
+/// The numbers of one lane of rows.
+fn lane<const N: usize>(rows: &[Row8; N], l: usize) -> [f64; N] {
+    rows.map(|row| row.0[l])
 }
 
 impl ContactModel {
     /// Evaluates the laws of the set for these pairs.
-    pub(crate) fn observe(&self, isa: Isa, contacts: &mut [ObservedBatch]) {
-        self.normal.law().observe(isa, contacts);
-        self.tangential.law().observe(isa, contacts);
+    pub(crate) fn observe(&self, isa: Isa, batches: &mut [ObservedBatch]) {
+        self.normal.law().observe(isa, batches);
+        self.tangential.law().observe(isa, batches);
         let (rolling, adhesion) = (self.rolling.law(), self.adhesion.law());
-        if rolling.acts() {
-            for c in contacts.as_flattened_mut() {
-                c.rolling_energy = rolling.energy(&c.constants.rolling, &c.memory.moments);
+        for batch in batches {
+            if rolling.acts() {
+                let (constants, memory) = (&batch.constants.rolling, &batch.memory.moments);
+                batch.rolling_energy =
+                    Row8(std::array::from_fn(|l| rolling.energy(&lane(constants, l), &lane(memory, l))));
             }
-        }
-        if adhesion.acts() {
-            for c in contacts.as_flattened_mut() {
-                (c.attraction, c.attraction_energy) = (0.0, 0.0);
-                if c.attracting {
-                    let (constants, history) = (&c.constants.adhesion, &c.memory.adhesion);
-                    c.attraction = adhesion.force(constants, c.overlap, c.touching, history);
-                    c.attraction_energy = adhesion.energy(constants, c.overlap, history);
+            if adhesion.acts() {
+                for l in 0..LANES {
+                    (batch.attraction.0[l], batch.attraction_energy.0[l]) = (0.0, 0.0);
+                    if batch.attracting >> l & 1 != 0 {
+                        let constants = lane(&batch.constants.adhesion, l);
+                        let history = lane(&batch.memory.adhesion, l);
+                        let (overlap, touching) = (batch.overlap.0[l], batch.touching >> l & 1 != 0);
+                        batch.attraction.0[l] = adhesion.force(&constants, overlap, touching, &history);
+                        batch.attraction_energy.0[l] = adhesion.energy(&constants, overlap, &history);
+                    }
                 }
             }
         }
     }
 }
 
-/// Evaluates a normal law for batches of contacts.
-pub(super) fn normal<N: NormalLaw>(isa: Isa, contacts: &mut [ObservedBatch]) {
-    let kernel = NormalPart::<N>(contacts, PhantomData);
-    dispatch_or(isa, kernel, |NormalPart(contacts, _)| {
+/// A part of the laws that is evaluated for a batch.
+trait Evaluate {
+    /// Evaluates numbers that `load` takes from a row, and that `store` writes to it: all eight of the row, or one of them.
+    fn evaluate<R: Real>(
+        batch: &mut ObservedBatch,
+        load: impl Fn(&Row8) -> R + Copy,
+        store: impl Fn(R, &mut Row8) + Copy,
+    );
+}
+
+/// Evaluates batches in lanes, or on a processor without vector instructions pair by pair, which gives the same bits.
+fn evaluate<E: Evaluate>(isa: Isa, batches: &mut [ObservedBatch]) {
+    dispatch_or(isa, InLanes::<E>(batches, PhantomData), |InLanes(batches, _)| {
         fused(
             #[inline(always)]
             || {
-                for c in contacts.as_flattened_mut() {
-                    let (constants, overlap) = (&c.constants.normal, c.overlap_of_contact());
-                    c.contact = N::update(constants, overlap, true, &mut { c.memory.loading }).0;
-                    c.normal_energy = N::stored(constants, overlap, &c.memory.loading).keep(c.touching);
+                for batch in batches {
+                    for l in 0..LANES {
+                        E::evaluate(
+                            batch,
+                            #[inline(always)]
+                            |row| row.0[l],
+                            #[inline(always)]
+                            |value, row| row.0[l] = value,
+                        );
+                    }
                 }
             },
         );
     });
 }
 
-/// Evaluates the energy of a tangential law for batches of contacts whose normal part is known.
-pub(super) fn tangential<T: TangentialLaw>(isa: Isa, contacts: &mut [ObservedBatch]) {
-    let kernel = TangentialPart::<T>(contacts, PhantomData);
-    dispatch_or(isa, kernel, |TangentialPart(contacts, _)| {
-        fused(
-            #[inline(always)]
-            || {
-                for c in contacts.as_flattened_mut() {
-                    let constants = &c.constants.tangential;
-                    let stiffness = T::stiffness(constants, &c.contact);
-                    c.tangential_energy = T::energy(constants, stiffness, &c.memory.history);
-                }
-            },
-        );
-    });
-}
+struct InLanes<'a, E>(&'a mut [ObservedBatch], PhantomData<E>);
 
-struct NormalPart<'a, N>(&'a mut [ObservedBatch], PhantomData<N>);
-
-impl<N: NormalLaw> Kernel for NormalPart<'_, N> {
+impl<E: Evaluate> Kernel for InLanes<'_, E> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
         for batch in self.0 {
-            let constants = columns::<L, LAW_CONSTANTS>(
+            E::evaluate(
                 batch,
-                LAW_CONSTANTS,
                 #[inline(always)]
-                |c| &c.constants.normal,
-            );
-            let history = columns::<L, MAX_NORMAL_HISTORY>(
-                batch,
-                N::HISTORY,
+                |row| L::load(&row.0),
                 #[inline(always)]
-                |c| &c.memory.loading,
+                |value: L, row| value.store(&mut row.0),
             );
-            let mut overlaps = [0.0; LANES];
-            for (overlap, c) in overlaps.iter_mut().zip(batch.iter()) {
-                *overlap = c.overlap_of_contact();
-            }
-            let overlap = L::load(&overlaps);
-            let (n, _) = N::update(&constants, overlap, L::Mask::splat(true), &mut { history });
-            let stored = N::stored(&constants, overlap, &history);
-            let touching = n.touching.bits();
-            let columns = [
-                n.force,
-                n.radius,
-                n.stiffness,
-                n.root_stiffness,
-                n.tangential_measure,
-                n.root_tangential_measure,
-                n.friction_load,
-                stored,
-            ];
-            let mut rows = [Row8::default(); LANES];
-            L::scatter8(columns, &mut rows);
-            for l in 0..LANES {
-                let [
-                    force,
-                    radius,
-                    stiffness,
-                    root_stiffness,
-                    tangential_measure,
-                    root_tangential_measure,
-                    friction_load,
-                    stored,
-                ] = rows[l].0;
-                batch[l].contact = Normal {
-                    force,
-                    radius,
-                    stiffness,
-                    root_stiffness,
-                    tangential_measure,
-                    root_tangential_measure,
-                    friction_load,
-                    touching: touching >> l & 1 != 0,
-                };
-                batch[l].normal_energy = stored.keep(batch[l].touching);
-            }
         }
     }
 }
 
-struct TangentialPart<'a, T>(&'a mut [ObservedBatch], PhantomData<T>);
-
-impl<T: TangentialLaw> Kernel for TangentialPart<'_, T> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        for batch in self.0 {
-            let constants = columns::<L, LAW_CONSTANTS>(
-                batch,
-                LAW_CONSTANTS,
-                #[inline(always)]
-                |c| &c.constants.tangential,
-            );
-            let history = columns::<L, MAX_HISTORY>(
-                batch,
-                T::HISTORY,
-                #[inline(always)]
-                |c| &c.memory.history,
-            );
-            let mut rows = [L::zero(); LANES];
-            for (row, c) in rows.iter_mut().zip(batch.iter()) {
-                let n = &c.contact;
-                *row = L::load(&[
-                    n.force,
-                    n.radius,
-                    n.stiffness,
-                    n.root_stiffness,
-                    n.tangential_measure,
-                    n.root_tangential_measure,
-                    n.friction_load,
-                    f64::from(u8::from(n.touching)),
-                ]);
-            }
-            let [
-                force,
-                radius,
-                stiffness,
-                root_stiffness,
-                tangential_measure,
-                root_tangential_measure,
-                friction_load,
-                touching,
-            ] = L::transpose(rows);
-            let contact = Normal {
-                force,
-                radius,
-                stiffness,
-                root_stiffness,
-                tangential_measure,
-                root_tangential_measure,
-                friction_load,
-                touching: touching.gt(L::zero()),
-            };
-            let stiffness = T::stiffness(&constants, &contact);
-            let mut energies = [0.0; LANES];
-            T::energy(&constants, stiffness, &history).store(&mut energies);
-            for (c, energy) in batch.iter_mut().zip(energies) {
-                c.tangential_energy = energy;
-            }
-        }
-    }
+/// Evaluates a normal law.
+pub(super) fn normal<N: NormalLaw>(isa: Isa, batches: &mut [ObservedBatch]) {
+    evaluate::<NormalPart<N>>(isa, batches);
 }
 
-/// The first columns of a table of which every contact holds a row, side by side; the others are zero.
+/// Evaluates the energy of a tangential law, for batches whose normal part is known.
+pub(super) fn tangential<T: TangentialLaw>(isa: Isa, batches: &mut [ObservedBatch]) {
+    evaluate::<TangentialPart<T>>(isa, batches);
+}
+
+/// The numbers that `load` takes from the first rows; zero for the others.
 #[inline(always)]
-fn columns<L: Lanes, const N: usize>(
-    batch: &ObservedBatch,
-    used: usize,
-    row: impl Fn(&ObservedContact) -> &[f64; N],
-) -> [L; N] {
-    let mut all = [L::zero(); N];
-    for (block, to) in all.chunks_mut(LANES).enumerate().take(used.div_ceil(LANES)) {
-        let from = block * LANES;
-        let mut rows = [L::zero(); LANES];
-        for l in 0..LANES {
-            let mut values = [0.0; LANES];
-            values[..to.len()].copy_from_slice(&row(&batch[l])[from..from + to.len()]);
-            rows[l] = L::load(&values);
-        }
-        to.copy_from_slice(&L::transpose(rows)[..to.len()]);
+fn numbers<R: Real, const N: usize>(rows: &[Row8; N], used: usize, load: impl Fn(&Row8) -> R) -> [R; N] {
+    let mut all = [R::zero(); N];
+    for (to, row) in all.iter_mut().zip(rows).take(used) {
+        *to = load(row);
     }
     all
+}
+
+struct NormalPart<N>(PhantomData<N>);
+
+impl<N: NormalLaw> Evaluate for NormalPart<N> {
+    #[inline(always)]
+    fn evaluate<R: Real>(
+        batch: &mut ObservedBatch,
+        load: impl Fn(&Row8) -> R + Copy,
+        store: impl Fn(R, &mut Row8) + Copy,
+    ) {
+        let constants = numbers(&batch.constants.normal, usize::MAX, load);
+        let history = numbers(&batch.memory.loading, N::HISTORY, load);
+        let overlap = load(&batch.overlap_of_contact());
+        let everywhere = granum_simd::Mask::splat(true);
+        let (n, _) = N::update(&constants, overlap, everywhere, &mut { history });
+        let mut touching = [0.0; LANES];
+        for (l, one) in touching.iter_mut().enumerate() {
+            *one = f64::from(batch.touching >> l & 1);
+        }
+        let touching = load(&Row8(touching)).gt(R::zero());
+        store(N::stored(&constants, overlap, &history).keep(touching), &mut batch.normal_energy);
+        let one = R::splat(1.0).keep(n.touching);
+        let values = [
+            n.force,
+            n.radius,
+            n.stiffness,
+            n.root_stiffness,
+            n.tangential_measure,
+            n.root_tangential_measure,
+            n.friction_load,
+            one,
+        ];
+        for (value, row) in values.into_iter().zip(&mut batch.contact) {
+            store(value, row);
+        }
+    }
+}
+
+struct TangentialPart<T>(PhantomData<T>);
+
+impl<T: TangentialLaw> Evaluate for TangentialPart<T> {
+    #[inline(always)]
+    fn evaluate<R: Real>(
+        batch: &mut ObservedBatch,
+        load: impl Fn(&Row8) -> R + Copy,
+        store: impl Fn(R, &mut Row8) + Copy,
+    ) {
+        let constants = numbers(&batch.constants.tangential, usize::MAX, load);
+        let history = numbers(&batch.memory.history, T::HISTORY, load);
+        let [
+            force,
+            radius,
+            stiffness,
+            root_stiffness,
+            tangential_measure,
+            root_tangential_measure,
+            friction_load,
+            touching,
+        ] = numbers(&batch.contact, usize::MAX, load);
+        let contact = Normal {
+            force,
+            radius,
+            stiffness,
+            root_stiffness,
+            tangential_measure,
+            root_tangential_measure,
+            friction_load,
+            touching: touching.gt(R::zero()),
+        };
+        let stiffness = T::stiffness(&constants, &contact);
+        store(T::energy(&constants, stiffness, &history), &mut batch.tangential_energy);
+    }
 }

@@ -2,14 +2,14 @@
 
 use proptest::prelude::*;
 
-use granum_simd::{Isa, LANES};
+use granum_simd::Isa;
 
 use super::One;
+use super::observed::observed;
 use super::{ALL, Bench, LawPair, spheres};
 use crate::contact::kind::{NormalKind, TangentialKind};
 use crate::contact::law::{NormalLaw, TangentialLaw};
 use crate::contact::normal::Hertz;
-use crate::contact::observed::ObservedContact;
 use crate::contact::tangential::MindlinDeresiewicz;
 
 /// Sums over a path.
@@ -42,11 +42,9 @@ impl Bench {
         sums.friction += out.friction_loss;
         sums.micro_slip += out.micro_slip_loss;
         sums.size += 0.3 * self.friction_load(approach) * slip[0].hypot(slip[1]);
-        let new = ObservedContact::new(self.constants);
-        let observed = ObservedContact { memory: self.memory, overlap: approach, touching: true, ..new };
-        let mut batch = [[observed; LANES]];
+        let mut batch = [observed(&self.constants, &[(self.memory, approach, true)])];
         self.contact.observe(Isa::detect(), &mut batch);
-        sums.stored = batch[0][0].tangential_energy;
+        sums.stored = batch[0].tangential_energy.0[0];
     }
 
     /// A displacement in one direction, with a linear change of the approach from one value to another.
