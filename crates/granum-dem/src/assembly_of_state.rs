@@ -2,14 +2,18 @@
 //!
 //! Grains and contacts are in the order of the ids of the grains, whatever order the engine keeps them in.
 
-use granum_simd::{LANES, Row8};
+use granum_core::geometry::invert;
+use granum_simd::{LANES, Row8, fused, prefetch};
 
-use crate::assembly::{Assembly, Contact, Grain};
+use crate::assembly::{Assembly, Contact, Grain, Matrix};
 use crate::contact::constants::PairConstants;
 use crate::contact::selection::ContactModel;
 use crate::images::{self, NO_IMAGE, image_vector};
 use crate::observed_pairs::{Observing, TOGETHER};
 use crate::state::State;
+
+/// Number of grains between prefetching one and copying it.
+const GRAINS_AHEAD: usize = 12;
 
 /// Prefetches the memory of a contact that will be written: its place has nothing to do with those of its neighbours in the list of
 /// pairs, so that the processor cannot predict it.
@@ -17,7 +21,21 @@ use crate::state::State;
 fn fetch_ahead(contact: &Contact) {
     let start: *const Contact = contact;
     for line in (0..size_of::<Contact>()).step_by(64) {
-        granum_simd::prefetch(start.cast::<u8>().wrapping_add(line));
+        prefetch(start.cast::<u8>().wrapping_add(line));
+    }
+}
+
+/// Sorts a few numbers in place; a call of the library's function would cost more than the sorting.
+#[inline(always)]
+fn insert(few: &mut [[u32; 2]]) {
+    for end in 1..few.len() {
+        let new = few[end];
+        let mut at = end;
+        while at > 0 && few[at - 1] > new {
+            few[at] = few[at - 1];
+            at -= 1;
+        }
+        few[at] = new;
     }
 }
 
@@ -107,25 +125,39 @@ impl State {
     }
 
     fn add_grains(&self, order: &[usize], grains: &mut Vec<Grain>) {
-        let mut inside = self.particles[..order.len()].to_vec();
-        images::wrap(&self.cell, &mut inside);
-        let grain = |&g: &usize| {
-            let total = self.resultant(g);
-            let (p, w) = (&self.particles[g].0, &self.spin[g].0);
-            Grain {
-                id: self.ids[g],
-                position: [inside[g].0[0], inside[g].0[1], inside[g].0[2]],
-                velocity: [p[4], p[5], p[6]],
-                spin: [w[0], w[1], w[2]],
-                radius: p[3],
-                mass: p[7],
-                force: [total[0], total[1], total[2]],
-                torque: [p[3] * total[4], p[3] * total[5], p[3] * total[6]],
-                material: self.materials.get(g).copied().unwrap_or(0).into(),
-            }
-        };
-        grains.clear();
-        grains.extend(order.iter().map(grain));
+        let inverse = invert(&self.cell.edges);
+        grains.resize_with(order.len(), Grain::default);
+        fused(
+            #[inline(always)]
+            || {
+                for (k, (&g, to)) in order.iter().zip(grains).enumerate() {
+                    // The order of the ids has nothing to do with the order in memory.
+                    if let Some(&later) = order.get(k + GRAINS_AHEAD) {
+                        prefetch(&self.particles[later]);
+                        prefetch(&self.spin[later]);
+                        prefetch(&self.pairs.forces[later]);
+                    }
+                    *to = self.grain(g, &inverse);
+                }
+            },
+        );
+    }
+
+    #[inline(always)]
+    fn grain(&self, g: usize, inverse: &Matrix) -> Grain {
+        let total = self.resultant(g);
+        let (p, w) = (&self.particles[g].0, &self.spin[g].0);
+        Grain {
+            id: self.ids[g],
+            position: images::wrapped(&self.cell, inverse, &self.particles[g]).0,
+            velocity: [p[4], p[5], p[6]],
+            spin: [w[0], w[1], w[2]],
+            radius: p[3],
+            mass: p[7],
+            force: [total[0], total[1], total[2]],
+            torque: [p[3] * total[4], p[3] * total[5], p[3] * total[6]],
+            material: self.materials.get(g).copied().unwrap_or(0).into(),
+        }
     }
 
     /// The indices of the grains of the pair in a slot.
@@ -162,7 +194,7 @@ impl State {
         let mut images = false;
         for ends in starts.windows(2).filter(|ends| ends[1] > ends[0] + 1) {
             let of_one_rank = &mut sorted[ends[0] as usize..ends[1] as usize];
-            of_one_rank.sort_unstable();
+            insert(of_one_rank);
             images |= of_one_rank.windows(2).any(|pair| pair[0][0] == pair[1][0]);
         }
         let mut places = vec![0; slots.len()];

@@ -3,6 +3,7 @@
 use granum_simd::{Row4, Row8, fused};
 
 use crate::cell::Cell;
+use granum_core::assembly::Matrix;
 use granum_core::geometry::{apply, invert};
 
 /// Largest number of cells by which an image may be displaced along an edge.
@@ -44,17 +45,26 @@ pub(crate) fn wrap(cell: &Cell, particles: &mut [Row8]) -> Vec<[i32; 3]> {
         || {
             let mut moves = Vec::with_capacity(particles.len());
             for row in particles {
-                let [x, y, z] = apply(&inverse, [row.0[0], row.0[1], row.0[2]]);
-                let moved = [x.floor() as i32, y.floor() as i32, z.floor() as i32];
-                if moved != [0; 3] {
-                    let back = cell.image(moved);
-                    for a in 0..3 {
-                        row.0[a] -= back[a];
-                    }
-                }
+                let (position, moved) = wrapped(cell, &inverse, row);
+                row.0[..3].copy_from_slice(&position);
                 moves.push(moved);
             }
             moves
         },
     )
+}
+
+/// The position of a grain moved into the cell, whose edges have this inverse, and the image vector that was subtracted from it.
+#[inline(always)]
+pub(crate) fn wrapped(cell: &Cell, inverse: &Matrix, row: &Row8) -> ([f64; 3], [i32; 3]) {
+    let mut position = [row.0[0], row.0[1], row.0[2]];
+    let [x, y, z] = apply(inverse, position);
+    let moved = [x.floor() as i32, y.floor() as i32, z.floor() as i32];
+    if moved != [0; 3] {
+        let back = cell.image(moved);
+        for a in 0..3 {
+            position[a] -= back[a];
+        }
+    }
+    (position, moved)
 }

@@ -311,6 +311,7 @@ impl State {
     }
 
     /// Force on grain g (entries 0..3) and torque over radius (4..7).
+    #[inline(always)]
     pub(crate) fn resultant(&self, g: usize) -> [f64; 8] {
         let p = &self.pairs;
         resultant::<granum_simd::Portable>(&p.forces, &p.outer_offsets, &p.outer, g)

@@ -45,6 +45,7 @@ impl<'a> Observation<'a> {
     }
 
     /// True for a contact of the strong network: `N > <N>` (Radjai et al. 1998).
+    #[inline]
     pub fn is_strong(&self, contact: &Contact) -> bool {
         contact.normal_force > self.mean_normal_force
     }
