@@ -31,11 +31,11 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// Grains at rest in a cell that is not strained. The forces follow from the geometry, without any history. Where there are several materials, which grain is of which is drawn from the seed of the mixture
-    /// ([`crate::config::Mixture::assign`]).
+    /// Grains at rest in a cell that is not strained. The forces follow from the geometry, without any history. Several
+    /// materials are assigned to the grains at random from the seed of the mixture ([`crate::config::Mixture::assign`]).
     ///
     /// # Errors
-    /// If a grain, the cell, a material or the laws cannot be.
+    /// If a grain, the cell, a material or the laws are impossible.
     pub fn new(
         cell: Cell,
         spheres: &[InitialSphere],
