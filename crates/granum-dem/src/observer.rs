@@ -30,7 +30,7 @@ impl Phase {
     }
 }
 
-/// What an observer asks for: to go on, or to stop in good order.
+/// The request of an observer: to continue, or to stop cleanly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Flow {
     /// Continue.
@@ -49,7 +49,7 @@ pub struct Progress<'a> {
     pub trial: usize,
     /// Name of the stage under way, where a test is given as stages.
     pub stage: Option<&'a str>,
-    /// Fraction of the phase that is done, where that can be told.
+    /// Fraction of the phase that is complete, where it can be determined.
     pub fraction: Option<f64>,
     /// Steps since the start of the preparation, in all its trials, or of the path.
     pub steps: u64,
@@ -110,7 +110,7 @@ impl<'a> Progress<'a> {
 /// assert!(observer.calls > 1);
 /// ```
 pub trait Observer {
-    /// Called every few hundred steps; asks to go on or to stop.
+    /// Called every few hundred steps; returns whether to continue or to stop.
     fn progress(&mut self, progress: &Progress) -> Flow {
         let _ = progress;
         Flow::Continue
@@ -150,7 +150,7 @@ impl<F: FnMut(&Progress) -> Flow> Observer for F {
     }
 }
 
-/// Several observers as one: each is called in its turn, and the run stops if one of them asks for it.
+/// Several observers as one: they are called one after the other, and the run stops if one of them requests it.
 ///
 /// ```
 /// use granum_dem::observer::{Flow, NoObserver, Observer, Observers, Progress};
@@ -168,7 +168,7 @@ pub struct Observers<'a>(pub Vec<&'a mut dyn Observer>);
 
 impl Observer for Observers<'_> {
     fn progress(&mut self, progress: &Progress) -> Flow {
-        // Every one is told, also after one has asked to stop.
+        // Every observer is notified, also after one has requested the stop.
         let mut flow = Flow::Continue;
         for observer in &mut self.0 {
             if observer.progress(progress) == Flow::Stop {

@@ -22,7 +22,7 @@ impl ResultFormat for MercuryFstat {
         &["fstat"]
     }
     fn recognises(&self, _: &[u8]) -> bool {
-        // Comments and numbers: nothing tells it but its name.
+        // The file contains only comments and numbers, so that it can be recognised only by its name.
         false
     }
     fn read(&self, path: &Path, _: &ReadOptions) -> Result<Vec<Frame>> {

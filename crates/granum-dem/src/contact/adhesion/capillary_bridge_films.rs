@@ -105,7 +105,7 @@ impl AdhesionLaw for CapillaryBridgeFilms {
         let before = history[VOLUME].gt(R::zero());
         let acting = before & gap.lt(history[RUPTURE]);
         let (force, stiffness) = pull(c[FORCE], history[PER_GAP], gap, acting);
-        // A bridge that has ruptured before holds nothing but liquid to be returned.
+        // A bridge that ruptured in an earlier step has no history but its liquid, which is to be returned.
         let ruptured = before & !acting & history[RUPTURE].gt(R::zero());
         let mut loss = R::zero();
         if ruptured.any() {
