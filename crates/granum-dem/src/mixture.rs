@@ -1,9 +1,9 @@
-//! Several materials in one sample: what each is made of, how many grains each has, and how two of them touch.
+//! Several materials in one sample: their properties, their shares of the grains, and the properties of contacts between them.
 //!
-//! What a pair of materials has in common follows from the two: elastic moduli from the theory of contact, in which the
-//! compliances of the sides add (they are never averaged), everything else by the rule of [`Mixing`] of that property, unless a
-//! [`PairRule`] gives the value. Which grain is of which material is drawn from a seed, with exact numbers of grains, and does not
-//! depend on the order in which materials are named.
+//! The properties of a pair of materials follow from those of the two: elastic moduli from contact mechanics, where the
+//! compliances of both are added (they are never averaged), all others by the rule of [`Mixing`] of the property, unless a
+//! [`PairRule`] gives the value. The materials are assigned to the grains at random from a seed, with exact numbers of grains; the
+//! assignment does not depend on the order in which the materials are named.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};

@@ -1,4 +1,4 @@
-//! Who follows a preparation or a test as it runs: one trait for showing progress, recording and stopping.
+//! Observers of a preparation or a test: one trait for showing progress, recording and stopping.
 
 use crate::simulation::Simulation;
 

@@ -1,4 +1,4 @@
-//! What the grains of a simulation are made of and how they touch: one material or several, and a contact law.
+//! The properties of the grains of a simulation and of their contacts: one or several materials, and a contact law.
 
 use serde::{Deserialize, Serialize};
 

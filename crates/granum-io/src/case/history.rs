@@ -1,6 +1,6 @@
 //! Histories of strains and stresses for the path `history`: from a CSV file, or as columns and rows of the case itself.
 //!
-//! A run keeps the rows in its own case, so that it needs the file no more.
+//! The case of a run contains the rows, so that the run no longer needs the file.
 
 use std::io::BufRead;
 use std::path::Path;

@@ -1,5 +1,5 @@
-//! Assemblies from the frames of one or several files: contacts find their grains by step, time or order, and what a file does
-//! not give but geometry does (branch, normal, overlap, strain) is added.
+//! Assemblies from the frames of one or several files: contacts are assigned to grains by step, time or order, and quantities that are
+//! not in a file but follow from the geometry (branch, normal, overlap, strain) are added.
 
 use std::path::{Path, PathBuf};
 

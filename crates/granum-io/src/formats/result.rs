@@ -1,4 +1,4 @@
-//! Results of other programs: grains, contacts and cells at one or several instants, as a file has them, before files are
+//! Results of other programs: grains, contacts and cells at one or several instants, as they are in a file, before several files are
 //! [joined](super::join::join) to [assemblies](granum_core::Assembly).
 
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! `granum predict`: what the networks of a study, or a saved surrogate, answer.
+//! `granum predict`: predictions of the networks of a study, or of a saved surrogate.
 
 use std::path::{Path, PathBuf};
 
