@@ -44,7 +44,7 @@ fn evaluated(blocks: &[Block]) -> impl Iterator<Item = usize> {
     })
 }
 
-/// The pairs that an exchange looks at.
+/// The pairs that take part in an exchange.
 #[derive(Clone, Copy, PartialEq)]
 enum Scope {
     /// The pairs that began or ceased to interact in the last step, and every dry contact where films received liquid.
@@ -53,7 +53,7 @@ enum Scope {
     All,
 }
 
-/// What an exchange did.
+/// The result of an exchange.
 struct Exchanged {
     /// Energy lost by the formation of bridges, J.
     lost: f64,
@@ -159,7 +159,7 @@ impl Integrator {
         }
     }
 
-    /// Makes bridges at contacts that exist when a law begins to share liquid, or when there is more of it.
+    /// Makes bridges at existing contacts when a law begins to share liquid, or when the amount of liquid increases.
     pub(crate) fn make_bridges(&mut self) {
         if !self.properties.contact.adhesion.law().shares_liquid() {
             return;
@@ -218,7 +218,7 @@ impl Integrator {
                 let constants = self.constants_of(materials, radii);
                 let gap = self.state.distance(b * LANES + l) - constants.radius_sum;
                 let mut history = [0.0; MAX_ADHESION_HISTORY];
-                // The neighbour list to come may leave out a pair that is farther apart than bridges reach.
+                // The next neighbour list may omit a pair with a gap larger than the range of bridges.
                 if same && gap < law.range(&constants.adhesion) {
                     let largest = law.largest_bridge(&constants.adhesion);
                     history = law.bridge(&constants.adhesion, volume.min(largest));

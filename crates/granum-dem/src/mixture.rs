@@ -52,7 +52,7 @@ pub struct PairRule {
     pub parameters: ParameterValues,
 }
 
-/// Several materials. Empty, it stands for the one material of the grains.
+/// Several materials. If it is empty, all grains have the one material of the case.
 ///
 /// ```
 /// use granum_dem::config::{Component, ContactModel, Material, Mixture, PairRule};
@@ -88,27 +88,27 @@ pub enum MixtureError {
     /// Two materials of one name.
     #[error("two materials are called {0:?}; names must differ")]
     NameTwice(String),
-    /// A name that is none.
+    /// An empty name.
     #[error("a material has no name; give each one")]
     NoName,
-    /// A rule for a material that there is not.
+    /// A rule for a material that does not exist.
     #[error("a pair names the material {name:?}, which does not exist; there are {known}")]
     UnknownName {
         /// The name.
         name: String,
-        /// The names that there are.
+        /// The existing names.
         known: String,
     },
     /// Two rules for one pair.
     #[error("two rules for the pair of {0:?} and {1:?}; keep one")]
     PairTwice(String, String),
-    /// Shares that do not come to one.
+    /// Shares that do not sum to one.
     #[error("the shares of the materials sum to {0}; they must be positive and sum to 1")]
     Shares(f64),
-    /// More than there is room for.
+    /// Too many materials.
     #[error("there are {0} materials; at most {MOST_MATERIALS} are possible")]
     TooMany(usize),
-    /// A property that cannot be.
+    /// A property with an impossible value.
     #[error("{name} of {of} is {value}; it must be {right}")]
     Property {
         /// The material or the pair.
@@ -369,7 +369,7 @@ impl PairTable {
         PairTable { count, rows }
     }
 
-    /// True if there is one material, or several that are alike.
+    /// True if there is one material, or several with equal properties.
     pub(crate) fn is_one(&self) -> bool {
         self.count == 1
     }

@@ -39,15 +39,15 @@ pub enum Flow {
     Stop,
 }
 
-/// Where a running phase stands.
+/// The progress of a phase.
 #[derive(Clone, Copy)]
 #[non_exhaustive]
 pub struct Progress<'a> {
     /// The phase.
     pub phase: Phase,
-    /// Which trial of the preparation friction, from 1.
+    /// Number of the trial of the preparation, from 1.
     pub trial: usize,
-    /// Name of the stage under way, where a test is given as stages.
+    /// Name of the present stage, if the test is given as stages.
     pub stage: Option<&'a str>,
     /// Fraction of the phase that is complete, where it can be determined.
     pub fraction: Option<f64>,
@@ -77,11 +77,11 @@ impl<'a> Progress<'a> {
     }
 }
 
-/// Follows a preparation or a test. It sees the simulation by shared reference, so nothing that it does can change a result but
-/// to stop the run, and a run that was stopped goes on to the same bits.
+/// Follows a preparation or a test. It has only a shared reference to the simulation, so that it can stop the run but cannot change
+/// a result, and a run that was stopped is resumed with the same bits.
 ///
-/// Every method has a default, so that an observer writes only what it is interested in. A closure that takes a
-/// [`Progress`] and gives a [`Flow`] is an observer; several observers together are one ([`Observers`]).
+/// Every method has a default, so that an observer implements only the methods that it needs. A closure that takes a
+/// [`Progress`] and returns a [`Flow`] is an observer; several observers can be combined into one ([`Observers`]).
 ///
 /// ```
 /// use granum_dem::config::{ContactModel, Grains, Preparation};
@@ -116,8 +116,8 @@ pub trait Observer {
         Flow::Continue
     }
 
-    /// A stage of a test is under way, counted from 1; also called where a stage goes on after a checkpoint. Of a test that is
-    /// not given as stages there is one.
+    /// Called when a stage of a test starts, or is resumed from a checkpoint; stages are counted from 1. A test that is not given as
+    /// stages has one stage.
     fn stage(&mut self, number: usize) {
         let _ = number;
     }

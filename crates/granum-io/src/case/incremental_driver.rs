@@ -72,7 +72,7 @@ struct Steps<'a> {
     options: &'a Options,
 }
 
-/// What stands before a comment.
+/// The part of a line before a comment.
 fn plain(line: &str) -> &str {
     let end = ["//", "!", "#"].iter().filter_map(|mark| line.find(mark)).min().unwrap_or(line.len());
     line[..end].trim()

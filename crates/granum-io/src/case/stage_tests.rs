@@ -241,7 +241,7 @@ fn stages_nest_and_repeat() {
     assert!(say("stage.2.axial_strain").contains("it has repeat"));
 }
 
-/// A history is read from its file once; the case then holds it, and mistakes in the file have their places there.
+/// A history is read from its file once and is then part of the case; mistakes are reported with their positions in the file.
 #[test]
 fn a_history_comes_from_a_file_beside_the_case() {
     let folder = tempfile::tempdir().unwrap();

@@ -100,7 +100,7 @@ fn rolling_and_twisting_do_not_see_each_other() {
     assert!(both.lost > 0.0 && twisted.lost > 0.0);
 }
 
-/// Where the load falls the couple falls with the stiffness, and what it held more is lost.
+/// Where the load decreases, the couple decreases with the stiffness, and the difference of the stored energy is lost.
 #[test]
 fn a_changing_load_makes_no_energy() {
     let [stiffness, limit] = expected();
