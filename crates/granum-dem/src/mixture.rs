@@ -82,7 +82,7 @@ pub struct Mixture {
     pub seed: u64,
 }
 
-/// Materials that cannot be together.
+/// Materials that are inconsistent.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MixtureError {
     /// Two materials of one name.
@@ -120,7 +120,7 @@ pub enum MixtureError {
         /// The permitted values.
         right: &'static str,
     },
-    /// A parameter of a contact law that cannot be.
+    /// A parameter of a contact law with an impossible value.
     #[error("{of}: {error}")]
     Law {
         /// The material or the pair.
@@ -191,7 +191,7 @@ impl Mixture {
         let wanted = |component: &Component| component.share * grains as f64;
         let mut counts: Vec<usize> = self.components.iter().map(|c| wanted(c).floor() as usize).collect();
         let mut by_remainder: Vec<usize> = (0..counts.len()).collect();
-        // By name where remainders are alike: the components stand in that order, and the sort keeps it.
+        // Equal remainders are ordered by name: the components are in this order, and the sort is stable.
         by_remainder.sort_by(|&a, &b| {
             let rest = |k: usize| wanted(&self.components[k]).fract();
             rest(b).total_cmp(&rest(a))
@@ -231,7 +231,7 @@ impl Mixture {
         mixture
     }
 
-    /// Refuses names, shares and rules that do not go together, and values that cannot be.
+    /// Refuses inconsistent names, shares and rules, and impossible values.
     ///
     /// # Errors
     /// The first violation that is found.
@@ -323,7 +323,7 @@ impl Mixture {
     }
 }
 
-/// What grains of two materials have in common, whatever their radii.
+/// The properties of contacts between two materials that do not depend on the radii.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Common {
     pub(crate) materials: [Material; 2],
@@ -392,7 +392,7 @@ impl PairTable {
         self.rows.iter().map(range).fold(0.0, f64::max)
     }
 
-    /// Largest distance at which grains of a radius, m, that touched come apart, m.
+    /// Largest gap at which grains of a radius, m, that have touched separate, m.
     pub(crate) fn reach(&self, radius: f64) -> f64 {
         let reach = |common: &Common| {
             let constants = common.contact.constants(&common.pair([radius; 2]));

@@ -130,7 +130,7 @@ impl Properties {
         component.map_or(self.material.density, |component| component.material.density)
     }
 
-    /// Largest distance at which two equal spheres that touched come apart, m: zero without adhesion.
+    /// Largest gap at which two equal spheres that have touched separate, m: zero without adhesion.
     ///
     /// # Errors
     /// If the laws cannot be combined.

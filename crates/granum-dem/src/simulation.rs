@@ -161,7 +161,7 @@ impl Simulation {
     /// Changes the material or the contact laws. Contacts keep the history of a tangential or moment law that stays;
     /// the forces of a new law start from zero, as do all where contacts gain or lose an area. Masses are scaled with
     /// the density, velocities and spins with its inverse root: without gravity this only rescales time, and the
-    /// kinetic energy is unchanged. Which grain is of which material stays; of several materials the densities can only
+    /// kinetic energy is unchanged. The materials of the grains do not change; the densities of several materials can only
     /// change by one factor.
     ///
     /// # Errors
@@ -427,7 +427,7 @@ impl Integrator {
         self.state.pairs.memory = memory;
         self.state.pairs.columns = [NORMAL_COLUMNS + tangential, moments, adhesion, normal];
         if !same[2] {
-            // Another law starts without what this one remembered of pairs apart.
+            // Another law starts without the histories of this one for separated pairs.
             self.state.pairs.marks.iter_mut().for_each(|marks| marks.attracting = 0);
         }
     }

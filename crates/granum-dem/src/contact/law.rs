@@ -511,7 +511,7 @@ pub trait AdhesionLaw: Copy + Send + Sync + 'static {
     }
     /// The constants of a pair that [`AdhesionLaw::update`] needs; `parameters` in the order of the description.
     fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS];
-    /// Force, stiffness and loss at an overlap, m (negative for a pair apart), and whether the contact touches. The history is
+    /// Force, stiffness and loss at an overlap, m (negative for a separated pair), and whether the pair touches. The history is
     /// all zeros for a pair on which the law did not act in the previous step.
     fn update<R: Real>(
         constants: &[R; LAW_CONSTANTS],

@@ -289,7 +289,7 @@ impl Sizes {
 }
 
 impl Grains {
-    /// Refuses sizes that cannot be.
+    /// Refuses impossible sizes.
     ///
     /// # Errors
     /// The first key that is wrong, and what would be right.

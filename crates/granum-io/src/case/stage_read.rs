@@ -224,7 +224,7 @@ impl TableReader<'_, '_> {
         Some(CaseStage::Path { name: preset.name.to_string(), parameters, resets })
     }
 
-    /// The history of a path, in a file beside the case or as it stands in the table; mistakes in the file are reported with
+    /// The history of a path, in a file in the folder of the case or in the table itself; mistakes in the file are reported with
     /// their positions in it.
     fn history(&mut self, table: &DeTable<'_>, span: &Range<usize>) -> Option<granum_dem::loading::History> {
         let file = table.get("file");

@@ -372,7 +372,7 @@ fn any_written_out() -> impl Strategy<Value = CaseStage> {
         let mut stages = path.stages();
         let mut stage = stages.swap_remove(index.index(stages.len()));
         stage.name = name;
-        // Nothing may be kept before a stage that goes back.
+        // A stage that starts from a saved state needs a stage before it that saved one.
         stage.start = Start::Here;
         // In a case file the mean stress for an inertial number is that of the state of the sample.
         if let Speed::InertialNumber { number, .. } = stage.control.speed {

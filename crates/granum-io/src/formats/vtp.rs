@@ -31,7 +31,7 @@ impl ResultFormat for Vtp {
         &["vtp"]
     }
     fn recognises(&self, _: &[u8]) -> bool {
-        // Files of VTK XML are recognised together, whatever they hold.
+        // All files of VTK XML are recognised in the same way, whatever they contain.
         false
     }
     fn read(&self, path: &Path, options: &ReadOptions) -> Result<Vec<Frame>> {
