@@ -27,7 +27,7 @@ pub struct Grain {
     pub force: Vector,
     /// Sum of the contact torques on the grain about its centre, N m.
     pub torque: Vector,
-    /// What it is made of: its place in [`Assembly::materials`]; 0 where there is one material.
+    /// Its material, as an index of [`Assembly::materials`]; 0 if there is one material.
     #[serde(default, skip_serializing_if = "is_first")]
     pub material: u32,
 }
@@ -65,7 +65,7 @@ pub struct Contact {
     /// Elastic energy of rolling and twisting, J; zero without a moment law.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub rolling_energy: f64,
-    /// Energy of a law of adhesion on top of the contact, J.
+    /// Energy of an additional law of adhesion, J.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub attraction_energy: f64,
 }
@@ -154,7 +154,7 @@ pub struct Assembly {
     /// stress, but they are no contacts.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub apart: Vec<Contact>,
-    /// Names of the materials, where there are several.
+    /// Names of the materials, if there are several.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub materials: Vec<String>,
     /// Liquid in films and bridges, where a law of adhesion shares liquid.

@@ -1,4 +1,4 @@
-//! One digest (SHA-256) for everything that is to be recognised again: cases, files, data sets, models.
+//! One digest (SHA-256) by which cases, files, data sets and models are identified.
 
 use sha2::{Digest as _, Sha256};
 

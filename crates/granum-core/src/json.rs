@@ -1,4 +1,4 @@
-//! JSON that a person can read: a key a line, lists of numbers on one line.
+//! Readable JSON: one key per line, and lists of numbers on one line.
 
 use std::io::Write;
 

@@ -53,7 +53,7 @@ pub struct Grains {
     pub sizes: Sizes,
     /// Their material.
     pub material: Material,
-    /// Several materials in place of that one; empty where there is one. In a case [`Preparation::seed`] is its seed.
+    /// Several materials, which replace that one; empty if there is one material. In a case its seed is [`Preparation::seed`].
     #[serde(default, skip_serializing_if = "Mixture::is_empty")]
     pub mixture: Mixture,
 }

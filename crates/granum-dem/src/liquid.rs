@@ -1,13 +1,15 @@
 //! Exchange of liquid between the films of grains and the bridges of a law that shares liquid
 //! ([`AdhesionLaw::SHARES_LIQUID`](crate::contact::AdhesionLaw::SHARES_LIQUID)).
 //!
-//! The exchange is the serial work at the end of a step, in the order of the slots of the pairs, so that its result does not depend on
-//! threads. First the bridges that ruptured in the step return their liquid, one half to the film of each grain. Then bridges form
-//! between grains that touch and have none (where a contact began in the step, or films received liquid): both films give equal volumes, as much as the drier of the two has, up to the
-//! largest volume of a bridge. What is taken from one place is added to another, and thus the sum of liquid changes by
+//! Liquid is exchanged in the serial part at the end of a step, in the order of the slots of the pairs, so that the result
+//! does not depend on the number of threads. First the bridges that ruptured in the step return their liquid, one half to the
+//! film of each grain. Then bridges form between grains that touch and have none, where a contact began in the step or films
+//! received liquid: both films give equal volumes, at most what the drier of the two has, up to the largest volume of a
+//! bridge. Every volume that is taken from a film or bridge is added to another, so that the total volume of liquid changes by
 //! rounding errors only.
 //!
-//! A bridge acts from the step after its formation. Its energy at the overlap at which it forms is counted as lost there.
+//! A bridge acts from the step after its formation. The energy that it has at the overlap at which it forms is counted as
+//! lost at its formation.
 
 use granum_core::assembly::Liquid;
 use granum_simd::{LANES, Row8};
@@ -21,7 +23,8 @@ use crate::kernel::Views;
 use crate::pairs::{Block, Marks, NORMAL_COLUMNS};
 use crate::state::State;
 
-/// The column of a contact history that holds the volume of liquid of a bridge, m3; the other columns of the adhesion law follow.
+/// The column of a contact history that contains the volume of liquid of a bridge, m3; the other columns of the adhesion law
+/// follow it.
 fn volume_column(laws: &ContactModel) -> usize {
     let [tangential, moments, ..] = laws.history();
     NORMAL_COLUMNS + tangential + moments
@@ -41,7 +44,7 @@ fn evaluated(blocks: &[Block]) -> impl Iterator<Item = usize> {
     })
 }
 
-/// The pairs that an exchange looks at.
+/// The pairs that take part in an exchange.
 #[derive(Clone, Copy, PartialEq)]
 enum Scope {
     /// The pairs that began or ceased to interact in the last step, and every dry contact where films received liquid.
@@ -50,7 +53,7 @@ enum Scope {
     All,
 }
 
-/// What an exchange did.
+/// The result of an exchange.
 struct Exchanged {
     /// Energy lost by the formation of bridges, J.
     lost: f64,
@@ -156,7 +159,7 @@ impl Integrator {
         }
     }
 
-    /// Makes bridges at contacts that exist when a law begins to share liquid, or when there is more of it.
+    /// Makes bridges at existing contacts when a law begins to share liquid, or when the amount of liquid increases.
     pub(crate) fn make_bridges(&mut self) {
         if !self.properties.contact.adhesion.law().shares_liquid() {
             return;
@@ -178,8 +181,8 @@ impl Integrator {
         law.shares_liquid().then(|| (0..self.state.grains()).map(film).collect())
     }
 
-    /// Gives the grains their first films if the law shares liquid and they never had any. If their first films would have been
-    /// others before, the difference is added to what they have.
+    /// Gives the grains their initial films if the law shares liquid and they have had no films so far. If the initial films
+    /// would have been different under the properties before, the difference is added to the present films.
     pub(crate) fn wet_grains(&mut self, before: Option<&[f64]>) {
         let Some(films) = self.first_films() else { return };
         match before {
@@ -193,8 +196,9 @@ impl Integrator {
         }
     }
 
-    /// Adapts the bridges that hold liquid to other properties, before the histories are: a bridge that the new law does not hold,
-    /// or that is longer than its bridges can be, returns its liquid, and one that is larger than the largest returns the rest.
+    /// Adapts the bridges to other properties, before the histories are adapted: a bridge that does not exist under the new law,
+    /// or whose gap exceeds the new rupture distance, returns its liquid, and one that exceeds the largest volume returns the
+    /// excess.
     pub(crate) fn change_bridges(&mut self, before: &ContactModel) {
         if !before.adhesion.law().shares_liquid() {
             return;
@@ -214,7 +218,7 @@ impl Integrator {
                 let constants = self.constants_of(materials, radii);
                 let gap = self.state.distance(b * LANES + l) - constants.radius_sum;
                 let mut history = [0.0; MAX_ADHESION_HISTORY];
-                // The neighbour list to come may leave out a pair that is farther apart than bridges reach.
+                // The next neighbour list may omit a pair with a gap larger than the range of bridges.
                 if same && gap < law.range(&constants.adhesion) {
                     let largest = law.largest_bridge(&constants.adhesion);
                     history = law.bridge(&constants.adhesion, volume.min(largest));

@@ -19,7 +19,7 @@ pub struct Material {
 }
 
 impl Material {
-    /// Refuses values that cannot be.
+    /// Refuses impossible values.
     ///
     /// # Errors
     /// Property, its value in SI units, and what would be right.

@@ -1,9 +1,9 @@
-//! Several materials in one sample: what each is made of, how many grains each has, and how two of them touch.
+//! Several materials in one sample: their properties, their shares of the grains, and the properties of contacts between them.
 //!
-//! What a pair of materials has in common follows from the two: elastic moduli from the theory of contact, in which the
-//! compliances of the sides add (they are never averaged), everything else by the rule of [`Mixing`] of that property, unless a
-//! [`PairRule`] gives the value. Which grain is of which material is drawn from a seed, with exact numbers of grains, and does not
-//! depend on the order in which materials are named.
+//! The properties of a pair of materials follow from those of the two: elastic moduli from contact mechanics, where the
+//! compliances of both are added (they are never averaged), all others by the rule of [`Mixing`] of the property, unless a
+//! [`PairRule`] gives the value. The materials are assigned to the grains at random from a seed, with exact numbers of grains; the
+//! assignment does not depend on the order in which the materials are named.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -52,7 +52,7 @@ pub struct PairRule {
     pub parameters: ParameterValues,
 }
 
-/// Several materials. Empty, it stands for the one material of the grains.
+/// Several materials. If it is empty, all grains have the one material of the case.
 ///
 /// ```
 /// use granum_dem::config::{Component, ContactModel, Material, Mixture, PairRule};
@@ -82,33 +82,33 @@ pub struct Mixture {
     pub seed: u64,
 }
 
-/// Materials that cannot be together.
+/// Materials that are inconsistent.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MixtureError {
     /// Two materials of one name.
     #[error("two materials are called {0:?}; names must differ")]
     NameTwice(String),
-    /// A name that is none.
+    /// An empty name.
     #[error("a material has no name; give each one")]
     NoName,
-    /// A rule for a material that there is not.
+    /// A rule for a material that does not exist.
     #[error("a pair names the material {name:?}, which does not exist; there are {known}")]
     UnknownName {
         /// The name.
         name: String,
-        /// The names that there are.
+        /// The existing names.
         known: String,
     },
     /// Two rules for one pair.
     #[error("two rules for the pair of {0:?} and {1:?}; keep one")]
     PairTwice(String, String),
-    /// Shares that do not come to one.
+    /// Shares that do not sum to one.
     #[error("the shares of the materials sum to {0}; they must be positive and sum to 1")]
     Shares(f64),
-    /// More than there is room for.
+    /// Too many materials.
     #[error("there are {0} materials; at most {MOST_MATERIALS} are possible")]
     TooMany(usize),
-    /// A property that cannot be.
+    /// A property with an impossible value.
     #[error("{name} of {of} is {value}; it must be {right}")]
     Property {
         /// The material or the pair.
@@ -120,7 +120,7 @@ pub enum MixtureError {
         /// The permitted values.
         right: &'static str,
     },
-    /// A parameter of a contact law that cannot be.
+    /// A parameter of a contact law with an impossible value.
     #[error("{of}: {error}")]
     Law {
         /// The material or the pair.
@@ -191,7 +191,7 @@ impl Mixture {
         let wanted = |component: &Component| component.share * grains as f64;
         let mut counts: Vec<usize> = self.components.iter().map(|c| wanted(c).floor() as usize).collect();
         let mut by_remainder: Vec<usize> = (0..counts.len()).collect();
-        // By name where remainders are alike: the components stand in that order, and the sort keeps it.
+        // Equal remainders are ordered by name: the components are in this order, and the sort is stable.
         by_remainder.sort_by(|&a, &b| {
             let rest = |k: usize| wanted(&self.components[k]).fract();
             rest(b).total_cmp(&rest(a))
@@ -231,7 +231,7 @@ impl Mixture {
         mixture
     }
 
-    /// Refuses names, shares and rules that do not go together, and values that cannot be.
+    /// Refuses inconsistent names, shares and rules, and impossible values.
     ///
     /// # Errors
     /// The first violation that is found.
@@ -323,7 +323,7 @@ impl Mixture {
     }
 }
 
-/// What grains of two materials have in common, whatever their radii.
+/// The properties of contacts between two materials that do not depend on the radii.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Common {
     pub(crate) materials: [Material; 2],
@@ -369,7 +369,7 @@ impl PairTable {
         PairTable { count, rows }
     }
 
-    /// True if there is one material, or several that are alike.
+    /// True if there is one material, or several with equal properties.
     pub(crate) fn is_one(&self) -> bool {
         self.count == 1
     }
@@ -392,7 +392,7 @@ impl PairTable {
         self.rows.iter().map(range).fold(0.0, f64::max)
     }
 
-    /// Largest distance at which grains of a radius, m, that touched come apart, m.
+    /// Largest gap at which grains of a radius, m, that have touched separate, m.
     pub(crate) fn reach(&self, radius: f64) -> f64 {
         let reach = |common: &Common| {
             let constants = common.contact.constants(&common.pair([radius; 2]));

@@ -1,4 +1,4 @@
-//! Who follows a preparation or a test as it runs: one trait for showing progress, recording and stopping.
+//! Observers of a preparation or a test: one trait for showing progress, recording and stopping.
 
 use crate::simulation::Simulation;
 
@@ -30,7 +30,7 @@ impl Phase {
     }
 }
 
-/// What an observer asks for: to go on, or to stop in good order.
+/// The request of an observer: to continue, or to stop cleanly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Flow {
     /// Continue.
@@ -39,17 +39,17 @@ pub enum Flow {
     Stop,
 }
 
-/// Where a running phase stands.
+/// The progress of a phase.
 #[derive(Clone, Copy)]
 #[non_exhaustive]
 pub struct Progress<'a> {
     /// The phase.
     pub phase: Phase,
-    /// Which trial of the preparation friction, from 1.
+    /// Number of the trial of the preparation, from 1.
     pub trial: usize,
-    /// Name of the stage under way, where a test is given as stages.
+    /// Name of the present stage, if the test is given as stages.
     pub stage: Option<&'a str>,
-    /// Fraction of the phase that is done, where that can be told.
+    /// Fraction of the phase that is complete, where it can be determined.
     pub fraction: Option<f64>,
     /// Steps since the start of the preparation, in all its trials, or of the path.
     pub steps: u64,
@@ -77,11 +77,11 @@ impl<'a> Progress<'a> {
     }
 }
 
-/// Follows a preparation or a test. It sees the simulation by shared reference, so nothing that it does can change a result but
-/// to stop the run, and a run that was stopped goes on to the same bits.
+/// Follows a preparation or a test. It has only a shared reference to the simulation, so that it can stop the run but cannot change
+/// a result, and a run that was stopped is resumed with the same bits.
 ///
-/// Every method has a default, so that an observer writes only what it is interested in. A closure that takes a
-/// [`Progress`] and gives a [`Flow`] is an observer; several observers together are one ([`Observers`]).
+/// Every method has a default, so that an observer implements only the methods that it needs. A closure that takes a
+/// [`Progress`] and returns a [`Flow`] is an observer; several observers can be combined into one ([`Observers`]).
 ///
 /// ```
 /// use granum_dem::config::{ContactModel, Grains, Preparation};
@@ -110,14 +110,14 @@ impl<'a> Progress<'a> {
 /// assert!(observer.calls > 1);
 /// ```
 pub trait Observer {
-    /// Called every few hundred steps; asks to go on or to stop.
+    /// Called every few hundred steps; returns whether to continue or to stop.
     fn progress(&mut self, progress: &Progress) -> Flow {
         let _ = progress;
         Flow::Continue
     }
 
-    /// A stage of a test is under way, counted from 1; also called where a stage goes on after a checkpoint. Of a test that is
-    /// not given as stages there is one.
+    /// Called when a stage of a test starts, or is resumed from a checkpoint; stages are counted from 1. A test that is not given as
+    /// stages has one stage.
     fn stage(&mut self, number: usize) {
         let _ = number;
     }
@@ -150,7 +150,7 @@ impl<F: FnMut(&Progress) -> Flow> Observer for F {
     }
 }
 
-/// Several observers as one: each is called in its turn, and the run stops if one of them asks for it.
+/// Several observers as one: they are called one after the other, and the run stops if one of them requests it.
 ///
 /// ```
 /// use granum_dem::observer::{Flow, NoObserver, Observer, Observers, Progress};
@@ -168,7 +168,7 @@ pub struct Observers<'a>(pub Vec<&'a mut dyn Observer>);
 
 impl Observer for Observers<'_> {
     fn progress(&mut self, progress: &Progress) -> Flow {
-        // Every one is told, also after one has asked to stop.
+        // Every observer is notified, also after one has requested the stop.
         let mut flow = Flow::Continue;
         for observer in &mut self.0 {
             if observer.progress(progress) == Flow::Stop {

@@ -1,4 +1,4 @@
-//! What the grains of a simulation are made of and how they touch: one material or several, and a contact law.
+//! The properties of the grains of a simulation and of their contacts: one or several materials, and a contact law.
 
 use serde::{Deserialize, Serialize};
 
@@ -27,11 +27,11 @@ const ROLLING_FRICTION: &str = "rolling_friction";
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Properties {
-    /// Solid and surface, where there is no mixture.
+    /// Properties of the solid and its surface, if there is one material.
     pub material: Material,
     /// Contact law.
     pub contact: ContactModel,
-    /// Several materials in place of the one; empty where there is one.
+    /// Several materials, which replace the one; empty if there is one material.
     pub mixture: Mixture,
 }
 
@@ -119,18 +119,18 @@ impl Properties {
         Ok(self.table().of(places[0], places[1]).pair(radii))
     }
 
-    /// What grains of any two materials have in common.
+    /// The properties of contacts between any two materials.
     pub(crate) fn table(&self) -> PairTable {
         PairTable::new(&self.material, &self.contact, &self.mixture)
     }
 
-    /// Density of grains of a material, or of the one that there is, kg/m3.
+    /// Density of the grains of a material, or of all grains if there is one material, kg/m3.
     pub(crate) fn density_of(&self, material: Option<u8>) -> f64 {
         let component = material.and_then(|k| self.mixture.components.get(k as usize));
         component.map_or(self.material.density, |component| component.material.density)
     }
 
-    /// Largest distance at which two equal spheres that touched come apart, m: zero without adhesion.
+    /// Largest gap at which two equal spheres that have touched separate, m: zero without adhesion.
     ///
     /// # Errors
     /// If the laws cannot be combined.
@@ -152,7 +152,7 @@ impl Properties {
     }
 }
 
-/// Refuses materials of grains that are not there.
+/// Refuses an assignment of grains to materials that do not exist.
 pub(crate) fn check_assignment(
     materials: &[u8],
     grains: usize,

@@ -31,7 +31,7 @@ pub enum InsertionError {
         placed: usize,
         /// Grains that need one.
         count: usize,
-        /// Solid fraction that was asked for.
+        /// The requested solid fraction.
         solid_fraction: f64,
     },
     /// The grains cannot have these sizes.

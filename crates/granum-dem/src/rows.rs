@@ -1,4 +1,4 @@
-//! Rows of numbers in a checkpoint, written as one flat list: a checkpoint has no field names, and is smaller so.
+//! Rows of numbers in a checkpoint, written as one flat list without field names, which makes the checkpoint smaller.
 
 macro_rules! flat {
     ($name:ident, $row:ident, $width:literal) => {

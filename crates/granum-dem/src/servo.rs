@@ -213,8 +213,8 @@ impl CellControl {
         }
     }
 
-    /// Reverses the base rates and the motion of the targets at a given time, s. A stress that moves goes back from
-    /// where it is, even if its target was ahead of it.
+    /// Reverses the base rates and the rates of the targets at a given time, s. A changing stress is reversed from its present
+    /// value, even if its target was ahead of it.
     pub fn reverse(&mut self, time: f64, stress: &Matrix, strain: &Matrix) {
         self.since = time;
         self.rate = self.rate.map(|row| row.map(|x| -x));

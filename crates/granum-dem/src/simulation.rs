@@ -31,11 +31,11 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// Grains at rest in a cell that is not strained. The forces follow from the geometry, without any history. Where there are several materials, which grain is of which is drawn from the seed of the mixture
-    /// ([`crate::config::Mixture::assign`]).
+    /// Grains at rest in a cell that is not strained. The forces follow from the geometry, without any history. Several
+    /// materials are assigned to the grains at random from the seed of the mixture ([`crate::config::Mixture::assign`]).
     ///
     /// # Errors
-    /// If a grain, the cell, a material or the laws cannot be.
+    /// If a grain, the cell, a material or the laws are impossible.
     pub fn new(
         cell: Cell,
         spheres: &[InitialSphere],
@@ -161,7 +161,7 @@ impl Simulation {
     /// Changes the material or the contact laws. Contacts keep the history of a tangential or moment law that stays;
     /// the forces of a new law start from zero, as do all where contacts gain or lose an area. Masses are scaled with
     /// the density, velocities and spins with its inverse root: without gravity this only rescales time, and the
-    /// kinetic energy is unchanged. Which grain is of which material stays; of several materials the densities can only
+    /// kinetic energy is unchanged. The materials of the grains do not change; the densities of several materials can only
     /// change by one factor.
     ///
     /// # Errors
@@ -423,7 +423,7 @@ impl Integrator {
         self.state.pairs.memory = memory;
         self.state.pairs.columns = [NORMAL_COLUMNS + tangential, moments, adhesion, normal];
         if !same[2] {
-            // Another law starts without what this one remembered of pairs apart.
+            // Another law starts without the histories of this one for separated pairs.
             self.state.pairs.marks.iter_mut().for_each(|marks| marks.attracting = 0);
         }
     }

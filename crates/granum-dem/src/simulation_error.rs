@@ -33,10 +33,10 @@ pub enum SimulationError {
         /// The permitted values.
         right: &'static str,
     },
-    /// The materials cannot be together.
+    /// The materials are inconsistent.
     #[error(transparent)]
     Mixture(#[from] MixtureError),
-    /// Materials are given for another number of grains, or there are not so many.
+    /// Materials are assigned to another number of grains, or do not exist.
     #[error("{what}")]
     Assignment {
         /// What is wrong and what would be right.

@@ -104,13 +104,13 @@ fn slow_grains_stay_together() {
 
 fn compressed(properties: Properties, spread: f64, hardware: Hardware) -> Simulation {
     let mut s = common::compressed(200, spread, properties, 4000, hardware);
-    // Pulled apart again, so that contacts open and their bridges are stretched.
+    // The sample is then extended, so that contacts open and their bridges are stretched.
     s.set_control(common::growing(300.0));
     s.advance(3000).unwrap();
     s
 }
 
-/// With grains of two wettabilities, resistance to rolling and twisting, and bridges that hold grains apart.
+/// With grains of two wettabilities, resistance to rolling and twisting, and bridges between separated grains.
 fn everything() -> Properties {
     let mut contact = wet(0.1);
     contact.rolling = RollingKind::ELASTIC_PLASTIC_TWISTING;
@@ -145,7 +145,7 @@ fn the_same_bits_on_threads_instruction_sets_and_through_a_checkpoint() {
     }
 }
 
-/// A wet sample that is pulled apart: what the boundary works is stored and lost.
+/// A wet sample in extension: the work of the boundary is either stored or lost.
 #[test]
 fn the_energy_is_in_balance() {
     let mut s = compressed(Properties::new(plain(), wet(0.1)), 0.0, Hardware::default());

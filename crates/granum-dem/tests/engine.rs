@@ -27,7 +27,8 @@ fn lattice(spheres: &[[f64; 3]], cell: Cell, normal: NormalKind) -> Simulation {
     Simulation::new(cell, &spheres, properties(normal, TangentialKind::NO_SLIP)).unwrap()
 }
 
-/// Physics table (vi): mean stress and affine bulk modulus of simple cubic and face-centred cubic lattices.
+/// Mean stress and affine bulk modulus of simple cubic and face-centred cubic lattices (case vi of the table in the chapter on
+/// contact laws of the book).
 #[test]
 fn lattices_have_their_stress() {
     let table = [

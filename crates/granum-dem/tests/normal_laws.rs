@@ -17,7 +17,7 @@ fn glass(interface_energy: f64) -> Material {
     Material::default().with(|material| material.interface_energy = interface_energy)
 }
 
-/// A set of laws, and what the second material has of its own.
+/// A set of laws, and the properties in which the second material differs.
 struct Case {
     contact: ContactModel,
     interface_energy: f64,
@@ -75,7 +75,7 @@ impl Case {
     }
 }
 
-/// Compressed for a number of steps, then pulled apart a little, so that contacts form and break.
+/// Compressed for a number of steps, then extended a little, so that contacts form and break.
 fn sample(properties: Properties, spread: f64, steps: u64, hardware: Hardware) -> Simulation {
     let mut s = common::compressed(150, spread, properties, steps, hardware);
     s.set_control(common::growing(2.0));
@@ -126,7 +126,7 @@ fn the_same_bits_on_threads_instruction_sets_and_through_a_checkpoint() {
     }
 }
 
-/// A sample that is compressed, then strained slowly both ways: what the boundary works is stored or lost.
+/// A sample that is compressed, then strained slowly in both directions: the work of the boundary is either stored or lost.
 #[test]
 fn the_energy_is_in_balance() {
     for case in cases() {
@@ -162,7 +162,7 @@ fn the_energy_is_in_balance() {
     }
 }
 
-/// Grains of 0.1 mm that are pulled to the end of the attraction: pairs apart have its force and its energy.
+/// Grains of 0.1 mm that are separated up to the end of the attraction: separated pairs have its force and its energy.
 #[test]
 fn van_der_waals_holds_pairs_apart_in_the_list() {
     let s = sample(cases().pop().unwrap().one(), 0.0, 4500, Hardware::default());

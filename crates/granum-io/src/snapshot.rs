@@ -52,12 +52,12 @@ pub(crate) const CONTACT: [Entry<Contact>; 8] = [
 const ROLLING: [Entry<Contact>; 1] =
     [("rolling_energy", "J", Place::Scalar(|contact| &mut contact.rolling_energy))];
 
-/// A further column, written only where a law of adhesion acts on top of contacts; beside it stands `touching`, which is 0 for
-/// pairs that it holds apart.
+/// A further column, written only with an additional law of adhesion; it is followed by `touching`, which is 0 for pairs that
+/// attract each other without touching.
 const ATTRACTION: [Entry<Contact>; 1] =
     [("attraction_energy", "J", Place::Scalar(|contact| &mut contact.attraction_energy))];
 
-/// The column that says which pairs touch, and that of the material of a grain, where there are several.
+/// The column that states which pairs touch, and that of the material of a grain if there are several.
 const TOUCHING: &str = "touching";
 const MATERIAL: &str = "material";
 

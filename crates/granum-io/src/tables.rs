@@ -101,7 +101,7 @@ fn read_contacts(path: &Path, edges: &Vector, assembly: &mut Assembly, parts: Pa
     Ok(parts)
 }
 
-/// Fills the columns that the table has, and adds what they are to the parts.
+/// Reads the columns that the table has, and adds the corresponding parts.
 fn fill_known<T>(rows: &mut [T], entries: &[Entry<T>], table: &Table, mut parts: Parts) -> Result<Parts> {
     for entry in entries {
         if column_names(entry.0, entries).iter().all(|name| table.has(name)) {

@@ -123,7 +123,7 @@ pub fn figure(runs: &[RunCurves], tests: &[&LaboratoryTest]) -> (Figure, String)
         }
         let mut plot = Plot::new(Axis::new("Axial strain *ε*_{1}"), axis);
         for (k, test) in tests.iter().enumerate() {
-            // About forty marks a curve can be told apart.
+            // About forty markers per curve can be distinguished.
             let every = points(test).len().div_ceil(40).max(1);
             let marks = points(test).into_iter().step_by(every).collect();
             let name = if test.name.is_empty() { "laboratory" } else { &test.name };

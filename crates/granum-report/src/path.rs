@@ -74,7 +74,7 @@ fn moves(drive: Drive) -> bool {
     }
 }
 
-/// Which way axis x is strained, where that is said.
+/// The direction in which axis x is strained, if it is given.
 fn sense(x: Drive) -> Option<bool> {
     match x {
         Drive::Rate(rate) if rate != 0.0 => Some(rate > 0.0),

@@ -1,4 +1,4 @@
-//! Ready cases, one file each in `crates/granum/gallery/`. A new one is its file and its line in [`CASES`].
+//! Ready cases, one file each in `crates/granum/gallery/`. A new case needs a file and a line in [`CASES`].
 
 /// A ready case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! Ctrl-C and SIGTERM: the first asks for a stop in good order, the second ends the program at once.
+//! Ctrl-C and SIGTERM: the first requests a clean stop, the second ends the program at once.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;

@@ -454,7 +454,7 @@ pub struct Attraction<R: Real> {
     pub force: R,
     /// Absolute value of its derivative with respect to the distance, N/m, for the time step.
     pub stiffness: R,
-    /// Where the law acts: only there its history is stored.
+    /// Whether the law acts on the pair; its history is stored only if it does.
     pub acting: R::Mask,
     /// Energy lost in this step, J, because the attraction begins or ends with a jump of its energy.
     pub loss: R,
@@ -490,11 +490,11 @@ pub trait AdhesionLaw: Copy + Send + Sync + 'static {
     const DESCRIPTION: Description;
     /// False only for the law without a force.
     const ACTS: bool = true;
-    /// True for a law that begins to act only on grains that touch, such as a liquid bridge. A pair apart on which it does not act
-    /// is then not evaluated until the grains may touch.
+    /// True for a law that begins to act only on grains that touch, such as a liquid bridge. A separated pair on which it does not
+    /// act is then not evaluated until the grains may touch.
     const BEGINS_AT_TOUCH: bool = false;
     /// True for a law of bridges whose liquid comes from films on the grains and returns to them. The first column of the history is
-    /// then the volume of the liquid in the bridge, m3, and zero where there is none. At the end of a step the engine makes a
+    /// then the volume of the liquid in the bridge, m3, and zero without a bridge. At the end of a step the engine makes a
     /// bridge ([`AdhesionLaw::bridge`]) between grains that touch and have liquid, and returns the liquid of the bridges on
     /// which the law has ceased to act; [`AdhesionLaw::update`] leaves the first column as it is.
     const SHARES_LIQUID: bool = false;
@@ -511,8 +511,8 @@ pub trait AdhesionLaw: Copy + Send + Sync + 'static {
     }
     /// The constants of a pair that [`AdhesionLaw::update`] needs; `parameters` in the order of the description.
     fn prepare(pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS];
-    /// Force, stiffness and loss at an overlap, m (negative for a pair apart), and whether the contact touches. The history is
-    /// all zeros for a pair on which the law did not act a step before.
+    /// Force, stiffness and loss at an overlap, m (negative for a separated pair), and whether the pair touches. The history is
+    /// all zeros for a pair on which the law did not act in the previous step.
     fn update<R: Real>(
         constants: &[R; LAW_CONSTANTS],
         overlap: R,
@@ -528,7 +528,7 @@ pub trait AdhesionLaw: Copy + Send + Sync + 'static {
     fn largest_bridge(_constants: &[f64; LAW_CONSTANTS]) -> f64 {
         0.0
     }
-    /// The history of a new bridge with this volume of liquid, m3; all zeros where that is too little for a bridge.
+    /// The history of a new bridge with this volume of liquid, m3; all zeros if the volume is too small for a bridge.
     fn bridge(_constants: &[f64; LAW_CONSTANTS], _volume: f64) -> [f64; MAX_ADHESION_HISTORY] {
         [0.0; MAX_ADHESION_HISTORY]
     }

@@ -338,8 +338,8 @@ impl Control {
     }
 
     /// The control of the cell for a speed of one, for a program that solves for the strain rates itself: base strain rates and
-    /// the bound on those of the servo are multiples of the speed. `modulus`, Pa, is the bulk modulus that constraints of strains
-    /// and stresses are weighed with. The target of a stress that is held at what it is at the start of the stage is NaN.
+    /// the bound on those of the servo are multiples of the speed. `modulus`, Pa, is the bulk modulus by which constraints on strains
+    /// and stresses are weighted. The target of a stress that is held at its value at the start of the stage is NaN.
     ///
     /// ```
     /// use granum_dem::loading::{Control, Drive, Speed, Target};

@@ -8,8 +8,8 @@
 //!   `10^(x - mu)`; the relaxation brings the sample to the target. More friction than that of the grains makes no looser sample,
 //!   since the structure that it supports collapses at the relaxation.
 //!
-//! The solid fraction falls along the line. Where the preparation prescribes the cycles or the stress of the compaction, the part of
-//! the line that varies them is left out.
+//! The solid fraction decreases along this line. If the preparation prescribes the cycles or the stress of the compaction, the part of
+//! the line that varies them is not used.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,8 +1,9 @@
 //! The search among grains of very different sizes, with a grid of its own for each class of sizes.
 //!
-//! In one grid the boxes would be as wide as two of the largest grains, and hold hundreds of the smallest. Here each grain belongs to
+//! In one grid the boxes would be as wide as two of the largest grains, and contain hundreds of the smallest. Here each grain belongs to
 //! a level, whose grains differ in size by less than a factor of two, and each level has a grid with boxes for its own largest
-//! grain. A grain looks for neighbours in the grids of its own level and of all coarser ones; their boxes hold about one grain each.
+//! grain. Neighbours of a grain are searched in the grids of its own level and of all coarser ones, whose boxes contain about one grain
+//! each.
 //! The pairs are the same, bit by bit, as those of one grid.
 
 use granum_simd::{Isa, Kernel, LANES, Lanes, Mask, Row8, dispatch};

@@ -1,4 +1,4 @@
-//! A sieve curve: share of the mass that is finer, by diameter, as a laboratory gives it.
+//! A sieve curve as measured in a laboratory: the share of the mass that is finer than a diameter.
 
 use libm::{cbrt, log};
 

@@ -1,4 +1,4 @@
-//! Fractal distribution: the number of grains larger than x goes with a power of x.
+//! Fractal distribution: the number of grains larger than x is proportional to a power of x.
 
 use libm::pow;
 

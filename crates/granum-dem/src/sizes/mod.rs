@@ -1,15 +1,15 @@
 //! Size distributions of the grains.
 //!
 //! A distribution gives the share of the grains, **by number**, that are smaller than a diameter, and its inverse. A sample of N
-//! grains has the N quantiles at the shares `(i + 1/2) / N`, so that it meets the distribution as closely as N grains can; the seed
-//! of the preparation decides where the grains lie, not how large they are. (The default, `uniform`, draws each radius at random
-//! instead, as the program always did.)
+//! grains has the N quantiles at the shares `(i + 1/2) / N`, so that it reproduces the distribution as closely as N grains can; the seed
+//! of the preparation determines the positions of the grains, not their sizes. (The default, `uniform`, draws each radius at random
+//! instead.)
 //!
 //! A distribution can be cut at a smallest and a largest diameter ([`Sizes::smallest`], [`Sizes::largest`]): the shares between the
 //! cuts are then scaled to one. Curves by mass are turned into shares by number, since a grain of diameter d has a mass
 //! proportional to d³.
 //!
-//! To add a distribution, add its file and its line in [`SizeKind`] and [`ALL`].
+//! A new distribution needs a file and a line in [`SizeKind`] and [`ALL`].
 
 mod curve;
 mod equal;
@@ -289,7 +289,7 @@ impl Sizes {
 }
 
 impl Grains {
-    /// Refuses sizes that cannot be.
+    /// Refuses impossible sizes.
     ///
     /// # Errors
     /// The first key that is wrong, and what would be right.

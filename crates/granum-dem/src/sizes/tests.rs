@@ -97,7 +97,7 @@ fn a_fractal_of_dimension_three_is_a_straight_sieve_curve() {
     }
 }
 
-/// Shares and errors computed apart from this program.
+/// Shares and errors that were computed independently of this program.
 #[test]
 fn a_sieve_curve_is_met_by_mass() {
     let shares = [0.17376660, 0.18763435, 0.21715822, 0.38293426, 0.03828488, 0.00022170];

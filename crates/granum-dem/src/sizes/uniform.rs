@@ -1,4 +1,4 @@
-//! Radii drawn at random, uniformly in `d/2 (1 ± spread)`: what the program always did.
+//! Radii drawn at random, uniformly in `d/2 (1 ± spread)`.
 
 use rand_chacha::ChaCha8Rng;
 

@@ -67,7 +67,7 @@ fn broken(stages: &[Stage], threads: usize, every: u64) -> String {
     format!("{:?}", s.state())
 }
 
-/// Threads and restarts change no bit of any path, and each comes to an end that was asked for.
+/// Threads and restarts change no bit of any path, and each ends by one of its end conditions.
 #[test]
 fn every_path_gives_the_same_bits_however_it_is_broken_off() {
     for path in preset::ALL {

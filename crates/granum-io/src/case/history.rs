@@ -1,6 +1,6 @@
 //! Histories of strains and stresses for the path `history`: from a CSV file, or as columns and rows of the case itself.
 //!
-//! A run keeps the rows in its own case, so that it needs the file no more.
+//! The case of a run contains the rows, so that the run no longer needs the file.
 
 use std::io::BufRead;
 use std::path::Path;
@@ -15,14 +15,14 @@ use crate::error::{Error, Result};
 use crate::formats::csv::{self, Lines};
 use granum_core::quantity::{Dimension, format_number, parse_quantity};
 
-/// Keys of a stage in which a history stands.
+/// Keys of a stage that give a history.
 pub(super) const HISTORY_KEYS: [&str; 3] = ["file", "columns", "rows"];
 
-/// Where a column of a file goes.
+/// The quantity to which a column of a file belongs.
 struct SourceColumn {
     /// None for the time.
     quantity: Option<Quantity>,
-    /// What a value is multiplied by.
+    /// The factor by which a value is multiplied.
     factor: f64,
 }
 

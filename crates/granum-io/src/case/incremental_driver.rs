@@ -1,8 +1,9 @@
 //! Reads the loading path `test.inp` of Niemunis' IncrementalDriver into stages.
 //!
-//! Components stand there in the order 11, 22, 33, 12, 13, 23, compression is negative, strains are logarithmic and shear strains
-//! angles; values are totals over a step. Each step becomes a stage with ramps. The time of a step and its number of increments
-//! have no part: grains go at the inertial number that the stage of the case says. What grains cannot follow is refused by name.
+//! In this file the components are in the order 11, 22, 33, 12, 13, 23, compression is negative, strains are logarithmic and shear
+//! strains are angles; values are totals over a step. Each step becomes a stage with ramps. The time of a step and its number of
+//! increments are not used: the rate follows from the inertial number of the stage in the case. Commands that cannot be simulated are
+//! refused by name.
 
 use std::path::Path;
 
@@ -71,7 +72,7 @@ struct Steps<'a> {
     options: &'a Options,
 }
 
-/// What stands before a comment.
+/// The part of a line before a comment.
 fn plain(line: &str) -> &str {
     let end = ["//", "!", "#"].iter().filter_map(|mark| line.find(mark)).min().unwrap_or(line.len());
     line[..end].trim()

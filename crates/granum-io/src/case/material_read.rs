@@ -151,7 +151,7 @@ impl Reader<'_> {
             .ok()
     }
 
-    /// The mixture of the tables, with the values of a case for what they leave out.
+    /// The mixture of the tables, where keys that are left out have the values of the case.
     pub(super) fn mixture(
         &mut self,
         case: &Case,

@@ -7,7 +7,7 @@ use super::field::{Field, Value};
 /// Values of fields with the places of their keys.
 pub(super) type Values = Vec<(&'static Field, Value, Range<usize>)>;
 
-/// A table `[[material]]` as it stands in the file.
+/// A table `[[material]]` as it is in the file.
 pub(super) struct MaterialTable {
     pub(super) place: String,
     pub(super) span: Range<usize>,
@@ -16,7 +16,7 @@ pub(super) struct MaterialTable {
     pub(super) values: Values,
 }
 
-/// A table `[[pair]]` as it stands in the file.
+/// A table `[[pair]]` as it is in the file.
 pub(super) struct PairTable {
     pub(super) place: String,
     pub(super) between: [(String, Range<usize>); 2],

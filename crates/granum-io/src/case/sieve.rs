@@ -1,6 +1,6 @@
 //! Sieve curves for `grains.sieve_curve`: points in the case, or a CSV file of diameters and per cent finer.
 //!
-//! A run keeps the points in its own case, so that it needs the file no more.
+//! The case of a run contains the points, so that the run no longer needs the file.
 
 use std::io::BufRead;
 use std::path::Path;

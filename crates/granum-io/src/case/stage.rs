@@ -16,7 +16,7 @@ use super::unit::dimension;
 use crate::error::{Error, Result};
 use granum_core::quantity::{format_number, parse_quantity};
 
-/// The number of a stage, from 1, that goes back to a state though none was kept before it, with the fault in words.
+/// The number of a stage, from 1, that starts from a saved state although no state was saved before it, with the fault in words.
 pub(super) fn fault_of_order(stages: &[CaseStage]) -> Option<(usize, String)> {
     let mut kept = false;
     for (k, stage) in stages.iter().enumerate() {

@@ -224,8 +224,8 @@ impl TableReader<'_, '_> {
         Some(CaseStage::Path { name: preset.name.to_string(), parameters, resets })
     }
 
-    /// The history of a path, in a file beside the case or as it stands in the table; mistakes in the file are told with the
-    /// places there.
+    /// The history of a path, in a file in the folder of the case or in the table itself; mistakes in the file are reported with
+    /// their positions in it.
     fn history(&mut self, table: &DeTable<'_>, span: &Range<usize>) -> Option<granum_dem::loading::History> {
         let file = table.get("file");
         if let (Some(file), Some(_)) = (file, table.get("columns").or(table.get("rows"))) {
@@ -255,7 +255,7 @@ impl TableReader<'_, '_> {
         self.take("rows", history::rows(rows, columns))
     }
 
-    /// The stages of a file of the IncrementalDriver; mistakes in the file are told with the places there.
+    /// The stages of a file of the IncrementalDriver; mistakes in the file are reported with their positions in it.
     fn incremental_driver(mut self, table: &DeTable<'_>, span: &Range<usize>) -> Vec<CaseStage> {
         for (key, _) in table {
             if !DRIVER_KEYS.iter().any(|[known, _]| *known == key.get_ref()) {

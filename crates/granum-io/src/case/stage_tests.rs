@@ -241,7 +241,7 @@ fn stages_nest_and_repeat() {
     assert!(say("stage.2.axial_strain").contains("it has repeat"));
 }
 
-/// A history is read from its file once; the case then holds it, and mistakes in the file have their places there.
+/// A history is read from its file once and is then part of the case; mistakes are reported with their positions in the file.
 #[test]
 fn a_history_comes_from_a_file_beside_the_case() {
     let folder = tempfile::tempdir().unwrap();
@@ -372,7 +372,7 @@ fn any_written_out() -> impl Strategy<Value = CaseStage> {
         let mut stages = path.stages();
         let mut stage = stages.swap_remove(index.index(stages.len()));
         stage.name = name;
-        // Nothing may be kept before a stage that goes back.
+        // A stage that starts from a saved state needs a stage before it that saved one.
         stage.start = Start::Here;
         // In a case file the mean stress for an inertial number is that of the state of the sample.
         if let Speed::InertialNumber { number, .. } = stage.control.speed {

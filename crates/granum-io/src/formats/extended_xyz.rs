@@ -1,10 +1,10 @@
 //! Extended XYZ, as OVITO, ASE and freud read it: for each instant the number of grains, a comment line with `Lattice="ax ay az bx by
-//! bz cx cy cz"`, `Origin="x y z"`, `Time=` and `Properties=name:type:columns:...`, then one grain a line.
+//! bz cx cy cz"`, `Origin="x y z"`, `Time=` and `Properties=name:type:columns:...`, then one line per grain.
 //!
-//! Read are the properties `id`, `pos`, `radius` (or `diameter`), `mass` (or `masses`), `velo` (or `velocities`, `vel`),
-//! `angular_velocity`, `force` (or `forces`); of these `pos` must be there. Written are those that are known, with OVITO's names. The
-//! species is the material of a grain, by which OVITO colours; without named materials it is `X`, since ASE refuses names that are
-//! no chemical elements.
+//! The properties `id`, `pos`, `radius` (or `diameter`), `mass` (or `masses`), `velo` (or `velocities`, `vel`), `angular_velocity` and
+//! `force` (or `forces`) are read; only `pos` is required. Those that are known are written, with the names of OVITO. The species is
+//! the material of a grain, by which OVITO chooses colours; without named materials it is `X`, since ASE refuses names that are not
+//! chemical elements.
 
 use std::io::Write;
 use std::path::Path;

@@ -1,12 +1,13 @@
 //! GSD, the binary format of HOOMD-blue, as OVITO and freud read it (layout of versions 1 and 2, schema `hoomd` 1).
 //!
-//! Chunks that are read: `configuration/step`, `configuration/box`, `particles/N`, `position`, `velocity`, `mass`, `diameter`,
-//! and `angmom` is passed over. A chunk that a frame lacks is that of the first frame, as HOOMD-blue has it. HOOMD-blue's box has
-//! its centre at the origin, and its tilt factors are those of the edges divided by their lengths. Where the file has no
-//! diameters and masses, radii and masses are not known.
+//! The chunks `configuration/step`, `configuration/box`, `particles/N`, `position`, `velocity`, `mass` and `diameter` are read;
+//! `angmom` is ignored. A chunk that is missing in a frame is taken from the first frame, as in HOOMD-blue. The box of HOOMD-blue has
+//! its centre at the origin, and its tilt factors are those of the edges divided by their lengths. If the file has no diameters or
+//! masses, the radii or masses are unknown.
 //!
-//! Written are single precision, as the schema wants it, and in `log/particles/granum_position` and `log/particles/granum_radius`
-//! the same in double precision, which granum prefers when it reads; a cell is turned as for a LAMMPS data file.
+//! Values are written in single precision, as the schema requires, and positions and radii also in double precision
+//! (`log/particles/granum_position`, `log/particles/granum_radius`), which granum prefers when it reads the file. The cell is rotated
+//! as for a LAMMPS data file.
 
 mod layout;
 

@@ -1,5 +1,5 @@
-//! Assemblies from the frames of one or several files: contacts find their grains by step, time or order, and what a file does
-//! not give but geometry does (branch, normal, overlap, strain) is added.
+//! Assemblies from the frames of one or several files: contacts are assigned to grains by step, time or order, and quantities that are
+//! not in a file but follow from the geometry (branch, normal, overlap, strain) are added.
 
 use std::path::{Path, PathBuf};
 
@@ -33,11 +33,12 @@ impl JoinOptions {
 
 /// The observations that the frames of these files make up, in the order of the frames of grains.
 ///
-/// A frame of contacts belongs to the frame of grains of the same step, or else of the same time, or else of the same place in
-/// the order of the files. A frame with neither grains nor contacts gives its cell to frames without one, in the same way.
+/// A frame of contacts belongs to the frame of grains of the same step, or else of the same time, or else of the same position in
+/// the order of the files. The cell of a frame with neither grains nor contacts is assigned in the same way to frames without a cell.
 ///
 /// # Errors
-/// If there are no grains, if a frame of contacts finds none, or a contact names a grain that is not there.
+/// If there are no grains, if no frame of grains belongs to a frame of contacts, or if a contact refers to a grain that does not
+/// exist.
 pub fn join(files: Vec<(PathBuf, Vec<Frame>)>, options: &JoinOptions) -> Result<Vec<Observation>> {
     let mut grains: Vec<(PathBuf, Frame)> = Vec::new();
     let mut others: Vec<(PathBuf, Vec<Frame>)> = Vec::new();

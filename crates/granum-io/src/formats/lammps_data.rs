@@ -1,9 +1,9 @@
 //! Data files of LAMMPS and LIGGGHTS (`read_data`, `write_data`) with `atom_style sphere` (`granular` in LIGGGHTS): grains with
-//! diameter and density in a box that may be tilted, and their velocities where the section is there.
+//! diameter and density in a box that may be tilted, and their velocities if the file has this section.
 //!
-//! Written is the same, with the velocity of each grain as LAMMPS has it, the homogeneous part included. LAMMPS needs the first
-//! edge along x and the second in the plane of x and y, with small tilts: a cell of another shape is turned, with everything in
-//! it, and its edges are replaced by equivalent ones.
+//! The same data are written. Velocities are written as LAMMPS defines them, including the homogeneous part. LAMMPS requires the first
+//! edge along x and the second in the plane of x and y, with small tilts: a cell of another shape is rotated together with its
+//! contents, and its edges are replaced by equivalent ones.
 
 use std::io::Write;
 use std::path::Path;

@@ -1,15 +1,15 @@
 //! Dumps of LAMMPS and LIGGGHTS: `dump custom` (grains) and `dump local` (contacts), any number of time steps in a file.
 //!
-//! Grains: `id`, a place (`x y z`, unwrapped `xu yu zu`, or scaled `xs ys zs`, `xsu ysu zsu`), and of `radius` or `diameter`,
-//! `mass` or `density`, `vx vy vz`, `omegax omegay omegaz`, `fx fy fz`, `tqx tqy tqz` those that are there; other columns are
-//! passed over. The box may be tilted. Where a boundary is not periodic, the grains have no periodic cell.
+//! Grains: `id` and a position (`x y z`, unwrapped `xu yu zu`, or scaled `xs ys zs`, `xsu ysu zsu`) are required; `radius` or
+//! `diameter`, `mass` or `density`, `vx vy vz`, `omegax omegay omegaz`, `fx fy fz` and `tqx tqy tqz` are read if they are present, and
+//! other columns are ignored. The box may be tilted. If a boundary is not periodic, the grains have no periodic cell.
 //!
-//! Contacts: the header of a `dump local` names computes, not quantities, so that the columns are named by the reader's
-//! options, as the keywords of the computes: `patom1 patom2` (or `natom1 natom2`, `id1 id2`), `dx dy dz`, `fx fy fz`, `p1 p2
-//! p3`, `p10 p11 p12`, and `-` for a column to be passed over. `compute pair/local` gives as `fx fy fz` the normal force on the
+//! Contacts: the header of a `dump local` names computes, not quantities. The columns are therefore named by options of the reader,
+//! with the keywords of the computes: `patom1 patom2` (or `natom1 natom2`, `id1 id2`), `dx dy dz`, `fx fy fz`, `p1 p2
+//! p3`, `p10 p11 p12`, and `-` for a column to be ignored. `compute pair/local` gives as `fx fy fz` the normal force on the
 //! first atom, as `p1 p2 p3` the tangential force on it (pair styles `gran/...` and `granular`), and as `dx dy dz` (for
 //! `granular` of LAMMPS from 2021 also `p10 p11 p12`) the vector from the second to the first. `force_x force_y force_z` is the
-//! whole force on the first grain, as `compute pair/gran/local` of LIGGGHTS writes it. Forces contain the dashpots.
+//! total force on the first grain, as `compute pair/gran/local` of LIGGGHTS writes it. Forces include those of the dashpots.
 
 use std::path::Path;
 

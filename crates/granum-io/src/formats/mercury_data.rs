@@ -1,8 +1,8 @@
 //! `.data` files of MercuryDPM: for each time a line `N time xmin ymin zmin xmax ymax zmax`, then for each particle `x y z vx vy vz
 //! radius a b c wx wy wz info` (the three-dimensional format of 14 columns).
 //!
-//! The domain of the header is taken as the periodic cell. Particles have no id but their place, from 0, by which `.fstat` files
-//! name them; periodic images that follow the particles (overlapping copies outside the domain) are passed over.
+//! The domain in the header is taken as the periodic cell. The id of a particle is its position in the list, counted from 0, by which
+//! `.fstat` files refer to it; periodic images that follow the particles (overlapping copies outside the domain) are ignored.
 
 use std::path::Path;
 

@@ -1,9 +1,9 @@
 //! `.fstat` files of MercuryDPM: three lines of comments for each time, then for each contact `time i j x y z overlap
 //! tangential_overlap normal_force tangential_force nx ny nz tx ty tz`.
 //!
-//! Every contact of two particles stands there twice, once from each side, and is taken once. `i` and `j` are the places of the
-//! particles in the `.data` file, from 0; contacts with walls (a negative `j`) have no part in the stress of a periodic cell and are
-//! refused. The normal points from `j` to `i`, and both forces act on `i`.
+//! The file contains every contact of two particles twice, once for each particle; it is read once. `i` and `j` are the positions of the
+//! particles in the list of the `.data` file, counted from 0; contacts with walls (a negative `j`) do not occur in a periodic cell and
+//! are refused. The normal points from `j` to `i`, and both forces act on `i`.
 
 use std::path::Path;
 
@@ -22,7 +22,7 @@ impl ResultFormat for MercuryFstat {
         &["fstat"]
     }
     fn recognises(&self, _: &[u8]) -> bool {
-        // Comments and numbers: nothing tells it but its name.
+        // The file contains only comments and numbers, so that it can be recognised only by its name.
         false
     }
     fn read(&self, path: &Path, _: &ReadOptions) -> Result<Vec<Frame>> {

@@ -1,8 +1,8 @@
 //! Restart files of MercuryDPM: the particles with their keywords (`position`, `velocity`, `angularVelocity`, `radius`, `invMass`,
 //! `force`, `torque`), the domain or the periodic boundaries, and the contacts of two particles with their force.
 //!
-//! The cell is that of the periodic boundaries along the three axes; without all three there is none. The force of an interaction
-//! acts on the first of its particles. Contacts with walls are passed over.
+//! The cell follows from the periodic boundaries along the three axes; if one of them is missing, there is no cell. The force of an
+//! interaction acts on the first of its particles. Contacts with walls are ignored.
 
 use std::path::Path;
 

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! The box may be tilted as in LAMMPS (`xy= xz= yz=` after `zhi`). A cell of any other shape is given by its corner
-//! and its three edges: `# periodic cell, m: ox= oy= oz= ax= ay= az= bx= by= bz= cx= cy= cz=`. A column `material` names what each
-//! grain is made of. Other columns are passed over. Grains may stand in any order; their ids must be 1, 2, ... without a gap.
+//! and its three edges: `# periodic cell, m: ox= oy= oz= ax= ay= az= bx= by= bz= cx= cy= cz=`. A column `material` gives the name
+//! of the material of each grain. Other columns are ignored. Grains may be in any order; their ids must be 1, 2, ... without a gap.
 
 mod cell;
 

@@ -1,4 +1,4 @@
-//! Results of other programs: grains, contacts and cells at one or several instants, as a file has them, before files are
+//! Results of other programs: grains, contacts and cells at one or several instants, as they are in a file, before several files are
 //! [joined](super::join::join) to [assemblies](granum_core::Assembly).
 
 use std::path::Path;
@@ -8,16 +8,16 @@ use granum_core::{Part, Parts};
 
 use crate::error::{Error, Result};
 
-/// A format of results: grains, and where it has them contacts, at one or several instants.
+/// A format of results: grains, and possibly contacts, at one or several instants.
 ///
-/// Its lengths, times and forces are in SI units, or in a consistent system of units that is taken as it is.
+/// Lengths, times and forces are in SI units, or in a consistent system of units, which is not converted.
 ///
 /// ```
 /// use std::path::Path;
 /// use granum_core::Part;
 /// use granum_io::formats::{Formats, Frame, ReadOptions, ResultFormat};
 ///
-/// /// One grain a line: x y z r.
+/// /// One grain per line: x y z r.
 /// struct Bare;
 ///
 /// impl ResultFormat for Bare {

@@ -1,10 +1,10 @@
 //! Legacy VTK text files as YADE's `VTKExporter` writes them: `exportSpheres`, `exportContactPoints` and `exportPeriodicCell`.
 //!
-//! Spheres are points with the scalar `radius`, in the order of their ids from 0. Contact points need what distinguishes them, named
-//! so: `exportContactPoints(what={'id1': 'i.id1', 'id2': 'i.id2', 'normalForce': 'i.phys.normalForce', 'shearForce':
-//! 'i.phys.shearForce', 'normal': 'i.geom.normal'})`; of these the forces and the normal may be missing. YADE's normal points from
-//! the first body to the second, and its forces act on the second. Of spheres the arrays `velocity` (or `vel`), `angularVelocity`,
-//! `mass` and `force` are read as well. The cell is given by its eight corners.
+//! Spheres are points with the scalar `radius`, in the order of their ids from 0. Contact points must be exported with these names:
+//! `exportContactPoints(what={'id1': 'i.id1', 'id2': 'i.id2', 'normalForce': 'i.phys.normalForce', 'shearForce':
+//! 'i.phys.shearForce', 'normal': 'i.geom.normal'})`; the forces and the normal may be missing. YADE's normal points from
+//! the first body to the second, and its forces act on the second. The arrays `velocity` (or `vel`), `angularVelocity`,
+//! `mass` and `force` of spheres are read as well. The cell is given by its eight corners.
 
 use std::collections::BTreeMap;
 use std::path::Path;

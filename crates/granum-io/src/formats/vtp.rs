@@ -1,6 +1,6 @@
 //! VTK PolyData (`.vtp`) for ParaView: grains as vertices and contacts as lines from centre to centre, in one file.
 //!
-//! A line that leaves the cell is cut at the face and goes on from the opposite one, so that force chains do not cross the picture.
+//! A line that leaves the cell is cut at the face and continues from the opposite one, so that no line crosses the whole picture.
 //! Arrays of vertices and lines (cell data): `id`, `radius`, `diameter`, `mass`, `velocity`, `angular_velocity`, `force_on_grain`,
 //! `torque_on_grain`, `coordination_number` of grains; `first`, `second` (ids of the grains), `overlap`, `normal_force`,
 //! `tangential_force`, `force` (magnitude), `sliding` of contacts; each is zero for the other kind, and `is_contact` distinguishes
@@ -31,7 +31,7 @@ impl ResultFormat for Vtp {
         &["vtp"]
     }
     fn recognises(&self, _: &[u8]) -> bool {
-        // Files of VTK XML are recognised together, whatever they hold.
+        // All files of VTK XML are recognised in the same way, whatever they contain.
         false
     }
     fn read(&self, path: &Path, options: &ReadOptions) -> Result<Vec<Frame>> {

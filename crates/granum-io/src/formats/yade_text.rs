@@ -1,9 +1,9 @@
-//! Text files of YADE: `export.text`, `export.textExt` and `SpherePack.save`, one sphere a line.
+//! Text files of YADE: `export.text`, `export.textExt` and `SpherePack.save`, with one line per sphere.
 //!
-//! `export.text` and `textExt` begin with `#format x_y_z_r` (or `id_x_y_z_r_matId` and the like) and have no cell, which must be
-//! given beside them: by `--cell`, or by the file of `VTKExporter.exportPeriodicCell`. `SpherePack.save` writes lines `x y z r
-//! clump`, before them `##PERIODIC:: lx ly lz` for a periodic packing. Spheres without an id are numbered from 0 in their order, as YADE numbers
-//! its bodies and as the contacts that it writes name them.
+//! `export.text` and `textExt` begin with `#format x_y_z_r` (or `id_x_y_z_r_matId` and the like) and contain no cell, which must be
+//! given separately: by `--cell`, or by the file of `VTKExporter.exportPeriodicCell`. `SpherePack.save` writes lines `x y z r
+//! clump`, before them `##PERIODIC:: lx ly lz` for a periodic packing. Spheres without an id are numbered from 0 in their
+//! order, as YADE numbers its bodies, so that the contacts in its files refer to these numbers.
 
 use std::path::Path;
 

@@ -20,23 +20,23 @@ pub use packed_grain::PackedGrain;
 /// Tolerance for the position of a grain outside the cell, relative to the edge of the cell, because of rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Which grain of a packing is of which material, where its file says so.
+/// The materials of the grains of a packing, if its file contains them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PackedMaterials {
     /// Names of the materials, each once.
     pub names: Vec<String>,
-    /// Place of the material of each grain among the names, in the order of the grains; empty where nothing is said.
+    /// Index of the material of each grain in the list of names, in the order of the grains; empty if the file contains none.
     pub of: Vec<u8>,
 }
 
 impl PackedMaterials {
-    /// The name of the material of a grain, by its place among the grains.
+    /// The name of the material of a grain, by the index of the grain.
     pub fn name(&self, grain: usize) -> Option<&str> {
         let name = self.names.get(*self.of.get(grain)? as usize)?;
         Some(name)
     }
 
-    /// The place of a name among those that there are, which becomes one of them if it is new; `None` if there are too many.
+    /// The index of a name in the list, to which a new name is added; `None` if there are too many.
     pub(crate) fn place(&mut self, name: &str) -> Option<u8> {
         let known = self.names.iter().position(|known| known == name);
         let place = known.unwrap_or(self.names.len());
@@ -68,7 +68,7 @@ pub struct Packing {
     pub cell: Matrix,
     /// The grains, in order of their ids.
     pub grains: Vec<PackedGrain>,
-    /// What they are made of, where the file says so.
+    /// Their materials, if the file contains them.
     pub materials: PackedMaterials,
 }
 

@@ -1,7 +1,7 @@
 //! Studies for `VALIDATION.md` that take too long for a test:
 //!
 //! ```sh
-//! cargo run --release -p granum-learn --example physics -- STUDY [paper]
+//! cargo run --release -p granum-run --example physics -- STUDY [paper]
 //! ```
 //!
 //! `lammps`, `time-step`, `rate`, `size`, `critical-state`: each prints its table and takes some minutes. With `paper`

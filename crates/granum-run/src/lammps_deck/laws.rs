@@ -8,8 +8,9 @@
 //! | `elastic-plastic` | `rolling sds` |
 //! | `elastic-plastic-twisting` | `rolling sds`, `twisting sds` |
 //!
-//! Granum's rolling stiffness follows the normal stiffness of each contact, LAMMPS's is one number for all: that of a contact of mean
-//! radii under the mean normal force of the sample. The script changes it with the mean stress, row by row of its curve. With `pseudo-force x R*` as LAMMPS has it, `k = 9/4 k_n mu_r^2`,
+//! In granum the rolling stiffness follows the normal stiffness of each contact, in LAMMPS all contacts have one value: that of
+//! a contact of mean radii under the mean normal force of the sample. The script changes it with the mean stress at every row of
+//! its curve. With the convention `pseudo-force x R*` of LAMMPS, `k = 9/4 k_n mu_r^2`,
 //! `gamma = 2 zeta_r (I_r k_theta)^(1/2) / R*^2` and `mu = mu_r`.
 
 use granum_dem::config::{ContactModel, NormalKind, RollingKind, TangentialKind};

@@ -155,8 +155,8 @@ fn stress_force_and_fabric_agree() {
     assert!(n > c && c > 0.0 && t > 0.0);
 }
 
-/// The sensor, which knows no axis, finds the anisotropies that the sums along the axis of compression give, and its relation the
-/// von Mises ratio.
+/// The sensor, which assumes no axis, finds the anisotropies that the sums along the axis of compression give, and the stress ratio
+/// of its relation is the von Mises ratio.
 #[test]
 fn the_sensor_of_anisotropies_finds_those_along_the_axis() {
     for a in sheared() {

@@ -191,7 +191,7 @@ fn nothing_looked_at_is_an_empty_record() {
     assert!(recorder.record().forces().is_empty());
 }
 
-/// A recorder that is written down and read back in the middle goes on with the same bits, also where a sensor compares
+/// A recorder that is saved and restored during a test continues with the same bits, also where a sensor compares
 /// observations.
 #[test]
 fn a_resumed_recorder_goes_on_with_the_same_bits() {

@@ -112,7 +112,7 @@ impl Export {
         self.say(context, &format!("{grains} grains at {instants}"))
     }
 
-    /// The snapshots of a run that are asked for.
+    /// The requested snapshots of a run.
     fn snapshots(&self, run: &Run) -> Result<Vec<Observation>, Failure> {
         let names = run.snapshots()?;
         // A sample that was prepared and not tested has one snapshot, that of its start.

@@ -87,7 +87,7 @@ impl Measure {
         })
     }
 
-    /// Writes the columns to the file that is asked for, if any.
+    /// Writes the columns to the requested file, if any.
     fn write(&self, context: &Context, columns: Vec<(SensorColumn, Vec<f64>)>) -> Result<(), Failure> {
         let Some(path) = &self.output else { return Ok(()) };
         let column = |(column, values): (SensorColumn, Vec<f64>)| {

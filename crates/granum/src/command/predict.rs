@@ -1,4 +1,4 @@
-//! `granum predict`: what the networks of a study, or a saved surrogate, answer.
+//! `granum predict`: predictions of the networks of a study, or of a saved surrogate.
 
 use std::path::{Path, PathBuf};
 
@@ -19,15 +19,15 @@ use crate::output;
 /// Nominal coverage of the intervals for states of unseen runs.
 pub(super) const LEVEL: f64 = 0.9;
 
-/// Ask the networks of a study, or a saved surrogate: one row by flags, or many from a table.
+/// Evaluate the networks of a study, or a saved surrogate: one row by flags, or many from a table.
 ///
 /// The inputs are those of a state of a test, whatever the form of the networks: deviator_strain, deviator_fabric, stress_ratio,
-/// every bin of P(f) (probability_density_0.125, ...) where the mapping reads it, and force where P(f) is the answer. The
-/// answer comes with the interval that holds 90 % of the states of unseen runs; of networks that were trained on a single
-/// run it does not contain the scatter between samples. A row outside the range that a network was trained in is answered all the same, and said to be outside: do not trust
-/// it. Without --set and --input the error lists the inputs with their ranges.
+/// every bin of P(f) (probability_density_0.125, ...) where the mapping has it as an input, and force where P(f) is the output.
+/// The answer is given with the interval that should contain 90 % of the states of unseen runs; for networks that were trained on
+/// a single run it does not include the scatter between samples. A row outside the range on which a network was trained is also
+/// answered, and is marked as outside: do not trust it. Without --set and --input the error lists the inputs with their ranges.
 ///
-/// A surrogate that a program saved in a file is asked by its own columns, without --mapping.
+/// A surrogate that a program saved in a file is evaluated by its own columns, without --mapping.
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum predict study --mapping F4 --set deviator_strain=0.12 --set \
                   deviator_fabric=0.1 --set force=1.125\n  granum predict study --mapping F1 --input rows.csv -o answers.csv\n  granum predict surrogate.json \

@@ -1,4 +1,4 @@
-//! `granum predict FILE`: what a surrogate answers that a program saved.
+//! `granum predict FILE`: predictions of a surrogate that a program saved.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Files of results of other programs, and what they do not say of themselves.
+//! Files of results of other programs, and the options that supply what these files do not contain.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! Sensors that a case asks for, and the stiffness of samples and states.
+//! Sensors that a case names, and the stiffness of samples and states.
 
 use crate::common::stderr;
 use crate::{SMALL, done, done_json, refused};

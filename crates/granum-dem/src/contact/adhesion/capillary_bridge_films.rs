@@ -1,14 +1,15 @@
 //! Liquid bridges between wet grains that share the liquid of films on the grains.
 //!
-//! The bridges are those of [`super::capillary_bridge`], each with a volume V of its own. A grain starts with a film whose volume is a
-//! parameter times that of the grain. A bridge forms where grains touch: it takes liquid from both films in equal parts, as much
-//! as the drier grain has, up to a largest volume. When it ruptures, each grain gets one half of its liquid. The liquid is neither
-//! lost nor created, but moves from grain to grain. Where the liquid does not suffice for a bridge of `1e-6 R_e^3`, the contact stays dry until the films have
-//! received more.
+//! The bridges follow the law of [`super::capillary_bridge`], each with a volume V of its own. A grain starts with a film
+//! whose volume is a parameter times that of the grain. A bridge forms where grains touch: both films give equal volumes of
+//! liquid, at most what the drier grain has, up to a largest bridge volume. When the bridge ruptures, each grain receives one
+//! half of its liquid. Liquid is neither lost nor created, but is transported from grain to grain. Where the films do not
+//! suffice for a bridge of `1e-6 R_e^3`, the contact stays dry until they have received more liquid.
 //!
-//! With the material's contact angle theta the force at touch is `F_0 = 2 pi R_e gamma cos(theta)`, whatever the volume; the
-//! volume decides how fast the force falls with the gap and where the bridge ruptures. At a liquid content W (volume of
-//! liquid over that of solid) and Z bridges per grain, the mean of `V/R^3` of equal grains is at most `8 pi W / 3 Z`.
+//! With the contact angle theta of the material the force at touch is `F_0 = 2 pi R_e gamma cos(theta)` for any volume; the
+//! volume determines how fast the force decreases with the gap and at which gap the bridge ruptures. At a liquid content W
+//! (volume of liquid over that of solid) and Z bridges per grain, the mean of `V/R^3` of equal grains is at most
+//! `8 pi W / 3 Z`.
 
 use granum_simd::{Mask, Real};
 
@@ -104,7 +105,7 @@ impl AdhesionLaw for CapillaryBridgeFilms {
         let before = history[VOLUME].gt(R::zero());
         let acting = before & gap.lt(history[RUPTURE]);
         let (force, stiffness) = pull(c[FORCE], history[PER_GAP], gap, acting);
-        // A bridge that has ruptured before holds nothing but liquid to be returned.
+        // A bridge that ruptured in an earlier step has no history but its liquid, which is to be returned.
         let ruptured = before & !acting & history[RUPTURE].gt(R::zero());
         let mut loss = R::zero();
         if ruptured.any() {
@@ -156,7 +157,7 @@ mod tests {
         PairProperties::new((&Material::default(), R), (&Material::default(), R), 0.0)
     }
 
-    /// A bridge of a volume is that of the law with constant volume, at every gap, with its rupture, energies and losses.
+    /// A bridge has the force, rupture, energies and losses of the law of constant volume with the same volume, at every gap.
     #[test]
     fn a_bridge_is_one_of_constant_volume() {
         for (relative, angle, coefficient) in [(1e-3, 0.0, 0.1), (1e-2, 0.349, 0.1), (0.05, 0.7, 0.0)] {

@@ -1,6 +1,6 @@
 //! Oblique impact of smooth spheres, compared with an independent one-dimensional scheme and with the exact solution.
 //!
-//! The scheme uses law 4.2 (Mindlin and Deresiewicz for collinear paths) or no-slip Mindlin with rescaling, integrated by
+//! The scheme uses the law of Mindlin and Deresiewicz for collinear paths or no-slip Mindlin with rescaling, integrated by
 //! Euler's method in units of `E* = R* = m* = 1`. With 12,000 steps per contact time it reproduces the published columns to
 //! their last digit; the results of both laws still change by up to 3e-4 from there to zero step, and [`collide`] gives that
 //! limit.

@@ -81,7 +81,7 @@ fn a_cycle_stores_and_loses_as_spring_and_slider() {
     }
 }
 
-/// Rolling is that of the law without twisting, whatever the contact twists by; and the other way round.
+/// Rolling with any twisting of the contact gives the couples of the law without twisting, and the reverse.
 #[test]
 fn rolling_and_twisting_do_not_see_each_other() {
     let alone = ElasticPlasticRolling::prepare(&pair(), &[0.1, 0.3]);
@@ -100,7 +100,7 @@ fn rolling_and_twisting_do_not_see_each_other() {
     assert!(both.lost > 0.0 && twisted.lost > 0.0);
 }
 
-/// Where the load falls the couple falls with the stiffness, and what it held more is lost.
+/// Where the load decreases, the couple decreases with the stiffness, and the difference of the stored energy is lost.
 #[test]
 fn a_changing_load_makes_no_energy() {
     let [stiffness, limit] = expected();

@@ -337,7 +337,7 @@ mod tests {
         }
     }
 
-    /// A strain rate takes the place of the inertial number and brings its factor on the density, but for a consolidation.
+    /// A strain rate replaces the inertial number, together with its factor on the density, except in a consolidation.
     #[test]
     fn a_strain_rate_scales_the_density_of_the_test_alone() {
         let given = Given::from([

@@ -1,5 +1,5 @@
 //! Checks of the sizes given in a Parquet file against its actual size before the decoder uses them: the decoder allocates
-//! what a damaged header says, gigabytes for a file of some hundred bytes.
+//! the memory that a damaged header claims, gigabytes for a file of a few hundred bytes.
 
 use std::io::Read;
 

@@ -3,19 +3,19 @@
 //!
 //! Arrays may be text or binary, inside the document or appended to it, plain or compressed with zlib.
 //!
-//! - Spheres (`NAME-spheres.N.vtu`): points with `radii`, and of `id`, `mass`, `linVelVec`, `angVelVec`, `forceVec`, `torqueVec` those
-//!   that are there. Without `id` they are numbered from 0. VTK holds places with seven digits.
+//! - Spheres (`NAME-spheres.N.vtu`): points with `radii`; `id`, `mass`, `linVelVec`, `angVelVec`, `forceVec` and `torqueVec` are read if
+//!   they are present. Without `id` the spheres are numbered from 0. Positions in VTK files have seven digits.
 //! - The cell (`NAME-pericell.N.vtu`, recorder `pericell`): a hexahedron.
-//! - Contacts (`NAME-intrs.N.vtp`, recorder `intr`): lines with `forceN`; the grains are found by their places. Of the tangential
-//!   force the file has the magnitudes of the components, without their signs: it is known only where all of them are zero.
+//! - Contacts (`NAME-intrs.N.vtp`, recorder `intr`): lines with `forceN`; the grains are found by their positions. The file contains only
+//!   the magnitudes of the components of the tangential force, without their signs: this force is known only where all of them are zero.
 //! - `NAME-N.vtm` (`multiblock=True`) names the files of one instant, which are read together.
 //!
 //! LIGGGHTS: `dump custom/vtk` (points with `radius`, `id`, `mass`, `v`, `omega`, `f`), its `boundingBox` (`.vtr`), taken as periodic,
-//! and `dump local/gran/vtk` of a `compute pair/gran/local pos id force` (lines with `id1`, `id2`, `force` on the first grain). Names
-//! as MercuryDPM has them (`Radius`, `Velocity`) are known as well.
+//! and `dump local/gran/vtk` of a `compute pair/gran/local pos id force` (lines with `id1`, `id2`, `force` on the first grain). The
+//! names used by MercuryDPM (`Radius`, `Velocity`) are accepted as well.
 //!
 //! `N` is the time step. YADE 2023.02a writes the forces of contacts across a face of the cell twice, but not their lines (only
-//! the centres, two a contact): such contacts are found by their doubled rows.
+//! the centres, two for each contact): such contacts are found by their doubled rows.
 
 mod decode;
 mod document;
