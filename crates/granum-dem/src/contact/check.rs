@@ -1,21 +1,23 @@
 //! Which laws can be used together, and which parameters they then have.
 
-use super::law::Parameter;
-use super::registry::{ADHESION, NORMAL, ROLLING, TANGENTIAL};
+use super::law::{NormalTraits, Parameter};
+use super::registry::{ADHESION, NORMAL, ROLLING, TANGENTIAL, normal_laws};
 use super::selection::ContactModel;
 
 /// Laws that cannot be combined, or parameters that they do not have.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LawError {
     /// A law cannot be combined with the normal law.
-    #[error("contact.{slot} = {law:?} {reason}")]
+    #[error("contact.{slot} = {law:?} {reason}; it can be combined with {normal_laws}")]
     Apart {
         /// Its slot: `tangential` or `adhesion`.
         slot: &'static str,
         /// Its name.
         law: &'static str,
-        /// What is wrong and what would be right.
+        /// What is wrong.
         reason: &'static str,
+        /// The normal laws with which it can be combined.
+        normal_laws: String,
     },
     /// A parameter that none of the chosen laws has.
     #[error("contact.{key} has no effect with {laws}: leave it out, or choose a law that has it")]
@@ -39,6 +41,16 @@ pub enum LawError {
         /// SI unit.
         unit: &'static str,
     },
+}
+
+/// The normal laws of which this holds, as a continuation of "it can be combined with".
+fn normal_laws_with(holds: impl Fn(&NormalTraits) -> bool) -> String {
+    let laws = normal_laws().into_iter().filter(|law| holds(&law.law().traits()));
+    let names: Vec<String> = laws.map(|law| format!("{:?}", law.name())).collect();
+    match names.is_empty() {
+        true => "no normal law".into(),
+        false => format!("contact.normal = {}", names.join(" or ")),
+    }
 }
 
 /// Every set of granum's own laws that can be used together.
@@ -79,15 +91,18 @@ pub fn parameters_of(contact: &ContactModel) -> Vec<&'static Parameter> {
 /// The first violation that is found.
 pub fn check(contact: &ContactModel) -> Result<(), LawError> {
     let traits = contact.normal.law().traits();
-    contact.tangential.law().goes_with(&traits).map_err(|reason| LawError::Apart {
+    let (tangential, adhesion) = (contact.tangential.law(), contact.adhesion.law());
+    tangential.goes_with(&traits).map_err(|reason| LawError::Apart {
         slot: "tangential",
         law: contact.tangential.name(),
         reason,
+        normal_laws: normal_laws_with(|traits| tangential.goes_with(traits).is_ok()),
     })?;
-    contact.adhesion.law().goes_with(&traits).map_err(|reason| LawError::Apart {
+    adhesion.goes_with(&traits).map_err(|reason| LawError::Apart {
         slot: "adhesion",
         law: contact.adhesion.name(),
         reason,
+        normal_laws: normal_laws_with(|traits| adhesion.goes_with(traits).is_ok()),
     })?;
     let used = parameters_of(contact);
     for (key, value) in contact.parameters.iter() {

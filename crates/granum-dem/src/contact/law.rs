@@ -183,9 +183,7 @@ impl NormalTraits {
     /// The reason, as a continuation of the name of the adhesion law.
     pub fn without_adhesion(&self) -> Result<(), &'static str> {
         if self.adhesive {
-            return Err(
-                "adds to a normal law without adhesion: choose contact.normal = \"hertz\", \"rough-hertz\" or \"hooke\"",
-            );
+            return Err("adds to a normal law without adhesion");
         }
         Ok(())
     }
@@ -332,8 +330,8 @@ pub trait TangentialLaw: Copy + Send + Sync + 'static {
     const PLANE_VECTORS: usize;
     /// True for a law that discards parts of its history that store energy.
     const DISCARDS: bool = false;
-    /// Rejects a normal law that this law cannot be combined with. The message states what is wrong and what would be right,
-    /// as a continuation of `contact.tangential = "..."`.
+    /// Rejects a normal law that this law cannot be combined with. The message states what is wrong, as a continuation of
+    /// `contact.tangential = "..."`; the normal laws that are right are added to it.
     ///
     /// # Errors
     /// The reason.
@@ -501,7 +499,7 @@ pub trait AdhesionLaw: Copy + Send + Sync + 'static {
     /// Number of history columns: scalars, which are the same for the pair (j, i) as for (i, j). They are stored while the law
     /// acts.
     const HISTORY: usize;
-    /// Refuses a normal law with which it cannot be combined: what is wrong and what would be right, as a continuation of
+    /// Refuses a normal law with which it cannot be combined: what is wrong, as a continuation of
     /// `contact.adhesion = "..."`.
     ///
     /// # Errors

@@ -262,9 +262,7 @@ impl TangentialLaw for MindlinDeresiewicz {
         if normal.contact_area {
             Ok(())
         } else {
-            Err(
-                "needs a normal law with a contact area, over which slip spreads; without one choose \"no-slip\"",
-            )
+            Err("needs a normal law with a contact area, over which slip spreads")
         }
     }
 

@@ -68,7 +68,7 @@ impl TangentialLaw for Peeling {
         if normal.name == "jkr" {
             Ok(())
         } else {
-            Err("needs contact.normal = \"jkr\": nothing peels without adhesion")
+            Err("needs adhesive contacts of the JKR theory: nothing peels without adhesion")
         }
     }
 
