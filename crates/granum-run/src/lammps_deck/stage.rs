@@ -132,8 +132,8 @@ pub(super) fn checked(stage: &Stage, modulus: f64) -> Result<CellControl, DeckEr
 /// 0.13 % too low at constant volume, in proportion to the time step and to the number of rows.
 const RENEWAL: &str = "\
 # LAMMPS is initialised again only where the time step has to change by a tenth: with each initialisation the box is a step ahead of
-# the grains, for which contacts across its faces lose a part of their tangential force. The single step before it makes LAMMPS count
-# the contacts with a new list of neighbours afterwards; at the end of a stage it counts them, since a run that is halted does not.
+# the grains, which disturbs the contacts across its faces. The single step before it makes LAMMPS count the contacts with a new list of
+# neighbours afterwards; at the end of a stage it counts them, since a run that is halted does not.
 ";
 
 /// The text of a stage, of a number from 0.

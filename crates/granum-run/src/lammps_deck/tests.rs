@@ -156,9 +156,9 @@ fn laws_are_those_of_the_case() {
 /// The law that LAMMPS has too keeps its numbers, whatever the normal law and the stress.
 #[test]
 fn the_spring_dashpot_slider_is_written_as_it_is() {
-    for normal in ["hertz", "hooke"] {
+    for normal in ["'hertz'", "'hooke'\nnormal_stiffness = 4e4"] {
         let case = format!(
-            "[contact]\nnormal = '{normal}'\ntangential = 'no-slip'\nrolling = 'spring-dashpot-slider'\n\
+            "[contact]\nnormal = {normal}\ntangential = 'no-slip'\nrolling = 'spring-dashpot-slider'\n\
              rolling_stiffness = 800\nrolling_viscosity = '1.05e-3 N s/m'\nrolling_friction = 0.15\n"
         );
         let script = deck(&case).unwrap();
