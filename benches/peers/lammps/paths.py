@@ -3,9 +3,10 @@
     python paths.py --granum ../../../target/release/granum ../../../data/packing-5000.csv ../../../data/validation/paths
     python paths.py --table ../../../data/validation/paths
 
-Without and with rolling resistance; two copies in each program, which differ in the time step and are a measure of the scatter.
-Writes PATH-[rolling-]PROGRAM-COPY.csv: means over equal intervals of the coordinate of the path but the first, in which stresses rise
-so steeply that the places of the rows decide. `--table` prints the distances of these curves. Needs `lmp` with GRANULAR, granum, and nothing but Python. `--only drained` runs one path.
+Without rolling resistance, with the elastic-plastic law (`rolling`), and with the spring-dashpot-slider, which both programs have with the
+same constants (`sds`); two copies in each program, which differ in the time step and are a measure of the scatter.
+Writes PATH-[rolling-|sds-]PROGRAM-COPY.csv: means over equal intervals of the coordinate of the path but the first, of the polygon through
+the rows, so that their places do not matter. `--table` prints the distances of these curves. Needs `lmp` with GRANULAR, granum, and nothing but Python. `--only drained` runs one path.
 """
 import argparse
 import csv
@@ -29,7 +30,12 @@ PATHS = {
     "simple-shear": ("simple-shear-constant-volume", {"shear_strain": 0.03, "states": 80}, "shear_strain_xy"),
 }
 INTERVALS = 20
-ROLLING = ["--set", "contact.rolling=elastic-plastic", "--set", "contact.rolling_friction=0.1"]
+# Suffix of the files and settings. The stiffness of the last is about that of the elastic-plastic law at 20 kPa, its dashpot 0.3 of critical.
+LAWS = {
+    "": [],
+    "-rolling": ["rolling=elastic-plastic", "rolling_friction=0.1"],
+    "-sds": ["rolling=spring-dashpot-slider", "rolling_friction=0.1", "rolling_stiffness=800", "rolling_viscosity=1.05e-3"],
+}
 # Factors on granum's time step of 0.2 sqrt(m/k_t).
 COPIES = {"lammps": ["1.0", "0.85"], "granum": ["0.2", "0.17"]}
 VALUES = ["von_mises_ratio", "mean_stress", "void_ratio", "coordination_number", "mechanical_coordination_number"]
@@ -44,7 +50,9 @@ def words(path, rolling):
     out = ["--path", name]
     for key, value in {**RATE, **parameters}.items():
         out += ["--with", f"{key}={value}"]
-    return out + (ROLLING if rolling else [])
+    for setting in LAWS[rolling]:
+        out += ["--set", f"contact.{setting}"]
+    return out
 
 
 def rows_of(file):
@@ -53,7 +61,7 @@ def rows_of(file):
 
 
 def reduced(rows, path):
-    """Means of the rows over equal intervals of the coordinate: of each stage, where there are several."""
+    """Means of the curve over equal intervals of the coordinate: of each stage, where there are several."""
     rows = [row for row in rows if row.get("stage", 1) >= 1]
     coordinate = PATHS[path][2]
     if coordinate == "axial_stress":
@@ -66,11 +74,28 @@ def reduced(rows, path):
         low, high = interval(path, stage)
         for k in range(1, INTERVALS):
             at = [low + (high - low) * j / INTERVALS for j in (k, k + 1)]
-            inside = [row for row in mine if min(at) < row[coordinate] <= max(at)]
-            if inside:
-                mean = {key: sum(row[key] for row in inside) / len(inside) for key in [coordinate] + VALUES}
-                out.append({"stage": int(stage), **mean, coordinate: 0.5 * sum(at)})
+            mean = mean_between(mine, coordinate, at)
+            if mean:
+                out.append({"stage": int(stage), coordinate: 0.5 * sum(at), **mean})
     return out
+
+
+def mean_between(rows, coordinate, at):
+    """Means over an interval of the polygon through the rows; none if it does not reach from one end to the other."""
+    low, high = min(at), max(at)
+    width, sums = 0.0, dict.fromkeys(VALUES, 0.0)
+    for one, two in zip(rows, rows[1:]):
+        begin, end = one[coordinate], two[coordinate]
+        first, last = (min(max(x, low), high) for x in (begin, end))
+        # A part that turns back cancels out.
+        width += last - first
+        if last != first:
+            share = (0.5 * (first + last) - begin) / (end - begin)
+            for key in VALUES:
+                sums[key] += (last - first) * (one[key] + share * (two[key] - one[key]))
+    if abs(width) < 0.98 * (high - low):
+        return None
+    return {key: total / width for key, total in sums.items()}
 
 
 def interval(path, stage):
@@ -88,7 +113,7 @@ def write(file, rows):
 
 
 def run(arguments, path, rolling):
-    name = path + ("-rolling" if rolling else "")
+    name = path + rolling
     packing, granum = os.path.abspath(arguments.packing), os.path.abspath(arguments.granum)
     case = os.path.join(HERE, "sand.toml")
     with tempfile.TemporaryDirectory() as scratch:
@@ -129,7 +154,7 @@ def table(folder):
     print("| path | curve | mean, LAMMPS | mean, granum | distance | copies of LAMMPS | copies of granum |")
     print("|---|---|---|---|---|---|---|")
     for path in PATHS:
-        for name in (path, path + "-rolling"):
+        for name in (path + rolling for rolling in LAWS):
             files = [os.path.join(folder, f"{name}-{program}-{copy}.csv") for program in COPIES for copy in (1, 2)]
             if not all(os.path.exists(file) for file in files):
                 continue
@@ -147,14 +172,15 @@ def main():
     parser.add_argument("folder", help="folder of the curves")
     parser.add_argument("--granum", default="granum", help="the program")
     parser.add_argument("--only", choices=PATHS, action="append", help="this path; can be repeated")
-    parser.add_argument("--rolling", choices=("with", "without"), help="only with, or only without resistance to rolling")
+    choices = {"none": "", "elastic-plastic": "-rolling", "spring-dashpot-slider": "-sds"}
+    parser.add_argument("--rolling", choices=choices, action="append", help="only with this law of rolling; can be repeated")
     parser.add_argument("--table", action="store_true")
     arguments = parser.parse_args()
     if not arguments.table:
         os.makedirs(arguments.folder, exist_ok=True)
         for path in arguments.only or PATHS:
-            for rolling in [rolling for word, rolling in (("without", False), ("with", True)) if arguments.rolling in (None, word)]:
-                run(arguments, path, rolling)
+            for law in arguments.rolling or choices:
+                run(arguments, path, choices[law])
     table(arguments.folder)
 
 

@@ -6,7 +6,7 @@ use std::hash::{Hash, Hasher};
 use super::adhesion::{CapillaryBridge, CapillaryBridgeFilms, NoAdhesion, VanDerWaals};
 use super::law::{AdhesionLaw, MomentLaw, NormalLaw, TangentialLaw};
 use super::normal::{Dmt, Hertz, Hooke, Jkr, JkrDmt, Luding, RoughHertz};
-use super::rolling::{ElasticPlasticRolling, ElasticPlasticTwisting, NoMoments};
+use super::rolling::{ElasticPlasticRolling, ElasticPlasticTwisting, NoMoments, SpringDashpotSlider};
 use super::slot::{AdhesionSlot, MomentSlot, NormalSlot, TangentialSlot};
 use super::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
 
@@ -94,6 +94,7 @@ kind! {
     NONE = NoMoments,
     ELASTIC_PLASTIC = ElasticPlasticRolling,
     ELASTIC_PLASTIC_TWISTING = ElasticPlasticTwisting,
+    SPRING_DASHPOT_SLIDER = SpringDashpotSlider,
 }
 kind! {
     AdhesionKind, AdhesionSlot, AdhesionLaw, "law of additional adhesion",

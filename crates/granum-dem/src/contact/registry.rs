@@ -23,8 +23,12 @@ pub(super) const NORMAL: &[NormalKind] = &[
 pub(super) const TANGENTIAL: &[TangentialKind] =
     &[TangentialKind::MINDLIN_DERESIEWICZ, TangentialKind::NO_SLIP, TangentialKind::PEELING];
 /// granum's moment laws.
-pub(super) const ROLLING: &[RollingKind] =
-    &[RollingKind::NONE, RollingKind::ELASTIC_PLASTIC, RollingKind::ELASTIC_PLASTIC_TWISTING];
+pub(super) const ROLLING: &[RollingKind] = &[
+    RollingKind::NONE,
+    RollingKind::ELASTIC_PLASTIC,
+    RollingKind::ELASTIC_PLASTIC_TWISTING,
+    RollingKind::SPRING_DASHPOT_SLIDER,
+];
 /// granum's additional adhesion laws.
 pub(super) const ADHESION: &[AdhesionKind] = &[
     AdhesionKind::NONE,

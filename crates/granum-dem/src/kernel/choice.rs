@@ -14,7 +14,7 @@ use super::source::{Alike, AlikeOrByBatch, ByBatch, ConstantSource};
 use super::views::Views;
 use crate::contact::kind::{NormalKind, RollingKind, TangentialKind};
 use crate::contact::normal::{Hertz, Jkr};
-use crate::contact::rolling::ElasticPlasticRolling;
+use crate::contact::rolling::{ElasticPlasticRolling, SpringDashpotSlider};
 use crate::contact::selection::ContactModel;
 use crate::contact::set::Compiled;
 use crate::contact::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
@@ -65,8 +65,11 @@ impl Stages {
             Some((_, _, stages)) if laws.has_contact_only() => stages(),
             _ if laws.normal == HERTZ && laws.tangential == NO_SLIP && rolls(laws) => {
                 // For equal grains only: each loop costs time to compile.
-                type Rolling = WithMoments<Hertz, NoSlip, ElasticPlasticRolling>;
-                Stages { alike: stage::<Rolling, Alike>, by_batch: slots }
+                type Growing = WithMoments<Hertz, NoSlip, ElasticPlasticRolling>;
+                type Constant = WithMoments<Hertz, NoSlip, SpringDashpotSlider>;
+                let constant = laws.rolling == RollingKind::SPRING_DASHPOT_SLIDER;
+                let alike: Stage = if constant { stage::<Constant, Alike> } else { stage::<Growing, Alike> };
+                Stages { alike, by_batch: slots }
             }
             _ => Stages::any(),
         }
@@ -80,7 +83,8 @@ impl Stages {
 
 /// True for a set whose only law in addition to the contact laws is the resistance to rolling.
 fn rolls(laws: &ContactModel) -> bool {
-    laws.rolling == RollingKind::ELASTIC_PLASTIC && !laws.adhesion.law().acts()
+    let compiled = [RollingKind::ELASTIC_PLASTIC, RollingKind::SPRING_DASHPOT_SLIDER];
+    compiled.contains(&laws.rolling) && !laws.adhesion.law().acts()
 }
 
 #[cfg(test)]

@@ -116,8 +116,9 @@ mod tests {
                 users.iter().for_each(|(slot, law)| one.set(&format!("contact.{slot}"), law).unwrap());
                 let normal =
                     registry::normal_laws().iter().map(|law| ("normal", law.name())).collect::<Vec<_>>();
+                let rolling = registry::rolling_laws().iter().map(|law| ("rolling", law.name())).collect();
                 let adhesion = registry::adhesion_laws().iter().map(|law| ("adhesion", law.name())).collect();
-                for (slot, law) in [normal, adhesion].concat() {
+                for (slot, law) in [normal, rolling, adhesion].concat() {
                     let mut other = one.clone();
                     other.set(&format!("contact.{slot}"), law).unwrap();
                     if field.value(&one).is_none() && field.value(&other).is_some() {

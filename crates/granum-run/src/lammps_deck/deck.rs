@@ -17,7 +17,7 @@ use granum_io::{Case, OutputFolder, Packing};
 
 use super::deck_error::DeckError;
 use super::head::{Head, Stiffening, head};
-use super::laws::pair_lines;
+use super::laws::{pair_lines, rolling_follows_stress};
 use super::stage::{self, Setting, Tilt};
 use crate::laboratory::simulation;
 
@@ -96,12 +96,13 @@ impl LammpsDeck {
             pair_lines(sample.properties(), &assembly.materials, [radius, mean_force(&assembly)], follows)
         };
         let moments = case.contact.rolling.law().acts();
+        let follows = stiffening != Stiffening::None && rolling_follows_stress(&case.contact);
         let setting = Setting {
             unit_rate: sample.strain_rate(1.0, 1.0),
             modulus,
             drag: mass * SETTLING * case.numerics.time_step_factor / state.time_step(),
             tilt: only_tilt(&stages, &controls)?,
-            laws: if moments && stiffening != Stiffening::None { pair(true)? } else { String::new() },
+            laws: if follows { pair(true)? } else { String::new() },
         };
         let cube = |grain: &Grain| grain.radius.powi(3);
         let mut script = head(&Head {

@@ -93,18 +93,10 @@ const SORTING: &str = "\
 atom_modify sort 0 0.0
 ";
 
-/// Counts the contacts at the present step.
-///
-/// They are counted in a `run 0` of their own: LAMMPS keeps the list of neighbours of an occasional compute if it was made at the
-/// step of the last rebuild, so that a list made at the last step of a run would be used, out of date, in the next.
+/// Keeps the numbers of contacts, which LAMMPS has counted at the last step of a run.
 pub(super) const LOOK: &str = "\
-thermo_style custom step c_coordination v_mechanical c_touching
-thermo_modify lost error norm no
-run 0 post no
 variable coordination equal $(c_coordination)
 variable touching equal $(c_touching)
-thermo_style custom step time v_stage lx ly lz v_p v_q
-thermo_modify lost error norm no
 ";
 
 /// The text.
@@ -177,7 +169,10 @@ pub(super) fn head(of: &Head) -> String {
              variable g12 equal 0\nvariable g23 equal 0\nvariable time0 equal 0\n\
              timestep $(v_time_step_factor*";
     text += &format!("{})\n", number(of.time_step));
-    text += &format!("thermo 1000000\n{LOOK}");
+    text += "thermo 1000000\n\
+             thermo_style custom step time v_stage lx ly lz v_p v_q c_coordination v_mechanical c_touching\n\
+             thermo_modify lost error norm no\nrun 0 post no\n";
+    text += LOOK;
     let names: Vec<&str> = COLUMNS.iter().chain(&AT_END).map(|(name, _)| *name).collect();
     text + &format!("print \"stage,step,{}\" file ${{out}} screen no\n", names.join(","))
 }

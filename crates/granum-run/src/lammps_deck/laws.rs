@@ -7,8 +7,9 @@
 //! | `damping` | `tsuji` with the restitution at which its dashpot is that of granum; the tangential one by `(k_t/k_n)^(1/2)` |
 //! | `elastic-plastic` | `rolling sds` |
 //! | `elastic-plastic-twisting` | `rolling sds`, `twisting sds` |
+//! | `spring-dashpot-slider` | `rolling sds` with the same three numbers |
 //!
-//! In granum the rolling stiffness follows the normal stiffness of each contact, in LAMMPS all contacts have one value: that of
+//! The rolling stiffness of the elastic-plastic laws follows the normal stiffness of each contact, in LAMMPS all contacts have one value: that of
 //! a contact of mean radii under the mean normal force of the sample. The script changes it with the mean stress at every row of
 //! its curve. With the convention `pseudo-force x R*` of LAMMPS, `k = 9/4 k_n mu_r^2`,
 //! `gamma = 2 zeta_r (I_r k_theta)^(1/2) / R*^2` and `mu = mu_r`.
@@ -70,11 +71,15 @@ fn check(properties: &Properties) -> Result<(), DeckError> {
     if contact.adhesion.law().acts() {
         return refuse("contact.adhesion", contact.adhesion.name(), "nothing but none can be");
     }
-    if contact.rolling.law().acts()
-        && twisting(contact).is_none()
-        && contact.rolling != RollingKind::ELASTIC_PLASTIC
+    if ![
+        RollingKind::NONE,
+        RollingKind::ELASTIC_PLASTIC,
+        RollingKind::ELASTIC_PLASTIC_TWISTING,
+        RollingKind::SPRING_DASHPOT_SLIDER,
+    ]
+    .contains(&contact.rolling)
     {
-        let why = "none, elastic-plastic and elastic-plastic-twisting can be";
+        let why = "none, elastic-plastic, elastic-plastic-twisting and spring-dashpot-slider can be";
         return refuse("contact.rolling", contact.rolling.name(), why);
     }
     let mixture = &properties.mixture;
@@ -85,6 +90,11 @@ fn check(properties: &Properties) -> Result<(), DeckError> {
         return refuse("[[material]] or [[pair]]", &name, why);
     }
     Ok(())
+}
+
+/// Whether the resistance to rolling grows with the normal stiffness of the contacts.
+pub(super) fn rolling_follows_stress(contact: &ContactModel) -> bool {
+    contact.rolling.law().acts() && contact.rolling != RollingKind::SPRING_DASHPOT_SLIDER
 }
 
 /// Coefficient and damping of twisting, where the law has them.
@@ -154,6 +164,11 @@ fn line(
 
 /// The words for rolling and twisting.
 fn moments(contact: &ContactModel, pair: &PairProperties, force: f64, follows: bool) -> String {
+    if contact.rolling == RollingKind::SPRING_DASHPOT_SLIDER {
+        let of = ["rolling_stiffness", "rolling_viscosity", "rolling_friction"];
+        let [spring, dashpot, friction] = of.map(|key| number(value(contact, key)));
+        return format!(" rolling sds {spring} {dashpot} {friction}");
+    }
     let [stiffness, _] = contact.stiffness_under(pair, force);
     let radius = pair.effective_radius;
     let now = |value: f64, factor: &str| match follows {

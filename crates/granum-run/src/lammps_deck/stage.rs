@@ -126,6 +126,16 @@ pub(super) fn checked(stage: &Stage, modulus: f64) -> Result<CellControl, DeckEr
     Ok(cell)
 }
 
+/// How the rows of a stage follow each other.
+///
+/// Found with the spring-dashpot-slider in two tests of the same sample: with an initialisation at each of 190 rows q/p was 0.08 % and p
+/// 0.13 % too low at constant volume, in proportion to the time step and to the number of rows.
+const RENEWAL: &str = "\
+# LAMMPS is initialised again only where the time step has to change by a tenth: with each initialisation the box is a step ahead of
+# the grains, which disturbs the contacts across its faces. The single step before it makes LAMMPS count the contacts with a new list of
+# neighbours afterwards; at the end of a stage it counts them, since a run that is halted does not.
+";
+
 /// The text of a stage, of a number from 0.
 pub(super) fn text(at: usize, stage: &Stage, setting: &Setting) -> Result<String, DeckError> {
     let cell = checked(stage, setting.modulus)?;
@@ -149,9 +159,16 @@ pub(super) fn text(at: usize, stage: &Stage, setting: &Setting) -> Result<String
     text += &curve(stage);
     let from_here = from_here(&cell, setting.tilt);
     text += &start(&cell, stage.control.eases, &from_here);
+    // Laws of several types take effect with an initialisation only.
+    let renew = if setting.laws.lines().count() > 1 { "1" } else { "abs(v_step_now/dt-1)>0.1" };
+    let quoted: String = from_here.lines().map(|line| format!(" \"{line}\"")).collect();
     text += &format!(
-        "label stage_{at}\ntimestep $(v_step_now)\n{laws}{from_here}run ${{every}} post no\n{LOOK}{}\
-         if \"$(v_over) <= 0.5\" then \"jump SELF stage_{at}\"\n",
+        "{RENEWAL}variable renew equal {renew}\ntimestep $(v_step_now)\n{from_here}variable pre string yes\n\
+         label stage_{at}\n{laws}run ${{every}} pre ${{pre}} post no\nvariable pre string no\n\
+         variable ended equal $(v_over)\nvariable renewed equal $(v_renew)\n\
+         if \"$(v_ended+v_renewed) > 0.5\" then \"run 1 pre no post no\"\n{LOOK}{}\
+         if \"$(v_renewed) > 0.5\" then \"timestep $(v_step_now)\"{quoted} \"variable pre string yes\"\n\
+         if \"$(v_ended) <= 0.5\" then \"jump SELF stage_{at}\"\n",
         row(false),
         laws = setting.laws,
     );
@@ -376,7 +393,7 @@ fn start(cell: &CellControl, eases: bool, from_here: &str) -> String {
     text + &if eases {
         format!(
             "fix push all addforce v_push_x v_push_y v_push_z\ntimestep $(v_step_now)\n{from_here}\
-             run $(ceil(v_ease/dt):%.0f) post no\nunfix push\n"
+             run $(ceil(v_ease/dt):%.0f) post no\nrun 1 pre no post no\nunfix push\n"
         )
     } else {
         "velocity all set v_push_x v_push_y v_push_z\n".into()

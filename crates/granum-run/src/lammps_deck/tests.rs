@@ -153,6 +153,21 @@ fn laws_are_those_of_the_case() {
     assert!(twisting.contains(" rolling sds ") && (arm / 5e-6 - 1.0).abs() < 1e-12, "{twisting}");
 }
 
+/// The law that LAMMPS has too keeps its numbers, whatever the normal law and the stress.
+#[test]
+fn the_spring_dashpot_slider_is_written_as_it_is() {
+    for normal in ["'hertz'", "'hooke'\nnormal_stiffness = 4e4"] {
+        let case = format!(
+            "[contact]\nnormal = {normal}\ntangential = 'no-slip'\nrolling = 'spring-dashpot-slider'\n\
+             rolling_stiffness = 800\nrolling_viscosity = '1.05e-3 N s/m'\nrolling_friction = 0.15\n"
+        );
+        let script = deck(&case).unwrap();
+        assert!(line(&script, "pair_coeff").ends_with(" rolling sds 800.0 0.00105 0.15"), "{script}");
+        assert_eq!(script.matches("\npair_coeff").count(), 1, "it does not follow the stress");
+        assert!(script.contains("\natom_modify sort 0 0.0\n"));
+    }
+}
+
 #[test]
 fn what_lammps_has_not_is_refused_by_name() {
     let refused = [

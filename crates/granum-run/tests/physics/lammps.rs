@@ -64,12 +64,24 @@ fn the_start_of_the_curves_is_that_of_lammps() {
     }
 }
 
-/// Mean of a column over the rows of a table whose axial strain is in a range.
-fn mean(table: &Table, column: &str, range: std::ops::Range<f64>) -> f64 {
-    let values = table.column("axial_strain").unwrap().iter().zip(table.column(column).unwrap());
-    let inside: Vec<f64> =
-        values.filter(|(strain, _)| range.contains(strain)).map(|(_, value)| *value).collect();
-    inside.iter().sum::<f64>() / inside.len() as f64
+/// The value of a column in the row of a stored curve whose axial strain is in a range.
+fn stored(table: &Table, column: &str, range: &std::ops::Range<f64>) -> f64 {
+    let mut values = table.column("axial_strain").unwrap().iter().zip(table.column(column).unwrap());
+    *values.find(|(strain, _)| range.contains(strain)).unwrap().1
+}
+
+/// Mean over a range of the axial strain of the polygon through the rows of a table.
+fn mean(table: &Table, column: &str, range: &std::ops::Range<f64>) -> f64 {
+    let [strains, values] = ["axial_strain", column].map(|name| table.column(name).unwrap());
+    let mut sum = 0.0;
+    for (strain, value) in strains.windows(2).zip(values.windows(2)) {
+        let [first, last] = [0, 1].map(|k| strain[k].clamp(range.start, range.end));
+        if first != last {
+            let share = (0.5 * (first + last) - strain[0]) / (strain[1] - strain[0]);
+            sum += (last - first) * (value[0] + share * (value[1] - value[0]));
+        }
+    }
+    sum / (range.end - range.start)
 }
 
 /// 0.4 % of axial strain at constant volume, in which p rises severalfold, with and without resistance to rolling, against LAMMPS with the
@@ -79,9 +91,17 @@ fn the_start_of_undrained_paths_is_that_of_lammps() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../benches/peers/lammps/sand.toml");
     let path = [("axial_strain", "0.004"), ("states", "32"), ("inertial_number", "3e-3")];
     let case = Case::read(file).unwrap().with_path("undrained-triaxial", &path).unwrap();
-    for (name, rolling) in [("undrained", "none"), ("undrained-rolling", "elastic-plastic")] {
+    let constant = [("rolling_stiffness", "800"), ("rolling_viscosity", "1.05e-3")];
+    for (name, rolling, parameters) in [
+        ("undrained", "none", &constant[..0]),
+        ("undrained-rolling", "elastic-plastic", &constant[..0]),
+        ("undrained-sds", "spring-dashpot-slider", &constant[..]),
+    ] {
         let mut case = case.clone();
         case.set("contact.rolling", rolling).unwrap();
+        for (key, value) in parameters {
+            case.set(&format!("contact.{key}"), value).unwrap();
+        }
         case.preparation.unbalanced_force = 5e-3;
         let source = Source::Packing(data("packing-5000.csv"));
         let test = Laboratory::here().test_of(&case, &source, &mut NoObserver).unwrap();
@@ -93,8 +113,8 @@ fn the_start_of_undrained_paths_is_that_of_lammps() {
             for k in 1..4 {
                 // The rows of the stored curves are means over 0.001 of strain.
                 let range = 0.001 * f64::from(k)..0.001 * f64::from(k + 1);
-                let ours = mean(&test.record.series, column, range.clone());
-                let theirs = 0.5 * copies.iter().map(|copy| mean(copy, column, range.clone())).sum::<f64>();
+                let ours = mean(&test.record.series, column, &range);
+                let theirs = 0.5 * copies.iter().map(|copy| stored(copy, column, &range)).sum::<f64>();
                 println!("{name} {column} {range:?}: granum {ours:.5}, LAMMPS {theirs:.5}");
                 assert!((ours / theirs - 1.0).abs() < relative, "{name} {column} {range:?}: {ours} {theirs}");
             }

@@ -328,3 +328,16 @@ fn every_law_has_the_same_bits_everywhere() {
         }
     }
 }
+
+/// A law of rolling that no compiled set contains.
+#[test]
+fn spring_dashpot_slider_has_the_same_bits_everywhere() {
+    for normal in [NormalKind::HERTZ, NormalKind::JKR] {
+        let rolling = RollingKind::SPRING_DASHPOT_SLIDER;
+        let mut contact = ContactModel { rolling, ..ContactModel::new(normal, TangentialKind::NO_SLIP, 0.1) };
+        contact.adhesion = AdhesionKind::CAPILLARY_BRIDGE;
+        let answers = same_bits_through_slots(&contact, &constants_of(&contact, 0.6));
+        let rolls = answers.iter().flatten().filter(|answer| f64::from_bits(answer[18]) != 0.0).count();
+        assert!(rolls > LANES * STEPS / 2, "{normal:?}: {rolls}");
+    }
+}

@@ -7,6 +7,7 @@ mod objectivity;
 mod observed;
 mod peeling;
 mod rolling;
+mod spring_dashpot_slider;
 mod tables;
 mod twisting;
 
@@ -14,7 +15,7 @@ use super::columns::One;
 use super::interaction::{Interaction, Kinematics, Memory, dot, interact};
 use super::law;
 use super::normal::{Hertz, Jkr};
-use super::rolling::{ElasticPlasticRolling, ElasticPlasticTwisting};
+use super::rolling::{ElasticPlasticRolling, ElasticPlasticTwisting, SpringDashpotSlider};
 use super::selection::ContactModel;
 use super::set::Compiled;
 use super::slots::{Open, Slots};

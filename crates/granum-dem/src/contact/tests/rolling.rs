@@ -147,66 +147,75 @@ fn the_dashpot_ends_at_the_limit() {
     assert!(beyond.at_limit && beyond.dashpot == 0.0);
 }
 
+/// Relative error of the history of a rolled pair after a rotation as a rigid body.
+fn error_of_a_turn<M: MomentLaw>(steps: usize) -> f64 {
+    let pair = spheres(0.0);
+    let laws = Compiled::<Hertz, NoSlip, M>::new();
+    let constants = constants::<Hertz, NoSlip, M>(&pair);
+    let mut memory = Memory::<f64>::new();
+    let distance = pair.radius_sum - 1e-8;
+    let turned = |angle: f64| {
+        // About (1, 2, 3): the component of the x axis along this axis is unchanged, the rest rotates.
+        let along = NORMAL.map(|n| n * NORMAL[0]);
+        let across: [f64; 3] = std::array::from_fn(|a| [1.0, 0.0, 0.0][a] - along[a]);
+        let side = super::super::interaction::cross(NORMAL, [1.0, 0.0, 0.0]);
+        let n: [f64; 3] = std::array::from_fn(|a| along[a] + across[a] * angle.cos() + side[a] * angle.sin());
+        n
+    };
+    let angle = std::f64::consts::TAU / steps as f64;
+    let mut couples = Vec::new();
+    for k in 0..=steps {
+        let (old, new) = (turned(k as f64 * angle - angle), turned(k as f64 * angle));
+        let first = k == 0;
+        let spin = if first { [0.0; 3] } else { NORMAL.map(|n| n * angle) };
+        let motion = Kinematics {
+            branch: new.map(|n| n * distance),
+            velocity: std::array::from_fn(|a| if first { 0.0 } else { distance * (new[a] - old[a]) }),
+            rolling: spin,
+            mean_spin: spin,
+            // Rolled in the first step, then both grains rotate together.
+            relative_spin: if first { [0.0, 2e-4, -1e-4] } else { [0.0; 3] },
+        };
+        couples.push(interact(&laws, &constants, &motion, 1.0, &mut memory));
+    }
+    // The couple without the dashpot, which acts only in the first step.
+    let first = crate::contact::frame::Frame::of(turned(0.0));
+    let held = |memory: &Memory<f64>| first.vector([memory.moments[0], memory.moments[1]]);
+    let mut start = Memory::<f64>::new();
+    let motion = Kinematics {
+        branch: turned(0.0).map(|n| n * distance),
+        velocity: [0.0; 3],
+        rolling: [0.0; 3],
+        mean_spin: [0.0; 3],
+        relative_spin: [0.0, 2e-4, -1e-4],
+    };
+    interact(&laws, &constants, &motion, 1.0, &mut start);
+    let (a, b) = (held(&start), held(&memory));
+    let off: [f64; 3] = std::array::from_fn(|k| b[k] - a[k]);
+    assert!(couples.iter().all(|out| out.moment_loss.abs() < 1e-25));
+    (dot(off, off) / dot(a, a)).sqrt()
+}
+
 /// A rolled pair that rotates as a rigid body keeps its couple, which rotates with it.
 #[test]
 fn a_turning_pair_keeps_its_couple() {
-    let error = |steps: usize| {
-        let pair = spheres(0.0);
-        let laws = Compiled::<Hertz, NoSlip, Rolling>::new();
-        let constants = constants::<Hertz, NoSlip, Rolling>(&pair);
-        let mut memory = Memory::<f64>::new();
-        let distance = pair.radius_sum - 1e-8;
-        let turned = |angle: f64| {
-            // About (1, 2, 3): the component of the x axis along this axis is unchanged, the rest rotates.
-            let along = NORMAL.map(|n| n * NORMAL[0]);
-            let across: [f64; 3] = std::array::from_fn(|a| [1.0, 0.0, 0.0][a] - along[a]);
-            let side = super::super::interaction::cross(NORMAL, [1.0, 0.0, 0.0]);
-            let n: [f64; 3] =
-                std::array::from_fn(|a| along[a] + across[a] * angle.cos() + side[a] * angle.sin());
-            n
-        };
-        let angle = std::f64::consts::TAU / steps as f64;
-        let mut couples = Vec::new();
-        for k in 0..=steps {
-            let (old, new) = (turned(k as f64 * angle - angle), turned(k as f64 * angle));
-            let first = k == 0;
-            let spin = if first { [0.0; 3] } else { NORMAL.map(|n| n * angle) };
-            let motion = Kinematics {
-                branch: new.map(|n| n * distance),
-                velocity: std::array::from_fn(|a| if first { 0.0 } else { distance * (new[a] - old[a]) }),
-                rolling: spin,
-                mean_spin: spin,
-                // Rolled in the first step, then both grains rotate together.
-                relative_spin: if first { [0.0, 2e-4, -1e-4] } else { [0.0; 3] },
-            };
-            couples.push(interact(&laws, &constants, &motion, 1.0, &mut memory));
-        }
-        // The couple without the dashpot, which acts only in the first step.
-        let first = crate::contact::frame::Frame::of(turned(0.0));
-        let held = |memory: &Memory<f64>| first.vector([memory.moments[0], memory.moments[1]]);
-        let mut start = Memory::<f64>::new();
-        let motion = Kinematics {
-            branch: turned(0.0).map(|n| n * distance),
-            velocity: [0.0; 3],
-            rolling: [0.0; 3],
-            mean_spin: [0.0; 3],
-            relative_spin: [0.0, 2e-4, -1e-4],
-        };
-        interact(&laws, &constants, &motion, 1.0, &mut start);
-        let (a, b) = (held(&start), held(&memory));
-        let off: [f64; 3] = std::array::from_fn(|k| b[k] - a[k]);
-        assert!(couples.iter().all(|out| out.moment_loss.abs() < 1e-25));
-        (dot(off, off) / dot(a, a)).sqrt()
-    };
-    let errors = [error(1000), error(10_000)];
-    assert!(errors[0] < 2.7e-6 && errors[1] < 2.7e-8, "{errors:?}");
+    let laws: [fn(usize) -> f64; 2] = [error_of_a_turn::<Rolling>, error_of_a_turn::<SpringDashpotSlider>];
+    for error in laws {
+        let errors = [error(1000), error(10_000)];
+        assert!(errors[0] < 2.7e-6 && errors[1] < 2.7e-8, "{errors:?}");
+    }
 }
 
 /// The other grain feels the opposite couple, whichever is called i; the result is the same for all observers.
 #[test]
 fn couples_are_opposite_and_the_same_for_all() {
-    let laws = Compiled::<Hertz, NoSlip, Rolling>::new();
-    let constants = constants::<Hertz, NoSlip, Rolling>(&spheres(0.0));
+    check_sides_and_observers::<Rolling>();
+    check_sides_and_observers::<SpringDashpotSlider>();
+}
+
+fn check_sides_and_observers<M: MomentLaw>() {
+    let laws = Compiled::<Hertz, NoSlip, M>::new();
+    let constants = constants::<Hertz, NoSlip, M>(&spheres(0.0));
     let mut memories = [Memory::<f64>::new(); 3];
     let map = |v: [f64; 3]| [v[2], v[0], v[1]];
     for step in 0..200 {
