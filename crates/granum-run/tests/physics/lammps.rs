@@ -73,15 +73,16 @@ fn stored(table: &Table, column: &str, range: &std::ops::Range<f64>) -> f64 {
 /// Mean over a range of the axial strain of the polygon through the rows of a table.
 fn mean(table: &Table, column: &str, range: &std::ops::Range<f64>) -> f64 {
     let [strains, values] = ["axial_strain", column].map(|name| table.column(name).unwrap());
-    let mut sum = 0.0;
+    let (mut sum, mut width) = (0.0, 0.0);
     for (strain, value) in strains.windows(2).zip(values.windows(2)) {
         let [first, last] = [0, 1].map(|k| strain[k].clamp(range.start, range.end));
         if first != last {
             let share = (0.5 * (first + last) - strain[0]) / (strain[1] - strain[0]);
+            width += last - first;
             sum += (last - first) * (value[0] + share * (value[1] - value[0]));
         }
     }
-    sum / (range.end - range.start)
+    sum / width
 }
 
 /// 0.4 % of axial strain at constant volume, in which p rises severalfold, with and without resistance to rolling, against LAMMPS with the
