@@ -61,6 +61,8 @@ impl Case {
 #[cfg(test)]
 mod material_tests;
 #[cfg(test)]
+mod preparation_stage_tests;
+#[cfg(test)]
 mod stage_tests;
 #[cfg(test)]
 mod tests {
