@@ -13,6 +13,8 @@ pub enum Phase {
     Consolidation,
     /// Strain cycles of a preparation.
     Cycles,
+    /// A stage of a preparation, between its compaction and its relaxation.
+    PreparationStage,
     /// The loading path.
     Shear,
 }
@@ -25,6 +27,7 @@ impl Phase {
             Phase::Relaxation => "relaxation",
             Phase::Consolidation => "consolidation",
             Phase::Cycles => "cycles",
+            Phase::PreparationStage => "preparation stage",
             Phase::Shear => "shear",
         }
     }
@@ -47,7 +50,7 @@ pub struct Progress<'a> {
     pub phase: Phase,
     /// Number of the trial of the preparation, from 1.
     pub trial: usize,
-    /// Name of the present stage, if the test is given as stages.
+    /// Name of the present stage, if the test is given as stages, or of the present stage of a preparation.
     pub stage: Option<&'a str>,
     /// Fraction of the phase that is complete, where it can be determined.
     pub fraction: Option<f64>,

@@ -11,7 +11,7 @@ use super::page::{Document, Page, tiles};
 use super::{sample, trust};
 
 /// Names of the phases by their numbers in the table.
-const PHASES: [&str; 5] = ["compaction", "relaxation", "consolidation", "", "cycles"];
+const PHASES: [&str; 6] = ["compaction", "relaxation", "consolidation", "", "cycles", "stages"];
 
 /// The rows of a phase of the last trial, which gave the sample.
 fn points(run: &RunReport, phase: usize, x: &str, y: &str) -> Vec<[f64; 2]> {

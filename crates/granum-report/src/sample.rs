@@ -124,6 +124,9 @@ fn rows(runs: &[RunReport]) -> Vec<[String; 3]> {
     row("Contact damping", "–", format!("{} of critical", trimmed(case.contact.damping)));
     let whose = if case.has_stages() { "Mean stress *p* of the sample" } else { "Mean stress *p*" };
     row(whose, "20 kPa", quantity(run.mean_stress(), "Pa"));
+    if !case.preparation_stages.is_empty() {
+        row("Stages of the preparation", "–", whole(case.sample_stages().len() as f64));
+    }
     if case.has_stages() && run.run.kind != "prepare" {
         row("Stages of the test", "–", whole(case.test_stages().len() as f64));
     } else if run.run.kind != "prepare" {

@@ -4,9 +4,11 @@
 //! 2. **Compaction**: all axes are servo-controlled to the mean stress of the compaction, with the friction and interface energy of
 //!    the preparation; the strain rate is bounded by an inertial number, which is ten times larger while the grains carry hardly
 //!    any load. This stress is the target mean stress unless the preparation prescribes a smaller one, which makes looser samples.
-//! 3. **Cycles**, if the preparation has any: the axial strain is cycled at constant mean stress, which makes the sample denser.
+//! 3. **Stages**, if there are any: first strain cycles at constant mean stress ([`Preparation::cycles`]), which make the sample
+//!    denser, then any loading paths ([`SampleSpecification::stages`]), with the properties of the compaction.
 //! 4. **Relaxation**: the final friction and interface energy are set (contacts keep their history), and the servo holds
-//!    the stress until the unbalanced force is small.
+//!    the stress until the unbalanced force is small. All three axes are brought to the target mean stress: an anisotropic
+//!    stress that the stages left is lost, while the density and the fabric that they made remain.
 //!
 //! A slight global damping of the fluctuating velocities acts in all of them and is switched off in every test after them.
 //!
@@ -23,17 +25,19 @@
 //! A preparation is a [`Preparing`] that advances in short series of steps. None of its state is on the stack, so that it
 //! can be saved at any check and resumed.
 
-mod cycles;
 mod procedure_search;
 mod progress;
+mod stages;
 
 use serde::{Deserialize, Serialize};
 
 pub use self::procedure_search::Procedure;
 use self::procedure_search::{Line, repeats};
 pub use self::progress::{Sample, Trial};
+pub use self::stages::StageFault;
 use crate::config::{Grains, Numerics, Preparation};
 use crate::contact::selection::ContactModel;
+use crate::loading::{self, StageProgress};
 pub use crate::observer::{Flow, Observer, Phase, Progress};
 use crate::random_insertion::{InsertionError, random_insertion};
 use crate::servo::CellControl;
@@ -86,6 +90,18 @@ pub enum PreparationError {
         /// Target, Pa.
         target: f64,
     },
+    /// A stage between compaction and relaxation was not executed to its end.
+    #[error("stage {number} of the {count} stages of the preparation ({name}): {fault}")]
+    Stage {
+        /// Its number, from 1; a path may consist of several stages.
+        number: usize,
+        /// Number of stages.
+        count: usize,
+        /// Its name.
+        name: String,
+        /// Why.
+        fault: StageFault,
+    },
 }
 
 /// The specification of a preparation.
@@ -97,6 +113,9 @@ pub struct SampleSpecification<'a> {
     pub contact: &'a ContactModel,
     /// Preparation parameters.
     pub preparation: &'a Preparation,
+    /// Loading paths between compaction and relaxation, in every trial: for example oedometric compression and unloading, or
+    /// cycles. What they record is not used, and they cannot start from saved states.
+    pub stages: Vec<loading::Stage>,
     /// Time step factor.
     pub time_step_factor: f64,
     /// Threads and instruction set.
@@ -111,7 +130,25 @@ impl<'a> SampleSpecification<'a> {
         preparation: &'a Preparation,
     ) -> SampleSpecification<'a> {
         let (time_step_factor, hardware) = (Numerics::default().time_step_factor, Hardware::default());
-        SampleSpecification { grains, contact, preparation, time_step_factor, hardware }
+        SampleSpecification { grains, contact, preparation, stages: Vec::new(), time_step_factor, hardware }
+    }
+
+    /// The same with loading paths between compaction and relaxation.
+    ///
+    /// ```
+    /// use granum_dem::config::{ContactModel, Grains, Preparation};
+    /// use granum_dem::loading::preset::{self, Given, Value};
+    /// use granum_dem::preparation::SampleSpecification;
+    ///
+    /// let (grains, contact, preparation) = (Grains::default(), ContactModel::default(), Preparation::default());
+    /// // The sample is consolidated in an oedometer, and the relaxation unloads it to the mean stress of the preparation.
+    /// let stress = Given::from([("axial_stress".to_string(), Value::Number(200e3))]);
+    /// let stages = preset::named("oedometer").map_or_else(Vec::new, |path| path.expand(&stress));
+    /// let specification = SampleSpecification::new(&grains, &contact, &preparation).with_stages(stages);
+    /// assert_eq!(specification.stages.len(), 1);
+    /// ```
+    pub fn with_stages(self, stages: Vec<loading::Stage>) -> SampleSpecification<'a> {
+        SampleSpecification { stages, ..self }
     }
 
     /// Materials and law of the finished sample.
@@ -211,10 +248,12 @@ enum Stage {
         /// Largest number of steps.
         limit: u64,
     },
-    /// Strain cycles.
-    Cycles {
-        /// Number of turns so far.
-        turns: u64,
+    /// Strain cycles, or a stage of the specification.
+    Loading {
+        /// Its index among the stages of the trial.
+        index: usize,
+        /// Its run state.
+        progress: Box<StageProgress>,
     },
 }
 
@@ -235,7 +274,7 @@ impl PreparationState {
             Stage::Compaction { .. } => Phase::Compaction,
             Stage::Relaxation => Phase::Relaxation,
             Stage::Consolidation { .. } => Phase::Consolidation,
-            Stage::Cycles { .. } => Phase::Cycles,
+            Stage::Loading { index, .. } => self.phase_of_stage(index),
         }
     }
 
@@ -409,6 +448,12 @@ impl Preparing {
     ) -> Result<Outcome, PreparationError> {
         self.simulation.set_hardware(specification.hardware);
         loop {
+            if matches!(self.progress.stage, Stage::Loading { .. }) {
+                match self.follow_stage(specification, observer)? {
+                    Flow::Continue => continue,
+                    Flow::Stop => return Ok(Outcome::Stopped(Box::new(self))),
+                }
+            }
             if observer.progress(&self.progress()) == Flow::Stop {
                 return Ok(Outcome::Stopped(Box::new(self)));
             }
@@ -418,10 +463,8 @@ impl Preparing {
                     self.check_compaction(specification)?;
                     None
                 }
-                Stage::Cycles { .. } => {
-                    self.check_cycles(specification)?;
-                    None
-                }
+                // Executed above, by itself.
+                Stage::Loading { .. } => None,
                 Stage::Relaxation => self.check_relaxation(specification.preparation, MOST_RELAXATION_STEPS),
                 Stage::Consolidation { limit } => self.check_relaxation(specification.preparation, limit),
             };
@@ -445,7 +488,7 @@ impl Preparing {
         Progress { trial: progress.trial(), ..Progress::new(progress.phase(), steps, time, &self.simulation) }
     }
 
-    /// Reduces the rate once load is carried; starts the relaxation once the stress is reached and steady.
+    /// Reduces the rate once load is carried; starts the stages or the relaxation once the stress is reached and steady.
     fn check_compaction(&mut self, specification: &SampleSpecification) -> Result<(), PreparationError> {
         let p = specification.preparation;
         let (s, progress) = (&mut self.simulation, &mut self.progress);
@@ -470,31 +513,22 @@ impl Preparing {
                 target: procedure.mean_stress,
             });
         }
-        if procedure.cycles == 0 {
-            return self.relax(specification);
-        }
-        progress.count(s);
-        cycles::begin(s, p, procedure.mean_stress);
-        progress.stage = Stage::Cycles { turns: 0 };
-        Ok(())
+        self.begin_stage(specification, 0)
     }
 
-    /// Reverses the axial strain rate at the ends of a cycle, and starts the relaxation after the last cycle.
-    fn check_cycles(&mut self, specification: &SampleSpecification) -> Result<(), PreparationError> {
-        let cycles = self.progress.procedure.map_or(0, |procedure| procedure.cycles);
-        let Stage::Cycles { turns } = &mut self.progress.stage else { return Ok(()) };
-        if cycles::turned(&mut self.simulation, specification.preparation, cycles, turns) {
-            self.relax(specification)
-        } else {
-            Ok(())
-        }
-    }
-
-    /// Starts the relaxation with the final properties.
-    fn relax(&mut self, specification: &SampleSpecification) -> Result<(), PreparationError> {
+    /// Starts the relaxation with the final properties, after stages or right after the compaction.
+    fn relax(
+        &mut self,
+        specification: &SampleSpecification,
+        after_stages: bool,
+    ) -> Result<(), PreparationError> {
         let (s, progress) = (&mut self.simulation, &mut self.progress);
         progress.count(s);
         s.set_properties(specification.properties())?;
+        if after_stages {
+            // The last stage may have had another density and with it another time step.
+            damp_globally(s, specification);
+        }
         begin_relaxation(s, specification.preparation);
         progress.stage = Stage::Relaxation;
         Ok(())
@@ -578,5 +612,7 @@ fn finish(s: &mut Simulation, p: &Preparation) {
     begin_relaxation(s, p);
 }
 
+#[cfg(test)]
+mod stage_tests;
 #[cfg(test)]
 mod tests;

@@ -1,11 +1,11 @@
 use super::*;
 use crate::config::{NormalKind, TangentialKind};
 
-fn grains(spread: f64) -> Grains {
+pub(super) fn grains(spread: f64) -> Grains {
     Grains { count: 80, spread, ..Grains::default() }
 }
 
-fn quick() -> Preparation {
+pub(super) fn quick() -> Preparation {
     Preparation {
         initial_solid_fraction: 0.3,
         inertial_number: 1e-2,
@@ -26,7 +26,7 @@ fn written_and_read(preparing: &Preparing) -> Preparing {
 
 /// Continues to the end, with a stop and a restart every `strides` checks; returns the sample, the number of stops, and the
 /// trials and phases at which they occurred.
-fn in_pieces(
+pub(super) fn in_pieces(
     mut preparing: Preparing,
     specification: &SampleSpecification,
     strides: u32,
@@ -51,7 +51,7 @@ fn in_pieces(
     }
 }
 
-fn assert_same(a: &Sample, b: &Sample) {
+pub(super) fn assert_same(a: &Sample, b: &Sample) {
     assert!(a.simulation.state() == b.simulation.state());
     assert_eq!(a.simulation.checkpoint("").unwrap(), b.simulation.checkpoint("").unwrap());
     assert_eq!((&a.trials, a.steps, a.settled), (&b.trials, b.steps, b.settled));

@@ -4,10 +4,10 @@ use granum_dem::loading::Stage;
 use granum_dem::loading::preset::{self, Given};
 use serde::{Deserialize, Serialize};
 
-/// Most stages that a test may come to, with its repetitions.
+/// Most stages that a test or a preparation may come to, with its repetitions.
 pub(super) const MOST_STAGES: u64 = 10_000;
 
-/// One table `[[stage]]`.
+/// One table `[[stage]]` or `[[preparation.stage]]`.
 ///
 /// ```
 /// let text = "[[stage]]\npath = 'isotropic'\n[[stage]]\nrepeat = 3\n[[stage.stage]]\npath = 'drained-triaxial'\n";

@@ -23,6 +23,9 @@ pub struct Case {
     pub contact: ContactModel,
     /// The preparation of the sample.
     pub preparation: Preparation,
+    /// Loading paths between the compaction and the relaxation of the sample; empty if there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub preparation_stages: Vec<CaseStage>,
     /// The test of the paper, used if no stages are given.
     pub shear: Shear,
     /// The test as stages, which replace `shear`; empty if there are none.

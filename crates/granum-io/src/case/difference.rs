@@ -6,6 +6,7 @@ use std::fmt;
 use super::definition::Case;
 use super::field::Field;
 use super::fields::FIELDS;
+use super::stage::{PREPARATION_STAGE, STAGE};
 
 /// The key that gives another sample of the same material: runs that differ only in it are repetitions of one test.
 pub const SEED: &str = "preparation.seed";
@@ -49,7 +50,11 @@ impl Case {
         let mut values: CaseValues = FIELDS.iter().map(|field| (field.path(), shown(field, self))).collect();
         values.extend(self.material_values());
         if self.has_stages() {
-            values.insert("stage".into(), self.stages_toml().trim().replace('\n', "; "));
+            values.insert(STAGE.into(), self.stages_toml().trim().replace('\n', "; "));
+        }
+        if !self.preparation_stages.is_empty() {
+            let text = self.preparation_stages_toml();
+            values.insert(PREPARATION_STAGE.into(), text.trim().replace('\n', "; "));
         }
         values
     }
@@ -77,9 +82,9 @@ pub fn differences(cases: &[(&str, &CaseValues)]) -> Vec<Difference> {
 fn difference(key: String, cases: &[(&str, &CaseValues)]) -> Option<Difference> {
     let mut values: Vec<(String, Vec<String>)> = Vec::new();
     for (name, case) in cases {
-        // A material that one case has and the other has not is a difference, not another version's key.
-        let of_material = key.starts_with("material.") || key.starts_with("pair.");
-        let absent = of_material.then(|| NOT_GIVEN.to_string());
+        // A material or a stage that one case has and the other has not is a difference, not another version's key.
+        let of_tables = key.starts_with("material.") || key.starts_with("pair.") || key == PREPARATION_STAGE;
+        let absent = of_tables.then(|| NOT_GIVEN.to_string());
         let Some(value) = case.get(&key).or(absent.as_ref()) else { continue };
         match values.iter_mut().find(|(known, _)| known == value) {
             Some((_, names)) => names.push((*name).to_string()),

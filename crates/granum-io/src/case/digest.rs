@@ -102,6 +102,9 @@ impl Case {
         if wanted("grains.material") {
             text.push_str(&self.materials_toml());
         }
+        if wanted("preparation") {
+            text.push_str(&self.preparation_stages_toml());
+        }
         if wanted("stage") {
             text.push_str(&self.stages_toml());
         }

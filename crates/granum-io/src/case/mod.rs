@@ -1,8 +1,8 @@
 //! The case file (TOML): everything that determines a result.
 //!
 //! [`fields`] is the only list of keys with their bounds; reading, writing, the template of `granum init` and the
-//! digests are all based on it. A new key is one entry in this list. The tables `[[stage]]` are not part of it, since named paths
-//! declare their own parameters ([`granum_dem::loading::preset`]); the tables `[[material]]` and `[[pair]]` use keys of the list.
+//! digests are all based on it. A new key is one entry in this list. The tables `[[stage]]` and `[[preparation.stage]]` are not
+//! part of it, since named paths declare their own parameters ([`granum_dem::loading::preset`]); the tables `[[material]]` and `[[pair]]` use keys of the list.
 
 mod case_stage;
 mod definition;
@@ -60,6 +60,8 @@ impl Case {
 
 #[cfg(test)]
 mod material_tests;
+#[cfg(test)]
+mod preparation_stage_tests;
 #[cfg(test)]
 mod stage_tests;
 #[cfg(test)]

@@ -16,7 +16,7 @@ use super::fields::{FIELDS, RENAMED, SECTIONS, field};
 use super::reader::{Reader, scalar};
 use super::rules::RULES;
 use super::sieve;
-use super::stage::is_unused_with_stages;
+use super::stage::{PREPARATION_STAGE, STAGE, is_unused_with_stages};
 use crate::error::{Error, InputError, Result};
 use granum_core::names::nearest;
 
@@ -53,6 +53,7 @@ impl Case {
             keys: HashMap::new(),
             values: HashMap::new(),
             stages: Vec::new(),
+            preparation_stages: Vec::new(),
             materials: Vec::new(),
             pairs: Vec::new(),
         };
@@ -61,7 +62,11 @@ impl Case {
         reader.check_density();
         reader.check_spacing();
         reader.check_stages();
-        let mut case = Case { stages: std::mem::take(&mut reader.stages), ..Case::default() };
+        let mut case = Case {
+            stages: std::mem::take(&mut reader.stages),
+            preparation_stages: std::mem::take(&mut reader.preparation_stages),
+            ..Case::default()
+        };
         for field in FIELDS.iter() {
             if let Some(value) = reader.values.get(&field.path()) {
                 field.apply(&mut case, value.clone());
@@ -85,7 +90,7 @@ impl Case {
     pub fn set(&mut self, path: &str, text: &str) -> Result<()> {
         let wrong =
             |message: String| Error::Value { name: path.to_string(), value: text.to_string(), message };
-        if path.starts_with("stage.") {
+        if path.starts_with("stage.") || path.starts_with("preparation.stage.") {
             return self.set_stage(path, text);
         }
         if path.starts_with("material.") || path.starts_with("pair.") {
@@ -129,9 +134,12 @@ impl Reader<'_> {
                             Some(format!("write [{path}] with its keys below"));
                     }
                 }
-            } else if path == "stage" {
+            } else if path == STAGE {
                 self.keys.insert(path, key.span());
-                self.stages = self.stages(value);
+                self.stages = self.stages(value, STAGE);
+            } else if path == PREPARATION_STAGE {
+                self.keys.insert(path, key.span());
+                self.preparation_stages = self.stages(value, PREPARATION_STAGE);
             } else if path == "material" {
                 self.keys.insert(path, key.span());
                 self.materials = self.materials(value);
@@ -244,7 +252,7 @@ impl Reader<'_> {
 
     /// Checks that the test is given in one way only.
     fn check_stages(&mut self) {
-        if !self.keys.contains_key("stage") {
+        if !self.keys.contains_key(STAGE) {
             return;
         }
         let none: Vec<_> = self.keys.iter().filter(|(path, _)| is_unused_with_stages(path)).collect();

@@ -31,6 +31,7 @@ pub(super) struct Reader<'a> {
     /// Valid values, by path.
     pub(super) values: HashMap<String, Value>,
     pub(super) stages: Vec<CaseStage>,
+    pub(super) preparation_stages: Vec<CaseStage>,
     pub(super) materials: Vec<MaterialTable>,
     pub(super) pairs: Vec<PairTable>,
 }

@@ -40,6 +40,12 @@ impl Case {
             "type": "array",
             "items": pair(),
         });
+        root["properties"]["preparation"]["properties"]["stage"] = json!({
+            "description": "Loading paths between the compaction of the sample and its relaxation; they record nothing and \
+                            start where the one before ended.",
+            "type": "array",
+            "items": { "$ref": "#/$defs/stage" },
+        });
         root["properties"]["stage"] = json!({
             "description": "The test as a sequence of stages, instead of the section [shear].",
             "type": "array",
@@ -252,6 +258,8 @@ mod tests {
                 assert!(found["properties"][parameter.key].is_object(), "{}", parameter.key);
             }
         }
+        let of_preparation = &schema["properties"]["preparation"]["properties"]["stage"];
+        assert_eq!(of_preparation["items"], schema["properties"]["stage"]["items"]);
         let written_out = stages.last().unwrap();
         assert!(STAGE_KEYS.iter().all(|[key, _]| written_out["properties"][key].is_object()));
     }

@@ -1,4 +1,4 @@
-//! The tables `[[stage]]` of a case: named paths with their parameters, or an explicit control.
+//! The tables `[[stage]]` and `[[preparation.stage]]` of a case: named paths with their parameters, or an explicit control.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use granum_dem::config::Recording;
 use granum_dem::loading::preset::{
     self, Default as ParameterDefault, Fault, Given, Kind, Parameter, Preset, Value,
 };
-use granum_dem::loading::{Stage, Start};
+use granum_dem::loading::{Record, Stage, Start};
 
 use super::case_stage::{CaseStage, MOST_STAGES};
 use super::definition::Case;
@@ -15,6 +15,10 @@ use super::suggestion::meant;
 use super::unit::dimension;
 use crate::error::{Error, Result};
 use granum_core::quantity::{format_number, parse_quantity};
+
+/// Place in a case of the stages of its test, and of those of its preparation.
+pub(super) const STAGE: &str = "stage";
+pub(super) const PREPARATION_STAGE: &str = "preparation.stage";
 
 /// The number of a stage, from 1, that starts from a saved state although no state was saved before it, with the fault in words.
 pub(super) fn fault_of_order(stages: &[CaseStage]) -> Option<(usize, String)> {
@@ -172,10 +176,14 @@ impl Case {
     pub(super) fn set_stage(&mut self, path: &str, text: &str) -> Result<()> {
         let wrong =
             |message: String| Error::Value { name: path.to_string(), value: text.to_string(), message };
-        let rest = path.strip_prefix("stage.").unwrap_or(path);
-        let count = self.stages.len();
-        let (numbers, key) = place(rest).ok_or_else(|| wrong(no_such_stage(count)))?;
-        let stage = stage_at(&mut self.stages, &numbers).ok_or_else(|| wrong(no_such_stage(count)))?;
+        let (list, heading) = match path.starts_with(PREPARATION_STAGE) {
+            true => (&mut self.preparation_stages, PREPARATION_STAGE),
+            false => (&mut self.stages, STAGE),
+        };
+        let rest = path.strip_prefix(heading).and_then(|rest| rest.strip_prefix('.')).unwrap_or(path);
+        let none = no_such_stage(heading, list.len());
+        let (numbers, key) = place(rest).ok_or_else(|| wrong(none.clone()))?;
+        let stage = stage_at(list, &numbers).ok_or_else(|| wrong(none))?;
         match stage {
             CaseStage::Path { name, parameters, .. } => {
                 let preset = preset::named(name);
@@ -184,6 +192,9 @@ impl Case {
                     let help = meant(key, known.iter().map(|parameter| parameter.key));
                     return Err(wrong(format!("is not a parameter of the path {name}; {help}")));
                 };
+                if heading == PREPARATION_STAGE && RECORDING_KEYS.contains(&key) {
+                    return Err(wrong(NOTHING_RECORDED.into()));
+                }
                 parameters.insert(key.to_string(), parse_value(parameter, text).map_err(wrong)?);
                 Ok(())
             }
@@ -203,25 +214,94 @@ impl Case {
         }
     }
 
+    /// The stages of the preparation of the sample, between its compaction and its relaxation.
+    pub fn sample_stages(&self) -> Vec<Stage> {
+        self.preparation_stages.iter().flat_map(CaseStage::stages).collect()
+    }
+
     /// The tables `[[stage]]` as TOML in SI units; empty without stages.
     pub fn stages_toml(&self) -> String {
-        self.stages.iter().map(|stage| format!("\n{}", stage.toml("stage"))).collect()
+        self.stages.iter().map(|stage| format!("\n{}", stage.toml(STAGE))).collect()
+    }
+
+    /// The tables `[[preparation.stage]]` as TOML in SI units; empty without stages.
+    pub fn preparation_stages_toml(&self) -> String {
+        self.preparation_stages.iter().map(|stage| format!("\n{}", stage.toml(PREPARATION_STAGE))).collect()
     }
 
     /// Checks the stages: bounds of parameters, and that each control determines the strain rates.
     pub(super) fn check_stages(&self) -> Result<()> {
-        check_list(&self.stages, "stage")?;
-        let count = self.stages.iter().fold(0u64, |sum, stage| sum.saturating_add(stage.count()));
-        if count > MOST_STAGES {
-            return Err(Error::Rule(format!(
-                "the case has {count} stages with their repetitions; at most {MOST_STAGES} are possible"
-            )));
+        for (stages, heading) in [(&self.stages, STAGE), (&self.preparation_stages, PREPARATION_STAGE)] {
+            check_list(stages, heading)?;
+            if let Some(message) = too_many(stages) {
+                return Err(Error::Rule(message));
+            }
         }
+        check_unrecorded(&self.preparation_stages, PREPARATION_STAGE)?;
         match fault_of_order(&self.stages) {
             Some((number, message)) => Err(Error::Rule(format!("stage.{number} {message}"))),
             None => Ok(()),
         }
     }
+}
+
+/// Parameters of paths that choose the recorded states.
+pub(super) const RECORDING_KEYS: [&str; 2] = [preset::STATES.key, preset::INTERVAL.key];
+/// What is wrong with them in a preparation, as the continuation of "key = value".
+pub(super) const NOTHING_RECORDED: &str = "has no effect in a preparation, which records no states";
+/// What is wrong with a stage of a preparation that saves its start, or starts from a saved state.
+pub(super) const NOTHING_SAVED: &str = "starts from a saved state or saves its start for later stages, but each stage of a \
+                                        preparation starts where the one before it ended";
+
+/// True if a stage saves its start, or starts from a saved state.
+pub(super) fn goes_back(stage: &CaseStage) -> bool {
+    match stage {
+        CaseStage::Repeat { stages, .. } => stages.iter().any(goes_back),
+        _ => stage.stages().iter().any(|stage| stage.start != Start::Here),
+    }
+}
+
+/// Removes the recording that a file of the IncrementalDriver sets.
+pub(super) fn without_recording(stage: CaseStage) -> CaseStage {
+    match stage {
+        CaseStage::Control(stage) => CaseStage::Control(Box::new(stage.recording(Record::default()))),
+        CaseStage::Repeat { times, stages } => {
+            CaseStage::Repeat { times, stages: stages.into_iter().map(without_recording).collect() }
+        }
+        path => path,
+    }
+}
+
+/// Checks that the stages of a preparation record and save nothing.
+fn check_unrecorded(stages: &[CaseStage], place: &str) -> Result<()> {
+    for (k, stage) in stages.iter().enumerate() {
+        let place = format!("{place}.{}", k + 1);
+        let key = match stage {
+            CaseStage::Repeat { stages, .. } => {
+                check_unrecorded(stages, &place)?;
+                continue;
+            }
+            CaseStage::Path { parameters, .. } => {
+                RECORDING_KEYS.into_iter().find(|key| parameters.contains_key(*key))
+            }
+            CaseStage::Control(stage) => (stage.record != Record::default()).then_some("record"),
+        };
+        if let Some(key) = key {
+            return Err(Error::Rule(format!("{place}.{key} {NOTHING_RECORDED}")));
+        }
+        if goes_back(stage) {
+            return Err(Error::Rule(format!("{place} {NOTHING_SAVED}")));
+        }
+    }
+    Ok(())
+}
+
+/// The error message if there are too many stages.
+pub(super) fn too_many(stages: &[CaseStage]) -> Option<String> {
+    let count = stages.iter().fold(0u64, |sum, stage| sum.saturating_add(stage.count()));
+    (count > MOST_STAGES).then(|| {
+        format!("the case has {count} stages with their repetitions; at most {MOST_STAGES} are possible")
+    })
 }
 
 /// The numbers and the key of `1.2.axial_strain`.
@@ -242,12 +322,12 @@ fn stage_at<'s>(stages: &'s mut [CaseStage], numbers: &[usize]) -> Option<&'s mu
     }
 }
 
-fn no_such_stage(count: usize) -> String {
+fn no_such_stage(heading: &str, count: usize) -> String {
     let stages = match count {
-        0 => "this case has no [[stage]]".to_string(),
+        0 => format!("this case has no [[{heading}]]"),
         _ => format!("this case has the stages 1 to {count}"),
     };
-    format!("is not a key of a stage, e.g. stage.1.axial_strain; {stages}")
+    format!("is not a key of a stage, e.g. {heading}.1.axial_strain; {stages}")
 }
 
 fn check_list(stages: &[CaseStage], place: &str) -> Result<()> {

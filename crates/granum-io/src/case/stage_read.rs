@@ -1,4 +1,4 @@
-//! Reading the tables `[[stage]]` of a case file.
+//! Reading the tables `[[stage]]` and `[[preparation.stage]]` of a case file.
 
 use std::ops::Range;
 use std::path::Path;
@@ -13,7 +13,10 @@ use super::case_stage::{CaseStage, MOST_STAGES};
 use super::history::{self, HISTORY_KEYS};
 use super::incremental_driver::{self, Options};
 use super::reader::Reader;
-use super::stage::{fault_of_order, parse_value, path_fault};
+use super::stage::{
+    NOTHING_RECORDED, NOTHING_SAVED, PREPARATION_STAGE, RECORDING_KEYS, STAGE, fault_of_order, goes_back,
+    parse_value, path_fault, too_many, without_recording,
+};
 use super::stage_values::{
     Mistake, Node, Parsed, boolean, constraint, drive, end, numbers, record, scalar, text, turns,
 };
@@ -87,18 +90,14 @@ pub(super) const DRIVER_KEYS: &[[&str; 2]] = &[
 pub(super) const REPEAT_KEYS: [&str; 2] = ["repeat", "stage"];
 
 impl Reader<'_> {
-    /// Reads `[[stage]]`; mistakes are added to those of the reader.
-    pub(super) fn stages(&mut self, value: &Node<'_>) -> Vec<CaseStage> {
+    /// Reads the tables below a heading, [`STAGE`] or [`PREPARATION_STAGE`]; mistakes are added to those of the reader.
+    pub(super) fn stages(&mut self, value: &Node<'_>, heading: &str) -> Vec<CaseStage> {
         let before = self.errors.len();
-        let (stages, spans): (Vec<_>, Vec<_>) = self.list_of_stages(value, "stage").into_iter().unzip();
+        let (stages, spans): (Vec<_>, Vec<_>) = self.list_of_stages(value, heading).into_iter().unzip();
         if self.errors.len() > before {
             return stages;
         }
-        let count = stages.iter().fold(0u64, |sum, stage| sum.saturating_add(stage.count()));
-        if count > MOST_STAGES {
-            let message = format!(
-                "the case has {count} stages with their repetitions; at most {MOST_STAGES} are possible"
-            );
+        if let Some(message) = too_many(&stages) {
             self.error(value.span(), message);
         } else if let Some((number, message)) = fault_of_order(&stages) {
             self.error(spans.get(number - 1).cloned().unwrap_or(0..0), format!("stage.{number} {message}"));
@@ -109,7 +108,8 @@ impl Reader<'_> {
     fn list_of_stages(&mut self, value: &Node<'_>, name: &str) -> Vec<(CaseStage, Range<usize>)> {
         let DeValue::Array(tables) = value.get_ref() else {
             let message = format!("{name} = {} is not a list of tables", self.shown(&value.span()));
-            self.error(value.span(), message).help = Some("write [[stage]] with its keys below".into());
+            self.error(value.span(), message).help =
+                Some(format!("write [[{}]] with its keys below", heading(name)));
             return Vec::new();
         };
         let mut stages = Vec::new();
@@ -142,6 +142,11 @@ impl Reader<'_> {
             (None, true) => return place.repeated(table, &span),
             (None, false) => place.written_out(table),
         }?;
+        if self.errors.len() == before && is_of_preparation(&name) && goes_back(&stage) {
+            self.error(span, format!("{name} {NOTHING_SAVED}")).help =
+                Some("leave start out, or choose another path; a [[stage]] of the test can do this".into());
+            return Some(stage);
+        }
         if self.errors.len() == before
             && let Some(error) = stage.stages().iter().find_map(|stage| stage.control.check().err())
         {
@@ -149,6 +154,18 @@ impl Reader<'_> {
         }
         Some(stage)
     }
+}
+
+/// True if this is the name of a stage of the preparation.
+fn is_of_preparation(name: &str) -> bool {
+    name.starts_with(PREPARATION_STAGE)
+}
+
+/// The heading of the tables that a list of stages of this name has: `stage.stage` for `stage.2`.
+fn heading(name: &str) -> String {
+    let is_number = |part: &&str| part.parse::<usize>().is_ok();
+    let parts = name.split('.').map(|part| if is_number(&part) { STAGE } else { part });
+    parts.collect::<Vec<_>>().join(".")
 }
 
 /// A table that is being read, with its name for messages.
@@ -169,6 +186,19 @@ impl TableReader<'_, '_> {
         }
     }
 
+    /// Refuses a key that chooses recorded states if this is a stage of the preparation.
+    fn records_nothing(&mut self, table: &DeTable<'_>, keys: &[&str]) {
+        if !is_of_preparation(&self.name) {
+            return;
+        }
+        for key in keys {
+            let Some((found, value)) = table.get_key_value(*key) else { continue };
+            let text = self.reader.shown(&value.span());
+            let message = format!("{}.{key} = {text} {NOTHING_RECORDED}", self.name);
+            self.reader.error(found.span(), message).help = Some("leave it out".into());
+        }
+    }
+
     fn unknown<'n>(&mut self, key: &str, span: Range<usize>, names: impl Iterator<Item = &'n str> + Clone) {
         let message = format!("unknown key {}.{key}", self.name);
         self.reader.error(span, message).help = Some(meant(key, names));
@@ -184,6 +214,7 @@ impl TableReader<'_, '_> {
         });
         let preset: &Preset = self.take("path", found)?;
         let before = self.reader.errors.len();
+        self.records_nothing(table, &RECORDING_KEYS);
         let mut parameters = Given::new();
         let of_history = preset.parameters().find(|parameter| parameter.kind == Kind::History);
         if let Some(parameter) = of_history
@@ -262,6 +293,7 @@ impl TableReader<'_, '_> {
                 self.unknown(key.get_ref(), key.span(), DRIVER_KEYS.iter().map(|[known, _]| *known));
             }
         }
+        self.records_nothing(table, &RECORDING_KEYS);
         let file = self.key(table, "incremental_driver", text);
         let unit = self.key(table, "stress_unit", |value| number(value, Dimension::STRESS, [1e-3, 1e12]));
         let speed = self.key(table, "inertial_number", |value| number(value, Dimension::NUMBER, [1e-8, 0.1]));
@@ -279,6 +311,13 @@ impl TableReader<'_, '_> {
         };
         let folder = Path::new(self.reader.file).parent().unwrap_or(Path::new(""));
         match incremental_driver::read(&folder.join(&file), &options) {
+            Ok(stages) if is_of_preparation(&self.name) => {
+                if stages.iter().any(goes_back) {
+                    let message = format!("{} {NOTHING_SAVED}", self.name);
+                    self.reader.error(span.clone(), message);
+                }
+                stages.into_iter().map(without_recording).collect()
+            }
             Ok(stages) => stages,
             Err(crate::Error::Input(error)) => {
                 self.reader.errors.push(*error);
@@ -304,7 +343,7 @@ impl TableReader<'_, '_> {
         let Some(inner) = table.get("stage") else {
             let message = format!("{} has no stages to repeat", self.name);
             self.reader.error(span.clone(), message).help =
-                Some("write the stages to repeat below it, as [[stage.stage]]".into());
+                Some(format!("write the stages to repeat below it, as [[{}]]", heading(&self.name)));
             return None;
         };
         let stages = self.reader.list_of_stages(inner, &self.name);
@@ -324,6 +363,7 @@ impl TableReader<'_, '_> {
                 self.unknown(key.get_ref(), key.span(), names);
             }
         }
+        self.records_nothing(table, &["record"]);
         let mut control = self.control(table);
         let mut until = Vec::new();
         match table.get("until").map(|value| (value, value.get_ref())) {

@@ -292,8 +292,10 @@ fn examples_of_the_book_are_cases() {
     let book = [include_str!("../../../../docs/src/case.md"), include_str!("../../../../docs/src/howto.md")]
         .concat();
     let blocks = book.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next());
-    let stages: Vec<&str> = blocks.filter(|block| block.contains("[[stage]]")).collect();
-    assert_eq!(stages.len(), 5);
+    let stages: Vec<&str> = blocks
+        .filter(|block| block.contains("[[stage]]") || block.contains("[[preparation.stage]]"))
+        .collect();
+    assert_eq!(stages.len(), 7);
     for text in stages {
         assert!(parse(text).check().is_ok(), "{text}");
     }
@@ -383,7 +385,7 @@ fn any_written_out() -> impl Strategy<Value = CaseStage> {
 }
 
 /// A stage of any kind.
-fn any_stage() -> impl Strategy<Value = CaseStage> {
+pub(super) fn any_stage() -> impl Strategy<Value = CaseStage> {
     prop_oneof![any_path(), any_written_out()].prop_recursive(2, 8, 3, |inner| {
         let stages = proptest::collection::vec(inner, 1..3);
         (1..5u64, stages).prop_map(|(times, stages)| CaseStage::Repeat { times, stages })

@@ -26,6 +26,11 @@ const TEMPLATE_TAIL: &str = "
 # between = [\"glass\", \"rubber\"]
 # friction = 0.7
 
+# Loading paths between the compaction of the sample and its relaxation, with the friction of the preparation.
+# [[preparation.stage]]
+# path = \"oedometer\"
+# axial_stress = \"200 kPa\"
+
 # Another test: stages instead of [shear], each a named path (`granum run --list` shows all) or an explicit control.
 # [[stage]]
 # path = \"drained-triaxial\"
@@ -90,6 +95,7 @@ impl Case {
             }
         }
         text.push_str(&self.materials_toml());
+        text.push_str(&self.preparation_stages_toml());
         text.push_str(&self.stages_toml());
         text
     }

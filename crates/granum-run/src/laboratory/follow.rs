@@ -29,7 +29,7 @@ impl Observer for Follow<'_> {
     fn progress(&mut self, progress: &Progress) -> Flow {
         let [at, all] = self.place;
         let mut announced = *progress;
-        announced.stage = self.stage;
+        announced.stage = self.stage.or(progress.stage);
         announced.fraction = progress.fraction.map(|part| (at as f64 + part) / all.max(1) as f64);
         announced.grain_steps_per_second = self.speedometer.rate(progress.simulation);
         self.stopped = self.observer.progress(&announced) == Flow::Stop;

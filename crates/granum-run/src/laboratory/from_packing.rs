@@ -99,6 +99,10 @@ pub(super) fn remarks(case: &Case, path: &Path, why_not: Option<&str>) -> Vec<St
         remarks.extend(keys.map(|key| {
             format!("{key} = {} has no effect in this run: {name} is not compacted, {why}", shown(key))
         }));
+        if !case.preparation_stages.is_empty() {
+            let remark = "[[preparation.stage]] has no effect in this run";
+            remarks.push(format!("{remark}: {name} is not compacted, {why}"));
+        }
     }
     remarks
 }

@@ -106,6 +106,53 @@ fn a_run_stopped_again_and_again_ends_in_the_same_bytes() {
     assert_eq!((&record.quality, &record.phase, record.grains), (&whole.quality, &whole.phase, whole.grains));
 }
 
+/// Strain cycles, an oedometer and a stage with another density in each trial of the search of a preparation.
+#[test]
+fn a_preparation_with_stages_stopped_again_and_again_ends_in_the_same_bytes() {
+    let text = "[[preparation.stage]]\npath = \"oedometer\"\naxial_stress = \"60 kPa\"\nunloading_stress = \"30 kPa\"\n\
+                inertial_number = 1e-2\n[[preparation.stage]]\nname = \"extension\"\nstrain_rate = \"5 /s\"\n\
+                density_scaling = 64\nxx = { rate = -1 }\nyy = { stress = \"current\" }\nzz = { stress = \"current\" }\n\
+                until = { xx_strain = -0.002 }\n";
+    let preparation_stages = Case::parse(text, "case.toml").unwrap().preparation_stages;
+    let mut case = Case { preparation_stages, ..searching() };
+    (case.preparation.cycles, case.preparation.cycle_strain) = (1, 2e-3);
+    let base = tempfile::tempdir().unwrap();
+    let lab = laboratory();
+    let straight = RunFolder::create(base.path().join("straight"), false).unwrap();
+    let whole = lab.prepare(&case, &Source::Case, &straight, &mut NoObserver).unwrap();
+    assert!(whole.measures["preparation_trials"] >= 2.0, "{:?}", whole.measures);
+    assert_ne!(whole.preparation_digest, searching().preparation_digest());
+
+    let broken = RunFolder::create(base.path().join("broken"), false).unwrap();
+    let mut record = lab.prepare(&case, &Source::Case, &broken, &mut Stopper::after(2)).unwrap();
+    let mut phases = std::collections::BTreeSet::new();
+    while record.status == RunStatus::Interrupted {
+        phases.insert(record.phase.clone());
+        record = lab.resume(&broken, &mut Stopper::after(3)).unwrap();
+    }
+    for phase in ["cycles", "preparation stage", "preparation stage, trial 2", "relaxation, trial 2"] {
+        assert!(phases.contains(phase), "{phases:?}");
+    }
+    assert_same(&straight, &broken);
+    assert_eq!((&record.steps, &record.measures), (&whole.steps, &whole.measures));
+}
+
+/// A stage of the preparation that does not reach its end leaves no sample: the error gives the stage and the reason.
+#[test]
+fn a_stage_of_the_preparation_that_is_cut_short_is_an_error() {
+    let text = "[[preparation.stage]]\npath = \"isotropic\"\nmean_stress = \"30 kPa\"\n[[preparation.stage]]\nname = \"far\"\n\
+                inertial_number = 1e-2\nxx = { rate = 1 }\nuntil = { mean_stress = \"1 Pa\" }\nmost_arc_length = 1e-3\n";
+    let preparation_stages = Case::parse(text, "case.toml").unwrap().preparation_stages;
+    let mut case = Case { preparation_stages, ..small() };
+    case.grains.count = 80;
+    let error = laboratory().sample(&case, &mut NoObserver).err().unwrap().to_string();
+    assert!(
+        error.contains("2 stages of the preparation (far): none of its end conditions was met"),
+        "{error}"
+    );
+    assert!(super::limits::densest(&case).preparation_stages.is_empty());
+}
+
 /// A program may set a parameter to its default; a case that is read from a file takes such a value as not given.
 #[test]
 fn parameters_set_to_their_defaults_give_the_same_bytes_after_a_resumption() {

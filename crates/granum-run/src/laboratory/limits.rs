@@ -64,6 +64,8 @@ fn prepared(case: &Case) -> Case {
     let mut case = case.clone();
     let p = &mut case.preparation;
     (p.solid_fraction, p.void_ratio, p.relative_density, p.compaction_stress) = (None, None, None, None);
+    // The limits are defined by their procedures alone.
+    case.preparation_stages.clear();
     case
 }
 

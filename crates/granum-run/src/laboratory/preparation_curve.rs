@@ -47,6 +47,7 @@ fn number(phase: Phase) -> u8 {
         Phase::Consolidation => 2,
         Phase::Shear => 3,
         Phase::Cycles => 4,
+        Phase::PreparationStage => 5,
     }
 }
 

@@ -83,6 +83,7 @@ impl Laboratory {
             grains: &case.grains,
             contact: &case.contact,
             preparation,
+            stages: case.sample_stages(),
             time_step_factor: case.numerics.time_step_factor,
             hardware: self.hardware_for(grains),
         }

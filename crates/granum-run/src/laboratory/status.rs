@@ -28,13 +28,12 @@ impl Field {
 pub fn line(progress: &Progress) -> String {
     let s = progress.simulation.state();
     let mut parts = Vec::new();
-    match progress.phase {
-        Phase::Shear => {
-            parts.extend(progress.stage.map(str::to_string));
-            parts.push(format!("strain {:.4}  q/p {:.3}", strain(progress), stress_ratio(progress)));
-        }
-        _ if progress.trial > 1 => parts.push(format!("trial {}", progress.trial)),
-        _ => {}
+    if progress.trial > 1 && progress.phase != Phase::Shear {
+        parts.push(format!("trial {}", progress.trial));
+    }
+    if is_of_path(progress) {
+        parts.extend(progress.stage.map(str::to_string));
+        parts.push(format!("strain {:.4}  q/p {:.3}", strain(progress), stress_ratio(progress)));
     }
     parts.push(format!("p {:.2} kPa  solid fraction {:.4}", s.mean_stress() / 1e3, s.solid_fraction()));
     parts.extend(progress.grain_steps_per_second.map(|rate| format!("{} grain-steps/s", speed(rate))));
@@ -46,18 +45,22 @@ pub fn line(progress: &Progress) -> String {
 pub fn fields(progress: &Progress) -> Vec<Field> {
     let s = progress.simulation.state();
     let mut fields = Vec::new();
-    match progress.phase {
-        Phase::Shear => {
-            fields.push(Field::new(1, format!("strain {:.3}", strain(progress))));
-            fields.push(Field::new(2, format!("q/p {:.3}", stress_ratio(progress))));
-        }
-        _ if progress.trial > 1 => fields.push(Field::new(1, format!("trial {}", progress.trial))),
-        _ => {}
+    if progress.trial > 1 && progress.phase != Phase::Shear {
+        fields.push(Field::new(1, format!("trial {}", progress.trial)));
+    }
+    if is_of_path(progress) {
+        fields.push(Field::new(1, format!("strain {:.3}", strain(progress))));
+        fields.push(Field::new(2, format!("q/p {:.3}", stress_ratio(progress))));
     }
     fields.push(Field::new(3, format!("p {:.1} kPa", s.mean_stress() / 1e3)));
     fields.push(Field::new(0, format!("density {:.3}", s.solid_fraction())));
     fields.extend(progress.grain_steps_per_second.map(|rate| Field::new(0, format!("{}/s", speed(rate)))));
     fields
+}
+
+/// True if the progress is that of a loading path, in a test or in a preparation.
+fn is_of_path(progress: &Progress) -> bool {
+    matches!(progress.phase, Phase::Shear | Phase::PreparationStage)
 }
 
 /// The deviator strain of the paper for its test, and the deviatoric strain for other tests.
