@@ -4,7 +4,8 @@
     python paths.py --table ../../../data/validation/paths
 
 Without rolling resistance, with the elastic-plastic law (`rolling`), and with the spring-dashpot-slider, which both programs have with the
-same constants (`sds`); two copies in each program, which differ in the time step and are a measure of the scatter.
+same constants (`sds`). Four copies in each program are a measure of its own error: two more time steps, and the same packing with
+its origin elsewhere, so that other contacts lie across the faces of the cell.
 Writes PATH-[rolling-|sds-]PROGRAM-COPY.csv: means over equal intervals of the coordinate of the path but the first, of the polygon through
 the rows, so that their places do not matter. `--table` prints the distances of these curves. Needs `lmp` with GRANULAR, granum, and nothing but Python. `--only drained` runs one path.
 """
@@ -36,8 +37,9 @@ LAWS = {
     "-rolling": ["rolling=elastic-plastic", "rolling_friction=0.1"],
     "-sds": ["rolling=spring-dashpot-slider", "rolling_friction=0.1", "rolling_stiffness=800", "rolling_viscosity=1.05e-3"],
 }
-# Factors on granum's time step of 0.2 sqrt(m/k_t).
-COPIES = {"lammps": ["1.0", "0.85"], "granum": ["0.2", "0.17"]}
+# Of each copy the factor on the time step of 0.2 sqrt(m/k_t), and by what part of the cell the packing is shifted.
+COPIES = [(1.0, None), (0.85, None), (1.0, (0.37, 0.51, 0.43)), (0.5, None)]
+PROGRAMS = ["lammps", "granum"]
 VALUES = ["von_mises_ratio", "mean_stress", "void_ratio", "coordination_number", "mechanical_coordination_number"]
 
 
@@ -112,25 +114,43 @@ def write(file, rows):
             target.write(",".join(f"{value:.6g}" for value in row.values()) + "\n")
 
 
-def run(arguments, path, rolling):
+def shifted(packing, parts, target):
+    """Writes a packing in granum's CSV with all centres shifted by parts of the periodic cell."""
+    with open(packing) as lines:
+        box, names = next(lines), next(lines)
+        rows = [line.split(",") for line in lines]
+    faces = {word[:3]: float(word[4:]) for word in box.split() if "=" in word}
+    for axis, part in enumerate(parts):
+        low, high = (faces["xyz"[axis] + end] for end in ("lo", "hi"))
+        for row in rows:
+            place = float(row[1 + axis]) - low + part * (high - low)
+            row[1 + axis] = repr(low + place % (high - low))
+    with open(target, "w") as out:
+        out.write(box + names + "".join(",".join(row) for row in rows))
+
+
+def run(arguments, path, rolling, copy):
+    """One copy of one path in both programs."""
     name = path + rolling
-    packing, granum = os.path.abspath(arguments.packing), os.path.abspath(arguments.granum)
-    case = os.path.join(HERE, "sand.toml")
+    granum, case = os.path.abspath(arguments.granum), os.path.join(HERE, "sand.toml")
+    factor, parts = COPIES[copy - 1]
     with tempfile.TemporaryDirectory() as scratch:
         deck, folder = os.path.join(scratch, "deck"), os.path.join(scratch, "run")
+        packing = os.path.abspath(arguments.packing)
+        if parts:
+            packing = os.path.join(scratch, "shifted.csv")
+            shifted(arguments.packing, parts, packing)
         more = ["--packing", packing] + words(path, rolling)
         call([granum, "export", case, "--to", "lammps", "--out", deck] + more)
-        for copy, factor in enumerate(COPIES["lammps"], 1):
-            call(["lmp", "-in", "in.granum", "-screen", "none", "-var", "time_step_factor", factor], cwd=deck)
-            rows = rows_of(os.path.join(deck, "curve.csv"))
-            write(os.path.join(arguments.folder, f"{name}-lammps-{copy}.csv"), reduced(rows, path))
-        for copy, factor in enumerate(COPIES["granum"], 1):
-            factor = ["--set", f"numerics.time_step_factor={factor}", "--threads", "1"]
-            call([granum, "run", case, "--out", folder, "--force"] + factor + more)
-            series = os.path.join(scratch, "series.csv")
-            call([granum, "export", folder, "-o", series, "--force"])
-            write(os.path.join(arguments.folder, f"{name}-granum-{copy}.csv"), reduced(rows_of(series), path))
-    print(name, flush=True)
+        call(["lmp", "-in", "in.granum", "-screen", "none", "-var", "time_step_factor", str(factor)], cwd=deck)
+        theirs = rows_of(os.path.join(deck, "curve.csv"))
+        settings = ["--set", f"numerics.time_step_factor={0.2 * factor:g}", "--threads", "1"]
+        call([granum, "run", case, "--out", folder, "--force"] + settings + more)
+        series = os.path.join(scratch, "series.csv")
+        call([granum, "export", folder, "-o", series, "--force"])
+        for program, rows in zip(PROGRAMS, (theirs, rows_of(series))):
+            write(os.path.join(arguments.folder, f"{name}-{program}-{copy}.csv"), reduced(rows, path))
+    print(name, copy, flush=True)
 
 
 def aligned(curves):
@@ -146,24 +166,30 @@ def distance(one, other, key):
     return math.sqrt(sum((a[key] - b[key]) ** 2 for a, b in zip(one, other)) / len(one))
 
 
-def middle(curves):
-    return [{key: sum(rows[key] for rows in group) / len(group) for key in group[0]} for group in zip(*curves)]
-
-
 def table(folder):
-    print("| path | curve | mean, LAMMPS | mean, granum | distance | copies of LAMMPS | copies of granum |")
-    print("|---|---|---|---|---|---|---|")
+    """Of each curve the means in LAMMPS and in granum, their distance, and the largest distances of a copy from the first."""
+    copies = range(1, len(COPIES) + 1)
+    titles = {"von_mises_ratio": "q/p", "mean_stress": "p, kPa", "void_ratio": "void ratio", "coordination_number": "coordination number"}
+    print("| path | " + " | ".join(titles.values()) + " |")
+    print("|---" * (1 + len(titles)) + "|")
     for path in PATHS:
         for name in (path + rolling for rolling in LAWS):
-            files = [os.path.join(folder, f"{name}-{program}-{copy}.csv") for program in COPIES for copy in (1, 2)]
+            files = [os.path.join(folder, f"{name}-{program}-{copy}.csv") for program in PROGRAMS for copy in copies]
             if not all(os.path.exists(file) for file in files):
                 continue
-            theirs, again, ours, mine = aligned([rows_of(file) for file in files])
-            a, b = middle([theirs, again]), middle([ours, mine])
-            for key in VALUES:
-                mean = [sum(row[key] for row in rows) / len(rows) for rows in (a, b)]
-                found = [distance(*pair, key) for pair in ((a, b), (theirs, again), (ours, mine))]
-                print(f"| {name} | {key} | " + " | ".join(f"{x:.4g}" for x in mean + found) + " |")
+            curves = aligned([rows_of(file) for file in files])
+            theirs, ours = curves[: len(COPIES)], curves[len(COPIES) :]
+            cells = []
+            for key in titles:
+                unit = 1e3 if key == "mean_stress" else 1.0
+                means = [sum(row[key] for row in rows[0]) / len(rows[0]) / unit for rows in (theirs, ours)]
+                found = distance(theirs[0], ours[0], key) / unit
+                own = [max(distance(rows[0], row, key) for row in rows[1:]) / unit for rows in (theirs, ours)]
+                digits = {"von_mises_ratio": 4, "mean_stress": 2, "void_ratio": 5, "coordination_number": 3}[key]
+                first = ", ".join(f"{mean:.{digits}f}" for mean in means)
+                constant = key == "void_ratio" and found == 0.0 == max(own)
+                cells.append("constant" if constant else f"{first}; {found:.2g} (" + ", ".join(f"{x:.2g}" for x in own) + ")")
+            print(f"| {name.replace('-rolling', ', rolling').replace('-sds', ', sds').replace('-', ' ')} | " + " | ".join(cells) + " |")
 
 
 def main():
@@ -174,13 +200,16 @@ def main():
     parser.add_argument("--only", choices=PATHS, action="append", help="this path; can be repeated")
     choices = {"none": "", "elastic-plastic": "-rolling", "spring-dashpot-slider": "-sds"}
     parser.add_argument("--rolling", choices=choices, action="append", help="only with this law of rolling; can be repeated")
+    copies = range(1, len(COPIES) + 1)
+    parser.add_argument("--copy", type=int, choices=copies, action="append", help="only this copy; can be repeated")
     parser.add_argument("--table", action="store_true")
     arguments = parser.parse_args()
     if not arguments.table:
         os.makedirs(arguments.folder, exist_ok=True)
         for path in arguments.only or PATHS:
             for law in arguments.rolling or choices:
-                run(arguments, path, choices[law])
+                for copy in arguments.copy or copies:
+                    run(arguments, path, choices[law], copy)
     table(arguments.folder)
 
 

@@ -7,7 +7,7 @@ pub use crate::contact::parameters::ParameterValues;
 pub use crate::contact::selection::ContactModel;
 pub use crate::material::Material;
 pub use crate::mixture::{Component, Mixture, PairRule};
-pub use crate::sizes::{SizeKind, Sizes};
+pub use crate::sizes::{Grains, SizeKind, Sizes};
 
 /// Gives configurations the method `with`, which changes fields of a value: fields can be added to them without breaking anybody.
 macro_rules! with {
@@ -37,50 +37,6 @@ with!(
     Recording: states = 50,
     Numerics: time_step_factor = 0.1
 );
-
-/// The grains: number, sizes and material.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[non_exhaustive]
-pub struct Grains {
-    /// Number of grains.
-    pub count: usize,
-    /// Mean diameter d, m.
-    pub diameter: f64,
-    /// Half-width of the uniform distribution of radii relative to the mean (0: equal grains; 0.1: R (1 ± 0.1)).
-    pub spread: f64,
-    /// Another distribution of sizes in place of that one.
-    #[serde(default, skip_serializing_if = "Sizes::is_standard")]
-    pub sizes: Sizes,
-    /// Their material.
-    pub material: Material,
-    /// Several materials, which replace that one; empty if there is one material. In a case its seed is [`Preparation::seed`].
-    #[serde(default, skip_serializing_if = "Mixture::is_empty")]
-    pub mixture: Mixture,
-}
-
-impl Default for Grains {
-    fn default() -> Self {
-        Grains {
-            count: 5000,
-            diameter: 1e-4,
-            spread: 0.0,
-            sizes: Sizes::default(),
-            material: Material::default(),
-            mixture: Mixture::default(),
-        }
-    }
-}
-
-impl Grains {
-    /// Coefficient of friction of the material; of several materials the mean over the grains.
-    pub fn mean_friction(&self) -> f64 {
-        let components = &self.mixture.components;
-        if components.is_empty() {
-            return self.material.friction;
-        }
-        components.iter().map(|component| component.share * component.material.friction).sum()
-    }
-}
 
 /// Number of stiff contacts of a grain up to which the time step is stable.
 pub const MOST_CONTACTS: f64 = 12.0;

@@ -13,6 +13,7 @@ pub mod material;
 pub mod mixture;
 pub mod observer;
 pub mod preparation;
+mod random;
 pub mod random_insertion;
 pub mod servo;
 pub mod simulation;

@@ -2,12 +2,13 @@
 
 use granum_simd::Row8;
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use rand_chacha::rand_core::SeedableRng;
 
 use crate::assembly::Vector;
 use crate::cell::Cell;
 use crate::config::Grains;
 use crate::initial_sphere::InitialSphere;
+use crate::random::unit;
 use crate::sizes::SizeError;
 
 /// Number of attempts for one grain after which the initial state is reported as too dense.
@@ -37,11 +38,6 @@ pub enum InsertionError {
     /// The grains cannot have these sizes.
     #[error(transparent)]
     Sizes(#[from] SizeError),
-}
-
-/// A number in [0, 1) with 53 random bits.
-pub(crate) fn unit(rng: &mut ChaCha8Rng) -> f64 {
-    (rng.next_u64() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
 }
 
 /// Places grains one after the other at random in a cubic cell of the given solid fraction (random sequential addition).

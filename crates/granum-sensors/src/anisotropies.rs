@@ -18,7 +18,7 @@ use granum_core::assembly::Matrix;
 use granum_dem::invariants::deviator;
 
 use crate::fabric::fabric;
-use crate::observation::mean;
+use crate::ratio::mean;
 use crate::tensor::{add_dyad, scaled, signed_size, trace};
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 

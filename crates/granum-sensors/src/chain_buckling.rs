@@ -11,7 +11,7 @@ use granum_core::geometry::{apply, determinant, invert};
 
 use crate::force_chains::Chains;
 use crate::numerics::acos_degrees;
-use crate::observation::{mean, ratio};
+use crate::ratio::{mean, ratio};
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 
 /// Smallest decrease of the angle of a segment that counts as buckling, degrees.

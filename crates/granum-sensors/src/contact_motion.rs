@@ -10,7 +10,7 @@ use granum_core::Part;
 use granum_core::assembly::{Assembly, Contact, Vector};
 use granum_core::geometry::apply;
 
-use crate::observation::{mean, ratio};
+use crate::ratio::{mean, ratio};
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 
 /// The sensor.

@@ -13,7 +13,7 @@
 use granum_core::Part;
 use granum_core::assembly::Contact;
 
-use crate::observation::mean;
+use crate::ratio::mean;
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 
 /// The sensor.

@@ -5,7 +5,7 @@
 
 use granum_core::Part;
 
-use crate::observation::mean;
+use crate::ratio::mean;
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 
 /// Number of classes.

@@ -15,7 +15,7 @@ use granum_core::assembly::{Matrix, Vector};
 use granum_core::geometry::{apply, determinant, invert, multiply};
 
 use crate::neighbours::Neighbours;
-use crate::observation::{mean, ratio};
+use crate::ratio::{mean, ratio};
 use crate::tensor::add_dyad;
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 

@@ -10,7 +10,7 @@ use granum_core::Part;
 use granum_core::assembly::Matrix;
 
 use crate::numerics::asin_degrees;
-use crate::observation::ratio;
+use crate::ratio::ratio;
 use crate::tensor::{eigenvalues, trace};
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 

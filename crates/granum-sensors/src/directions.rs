@@ -8,7 +8,7 @@
 use granum_core::Part;
 use granum_core::assembly::{Contact, Matrix};
 
-use crate::observation::ratio;
+use crate::ratio::ratio;
 use crate::tensor::{add_dyad, principal, scaled, trace};
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 

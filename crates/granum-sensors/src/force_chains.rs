@@ -10,7 +10,7 @@
 use granum_core::Part;
 use granum_core::assembly::{Contact, Matrix, Vector};
 
-use crate::observation::{mean, ratio};
+use crate::ratio::{mean, ratio};
 use crate::tensor::{add_dyad, principal, scaled};
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 

@@ -8,7 +8,7 @@
 //! Without contacts, or where `<N>` is not positive, f is undefined and every moment is 0.
 
 use crate::numerics::{ln, mills_ratio};
-use crate::observation::mean;
+use crate::ratio::mean;
 use crate::{Bins, Description, Histogram, Memory, Observation, Sensor, SensorColumn, Values};
 use granum_core::Part;
 use granum_dem::config::Recording;

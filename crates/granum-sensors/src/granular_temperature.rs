@@ -7,7 +7,7 @@
 use granum_core::Part;
 use granum_core::assembly::{Assembly, Grain, Vector};
 
-use crate::observation::{mean, ratio};
+use crate::ratio::{mean, ratio};
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 
 /// The sensor.

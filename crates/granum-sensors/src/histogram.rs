@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::observation::ratio;
+use crate::ratio::ratio;
 
 /// Largest number of bins of a histogram.
 const MOST_BINS: i64 = 1_000_000;

@@ -6,7 +6,7 @@ use granum_dem::invariants::{
     deviatoric_strain, intermediate_ratio, lode_cosine, mean, mobilised_friction, signed_von_mises,
 };
 
-use crate::observation::ratio;
+use crate::ratio::ratio;
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 
 /// The sensor. It is recorded in tests that are given as stages: the series of the paper's test keeps its columns.

@@ -14,7 +14,7 @@ use granum_core::assembly::{Matrix, Vector};
 use granum_dem::config::Recording;
 
 use crate::neighbours::Neighbours;
-use crate::observation::{mean, ratio};
+use crate::ratio::{mean, ratio};
 use crate::{Bins, Description, Memory, Observation, Sensor, SensorColumn, Values};
 
 /// The sensor.

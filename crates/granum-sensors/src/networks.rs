@@ -11,7 +11,7 @@ use granum_core::assembly::Contact;
 use granum_dem::invariants::deviator;
 
 use crate::fabric::fabric;
-use crate::observation::{mean, ratio};
+use crate::ratio::{mean, ratio};
 use crate::tensor::{contract, scaled, signed_size, trace};
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 

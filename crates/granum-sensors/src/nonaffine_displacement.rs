@@ -11,7 +11,7 @@ use granum_core::Part;
 use granum_core::assembly::{Matrix, Vector};
 use granum_core::geometry::{apply, determinant, invert};
 
-use crate::observation::{mean, ratio};
+use crate::ratio::{mean, ratio};
 use crate::{Averaging, Description, Memory, Observation, Sensor, SensorColumn, Values};
 
 /// The sensor.

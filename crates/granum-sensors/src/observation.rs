@@ -5,7 +5,8 @@ use std::sync::LazyLock;
 use granum_core::assembly::{Assembly, Contact};
 use granum_dem::config::Recording;
 
-use crate::stress::Stress;
+use crate::ratio::mean;
+use crate::stress_tensor::Stress;
 
 /// An assembly with its volume, its mean normal force, which separates strong from weak contacts, and its stress.
 pub struct Observation<'a> {
@@ -28,15 +29,9 @@ impl<'a> Observation<'a> {
     /// Observes an assembly.
     pub fn new(assembly: &'a Assembly) -> Self {
         let sum: f64 = assembly.contacts.iter().map(|contact| contact.normal_force).sum();
-        let mut observation = Observation {
-            assembly,
-            mean_normal_force: mean(sum, assembly.contacts.len()),
-            volume: assembly.volume(),
-            stress: Stress::default(),
-            recording: &USUAL,
-        };
-        observation.stress = Stress::of(&observation);
-        observation
+        let (mean_normal_force, volume) = (mean(sum, assembly.contacts.len()), assembly.volume());
+        let stress = Stress::of(assembly, mean_normal_force, volume);
+        Observation { assembly, mean_normal_force, volume, stress, recording: &USUAL }
     }
 
     /// The same observation as part of a recording, which has the parameters of sensors.
@@ -49,14 +44,4 @@ impl<'a> Observation<'a> {
     pub fn is_strong(&self, contact: &Contact) -> bool {
         contact.normal_force > self.mean_normal_force
     }
-}
-
-/// `sum / count`, and 0 if the count is 0.
-pub(crate) fn mean(sum: f64, count: usize) -> f64 {
-    if count == 0 { 0.0 } else { sum / count as f64 }
-}
-
-/// `part / whole`, and 0 if the whole is 0.
-pub(crate) fn ratio(part: f64, whole: f64) -> f64 {
-    if whole == 0.0 { 0.0 } else { part / whole }
 }

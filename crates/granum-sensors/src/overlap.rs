@@ -1,6 +1,6 @@
 //! Largest overlap `alpha / (R_i + R_j)`: elastic spheres are a reasonable model while it is small (below about 1e-2).
 
-use crate::observation::ratio;
+use crate::ratio::ratio;
 use crate::{Averaging, Description, Memory, Observation, Sensor, SensorColumn, Values};
 use granum_core::Part;
 

@@ -8,7 +8,7 @@ use granum_core::Part;
 use granum_core::assembly::Contact;
 use granum_dem::config::Recording;
 
-use crate::observation::{mean, ratio};
+use crate::ratio::{mean, ratio};
 use crate::{Bins, Description, Memory, Observation, Sensor, SensorColumn, Values};
 
 /// The sensor.

@@ -11,7 +11,7 @@ use granum_core::assembly::Vector;
 use granum_dem::config::Recording;
 
 use crate::neighbours::Neighbours;
-use crate::observation::{mean, ratio};
+use crate::ratio::{mean, ratio};
 use crate::{Bins, Description, Histogram, Memory, Observation, Sensor, SensorColumn, Values};
 
 /// Width of a bin, and the largest distance, in mean diameters.

@@ -4,7 +4,7 @@
 //! assembly, `(n_b / N_k) / (cos low - cos high)`, so that it is 1 everywhere without anisotropy; the mean force is
 //! `<N>_b / <N>` (Rothenburg and Bathurst 1989).
 
-use crate::observation::{mean, ratio};
+use crate::ratio::{mean, ratio};
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 use granum_core::Part;
 

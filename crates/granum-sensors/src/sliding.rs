@@ -1,6 +1,6 @@
 //! Sliding fraction: the fraction of the contacts, and of the strong ones, that were at the friction limit in the last step.
 
-use crate::observation::mean;
+use crate::ratio::mean;
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 use granum_core::Part;
 

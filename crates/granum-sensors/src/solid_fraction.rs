@@ -1,6 +1,6 @@
 //! Solid fraction: `sum (4/3) pi R^3 / V`, with overlaps counted twice as is usual (they are some 1e-4 of the volume).
 
-use crate::observation::ratio;
+use crate::ratio::ratio;
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 use granum_core::Part;
 

@@ -12,8 +12,9 @@
 use granum_core::Part;
 use granum_core::assembly::{Matrix, Vector};
 
-use crate::observation::ratio;
-use crate::tensor::{add_dyad, deviator, scaled, trace};
+use crate::ratio::ratio;
+pub use crate::stress_tensor::Stress;
+use crate::tensor::{deviator, trace};
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 
 /// The sensor.
@@ -71,87 +72,11 @@ impl Sensor for StressSensor {
     }
 }
 
-/// Stress of an assembly, Pa, compression positive.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Stress {
-    /// Part of the normal forces of strong contacts.
-    pub strong_normal: Matrix,
-    /// Part of the tangential forces of strong contacts.
-    pub strong_tangential: Matrix,
-    /// Part of the normal forces of weak contacts.
-    pub weak_normal: Matrix,
-    /// Part of the tangential forces of weak contacts.
-    pub weak_tangential: Matrix,
-    /// Part of the fluctuating motion of the grains; not included in [`Stress::tensor`].
-    pub kinetic: Matrix,
-}
-
-impl Stress {
-    /// Computes the stress; all zero for a cell without a volume. Users find it in [`Observation::stress`].
-    pub(crate) fn of(observation: &Observation) -> Self {
-        let mut stress = Stress::default();
-        if observation.volume == 0.0 {
-            return stress;
-        }
-        let mut sums = [[[[0.0; 3]; 3]; 2]; 2];
-        // Compiled with wide instructions where the processor has them; nothing here is a fused product.
-        granum_simd::fused(
-            #[inline(always)]
-            || {
-                for contact in &observation.assembly.contacts {
-                    // An index instead of a branch, which no processor could predict.
-                    let [normal, tangential] = &mut sums[usize::from(observation.is_strong(contact))];
-                    add_dyad(normal, contact.normal_force, &contact.normal, &contact.branch);
-                    add_dyad(tangential, -1.0, &contact.tangential_force, &contact.branch);
-                }
-            },
-        );
-        let [weak, strong] = sums;
-        [stress.weak_normal, stress.weak_tangential] = weak;
-        [stress.strong_normal, stress.strong_tangential] = strong;
-        // Pairs that act on each other without touching: tension, and so weak.
-        for pair in &observation.assembly.apart {
-            add_dyad(&mut stress.weak_normal, pair.normal_force, &pair.normal, &pair.branch);
-        }
-        for grain in &observation.assembly.grains {
-            add_dyad(&mut stress.kinetic, grain.mass, &grain.velocity, &grain.velocity);
-        }
-        let per_volume = 1.0 / observation.volume;
-        Stress {
-            strong_normal: scaled(&stress.strong_normal, per_volume),
-            strong_tangential: scaled(&stress.strong_tangential, per_volume),
-            weak_normal: scaled(&stress.weak_normal, per_volume),
-            weak_tangential: scaled(&stress.weak_tangential, per_volume),
-            kinetic: scaled(&stress.kinetic, per_volume),
-        }
-    }
-
-    /// The stress tensor of all elastic contact forces.
-    pub fn tensor(&self) -> Matrix {
-        let parts = [&self.strong_normal, &self.strong_tangential, &self.weak_normal, &self.weak_tangential];
-        std::array::from_fn(|i| std::array::from_fn(|j| parts.iter().map(|part| part[i][j]).sum()))
-    }
-
-    /// Mean stress p.
-    pub fn mean(&self) -> f64 {
-        trace(&self.tensor()) / 3.0
-    }
-
-    /// Deviator stress q.
-    pub fn deviator(&self) -> f64 {
-        deviator(&self.tensor())
-    }
-
-    /// q/p, 0 where p is 0.
-    pub fn ratio(&self) -> f64 {
-        ratio(self.deviator(), self.mean())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::lattice;
+    use crate::tensor::{add_dyad, scaled};
     use granum_core::assembly::Assembly;
     use proptest::prelude::*;
 

@@ -5,7 +5,7 @@
 //! contacts); f_c is the elastic force of a contact. It is close to 0 in equilibrium. Definitions differ between codes: some
 //! use maxima, some divide by the largest contact force, which gives a smaller value.
 
-use crate::observation::{mean, ratio};
+use crate::ratio::{mean, ratio};
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 use granum_core::Part;
 

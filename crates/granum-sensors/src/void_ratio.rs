@@ -3,7 +3,7 @@
 
 use granum_core::Part;
 
-use crate::observation::ratio;
+use crate::ratio::ratio;
 use crate::solid_fraction::grain_volume;
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 

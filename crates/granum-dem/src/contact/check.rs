@@ -1,8 +1,9 @@
 //! Which laws can be used together, and which parameters they then have.
 
-use super::law::{NormalTraits, Parameter};
+use super::law::NormalTraits;
 use super::registry::{ADHESION, NORMAL, ROLLING, TANGENTIAL, normal_laws};
 use super::selection::ContactModel;
+pub use super::selection::parameters_of;
 
 /// Laws that cannot be combined, or parameters that they do not have.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -70,19 +71,6 @@ pub fn sets() -> Vec<ContactModel> {
         }
     }
     sets
-}
-
-/// The parameters that the laws of a set use.
-pub fn parameters_of(contact: &ContactModel) -> Vec<&'static Parameter> {
-    let area = contact.normal.law().traits().contact_area;
-    let laws = [
-        contact.normal.law().description(),
-        contact.tangential.law().description(),
-        contact.rolling.law().description(),
-        contact.adhesion.law().description(),
-    ];
-    let used = laws.into_iter().flat_map(|law| law.parameters).filter(|p| !(p.without_area && area));
-    used.collect()
 }
 
 /// Rejects laws that cannot be combined, and parameters that they do not have or that are out of bounds.

@@ -7,7 +7,6 @@ use granum_simd::{Isa, Kernel, LANES, Lanes, Real, Row8, dispatch_or, fused};
 use super::constants::PairConstants;
 use super::law::{Normal, NormalLaw, TangentialLaw};
 use super::memory::Memory;
-use super::selection::ContactModel;
 
 /// Eight pairs side by side, with what an observer wants to know about those that touch or on which a law of adhesion acts.
 ///
@@ -77,39 +76,6 @@ impl ObservedBatch {
             }
         }
         overlap
-    }
-}
-
-/// The numbers of one lane of rows.
-fn lane<const N: usize>(rows: &[Row8; N], l: usize) -> [f64; N] {
-    rows.map(|row| row.0[l])
-}
-
-impl ContactModel {
-    /// Evaluates the laws of the set for these pairs.
-    pub(crate) fn observe(&self, isa: Isa, batches: &mut [ObservedBatch]) {
-        self.normal.law().observe(isa, batches);
-        self.tangential.law().observe(isa, batches);
-        let (rolling, adhesion) = (self.rolling.law(), self.adhesion.law());
-        for batch in batches {
-            if rolling.acts() {
-                let (constants, memory) = (&batch.constants.rolling, &batch.memory.moments);
-                batch.rolling_energy =
-                    Row8(std::array::from_fn(|l| rolling.energy(&lane(constants, l), &lane(memory, l))));
-            }
-            if adhesion.acts() {
-                for l in 0..LANES {
-                    (batch.attraction.0[l], batch.attraction_energy.0[l]) = (0.0, 0.0);
-                    if batch.attracting >> l & 1 != 0 {
-                        let constants = lane(&batch.constants.adhesion, l);
-                        let history = lane(&batch.memory.adhesion, l);
-                        let (overlap, touching) = (batch.overlap.0[l], batch.touching >> l & 1 != 0);
-                        batch.attraction.0[l] = adhesion.force(&constants, overlap, touching, &history);
-                        batch.attraction_energy.0[l] = adhesion.energy(&constants, overlap, &history);
-                    }
-                }
-            }
-        }
     }
 }
 

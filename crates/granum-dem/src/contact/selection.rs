@@ -1,9 +1,11 @@
 //! The contact laws chosen for a simulation, with the values of their parameters.
 
+use granum_simd::{Isa, LANES, Row8};
 use serde::{Deserialize, Serialize};
 
-use super::check::parameters_of;
 use super::kind::{AdhesionKind, NormalKind, RollingKind, TangentialKind};
+use super::law::Parameter;
+use super::observed::ObservedBatch;
 use super::parameters::ParameterValues;
 
 /// The contact laws: normal, tangential and moment law, with the parameters of these laws, and the damping.
@@ -119,4 +121,50 @@ impl Default for ContactModel {
     fn default() -> Self {
         ContactModel::new(NormalKind::JKR, TangentialKind::MINDLIN_DERESIEWICZ, 0.1)
     }
+}
+
+impl ContactModel {
+    /// Evaluates the laws of the set for these pairs.
+    pub(crate) fn observe(&self, isa: Isa, batches: &mut [ObservedBatch]) {
+        self.normal.law().observe(isa, batches);
+        self.tangential.law().observe(isa, batches);
+        let (rolling, adhesion) = (self.rolling.law(), self.adhesion.law());
+        for batch in batches {
+            if rolling.acts() {
+                let (constants, memory) = (&batch.constants.rolling, &batch.memory.moments);
+                batch.rolling_energy =
+                    Row8(std::array::from_fn(|l| rolling.energy(&lane(constants, l), &lane(memory, l))));
+            }
+            if adhesion.acts() {
+                for l in 0..LANES {
+                    (batch.attraction.0[l], batch.attraction_energy.0[l]) = (0.0, 0.0);
+                    if batch.attracting >> l & 1 != 0 {
+                        let constants = lane(&batch.constants.adhesion, l);
+                        let history = lane(&batch.memory.adhesion, l);
+                        let (overlap, touching) = (batch.overlap.0[l], batch.touching >> l & 1 != 0);
+                        batch.attraction.0[l] = adhesion.force(&constants, overlap, touching, &history);
+                        batch.attraction_energy.0[l] = adhesion.energy(&constants, overlap, &history);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The numbers of one lane of rows.
+fn lane<const N: usize>(rows: &[Row8; N], l: usize) -> [f64; N] {
+    rows.map(|row| row.0[l])
+}
+
+/// The parameters that the laws of a set use.
+pub fn parameters_of(contact: &ContactModel) -> Vec<&'static Parameter> {
+    let area = contact.normal.law().traits().contact_area;
+    let laws = [
+        contact.normal.law().description(),
+        contact.tangential.law().description(),
+        contact.rolling.law().description(),
+        contact.adhesion.law().description(),
+    ];
+    let used = laws.into_iter().flat_map(|law| law.parameters).filter(|p| !(p.without_area && area));
+    used.collect()
 }

@@ -7,6 +7,7 @@
 //! controlled stress the strain rates by which the servo moves it, which change no other controlled stress and no prescribed
 //! strain rate.
 
+use super::control_error::ControlError;
 use serde::{Deserialize, Serialize};
 
 use super::equations::{Equation, decouple, dot, inverse, resistance};
@@ -181,30 +182,6 @@ const YIELDING: f64 = 0.25;
 
 /// Shortest duration of a ramp, in inertial times of the grains: a faster change is not quasi-static, however small it is.
 const SHORTEST_RAMP: f64 = 4.0;
-
-/// Reasons why a control is not possible.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum ControlError {
-    /// Too few or too many equations.
-    #[error(
-        "the stage gives {found} equations for the six strain rates of the cell ({what}); give each component a rate \
-         or a stress, fix it, or leave it free and add one constraint"
-    )]
-    Count {
-        /// Number of equations.
-        found: usize,
-        /// Where they come from.
-        what: String,
-    },
-    /// Equations that contradict or repeat one another.
-    #[error(
-        "the equations of the stage do not determine the strain rates: {0} repeats or contradicts others"
-    )]
-    Singular(String),
-    /// The speed is not positive.
-    #[error("the strain rate of the stage is {0} /s; it must be positive")]
-    Speed(f64),
-}
 
 impl Default for Control {
     fn default() -> Self {

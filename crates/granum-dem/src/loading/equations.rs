@@ -1,6 +1,6 @@
 //! The six equations for the strain rates of a stage, and their solution.
 
-use super::control::ControlError;
+use super::control_error::ControlError;
 use crate::servo::{Row, STIFFNESS};
 
 /// One equation for the strain rates.

@@ -2,6 +2,7 @@
 //! values of a measure at which states are recorded ([`Record`]). Named paths are presets, one file each ([`preset`]).
 
 mod control;
+mod control_error;
 mod equations;
 mod history;
 pub(crate) mod measure;
@@ -11,9 +12,8 @@ mod until;
 
 use serde::{Deserialize, Serialize};
 
-pub use self::control::{
-    Constraint, Control, ControlError, Drive, Kinematics, Ramp, SERVO_LIMIT, Speed, Target,
-};
+pub use self::control::{Constraint, Control, Drive, Kinematics, Ramp, SERVO_LIMIT, Speed, Target};
+pub use self::control_error::ControlError;
 pub use self::history::{History, MOST_ROWS, Quantity};
 pub use self::measure::{Event, MacroState, Measure};
 pub use self::record::Record;

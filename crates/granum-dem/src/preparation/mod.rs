@@ -25,23 +25,24 @@
 //! A preparation is a [`Preparing`] that advances in short series of steps. None of its state is on the stack, so that it
 //! can be saved at any check and resumed.
 
+mod error;
 mod procedure_search;
 mod progress;
 mod stages;
 
 use serde::{Deserialize, Serialize};
 
+pub use self::error::{PreparationError, StageFault};
 pub use self::procedure_search::Procedure;
 use self::procedure_search::{Line, repeats};
 pub use self::progress::{Sample, Trial};
-pub use self::stages::StageFault;
 use crate::config::{Grains, Numerics, Preparation};
 use crate::contact::selection::ContactModel;
 use crate::loading::{self, StageProgress};
 pub use crate::observer::{Flow, Observer, Phase, Progress};
 use crate::random_insertion::{InsertionError, random_insertion};
 use crate::servo::CellControl;
-use crate::simulation::{Hardware, Properties, Simulation, SimulationError};
+use crate::simulation::{Hardware, Properties, Simulation};
 
 /// Number of steps between two checks for the end of a phase, and between two calls of the observer.
 const CHECK_EVERY: u64 = 500;
@@ -59,50 +60,6 @@ const CHECKS_TO_CONVERGE: u32 = 3;
 const MOST_RELAXATION_STEPS: u64 = 400_000;
 /// Fraction of the target stress below which a packing is loose.
 const LOOSE_BELOW: f64 = 0.5;
-
-/// Reasons why a sample cannot be prepared.
-#[derive(Debug, thiserror::Error)]
-pub enum PreparationError {
-    /// The initial state is too dense.
-    #[error(transparent)]
-    Insertion(#[from] InsertionError),
-    /// The engine failed.
-    #[error(transparent)]
-    Simulation(#[from] SimulationError),
-    /// The observer stopped it.
-    #[error("stopped during {}", phase.name())]
-    Stopped {
-        /// The phase in which it was stopped.
-        phase: Phase,
-    },
-    /// The target stress was never reached.
-    #[error(
-        "compaction stalled after {steps} steps at p = {mean_stress:.1} Pa and solid fraction {solid_fraction:.4}, target {target} Pa; \
-         a lower preparation.inertial_number or a shorter numerics.time_step_factor may help"
-    )]
-    Stalled {
-        /// Steps made.
-        steps: u64,
-        /// Mean stress reached, Pa.
-        mean_stress: f64,
-        /// Solid fraction reached.
-        solid_fraction: f64,
-        /// Target, Pa.
-        target: f64,
-    },
-    /// A stage between compaction and relaxation was not executed to its end.
-    #[error("stage {number} of the {count} stages of the preparation ({name}): {fault}")]
-    Stage {
-        /// Its number, from 1; a path may consist of several stages.
-        number: usize,
-        /// Number of stages.
-        count: usize,
-        /// Its name.
-        name: String,
-        /// Why.
-        fault: StageFault,
-    },
-}
 
 /// The specification of a preparation.
 #[derive(Clone, Debug)]

@@ -33,6 +33,14 @@ pub struct Procedure {
     pub cycles: u64,
 }
 
+impl Procedure {
+    /// The trial of this procedure, without a result.
+    pub(super) fn trial(self, position: f64) -> Trial {
+        let Procedure { friction, mean_stress, cycles } = self;
+        Trial { position, friction, mean_stress, cycles, solid_fraction: f64::NAN }
+    }
+}
+
 /// The procedures that a search may choose from.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Line<'a> {

@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::procedure_search::Procedure;
 use crate::simulation::Simulation;
 
 /// One trial of the search for the procedure that gives a target solid fraction.
@@ -19,14 +18,6 @@ pub struct Trial {
     pub cycles: u64,
     /// Resulting solid fraction.
     pub solid_fraction: f64,
-}
-
-impl Procedure {
-    /// The trial of this procedure, without a result.
-    pub(super) fn trial(self, position: f64) -> Trial {
-        let Procedure { friction, mean_stress, cycles } = self;
-        Trial { position, friction, mean_stress, cycles, solid_fraction: f64::NAN }
-    }
 }
 
 /// A sample and the record of its preparation.

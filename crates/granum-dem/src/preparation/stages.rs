@@ -5,34 +5,15 @@
 //! with the properties of the compaction and with the global damping of the preparation. Nothing is recorded.
 
 use super::{
-    PreparationError, PreparationState, Preparing, Procedure, SampleSpecification, Stage, damp_globally,
+    PreparationError, PreparationState, Preparing, Procedure, SampleSpecification, Stage, StageFault,
+    damp_globally,
 };
 use crate::config::Preparation;
-use crate::loading::{
-    self, Constraint, Control, ControlError, Drive, Ending, Measure, Reason, Speed, Start, Target, Turns,
-    Until,
-};
+use crate::loading::{self, Constraint, Control, Drive, Ending, Measure, Speed, Start, Target, Turns, Until};
 use crate::observer::{Flow, Observer, Phase, Progress};
 
 /// Arc length of strain after which a stage of the specification ends that has no limit of its own.
 const MOST_ARC_LENGTH: f64 = 1.0;
-
-/// Reasons why a stage of a preparation cannot be executed to its end.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum StageFault {
-    /// The control is not possible.
-    #[error(transparent)]
-    Control(#[from] ControlError),
-    /// It ended before any of its end conditions was met, so that the sample is not the one that was asked for.
-    #[error("{0}; change its end conditions, its limit most_arc_length, or the preparation before it")]
-    CutShort(Reason),
-    /// It starts from a saved state.
-    #[error(
-        "it starts from a saved state, but each stage of a preparation starts where the one before it ended"
-    )]
-    SavedState,
-}
 
 /// The strain cycles of a procedure: the axial strain is brought to the amplitude, to its negative, and so on, at constant mean
 /// stress. The strain rate changes sign at the first step at which a turning point is reached.

@@ -2,8 +2,7 @@
 
 use libm::{cbrt, log};
 
-use super::{Description, SizeDistribution, SizeError, Sizes};
-use crate::config::Grains;
+use super::{Description, Grains, SizeDistribution, SizeError, Sizes};
 
 /// Points (diameter, share of the mass that is finer). Between two points the mass is uniform in the logarithm of the diameter, as
 /// on the paper on which such curves are drawn. An interval from a to b with the mass share w has a number of grains proportional

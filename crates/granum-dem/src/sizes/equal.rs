@@ -1,7 +1,6 @@
 //! Equal grains.
 
-use super::{Description, SizeDistribution};
-use crate::config::Grains;
+use super::{Description, Grains, SizeDistribution};
 
 /// All grains have the diameter of the case.
 pub struct Equal;

@@ -2,8 +2,7 @@
 
 use libm::pow;
 
-use super::{Description, Parameter, SizeDistribution, SizeError};
-use crate::config::Grains;
+use super::{Description, Grains, Parameter, SizeDistribution, SizeError};
 
 /// Number of grains larger than x proportional to `x^-D` between the cuts a and b:
 /// `F(x) = (a^-D - x^-D) / (a^-D - b^-D)`. With D = 3 each interval of ln x has the same mass.

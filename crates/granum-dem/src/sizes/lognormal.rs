@@ -3,8 +3,7 @@
 use libm::{exp, log, sqrt};
 
 use super::normal::{DEVIATION, normal_quantile, normal_share};
-use super::{Description, SizeDistribution};
-use crate::config::Grains;
+use super::{Description, Grains, SizeDistribution};
 
 /// `ln x` is normal with the variance `s² = ln(1 + c²)` and the mean `ln d - s²/2`, so that the diameters have the mean d and the
 /// relative deviation c.

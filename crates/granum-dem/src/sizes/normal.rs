@@ -2,8 +2,7 @@
 
 use libm::{erfc, sqrt};
 
-use super::{Description, Parameter, SizeDistribution};
-use crate::config::Grains;
+use super::{Description, Grains, Parameter, SizeDistribution};
 
 /// Diameters `d (1 + c z)` with z of the standard normal distribution and the relative deviation c.
 pub struct Normal;

@@ -1,7 +1,6 @@
 //! Grains of two sizes.
 
-use super::{Description, Parameter, SizeDistribution};
-use crate::config::Grains;
+use super::{Description, Grains, Parameter, SizeDistribution};
 
 /// Coarse and fine grains. With the ratio r of their diameters and the share w of the fine grains by mass, the fine grains are the
 /// share `n = w r³ / (w r³ + 1 - w)` by number, and the mean diameter d gives the diameter `d / (n + (1 - n) r)` of the fine ones.

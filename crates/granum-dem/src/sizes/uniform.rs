@@ -2,9 +2,8 @@
 
 use rand_chacha::ChaCha8Rng;
 
-use super::{Description, SizeDistribution};
-use crate::config::Grains;
-use crate::random_insertion::unit;
+use super::{Description, Grains, SizeDistribution};
+use crate::random::unit;
 
 /// Uniform by number, `F(x) = (x - d (1 - s)) / (2 d s)` with the spread s; each radius is a random number of the seed.
 pub struct Uniform;

@@ -2,8 +2,7 @@
 
 use libm::{exp, log1p, pow, tgamma};
 
-use super::{Description, Parameter, SizeDistribution};
-use crate::config::Grains;
+use super::{Description, Grains, Parameter, SizeDistribution};
 
 /// `F(x) = 1 - exp(-(x/l)^m)` with the modulus m; the scale `l = d / Gamma(1 + 1/m)` gives the mean d.
 pub struct Weibull;

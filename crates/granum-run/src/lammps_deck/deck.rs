@@ -18,15 +18,9 @@ use granum_io::{Case, OutputFolder, Packing};
 use super::deck_error::DeckError;
 use super::head::{Head, Stiffening, head};
 use super::laws::{pair_lines, rolling_follows_stress};
+use super::names::{DATA, SCRIPT};
 use super::stage::{self, Setting, Tilt};
 use crate::laboratory::simulation;
-
-/// Name of the script in the folder of a deck.
-pub const SCRIPT: &str = "in.granum";
-/// Name of the sample.
-pub const DATA: &str = "packing.data";
-/// Name of the curve that the script writes.
-pub const CURVE: &str = "curve.csv";
 
 /// Fraction of a velocity that is lost per `sqrt(m / k_t)` while a sample comes to rest, as in granum.
 const SETTLING: f64 = 0.005;

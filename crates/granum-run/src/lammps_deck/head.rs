@@ -105,8 +105,8 @@ pub(super) fn head(of: &Head) -> String {
         "{REMARKS}\nvariable out index {curve}\nvariable time_step_factor index 1.0\n\nunits si\natom_style sphere\n{sorting}boundary p p p\n\
          newton off\ncomm_modify vel yes\nread_data {data}\n",
         sorting = if of.moments { SORTING } else { "" },
-        curve = super::CURVE,
-        data = super::DATA,
+        curve = super::names::CURVE,
+        data = super::names::DATA,
     );
     if of.sheared {
         text += "change_box all triclinic\n";

@@ -5,10 +5,12 @@ mod deck_error;
 mod formula;
 mod head;
 mod laws;
+mod names;
 mod stage;
 
-pub use deck::{CURVE, Confinement, DATA, LammpsDeck, SCRIPT};
+pub use deck::{Confinement, LammpsDeck};
 pub use deck_error::DeckError;
+pub use names::{CURVE, DATA, SCRIPT};
 
 #[cfg(test)]
 mod tests;

@@ -6,7 +6,7 @@ use granum_dem::invariants::{axial_deviator, mean};
 use granum_dem::servo::CellControl;
 use granum_dem::simulation::Simulation;
 
-use super::{Probing, StiffnessError, at_rest, difference, largest};
+use super::probing::{Probing, StiffnessError, at_rest, difference, largest};
 
 /// Highest strain rate between the states at rest, as an inertial number.
 const INERTIAL_NUMBER: f64 = 1e-4;

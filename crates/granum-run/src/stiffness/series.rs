@@ -6,7 +6,7 @@ use granum_dem::observer::{Flow, Observer, Progress};
 use granum_dem::servo::COMPONENTS;
 use granum_dem::simulation::Simulation;
 
-use super::{Probing, Stiffness, StiffnessError, measure};
+use super::probing::{Probing, Stiffness, StiffnessError, measure};
 
 /// The stiffness of a state, with quantities that characterise the state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

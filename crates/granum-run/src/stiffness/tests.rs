@@ -1,6 +1,6 @@
 use granum_core::cell::Cell;
 use granum_dem::config::{ContactModel, Material, NormalKind, TangentialKind};
-use granum_dem::simulation::InitialSphere;
+use granum_dem::simulation::{InitialSphere, Properties, Simulation};
 
 use super::*;
 

@@ -18,6 +18,7 @@ mod measure;
 mod pair;
 mod predict;
 mod predict_surrogate;
+mod prediction_input;
 mod prepare;
 mod records;
 mod relation;

@@ -8,7 +8,7 @@ use granum_learn::inference::predict_table;
 use granum_learn::surrogate::{Cause, Estimate};
 use serde_json::{Value, json};
 
-use super::predict::{LEVEL, outside_text, row};
+use super::prediction_input::{LEVEL, outside_text, row};
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;

@@ -1,7 +1,8 @@
 //! Axisymmetric compression at constant mean stress, the test of Antony, Zhou and Wang (2006): axis x is strained at a
 //! constant rate, axes y and z move together so that p = (sigma_1 + sigma_2 + sigma_3)/3 stays at its target.
 
-use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, generous, number, stress};
+use super::definition::generous;
+use super::{INERTIAL_NUMBER, Parameter, Preset, STATES, number, stress};
 use crate::config::{Rate, Recording, Shear};
 use crate::loading::{Constraint, Control, Drive, Measure, Record, Speed, Stage, Target, Until};
 use crate::servo::RESPONSE;

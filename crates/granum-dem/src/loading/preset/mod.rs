@@ -4,6 +4,7 @@
 mod constant_p;
 mod constant_p_and_b;
 mod cyclic;
+mod definition;
 mod drained_triaxial;
 mod history;
 mod hold;
@@ -20,30 +21,13 @@ mod unload_reload;
 
 use std::sync::{PoisonError, RwLock};
 
-use super::{Control, Drive, Speed, Stage, Target, Until};
-
 pub use self::constant_p::antony2006;
-use self::parameter::{COMMON, DENSITY_SCALING};
+pub use self::definition::{Preset, RegisterError, Values};
+use self::definition::{consolidation, generous};
 pub use self::parameter::{
-    Default, Fault, Given, INERTIAL_NUMBER, INTERVAL, Kind, Parameter, STATES, Value, Values, deviator,
-    number, optional, stress, word,
+    Default, Fault, Given, INERTIAL_NUMBER, INTERVAL, Kind, Parameter, STATES, Value, deviator, number,
+    optional, stress, word,
 };
-
-/// A named path.
-#[derive(Clone, Copy, Debug)]
-#[non_exhaustive]
-pub struct Preset {
-    /// Its name.
-    pub name: &'static str,
-    /// Description of the path, in one or two sentences.
-    pub help: &'static str,
-    /// Its parameters in addition to those of every preset ([`Preset::parameters`]).
-    pub own: &'static [Parameter],
-    /// What is wrong with its parameters together, such as two that exclude each other.
-    pub faults: fn(&Values) -> Option<Fault>,
-    /// Its stages.
-    pub stages: fn(&Values) -> Vec<Stage>,
-}
 
 /// granum's own presets. A new one is a file and a line here.
 pub const ALL: &[Preset] = &[
@@ -76,39 +60,6 @@ pub fn all() -> Vec<&'static Preset> {
 /// The preset of a given name.
 pub fn named(name: &str) -> Option<&'static Preset> {
     all().into_iter().find(|preset| preset.name == name)
-}
-
-/// A preset that cannot be registered.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum RegisterError {
-    /// There is already another preset of this name.
-    #[error("there is already a path {name:?}: give the new one another name")]
-    NameTaken {
-        /// The name.
-        name: &'static str,
-    },
-    /// A key is used twice, or has another meaning in a stage.
-    #[error(
-        "the path {path:?} has the parameter {key:?} twice, or it is the key of the path's name: choose another key"
-    )]
-    KeyTaken {
-        /// The path.
-        path: &'static str,
-        /// The key.
-        key: &'static str,
-    },
-    /// The default of a parameter is out of its bounds, or the bounds are not in order.
-    #[error(
-        "the path {path:?} has the parameter {key:?} with a default outside its bounds, or with bounds that do not \
-             increase"
-    )]
-    OutOfBounds {
-        /// The path.
-        path: &'static str,
-        /// The key.
-        key: &'static str,
-    },
 }
 
 /// Registers a path of the caller, which case files can then name.
@@ -144,115 +95,10 @@ pub fn register(preset: &'static Preset) -> Result<(), RegisterError> {
     Ok(())
 }
 
-/// Keys of a stage in a case file that no parameter of a path may have.
-const RESERVED: [&str; 4] = ["path", "stage", "repeat", "resets"];
-
-impl Preset {
-    /// A path of the given name, with its own parameters and a function that returns its stages.
-    pub const fn new(
-        name: &'static str,
-        help: &'static str,
-        own: &'static [Parameter],
-        stages: fn(&Values) -> Vec<Stage>,
-    ) -> Preset {
-        Preset { name, help, own, faults: |_| None, stages }
-    }
-
-    /// The same with a check of its parameters together.
-    pub const fn refusing(self, faults: fn(&Values) -> Option<Fault>) -> Preset {
-        Preset { faults, ..self }
-    }
-
-    /// What is wrong with parameters together, if anything is.
-    pub fn fault(&self, given: &Given) -> Option<Fault> {
-        let values = Values { preset: self, given };
-        values.not_whole(STATES.key).or_else(|| (self.faults)(&values))
-    }
-
-    fn is_same_as(&self, other: &Preset) -> bool {
-        (self.name, self.help, self.own) == (other.name, other.help, other.own)
-            && std::ptr::fn_addr_eq(self.stages, other.stages)
-    }
-
-    /// Checks the declarations of its parameters.
-    fn check(&self) -> Result<(), RegisterError> {
-        for (k, Parameter { key, default, bounds, .. }) in self.own.iter().enumerate() {
-            if RESERVED.contains(key) || self.own[..k].iter().any(|other| other.key == *key) {
-                return Err(RegisterError::KeyTaken { path: self.name, key });
-            }
-            let [low, high] = *bounds;
-            let inside = match default {
-                Default::Value(value) => (low..=high).contains(value),
-                Default::List(values) => values.iter().all(|value| (low..=high).contains(value)),
-                Default::Word(_) | Default::Absent(_) | Default::Needed => low <= high,
-            };
-            if !inside {
-                return Err(RegisterError::OutOfBounds { path: self.name, key });
-            }
-        }
-        Ok(())
-    }
-
-    /// All parameters: its own, and those of every preset.
-    pub fn parameters(&self) -> impl Iterator<Item = &'static Parameter> + Clone {
-        let own = self.own;
-        let common = COMMON.iter().filter(move |common| !own.iter().any(|known| known.key == common.key));
-        own.iter().chain(common)
-    }
-
-    /// The parameter of a given key.
-    pub fn parameter(&self, key: &str) -> Option<&'static Parameter> {
-        self.parameters().find(|parameter| parameter.key == key)
-    }
-
-    /// Its stages with the given parameters; the others have their defaults.
-    pub fn expand(&self, given: &Given) -> Vec<Stage> {
-        let values = Values { preset: self, given };
-        let mut stages = (self.stages)(&values);
-        let scaling = values.optional(DENSITY_SCALING.key).unwrap_or(1.0);
-        for stage in &mut stages {
-            if matches!(stage.control.speed, Speed::StrainRate(_)) && !stage.is_mark() {
-                stage.density_scaling = scaling;
-            }
-        }
-        stages
-    }
-}
-
-impl Values<'_> {
-    /// The stress given by a parameter; if it is not given, the stress of the sample at the start of the stage.
-    pub fn target(&self, key: &str) -> Target {
-        self.optional(key).map_or_else(Target::current, Target::held)
-    }
-
-    /// A stage that brings the sample to rest at the stress given by a parameter, if it is given.
-    pub fn consolidation(&self, key: &str) -> Option<Stage> {
-        self.optional(key).map(|stress| consolidation(stress, self.number(INERTIAL_NUMBER.key)))
-    }
-}
-
-/// Unbalanced force below which a sample is at rest.
-const AT_REST: f64 = 1e-3;
-
-/// All three axes are brought to a given stress, and the sample comes to rest there.
-fn consolidation(stress: f64, inertial_number: f64) -> Stage {
-    let held = Drive::Stress(Target::held(stress));
-    let fixed = Drive::Fixed;
-    let speed = Speed::InertialNumber { number: inertial_number, at: None };
-    let control = Control { servo_limit: 1.0, ..Control::of(speed, [held, held, held, fixed, fixed, fixed]) };
-    let rest = Until::AtRest { unbalanced_force: AT_REST };
-    Stage { settling: true, ..Stage::new("consolidation", control, vec![rest]) }
-}
-
-/// A large bound on the arc length of a test, after which it is considered not to reach its end.
-fn generous(strain: f64) -> Option<f64> {
-    Some(4.0 * strain.abs() + 0.01)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::loading::{History, Quantity, Start};
+    use crate::loading::{History, Quantity, Speed, Start};
 
     /// A value for a parameter that has no default.
     fn example(parameter: &Parameter) -> Value {

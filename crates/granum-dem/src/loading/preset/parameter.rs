@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::Preset;
-use crate::loading::{History, Speed};
+use crate::loading::History;
 
 /// A parameter of a preset.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,94 +92,7 @@ pub type Fault = (&'static str, String);
 /// Values by the keys of their parameters; those not given have their defaults.
 pub type Given = BTreeMap<String, Value>;
 
-/// The parameters of a preset, given or default.
-pub struct Values<'a> {
-    pub(super) preset: &'a Preset,
-    pub(super) given: &'a Given,
-}
-
-impl<'a> Values<'a> {
-    fn default(&self, key: &str) -> Option<Default> {
-        self.preset.parameter(key).map(|parameter| parameter.default)
-    }
-
-    /// A number that may be left out.
-    pub fn optional(&self, key: &str) -> Option<f64> {
-        match (self.given.get(key), self.default(key)) {
-            (Some(Value::Number(number)), _) => Some(*number),
-            (_, Some(Default::Value(number))) => Some(number),
-            _ => None,
-        }
-    }
-
-    /// True if the key is given, so that no default takes its place.
-    pub fn is_given(&self, key: &str) -> bool {
-        self.given.contains_key(key)
-    }
-
-    /// The fault that a key is given which has no effect with another one.
-    pub fn both(&self, key: &'static str, with: &str) -> Option<Fault> {
-        let both = self.is_given(key) && self.is_given(with);
-        both.then(|| (key, format!("{key} has no effect with {with}; keep one of them")))
-    }
-
-    /// The fault that an end is zero, at which the path would be over before it begins.
-    pub fn zero(&self, key: &'static str) -> Option<Fault> {
-        (self.number(key) == 0.0).then(|| (key, format!("{key} must not be 0, where the path begins")))
-    }
-
-    /// The fault that a number of things is not whole.
-    pub fn not_whole(&self, key: &'static str) -> Option<Fault> {
-        let value = self.optional(key)?;
-        (value.fract() != 0.0).then(|| (key, format!("{key} = {value} must be a whole number")))
-    }
-
-    /// A number that has a default.
-    pub fn number(&self, key: &str) -> f64 {
-        self.optional(key).unwrap_or(f64::NAN)
-    }
-
-    /// True if a word was chosen.
-    pub fn is(&self, key: &str, word: &str) -> bool {
-        match (self.given.get(key), self.default(key)) {
-            (Some(Value::Word(given)), _) => given == word,
-            (_, Some(Default::Word(default))) => default == word,
-            _ => false,
-        }
-    }
-
-    /// The numbers of a list.
-    pub fn list(&self, key: &str) -> &[f64] {
-        match (self.given.get(key), self.default(key)) {
-            (Some(Value::List(list)), _) => list,
-            (_, Some(Default::List(list))) => list,
-            _ => &[],
-        }
-    }
-
-    /// A history, where one is given.
-    pub fn history(&self, key: &str) -> Option<&'a History> {
-        match self.given.get(key) {
-            Some(Value::History(history)) => Some(history),
-            _ => None,
-        }
-    }
-
-    /// The speed that is given by the parameter `strain_rate` or `inertial_number`.
-    pub fn speed(&self) -> Speed {
-        match self.optional(STRAIN_RATE.key) {
-            Some(rate) => Speed::StrainRate(rate),
-            None => Speed::InertialNumber { number: self.number(INERTIAL_NUMBER.key), at: None },
-        }
-    }
-
-    /// Number of states to record.
-    pub fn states(&self) -> usize {
-        self.number("states") as usize
-    }
-}
-
-/// The speed of a path, for [`Values::speed`].
+/// The speed of a path, for [`Values::speed`](super::Values::speed).
 pub const INERTIAL_NUMBER: Parameter = Parameter {
     key: "inertial_number",
     help: "Speed: inertial number I of the driving strain rate at the mean stress at the start of the stage.",
@@ -211,7 +123,7 @@ pub(super) const DENSITY_SCALING: Parameter = Parameter {
 /// The parameters of every preset that does not declare them itself.
 pub(super) const COMMON: &[Parameter] = &[INERTIAL_NUMBER, STRAIN_RATE, DENSITY_SCALING];
 
-/// The number of states that a path records, for [`Values::states`].
+/// The number of states that a path records, for [`Values::states`](super::Values::states).
 pub const STATES: Parameter = Parameter {
     key: "states",
     kind: Kind::Number,
