@@ -194,7 +194,7 @@ fn mistakes_are_named_and_nothing_is_written() {
     );
     check(
         &["pair", "good.csv", "--normal", "hertz", "--tangential", "peeling"],
-        "needs contact.normal = \"jkr\"",
+        "it can be combined with contact.normal = \"jkr\"",
     );
     let bad_case = message(&["pair", "good.csv", "--case", "bad.toml"]);
     assert!(bad_case.contains("bad.toml:2:1: unknown key grains.cuont; did you mean count?"), "{bad_case}");

@@ -34,7 +34,7 @@ use serde::{Deserialize, Serialize};
 
 pub use self::error::{PreparationError, StageFault};
 pub use self::procedure_search::Procedure;
-use self::procedure_search::{Line, repeats};
+use self::procedure_search::{Line, closer, repeats};
 pub use self::progress::{Sample, Trial};
 use crate::config::{Grains, Numerics, Preparation};
 use crate::contact::selection::ContactModel;
@@ -519,9 +519,10 @@ impl Preparing {
             if let Some(target) = p.target() {
                 solid_fraction_met = (solid_fraction - target).abs() <= p.solid_fraction_tolerance;
                 let over = p.friction.is_some() || trials.len() >= MOST_TRIALS || repeats(&trials);
-                if !solid_fraction_met && !over {
-                    let line = Line::new(p, specification.grains.mean_friction());
-                    let position = line.next(&trials, target);
+                let line = Line::new(p, specification.grains.mean_friction());
+                // A search that ends without the target repeats the trial that came closest.
+                let next = if over { closer(&trials, target) } else { Some(line.next(&trials, target)) };
+                if let Some(position) = next.filter(|_| !solid_fraction_met) {
                     let procedure = line.procedure(position);
                     return Ended::Again(NextTrial { procedure, position, trials, steps, time });
                 }

@@ -78,7 +78,11 @@ impl<'a> Line<'a> {
             [] => usual(target),
             // The usual curve, shifted to pass through the first trial.
             [only] => usual(target - (only.solid_fraction - interpolate(&table, only.position))),
-            _ => secant(trials, target),
+            _ => {
+                let next = secant(trials, target, trials.len() > SECANTS);
+                // A step of limited size may return to where it came from; the target lies between trials on both sides of it.
+                if is_tried(trials, next) { secant(trials, target, true) } else { next }
+            }
         };
         next.clamp(self.ends[0], self.ends[1])
     }
@@ -99,11 +103,11 @@ impl<'a> Line<'a> {
 /// that are close together would follow their scatter.
 const SECANTS: usize = 3;
 
-fn secant(trials: &[Trial], target: f64) -> f64 {
+fn secant(trials: &[Trial], target: f64, between: bool) -> f64 {
     let mut near: Vec<&Trial> = trials.iter().collect();
     near.sort_by(|a, b| (a.solid_fraction - target).abs().total_cmp(&(b.solid_fraction - target).abs()));
     let (a, mut b) = (near[0], near[1]);
-    if trials.len() > SECANTS {
+    if between {
         let other_side = |t: &&&Trial| (t.solid_fraction < target) != (a.solid_fraction < target);
         b = near.iter().find(other_side).copied().unwrap_or(b);
     }
@@ -116,8 +120,18 @@ fn secant(trials: &[Trial], target: f64) -> f64 {
 
 /// True if the search returned to a procedure that it has already tried (an end was reached).
 pub(super) fn repeats(trials: &[Trial]) -> bool {
-    let last = trials[trials.len() - 1].position;
-    trials[..trials.len() - 1].iter().any(|t| (t.position - last).abs() < 1e-6)
+    trials.split_last().is_some_and(|(last, before)| is_tried(before, last.position))
+}
+
+fn is_tried(trials: &[Trial], position: f64) -> bool {
+    trials.iter().any(|trial| (trial.position - position).abs() < 1e-6)
+}
+
+/// The position of a trial that came closer to the target than the last one.
+pub(super) fn closer(trials: &[Trial], target: f64) -> Option<f64> {
+    let distance = |trial: &Trial| (trial.solid_fraction - target).abs();
+    let best = trials.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+    (distance(best) < distance(trials.last()?)).then_some(best.position)
 }
 
 /// Linear interpolation in a table sorted by its first column in ascending or descending order, constant beyond its ends.
@@ -172,6 +186,32 @@ mod tests {
             let (best, trials) = search(&line, answer, target);
             assert!(best < within, "{target}: {trials:?}");
         }
+    }
+
+    fn trial(position: f64, solid_fraction: f64) -> Trial {
+        let preparation = Preparation::default();
+        Trial { solid_fraction, ..Line::new(&preparation, 0.4).procedure(position).trial(position) }
+    }
+
+    /// A curve that falls steeply beyond its second trial: the secant through the nearest two trials, with its bounded step,
+    /// leads back to the third.
+    #[test]
+    fn a_search_that_returns_to_a_trial_goes_on_between_those_on_both_sides() {
+        let preparation = Preparation::default();
+        let line = Line::new(&preparation, 0.4);
+        let target = 0.6468;
+        let mut trials = vec![trial(-0.3, 0.6619), trial(0.03, 0.6529)];
+        trials.push(trial(line.next(&trials, target), 0.6255));
+        assert!((trials[2].position - 0.145).abs() < 1e-12, "{trials:?}");
+        let next = line.next(&trials, target);
+        assert!(0.04 < next && next < 0.07, "{next}");
+    }
+
+    #[test]
+    fn the_closest_trial_is_found_if_the_last_is_not_it() {
+        let trials = [trial(0.1, 0.62), trial(0.2, 0.60), trial(0.3, 0.58)];
+        assert_eq!(closer(&trials, 0.604), Some(0.2));
+        assert_eq!((closer(&trials, 0.57), closer(&[], 0.6)), (None, None));
     }
 
     #[test]
