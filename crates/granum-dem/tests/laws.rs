@@ -145,13 +145,12 @@ fn new_laws_have_the_same_bits_everywhere() {
 
 fn check_bits_and_energy(properties: &Properties, spreads: &[f64]) {
     for &spread in spreads {
-        let mut reference = sample(properties.clone(), spread, Hardware { threads: 1, isa: Isa::Portable });
+        let mut reference = sample(properties.clone(), spread, Hardware { threads: 1, isa: Isa::detect() });
         assert!(reference.state().contacts() > 100, "{}", reference.state().contacts());
+        // Without vector instructions a run takes long, so that one with several threads is enough.
         for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
-            for threads in [1, 3] {
-                let other = sample(properties.clone(), spread, Hardware { threads, isa });
-                assert!(other.state() == reference.state(), "{}, {threads} threads", isa.name());
-            }
+            let other = sample(properties.clone(), spread, Hardware { threads: 3, isa });
+            assert!(other.state() == reference.state(), "{}, 3 threads", isa.name());
         }
         let (mut restored, _) = Simulation::restore(&reference.checkpoint("").unwrap()).unwrap();
         assert_eq!(restored.properties(), reference.properties());

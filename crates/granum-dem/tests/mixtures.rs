@@ -45,13 +45,12 @@ fn the_same_bits_on_threads_instruction_sets_and_through_a_checkpoint() {
     contact.rolling = RollingKind::ELASTIC_PLASTIC_TWISTING;
     for (contact, spread) in [(hertz(), 0.0), (hertz(), 0.3), (contact, 0.0)] {
         let properties = || two(contact);
-        let mut reference = compressed(properties(), spread, Hardware { threads: 1, isa: Isa::Portable });
+        let mut reference = compressed(properties(), spread, Hardware { threads: 1, isa: Isa::detect() });
         assert!(reference.state().contacts() > 100, "{}", reference.state().contacts());
+        // Without vector instructions a run takes long, so that one with several threads is enough.
         for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
-            for threads in [1, 3] {
-                let other = compressed(properties(), spread, Hardware { threads, isa });
-                assert!(other.state() == reference.state(), "{}, {threads} threads", isa.name());
-            }
+            let other = compressed(properties(), spread, Hardware { threads: 3, isa });
+            assert!(other.state() == reference.state(), "{}, 3 threads", isa.name());
         }
         let (mut restored, _) = Simulation::restore(&reference.checkpoint("").unwrap()).unwrap();
         assert_eq!(restored.properties(), reference.properties());

@@ -10,43 +10,70 @@ use super::rolling::{ElasticPlasticRolling, ElasticPlasticTwisting, NoMoments, S
 use super::slot::{AdhesionSlot, MomentSlot, NormalSlot, TangentialSlot};
 use super::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
 
+/// A law behind a pointer. A law of granum is reached through a variable of this crate: its code is then compiled here and not once more
+/// in every crate that names the law.
+enum Held<S: ?Sized + 'static> {
+    Own(&'static &'static S),
+    Given(&'static S),
+}
+
+impl<S: ?Sized> Held<S> {
+    fn law(&self) -> &'static S {
+        match self {
+            Held::Own(law) => law,
+            Held::Given(law) => law,
+        }
+    }
+}
+
+impl<S: ?Sized> Clone for Held<S> {
+    fn clone(&self) -> Held<S> {
+        *self
+    }
+}
+
+impl<S: ?Sized> Copy for Held<S> {}
+
 /// The choice of a law as a value that can be copied and compared; the name identifies it in files.
 macro_rules! kind {
     ($kind:ident, $slot:ident, $law:ident, $what:literal, $($name:ident = $type:ident,)*) => {
         #[doc = concat!("A choice of ", $what, ", identified in files by its name.")]
         #[derive(Clone, Copy)]
-        pub struct $kind(&'static dyn $slot);
+        pub struct $kind(Held<dyn $slot>);
 
         impl $kind {
             $(
                 #[doc = concat!("[`", stringify!($type), "`].")]
-                pub const $name: $kind = $kind(&$type);
+                pub const $name: $kind = {
+                    static LAW: &dyn $slot = &$type;
+                    $kind(Held::Own(&LAW))
+                };
             )*
 
             #[doc = concat!("The choice of a ", $what, ", which may be defined by the caller.")]
             pub const fn new(law: &'static impl $law) -> $kind {
-                $kind(law)
+                $kind(Held::Given(law))
             }
 
             /// The chosen law.
             pub fn law(&self) -> &'static dyn $slot {
-                self.0
+                self.0.law()
             }
 
             /// Its name in case files, e.g. `hertz`.
             pub fn name(&self) -> &'static str {
-                self.0.description().name
+                self.law().description().name
             }
 
             /// Its name in reports.
             pub fn label(&self) -> &'static str {
-                self.0.description().label
+                self.law().description().label
             }
         }
 
         impl PartialEq for $kind {
             fn eq(&self, other: &$kind) -> bool {
-                self.0.id() == other.0.id() && self.name() == other.name()
+                self.law().id() == other.law().id() && self.name() == other.name()
             }
         }
         impl Eq for $kind {}

@@ -96,13 +96,12 @@ fn the_same_bits_on_threads_instruction_sets_and_through_a_checkpoint() {
         [(properties(1e-3, 0.01), 0.3), (Properties::new(plain(), contact).with_mixture(mixture), 0.0)]
     {
         let run = |hardware| sheared(&properties, spread, hardware, 3);
-        let mut reference = run(Hardware { threads: 1, isa: Isa::Portable });
+        let mut reference = run(Hardware { threads: 1, isa: Isa::detect() });
         assert!(reference.assembly().energy.attraction_loss > 0.0);
+        // Without vector instructions a run takes long, so that one with several threads is enough.
         for isa in Isa::ALL.into_iter().filter(|isa| isa.available()) {
-            for threads in [1, 3] {
-                let other = run(Hardware { threads, isa });
-                assert!(other.state() == reference.state(), "{}, {threads} threads", isa.name());
-            }
+            let other = run(Hardware { threads: 3, isa });
+            assert!(other.state() == reference.state(), "{}, 3 threads", isa.name());
         }
         let bytes = reference.checkpoint("").unwrap();
         let (mut restored, _) = Simulation::restore(&bytes).unwrap();

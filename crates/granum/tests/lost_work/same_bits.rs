@@ -14,7 +14,7 @@ fn any_threads_instruction_set_and_interval_leave_the_same_bytes() {
     // There are enough grains to divide the work of a step among threads.
     let case = CASE
         .replace("count = 120", "count = 200")
-        .replace("solid_fraction = 0.52", "friction = 0.1\nsolid_fraction = \"none\"")
+        .replace("solid_fraction = 0.6", "friction = 0.1\nsolid_fraction = \"none\"")
         .replace("deviator_strain = 0.05", "deviator_strain = 0.002");
     fs::write(here.join("case.toml"), &case).unwrap();
     done(here, &["shear", "case.toml", "--out", "reference", "--isa", "portable", "--threads", "1"]);
