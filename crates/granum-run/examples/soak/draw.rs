@@ -106,6 +106,8 @@ impl Draws {
             preparation.interface_energy = 0.0;
         }
         // Values with which a law is neither without effect nor out of proportion to the mean stress.
+        let rolling_stiffness = force / (grains.diameter * self.decades(1e-4, 1e-2));
+        let mass = material.density * std::f64::consts::PI / 6.0 * grains.diameter.powi(3);
         let values = [
             ("normal_stiffness", force / (grains.diameter * self.decades(1e-5, 3e-3))),
             ("roughness", grains.diameter * self.decades(1e-7, 1e-5)),
@@ -119,6 +121,8 @@ impl Draws {
             ("hamaker_constant", adhesion * force * 48.0 * separation * separation / grains.diameter),
             ("rolling_friction", self.even(0.0, 0.4)),
             ("rolling_damping", self.even(0.0, 0.5)),
+            ("rolling_stiffness", rolling_stiffness),
+            ("rolling_viscosity", self.even(0.0, 0.5) * (rolling_stiffness * mass).sqrt()),
         ];
         for parameter in parameters_of(&case.contact) {
             if let Some((_, value)) = values.iter().find(|(key, _)| *key == parameter.key) {
