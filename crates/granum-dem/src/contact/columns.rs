@@ -252,38 +252,11 @@ fn bring_to_front(lane: usize, history: &mut [Row8], columns: &mut Columns) {
 
 #[inline(always)]
 pub(super) fn write_normal<W: Width>(normal: &Normal<W::Value>, columns: &mut Columns) {
-    let numbers = [
-        normal.force,
-        normal.radius,
-        normal.stiffness,
-        normal.root_stiffness,
-        normal.tangential_measure,
-        normal.root_tangential_measure,
-        normal.friction_load,
-    ];
-    write::<W, 7>(numbers, columns, at::CONTACT);
+    write::<W, 7>(normal.numbers(), columns, at::CONTACT);
     W::write_mask(normal.touching, &mut columns[at::TOUCHING]);
 }
 
 #[inline(always)]
 pub(super) fn read_normal<W: Width>(columns: &Columns) -> Normal<W::Value> {
-    let [
-        force,
-        radius,
-        stiffness,
-        root_stiffness,
-        tangential_measure,
-        root_tangential_measure,
-        friction_load,
-    ] = read::<W, 7>(columns, at::CONTACT);
-    Normal {
-        force,
-        radius,
-        stiffness,
-        root_stiffness,
-        tangential_measure,
-        root_tangential_measure,
-        friction_load,
-        touching: W::read_mask(&columns[at::TOUCHING]),
-    }
+    Normal::from_numbers(read::<W, 7>(columns, at::CONTACT), W::read_mask(&columns[at::TOUCHING]))
 }

@@ -212,6 +212,44 @@ pub struct Normal<R: Real> {
 }
 
 impl<R: Real> Normal<R> {
+    /// Its numbers in the order of its fields.
+    #[inline(always)]
+    pub(crate) fn numbers(&self) -> [R; 7] {
+        [
+            self.force,
+            self.radius,
+            self.stiffness,
+            self.root_stiffness,
+            self.tangential_measure,
+            self.root_tangential_measure,
+            self.friction_load,
+        ]
+    }
+
+    /// The contact of these numbers.
+    #[inline(always)]
+    pub(crate) fn from_numbers(numbers: [R; 7], touching: R::Mask) -> Self {
+        let [
+            force,
+            radius,
+            stiffness,
+            root_stiffness,
+            tangential_measure,
+            root_tangential_measure,
+            friction_load,
+        ] = numbers;
+        Normal {
+            force,
+            radius,
+            stiffness,
+            root_stiffness,
+            tangential_measure,
+            root_tangential_measure,
+            friction_load,
+            touching,
+        }
+    }
+
     /// A pair that does not touch.
     #[inline(always)]
     pub fn none() -> Self {

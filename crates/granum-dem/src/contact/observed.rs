@@ -170,20 +170,11 @@ impl<N: NormalLaw> Evaluate for NormalPart<N> {
         }
         let touching = load(&Row8(touching)).gt(R::zero());
         store(N::stored(&constants, overlap, &history).keep(touching), &mut batch.normal_energy);
-        let one = R::splat(1.0).keep(n.touching);
-        let values = [
-            n.force,
-            n.radius,
-            n.stiffness,
-            n.root_stiffness,
-            n.tangential_measure,
-            n.root_tangential_measure,
-            n.friction_load,
-            one,
-        ];
-        for (value, row) in values.into_iter().zip(&mut batch.contact) {
+        let [rows @ .., touching] = &mut batch.contact;
+        for (value, row) in n.numbers().into_iter().zip(rows) {
             store(value, row);
         }
+        store(R::splat(1.0).keep(n.touching), touching);
     }
 }
 
@@ -198,26 +189,9 @@ impl<T: TangentialLaw> Evaluate for TangentialPart<T> {
     ) {
         let constants = numbers(&batch.constants.tangential, usize::MAX, load);
         let history = numbers(&batch.memory.history, T::HISTORY, load);
-        let [
-            force,
-            radius,
-            stiffness,
-            root_stiffness,
-            tangential_measure,
-            root_tangential_measure,
-            friction_load,
-            touching,
-        ] = numbers(&batch.contact, usize::MAX, load);
-        let contact = Normal {
-            force,
-            radius,
-            stiffness,
-            root_stiffness,
-            tangential_measure,
-            root_tangential_measure,
-            friction_load,
-            touching: touching.gt(R::zero()),
-        };
+        let [rows @ .., touching] = &batch.contact;
+        let numbers = numbers(rows, usize::MAX, load);
+        let contact = Normal::from_numbers(numbers, load(touching).gt(R::zero()));
         let stiffness = T::stiffness(&constants, &contact);
         store(T::energy(&constants, stiffness, &history), &mut batch.tangential_energy);
     }

@@ -23,7 +23,8 @@ pub enum PreparationError {
     /// The target stress was never reached.
     #[error(
         "compaction stalled after {steps} steps at p = {mean_stress:.1} Pa and solid fraction {solid_fraction:.4}, target {target} Pa; \
-         a lower preparation.inertial_number or a shorter numerics.time_step_factor may help"
+         the time step is {time_step:.2e} s. A lower preparation.inertial_number or a shorter numerics.time_step_factor may help; where \
+         the time step is very short, so may a stiffness of the contact laws that is in proportion to the stress"
     )]
     Stalled {
         /// Steps made.
@@ -34,6 +35,8 @@ pub enum PreparationError {
         solid_fraction: f64,
         /// Target, Pa.
         target: f64,
+        /// Time step, s.
+        time_step: f64,
     },
     /// A stage between compaction and relaxation was not executed to its end.
     #[error("stage {number} of the {count} stages of the preparation ({name}): {fault}")]

@@ -468,6 +468,7 @@ impl Preparing {
                 mean_stress: s.state().mean_stress(),
                 solid_fraction: s.state().solid_fraction(),
                 target: procedure.mean_stress,
+                time_step: s.state().time_step(),
             });
         }
         self.begin_stage(specification, 0)

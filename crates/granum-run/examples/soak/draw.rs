@@ -9,6 +9,9 @@ use granum_io::case::CaseStage;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
+/// Paths of a preparation: those that every sample can follow without losing its stress.
+const PREPARING: [&str; 5] = ["isotropic", "oedometer", "constant-p", "drained-triaxial", "cyclic"];
+
 /// The second run of a case, whose results must be identical to those of the first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Way {
@@ -72,7 +75,7 @@ impl Draws {
 
     /// A random case: materials from rubber to steel, grains from a micrometre to a centimetre, every set of contact
     /// laws, and mean stresses from a millionth to a thousandth of the modulus of the grains; half
-    /// of the cases follow one or two random paths in place of the paper's test.
+    /// of the cases follow one or two random paths in place of the paper's test, and a third have a path in their preparation.
     pub fn case(&mut self) -> Case {
         let sets = sets();
         let mut case = Case::default();
@@ -156,14 +159,21 @@ impl Draws {
         case.numerics.time_step_factor = self.even(0.08, 0.22);
         if self.chance(0.5) {
             let pressure = case.preparation.mean_stress;
-            case.stages = (0..1 + (self.fraction() * 2.0) as usize).map(|_| self.path(pressure)).collect();
+            let names: Vec<&str> = preset::ALL.iter().map(|path| path.name).collect();
+            let count = 1 + (self.fraction() * 2.0) as usize;
+            case.stages = (0..count).map(|_| self.path(pressure, &names, true)).collect();
+        }
+        if self.chance(0.3) {
+            let pressure = case.preparation.mean_stress;
+            case.preparation_stages = vec![self.path(pressure, &PREPARING, false)];
         }
         case
     }
 
-    /// A random path, short enough for a case of a few seconds, for a sample at a mean stress, Pa.
-    fn path(&mut self, pressure: f64) -> CaseStage {
-        let path = &preset::ALL[(self.fraction() * preset::ALL.len() as f64) as usize];
+    /// One of some paths, short enough for a case of a few seconds, for a sample at a mean stress, Pa; with states to record or not.
+    fn path(&mut self, pressure: f64, names: &[&str], records: bool) -> CaseStage {
+        let name = names[(self.fraction() * names.len() as f64) as usize];
+        let path = preset::ALL.iter().find(|path| path.name == name).expect("the name of a path");
         let mut given = Given::new();
         let strain = self.decades(1e-3, 1e-2);
         let sense = if self.chance(0.5) { 1.0 } else { -1.0 };
@@ -183,14 +193,17 @@ impl Draws {
                 "strain" if path.name == "probes" => 1e-5,
                 "directions" => 2.0,
                 "unbalanced_force" => 0.02,
-                "states" => 3.0,
-                "interval" => 1e-3,
+                "states" if records => 3.0,
+                "interval" if records => 1e-3,
                 _ => continue,
             };
             let [low, high] = parameter.bounds;
             given.insert(parameter.key.to_string(), number.clamp(low, high).into());
         }
         match path.name {
+            "cyclic" if !records => {
+                given.insert("drainage".into(), Value::Word("drained".into()));
+            }
             "unload-reload" => {
                 given.insert("at".into(), Value::List(vec![0.5 * strain]));
             }

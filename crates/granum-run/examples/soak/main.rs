@@ -174,9 +174,11 @@ fn main() {
         ] {
             *totals.laws.entry(law.to_string()).or_default() += 1;
         }
-        for stage in &case.stages {
-            if let CaseStage::Path { name, .. } = stage {
-                *totals.paths.entry(name.clone()).or_default() += 1;
+        for (stages, of) in [(&case.stages, ""), (&case.preparation_stages, " (preparation)")] {
+            for stage in stages {
+                if let CaseStage::Path { name, .. } = stage {
+                    *totals.paths.entry(format!("{name}{of}")).or_default() += 1;
+                }
             }
         }
         let began = Instant::now();
