@@ -61,9 +61,12 @@ pub(super) const COLUMNS: [(&str, &str); 21] = [
     ("solid_fraction", "v_solid_fraction"),
     ("void_ratio", "v_void_ratio"),
 ];
-/// Columns that are taken at the end of a row, since each costs as much as a part of a step.
-pub(super) const AT_END: [(&str, &str); 2] =
-    [("coordination_number", "v_coordination"), ("mechanical_coordination_number", "v_mechanical")];
+/// Columns that are taken at the two ends of a row, since each costs as much as a part of a step: name, and the values at the beginning
+/// and at the end.
+pub(super) const AT_ENDS: [(&str, [&str; 2]); 2] = [
+    ("coordination_number", ["v_coordination_before", "v_coordination"]),
+    ("mechanical_coordination_number", ["v_mechanical_before", "v_mechanical_now"]),
+];
 
 const REMARKS: &str = "\
 # A test of granum for LAMMPS, written by `granum export`. Run it in its folder:
@@ -93,9 +96,12 @@ const SORTING: &str = "\
 atom_modify sort 0 0.0
 ";
 
-/// Keeps the numbers of contacts, which LAMMPS has counted at the last step of a run.
+/// Keeps the numbers of contacts, which LAMMPS has counted at the last step of a run, and those before them.
 pub(super) const LOOK: &str = "\
+variable coordination_before equal $(v_coordination)
+variable mechanical_before equal $(v_mechanical_now)
 variable coordination equal $(c_coordination)
+variable mechanical_now equal $(v_mechanical)
 variable touching equal $(c_touching)
 ";
 
@@ -172,8 +178,10 @@ pub(super) fn head(of: &Head) -> String {
     text += "thermo 1000000\n\
              thermo_style custom step time v_stage lx ly lz v_p v_q c_coordination v_mechanical c_touching\n\
              thermo_modify lost error norm no\nrun 0 post no\n";
+    text += "variable coordination equal 0\nvariable mechanical_now equal 0\n";
     text += LOOK;
-    let names: Vec<&str> = COLUMNS.iter().chain(&AT_END).map(|(name, _)| *name).collect();
+    let at_ends = AT_ENDS.iter().map(|(name, _)| *name);
+    let names: Vec<&str> = COLUMNS.iter().map(|(name, _)| *name).chain(at_ends).collect();
     text + &format!("print \"stage,step,{}\" file ${{out}} screen no\n", names.join(","))
 }
 

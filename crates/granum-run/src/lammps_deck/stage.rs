@@ -5,7 +5,7 @@ use granum_dem::servo::{CellControl, Row};
 
 use super::deck_error::DeckError;
 use super::formula::{STRAINS, STRESSES, number, of_measure, sum, term};
-use super::head::{AT_END, COLUMNS, LOOK};
+use super::head::{AT_ENDS, COLUMNS, LOOK};
 
 /// Time constant of the servo, in time steps, as in granum's stages.
 const RESPONSE: f64 = 6.0;
@@ -14,7 +14,7 @@ const EASE: f64 = 0.25;
 /// Rows of the curve of a stage that ends at a strain.
 const ROWS: f64 = 100.0;
 /// Fewest and most steps of a row.
-const STEPS_OF_ROW: [u32; 2] = [50, 2000];
+const STEPS_OF_ROW: [u32; 2] = [10, 2000];
 /// Steps between two checks whether the sample is at rest.
 const REST_EVERY: u32 = 500;
 
@@ -158,7 +158,7 @@ pub(super) fn text(at: usize, stage: &Stage, setting: &Setting) -> Result<String
     }
     text += &curve(stage);
     let from_here = from_here(&cell, setting.tilt);
-    text += &start(&cell, stage.control.eases, &from_here);
+    text += &start(at, &cell, stage.control.eases, &from_here);
     // Laws of several types take effect with an initialisation only.
     let renew = if setting.laws.lines().count() > 1 { "1" } else { "abs(v_step_now/dt-1)>0.1" };
     let quoted: String = from_here.lines().map(|line| format!(" \"{line}\"")).collect();
@@ -360,13 +360,16 @@ fn curve(stage: &Stage) -> String {
     )
 }
 
-/// Prints a row, of present values or of means.
+/// Prints a row, of present values or of means; of what is counted only now and then, the mean of the two ends.
 fn row(now: bool) -> String {
     let mut words = vec!["$(v_stage:%.0f)".to_string(), "$(step:%.0f)".to_string()];
     for (k, (_, what)) in COLUMNS.iter().enumerate() {
         words.push(if now { format!("$({what}:%.9g)") } else { format!("$(f_mean[{}]:%.9g)", k + 1) });
     }
-    words.extend(AT_END.iter().map(|(_, what)| format!("$({what}:%.6g)")));
+    words.extend(AT_ENDS.iter().map(|(_, [before, at_end])| {
+        let what = if now { (*at_end).to_string() } else { format!("0.5*({before}+{at_end})") };
+        format!("$({what}:%.6g)")
+    }));
     format!("print \"{}\" append ${{out}} screen no\n", words.join(","))
 }
 
@@ -377,7 +380,7 @@ fn homogeneous(cell: &CellControl) -> [String; 3] {
 
 /// Gives the grains the velocities of the homogeneous strain, at once or as the rates grow; by the contacts alone they would get
 /// them with a shock.
-fn start(cell: &CellControl, eases: bool, from_here: &str) -> String {
+fn start(at: usize, cell: &CellControl, eases: bool, from_here: &str) -> String {
     let flow = homogeneous(cell);
     if flow.iter().all(|part| part == "0") {
         return String::new();
@@ -393,7 +396,12 @@ fn start(cell: &CellControl, eases: bool, from_here: &str) -> String {
     text + &if eases {
         format!(
             "fix push all addforce v_push_x v_push_y v_push_z\ntimestep $(v_step_now)\n{from_here}\
-             run $(ceil(v_ease/dt):%.0f) post no\nrun 1 pre no post no\nunfix push\n"
+             variable left equal ceil((v_ease-v_elapsed)/dt-1e-6)\nvariable pre string yes\n\
+             label start_{at}\nvariable part equal $((v_left<v_every)*v_left+(v_left>=v_every)*v_every:%.0f)\n\
+             run ${{part}} pre ${{pre}} post no\nvariable pre string no\nvariable ended equal $(v_over||(v_left<1))\n\
+             if \"$(v_ended) > 0.5\" then \"run 1 pre no post no\"\n{LOOK}{}\
+             if \"$(v_ended) <= 0.5\" then \"jump SELF start_{at}\"\nunfix push\n",
+            row(false)
         )
     } else {
         "velocity all set v_push_x v_push_y v_push_z\n".into()

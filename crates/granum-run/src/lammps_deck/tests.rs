@@ -60,8 +60,13 @@ fn every_path_that_lammps_can_follow_is_written_without_minus_zero() {
             let [made, unmade] = ["fix", "unfix"].map(|word| format!("\n{word} {fix}"));
             assert_eq!(script.matches(&made).count(), script.matches(&unmade).count(), "{path}: {fix}");
         }
-        let labels = script.lines().filter(|line| line.starts_with("label stage_")).count();
-        assert_eq!(script.matches("jump SELF stage_").count(), labels, "{path}");
+        // Rows follow each other while the rates of a stage grow, and afterwards.
+        for label in ["start_", "stage_"] {
+            let labels = script.lines().filter(|line| line.starts_with(&format!("label {label}"))).count();
+            assert_eq!(script.matches(&format!("jump SELF {label}")).count(), labels, "{path}");
+            // A path whose rates are those of its servo alone has no beginning of its own.
+            assert!(labels >= 1 || (label == "start_" && path.contains("isotropic")), "{path}: {label}");
+        }
     }
     let shear = deck(&format!("{LAWS}[shear]\ndeviator_strain = 0.05\ninertial_number = 1e-3\n")).unwrap();
     assert!(shear.contains("variable value1 equal 0.3333333333333333*v_s11+"), "{shear}");
@@ -87,6 +92,18 @@ fn the_servo_is_that_of_the_stage() {
     // With a consolidation of its own it does not come to rest twice.
     let script = stage("path = 'drained-triaxial'\nlateral_stress = '50 kPa'").unwrap();
     assert!(!script.contains("stage 0") && script.contains("variable target2 equal 50000.0\n"));
+}
+
+#[test]
+fn coordination_numbers_are_means_over_a_row_as_the_stresses_beside_them() {
+    let script = stage("path = 'oedometer'\nunloading_stress = '100 kPa'").unwrap();
+    let rows = script.lines().filter(|line| line.starts_with("print \"$(v_stage"));
+    let means: Vec<&str> = rows.filter(|line| line.contains("$(f_mean[1]:")).collect();
+    // A row of each loop: of the relaxation, and of the beginning and the rest of the two stages.
+    assert_eq!(means.len(), 5, "{script}");
+    for row in means {
+        assert!(row.contains("$(0.5*(v_coordination_before+v_coordination):%.6g)"), "{row}");
+    }
 }
 
 #[test]
