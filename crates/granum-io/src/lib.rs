@@ -16,7 +16,6 @@ pub mod packing;
 pub mod run;
 pub mod shell;
 pub mod snapshot;
-mod tables;
 mod text;
 
 pub use case::Case;
@@ -28,4 +27,3 @@ pub use granum_core::{Column, ColumnKind, Table};
 pub use laboratory::{Conventions, LaboratoryTest, read_laboratory};
 pub use packing::Packing;
 pub use run::{Machine, QualityFlag, Run, RunFolder, RunRecord, RunSource, RunStatus};
-pub use tables::read_assembly;

@@ -17,16 +17,16 @@ use granum_core::{Column, ColumnKind, Table};
 const FORMAT: u32 = 1;
 
 /// Access to a number or a vector in a `T`.
-pub(crate) enum Place<T> {
+enum Place<T> {
     Scalar(fn(&mut T) -> &mut f64),
     Vector(fn(&mut T) -> &mut Vector),
 }
 
 /// Name, unit and access of one column, or of three that end in `_x`, `_y` and `_z`.
-pub(crate) type Entry<T> = (&'static str, &'static str, Place<T>);
+type Entry<T> = (&'static str, &'static str, Place<T>);
 
 /// Columns of the table of grains in addition to `id`.
-pub(crate) const GRAIN: [Entry<Grain>; 7] = [
+const GRAIN: [Entry<Grain>; 7] = [
     ("position", "m", Place::Vector(|grain| &mut grain.position)),
     ("velocity", "m/s", Place::Vector(|grain| &mut grain.velocity)),
     ("spin", "rad/s", Place::Vector(|grain| &mut grain.spin)),
@@ -37,7 +37,7 @@ pub(crate) const GRAIN: [Entry<Grain>; 7] = [
 ];
 
 /// Columns of the table of contacts in addition to the ids of their grains and `sliding`.
-pub(crate) const CONTACT: [Entry<Contact>; 8] = [
+const CONTACT: [Entry<Contact>; 8] = [
     ("branch", "m", Place::Vector(|contact| &mut contact.branch)),
     ("normal", "", Place::Vector(|contact| &mut contact.normal)),
     ("approach", "m", Place::Scalar(|contact| &mut contact.approach)),
@@ -63,14 +63,6 @@ const MATERIAL: &str = "material";
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// Names of the columns of an entry: one, or three that end in `_x`, `_y` and `_z`.
-pub(crate) fn column_names<T>(name: &str, entries: &[Entry<T>]) -> Vec<String> {
-    match entries.iter().find(|entry| entry.0 == name) {
-        Some((_, _, Place::Vector(_))) => AXES.iter().map(|axis| format!("{name}_{axis}")).collect(),
-        _ => vec![name.to_string()],
-    }
-}
-
 /// The rows as columns.
 fn columns<T: Copy>(rows: &[T], entries: &[Entry<T>]) -> Vec<Column> {
     let mut columns = Vec::new();
@@ -90,7 +82,7 @@ fn columns<T: Copy>(rows: &[T], entries: &[Entry<T>]) -> Vec<Column> {
 }
 
 /// Transfers the columns of a table to rows.
-pub(crate) fn fill<T>(rows: &mut [T], entries: &[Entry<T>], table: &Table) -> Result<()> {
+fn fill<T>(rows: &mut [T], entries: &[Entry<T>], table: &Table) -> Result<()> {
     for (name, _, place) in entries {
         match place {
             Place::Scalar(place) => {

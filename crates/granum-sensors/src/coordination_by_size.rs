@@ -1,5 +1,6 @@
 //! Coordination number by size: the grains in five classes of equal number from the smallest to the largest fifth, and the mean
-//! number of contacts of each class. Grains of equal size are ordered by their ids.
+//! number of contacts of each class. Grains of equal size count with the mean number of contacts of all grains of that size, so that
+//! it does not matter to which classes they belong.
 //!
 //! In a polydisperse sample small grains have fewer contacts and are more often rattlers; large grains have many contacts.
 
@@ -48,10 +49,15 @@ pub fn coordination_by_size(observation: &Observation) -> [f64; CLASSES] {
     }
     let mut order: Vec<usize> = (0..grains.len()).collect();
     order.sort_by(|&a, &b| grains[a].radius.total_cmp(&grains[b].radius).then(a.cmp(&b)));
+    let mut contacts = Vec::with_capacity(order.len());
+    for equal in order.chunk_by(|&a, &b| grains[a].radius == grains[b].radius) {
+        let sum: f64 = equal.iter().map(|&grain| f64::from(degree[grain])).sum();
+        contacts.extend(equal.iter().map(|_| mean(sum, equal.len())));
+    }
     std::array::from_fn(|class| {
-        let edge = |class: usize| class * grains.len() / CLASSES;
-        let own = &order[edge(class)..edge(class + 1)];
-        mean(own.iter().map(|&grain| f64::from(degree[grain])).sum::<f64>() + 0.0, own.len())
+        let edge = |class: usize| class * contacts.len() / CLASSES;
+        let own = &contacts[edge(class)..edge(class + 1)];
+        mean(own.iter().sum::<f64>() + 0.0, own.len())
     })
 }
 
@@ -65,6 +71,20 @@ mod tests {
     fn every_fifth_of_a_lattice_has_six() {
         let lattice = lattice::simple_cubic(3, 1e-4, 1e-4, 1e-4);
         assert_eq!(coordination_by_size(&Observation::new(&lattice)), [6.0; 5]);
+    }
+
+    /// A chain of ten grains of two sizes: its ends, which have one contact, do not decide about the classes.
+    #[test]
+    fn grains_of_equal_size_count_alike() {
+        let grain = |radius: f64| Grain { radius, ..Default::default() };
+        let grains = (0..10).map(|k| grain(if k < 6 { 1.0 } else { 2.0 })).collect();
+        let contacts = (1..10).map(|j| Contact { i: j - 1, j, ..Default::default() }).collect();
+        let chain = Assembly { grains, contacts, ..Default::default() };
+        let [small, large] = [11.0 / 6.0, 7.0 / 4.0];
+        let found = coordination_by_size(&Observation::new(&chain));
+        for (found, expected) in found.into_iter().zip([small, small, small, large, large]) {
+            assert!((found - expected).abs() < 1e-15, "{found} {expected}");
+        }
     }
 
     /// A star: the largest of five grains touches all others, the smallest none but it.

@@ -143,7 +143,7 @@ fn no_partner(path: &Path, frame: &Frame, place: usize, count: usize, all: usize
 
 /// One observation: grains in the order of their ids, wrapped into the cell, and their contacts.
 fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<Observation> {
-    let Frame { step, time, cell, grains, lines, contacts, centres, mut parts } = frame;
+    let Frame { step, time, cell, grains, lines, contacts, centres, mut parts, materials } = frame;
     let (mut grains, lines) = in_order(path, grains, lines)?;
     let cell = cell.or(options.cell);
     if let Some(cell) = &cell {
@@ -165,6 +165,7 @@ fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<Obser
         time_step: options.time_step.unwrap_or(0.0),
         cell: cell.map_or([[0.0; 3]; 3], |cell| cell.edges),
         grains,
+        materials,
         ..Assembly::default()
     };
     if let Some(mut pairs) = contacts {
@@ -258,6 +259,7 @@ fn add_contacts(path: &Path, assembly: &mut Assembly, mut parts: Parts, pairs: &
         }
         let normal = pair.normal.unwrap_or_else(|| branch.map(|x| x / length));
         let (normal_force, tangential_force) = forces(pair, &normal);
+        let [normal_energy, tangential_energy] = pair.energies.unwrap_or_default();
         let geometric = if radii { one.radius + two.radius - length } else { 0.0 };
         contacts.push(Contact {
             i,
@@ -267,6 +269,9 @@ fn add_contacts(path: &Path, assembly: &mut Assembly, mut parts: Parts, pairs: &
             approach: pair.approach.unwrap_or(geometric),
             normal_force: normal_force.unwrap_or(0.0),
             tangential_force: tangential_force.unwrap_or([0.0; 3]),
+            normal_energy,
+            tangential_energy,
+            sliding: pair.sliding.unwrap_or(false),
             ..Contact::default()
         });
     }
@@ -277,6 +282,8 @@ fn add_contacts(path: &Path, assembly: &mut Assembly, mut parts: Parts, pairs: &
         (Part::Overlaps, radii || every(&|pair| pair.approach.is_some())),
         (Part::NormalForces, every(&|pair| pair.force.or(pair.normal_force.map(|_| [0.0; 3])).is_some())),
         (Part::TangentialForces, every(&|pair| pair.force.or(pair.tangential_force).is_some())),
+        (Part::ContactEnergies, every(&|pair| pair.energies.is_some())),
+        (Part::Sliding, every(&|pair| pair.sliding.is_some())),
     ];
     for (part, known) in known {
         if known {

@@ -20,6 +20,7 @@ use crate::packing::Packing;
 
 pub mod csv;
 pub mod extended_xyz;
+pub mod grain_table;
 pub mod gsd;
 pub mod join;
 pub mod lammps_data;
@@ -118,6 +119,7 @@ impl Formats {
                 Arc::new(gsd::Gsd),
                 Arc::new(vtp::Vtp),
                 Arc::new(snapshot_json::SnapshotJson),
+                Arc::new(grain_table::GrainTable),
             ],
         }
     }
@@ -221,8 +223,9 @@ impl Formats {
     /// If the file cannot be read.
     pub fn is_result(&self, path: &Path) -> Result<bool> {
         let head = head(path)?;
+        let result = self.results().any(|format| format.recognises(&head));
         let packing = self.packings().any(|format| format.recognises(&head));
-        Ok(!packing && self.result_format(path, &head).is_some())
+        Ok(result || (!packing && self.result_format(path, &head).is_some()))
     }
 
     /// Reads results of another program, and packings, from one or several files, each with its options, and joins what belongs
@@ -318,9 +321,14 @@ fn extension(path: &Path) -> String {
     path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 
-/// ".csv or .parquet".
+/// ".csv or .parquet", each once.
 fn any_of<'a>(extensions: impl Iterator<Item = &'a &'static str>) -> String {
-    let all: Vec<String> = extensions.map(|extension| format!(".{extension}")).collect();
+    let mut all: Vec<String> = Vec::new();
+    for extension in extensions.map(|extension| format!(".{extension}")) {
+        if !all.contains(&extension) {
+            all.push(extension);
+        }
+    }
     match all.split_last() {
         Some((last, [])) => last.clone(),
         Some((last, others)) => format!("{} or {last}", others.join(", ")),

@@ -15,6 +15,7 @@ mod cell;
 use std::io::{BufRead, Write};
 use std::path::Path;
 
+use granum_core::geometry::{Matrix, Vector};
 use granum_core::quantity::format_number;
 
 use crate::atomic::write_atomically;
@@ -67,6 +68,19 @@ impl PackingFormat for PackingCsv {
 /// As for [`Packing::checked`]; also [`Error::Input`] for a missing cell and for text that is not a number.
 pub fn read_from(reader: impl BufRead, file: &str) -> Result<Packing> {
     read_lines(&mut Lines::new(reader, file))
+}
+
+/// The cell that comments before the first row give, and the names of the columns of a CSV.
+pub(super) fn cell_and_names(path: &Path) -> Result<(Option<(Vector, Matrix)>, Vec<String>)> {
+    let mut lines = Lines::open(path)?;
+    let mut found = None;
+    while lines.advance()? {
+        if !lines.is_empty() {
+            return Ok((found, names(&lines)?));
+        }
+        found = cell::parse(&lines)?.or(found);
+    }
+    Err(Error::content(path, "is empty; the first line must name the columns"))
 }
 
 fn read_lines<R: BufRead>(lines: &mut Lines<R>) -> Result<Packing> {

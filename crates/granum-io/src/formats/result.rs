@@ -120,21 +120,22 @@ pub struct Frame {
     pub centres: Vec<Vector>,
     /// What of the grains is known.
     pub parts: Parts,
+    /// Names of the materials, to which [`Grain::material`] refers; empty where there is only one.
+    pub materials: Vec<String>,
 }
 
 impl Frame {
     /// The grains and the cell of a packing.
     pub(crate) fn of_packing(packing: &crate::Packing) -> Frame {
-        let grain = |grain: &crate::packing::PackedGrain| Grain {
-            id: grain.id,
-            position: grain.position,
-            radius: grain.radius,
-            ..Grain::default()
-        };
-        let cell = FrameCell { origin: packing.origin, edges: packing.cell };
-        let grains = packing.grains.iter().map(grain).collect();
-        let parts = Parts::of(&[Part::Positions, Part::Radii]);
-        Frame { cell: Some(cell), grains, parts, ..Frame::default() }
+        let Observation { assembly, parts, origin, .. } = Observation::of_packing(packing);
+        let cell = FrameCell { origin, edges: assembly.cell };
+        let mut frame = Frame { cell: Some(cell), parts, materials: assembly.materials, ..Frame::default() };
+        // Places in a file count from its own origin.
+        frame.grains = assembly.grains;
+        for (grain, packed) in frame.grains.iter_mut().zip(&packing.grains) {
+            grain.position = packed.position;
+        }
+        frame
     }
 
     /// Notes that these parts of the grains are known.
@@ -162,6 +163,10 @@ pub struct Pair {
     pub tangential_force: Option<Vector>,
     /// Overlap, m.
     pub approach: Option<f64>,
+    /// Elastic energies of the normal and of the tangential displacement, J.
+    pub energies: Option<[f64; 2]>,
+    /// Whether the grains slide on each other.
+    pub sliding: Option<bool>,
 }
 
 /// An assembly of another program at one instant, and which of its parts are known.
@@ -194,7 +199,13 @@ impl Observation {
     /// If cell or radii are not known, and as for [`crate::Packing::checked`].
     pub fn packing(&self, path: &Path) -> Result<crate::Packing> {
         if let [missing, ..] = self.parts.missing(&[Part::Cell, Part::Positions, Part::Radii])[..] {
-            let help = "a packing needs a periodic cell, and places and radii of grains";
+            let help = match missing {
+                Part::Cell => {
+                    "`granum export FILE --cell \"A, B, C\" -o packing.csv` gives it one, and so does in a CSV the line \"# periodic box, \
+                     m: xlo=0 ylo=0 zlo=0 xhi=1e-3 yhi=1e-3 zhi=1e-3\" before the names of the columns"
+                }
+                _ => "a packing needs a periodic cell, and places and radii of grains",
+            };
             return Err(Error::content(path, format!("has no {}; {help}", missing.name())));
         }
         let grain = |(k, grain): (usize, &Grain)| {

@@ -36,6 +36,8 @@ impl ResultFormat for SnapshotJson {
             normal_force: Some(contact.normal_force),
             tangential_force: Some(contact.tangential_force),
             approach: Some(contact.approach),
+            energies: Some([contact.normal_energy, contact.tangential_energy]),
+            sliding: Some(contact.sliding),
             ..Pair::default()
         };
         let mut frame = Frame { step: Some(assembly.step), time: Some(assembly.time), ..Frame::default() };
@@ -50,6 +52,7 @@ impl ResultFormat for SnapshotJson {
             Part::ResultantForces,
         ]);
         frame.grains = assembly.grains;
+        frame.materials = assembly.materials;
         Ok(vec![frame])
     }
 }

@@ -12,7 +12,7 @@ use granum_run::laboratory::simulation;
 use granum_sensors::{MeasuredSeries, Measurement, SensorColumn, Sensors};
 use serde_json::{Map, Value, json};
 
-use super::sources::{SourceFlags, edges};
+use super::sources::SourceFlags;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -20,14 +20,14 @@ use crate::output;
 /// Measure an assembly with every sensor that its data allow, and say which sensors cannot be applied and what they lack.
 ///
 /// The data are a snapshot of a run folder, a packing (grains that overlap touch; with --case their forces follow from the
-/// contact law), or tables of another program: --grains with the columns id, position_x ... and any others of a snapshot,
-/// --contacts with first, second and any others. Results of other programs are read as they are (LAMMPS and LIGGGHTS dumps and
-/// data files, text and VTK of YADE, .data, .fstat and restart of MercuryDPM, extended XYZ, GSD): several files are joined, and
-/// several instants make a series.
+/// contact law), or results of another program, as they are: LAMMPS and LIGGGHTS dumps and data files, text and VTK of YADE,
+/// .data, .fstat and restart of MercuryDPM, extended XYZ, GSD, or tables (CSV, Parquet) of grains, with the columns id,
+/// position_x ... and any others of a snapshot, and of contacts, with first, second and any others. Several files are joined,
+/// and several instants make a series.
 #[derive(Args)]
 #[command(
-    after_help = "Example:\n  granum measure run-1\n  granum measure packing.csv --case my-sand.toml\n  granum measure --grains \
-                  grains.csv --contacts contacts.csv --cell \"2 mm, 2 mm, 2 mm\"\n  granum measure grains.dump contacts.dump --columns \
+    after_help = "Example:\n  granum measure run-1\n  granum measure packing.csv --case my-sand.toml\n  granum measure grains.csv \
+                  contacts.csv --cell \"2 mm, 2 mm, 2 mm\"\n  granum measure grains.dump contacts.dump --columns \
                   contacts.dump=index,patom1,patom2,fx,fy,fz,p1,p2,p3 --output series.parquet\n  granum measure --list"
 )]
 pub struct Measure {
@@ -42,10 +42,10 @@ pub struct Measure {
     /// Case whose material and contact law give the forces of a packing.
     #[arg(long, value_name = "FILE", requires = "data")]
     case: Option<PathBuf>,
-    /// Table of grains (CSV or Parquet) of another program, in SI units.
+    /// Table of grains (CSV or Parquet) of another program, in SI units: the same as to give it among the data.
     #[arg(long, value_name = "FILE", conflicts_with = "data")]
     grains: Option<PathBuf>,
-    /// Table of contacts of another program.
+    /// Table of contacts of another program, beside that of the grains.
     #[arg(long, value_name = "FILE", requires = "grains")]
     contacts: Option<PathBuf>,
     /// List the sensors with their columns and what they need, and measure nothing.
@@ -101,10 +101,9 @@ impl Measure {
     /// The assemblies and which of their parts are known.
     fn read(&self) -> Result<Vec<(Assembly, Parts)>, Failure> {
         if let Some(grains) = &self.grains {
-            let Some(cell) = &self.sources.cell else {
-                return Err(Failure::new("--grains needs the cell: give --cell \"2 mm, 2 mm, 2 mm\""));
-            };
-            return Ok(vec![granum_io::read_assembly(grains, self.contacts.as_deref(), edges(cell)?)?]);
+            let tables: Vec<PathBuf> =
+                [Some(grains), self.contacts.as_ref()].into_iter().flatten().cloned().collect();
+            return self.joined(&tables);
         }
         let Some(data) = self.data.first() else { return Err(Failure::new("there is nothing to measure")) };
         if data.is_dir() && self.data.len() == 1 {
@@ -122,7 +121,12 @@ impl Measure {
                 case.display()
             )));
         }
-        let found = self.sources.read(&self.data)?;
+        self.joined(&self.data)
+    }
+
+    /// The instants of files that belong together.
+    fn joined(&self, files: &[PathBuf]) -> Result<Vec<(Assembly, Parts)>, Failure> {
+        let found = self.sources.read(files)?;
         Ok(found.into_iter().map(|observation| (observation.assembly, observation.parts)).collect())
     }
 

@@ -58,7 +58,9 @@ impl Report {
         let figures = if page { 0 } else { document.figures.len() };
         output::say(context, &json!({ "report": file, "figure_files": figures }), || match figures {
             0 => format!("wrote {}", file.display()),
-            _ => format!("wrote {} and {figures} figures next to it", file.display()),
+            _ => {
+                format!("wrote {} and {figures} figures in {}", file.display(), out.join("figures").display())
+            }
         })
     }
 }
