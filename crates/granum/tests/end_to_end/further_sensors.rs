@@ -61,6 +61,40 @@ fn every_sensor_can_be_asked_for_and_changes_nothing_else() {
     assert!(message.contains("set recording.critical_void_ratio"), "{message}");
 }
 
+/// The tables that granum writes are measured as what they are tables of, also by the names of other programs.
+#[test]
+fn tables_of_grains_and_contacts_are_measured_as_the_run_itself() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    std::fs::write(here.join("case.toml"), SMALL).unwrap();
+    done(here, &["prepare", "case.toml", "--out", "sample"]);
+    let text = std::fs::read_to_string(here.join("sample/snapshots/start.json")).unwrap();
+    let snapshot: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let edge = |k: usize| format!("{:?} m", snapshot["assembly"]["cell"][k][k].as_f64().unwrap());
+    let cell = format!("{}, {}, {}", edge(0), edge(1), edge(2));
+    done(here, &["export", "sample", "--table", "grains", "-o", "grains.parquet"]);
+    done(here, &["export", "sample", "--table", "contacts", "-o", "contacts.csv"]);
+    let whole = done_json(here, &["measure", "sample"]);
+    let tables = done_json(here, &["measure", "grains.parquet", "contacts.csv", "--cell", &cell]);
+    let value = |told: &serde_json::Value, name: &str| told["values"][name].as_f64().unwrap();
+    for name in [
+        "mean_stress",
+        "stress_12",
+        "coordination_number",
+        "solid_fraction",
+        "sliding_fraction",
+        "deviator_fabric",
+    ] {
+        let (here, there) = (value(&whole, name), value(&tables, name));
+        assert!((here - there).abs() <= 1e-12 * here.abs(), "{name}: {here} {there}");
+    }
+    done(here, &["export", "grains.parquet", "--cell", &cell, "-o", "packing.csv"]);
+    let packing = granum_io::read_packing(&here.join("packing.csv")).unwrap();
+    assert_eq!(packing.grains.len() as u64, snapshot["grains"].as_u64().unwrap());
+    let error = refused(here, 1, &["shear", "case.toml", "--packing", "grains.parquet", "--out", "run"]);
+    assert!(error.contains("grains.parquet: has no cell") && error.contains("--cell"), "{error}");
+}
+
 #[test]
 fn the_stiffness_of_a_sample_and_of_states_of_its_test() {
     let base = tempfile::tempdir().unwrap();
