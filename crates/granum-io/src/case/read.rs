@@ -250,14 +250,21 @@ impl Reader<'_> {
         }
     }
 
-    /// Checks that the test is given in one way only.
+    /// Checks that the test is given in one way only. Keys at their defaults say nothing: a case as `granum init` writes it has them
+    /// all, and stages may be added to it.
     fn check_stages(&mut self) {
         if !self.keys.contains_key(STAGE) {
             return;
         }
-        let none: Vec<_> = self.keys.iter().filter(|(path, _)| is_unused_with_stages(path)).collect();
-        let none: Vec<_> = none.into_iter().map(|(path, span)| (path.clone(), span.clone())).collect();
-        for (path, span) in none {
+        let standard = Case::default();
+        let says_something = |field: &Field| {
+            self.values.get(&field.path()).is_some_and(|value| field.value(&standard).as_ref() != Some(value))
+        };
+        let unused =
+            FIELDS.iter().filter(|field| is_unused_with_stages(&field.path()) && says_something(field));
+        let unused: Vec<_> = unused.map(Field::path).collect();
+        for path in unused {
+            let Some(span) = self.keys.get(&path).cloned() else { continue };
             self.error(span, format!("{path} has no effect in a case with [[stage]]")).help = Some(
                 "leave it out: each stage sets its own loading, its end and the states that it records"
                     .into(),

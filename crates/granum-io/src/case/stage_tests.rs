@@ -50,6 +50,18 @@ fn stages_are_read_as_paths_and_written_out() {
     assert!(!case.resolved_toml().contains("[shear]"));
 }
 
+/// A new case file has every key at its default; stages can be added to it as it is.
+#[test]
+fn stages_can_be_added_to_a_new_case_file() {
+    let stage = "[[stage]]\npath = \"isotropic\"\n";
+    let added = Case::parse(&format!("{}\n{stage}", Case::template()), "case.toml").unwrap();
+    assert_eq!(added, Case::parse(stage, "case.toml").unwrap());
+    // What differs from the default would be ignored, and is refused.
+    let changed = Case::template().replace("deviator_strain = 0.3", "deviator_strain = 0.2");
+    let error = Case::parse(&format!("{changed}\n{stage}"), "case.toml").unwrap_err().to_string();
+    assert!(error.contains("shear.deviator_strain has no effect in a case with [[stage]]"), "{error}");
+}
+
 #[test]
 fn stages_are_part_of_the_digest_and_the_values_only_where_there_are_any() {
     let case = parse(WRITTEN_OUT);
