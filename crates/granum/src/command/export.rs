@@ -41,8 +41,8 @@ pub struct Export {
     /// Format of the file, where its extension does not say it: vtp, lammps-data, extended-xyz, gsd. Or lammps: an input deck.
     #[arg(long, value_name = "FORMAT")]
     to: Option<String>,
-    /// Table to write: of a run series (the default), forces, preparation, or a further histogram by its name; of a run or other
-    /// results grains or contacts.
+    /// Table to write: of a run series (the default), forces, preparation, or a further histogram by its name; of a run, a sample or
+    /// other results grains or contacts.
     #[arg(long, value_name = "NAME", conflicts_with = "to")]
     table: Option<String>,
     /// Snapshot of the run folder, or all in the order of their times; the one at its end by default, of a prepared sample the only one.
@@ -82,8 +82,9 @@ impl Export {
         };
         let tabular = self.to.is_none() && formats.table(path).is_ok();
         if let (Some(folder), true) = (run.as_ref().map(|_| &self.data[0]), tabular) {
-            let name = self.table.as_deref().unwrap_or("series");
-            if !["grains", "contacts"].contains(&name) {
+            // A prepared sample that was not tested has no series: its grains are written.
+            let series = table_file(folder, "series").is_some().then_some("series");
+            if let Some(name) = self.table.as_deref().or(series).filter(|name| !OF_SNAPSHOTS.contains(name)) {
                 let table = run_table(folder, name)?;
                 write_table(path, &table)?;
                 return self.say(context, &format!("{} rows of {name}", table.rows()));
@@ -95,7 +96,9 @@ impl Export {
         };
         let observations: Vec<Observation> = observations.into_iter().map(numbered_from_one).collect();
         let grains = observations.first().map_or(0, |observation| observation.assembly.grains.len());
-        if let Some(name) = &self.table {
+        let is_packing = formats.packings().any(|format| has_extension(path, format.extensions()));
+        let usual = (tabular && !is_packing).then_some("grains");
+        if let Some(name) = self.table.as_deref().or(usual) {
             let table = table_of(last(&observations)?, name)?;
             write_table(path, &table)?;
             return self.say(context, &format!("{} rows of {name}", table.rows()));
@@ -144,14 +147,40 @@ impl Export {
     }
 }
 
+/// The tables of a snapshot; the others are files of a run folder.
+const OF_SNAPSHOTS: [&str; 2] = ["grains", "contacts"];
+
+fn has_extension(path: &Path, extensions: &[&str]) -> bool {
+    path.extension().is_some_and(|own| extensions.iter().any(|known| own.eq_ignore_ascii_case(known)))
+}
+
+/// The file of a table of a run folder by its name, if there is one.
+fn table_file(folder: &Path, name: &str) -> Option<PathBuf> {
+    tables(folder).into_iter().find(|file| file.file_stem().is_some_and(|stem| stem == name))
+}
+
+/// The files of the tables of a run folder, by their names.
+fn tables(folder: &Path) -> Vec<PathBuf> {
+    let entries =
+        [folder.join("histograms"), folder.to_path_buf()].into_iter().filter_map(|f| f.read_dir().ok());
+    let files = entries.flatten().filter_map(|entry| Some(entry.ok()?.path()));
+    let mut files: Vec<PathBuf> = files.filter(|file| has_extension(file, &["parquet"])).collect();
+    files.sort();
+    files
+}
+
 /// A table of a run folder by its name.
 fn run_table(folder: &Path, name: &str) -> Result<Table, Failure> {
-    if !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-') {
-        return Err(Failure::new(format!("--table {name:?} is no name of a table")));
+    if let Some(file) = table_file(folder, name) {
+        return Ok(read_table(file)?);
     }
-    let file = folder.join(format!("{name}.parquet"));
-    let histogram = folder.join("histograms").join(format!("{name}.parquet"));
-    Ok(read_table(if histogram.exists() { histogram } else { file })?)
+    let known = tables(folder).into_iter().filter_map(|file| Some(file.file_stem()?.to_str()?.to_string()));
+    let known: Vec<String> = known.chain(OF_SNAPSHOTS.map(String::from)).collect();
+    Err(Failure::new(format!(
+        "--table {name:?}: {} has no such table; there are {}",
+        folder.display(),
+        known.join(", ")
+    )))
 }
 
 /// The grains or contacts of an observation.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::OnceLock;
 use std::time::Duration;
 
 use granum_learn::antony2006::reproduction::{Reproduction, ReproductionOptions};
@@ -64,8 +65,22 @@ fn reproduction(here: &Path, name: &str, quick: bool, trainer: &str, finished: b
     }
 }
 
-/// A folder of each kind, with the words that every refusal must contain.
-fn folders(here: &Path) -> Vec<(&'static str, &'static str)> {
+/// A folder of each kind, with the words that every refusal must contain; they are made once for all tests.
+fn folders(here: &Path) -> &'static [(&'static str, &'static str)] {
+    static MADE: OnceLock<Vec<(&'static str, &'static str)>> = OnceLock::new();
+    let from = Path::new(env!("CARGO_TARGET_TMPDIR")).join("folders-of-each-kind");
+    let words = MADE.get_or_init(|| {
+        if from.exists() {
+            fs::remove_dir_all(&from).unwrap();
+        }
+        fs::create_dir_all(&from).unwrap();
+        make_folders(&from)
+    });
+    copy(&from, here);
+    words
+}
+
+fn make_folders(here: &Path) -> Vec<(&'static str, &'static str)> {
     fs::write(here.join("case.toml"), SMALL).unwrap();
     done(here, &["prepare", "case.toml", "--out", "sample"]);
     done(here, &["shear", "case.toml", "--sample", "sample", "--out", "run"]);
@@ -129,10 +144,11 @@ fn without_force_no_command_changes_what_is_there() {
     let base = tempfile::tempdir().unwrap();
     let here = base.path();
     let folders = folders(here);
-    let packing = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/packing-5000.csv");
+    let packing = "grains.csv";
+    done(here, &["export", "sample", "-o", packing]);
     fs::write(here.join("path.csv"), "normal_approach,tangential_displacement\n1e-8,0\n").unwrap();
     let before = files(here);
-    for (folder, words) in &folders {
+    for (folder, words) in folders {
         let out = ["--out", folder];
         for command in [
             &["shear", "case.toml"][..],
@@ -184,7 +200,7 @@ fn force_replaces_only_what_is_of_the_same_kind() {
     let here = base.path();
     let folders = folders(here);
     let before = files(here);
-    for (folder, _) in &folders {
+    for (folder, _) in folders {
         let kind = match *folder {
             "study" | "half-trained" => "train",
             "full" | "my quick" | "quick-half" | "paper" => "reproduce",
