@@ -215,7 +215,7 @@ fn laws_of_the_compaction_are_gone_in_the_sample() {
 fn grains_of_a_tenth_of_the_largest_diameter_are_placed_and_compacted() {
     use crate::sizes::{SizeKind, Sizes};
     let sizes = Sizes::of(SizeKind::SIEVE_CURVE).with_curve(vec![[2e-5, 0.0], [2e-4, 1.0]]);
-    let grains = Grains { count: 1500, sizes, ..Grains::default() };
+    let grains = Grains { count: 800, sizes, ..Grains::default() };
     let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
     let preparation =
         Preparation { initial_solid_fraction: 0.45, friction: Some(0.1), solid_fraction: None, ..quick() };

@@ -235,11 +235,11 @@ fn a_forced_reproduction_that_is_killed_goes_on_without_force() {
     let base = tempfile::tempdir().unwrap();
     let here = base.path();
     folders(here);
-    assert!(killed_after(here, 3000, &["reproduce", "--quick", "--force", "--out", "full"]));
+    assert!(killed_after(here, 2000, &["reproduce", "--quick", "--force", "--out", "full"]));
     assert!(!here.join("full/summary.json").exists() && !here.join("full/models/study.json").exists());
     assert_eq!(done_json(here, &["status", "full"])["command"], "granum reproduce --quick --out full");
     for command in [&["resume", "full"][..], &["reproduce", "--quick", "--out", "full"]] {
-        assert!(killed_after(here, 2000, command), "granum {} was refused", command.join(" "));
+        assert!(killed_after(here, 1000, command), "granum {} was refused", command.join(" "));
     }
 }
 

@@ -136,7 +136,7 @@ fn load_alone_costs_no_tangential_energy() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(100))]
+    #![proptest_config(ProptestConfig::with_cases(60))]
     #[test]
     fn work_is_stored_slipped_and_slid(
         path in prop::collection::vec((3e-9f64..3e-8, -8e-10f64..8e-10), 1..6)
