@@ -13,7 +13,7 @@ use granum_run::laboratory::TestResult;
 fn small(name: &str, changes: &[(&str, &str)]) -> Case {
     let ready = ReadyCase::named(name).unwrap();
     let mut case = Case::parse(ready.text, name).unwrap();
-    case.set("grains.count", "400").unwrap();
+    case.set("grains.count", "300").unwrap();
     case.set("preparation.inertial_number", "5e-3").unwrap();
     case.set("preparation.unbalanced_force", "5e-3").unwrap();
     for (key, value) in changes {

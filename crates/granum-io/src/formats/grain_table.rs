@@ -347,6 +347,7 @@ mod tests {
     use super::super::{Formats, JoinOptions, Observation};
     use super::*;
     use granum_core::Column;
+    use proptest::prelude::*;
     use std::fs;
 
     const GRAINS: &str =
@@ -468,5 +469,20 @@ mod tests {
         assert!(grains(&GRAINS.replace("1.45", "left")).contains("grains.csv:4"), "the line and the column");
         let error = message(&[("table.parquet", "PAR1")]);
         assert!(error.contains("table.parquet"), "{error}");
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(300))]
+        /// Tables of any columns and cells are read or refused.
+        #[test]
+        fn no_table_makes_the_reader_panic(
+            names in prop::sample::subsequence(vec!["id", "x", "y", "z", "r", "vx", "vy", "vz", "step", "i", "j", "fn", "sliding"], 1..13),
+            cells in prop::collection::vec("[0-3]|-1|1e3|nan|x|", 0..40),
+        ) {
+            let rows: Vec<String> = cells.chunks(names.len()).map(|row| row.join(",")).collect();
+            let text = format!("{}\n{}\n", names.join(","), rows.join("\n"));
+            let _ = read(&[("one.csv", &text)]);
+            let _ = read(&[("grains.csv", GRAINS), ("other.csv", &text)]);
+        }
     }
 }
