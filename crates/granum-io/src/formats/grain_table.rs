@@ -163,7 +163,6 @@ impl<'a> Source<'a> {
             return Source::of(path, options, names, None, |_| Ok(table));
         }
         let (cell, names) = packing_csv::cell_and_names(path)?;
-        let cell = cell.map(|(origin, edges)| FrameCell { origin, edges });
         Source::of(path, options, names, cell, |wanted| csv::read(path, Some(wanted)))
     }
 

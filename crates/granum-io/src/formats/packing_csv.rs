@@ -15,14 +15,13 @@ mod cell;
 use std::io::{BufRead, Write};
 use std::path::Path;
 
-use granum_core::geometry::{Matrix, Vector};
 use granum_core::quantity::format_number;
 
 use crate::atomic::write_atomically;
 use crate::case::is_material_name;
 use crate::error::{Error, Result};
-use crate::formats::PackingFormat;
 use crate::formats::csv::{Lines, names, number, position};
+use crate::formats::{FrameCell, PackingFormat};
 use crate::packing::{PackedGrain, PackedMaterials, Packing};
 
 /// The format.
@@ -71,14 +70,15 @@ pub fn read_from(reader: impl BufRead, file: &str) -> Result<Packing> {
 }
 
 /// The cell that comments before the first row give, and the names of the columns of a CSV.
-pub(super) fn cell_and_names(path: &Path) -> Result<(Option<(Vector, Matrix)>, Vec<String>)> {
+pub(super) fn cell_and_names(path: &Path) -> Result<(Option<FrameCell>, Vec<String>)> {
     let mut lines = Lines::open(path)?;
     let mut found = None;
     while lines.advance()? {
         if !lines.is_empty() {
             return Ok((found, names(&lines)?));
         }
-        found = cell::parse(&lines)?.or(found);
+        let given = cell::parse(&lines)?.map(|(origin, edges)| FrameCell { origin, edges });
+        found = given.or(found);
     }
     Err(Error::content(path, "is empty; the first line must name the columns"))
 }
