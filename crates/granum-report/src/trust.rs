@@ -139,6 +139,10 @@ fn energy_sentence(run: &RunReport) -> Option<String> {
                 percent(gap)
             )
         }
+        None if !run.run.quality.is_empty() => {
+            "The energy balance is not judged, since global damping took energy while the sample came to rest"
+                .into()
+        }
         None => format!(
             "At every recorded state the energy balance closes to within {} of that work",
             percent(energy::closure(&run.record)?)

@@ -113,6 +113,18 @@ fn density_scaling_says_the_same_physics() {
     }
 }
 
+/// What global damping takes is not counted, so that such a test says nothing of its energy balance rather than that it closes.
+#[test]
+fn the_energy_of_a_test_that_came_to_rest_with_damping_is_not_judged() {
+    let stages = Case::parse("[[stage]]\npath = \"isotropic\"\nmean_stress = \"22 kPa\"\n", "case.toml")
+        .unwrap()
+        .stages;
+    let case = Case { stages, shear: Default::default(), ..small() };
+    let quality = laboratory().test(&case).unwrap().about.quality;
+    assert!(quality.iter().any(|flag| flag.name == "servo_error_rms"));
+    assert!(quality.iter().all(|flag| flag.name != "energy_gap"), "{quality:?}");
+}
+
 /// A stage at a strain rate with scaled density is equivalent to a stage at the corresponding inertial number.
 #[test]
 fn density_scaling_of_a_stage_says_the_same_physics() {
