@@ -83,5 +83,8 @@ pub fn edges(text: &str) -> Result<[f64; 3], Failure> {
     };
     let lengths = text.split(',').map(|item| parse_quantity(item.trim(), Dimension::LENGTH).map_err(&wrong));
     let lengths = lengths.collect::<Result<Vec<f64>, Failure>>()?;
+    if lengths.iter().any(|length| *length <= 0.0) {
+        return Err(wrong("its edges must be positive".into()));
+    }
     <[f64; 3]>::try_from(lengths).map_err(|found| wrong(format!("these are {} lengths", found.len())))
 }

@@ -91,6 +91,8 @@ fn tables_of_grains_and_contacts_are_measured_as_the_run_itself() {
     done(here, &["export", "grains.parquet", "--cell", &cell, "-o", "packing.csv"]);
     let packing = granum_io::read_packing(here.join("packing.csv")).unwrap();
     assert_eq!(packing.grains.len() as u64, snapshot["grains"].as_u64().unwrap());
+    let error = refused(here, 1, &["measure", "grains.parquet", "--cell", "1 mm, -1 mm, 1 mm"]);
+    assert!(error.contains("its edges must be positive"), "{error}");
     let error = refused(here, 1, &["export", "sample", "--table", "forces", "-o", "forces.csv"]);
     assert!(error.contains("sample has no such table; there are preparation, grains, contacts"), "{error}");
     let error = refused(here, 1, &["shear", "case.toml", "--packing", "grains.parquet", "--out", "run"]);
