@@ -82,13 +82,30 @@ pub fn dispatch<K: Kernel>(isa: Isa, kernel: K) -> K::Output {
 /// the same in a slower way.
 #[inline]
 pub fn dispatch_or<K: Kernel>(isa: Isa, kernel: K, portable: impl FnOnce(K) -> K::Output) -> K::Output {
+    if !isa.available() {
+        return portable(kernel);
+    }
+    // SAFETY: the processor has just been found to have every feature of the instruction set.
+    unsafe { dispatch_available(isa, kernel, portable) }
+}
+
+/// The same as [`dispatch_or`] without a test of the processor, for functions that are called too often for one.
+///
+/// # Safety
+/// [`Isa::available`] is true for `isa`.
+#[inline(always)]
+pub unsafe fn dispatch_available<K: Kernel>(
+    isa: Isa,
+    kernel: K,
+    portable: impl FnOnce(K) -> K::Output,
+) -> K::Output {
     match isa {
         #[cfg(target_arch = "x86_64")]
-        // SAFETY: `available` has just verified that the processor has every feature that the function enables.
-        Isa::Avx512 if isa.available() => unsafe { run_avx512(kernel) },
+        // SAFETY: guaranteed by the caller.
+        Isa::Avx512 => unsafe { run_avx512(kernel) },
         #[cfg(target_arch = "x86_64")]
         // SAFETY: as above.
-        Isa::Avx2 if isa.available() => unsafe { run_avx2(kernel) },
+        Isa::Avx2 => unsafe { run_avx2(kernel) },
         #[cfg(target_arch = "aarch64")]
         Isa::Neon => kernel.run::<crate::neon::Neon>(),
         _ => portable(kernel),

@@ -26,7 +26,7 @@ mod neon;
 #[cfg(test)]
 mod tests;
 
-pub use dispatch::{Isa, Kernel, dispatch, dispatch_or, fused};
+pub use dispatch::{Isa, Kernel, dispatch, dispatch_available, dispatch_or, fused};
 pub use lanes::{Lanes, Mask, Real};
 pub use math::{cbrt, exp, power, sigmoid, tanh};
 pub use portable::Portable;

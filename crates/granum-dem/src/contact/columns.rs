@@ -3,48 +3,39 @@
 //! Constants and histories are read and written in place, in rows of eight; all other numbers are passed in the columns of a
 //! [`Sheet`], from which one law reads the results of another.
 
-use granum_simd::{LANES, Lanes, Real, Row8, Twice};
+use granum_simd::{LANES, Lanes, Real, Row8};
 
 use super::law::Normal;
 use crate::contact::limits::LAW_CONSTANTS;
 
-/// One number of a contact, for up to two batches of eight contacts.
-pub type Column = [Row8; 2];
-
 /// Number of contacts that a call evaluates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Count {
-    /// One contact, in the first element of every column.
+    /// One contact, in the first element of every row.
     One,
     /// One batch of eight.
     Batch,
-    /// Two batches.
-    TwoBatches,
 }
 
-/// Numbers that a call evaluates together, and their position in a column.
+/// Numbers that a call evaluates together, and their position in a row of eight.
 pub trait Width {
     /// The numbers.
     type Value: Real;
     /// Their number.
     const COUNT: Count;
-    /// Reads them from a column.
-    fn read(column: &Column) -> Self::Value;
-    /// Writes them to a column.
-    fn write(value: Self::Value, column: &mut Column);
-    /// Reads them from row `c` of each batch; one batch is the first.
-    fn read_rows(rows: [&[Row8]; 2], c: usize) -> Self::Value;
-    /// Writes them to row `c` of each batch.
-    fn write_rows(value: Self::Value, rows: &mut [&mut [Row8]; 2], c: usize);
+    /// Reads them.
+    fn read(row: &Row8) -> Self::Value;
+    /// Writes them.
+    fn write(value: Self::Value, row: &mut Row8);
     /// Writes a mask as ones and zeros.
     #[inline(always)]
-    fn write_mask(mask: <Self::Value as Real>::Mask, column: &mut Column) {
-        Self::write(Self::Value::splat(1.0).keep(mask), column);
+    fn write_mask(mask: <Self::Value as Real>::Mask, row: &mut Row8) {
+        Self::write(Self::Value::splat(1.0).keep(mask), row);
     }
     /// Reads a mask written as ones and zeros.
     #[inline(always)]
-    fn read_mask(column: &Column) -> <Self::Value as Real>::Mask {
-        Self::read(column).gt(Self::Value::zero())
+    fn read_mask(row: &Row8) -> <Self::Value as Real>::Mask {
+        Self::read(row).gt(Self::Value::zero())
     }
 }
 
@@ -54,70 +45,29 @@ pub struct One;
 /// A batch.
 #[derive(Clone, Copy)]
 pub struct Batch<L>(std::marker::PhantomData<L>);
-/// Two batches.
-#[derive(Clone, Copy)]
-pub struct TwoBatches<L>(std::marker::PhantomData<L>);
 
 impl Width for One {
     type Value = f64;
     const COUNT: Count = Count::One;
     #[inline(always)]
-    fn read(column: &Column) -> f64 {
-        column[0].0[0]
+    fn read(row: &Row8) -> f64 {
+        row.0[0]
     }
     #[inline(always)]
-    fn write(value: f64, column: &mut Column) {
-        column[0].0[0] = value;
-    }
-    #[inline(always)]
-    fn read_rows(rows: [&[Row8]; 2], c: usize) -> f64 {
-        rows[0][c].0[0]
-    }
-    #[inline(always)]
-    fn write_rows(value: f64, rows: &mut [&mut [Row8]; 2], c: usize) {
-        rows[0][c].0[0] = value;
+    fn write(value: f64, row: &mut Row8) {
+        row.0[0] = value;
     }
 }
 impl<L: Lanes> Width for Batch<L> {
     type Value = L;
     const COUNT: Count = Count::Batch;
     #[inline(always)]
-    fn read(column: &Column) -> L {
-        L::load(&column[0].0)
+    fn read(row: &Row8) -> L {
+        L::load(&row.0)
     }
     #[inline(always)]
-    fn write(value: L, column: &mut Column) {
-        value.store(&mut column[0].0);
-    }
-    #[inline(always)]
-    fn read_rows(rows: [&[Row8]; 2], c: usize) -> L {
-        L::load(&rows[0][c].0)
-    }
-    #[inline(always)]
-    fn write_rows(value: L, rows: &mut [&mut [Row8]; 2], c: usize) {
-        value.store(&mut rows[0][c].0);
-    }
-}
-impl<L: Lanes> Width for TwoBatches<L> {
-    type Value = Twice<L>;
-    const COUNT: Count = Count::TwoBatches;
-    #[inline(always)]
-    fn read(column: &Column) -> Twice<L> {
-        Twice(L::load(&column[0].0), L::load(&column[1].0))
-    }
-    #[inline(always)]
-    fn write(value: Twice<L>, column: &mut Column) {
-        value.0.store(&mut column[0].0);
-        value.1.store(&mut column[1].0);
-    }
-    #[inline(always)]
-    fn read_rows(rows: [&[Row8]; 2], c: usize) -> Twice<L> {
-        Twice(L::load(&rows[0][c].0), L::load(&rows[1][c].0))
-    }
-    #[inline(always)]
-    fn write_rows(value: Twice<L>, rows: &mut [&mut [Row8]; 2], c: usize) {
-        value.0.store(&mut rows[0][c].0);
-        value.1.store(&mut rows[1][c].0);
+    fn write(value: L, row: &mut Row8) {
+        value.store(&mut row.0);
     }
 }
 
@@ -166,12 +116,12 @@ pub(super) mod at {
 }
 
 /// The columns of a call.
-pub(super) type Columns = [Column; at::ALL];
+pub(super) type Columns = [Row8; at::ALL];
 
-/// The arguments of the call of a law: the constants and the history of one batch or of two, and the columns.
+/// The arguments of the call of a law: the constants and the history of a contact or of a batch, and the columns.
 pub struct Sheet<'a> {
-    pub(super) constants: [&'a [Row8]; 2],
-    pub(super) history: [&'a mut [Row8]; 2],
+    pub(super) constants: &'a [Row8],
+    pub(super) history: &'a mut [Row8],
     pub(super) columns: &'a mut Columns,
 }
 
@@ -179,20 +129,19 @@ impl Sheet<'_> {
     /// The constants of the law.
     #[inline(always)]
     pub(super) fn constants<W: Width>(&self) -> [W::Value; LAW_CONSTANTS] {
-        let rows = [&self.constants[0][..LAW_CONSTANTS], &self.constants[1][..LAW_CONSTANTS]];
+        let rows = &self.constants[..LAW_CONSTANTS];
         std::array::from_fn(
             #[inline(always)]
-            |c| W::read_rows(rows, c),
+            |c| W::read(&rows[c]),
         )
     }
 
     /// The first columns of the history; the rest is zero.
     #[inline(always)]
     pub(super) fn history<W: Width, const N: usize>(&self, used: usize) -> [W::Value; N] {
-        let rows = [&*self.history[0], &*self.history[1]];
         let mut history = [W::Value::zero(); N];
-        for (c, value) in history.iter_mut().enumerate().take(used) {
-            *value = W::read_rows(rows, c);
+        for (value, row) in history.iter_mut().zip(&self.history[..used]) {
+            *value = W::read(row);
         }
         history
     }
@@ -200,54 +149,34 @@ impl Sheet<'_> {
     /// Writes the first columns of the history.
     #[inline(always)]
     pub(super) fn keep<W: Width, const N: usize>(&mut self, history: &[W::Value; N], used: usize) {
-        for (c, value) in history.iter().enumerate().take(used) {
-            W::write_rows(*value, &mut self.history, c);
+        for (value, row) in history.iter().zip(&mut self.history[..used]) {
+            W::write(*value, row);
         }
     }
 
-    /// Calls for the first batch, and for the second where there are two.
-    #[inline(always)]
-    pub(super) fn for_each_batch(&mut self, count: Count, mut call: impl FnMut(&mut Self)) {
-        call(self);
-        if count == Count::TwoBatches {
-            self.exchange_batches();
-            call(self);
-            self.exchange_batches();
-        }
-    }
-
-    fn exchange_batches(&mut self) {
-        self.constants.swap(0, 1);
-        self.history.swap(0, 1);
-        for column in self.columns.iter_mut() {
-            column.swap(0, 1);
-        }
-    }
-
-    /// Calls for every contact of the first batch, each in the first lane.
+    /// Calls for every contact of a batch, each in the first lane.
     pub(super) fn for_each_contact(&mut self, call: fn(&mut Sheet<'_>)) {
         let all = self.constants;
-        let [first, second] = &mut self.history;
         for lane in 0..LANES {
             let mut constants = [Row8::default(); LAW_CONSTANTS];
-            for (to, from) in constants.iter_mut().zip(all[0]) {
+            for (to, from) in constants.iter_mut().zip(all) {
                 to.0[0] = from.0[lane];
             }
-            bring_to_front(lane, first, self.columns);
+            self.bring_to_front(lane);
             call(&mut Sheet {
-                constants: [&constants, all[1]],
-                history: [&mut **first, &mut **second],
+                constants: &constants,
+                history: &mut *self.history,
                 columns: &mut *self.columns,
             });
-            bring_to_front(lane, first, self.columns);
+            self.bring_to_front(lane);
         }
     }
-}
 
-/// Exchanges the contact of a lane with that of the first.
-fn bring_to_front(lane: usize, history: &mut [Row8], columns: &mut Columns) {
-    history.iter_mut().for_each(|row| row.0.swap(0, lane));
-    columns.iter_mut().for_each(|column| column[0].0.swap(0, lane));
+    /// Exchanges the contact of a lane with that of the first.
+    fn bring_to_front(&mut self, lane: usize) {
+        let rows = self.history.iter_mut().chain(self.columns.iter_mut());
+        rows.for_each(|row| row.0.swap(0, lane));
+    }
 }
 
 #[inline(always)]

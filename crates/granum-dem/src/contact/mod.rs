@@ -14,6 +14,7 @@ pub mod check;
 pub mod columns;
 pub mod constants;
 pub mod elementary;
+pub mod entry;
 pub mod frame;
 pub mod impact;
 pub mod interaction;

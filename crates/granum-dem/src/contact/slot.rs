@@ -1,17 +1,16 @@
 //! A law behind function pointers.
 //!
 //! A law is written over any lanes ([`NormalLaw`] and so on). A slot is such a law behind one function pointer that is
-//! called once for two batches of eight contacts; the numbers are passed through memory ([`Sheet`]). Each law is thus
+//! called once for a batch of eight contacts; the numbers are passed through memory ([`Sheet`]). Each law is thus
 //! compiled once for an instruction set, whatever laws it is combined with, and a program outside this workspace can add its
 //! own.
 
 use std::any::TypeId;
 
-use granum_simd::{Isa, Kernel, Lanes, Mask, Real, dispatch_or, fused};
+use granum_simd::{Isa, Mask, Real, fused};
 
-use super::columns::{
-    Batch, Count, One, Sheet, TwoBatches, Width, at, read, read_normal, write, write_normal,
-};
+use super::columns::{Count, Sheet, Width, at, read, read_normal, write, write_normal};
+use super::entry::{Call, Entry};
 use super::frame::Turn;
 use super::law::{
     AdhesionLaw, AdhesionLosses, Description, MomentLaw, Normal, NormalLaw, NormalTraits, RelativeSpin,
@@ -23,43 +22,6 @@ use crate::contact::limits::{
     LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY,
 };
 use crate::contact::pair_properties::PairProperties;
-
-/// A computation over columns, compiled for every width and instruction set.
-trait Call {
-    fn call<W: Width>(sheet: &mut Sheet<'_>);
-}
-
-struct Run<'a, 'b, C>(&'a mut Sheet<'b>, Count, std::marker::PhantomData<C>);
-
-impl<C: Call> Kernel for Run<'_, '_, C> {
-    type Output = ();
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        match self.1 {
-            Count::TwoBatches if L::PAIRED => C::call::<TwoBatches<L>>(self.0),
-            // The same bits without compiling a formula for which these lanes have too few registers.
-            count => self.0.for_each_batch(
-                count,
-                #[inline(always)]
-                |sheet| C::call::<Batch<L>>(sheet),
-            ),
-        }
-    }
-}
-
-/// A single contact needs no lanes. On a processor without vector instructions batches are evaluated contact by contact, which gives
-/// the same bits: formulas over eight plain numbers would be half of the code, and hardly anybody would run them.
-fn run<C: Call>(isa: Isa, count: Count, sheet: &mut Sheet<'_>) {
-    match count {
-        Count::One => fused(
-            #[inline(always)]
-            || C::call::<One>(sheet),
-        ),
-        _ => dispatch_or(isa, Run::<C>(sheet, count, std::marker::PhantomData), |Run(sheet, count, _)| {
-            sheet.for_each_batch(count, |sheet| sheet.for_each_contact(C::call::<One>));
-        }),
-    }
-}
 
 struct NormalCall<N>(std::marker::PhantomData<N>);
 impl<N: NormalLaw> Call for NormalCall<N> {
@@ -167,7 +129,7 @@ pub trait NormalSlot: Send + Sync {
     /// [`NormalLaw::HISTORY`].
     fn history(&self) -> usize;
     /// [`NormalLaw::update`] and [`NormalLaw::losses`] over columns.
-    fn evaluate(&self, isa: Isa, count: Count, sheet: &mut Sheet<'_>);
+    fn evaluate(&self, isa: Isa, count: Count) -> Entry;
     /// [`NormalLaw::loaded`].
     fn loaded(&self, pair: &PairProperties, parameters: &[f64], load: f64) -> Normal<f64>;
     /// [`NormalLaw::update`] and [`NormalLaw::stored`] for pairs with their histories.
@@ -200,8 +162,8 @@ impl<N: NormalLaw> NormalSlot for N {
     fn history(&self) -> usize {
         N::HISTORY
     }
-    fn evaluate(&self, isa: Isa, count: Count, sheet: &mut Sheet<'_>) {
-        run::<NormalCall<N>>(isa, count, sheet);
+    fn evaluate(&self, isa: Isa, count: Count) -> Entry {
+        Entry::of::<NormalCall<N>>(isa, count)
     }
     fn loaded(&self, pair: &PairProperties, parameters: &[f64], load: f64) -> Normal<f64> {
         N::loaded(pair, parameters, load)
@@ -248,9 +210,9 @@ pub trait TangentialSlot: Send + Sync {
         parameters: &[f64],
     ) -> [f64; LAW_CONSTANTS];
     /// [`TangentialLaw::update`] over columns.
-    fn update(&self, isa: Isa, count: Count, sheet: &mut Sheet<'_>);
+    fn update(&self, isa: Isa, count: Count) -> Entry;
     /// [`TangentialLaw::discarded`] over columns.
-    fn discarded(&self, isa: Isa, count: Count, sheet: &mut Sheet<'_>);
+    fn discarded(&self, isa: Isa, count: Count) -> Entry;
     /// [`TangentialLaw::stiffness`] and [`TangentialLaw::step_stiffness`] for one contact.
     fn stiffness(&self, constants: &[f64; LAW_CONSTANTS], normal: &Normal<f64>) -> [f64; 2];
     /// [`TangentialLaw::energy`] for pairs whose normal part is known.
@@ -281,13 +243,11 @@ impl<T: TangentialLaw> TangentialSlot for T {
     ) -> [f64; LAW_CONSTANTS] {
         T::prepare(pair, normal, parameters)
     }
-    fn update(&self, isa: Isa, count: Count, sheet: &mut Sheet<'_>) {
-        run::<TangentialCall<T>>(isa, count, sheet);
+    fn update(&self, isa: Isa, count: Count) -> Entry {
+        Entry::of::<TangentialCall<T>>(isa, count)
     }
-    fn discarded(&self, isa: Isa, count: Count, sheet: &mut Sheet<'_>) {
-        if T::DISCARDS {
-            run::<DiscardedCall<T>>(isa, count, sheet);
-        }
+    fn discarded(&self, isa: Isa, count: Count) -> Entry {
+        if T::DISCARDS { Entry::of::<DiscardedCall<T>>(isa, count) } else { Entry::none() }
     }
     fn stiffness(&self, constants: &[f64; LAW_CONSTANTS], normal: &Normal<f64>) -> [f64; 2] {
         [T::stiffness(constants, normal), T::step_stiffness(constants, normal)]
@@ -310,7 +270,7 @@ pub trait MomentSlot: Send + Sync {
     /// [`MomentLaw::prepare`].
     fn prepare(&self, pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS];
     /// [`MomentLaw::update`] over columns.
-    fn update(&self, isa: Isa, count: Count, sheet: &mut Sheet<'_>);
+    fn update(&self, isa: Isa, count: Count) -> Entry;
     /// [`MomentLaw::energy`].
     fn energy(&self, constants: &[f64; LAW_CONSTANTS], history: &[f64; MAX_MOMENT_HISTORY]) -> f64;
 }
@@ -331,10 +291,8 @@ impl<M: MomentLaw> MomentSlot for M {
     fn prepare(&self, pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
         M::prepare(pair, parameters)
     }
-    fn update(&self, isa: Isa, count: Count, sheet: &mut Sheet<'_>) {
-        if M::ACTS {
-            run::<MomentCall<M>>(isa, count, sheet);
-        }
+    fn update(&self, isa: Isa, count: Count) -> Entry {
+        if M::ACTS { Entry::of::<MomentCall<M>>(isa, count) } else { Entry::none() }
     }
     fn energy(&self, constants: &[f64; LAW_CONSTANTS], history: &[f64; MAX_MOMENT_HISTORY]) -> f64 {
         M::energy(constants, history)
@@ -369,7 +327,7 @@ pub trait AdhesionSlot: Send + Sync {
     /// [`AdhesionLaw::prepare`].
     fn prepare(&self, pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS];
     /// [`AdhesionLaw::update`] over columns.
-    fn update(&self, isa: Isa, count: Count, sheet: &mut Sheet<'_>);
+    fn update(&self, isa: Isa, count: Count) -> Entry;
     /// Force and stiffness of a pair that just touches, N and N/m.
     fn at_touch(&self, constants: &[f64; LAW_CONSTANTS]) -> [f64; 2];
     /// Force of a pair with this history, N.
@@ -425,10 +383,8 @@ impl<A: AdhesionLaw> AdhesionSlot for A {
     fn prepare(&self, pair: &PairProperties, parameters: &[f64]) -> [f64; LAW_CONSTANTS] {
         A::prepare(pair, parameters)
     }
-    fn update(&self, isa: Isa, count: Count, sheet: &mut Sheet<'_>) {
-        if A::ACTS {
-            run::<AdhesionCall<A>>(isa, count, sheet);
-        }
+    fn update(&self, isa: Isa, count: Count) -> Entry {
+        if A::ACTS { Entry::of::<AdhesionCall<A>>(isa, count) } else { Entry::none() }
     }
     fn at_touch(&self, constants: &[f64; LAW_CONSTANTS]) -> [f64; 2] {
         let mut history = match A::SHARES_LIQUID {

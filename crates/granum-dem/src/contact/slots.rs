@@ -5,7 +5,8 @@ use std::marker::PhantomData;
 
 use granum_simd::{Isa, Real, Row8};
 
-use super::columns::{Columns, Sheet, Width, at, read, read_normal, write, write_normal};
+use super::columns::{Columns, Count, Sheet, Width, at, read, read_normal, write, write_normal};
+use super::entry::Entry;
 use super::frame::Turn;
 use super::law::{AdhesionLosses, Attraction, Moment, Normal, RelativeSpin, Tangential};
 use super::set::Laws;
@@ -18,10 +19,33 @@ use crate::contact::selection::ContactModel;
 /// Columns of the history of a contact before those of the laws: the old normal.
 pub(crate) const DIRECTION: usize = 3;
 
+/// The computations of the laws of a set.
+#[derive(Clone, Copy)]
+struct Entries {
+    normal: Entry,
+    tangential: Entry,
+    discarded: Entry,
+    moment: Entry,
+    adhesion: Entry,
+}
+
+impl Entries {
+    fn of(laws: &ContactModel, isa: Isa, count: Count) -> Entries {
+        let tangential = laws.tangential.law();
+        Entries {
+            normal: laws.normal.law().evaluate(isa, count),
+            tangential: tangential.update(isa, count),
+            discarded: tangential.discarded(isa, count),
+            moment: laws.rolling.law().update(isa, count),
+            adhesion: laws.adhesion.law().update(isa, count),
+        }
+    }
+}
+
 /// The slots of a set, with the working memory through which they are called.
 pub struct Slots {
-    laws: ContactModel,
-    isa: Isa,
+    /// For one contact, and for a batch.
+    entries: [Entries; 2],
     /// Number of history columns of the tangential law, the moment law, the adhesion law and the normal law.
     history: [usize; 4],
     has_moments: bool,
@@ -37,27 +61,25 @@ impl Slots {
     /// The laws of a set for an instruction set.
     pub fn new(laws: &ContactModel, isa: Isa) -> Self {
         Slots {
-            laws: *laws,
-            isa,
+            entries: [Count::One, Count::Batch].map(|count| Entries::of(laws, isa, count)),
             history: laws.history(),
             has_moments: laws.rolling.law().acts(),
             has_adhesion: laws.adhesion.law().acts(),
             shares_liquid: laws.adhesion.law().shares_liquid(),
             discards: laws.tangential.law().discards(),
-            columns: RefCell::new([[EMPTY; 2]; at::ALL]),
+            columns: RefCell::new([EMPTY; at::ALL]),
         }
+    }
+
+    #[inline(always)]
+    fn entries<W: Width>(&self) -> &Entries {
+        &self.entries[W::COUNT as usize]
     }
 
     /// Number of history columns of the tangential law, the moment law, the adhesion law and the normal law.
     #[inline(always)]
     pub(crate) fn history(&self) -> [usize; 4] {
         self.history
-    }
-
-    /// True if the set has moments.
-    #[inline(always)]
-    pub(crate) fn has_moments(&self) -> bool {
-        self.has_moments
     }
 
     /// True if the set has a law of adhesion.
@@ -86,29 +108,25 @@ impl Slots {
         stiffness: W::Value,
         history: &[W::Value; MAX_HISTORY],
     ) -> W::Value {
-        let mut rows = Rows::<LAW_CONSTANTS>::of::<W>(constants);
+        let rows = Rows::<LAW_CONSTANTS>::of::<W>(constants);
         let mut past = Rows::<MAX_HISTORY>::of::<W>(history);
         let columns = &mut *self.columns.borrow_mut();
         W::write(stiffness, &mut columns[0]);
-        let [a, b] = &mut rows.0;
-        let [c, d] = &mut past.0;
-        let mut sheet = Sheet { constants: [a, b], history: [c, d], columns };
-        self.laws.tangential.law().discarded(self.isa, W::COUNT, &mut sheet);
+        let mut sheet = Sheet { constants: &rows.0, history: &mut past.0, columns };
+        self.entries::<W>().discarded.call(&mut sheet);
         W::read(&sheet.columns[0])
     }
 }
 
-/// Numbers of one batch or of two, by rows.
-struct Rows<const N: usize>([[Row8; N]; 2]);
+/// Numbers of one contact or of a batch, by rows.
+struct Rows<const N: usize>([Row8; N]);
 
 impl<const N: usize> Rows<N> {
     #[inline(always)]
     fn of<W: Width>(values: &[W::Value; N]) -> Self {
-        let mut rows = Rows([[EMPTY; N]; 2]);
-        let [a, b] = &mut rows.0;
-        let mut both: [&mut [Row8]; 2] = [a, b];
-        for (c, value) in values.iter().enumerate() {
-            W::write_rows(*value, &mut both, c);
+        let mut rows = Rows([EMPTY; N]);
+        for (value, row) in values.iter().zip(&mut rows.0) {
+            W::write(*value, row);
         }
         rows
     }
@@ -117,7 +135,7 @@ impl<const N: usize> Rows<N> {
     fn values<W: Width>(&self) -> [W::Value; N] {
         std::array::from_fn(
             #[inline(always)]
-            |c| W::read_rows([&self.0[0], &self.0[1]], c),
+            |c| W::read(&self.0[c]),
         )
     }
 }
@@ -148,9 +166,8 @@ impl<W: Width> Open<'_, W> {
     ) -> T {
         let rows = Rows::<LAW_CONSTANTS>::of::<W>(constants);
         let mut past = Rows::<N>::of::<W>(history);
-        let [c, d] = &mut past.0;
         let columns = &mut *self.slots.columns.borrow_mut();
-        let out = call(&mut Sheet { constants: [&rows.0[0], &rows.0[1]], history: [c, d], columns });
+        let out = call(&mut Sheet { constants: &rows.0, history: &mut past.0, columns });
         *history = past.values::<W>();
         out
     }
@@ -218,12 +235,12 @@ impl<W: Width> Laws<W::Value> for Open<'_, W> {
     }
 }
 
-/// The same for the batches of the engine, whose constants and histories are used in place. The normal law must be called first:
+/// The same for a batch of the engine, whose constants and histories are used in place. The normal law must be called first:
 /// the others read the state of the contact that it wrote to the columns.
-pub(crate) struct InPlace<'a, 'b, W> {
+pub(crate) struct InPlace<'a, 'b, W, const MOMENTS: bool> {
     slots: &'a Slots,
-    constants: [&'b [Row8]; 2],
-    history: RefCell<[&'b mut [Row8]; 2]>,
+    constants: &'b [Row8],
+    history: RefCell<&'b mut [Row8]>,
     width: PhantomData<W>,
 }
 
@@ -231,32 +248,29 @@ pub(crate) struct InPlace<'a, 'b, W> {
 const NORMAL_CONSTANTS: usize = 3;
 const TANGENTIAL_CONSTANTS: usize = NORMAL_CONSTANTS + LAW_CONSTANTS;
 
-impl<'a, 'b, W: Width> InPlace<'a, 'b, W> {
-    /// The laws of these slots for batches with these rows of constants and of history.
+impl<'a, 'b, W: Width, const MOMENTS: bool> InPlace<'a, 'b, W, MOMENTS> {
+    /// The laws of these slots for a batch with these rows of constants and of history.
     #[inline(always)]
-    pub(crate) fn new(slots: &'a Slots, constants: [&'b [Row8]; 2], history: [&'b mut [Row8]; 2]) -> Self {
+    pub(crate) fn new(slots: &'a Slots, constants: &'b [Row8], history: &'b mut [Row8]) -> Self {
         InPlace { slots, constants, history: RefCell::new(history), width: PhantomData }
     }
 
     #[inline(always)]
     fn with<T>(&self, constants: usize, history: usize, call: impl FnOnce(&mut Sheet<'_>) -> T) -> T {
-        let [a, b] = &mut *self.history.borrow_mut();
-        let [x, y] = self.constants;
         call(&mut Sheet {
-            constants: [&x[constants..], &y[constants..]],
-            // There is no second history where there is one batch.
-            history: [&mut a[history..], b.get_mut(history..).unwrap_or_default()],
+            constants: &self.constants[constants..],
+            history: &mut self.history.borrow_mut()[history..],
             columns: &mut self.slots.columns.borrow_mut(),
         })
     }
 }
 
-impl<W: Width> Laws<W::Value> for InPlace<'_, '_, W> {
-    const MAY_HAVE_MOMENTS: bool = true;
+impl<W: Width, const MOMENTS: bool> Laws<W::Value> for InPlace<'_, '_, W, MOMENTS> {
+    const MAY_HAVE_MOMENTS: bool = MOMENTS;
     const MAY_HAVE_ADHESION: bool = true;
     #[inline(always)]
     fn has_moments(&self) -> bool {
-        self.slots.has_moments
+        MOMENTS
     }
     #[inline(always)]
     fn has_adhesion(&self) -> bool {
@@ -338,7 +352,7 @@ fn normal<W: Width>(
 ) -> (Normal<W::Value>, AdhesionLosses<W::Value>, W::Value) {
     W::write(overlap, &mut sheet.columns[at::OVERLAP]);
     W::write_mask(touched, &mut sheet.columns[at::TOUCHED]);
-    slots.laws.normal.law().evaluate(slots.isa, W::COUNT, sheet);
+    slots.entries::<W>().normal.call(sheet);
     let [made, broken, plastic] = read::<W, 3>(sheet.columns, at::LOSSES);
     (read_normal::<W>(sheet.columns), AdhesionLosses { made, broken }, plastic)
 }
@@ -351,7 +365,7 @@ fn tangential<W: Width>(
     turn: &Turn<W::Value>,
 ) -> (Tangential<W::Value>, W::Value, [W::Value; 2]) {
     write::<W, 4>([increment[0], increment[1], turn.cosine, turn.sine], sheet.columns, at::INCREMENT);
-    slots.laws.tangential.law().update(slots.isa, W::COUNT, sheet);
+    slots.entries::<W>().tangential.call(sheet);
     let columns = &*sheet.columns;
     let [u, v, x, y, stiffness, root_stiffness, friction_loss, micro_slip_loss, step] =
         read::<W, 9>(columns, at::TANGENTIAL);
@@ -380,7 +394,7 @@ fn moment<W: Width>(
     }
     let [x, y] = spin.rolling;
     write::<W, 6>([turn.cosine, turn.sine, x, y, spin.twisting, dt], sheet.columns, at::TURN);
-    slots.laws.rolling.law().update(slots.isa, W::COUNT, sheet);
+    slots.entries::<W>().moment.call(sheet);
     let columns = &*sheet.columns;
     let [a, b, c, dashpot, twisting_dashpot, work, loss, step_stiffness] = read::<W, 8>(columns, at::MOMENT);
     let at_limit = W::read_mask(&columns[at::AT_LIMIT]);
@@ -399,7 +413,7 @@ fn adhesion<W: Width>(
     }
     W::write(overlap, &mut sheet.columns[at::OVERLAP]);
     W::write_mask(touching, &mut sheet.columns[at::TOUCHING]);
-    slots.laws.adhesion.law().update(slots.isa, W::COUNT, sheet);
+    slots.entries::<W>().adhesion.call(sheet);
     let [force, stiffness, loss] = read::<W, 3>(sheet.columns, at::ADHESION);
     Attraction { force, stiffness, acting: W::read_mask(&sheet.columns[at::ACTING]), loss }
 }

@@ -38,7 +38,13 @@ fn stage<S: StageLaws, C: ConstantSource>(views: &Views, blocks: Range<usize>) {
 
 /// The stage that calls laws through their slots.
 fn slots(views: &Views, blocks: Range<usize>) {
-    dispatch(views.isa, ContactStage { views, blocks, laws: PhantomData::<(AnyLaws, AlikeOrByBatch)> });
+    if views.laws.rolling.law().acts() {
+        let laws = PhantomData::<(AnyLaws<true>, AlikeOrByBatch)>;
+        dispatch(views.isa, ContactStage { views, blocks, laws });
+    } else {
+        let laws = PhantomData::<(AnyLaws<false>, AlikeOrByBatch)>;
+        dispatch(views.isa, ContactStage { views, blocks, laws });
+    }
 }
 
 fn compiled<S: StageLaws>() -> Stages {

@@ -77,7 +77,7 @@ impl<S: StageLaws, C: ConstantSource> Kernel for ContactStage<'_, S, C> {
             let sampled = laws.discards() && v.sampling_weight != 0.0;
             let mut waiting = 0;
             let mut coming = coming_rows(v, k);
-            let pairs = if L::PAIRED { order.touching / 2 } else { 0 };
+            let pairs = if paired::<L, S>() { order.touching / 2 } else { 0 };
             if pairs > 0 {
                 touching_pair::<L, S, C>(v, &laws, &order, 0, &common, &mut twos[0]);
             }
@@ -120,12 +120,12 @@ impl<S: StageLaws, C: ConstantSource> Kernel for ContactStage<'_, S, C> {
                     waiting += usize::from(close);
                 }
                 let put = sampled.then_some(&mut discarded);
-                if L::PAIRED && waiting == 2 {
+                if paired::<L, S>() && waiting == 2 {
                     for push in pair::<L, S, C>(v, &laws, &pair_batches, &common, &mut totals, put) {
                         push.add(v);
                     }
                     waiting = 0;
-                } else if waiting == 1 && (last || !L::PAIRED) {
+                } else if waiting == 1 && (last || !paired::<L, S>()) {
                     alone::<L, S, C>(v, &laws, &pair_batches[0], &common, &mut totals, put).add(v);
                     waiting = 0;
                 }
@@ -173,6 +173,11 @@ fn reduced<L: Lanes>(sums: &[L; SUMS]) -> [f64; SUMS_OF_EIGHT] {
         L::reduce_add8(columns).store(to);
     }
     reduced
+}
+
+/// True if two batches are evaluated side by side.
+const fn paired<L: Lanes, S: StageLaws>() -> bool {
+    L::PAIRED && !S::IN_PLACE
 }
 
 /// Sums over a block while it is being evaluated.
@@ -424,18 +429,9 @@ fn pair<L: Lanes, S: StageLaws, C: ConstantSource>(
         |c| Twice(L::load(&p[c].0), L::load(&q[c].0)),
     );
     let dt = Twice(common.dt, common.dt);
-    // Before the new history overwrites the old one.
-    let past = discarded.as_ref().filter(|_| S::IN_PLACE).map(|_| [past_of(laws, p), past_of(laws, q)]);
-    let places = [
-        BatchData { views: v, batch: x.batch, history: &mut *p },
-        BatchData { views: v, batch: y.batch, history: &mut *q },
-    ];
-    let out = laws.interact_two(&constants, &kinematics, dt, &mut memory, places);
+    let out = laws.interact_two(&constants, &kinematics, dt, &mut memory);
     if let Some(discarded) = discarded {
-        let [a, b] = match &past {
-            Some([a, b]) => [&a[..], &b[..]],
-            None => [&p[NORMAL_COLUMNS..], &q[NORMAL_COLUMNS..]],
-        };
+        let [a, b] = [&p[NORMAL_COLUMNS..], &q[NORMAL_COLUMNS..]];
         let stiffness = out.tangential_stiffness;
         discarded.put(out.discards.0.bits(), &own[0].tangential, stiffness.0, a);
         discarded.put(out.discards.1.bits(), &own[1].tangential, stiffness.1, b);

@@ -3,7 +3,7 @@
 use granum_simd::{Lanes, Row8, Twice};
 
 use super::views::Views;
-use crate::contact::columns::{Batch, TwoBatches};
+use crate::contact::columns::Batch;
 use crate::contact::constants::PairConstants;
 use crate::contact::interaction::{Interaction, Kinematics, Memory, interact};
 use crate::contact::law::{MomentLaw, NormalLaw, TangentialLaw};
@@ -50,28 +50,6 @@ impl<L: Lanes> Couples<L> for [[L; 3]; 2] {
     }
 }
 
-/// Couples of a set that may have some.
-#[derive(Clone, Copy)]
-pub(crate) struct AnyCouples<L> {
-    acting: bool,
-    moments: [[L; 3]; 2],
-}
-
-impl<L: Lanes> Couples<L> for AnyCouples<L> {
-    #[inline(always)]
-    fn none() -> Self {
-        AnyCouples { acting: false, moments: [[L::zero(); 3]; 2] }
-    }
-    #[inline(always)]
-    fn of(couple: [L; 3], inverse_radii: impl FnOnce() -> [L; 2]) -> Self {
-        AnyCouples { acting: true, moments: Couples::of(couple, inverse_radii) }
-    }
-    #[inline(always)]
-    fn moments(&self) -> Option<[[L; 3]; 2]> {
-        self.acting.then_some(self.moments)
-    }
-}
-
 /// The data of a batch: its rows of constants, if grains differ, and its history.
 pub(crate) struct BatchData<'a> {
     pub(crate) views: &'a Views,
@@ -88,7 +66,8 @@ pub(crate) trait StageLaws {
     /// True if the normal law may have a history, so that contacts may deform plastically.
     const MAY_BE_PLASTIC: bool;
     /// True if [`StageLaws::interact`] advances the histories of the laws in place; otherwise it reads them from the [`Memory`] and
-    /// writes them there.
+    /// writes them there, and two batches may be evaluated side by side. With calls to laws, whose numbers pass through memory, one
+    /// batch after the other is faster.
     const IN_PLACE: bool;
     /// Type of the couples on grains.
     type Couples<L: Lanes>: Couples<L>;
@@ -116,14 +95,13 @@ pub(crate) trait StageLaws {
         memory: &mut Memory<L>,
         place: BatchData<'_>,
     ) -> Interaction<L>;
-    /// One step of two batches.
+    /// One step of two batches; not for laws whose histories are advanced in place.
     fn interact_two<L: Lanes>(
         &self,
         constants: &PairConstants<Twice<L>>,
         kinematics: &Kinematics<Twice<L>>,
         dt: Twice<L>,
         memory: &mut Memory<Twice<L>>,
-        places: [BatchData<'_>; 2],
     ) -> Interaction<Twice<L>>;
     /// Energy lost with discarded parts of the histories, J.
     fn discarded<L: Lanes>(
@@ -179,7 +157,6 @@ impl<N: NormalLaw, T: TangentialLaw> StageLaws for Compiled<N, T> {
         kinematics: &Kinematics<Twice<L>>,
         dt: Twice<L>,
         memory: &mut Memory<Twice<L>>,
-        _places: [BatchData<'_>; 2],
     ) -> Interaction<Twice<L>> {
         interact(self, constants, kinematics, dt, memory)
     }
@@ -242,7 +219,6 @@ impl<N: NormalLaw, T: TangentialLaw, M: MomentLaw> StageLaws for WithMoments<N, 
         kinematics: &Kinematics<Twice<L>>,
         dt: Twice<L>,
         memory: &mut Memory<Twice<L>>,
-        _places: [BatchData<'_>; 2],
     ) -> Interaction<Twice<L>> {
         interact(&self.0, constants, kinematics, dt, memory)
     }
@@ -257,14 +233,14 @@ impl<N: NormalLaw, T: TangentialLaw, M: MomentLaw> StageLaws for WithMoments<N, 
     }
 }
 
-/// Any laws, called through their slots.
-pub(crate) struct AnyLaws {
+/// Any laws, called through their slots; with or without moments, since couples would take memory in every batch.
+pub(crate) struct AnyLaws<const MOMENTS: bool> {
     slots: Slots,
     /// The constants of equal grains, in every lane.
     alike: [Row8; PairConstants::COUNT],
 }
 
-impl AnyLaws {
+impl<const MOMENTS: bool> AnyLaws<MOMENTS> {
     /// The rows of constants of a batch.
     #[inline(always)]
     fn constants<'a>(&'a self, views: &'a Views, batch: usize) -> &'a [Row8] {
@@ -277,12 +253,28 @@ impl AnyLaws {
     }
 }
 
-impl StageLaws for AnyLaws {
-    const MAY_HAVE_MOMENTS: bool = true;
+/// The type of the couples of a set with or without moments.
+pub(crate) trait CouplesOf {
+    type Couples<L: Lanes>: Couples<L>;
+}
+/// A set with moments, or without.
+pub(crate) struct Choice<const MOMENTS: bool>;
+impl CouplesOf for Choice<false> {
+    type Couples<L: Lanes> = ();
+}
+impl CouplesOf for Choice<true> {
+    type Couples<L: Lanes> = [[L; 3]; 2];
+}
+
+impl<const MOMENTS: bool> StageLaws for AnyLaws<MOMENTS>
+where
+    Choice<MOMENTS>: CouplesOf,
+{
+    const MAY_HAVE_MOMENTS: bool = MOMENTS;
     const MAY_HAVE_ADHESION: bool = true;
     const MAY_BE_PLASTIC: bool = true;
     const IN_PLACE: bool = true;
-    type Couples<L: Lanes> = AnyCouples<L>;
+    type Couples<L: Lanes> = <Choice<MOMENTS> as CouplesOf>::Couples<L>;
     #[inline(always)]
     fn of(views: &Views) -> Self {
         AnyLaws {
@@ -296,7 +288,7 @@ impl StageLaws for AnyLaws {
     }
     #[inline(always)]
     fn has_moments(&self) -> bool {
-        self.slots.has_moments()
+        MOMENTS
     }
     #[inline(always)]
     fn has_adhesion(&self) -> bool {
@@ -320,22 +312,18 @@ impl StageLaws for AnyLaws {
         place: BatchData<'_>,
     ) -> Interaction<L> {
         let rows = self.constants(place.views, place.batch);
-        let laws = InPlace::<Batch<L>>::new(&self.slots, [rows, rows], [place.history, &mut []]);
+        let laws = InPlace::<Batch<L>, MOMENTS>::new(&self.slots, rows, place.history);
         interact(&laws, constants, kinematics, dt, memory)
     }
     #[inline(always)]
     fn interact_two<L: Lanes>(
         &self,
-        constants: &PairConstants<Twice<L>>,
-        kinematics: &Kinematics<Twice<L>>,
-        dt: Twice<L>,
-        memory: &mut Memory<Twice<L>>,
-        places: [BatchData<'_>; 2],
+        _constants: &PairConstants<Twice<L>>,
+        _kinematics: &Kinematics<Twice<L>>,
+        _dt: Twice<L>,
+        _memory: &mut Memory<Twice<L>>,
     ) -> Interaction<Twice<L>> {
-        let [x, y] = places;
-        let rows = [self.constants(x.views, x.batch), self.constants(y.views, y.batch)];
-        let laws = InPlace::<TwoBatches<L>>::new(&self.slots, rows, [x.history, y.history]);
-        interact(&laws, constants, kinematics, dt, memory)
+        unreachable!("laws behind slots are evaluated batch by batch")
     }
     #[inline(always)]
     fn discarded<L: Lanes>(

@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 
 use super::*;
 use crate::contact::adhesion::CapillaryBridge;
-use crate::contact::columns::{Batch, TwoBatches};
+use crate::contact::columns::Batch;
 use crate::contact::kind::{AdhesionKind, RollingKind};
 use crate::contact::law::AdhesionLaw;
 use granum_simd::{Kernel, LANES, Lanes, Twice, dispatch, dispatch_or};
@@ -213,30 +213,23 @@ impl<N: NormalLaw, T: TangentialLaw> Kernel for SideBySide<'_, N, T> {
     }
 }
 
-/// The same laws called through their slots, in one batch or in two.
+/// The same laws called through their slots.
 struct ThroughSlots<'a>(&'a Slots, &'a PairConstants<f64>, &'a [Vec<Motion>]);
 impl Kernel for ThroughSlots<'_> {
     type Output = Vec<Vec<Answer>>;
     #[inline(always)]
     fn run<L: Lanes>(self) -> Vec<Vec<Answer>> {
         let ThroughSlots(slots, constants, motions) = self;
-        let mut answers = vec![vec![[0; ANSWER]; STEPS]; 3 * LANES];
-        let (mut batch, mut two) = (Memory::<L>::new(), Memory::<Twice<L>>::new());
+        let mut answers = vec![vec![[0; ANSWER]; STEPS]; LANES];
+        let mut memory = Memory::<L>::new();
         for step in 0..STEPS {
-            let load =
-                |c: usize, first: usize| L::load(&std::array::from_fn(|l| motions[first + l][step][c]));
-            let motion = kinematics(|c| load(c, 0));
+            let motion = kinematics(|c| L::load(&std::array::from_fn(|l| motions[l][step][c])));
             let laws = Open::<Batch<L>>::new(slots);
-            let out = interact(&laws, &constants.splat(), &motion, L::splat(1e-8), &mut batch);
-            let motion = kinematics(|c| Twice(load(c, 0), load(c, LANES)));
-            let laws = Open::<TwoBatches<L>>::new(slots);
-            let both = interact(&laws, &constants.splat(), &motion, Twice::splat(1e-8), &mut two);
-            for (c, (one, pair)) in columns(&out).into_iter().zip(columns(&both)).enumerate() {
-                for (part, first) in [(one, 0), (pair.0, LANES), (pair.1, 2 * LANES)] {
-                    let mut values = [0.0; LANES];
-                    part.store(&mut values);
-                    (0..LANES).for_each(|l| answers[first + l][step][c] = values[l].to_bits());
-                }
+            let out = interact(&laws, &constants.splat(), &motion, L::splat(1e-8), &mut memory);
+            for (c, column) in columns(&out).into_iter().enumerate() {
+                let mut values = [0.0; LANES];
+                column.store(&mut values);
+                (0..LANES).for_each(|l| answers[l][step][c] = values[l].to_bits());
             }
         }
         answers
@@ -261,8 +254,7 @@ fn same_bits_through_slots(contact: &ContactModel, constants: &PairConstants<f64
     }
     for isa in Isa::ALL.into_iter().filter(|i| i.available()) {
         let slots = dispatch(isa, ThroughSlots(&Slots::new(contact, isa), constants, &motions));
-        assert!(slots[..LANES] == reference[..LANES], "{} in one batch", isa.name());
-        assert!(slots[LANES..] == reference, "{} in two batches", isa.name());
+        assert!(slots == reference[..LANES], "{} in a batch", isa.name());
         let one = alone(contact, isa, constants, &motions[5], false);
         assert!(one == reference[5], "{} alone", isa.name());
     }
