@@ -56,6 +56,16 @@ impl Bench {
     }
 }
 
+impl Bench {
+    /// True if a way that slips in this direction leaves a reloading curve whose force still opposes that of the first turning
+    /// point.
+    fn leaves_reloading_early(&self, slip: f64) -> bool {
+        let [fx, fy, px, py, qx, qy, stage, ..] = self.memory.history;
+        let backwards = slip * (0.6 * (fx - qx) + 0.8 * (fy - qy)) < 0.0;
+        stage == 2.0 && backwards && fx * px + fy * py < 0.0
+    }
+}
+
 const CURVES: LawPair = (NormalKind::HERTZ, TangentialKind::MINDLIN_DERESIEWICZ);
 const APPROACH: f64 = 2e-8;
 
@@ -109,18 +119,40 @@ fn a_sliding_contact_stores_six_fifths_of_its_spring() {
     assert!((sums.gap() / sums.work).abs() < 1e-3);
 }
 
-/// Displacements in one direction at constant load, or with a changing one: the gap relative to the amount of work.
-fn gap_of_a_line(laws: LawPair, path: &[(f64, f64)], changing_load: bool) -> f64 {
+/// Displacements in one direction at constant load, or with a changing one: the gap relative to the amount of work, and whether a
+/// reloading curve of Mindlin and Deresiewicz was left before the force had passed zero.
+fn gap_of_a_line(laws: LawPair, path: &[(f64, f64)], changing_load: bool) -> (f64, bool) {
     let mut bench = Bench::new(laws, spheres(0.6));
     let mut sums = Sums::default();
     let mut at = path[0].0;
     bench.step(at, [0.0; 2]);
+    let mut left_early = false;
     for &(overlap, slip) in path {
+        left_early |= laws.1 == TangentialKind::MINDLIN_DERESIEWICZ && bench.leaves_reloading_early(slip);
         let next = if changing_load { overlap } else { at };
         bench.way([at, next], slip, 2000, &mut sums);
         at = next;
     }
-    if sums.size > 0.0 { sums.gap() / sums.size } else { 0.0 }
+    (if sums.size > 0.0 { sums.gap() / sums.size } else { 0.0 }, left_early)
+}
+
+/// The law remembers two turning points. Where a reloading curve is left before the force has passed zero, the state that it then
+/// assumes cannot arise from springs, and a part of the energy is in no column: at most 0.35 % of the work at the limit.
+#[test]
+fn a_reloading_curve_that_is_left_early_costs_some_energy() {
+    let gap = |back: f64| {
+        gap_of_a_line(CURVES, &[5.14e-10, -7.93e-10, back, -7.9e-10].map(|slip| (3e-9, slip)), false)
+    };
+    let mut largest = 0.0f64;
+    for back in [1e-13, 4.5e-12, 2e-11, 5e-11, 1e-10] {
+        let (gap, left_early) = gap(back);
+        assert!(left_early && gap.abs() < 4e-3, "{back:e}: {gap:e}");
+        largest = largest.max(gap.abs());
+    }
+    assert!(largest > 3e-3, "{largest:e}");
+    // Beyond zero the balance is closed.
+    let (gap, left_early) = gap(3e-10);
+    assert!(!left_early && gap.abs() < 2e-4, "{gap:e}");
 }
 
 /// Without a tangential displacement no work is done, stored or lost, whatever the load does.
@@ -146,11 +178,12 @@ proptest! {
             if tangential == TangentialKind::PEELING {
                 continue;
             }
-            let gap = gap_of_a_line((normal, tangential), &path, false);
-            prop_assert!(gap.abs() < 2e-4, "{normal:?} {tangential:?}: {gap:e}");
+            let (gap, left_early) = gap_of_a_line((normal, tangential), &path, false);
+            let bound = if left_early { 5e-3 } else { 2e-4 };
+            prop_assert!(gap.abs() < bound, "{normal:?} {tangential:?}: {gap:e}");
             // Under a changing load the history of the incremental law does not determine all the energy that a contact stores.
             if tangential == TangentialKind::NO_SLIP {
-                let gap = gap_of_a_line((normal, tangential), &path, true);
+                let (gap, _) = gap_of_a_line((normal, tangential), &path, true);
                 prop_assert!(gap.abs() < 1e-10, "changing load, {normal:?}: {gap:e}");
             }
         }
