@@ -82,7 +82,7 @@ pub trait Lanes: Real {
     /// loop.
     const REGISTERS: usize;
     /// True if a long formula is faster for two batches side by side ([`crate::Twice`]) than for one after the other. With the 16
-    /// registers of AVX2 it is not: measured, 5000 grains gain 4 % alone with compiled laws and a third with laws called through slots.
+    /// registers of AVX2 it is not: measured, 5000 grains gain 4 % alone with compiled laws.
     const PAIRED: bool;
     /// Loads eight numbers.
     fn load(source: &[f64; 8]) -> Self;
