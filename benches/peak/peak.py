@@ -53,12 +53,12 @@ def run(*command):
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
-def follow(binary, folder):
+def follow(binary, law, folder):
     """Addresses of the instructions that the benchmark goes through, in their order."""
     target, script = os.path.join(folder, "addresses"), os.path.join(folder, "follow.py")
     with open(script, "w") as f:
         f.write(FOLLOW.format(seconds=6, steps=60000, target=target))
-    bench = [binary, "bench", "--only", "dem", "--law", "jkr,mindlin-deresiewicz", "--grains", "5000"]
+    bench = [binary, "bench", "--only", "dem", "--law", law, "--grains", "5000"]
     bench += ["--seconds", "60", "--threads", "1", "--isa", "avx512"]
     run("gdb", "-q", "-batch", "-x", script, "--args", *bench)
     return [int(line, 16) - LOADED_AT for line in open(target)]
@@ -185,9 +185,11 @@ def least(instructions, folder):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--granum", default="target/release/granum")
-    binary = parser.parse_args().granum
+    parser.add_argument("--law", default="jkr,mindlin-deresiewicz", help="contact laws that are compiled into the loop")
+    options = parser.parse_args()
+    binary = options.granum
     with tempfile.TemporaryDirectory() as folder:
-        passed = one_pass(binary, follow(binary, folder))
+        passed = one_pass(binary, follow(binary, options.law, folder))
         count = collections.Counter(kind(m, o) for m, o in passed)
         print(f"{len(passed)} instructions for two batches of eight contacts; for one batch:")
         for name, number in count.most_common():
