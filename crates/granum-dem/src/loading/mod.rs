@@ -56,7 +56,7 @@ pub struct Stage {
     /// Its end conditions; the first that is met ends it.
     pub until: Vec<Until>,
     /// Arc length of strain after which it ends in any case. It also ends after the time that four times this arc length
-    /// takes at the speed of the stage, and when the sample no longer carries stress. `None` for a stage that is certain to
+    /// takes at the speed of the stage, and when the sample no longer carries stress while its volume does not decrease. `None` for a stage that is certain to
     /// reach its end.
     pub most_arc_length: Option<f64>,
     /// The states that are recorded.

@@ -211,12 +211,14 @@ impl StageProgress {
         reason
     }
 
-    /// The reason for the end if stresses are controlled that the sample no longer carries.
+    /// The reason for the end if stresses are controlled that the sample no longer carries. While its volume decreases it may carry
+    /// them again: a loose sample that collapses is compressed until it does.
     pub(super) fn unjammed(&self, state: &State) -> Option<Reason> {
         let before = invariants::mean(&self.start.stress);
         let mean_stress = state.mean_stress();
         let lost = before > 0.0 && state.control().rows().next().is_some() && mean_stress < UNJAMMED * before;
-        lost.then_some(Reason::Unjammed { mean_stress, before })
+        let volume_rate: f64 = (0..3).map(|axis| state.gradient[axis][axis]).sum();
+        (lost && volume_rate >= 0.0).then_some(Reason::Unjammed { mean_stress, before })
     }
 
     /// The events at which an end condition may be met.
