@@ -294,3 +294,27 @@ impl StageProgress {
         self.history.len() > PARTS && range < band
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::checkpoint::tests::running;
+    use crate::servo::CellControl;
+
+    /// A sample that has lost its stress ends a stage, except while it is compressed.
+    #[test]
+    fn a_stage_goes_on_while_it_compresses_the_sample() {
+        let s = running(200, 0.0);
+        let mean_stress = s.state().mean_stress();
+        let mut progress = StageProgress::begin(&s);
+        assert!(mean_stress > 0.0 && progress.unjammed(s.state()).is_none());
+        // As if the sample had carried ten thousand times its stress when the stage began.
+        progress.start.stress = progress.start.stress.map(|row| row.map(|stress| 1e4 * stress));
+        for (share, ends) in [(3.0, false), (0.3, true)] {
+            let mut s = s.clone();
+            s.set_control(CellControl::isotropic(share * mean_stress, 100.0));
+            s.advance(3).unwrap();
+            assert_eq!(progress.unjammed(s.state()).is_some(), ends, "{share} times the stress");
+        }
+    }
+}
