@@ -124,6 +124,12 @@ impl Simulation {
         self.integrator.hardware = hardware;
     }
 
+    /// Calls every law through its slot from now on, also in sets of laws that are compiled into one loop, until other laws are set
+    /// with [`Simulation::set_properties`]. Results have the same bits and take longer: for comparisons of the two.
+    pub fn call_laws_through_slots(&mut self) {
+        self.integrator.stages = Stages::any();
+    }
+
     /// Sets the control of the cell and resets the servo.
     pub fn set_control(&mut self, control: CellControl) {
         self.integrator.state.control = control;

@@ -3,7 +3,8 @@
 use granum_dem::Isa;
 use granum_dem::cell::Cell;
 use granum_dem::config::{
-    ContactModel, Grains, Material, NormalKind, Preparation, Rate, Recording, Shear, TangentialKind,
+    ContactModel, Grains, Material, NormalKind, Preparation, Rate, Recording, RollingKind, Shear,
+    TangentialKind,
 };
 use granum_dem::loading::{begin, follow, preset};
 use granum_dem::observer::{NoObserver, Observer};
@@ -221,4 +222,38 @@ fn divergence_is_reported() {
     control.rate[0][0] = 1e300;
     s.set_control(control);
     assert!(matches!(s.advance(10), Err(SimulationError::Diverged { .. })));
+}
+
+/// Laws called through their slots give the same bits as laws compiled into the loop.
+#[test]
+fn both_ways_of_calling_laws_give_the_same_bits() {
+    use NormalKind as N;
+    use RollingKind as R;
+    use TangentialKind as T;
+    let sets = [
+        (N::HERTZ, T::MINDLIN_DERESIEWICZ, R::NONE),
+        (N::HERTZ, T::NO_SLIP, R::NONE),
+        (N::JKR, T::MINDLIN_DERESIEWICZ, R::NONE),
+        (N::JKR, T::NO_SLIP, R::NONE),
+        (N::JKR, T::PEELING, R::NONE),
+        (N::HERTZ, T::NO_SLIP, R::ELASTIC_PLASTIC),
+        (N::HERTZ, T::NO_SLIP, R::SPRING_DASHPOT_SLIDER),
+    ];
+    for spread in [0.0, 0.3] {
+        let grains = Grains::default().with(|grains| (grains.count, grains.spread) = (120, spread));
+        let (cell, spheres) = random_insertion(&grains, 0.35, 3).unwrap();
+        for (normal, tangential, rolling) in sets {
+            let contact = ContactModel::new(normal, tangential, 0.1).with(|c| c.rolling = rolling);
+            let properties = Properties::new(Material::default(), contact);
+            let mut compiled = Simulation::new(cell, &spheres, properties).unwrap();
+            compiled.set_control(CellControl::isotropic(20e3, 3e4));
+            let mut called = compiled.clone();
+            called.call_laws_through_slots();
+            for s in [&mut compiled, &mut called] {
+                s.advance(3000).unwrap();
+            }
+            assert!(compiled.state().contacts() > 10, "{} contacts", compiled.state().contacts());
+            assert!(compiled.state() == called.state(), "{contact:?}, spread {spread}");
+        }
+    }
 }
