@@ -2,6 +2,7 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
+use crate::dispatch::fused;
 use crate::lanes::{Lanes, Mask, Real, no_such_row};
 use crate::rows::{Row4, Row8};
 
@@ -186,6 +187,17 @@ impl Neg for Portable {
     }
 }
 
+/// `factor` times `other` plus `term` in every lane. The baseline of x86-64 has no fused multiplication and calls a function
+/// for it: one call for eight lanes takes less time and an eighth of the code.
+#[cfg_attr(all(target_arch = "x86_64", not(target_feature = "fma")), inline(never))]
+#[cfg_attr(not(all(target_arch = "x86_64", not(target_feature = "fma"))), inline(always))]
+fn fused_lanes(factor: Portable, other: Portable, term: Portable) -> Portable {
+    fused(
+        #[inline(always)]
+        || Portable(std::array::from_fn(|l| factor.0[l].mul_add(other.0[l], term.0[l]))),
+    )
+}
+
 impl Real for Portable {
     type Mask = PortableMask;
     #[inline(always)]
@@ -194,7 +206,7 @@ impl Real for Portable {
     }
     #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
-        Portable(std::array::from_fn(|l| self.0[l].mul_add(factor.0[l], term.0[l])))
+        fused_lanes(self, factor, term)
     }
     #[inline(always)]
     fn sqrt(self) -> Self {

@@ -82,6 +82,12 @@ impl Slots {
         self.history
     }
 
+    /// True if the set has a law of moments.
+    #[inline(always)]
+    pub(crate) fn has_moments(&self) -> bool {
+        self.has_moments
+    }
+
     /// True if the set has a law of adhesion.
     #[inline(always)]
     pub(crate) fn has_adhesion(&self) -> bool {
@@ -270,7 +276,7 @@ impl<W: Width, const MOMENTS: bool> Laws<W::Value> for InPlace<'_, '_, W, MOMENT
     const MAY_HAVE_ADHESION: bool = true;
     #[inline(always)]
     fn has_moments(&self) -> bool {
-        MOMENTS
+        MOMENTS && self.slots.has_moments
     }
     #[inline(always)]
     fn has_adhesion(&self) -> bool {

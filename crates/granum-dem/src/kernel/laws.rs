@@ -233,7 +233,7 @@ impl<N: NormalLaw, T: TangentialLaw, M: MomentLaw> StageLaws for WithMoments<N, 
     }
 }
 
-/// Any laws, called through their slots; with or without moments, since couples would take memory in every batch.
+/// Any laws, called through their slots. With `MOMENTS` false a set must have none, and no memory is used for couples.
 pub(crate) struct AnyLaws<const MOMENTS: bool> {
     slots: Slots,
     /// The constants of equal grains, in every lane.
@@ -288,7 +288,7 @@ where
     }
     #[inline(always)]
     fn has_moments(&self) -> bool {
-        MOMENTS
+        MOMENTS && self.slots.has_moments()
     }
     #[inline(always)]
     fn has_adhesion(&self) -> bool {
