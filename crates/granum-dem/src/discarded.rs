@@ -100,6 +100,7 @@ mod tests {
     use crate::contact::set::Compiled;
     use crate::contact::tangential::MindlinDeresiewicz as Law;
     use crate::contact::{NormalTraits, TangentialLaw};
+    use crate::kernel::laws::InLoop;
 
     /// Histories on all three kinds of curve, at one load.
     fn history(k: usize) -> [f64; MAX_HISTORY] {
@@ -128,17 +129,18 @@ mod tests {
     /// Sum of all losses, by lane, evaluated after every `together` batches.
     fn summed(together: usize) -> [f64; LANES] {
         let (mut discarded, mut sum) = (Discarded::new(), Portable::zero());
+        let laws: InLoop<false, Hertz, Law> = InLoop(Compiled::new());
         for batch in 0..BATCHES {
             let rows: Vec<Row8> =
                 (0..Law::HISTORY).map(|c| Row8(std::array::from_fn(|l| history(8 * batch + l)[c]))).collect();
             let constants = constants().map(Portable::splat);
             discarded.put::<Portable>(bits(batch), &constants, Portable::splat(STIFFNESS), &rows);
             while batch % together == together - 1 && discarded.is_full() {
-                sum = sum + discarded.take::<Portable, _>(&Compiled::<Hertz, Law>::new());
+                sum = sum + discarded.take::<Portable, _>(&laws);
             }
         }
-        sum = sum + discarded.take::<Portable, _>(&Compiled::<Hertz, Law>::new());
-        assert_eq!(discarded.take::<Portable, _>(&Compiled::<Hertz, Law>::new()).reduce_add(), 0.0);
+        sum = sum + discarded.take::<Portable, _>(&laws);
+        assert_eq!(discarded.take::<Portable, _>(&laws).reduce_add(), 0.0);
         let mut lanes = [0.0; LANES];
         sum.store(&mut lanes);
         lanes

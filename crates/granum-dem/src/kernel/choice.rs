@@ -9,14 +9,13 @@ use std::ops::Range;
 use granum_simd::{dispatch, dispatch_or};
 
 use super::contacts::ContactStage;
-use super::laws::{AnyLaws, StageLaws, WithMoments};
+use super::laws::{AnyLaws, InLoop, StageLaws};
 use super::source::{Alike, AlikeOrByBatch, ByBatch, ConstantSource};
 use super::views::Views;
 use crate::contact::kind::{NormalKind, RollingKind, TangentialKind};
 use crate::contact::normal::{Hertz, Jkr};
 use crate::contact::rolling::{ElasticPlasticRolling, SpringDashpotSlider};
 use crate::contact::selection::ContactModel;
-use crate::contact::set::Compiled;
 use crate::contact::tangential::{MindlinDeresiewicz, NoSlip, Peeling};
 
 /// The contact stage over a range of blocks.
@@ -71,19 +70,19 @@ impl Stages {
         const NO_SLIP: TangentialKind = TangentialKind::NO_SLIP;
         type Choice = (NormalKind, TangentialKind, fn() -> Stages);
         let sets: [Choice; 5] = [
-            (HERTZ, CURVES, compiled::<Compiled<Hertz, MindlinDeresiewicz>>),
-            (HERTZ, NO_SLIP, compiled::<Compiled<Hertz, NoSlip>>),
-            (JKR, CURVES, compiled::<Compiled<Jkr, MindlinDeresiewicz>>),
-            (JKR, NO_SLIP, compiled::<Compiled<Jkr, NoSlip>>),
-            (JKR, TangentialKind::PEELING, compiled::<Compiled<Jkr, Peeling>>),
+            (HERTZ, CURVES, compiled::<InLoop<false, Hertz, MindlinDeresiewicz>>),
+            (HERTZ, NO_SLIP, compiled::<InLoop<false, Hertz, NoSlip>>),
+            (JKR, CURVES, compiled::<InLoop<false, Jkr, MindlinDeresiewicz>>),
+            (JKR, NO_SLIP, compiled::<InLoop<false, Jkr, NoSlip>>),
+            (JKR, TangentialKind::PEELING, compiled::<InLoop<false, Jkr, Peeling>>),
         ];
         let known = sets.iter().find(|(n, t, _)| *n == laws.normal && *t == laws.tangential);
         match known {
             Some((_, _, stages)) if laws.has_contact_only() => stages(),
             _ if laws.normal == HERTZ && laws.tangential == NO_SLIP && rolls(laws) => {
                 // For equal grains only: each loop costs time to compile.
-                type Growing = WithMoments<Hertz, NoSlip, ElasticPlasticRolling>;
-                type Constant = WithMoments<Hertz, NoSlip, SpringDashpotSlider>;
+                type Growing = InLoop<true, Hertz, NoSlip, ElasticPlasticRolling>;
+                type Constant = InLoop<true, Hertz, NoSlip, SpringDashpotSlider>;
                 let constant = laws.rolling == RollingKind::SPRING_DASHPOT_SLIDER;
                 let alike: Stage = if constant { stage::<Constant, Alike> } else { stage::<Growing, Alike> };
                 Stages { alike, by_batch: slots }

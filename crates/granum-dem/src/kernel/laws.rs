@@ -8,6 +8,7 @@ use crate::contact::constants::PairConstants;
 use crate::contact::interaction::{Interaction, Kinematics, Memory, interact};
 use crate::contact::law::{MomentLaw, NormalLaw, TangentialLaw};
 use crate::contact::limits::{LAW_CONSTANTS, MAX_HISTORY};
+use crate::contact::rolling::NoMoments;
 use crate::contact::set::Compiled;
 use crate::contact::slots::{InPlace, Slots};
 
@@ -112,78 +113,38 @@ pub(crate) trait StageLaws {
     ) -> L;
 }
 
-impl<N: NormalLaw, T: TangentialLaw> StageLaws for Compiled<N, T> {
-    const MAY_HAVE_MOMENTS: bool = false;
-    const MAY_HAVE_ADHESION: bool = false;
-    const MAY_BE_PLASTIC: bool = false;
-    const IN_PLACE: bool = false;
+/// The type of the couples of a set with or without moments.
+pub(crate) trait CouplesOf {
+    type Couples<L: Lanes>: Couples<L>;
+}
+/// A set with moments, or without.
+pub(crate) struct Choice<const MOMENTS: bool>;
+impl CouplesOf for Choice<false> {
     type Couples<L: Lanes> = ();
-    #[inline(always)]
-    fn of(_views: &Views) -> Self {
-        const { assert!(N::HISTORY == 0) };
-        Compiled::new()
-    }
-    #[inline(always)]
-    fn history(&self) -> [usize; 4] {
-        [T::HISTORY, 0, 0, 0]
-    }
-    #[inline(always)]
-    fn has_moments(&self) -> bool {
-        false
-    }
-    #[inline(always)]
-    fn has_adhesion(&self) -> bool {
-        false
-    }
-    #[inline(always)]
-    fn discards(&self) -> bool {
-        T::DISCARDS
-    }
-    #[inline(always)]
-    fn interact<L: Lanes>(
-        &self,
-        constants: &PairConstants<L>,
-        kinematics: &Kinematics<L>,
-        dt: L,
-        memory: &mut Memory<L>,
-        _place: BatchData<'_>,
-    ) -> Interaction<L> {
-        interact(self, constants, kinematics, dt, memory)
-    }
-    #[inline(always)]
-    fn interact_two<L: Lanes>(
-        &self,
-        constants: &PairConstants<Twice<L>>,
-        kinematics: &Kinematics<Twice<L>>,
-        dt: Twice<L>,
-        memory: &mut Memory<Twice<L>>,
-    ) -> Interaction<Twice<L>> {
-        interact(self, constants, kinematics, dt, memory)
-    }
-    #[inline(always)]
-    fn discarded<L: Lanes>(
-        &self,
-        constants: &[L; LAW_CONSTANTS],
-        stiffness: L,
-        history: &[L; MAX_HISTORY],
-    ) -> L {
-        T::discarded(constants, stiffness, history)
-    }
+}
+impl CouplesOf for Choice<true> {
+    type Couples<L: Lanes> = [[L; 3]; 2];
 }
 
-/// Laws with resistance to rolling or twisting that are compiled into the loop.
-pub(crate) struct WithMoments<N, T, M>(Compiled<N, T, M>);
+/// Laws that are compiled into the loop, with or without a law of moments.
+pub(crate) struct InLoop<const MOMENTS: bool, N, T, M = NoMoments>(pub(crate) Compiled<N, T, M>);
 
-impl<N: NormalLaw, T: TangentialLaw, M: MomentLaw> StageLaws for WithMoments<N, T, M> {
-    const MAY_HAVE_MOMENTS: bool = true;
+impl<const MOMENTS: bool, N, T, M> StageLaws for InLoop<MOMENTS, N, T, M>
+where
+    N: NormalLaw,
+    T: TangentialLaw,
+    M: MomentLaw,
+    Choice<MOMENTS>: CouplesOf,
+{
+    const MAY_HAVE_MOMENTS: bool = MOMENTS;
     const MAY_HAVE_ADHESION: bool = false;
     const MAY_BE_PLASTIC: bool = false;
     const IN_PLACE: bool = false;
-    type Couples<L: Lanes> = [[L; 3]; 2];
+    type Couples<L: Lanes> = <Choice<MOMENTS> as CouplesOf>::Couples<L>;
     #[inline(always)]
     fn of(_views: &Views) -> Self {
-        const { assert!(N::HISTORY == 0 && M::ACTS) };
-        WithMoments(Compiled::new())
+        const { assert!(N::HISTORY == 0 && M::ACTS == MOMENTS) };
+        InLoop(Compiled::new())
     }
     #[inline(always)]
     fn history(&self) -> [usize; 4] {
@@ -191,7 +152,7 @@ impl<N: NormalLaw, T: TangentialLaw, M: MomentLaw> StageLaws for WithMoments<N, 
     }
     #[inline(always)]
     fn has_moments(&self) -> bool {
-        true
+        MOMENTS
     }
     #[inline(always)]
     fn has_adhesion(&self) -> bool {
@@ -251,19 +212,6 @@ impl<const MOMENTS: bool> AnyLaws<MOMENTS> {
         // SAFETY: constants are only read.
         unsafe { &views.constants.read()[batch * kept..(batch + 1) * kept] }
     }
-}
-
-/// The type of the couples of a set with or without moments.
-pub(crate) trait CouplesOf {
-    type Couples<L: Lanes>: Couples<L>;
-}
-/// A set with moments, or without.
-pub(crate) struct Choice<const MOMENTS: bool>;
-impl CouplesOf for Choice<false> {
-    type Couples<L: Lanes> = ();
-}
-impl CouplesOf for Choice<true> {
-    type Couples<L: Lanes> = [[L; 3]; 2];
 }
 
 impl<const MOMENTS: bool> StageLaws for AnyLaws<MOMENTS>

@@ -171,7 +171,8 @@ impl FolderStatus {
     }
 
     fn text(&self) -> String {
-        let mut text = format!("{}: {} {}", self.folder.display(), self.kind, self.word());
+        let what = if self.kind == "prepare" { "preparation" } else { "test" };
+        let mut text = format!("{}: {what} {}", self.folder.display(), self.word());
         if !self.phase.is_empty() {
             text += &format!(" in {}", self.phase);
         }
