@@ -15,7 +15,7 @@ use crate::images::{self, IMAGES};
 use crate::inner_list::{InnerList, Nearness};
 use crate::kernel::{Stages, Views};
 use crate::loading::measure::Event;
-use crate::mixture::{Common, PairTable};
+use crate::pair_table::{MaterialPair, PairTable};
 use crate::pairs::{self, NORMAL_COLUMNS};
 use crate::properties::Properties;
 use crate::search;
@@ -155,8 +155,8 @@ impl Integrator {
 
     /// Constants of a pair of grains of given materials and radii, m.
     pub(crate) fn constants_of(&self, [a, b]: [u8; 2], radii: [f64; 2]) -> PairConstants<f64> {
-        let common = self.table.of(a, b);
-        common.contact.constants(&common.pair(radii))
+        let materials = self.table.of(a, b);
+        materials.contact.constants(&materials.pair(radii))
     }
 
     /// Rebuilds the neighbour list: wraps the grains into the cell, sorts them in space every [`REORDER_EVERY`] rebuilds,
@@ -225,13 +225,13 @@ impl Integrator {
     /// Stiffness over mass of a contact that carries the expected force, 1/s2: a lower bound for the choice of the time
     /// step.
     fn expected_fastest(&self) -> f64 {
-        let of_pair = |common: &Common| {
-            let pair = common.pair([self.mean_radius; 2]);
+        let of_pair = |materials: &MaterialPair| {
+            let pair = materials.pair([self.mean_radius; 2]);
             let force =
                 self.expected_force.max(1e-6 * pair.effective_modulus * pair.effective_radius.powi(2));
-            let [_, stiffness] = common.contact.stiffness_under(&pair, force);
+            let [_, stiffness] = materials.contact.stiffness_under(&pair, force);
             // The mass of the lighter of the two.
-            let [a, b] = common.materials.map(|material| material.density);
+            let [a, b] = materials.materials.map(|material| material.density);
             let mass = if a == b { 2.0 } else { (a + b) / a.max(b) } * pair.effective_mass;
             stiffness / mass
         };

@@ -32,6 +32,7 @@ mod integrator;
 mod kernel;
 mod liquid;
 mod observed_pairs;
+mod pair_table;
 mod pairs;
 mod properties;
 mod rows;

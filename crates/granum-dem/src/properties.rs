@@ -8,7 +8,8 @@ use crate::contact::kind::{NormalKind, RollingKind};
 use crate::contact::pair_properties::PairProperties;
 use crate::contact::selection::ContactModel;
 use crate::material::Material;
-use crate::mixture::{MixtureError, PairTable};
+use crate::mixture::MixtureError;
+use crate::pair_table::PairTable;
 use crate::simulation_error::SimulationError;
 
 /// Key of the coefficient of rolling friction.

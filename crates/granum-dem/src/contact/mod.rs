@@ -4,7 +4,7 @@
 //! and its line in [`registry`]. A program that uses this library does not need the line: it makes a [`NormalKind`],
 //! [`TangentialKind`], [`RollingKind`] or [`AdhesionKind`] from its own law.
 //!
-//! - [`law`]: definition of a law;
+//! - [`law`]: definition of a law; [`description`]: its name and parameters;
 //! - [`interaction`]: the part that all laws have in common: kinematics, rotation of the history, damping, energy;
 //! - [`kind`], [`slot`], [`slots`]: a law as a value that is chosen at run time, and its call through function pointers;
 //! - [`set`]: the interface between the engine and a set of laws.
@@ -13,6 +13,7 @@ pub mod adhesion;
 pub mod check;
 pub mod columns;
 pub mod constants;
+pub mod description;
 pub mod elementary;
 pub mod entry;
 pub mod frame;
@@ -42,10 +43,11 @@ pub mod vectors;
 mod tests;
 
 pub use constants::PairConstants;
+pub use description::{Description, Mixing, Parameter, Unit};
 pub use kind::{AdhesionKind, NormalKind, RollingKind, TangentialKind};
 pub use law::{
-    AdhesionLaw, AdhesionLosses, Attraction, Description, Mixing, Moment, MomentLaw, Normal, NormalLaw,
-    NormalTraits, Parameter, RelativeSpin, Tangential, TangentialLaw, Unit,
+    AdhesionLaw, AdhesionLosses, Attraction, Moment, MomentLaw, Normal, NormalLaw, NormalTraits,
+    RelativeSpin, Tangential, TangentialLaw,
 };
 pub use limits::{LAW_CONSTANTS, MAX_ADHESION_HISTORY, MAX_HISTORY, MAX_MOMENT_HISTORY, MAX_NORMAL_HISTORY};
 pub use pair_properties::PairProperties;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::de::{Deserialize, Deserializer, Error};
 use serde::ser::{Serialize, Serializer};
 
-use super::law::Parameter;
+use super::description::Parameter;
 use super::limits::MOST_PARAMETERS;
 use super::registry;
 

@@ -5,8 +5,8 @@ use std::sync::{PoisonError, RwLock};
 
 use serde::de::{Deserialize, Deserializer, Error};
 
+use super::description::{Description, Parameter};
 use super::kind::{AdhesionKind, NormalKind, RollingKind, TangentialKind};
-use super::law::{Description, Parameter};
 use super::limits::MOST_PARAMETERS;
 
 /// granum's normal laws.

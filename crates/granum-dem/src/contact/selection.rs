@@ -3,8 +3,8 @@
 use granum_simd::{Isa, LANES, Row8};
 use serde::{Deserialize, Serialize};
 
+use super::description::Parameter;
 use super::kind::{AdhesionKind, NormalKind, RollingKind, TangentialKind};
-use super::law::Parameter;
 use super::observed::ObservedBatch;
 use super::parameters::ParameterValues;
 

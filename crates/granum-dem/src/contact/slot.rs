@@ -10,11 +10,11 @@ use std::any::TypeId;
 use granum_simd::{Isa, Mask, Real, fused};
 
 use super::columns::{Count, Sheet, Width, at, read, read_normal, write, write_normal};
+use super::description::Description;
 use super::entry::{Call, Entry};
 use super::frame::Turn;
 use super::law::{
-    AdhesionLaw, AdhesionLosses, Description, MomentLaw, Normal, NormalLaw, NormalTraits, RelativeSpin,
-    TangentialLaw,
+    AdhesionLaw, AdhesionLosses, MomentLaw, Normal, NormalLaw, NormalTraits, RelativeSpin, TangentialLaw,
 };
 use super::observed::{self, ObservedBatch};
 use super::steps::{adhesion_step, moment_step, normal_step, tangential_step};

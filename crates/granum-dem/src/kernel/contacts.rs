@@ -8,15 +8,16 @@ use std::ops::Range;
 
 use granum_simd::{Kernel, LANES, Lanes, Mask, Real, Row8, Twice};
 
-use super::fetch::{AHEAD, ROWS_AHEAD, coming_rows, fetch_ahead};
+use super::fetch::{ROWS_AHEAD, coming_rows};
 use super::laws::{BatchData, Couples, StageLaws};
+use super::near::{Common, PairBatch, columns_of, constants_of, near_batch, touching_pair};
 use super::order::Order;
 use super::part::{First, Part, Second, Whole};
 use super::push::Push;
 use super::source::ConstantSource;
 use super::views::Views;
 use crate::contact::constants::PairConstants;
-use crate::contact::interaction::{Interaction, Kinematics, Memory, dot, scale};
+use crate::contact::interaction::{Interaction, Kinematics, Memory, dot};
 use crate::contact::limits::MAX_HISTORY;
 use crate::contact_sums::ContactSums;
 use crate::discarded::Discarded;
@@ -30,22 +31,6 @@ pub(crate) struct ContactStage<'a, S, C> {
     pub(crate) views: &'a Views,
     pub(crate) blocks: Range<usize>,
     pub(crate) laws: PhantomData<(S, C)>,
-}
-
-/// Values that are the same for all batches of a stage.
-struct Common<L: Lanes> {
-    gradient: [[L; 3]; 3],
-    dt: L,
-    alike: PairConstants<L>,
-}
-
-impl<L: Lanes> Common<L> {
-    /// Velocity of j relative to i caused by the deformation of the cell.
-    #[inline(always)]
-    fn affine(&self, branch: [L; 3]) -> [L; 3] {
-        let [x, y, z] = self.gradient;
-        [dot(x, branch), dot(y, branch), dot(z, branch)]
-    }
 }
 
 impl<S: StageLaws, C: ConstantSource> Kernel for ContactStage<'_, S, C> {
@@ -189,143 +174,6 @@ struct Totals<L> {
     discarded: L,
 }
 
-/// A batch in which at least one pair interacts or did so in the step before, with the relative motion of its grains.
-#[derive(Clone, Copy)]
-struct PairBatch<L> {
-    batch: usize,
-    kinematics: Kinematics<L>,
-    /// Smaller mass of the two grains, kg; zero where all are equal.
-    mass: L,
-}
-
-/// Number of rows of constants that are stored for each batch.
-#[inline(always)]
-fn constants_kept<S: StageLaws>(laws: &S) -> usize {
-    PairConstants::kept(laws.has_moments(), laws.has_adhesion())
-}
-
-#[inline(always)]
-fn constants_of<L: Lanes, S: StageLaws, C: ConstantSource>(
-    v: &Views,
-    laws: &S,
-    b: usize,
-    common: &Common<L>,
-) -> PairConstants<L> {
-    if C::by_batch(v) {
-        let kept = constants_kept(laws);
-        // SAFETY: constants are only read.
-        let rows = unsafe { &v.constants.read()[b * kept..(b + 1) * kept] };
-        PairConstants::from_columns(kept, |c| L::load(&rows[c].0))
-    } else {
-        common.alike
-    }
-}
-
-impl<L: Lanes> PairBatch<L> {
-    #[inline(always)]
-    fn none() -> Self {
-        let three = [L::zero(); 3];
-        let kinematics = Kinematics {
-            branch: three,
-            velocity: three,
-            rolling: three,
-            mean_spin: three,
-            relative_spin: three,
-        };
-        PairBatch { batch: 0, kinematics, mass: L::zero() }
-    }
-}
-
-/// Loads the grains of a batch. Returns false, and leaves `slot` as it is, if the batch is to be tested and no pair touches
-/// now or did in the step before.
-#[inline(always)]
-fn near_batch<L: Lanes, S: StageLaws, C: ConstantSource, const IMAGE: bool, const TESTED: bool>(
-    v: &Views,
-    laws: &S,
-    order: &Order,
-    turn: usize,
-    common: &Common<L>,
-    slot: &mut PairBatch<L>,
-) -> bool {
-    let b = order.batch(turn);
-    // SAFETY: grains and lists are only read in this stage; marks of a batch belong to the thread that works on its block.
-    let (particles, spin, i, j, marks) = unsafe {
-        (
-            &v.particles.read()[..v.grains + 2],
-            &v.spin.read()[..v.grains + 2],
-            &v.first.read()[b],
-            &v.second.read()[b],
-            v.marks.write(b..b + 1)[0],
-        )
-    };
-    if v.far {
-        let [later, lists] = [turn + AHEAD, turn + 2 * AHEAD].map(
-            #[inline(always)]
-            |turn| order.batch(turn),
-        );
-        fetch_ahead::<C>(v, later, lists, columns_of(laws), constants_kept(laws));
-    }
-    let apart = L::differences8(particles, i, j);
-    let mut branch = [apart[0], apart[1], apart[2]];
-    if IMAGE {
-        // SAFETY: only read in this stage.
-        let image = L::gather4(&v.images, unsafe { &v.image.read()[b] });
-        branch = [branch[0] + image[0], branch[1] + image[1], branch[2] + image[2]];
-    }
-    let constants = constants_of::<L, S, C>(v, laws, b, common);
-    if TESTED && marks.touched == 0 && (!S::MAY_HAVE_ADHESION || marks.attracting == 0) {
-        // In sets without an adhesion law separated grains do not interact, and no range need be added.
-        let reach = if S::MAY_HAVE_ADHESION {
-            constants.radius_sum + L::splat(v.onset)
-        } else {
-            constants.radius_sum
-        };
-        let near = dot(branch, branch).lt(reach * reach);
-        if !near.any() {
-            return false;
-        }
-    }
-    let affine = common.affine(branch);
-    let half = L::splat(0.5);
-    let velocity = [apart[4] + affine[0], apart[5] + affine[1], apart[6] + affine[2]];
-    let (rolling, mean_spin, mass);
-    if C::by_batch(v) {
-        let (a, c) = (L::gather8(particles, i), L::gather8(particles, j));
-        let (wa, wc) = (L::gather4(spin, i), L::gather4(spin, j));
-        let lever = constants.inverse_radius_sum;
-        rolling = std::array::from_fn(
-            #[inline(always)]
-            |k| a[3].mul_add(wa[k], c[3] * wc[k]) * lever,
-        );
-        mean_spin = scale(half, [wa[0] + wc[0], wa[1] + wc[1], wa[2] + wc[2]]);
-        mass = a[7].min(c[7]);
-        if S::MAY_HAVE_MOMENTS {
-            slot.kinematics.relative_spin = [wa[0] - wc[0], wa[1] - wc[1], wa[2] - wc[2]];
-        }
-    } else {
-        if S::MAY_HAVE_MOMENTS && laws.has_moments() {
-            let (wa, wc) = (L::gather4(spin, i), L::gather4(spin, j));
-            mean_spin = scale(half, [wa[0] + wc[0], wa[1] + wc[1], wa[2] + wc[2]]);
-            slot.kinematics.relative_spin = [wa[0] - wc[0], wa[1] - wc[1], wa[2] - wc[2]];
-        } else {
-            let both = L::sums4(spin, i, j);
-            mean_spin = scale(half, [both[0], both[1], both[2]]);
-        }
-        (rolling, mass) = (mean_spin, L::zero());
-    }
-    // The relative spin is copied unchanged: sets without moments never write it.
-    let relative_spin = slot.kinematics.relative_spin;
-    slot.kinematics = Kinematics { branch, velocity, rolling, mean_spin, relative_spin };
-    (slot.batch, slot.mass) = (b, mass);
-    true
-}
-
-/// Number of columns of the contact history of a batch.
-#[inline(always)]
-fn columns_of<S: StageLaws>(laws: &S) -> usize {
-    NORMAL_COLUMNS + laws.history().iter().sum::<usize>()
-}
-
 /// The rows that hold the contact history of a batch.
 #[inline(always)]
 fn rows_of<S: StageLaws>(laws: &S, b: usize) -> Range<usize> {
@@ -440,21 +288,6 @@ fn pair<L: Lanes, S: StageLaws, C: ConstantSource>(
         finish_batch::<L, Twice<L>, S, C, First>(v, laws, x, common, &own[0], &memory, &out, totals),
         finish_batch::<L, Twice<L>, S, C, Second>(v, laws, y, common, &own[1], &memory, &out, totals),
     ]
-}
-
-/// Loads the grains of two batches within the cell whose pairs are all known to touch.
-#[inline(always)]
-fn touching_pair<L: Lanes, S: StageLaws, C: ConstantSource>(
-    v: &Views,
-    laws: &S,
-    order: &Order,
-    turn: usize,
-    common: &Common<L>,
-    slots: &mut [PairBatch<L>; 2],
-) {
-    for (k, slot) in slots.iter_mut().enumerate() {
-        near_batch::<L, S, C, false, false>(v, laws, order, turn + k, common, slot);
-    }
 }
 
 /// Stores the history of a batch and adds its contributions to the sums; returns the forces to be added to its grains.

@@ -10,6 +10,7 @@ mod contacts;
 mod fetch;
 mod grains;
 pub(crate) mod laws;
+mod near;
 mod order;
 mod part;
 mod prune;

@@ -2,7 +2,9 @@
 
 use super::tests::{assert_same, grains, in_pieces, quick};
 use super::*;
-use crate::config::{NormalKind, TangentialKind};
+use crate::config::{Grains, NormalKind, TangentialKind};
+use crate::contact::selection::ContactModel;
+use crate::loading;
 use crate::loading::preset::{self, Given, Value};
 use crate::loading::{
     Constraint, Control, Drive, Measure, Reason, Record, Speed, Start, Target, Turns, Until,

@@ -1,5 +1,6 @@
 use super::*;
-use crate::config::{NormalKind, TangentialKind};
+use crate::config::{Grains, NormalKind, TangentialKind};
+use crate::contact::selection::ContactModel;
 
 pub(super) fn grains(spread: f64) -> Grains {
     Grains { count: 80, spread, ..Grains::default() }

@@ -22,8 +22,9 @@
 
 use granum_simd::Real;
 
+use crate::contact::description::{Description, Mixing, Parameter, Unit};
 use crate::contact::elementary::{arctan, arctan_of, cosine};
-use crate::contact::law::{AdhesionLaw, Attraction, Description, Mixing, NormalTraits, Parameter, Unit};
+use crate::contact::law::{AdhesionLaw, Attraction, NormalTraits};
 use crate::contact::limits::{LAW_CONSTANTS, MAX_ADHESION_HISTORY};
 use crate::contact::pair_properties::PairProperties;
 

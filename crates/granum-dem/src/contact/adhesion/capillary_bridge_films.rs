@@ -17,7 +17,8 @@ use super::capillary_bridge::{
     CONTACT_ANGLE, RUPTURE_COEFFICIENT, SURFACE_TENSION, energy_at, force_at_touch, per_gap, pull,
     rupture_distance,
 };
-use crate::contact::law::{AdhesionLaw, Attraction, Description, Mixing, NormalTraits, Parameter, Unit};
+use crate::contact::description::{Description, Mixing, Parameter, Unit};
+use crate::contact::law::{AdhesionLaw, Attraction, NormalTraits};
 use crate::contact::limits::{LAW_CONSTANTS, MAX_ADHESION_HISTORY};
 use crate::contact::pair_properties::PairProperties;
 

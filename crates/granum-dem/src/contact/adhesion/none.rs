@@ -2,7 +2,8 @@
 
 use granum_simd::Real;
 
-use crate::contact::law::{AdhesionLaw, Attraction, Description};
+use crate::contact::description::Description;
+use crate::contact::law::{AdhesionLaw, Attraction};
 use crate::contact::limits::{LAW_CONSTANTS, MAX_ADHESION_HISTORY};
 use crate::contact::pair_properties::PairProperties;
 

@@ -5,7 +5,8 @@
 
 use granum_simd::Real;
 
-use crate::contact::law::{Description, Normal, NormalLaw};
+use crate::contact::description::Description;
+use crate::contact::law::{Normal, NormalLaw};
 use crate::contact::limits::LAW_CONSTANTS;
 use crate::contact::pair_properties::PairProperties;
 

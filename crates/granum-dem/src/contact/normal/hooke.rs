@@ -12,7 +12,8 @@
 
 use granum_simd::Real;
 
-use crate::contact::law::{Description, Mixing, Normal, NormalLaw, Parameter, Unit};
+use crate::contact::description::{Description, Mixing, Parameter, Unit};
+use crate::contact::law::{Normal, NormalLaw};
 use crate::contact::limits::LAW_CONSTANTS;
 use crate::contact::pair_properties::PairProperties;
 

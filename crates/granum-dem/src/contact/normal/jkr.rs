@@ -14,7 +14,8 @@
 use granum_simd::{Mask, Real};
 
 use super::hertz;
-use crate::contact::law::{AdhesionLosses, Description, Normal, NormalLaw};
+use crate::contact::description::Description;
+use crate::contact::law::{AdhesionLosses, Normal, NormalLaw};
 use crate::contact::limits::LAW_CONSTANTS;
 use crate::contact::pair_properties::PairProperties;
 

@@ -26,7 +26,8 @@ use granum_simd::{Real, power};
 
 use super::hertz;
 use super::jkr::{BREAK, LEAST_LENGTH, LEAST_STIFFNESS, invert};
-use crate::contact::law::{AdhesionLosses, Description, Mixing, Normal, NormalLaw, Parameter, Unit};
+use crate::contact::description::{Description, Mixing, Parameter, Unit};
+use crate::contact::law::{AdhesionLosses, Normal, NormalLaw};
 use crate::contact::limits::LAW_CONSTANTS;
 use crate::contact::pair_properties::PairProperties;
 

@@ -20,7 +20,8 @@
 use granum_simd::{Mask, Real};
 
 use super::hooke::NORMAL_STIFFNESS;
-use crate::contact::law::{Description, Mixing, Normal, NormalLaw, Parameter, Unit};
+use crate::contact::description::{Description, Mixing, Parameter, Unit};
+use crate::contact::law::{Normal, NormalLaw};
 use crate::contact::limits::{LAW_CONSTANTS, MAX_NORMAL_HISTORY};
 use crate::contact::pair_properties::PairProperties;
 

@@ -19,7 +19,8 @@
 use granum_simd::Real;
 
 use super::slider::{slide, stored};
-use crate::contact::law::{Description, Mixing, Moment, MomentLaw, Normal, Parameter, RelativeSpin, Unit};
+use crate::contact::description::{Description, Mixing, Parameter, Unit};
+use crate::contact::law::{Moment, MomentLaw, Normal, RelativeSpin};
 use crate::contact::limits::{LAW_CONSTANTS, MAX_MOMENT_HISTORY};
 use crate::contact::pair_properties::PairProperties;
 

@@ -2,7 +2,8 @@
 
 use granum_simd::Real;
 
-use crate::contact::law::{Description, Moment, MomentLaw, Normal, RelativeSpin};
+use crate::contact::description::Description;
+use crate::contact::law::{Moment, MomentLaw, Normal, RelativeSpin};
 use crate::contact::limits::{LAW_CONSTANTS, MAX_MOMENT_HISTORY};
 use crate::contact::pair_properties::PairProperties;
 

@@ -29,7 +29,8 @@
 
 use granum_simd::{Real, cbrt};
 
-use crate::contact::law::{Description, Normal, NormalTraits, Tangential, TangentialLaw};
+use crate::contact::description::Description;
+use crate::contact::law::{Normal, NormalTraits, Tangential, TangentialLaw};
 use crate::contact::limits::{LAW_CONSTANTS, MAX_HISTORY};
 use crate::contact::pair_properties::PairProperties;
 

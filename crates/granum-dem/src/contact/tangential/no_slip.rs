@@ -12,9 +12,8 @@
 
 use granum_simd::{Mask, Real};
 
-use crate::contact::law::{
-    Description, Mixing, Normal, NormalTraits, Parameter, Tangential, TangentialLaw, Unit,
-};
+use crate::contact::description::{Description, Mixing, Parameter, Unit};
+use crate::contact::law::{Normal, NormalTraits, Tangential, TangentialLaw};
 use crate::contact::limits::{LAW_CONSTANTS, MAX_HISTORY};
 use crate::contact::pair_properties::PairProperties;
 

@@ -21,7 +21,8 @@ use super::mindlin_deresiewicz::{
     EIGHT_MODULI, FRICTION, MindlinDeresiewicz, Outcome, ROOT_MODULI, State, add_scaled, advance, dot,
     energy, excess, select, square, state_of,
 };
-use crate::contact::law::{Description, Normal, NormalTraits, Tangential, TangentialLaw};
+use crate::contact::description::Description;
+use crate::contact::law::{Normal, NormalTraits, Tangential, TangentialLaw};
 use crate::contact::limits::{LAW_CONSTANTS, MAX_HISTORY};
 use crate::contact::pair_properties::PairProperties;
 

@@ -1,0 +1,59 @@
+//! The specification of a preparation.
+
+use crate::config::{Grains, Numerics, Preparation};
+use crate::contact::selection::ContactModel;
+use crate::loading;
+use crate::simulation::{Hardware, Properties};
+
+/// The specification of a preparation.
+#[derive(Clone, Debug)]
+pub struct SampleSpecification<'a> {
+    /// Grains with their final properties.
+    pub grains: &'a Grains,
+    /// Contact law.
+    pub contact: &'a ContactModel,
+    /// Preparation parameters.
+    pub preparation: &'a Preparation,
+    /// Loading paths between compaction and relaxation, in every trial: for example oedometric compression and unloading, or
+    /// cycles. What they record is not used, and they cannot start from saved states.
+    pub stages: Vec<loading::Stage>,
+    /// Time step factor.
+    pub time_step_factor: f64,
+    /// Threads and instruction set.
+    pub hardware: Hardware,
+}
+
+impl<'a> SampleSpecification<'a> {
+    /// With the default time step factor, on one thread with the widest instruction set.
+    pub fn new(
+        grains: &'a Grains,
+        contact: &'a ContactModel,
+        preparation: &'a Preparation,
+    ) -> SampleSpecification<'a> {
+        let (time_step_factor, hardware) = (Numerics::default().time_step_factor, Hardware::default());
+        SampleSpecification { grains, contact, preparation, stages: Vec::new(), time_step_factor, hardware }
+    }
+
+    /// The same with loading paths between compaction and relaxation.
+    ///
+    /// ```
+    /// use granum_dem::config::{ContactModel, Grains, Preparation};
+    /// use granum_dem::loading::preset::{self, Given, Value};
+    /// use granum_dem::preparation::SampleSpecification;
+    ///
+    /// let (grains, contact, preparation) = (Grains::default(), ContactModel::default(), Preparation::default());
+    /// // The sample is consolidated in an oedometer, and the relaxation unloads it to the mean stress of the preparation.
+    /// let stress = Given::from([("axial_stress".to_string(), Value::Number(200e3))]);
+    /// let stages = preset::named("oedometer").map_or_else(Vec::new, |path| path.expand(&stress));
+    /// let specification = SampleSpecification::new(&grains, &contact, &preparation).with_stages(stages);
+    /// assert_eq!(specification.stages.len(), 1);
+    /// ```
+    pub fn with_stages(self, stages: Vec<loading::Stage>) -> SampleSpecification<'a> {
+        SampleSpecification { stages, ..self }
+    }
+
+    /// Materials and law of the finished sample.
+    pub fn properties(&self) -> Properties {
+        Properties::of(self.grains, self.contact, self.preparation.seed)
+    }
+}
