@@ -9,6 +9,7 @@
 //! All `unsafe` of the arithmetic lives in `avx2.rs`, `avx512.rs` (x86-64) and `neon.rs` (aarch64); [`Row8::numbers`] has one more.
 
 mod dispatch;
+mod isa;
 mod lanes;
 mod math;
 mod portable;
@@ -26,7 +27,8 @@ mod neon;
 #[cfg(test)]
 mod tests;
 
-pub use dispatch::{Isa, Kernel, dispatch, dispatch_available, dispatch_or, fused};
+pub use dispatch::{Kernel, dispatch, dispatch_available, dispatch_or};
+pub use isa::{Isa, fused};
 pub use lanes::{Lanes, Mask, Real};
 pub use math::{cbrt, exp, power, sigmoid, tanh};
 pub use portable::Portable;

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use crate::dispatch::fused;
+use crate::isa::fused;
 use crate::lanes::{Lanes, Mask, Real, no_such_row};
 use crate::rows::{Row4, Row8};
 
