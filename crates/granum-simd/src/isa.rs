@@ -60,7 +60,7 @@ impl Isa {
 }
 
 /// Computes in plain numbers, with the fused multiplications of the processor at hand, which are function calls for the
-/// baseline of x86-64. Whatever `compute` calls must be `#[inline(always)]`, as for a [`Kernel`].
+/// baseline of x86-64. Whatever `compute` calls must be `#[inline(always)]`, as for a [`Kernel`](crate::Kernel).
 ///
 /// ```
 /// assert_eq!(granum_simd::fused(|| 2.0f64.mul_add(3.0, 1.0)), 7.0);

@@ -43,9 +43,27 @@ use clap::Subcommand;
 use crate::context::Context;
 use crate::failure::Failure;
 
-/// All subcommands. A new one is a file, a line here and a line in [`Command::run`].
-#[derive(Subcommand)]
-pub enum Command {
+/// Defines the enumeration of the subcommands and what runs the chosen one.
+macro_rules! commands {
+    ($($name:ident($arguments:ty)),* $(,)?) => {
+        /// The subcommands with their arguments.
+        #[derive(Subcommand)]
+        pub enum Command {
+            $($name($arguments)),*
+        }
+
+        impl Command {
+            pub fn run(&self, context: &Context) -> Result<(), Failure> {
+                match self {
+                    $(Command::$name(command) => command.run(context)),*
+                }
+            }
+        }
+    };
+}
+
+// All subcommands, in the order of the help. A new one is a file and a line here.
+commands! {
     Init(init::Init),
     Schema(schema::Schema),
     Prepare(prepare::Prepare),
@@ -68,33 +86,4 @@ pub enum Command {
     Impact(impact::Impact),
     Reproduce(reproduce::Reproduce),
     Bench(bench::Bench),
-}
-
-impl Command {
-    pub fn run(&self, context: &Context) -> Result<(), Failure> {
-        match self {
-            Command::Init(command) => command.run(context),
-            Command::Schema(command) => command.run(context),
-            Command::Prepare(command) => command.run(context),
-            Command::Shear(command) => command.run(context),
-            Command::Run(command) => command.run(context),
-            Command::Limits(command) => command.run(context),
-            Command::Compare(command) => command.run(context),
-            Command::Resume(command) => command.run(context),
-            Command::Status(command) => command.run(context),
-            Command::Digest(command) => command.run(context),
-            Command::Report(command) => command.run(context),
-            Command::Train(command) => command.run(context),
-            Command::Predict(command) => command.run(context),
-            Command::Evaluate(command) => command.run(context),
-            Command::Measure(command) => command.run(context),
-            Command::Stiffness(command) => command.run(context),
-            Command::Export(command) => command.run(context),
-            Command::Forces(command) => command.run(context),
-            Command::Pair(command) => command.run(context),
-            Command::Impact(command) => command.run(context),
-            Command::Reproduce(command) => command.run(context),
-            Command::Bench(command) => command.run(context),
-        }
-    }
 }
