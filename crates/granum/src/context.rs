@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use granum_run::Flow;
 
 use crate::failure::{Failure, Interrupted};
+use crate::messages;
 use crate::progress::Progress;
 
 /// The global options, and the flag for an interruption by the user.
@@ -53,16 +54,16 @@ impl Context {
     /// Prints a line on the current action if `--verbose` is given.
     pub fn say(&self, text: impl FnOnce() -> String) {
         if self.verbose && !self.json {
-            eprintln!("{}", text());
+            messages::line(text());
         }
     }
 
     /// Prints a warning that does not end the command.
     pub fn warn(&self, text: &str) {
         if self.json {
-            eprintln!("{}", serde_json::json!({ "warning": text }));
+            messages::line(serde_json::json!({ "warning": text }));
         } else {
-            eprintln!("warning: {text}");
+            messages::line(format_args!("warning: {text}"));
         }
     }
 }

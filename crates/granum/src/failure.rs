@@ -12,6 +12,7 @@ use miette::{
 };
 
 use crate::interrupt::INTERRUPTED;
+use crate::messages;
 
 /// Any error that ends a command. The operator `?` converts every error type into it.
 pub struct Failure(Box<dyn Error + Send + Sync>);
@@ -30,6 +31,11 @@ pub struct Interrupted {
     pub left: String,
 }
 
+/// The reader of the output has ended, as `| head` does. The command ends without a message, and successfully.
+#[derive(Debug, thiserror::Error)]
+#[error("the output is not read to its end")]
+pub struct Unread;
+
 /// A failure that consists of a sentence only.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
@@ -43,10 +49,13 @@ impl Failure {
 
     /// Prints the failure to standard error, as text or as JSON, and returns the exit status.
     pub fn print(&self, json: bool) -> ExitCode {
+        if self.0.is::<Unread>() {
+            return ExitCode::SUCCESS;
+        }
         if json {
-            eprintln!("{}", self.json());
+            messages::line(self.json());
         } else {
-            eprint!("{}", self.text(std::io::stderr().is_terminal()));
+            messages::write(&self.text(std::io::stderr().is_terminal()));
         }
         let status = if self.0.is::<Interrupted>() { INTERRUPTED } else { 1 };
         ExitCode::from(status)
@@ -110,7 +119,7 @@ impl Failure {
             "usage": usage.first().map(|line| line.trim_start_matches("Usage:").trim()),
             "places": [],
         });
-        eprintln!("{}", serde_json::json!({ "error": error }));
+        messages::line(serde_json::json!({ "error": error }));
     }
 
     fn json(&self) -> serde_json::Value {

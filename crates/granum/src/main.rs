@@ -1,9 +1,13 @@
 //! The granum program.
 
+// Both can be lost, and these macros would panic: messages go through `messages`, the output of a command through `output`.
+#![deny(clippy::print_stderr, clippy::print_stdout)]
+
 mod command;
 mod context;
 mod failure;
 mod interrupt;
+mod messages;
 mod output;
 mod progress;
 
@@ -61,10 +65,16 @@ fn main() -> ExitCode {
 /// Prints the help, or the error of an invalid command line.
 fn refuse(error: &clap::Error) -> ExitCode {
     let json = std::env::args_os().skip(1).take_while(|word| word != "--").any(|word| word == "--json");
-    if !(json && error.use_stderr()) {
-        error.exit();
+    if !error.use_stderr() {
+        return output::written(error.print())
+            .map_or_else(|failure| failure.print(json), |()| ExitCode::SUCCESS);
     }
-    Failure::print_usage_as_json(error);
+    if json {
+        Failure::print_usage_as_json(error);
+    } else {
+        // Its loss changes nothing about the exit status.
+        let _ = error.print();
+    }
     ExitCode::from(USAGE)
 }
 

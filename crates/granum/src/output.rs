@@ -8,7 +8,8 @@ use granum_io::{Table, check_output_file, write_table};
 use serde_json::{Map, Value, json};
 
 use crate::context::Context;
-use crate::failure::Failure;
+use crate::failure::{Failure, Unread};
+use crate::messages;
 
 /// Writes a table to a file or to standard output (as CSV, or as columns in JSON).
 pub fn put_table(context: &Context, output: Option<&Path>, table: &Table) -> Result<(), Failure> {
@@ -41,10 +42,10 @@ pub fn put_table_with(
         return print(&format!("{}\n", Value::Object(all)));
     }
     if !note.is_empty() {
-        eprintln!("note: {note}");
+        messages::line(format_args!("note: {note}"));
     }
     let mut out = BufWriter::new(io::stdout().lock());
-    unless_closed(csv::write_rows(&mut out, table).and_then(|()| out.flush()))
+    written(csv::write_rows(&mut out, table).and_then(|()| out.flush()))
 }
 
 /// The columns of a table by name, as JSON.
@@ -54,20 +55,59 @@ pub fn columns(table: &Table) -> Map<String, Value> {
 
 /// Prints the result of a command as JSON or as readable text.
 pub fn say(context: &Context, result: &Value, text: impl FnOnce() -> String) -> Result<(), Failure> {
-    print(&if context.json { format!("{result}\n") } else { format!("{}\n", text()) })
+    print(&shown(context, result, text))
 }
 
-fn print(text: &str) -> Result<(), Failure> {
-    let mut out = io::stdout().lock();
-    unless_closed(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
-}
-
-/// Ignores the error of a closed pipe, since a reader that ends early (`| head`) is not a failure.
-fn unless_closed(result: io::Result<()>) -> Result<(), Failure> {
-    match result {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Failure::new(format!("cannot write to standard output: {error}")))
+/// As [`say`], for a command whose results are in a folder: if the output cannot be written, the message states that the
+/// folder is complete.
+pub fn say_complete(
+    context: &Context,
+    folder: &Path,
+    result: &Value,
+    text: impl FnOnce() -> String,
+) -> Result<(), Failure> {
+    match to_output(&shown(context, result, text)) {
+        Err(error) if !unread(&error) => {
+            Err(Failure::new(format!("{}; {} is complete", cannot_write(&error), folder.display())))
         }
         _ => Ok(()),
     }
+}
+
+/// Prints one of several lines at once. If nobody reads them any more, the failure ends the command without a message.
+pub fn line(text: &str) -> Result<(), Failure> {
+    match to_output(&format!("{text}\n")) {
+        Err(error) if unread(&error) => Err(Unread.into()),
+        result => written(result),
+    }
+}
+
+fn shown(context: &Context, result: &Value, text: impl FnOnce() -> String) -> String {
+    if context.json { format!("{result}\n") } else { format!("{}\n", text()) }
+}
+
+fn print(text: &str) -> Result<(), Failure> {
+    written(to_output(text))
+}
+
+fn to_output(text: &str) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush())
+}
+
+/// The result of writing to standard output, where a closed pipe is not a failure: its reader has ended early, as `| head`
+/// does.
+pub fn written(result: io::Result<()>) -> Result<(), Failure> {
+    match result {
+        Err(error) if !unread(&error) => Err(Failure::new(cannot_write(&error))),
+        _ => Ok(()),
+    }
+}
+
+fn unread(error: &io::Error) -> bool {
+    error.kind() == io::ErrorKind::BrokenPipe
+}
+
+fn cannot_write(error: &io::Error) -> String {
+    format!("cannot write to standard output: {error}")
 }

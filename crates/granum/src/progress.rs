@@ -7,6 +7,8 @@ use std::time::{Duration, Instant};
 use granum_run::laboratory::Field;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::messages;
+
 /// Time between plain lines.
 const LINE_EVERY: Duration = Duration::from_secs(5);
 /// The separator of fields.
@@ -92,7 +94,7 @@ impl Progress {
                 let percent = fraction.map_or(String::new(), |_| format!(" {:.0} %", 100.0 * done));
                 let mut fields = fields(Room::Line);
                 fields.extend(left.map(|left| Field::new(0, format!("{left} left"))));
-                eprintln!("{}{percent}: {}", self.phase, fitting(fields, usize::MAX));
+                messages::line(format_args!("{}{percent}: {}", self.phase, fitting(fields, usize::MAX)));
             }
         }
     }
@@ -103,7 +105,7 @@ impl Progress {
         match &self.display {
             Display::Silent => {}
             Display::Bar(bar) => bar.println(line(&self.phase, text(), self.started.elapsed())),
-            Display::Lines { .. } => eprintln!("{}", line(&self.phase, text(), self.started.elapsed())),
+            Display::Lines { .. } => messages::line(line(&self.phase, text(), self.started.elapsed())),
         }
     }
 }

@@ -10,6 +10,7 @@ use serde_json::json;
 use super::law::LawFlags;
 use crate::context::Context;
 use crate::failure::Failure;
+use crate::messages;
 use crate::output;
 
 /// Compute the forces on every grain of a packing at rest without contact history, and the stress tensor.
@@ -86,7 +87,7 @@ impl Forces {
             });
         }
         for row in stress {
-            eprintln!("# stress, Pa: {:e} {:e} {:e}", row[0], row[1], row[2]);
+            messages::line(format_args!("# stress, Pa: {:e} {:e} {:e}", row[0], row[1], row[2]));
         }
         Ok(())
     }

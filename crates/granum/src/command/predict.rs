@@ -13,6 +13,7 @@ use super::prediction_input::{LEVEL, outside_text, row};
 use super::trained_range::inputs;
 use crate::context::Context;
 use crate::failure::Failure;
+use crate::messages;
 use crate::output;
 
 /// Evaluate the networks of a study, or a saved surrogate: one row by flags, or many from a table.
@@ -136,10 +137,13 @@ impl Predict {
             answers.table.rows()
         );
         if answers.outside > 0 && !context.json {
-            eprintln!("warning: {warning}");
+            messages::line(format_args!("warning: {warning}"));
         }
         if !context.json {
-            surrogate.remarks(&answers.sub_models).iter().for_each(|remark| eprintln!("note: {remark}"));
+            surrogate
+                .remarks(&answers.sub_models)
+                .iter()
+                .for_each(|remark| messages::line(format_args!("note: {remark}")));
         }
         let Some(output) = &self.output else { return output::put_table(context, None, &answers.table) };
         write_table(output, &answers.table)?;

@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 use super::prediction_input::{LEVEL, outside_text, row};
 use crate::context::Context;
 use crate::failure::Failure;
+use crate::messages;
 use crate::output;
 
 /// One row, given by flags.
@@ -80,10 +81,10 @@ pub fn many(
         answers.values("outside").map_or(0, |flags| flags.iter().filter(|flag| **flag > 0.0).count());
     if outside > 0 && !context.json {
         let rows = answers.rows();
-        eprintln!(
+        messages::line(format_args!(
             "warning: {outside} of {rows} rows lie outside the range to which the surrogate was fitted (column outside \
              is 1): do not trust their answers"
-        );
+        ));
     }
     let Some(path) = output else { return output::put_table(context, None, &answers) };
     write_table(path, &answers)?;

@@ -12,6 +12,7 @@ use granum_sensors::Record;
 
 use crate::context::Context;
 use crate::failure::Failure;
+use crate::messages;
 
 /// The contents of a run folder.
 pub struct Recorded {
@@ -68,7 +69,10 @@ fn read_one(context: &Context, folder: &Path, role: RunRole) -> Result<Recorded,
     check_begun(&run, &about)?;
     let record = read_record(&run)?;
     if about.status != RunStatus::Finished && !context.json {
-        eprintln!("warning: {} did not reach its end; the states recorded so far are used", folder.display());
+        messages::line(format_args!(
+            "warning: {} did not reach its end; the states recorded so far are used",
+            folder.display()
+        ));
     }
     // The end of a test that is defined as a list of stages is the end of its record.
     let last = record.series.values("deviator_strain").and_then(|strains| strains.last().copied());

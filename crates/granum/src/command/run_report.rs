@@ -20,7 +20,9 @@ pub fn print(context: &Context, folder: &Path, record: &RunRecord) -> Result<(),
         );
         return Err(Interrupted { left }.into());
     }
-    output::say(context, &result(folder, record), || format!("{}\nwrote {}", text(record), folder.display()))
+    output::say_complete(context, folder, &result(folder, record), || {
+        format!("{}\nwrote {}", text(record), folder.display())
+    })
 }
 
 /// Prints the result of a run that had finished earlier.

@@ -31,6 +31,7 @@ use super::scores;
 use super::spread::Spread;
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
+use crate::messages;
 use crate::output;
 use crate::progress::Progress;
 
@@ -181,10 +182,10 @@ impl Train {
         let end = training.iter().map(|run| run.end).fold(f64::INFINITY, f64::min);
         options.mappings = paper_mappings_to(end);
         if end != PAPER_STRAIN && !context.json {
-            eprintln!(
+            messages::line(format_args!(
                 "note: the tests end at a deviator strain of {end}, not {PAPER_STRAIN}; the strain ranges of the \
                  paper's tables are scaled accordingly"
-            );
+            ));
         }
         let dataset = StudyData::new(
             &records::named(&training),
@@ -316,7 +317,7 @@ impl Train {
             "runs_differ_in": spread.keys(),
             "mappings": spread.renamed(json!(mappings)),
         });
-        output::say(context, &result, || {
+        output::say_complete(context, &self.out, &result, || {
             let mut lines = scores::lines(&mappings, spread.name());
             lines.extend(spread.explanation());
             lines.push(format!("wrote {}", self.out.display()));

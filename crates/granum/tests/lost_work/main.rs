@@ -5,6 +5,7 @@ mod common;
 mod disk;
 mod kills;
 mod same_bits;
+mod streams;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

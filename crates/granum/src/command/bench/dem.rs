@@ -13,6 +13,7 @@ use serde::Serialize;
 use super::arithmetic::rounds_per_second;
 use crate::context::Context;
 use crate::failure::Failure;
+use crate::output;
 
 /// Smallest number of steps for a measurement, so that rebuilds of the neighbour list contribute with their usual share.
 const FEWEST_STEPS: u64 = 400;
@@ -127,7 +128,7 @@ pub fn measure(
     }
     let mut figures = Vec::new();
     if !context.json {
-        println!(
+        output::line(&format!(
             "{:<7} {:<20} {:>9} {:>8} {:>9} {:>18} {:>9} {:>9} {:>14}",
             "normal",
             "tangential",
@@ -138,12 +139,14 @@ pub fn measure(
             "mean",
             "speed-up",
             "arithmetic's"
-        );
+        ))?;
     }
     let mut take = |law: Law, packing: &Packing, hardware: &[Hardware]| -> Result<(), Failure> {
         let taken = self::figures(context, law, packing, hardware, measurement)?;
         if !context.json {
-            taken.iter().enumerate().for_each(|(k, figure)| print(figure, k > 0));
+            for (k, figure) in taken.iter().enumerate() {
+                print(figure, k > 0)?;
+            }
         }
         figures.extend(taken);
         Ok(())
@@ -166,7 +169,7 @@ pub fn measure(
     Ok(figures)
 }
 
-fn print(figure: &Figure, compared: bool) {
+fn print(figure: &Figure, compared: bool) -> Result<(), Failure> {
     let Figure { normal, tangential, grains, threads, isa, .. } = figure;
     let (rate, mean) = (figure.grain_steps_per_second / 1e6, figure.mean_grain_steps_per_second / 1e6);
     let speed_up = if compared {
@@ -177,9 +180,9 @@ fn print(figure: &Figure, compared: bool) {
     };
     let others = [figure.rolling, figure.adhesion].into_iter().flatten();
     let beside = others.fold(tangential.to_string(), |names, name| format!("{names}, {name}"));
-    println!(
+    output::line(&format!(
         "{normal:<7} {beside:<20} {grains:>9} {threads:>8} {isa:>9} {rate:>18.2} {mean:>9.2} {speed_up}"
-    );
+    ))
 }
 
 /// Refuses a size that does not fit into memory.

@@ -11,6 +11,7 @@ use serde::Serialize;
 use super::best;
 use crate::context::Context;
 use crate::failure::Failure;
+use crate::output;
 
 /// Number of rows of one sub-model of the paper.
 const ROWS: usize = 280;
@@ -62,17 +63,18 @@ pub fn measure(
     let isa = isa.unwrap_or_else(Isa::detect);
     let mut figures = Vec::new();
     let mut show = |name, value, unit, threads| {
-        if !context.json {
-            println!("{name:<62} {threads} threads {:>9} {value:>12.3} {unit}", isa.name());
-        }
         figures.push(Figure { name, value, unit, threads, isa: isa.name() });
+        if context.json {
+            return Ok(());
+        }
+        output::line(&format!("{name:<62} {threads} threads {:>9} {value:>12.3} {unit}", isa.name()))
     };
     if !context.json {
-        println!();
+        output::line("")?;
     }
-    show("traingdx, 280 rows, 3-60-60-1", descent(context, isa, seconds)?, "epochs/s", 1);
-    show("Levenberg-Marquardt, 280 rows, 3-60-60-1", second_order(context, isa, seconds)?, "epochs/s", 1);
-    show("the paper's eighteen networks, default trainer", eighteen(context, isa, threads)?, "s", threads);
+    show("traingdx, 280 rows, 3-60-60-1", descent(context, isa, seconds)?, "epochs/s", 1)?;
+    show("Levenberg-Marquardt, 280 rows, 3-60-60-1", second_order(context, isa, seconds)?, "epochs/s", 1)?;
+    show("the paper's eighteen networks, default trainer", eighteen(context, isa, threads)?, "s", threads)?;
     let model = model(isa)?;
     let value = best(context, 0.3 * seconds, || {
         for k in 0..1000 {
@@ -80,20 +82,20 @@ pub fn measure(
         }
         Ok(())
     })?;
-    show("one prediction, 3-60-60-1", 1e3 * value, "microseconds", 1);
+    show("one prediction, 3-60-60-1", 1e3 * value, "microseconds", 1)?;
     let both = best(context, 0.3 * seconds, || {
         for k in 0..1000 {
             black_box(model.predict(black_box(&[1e-3 * k as f64, 0.3, 0.4]))?);
         }
         Ok(())
     })?;
-    show("one prediction with its standard deviation, 3-60-60-1", 1e3 * both, "microseconds", 1);
+    show("one prediction with its standard deviation, 3-60-60-1", 1e3 * both, "microseconds", 1)?;
     let table: Vec<f64> = (0..3 * TABLE).map(|k| (k as f64 * 0.37).sin()).collect();
     let batch = best(context, seconds, || {
         black_box(model.predict_batch(&table)?);
         Ok(())
     })?;
-    show("a million rows in one call, 3-60-60-1", 1e-6 * TABLE as f64 / batch, "M rows/s", 1);
+    show("a million rows in one call, 3-60-60-1", 1e-6 * TABLE as f64 / batch, "M rows/s", 1)?;
     Ok(figures)
 }
 

@@ -143,7 +143,7 @@ impl Reproduce {
             "summary": numbers,
             "seconds": seconds.map(|seconds| seconds.as_secs_f64()),
         });
-        output::say(context, &result, || {
+        output::say_complete(context, &self.out, &result, || {
             let end = match seconds {
                 Some(seconds) => format!("done in {}", readable(seconds)),
                 None => "it was already finished; nothing was left to do".to_string(),
