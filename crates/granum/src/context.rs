@@ -1,7 +1,7 @@
 //! The global options, which every subcommand receives.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use granum_run::Flow;
 
@@ -19,11 +19,13 @@ pub struct Context {
     /// Print more information.
     pub verbose: bool,
     stop: Arc<AtomicBool>,
+    /// The warnings so far, which the JSON of the result or of the error contains.
+    warnings: Arc<Mutex<Vec<String>>>,
 }
 
 impl Context {
     pub fn new(json: bool, force: bool, verbose: bool, stop: Arc<AtomicBool>) -> Self {
-        Context { json, force, verbose, stop }
+        Context { json, force, verbose, stop, warnings: Arc::default() }
     }
 
     /// The same options without permission to replace anything.
@@ -58,12 +60,33 @@ impl Context {
         }
     }
 
-    /// Prints a warning that does not end the command.
+    /// A warning that does not end the command: it is printed at once, or with `--json` becomes part of the JSON at the end.
     pub fn warn(&self, text: &str) {
+        self.tell("warning", text);
+    }
+
+    /// A remark that a user should know although nothing is wrong. With `--json` it stands among the warnings.
+    pub fn note(&self, text: &str) {
+        self.tell("note", text);
+    }
+
+    /// A warning that the readable text of the result contains: only the JSON needs it in its list.
+    pub fn warn_in_json(&self, text: &str) {
         if self.json {
-            messages::line(serde_json::json!({ "warning": text }));
-        } else {
-            messages::line(format_args!("warning: {text}"));
+            self.warn(text);
         }
+    }
+
+    fn tell(&self, kind: &str, text: &str) {
+        if self.json {
+            self.warnings.lock().unwrap_or_else(PoisonError::into_inner).push(text.to_string());
+        } else {
+            messages::line(format_args!("{kind}: {text}"));
+        }
+    }
+
+    /// The warnings and remarks so far, if they are to stand in JSON.
+    pub fn warnings(&self) -> Vec<String> {
+        self.warnings.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }

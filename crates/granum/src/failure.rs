@@ -47,13 +47,13 @@ impl Failure {
         Sentence(message.into()).into()
     }
 
-    /// Prints the failure to standard error, as text or as JSON, and returns the exit status.
-    pub fn print(&self, json: bool) -> ExitCode {
+    /// Prints the failure to standard error, as text or as JSON with the warnings before it, and returns the exit status.
+    pub fn print(&self, json: bool, warnings: &[String]) -> ExitCode {
         if self.0.is::<Unread>() {
             return ExitCode::SUCCESS;
         }
         if json {
-            messages::line(self.json());
+            messages::line(self.json(warnings));
         } else {
             messages::write(&self.text(std::io::stderr().is_terminal()));
         }
@@ -119,10 +119,10 @@ impl Failure {
             "usage": usage.first().map(|line| line.trim_start_matches("Usage:").trim()),
             "places": [],
         });
-        messages::line(serde_json::json!({ "error": error }));
+        messages::line(serde_json::json!({ "error": error, "warnings": [] }));
     }
 
-    fn json(&self) -> serde_json::Value {
+    fn json(&self, warnings: &[String]) -> serde_json::Value {
         let place = |place: &InputError| {
             serde_json::json!({
                 "file": place.file,
@@ -133,7 +133,7 @@ impl Failure {
             })
         };
         let places: Vec<_> = self.places().iter().map(place).collect();
-        serde_json::json!({ "error": { "message": self.message(), "places": places } })
+        serde_json::json!({ "error": { "message": self.message(), "places": places }, "warnings": warnings })
     }
 }
 

@@ -7,22 +7,21 @@ use std::sync::atomic::AtomicBool;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
-use crate::messages;
-
 /// Exit status of a program that was interrupted, by the convention of shells.
 pub const INTERRUPTED: u8 = 130;
 
-/// Installs the signal handlers and returns the flag that the first signal sets. If signals cannot be caught, they end the
-/// program as usual.
-pub fn install() -> Arc<AtomicBool> {
+/// Installs the signal handlers and returns the flag that the first signal sets, with a warning for each signal that cannot
+/// be caught and ends the program as usual.
+pub fn install() -> (Arc<AtomicBool>, Vec<String>) {
     let stop = Arc::new(AtomicBool::new(false));
+    let mut warnings = Vec::new();
     for signal in [SIGINT, SIGTERM] {
         // The order matters: the handler that ends the program if the flag is set must run before the one that sets the
         // flag.
         let second = flag::register_conditional_shutdown(signal, INTERRUPTED.into(), stop.clone());
         let first = flag::register(signal, stop.clone());
         if let Err(error) = second.and(first) {
-            warn(signal, &error);
+            warnings.push(not_caught(signal, &error));
         }
     }
     // A terminal that is closed may send its signal twice, from the shell and from the system; the second says nothing new.
@@ -30,16 +29,15 @@ pub fn install() -> Arc<AtomicBool> {
     if !hang_up_is_ignored()
         && let Err(error) = flag::register(signal_hook::consts::SIGHUP, stop.clone())
     {
-        warn(signal_hook::consts::SIGHUP, &error);
+        warnings.push(not_caught(signal_hook::consts::SIGHUP, &error));
     }
-    stop
+    (stop, warnings)
 }
 
-fn warn(signal: i32, error: &std::io::Error) {
-    messages::line(format_args!(
-        "warning: signal {signal} cannot be caught ({error}); an interruption will end the program without saving a \
-         checkpoint"
-    ));
+fn not_caught(signal: i32, error: &std::io::Error) -> String {
+    format!(
+        "signal {signal} cannot be caught ({error}); an interruption will end the program without saving a checkpoint"
+    )
 }
 
 /// True if the program was started with SIGHUP ignored, as `nohup` does: it is to survive the loss of its terminal. Only

@@ -26,7 +26,7 @@ const USAGE: u8 = 2;
 #[derive(Parser)]
 #[command(name = "granum", version, arg_required_else_help = true, max_term_width = 110)]
 struct Arguments {
-    /// Print results and errors as JSON, and show no progress.
+    /// Print results, warnings and errors as JSON, and show no progress.
     #[arg(long, global = true, help_heading = "Global options")]
     json: bool,
     /// Replace existing files and folders.
@@ -55,10 +55,12 @@ fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => return refuse(&error),
     };
-    let context = Context::new(arguments.json, arguments.force, arguments.verbose, interrupt::install());
+    let (stop, warnings) = interrupt::install();
+    let context = Context::new(arguments.json, arguments.force, arguments.verbose, stop);
+    warnings.iter().for_each(|warning| context.warn(warning));
     match arguments.command.run(&context) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.print(context.json),
+        Err(failure) => failure.print(context.json, &context.warnings()),
     }
 }
 
@@ -67,7 +69,7 @@ fn refuse(error: &clap::Error) -> ExitCode {
     let json = std::env::args_os().skip(1).take_while(|word| word != "--").any(|word| word == "--json");
     if !error.use_stderr() {
         return output::written(error.print())
-            .map_or_else(|failure| failure.print(json), |()| ExitCode::SUCCESS);
+            .map_or_else(|failure| failure.print(json, &[]), |()| ExitCode::SUCCESS);
     }
     if json {
         Failure::print_usage_as_json(error);

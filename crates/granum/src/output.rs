@@ -39,7 +39,7 @@ pub fn put_table_with(
     if context.json {
         let mut all = columns(table);
         all.extend(more);
-        return print(&format!("{}\n", Value::Object(all)));
+        return print(&format!("{}\n", with_warnings(context, Value::Object(all))));
     }
     if !note.is_empty() {
         messages::line(format_args!("note: {note}"));
@@ -53,9 +53,22 @@ pub fn columns(table: &Table) -> Map<String, Value> {
     table.columns().iter().map(|column| (column.name.clone(), json!(column.values))).collect()
 }
 
-/// Prints the result of a command as JSON or as readable text.
+/// Prints the result of a command as JSON, with the warnings as a list of strings, or as readable text.
 pub fn say(context: &Context, result: &Value, text: impl FnOnce() -> String) -> Result<(), Failure> {
     print(&shown(context, result, text))
+}
+
+/// Prints a text as it is, e.g. a file that has a format of its own.
+pub fn say_as_it_is(text: &str) -> Result<(), Failure> {
+    print(&format!("{text}\n"))
+}
+
+/// The result of a command with the list `warnings`, which is empty if there are none.
+fn with_warnings(context: &Context, mut result: Value) -> Value {
+    if let Value::Object(object) = &mut result {
+        object.insert("warnings".into(), json!(context.warnings()));
+    }
+    result
 }
 
 /// As [`say`], for a command whose results are in a folder: if the output cannot be written, the message states that the
@@ -83,7 +96,11 @@ pub fn line(text: &str) -> Result<(), Failure> {
 }
 
 fn shown(context: &Context, result: &Value, text: impl FnOnce() -> String) -> String {
-    if context.json { format!("{result}\n") } else { format!("{}\n", text()) }
+    if context.json {
+        format!("{}\n", with_warnings(context, result.clone()))
+    } else {
+        format!("{}\n", text())
+    }
 }
 
 fn print(text: &str) -> Result<(), Failure> {

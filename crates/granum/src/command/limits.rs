@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use granum_io::{RunRecord, atomic::write_atomically, check_output_file};
+use granum_io::{QualityFlag, RunRecord, atomic::write_atomically, check_output_file};
 use granum_run::laboratory::limits::{CYCLE_STRAIN, CYCLES, LOOSE_STRESS, Limits as Found};
 use serde_json::{Value, json};
 
@@ -43,6 +43,7 @@ impl Limits {
         let laboratory = self.hardware.laboratory(context, &CheckpointFlags::default())?;
         let found = laboratory.limits(&case, &mut Show::new(context))?;
         let result = as_json(&found);
+        warnings(&found.records).iter().for_each(|warning| context.warn_in_json(warning));
         if let Some(path) = &self.output {
             write_atomically(path, |file| writeln!(file, "{result:#}"))?;
         }
@@ -80,6 +81,18 @@ fn as_json(found: &Found) -> Value {
     })
 }
 
+/// The checks that a state did not pass.
+fn warnings(records: &[RunRecord; 2]) -> Vec<String> {
+    let of = |(name, record): (&&str, &RunRecord)| {
+        let bad = record.quality.iter().filter(|flag| !flag.passed);
+        let line = |flag: &QualityFlag| {
+            format!("{name} state: {} is {:.3e}: {}", flag.name.replace('_', " "), flag.value, flag.advice)
+        };
+        bad.map(line).collect::<Vec<_>>()
+    };
+    NAMES.iter().zip(records).flat_map(of).collect()
+}
+
 fn text(found: &Found, output: Option<&Path>) -> String {
     let mut lines = vec![format!(
         "{:<10} {:>12} {:>16} {:>14} {:>10}",
@@ -94,15 +107,8 @@ fn text(found: &Found, output: Option<&Path>) -> String {
             value("coordination_number"),
             100.0 * value("rattler_fraction"),
         ));
-        for flag in record.quality.iter().filter(|flag| !flag.passed) {
-            lines.push(format!(
-                "warning, {name}: {} is {:.3e}: {}",
-                flag.name.replace('_', " "),
-                flag.value,
-                flag.advice
-            ));
-        }
     }
+    lines.extend(warnings(&found.records).iter().map(|warning| format!("warning: {warning}")));
     lines.push("for a case with a relative density:".into());
     lines.push(format!(
         "  [preparation]\n  densest_void_ratio = {:.4}\n  loosest_void_ratio = {:.4}",
@@ -112,4 +118,19 @@ fn text(found: &Found, output: Option<&Path>) -> String {
         lines.push(format!("wrote {}", path.display()));
     }
     lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_check_that_a_state_did_not_pass_is_a_warning() {
+        let record = |value: f64| RunRecord {
+            quality: vec![QualityFlag::at_most("sample_largest_overlap", value, 0.02, "lower the stress")],
+            ..RunRecord::default()
+        };
+        let wanted = "loosest state: sample largest overlap is 3.000e-2: lower the stress";
+        assert_eq!(warnings(&[record(0.01), record(0.03)]), [wanted]);
+    }
 }

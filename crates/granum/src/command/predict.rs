@@ -13,7 +13,6 @@ use super::prediction_input::{LEVEL, outside_text, row};
 use super::trained_range::inputs;
 use crate::context::Context;
 use crate::failure::Failure;
-use crate::messages;
 use crate::output;
 
 /// Evaluate the networks of a study, or a saved surrogate: one row by flags, or many from a table.
@@ -101,6 +100,8 @@ impl Predict {
             "strain_range": range,
             "outside": outside.collect::<Vec<_>>(),
         });
+        let remarks = surrogate.remarks(&[answer.sub_model]);
+        remarks.iter().chain(&outside_text(&answer.outside)).for_each(|text| context.warn_in_json(text));
         output::say(context, &result, || {
             let interval = answer
                 .interval
@@ -114,7 +115,7 @@ impl Predict {
                 range[1]
             );
             let mut lines = vec![head];
-            lines.extend(surrogate.remarks(&[answer.sub_model]));
+            lines.extend(remarks);
             lines.extend(outside_text(&answer.outside));
             lines.join("\n")
         })
@@ -136,15 +137,10 @@ impl Predict {
             answers.outside,
             answers.table.rows()
         );
-        if answers.outside > 0 && !context.json {
-            messages::line(format_args!("warning: {warning}"));
+        if answers.outside > 0 {
+            context.warn(&warning);
         }
-        if !context.json {
-            surrogate
-                .remarks(&answers.sub_models)
-                .iter()
-                .for_each(|remark| messages::line(format_args!("note: {remark}")));
-        }
+        surrogate.remarks(&answers.sub_models).iter().for_each(|remark| context.note(remark));
         let Some(output) = &self.output else { return output::put_table(context, None, &answers.table) };
         write_table(output, &answers.table)?;
         let result = json!({

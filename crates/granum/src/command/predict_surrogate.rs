@@ -11,7 +11,6 @@ use serde_json::{Value, json};
 use super::prediction_input::{LEVEL, outside_text, row};
 use crate::context::Context;
 use crate::failure::Failure;
-use crate::messages;
 use crate::output;
 
 /// One row, given by flags.
@@ -28,6 +27,7 @@ pub fn one(context: &Context, surrogate: &dyn Surrogate, flags: &[String]) -> Re
         "outputs": named.clone().map(|(output, estimate)| as_json(&output.name, estimate)).collect::<Vec<_>>(),
         "outside": outside.map(|o| json!({ "input": o.name, "value": o.value, "range": o.range })).collect::<Vec<_>>(),
     });
+    outside_text(&prediction.outside).iter().for_each(|text| context.warn_in_json(text));
     output::say(context, &result, || {
         let mut lines: Vec<String> = named.map(|(output, estimate)| line(&output.name, estimate)).collect();
         lines.extend(outside_text(&prediction.outside));
@@ -79,10 +79,10 @@ pub fn many(
         .map_err(|error| Failure::new(format!("{}: {error}", input.display())))?;
     let outside =
         answers.values("outside").map_or(0, |flags| flags.iter().filter(|flag| **flag > 0.0).count());
-    if outside > 0 && !context.json {
+    if outside > 0 {
         let rows = answers.rows();
-        messages::line(format_args!(
-            "warning: {outside} of {rows} rows lie outside the range to which the surrogate was fitted (column outside \
+        context.warn(&format!(
+            "{outside} of {rows} rows lie outside the range to which the surrogate was fitted (column outside \
              is 1): do not trust their answers"
         ));
     }

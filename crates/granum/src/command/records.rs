@@ -12,7 +12,6 @@ use granum_sensors::Record;
 
 use crate::context::Context;
 use crate::failure::Failure;
-use crate::messages;
 
 /// The contents of a run folder.
 pub struct Recorded {
@@ -68,9 +67,9 @@ fn read_one(context: &Context, folder: &Path, role: RunRole) -> Result<Recorded,
     }
     check_begun(&run, &about)?;
     let record = read_record(&run)?;
-    if about.status != RunStatus::Finished && !context.json {
-        messages::line(format_args!(
-            "warning: {} did not reach its end; the states recorded so far are used",
+    if about.status != RunStatus::Finished {
+        context.warn(&format!(
+            "{} did not reach its end; the states recorded so far are used",
             folder.display()
         ));
     }

@@ -20,19 +20,22 @@ pub fn print(context: &Context, folder: &Path, record: &RunRecord) -> Result<(),
         );
         return Err(Interrupted { left }.into());
     }
-    output::say_complete(context, folder, &result(folder, record), || {
+    output::say_complete(context, folder, &result(context, folder, record), || {
         format!("{}\nwrote {}", text(record), folder.display())
     })
 }
 
 /// Prints the result of a run that had finished earlier.
 pub fn print_finished(context: &Context, folder: &Path, record: &RunRecord) -> Result<(), Failure> {
-    output::say(context, &result(folder, record), || {
+    output::say(context, &result(context, folder, record), || {
         format!("{}: it was already finished; nothing was left to do", folder.display())
     })
 }
 
-fn result(folder: &Path, record: &RunRecord) -> Value {
+fn result(context: &Context, folder: &Path, record: &RunRecord) -> Value {
+    for flag in record.quality.iter().filter(|flag| !flag.passed) {
+        context.warn_in_json(&warning(flag));
+    }
     json!({
         "folder": folder,
         "status": record.status,

@@ -15,7 +15,8 @@ pub struct Schema {}
 impl Schema {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let schema = Case::schema();
-        let text = serde_json::to_string_pretty(&schema)?;
-        output::say(context, &schema, || text.clone())
+        // The schema is JSON in any case, and nothing is added to it.
+        let text = if context.json { schema.to_string() } else { serde_json::to_string_pretty(&schema)? };
+        output::say_as_it_is(&text)
     }
 }

@@ -31,7 +31,6 @@ use super::scores;
 use super::spread::Spread;
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
-use crate::messages;
 use crate::output;
 use crate::progress::Progress;
 
@@ -181,9 +180,9 @@ impl Train {
         let differences = records::check_one_test(&all, self.mixed)?;
         let end = training.iter().map(|run| run.end).fold(f64::INFINITY, f64::min);
         options.mappings = paper_mappings_to(end);
-        if end != PAPER_STRAIN && !context.json {
-            messages::line(format_args!(
-                "note: the tests end at a deviator strain of {end}, not {PAPER_STRAIN}; the strain ranges of the \
+        if end != PAPER_STRAIN {
+            context.note(&format!(
+                "the tests end at a deviator strain of {end}, not {PAPER_STRAIN}; the strain ranges of the \
                  paper's tables are scaled accordingly"
             ));
         }
@@ -317,7 +316,7 @@ impl Train {
             "runs_differ_in": spread.keys(),
             "mappings": spread.renamed(json!(mappings)),
         });
-        output::say_complete(context, &self.out, &result, || {
+        output::say(context, &result, || {
             let mut lines = scores::lines(&mappings, spread.name());
             lines.extend(spread.explanation());
             lines.push(format!("wrote {}", self.out.display()));

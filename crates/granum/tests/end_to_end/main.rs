@@ -17,6 +17,7 @@ mod settings;
 mod stages;
 mod tests_of_grains;
 mod tutorial;
+mod warnings;
 mod words;
 
 use std::path::Path;

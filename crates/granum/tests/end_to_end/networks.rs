@@ -63,6 +63,10 @@ fn a_study_is_trained_judged_and_asked() {
         );
         assert!(before["sub_models"][0]["constant"].is_boolean(), "{before}");
     }
+    let on_training = done_json(here, &["evaluate", "study", "run-1"]);
+    assert!(
+        on_training["warnings"][0].as_str().unwrap().contains("the networks were trained on every second")
+    );
     let text = done(here, &["evaluate", "study", "run-1", "run-2"]);
     assert!(text.contains("run-2 (seed 2)") && text.contains("relative RMSE"), "{text}");
     assert!(text.contains("ridge, strain only") && text.contains("mean curve"), "{text}");
@@ -175,6 +179,7 @@ fn many_rows(here: &Path) {
     let ask = ["predict", "study", "--mapping", "F1", "--input", "rows.csv", "-o", "answers.csv"];
     let told = done_json(here, &ask);
     assert_eq!((&told["rows"], &told["rows_outside"]), (&3.into(), &1.into()));
+    assert!(told["warnings"][0].as_str().unwrap().contains("1 of 3 rows lie outside"), "{told}");
     let table = granum_io::read_table(here.join("answers.csv")).unwrap();
     assert_eq!(table.column("outside").unwrap(), [0.0, 0.0, 1.0]);
     assert_eq!(table.column("sub_model").unwrap(), [2.0, 1.0, 3.0]);
@@ -248,6 +253,8 @@ fn a_saved_surrogate_is_asked() {
     let fitted = methods.by_name("ridge").unwrap().fit(&dataset, &spec).unwrap();
     surrogate::save(&here.join("s.json"), fitted.as_ref()).unwrap();
 
+    let asked = done_json(here, &["predict", "s.json", "--set", "x=1.5"]);
+    assert!(asked["warnings"][0].as_str().unwrap().contains("OUTSIDE the trained range"), "{asked}");
     let asked = done_json(here, &["predict", "s.json", "--set", "x=0.5"]);
     let known = &fitted.predict(&[0.5], 0.9).unwrap()[0].values[0];
     assert_eq!(asked["outputs"][0]["mean"], known.mean);

@@ -117,8 +117,8 @@ fn more_threads_than_processors_are_not_taken_and_no_speed_is_told_before_it_is_
     let record = granum_io::Run::at(here.join("run")).unwrap().record().unwrap();
     assert_eq!(record.machine.threads, record.machine.available_threads);
     let output = run(here, &["--json", "prepare", "case.toml", "--threads", "1000"]);
-    let warning = crate::common::json(stderr(&output).lines().next().unwrap());
-    assert!(warning["warning"].as_str().unwrap().contains("results do not depend on it"), "{warning}");
+    let told = crate::common::json(&crate::common::stdout(&output));
+    assert!(told["warnings"][0].as_str().unwrap().contains("results do not depend on it"), "{told}");
 }
 
 #[test]
