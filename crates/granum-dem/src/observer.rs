@@ -1,4 +1,10 @@
 //! Observers of a preparation or a test: one trait for showing progress, recording and stopping.
+//!
+//! It is built on the general observers of [`granum_core::observer`], which receive owned data only: [`Follower`] makes each
+//! of them an observer of runs. The trait of this module also gives access to the simulation, which sensors need.
+
+use granum_core::observer::{self as general, Event};
+pub use granum_core::observer::{Flow, NoObserver};
 
 use crate::simulation::Simulation;
 
@@ -31,15 +37,6 @@ impl Phase {
             Phase::Shear => "shear",
         }
     }
-}
-
-/// The request of an observer: to continue, or to stop cleanly.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Flow {
-    /// Continue.
-    Continue,
-    /// Stop at this point.
-    Stop,
 }
 
 /// The progress of a phase.
@@ -76,6 +73,21 @@ impl<'a> Progress<'a> {
             time,
             grain_steps_per_second: None,
             simulation,
+        }
+    }
+
+    /// The same progress as owned data, with the simulated time and, once it has been measured, the speed among its values.
+    pub fn report(&self) -> general::Progress {
+        let mut report =
+            general::Progress::new(self.phase.name(), "steps", self.steps).fraction(self.fraction);
+        report.part = self.stage.map(str::to_owned);
+        report = report.with("time", self.time, "s");
+        if self.trial > 1 {
+            report = report.with("trial", self.trial as f64, "");
+        }
+        match self.grain_steps_per_second {
+            Some(speed) => report.with("grain_steps_per_second", speed, "1/s"),
+            None => report,
         }
     }
 }
@@ -122,7 +134,7 @@ pub trait Observer {
     /// Called when a stage of a test starts, or is resumed from a checkpoint; stages are counted from 1. A test that is not given as
     /// stages has one stage.
     fn stage(&mut self, number: usize) {
-        let _ = number;
+        self.event(&Event::StageStarted { number });
     }
 
     /// Value of the measure that a stage records by at which [`Observer::observe`] is to be called next; infinity for never.
@@ -137,15 +149,47 @@ pub trait Observer {
 
     /// Something that the user should know and that does not end the run.
     fn warn(&mut self, text: &str) {
-        let _ = text;
+        self.event(&Event::Warning { text: text.to_owned() });
+    }
+
+    /// Called when something happened, as owned data; this includes stages and warnings unless the methods for these are
+    /// implemented.
+    fn event(&mut self, event: &Event) {
+        let _ = event;
     }
 }
 
-/// The observer of a run that none follows.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct NoObserver;
-
 impl Observer for NoObserver {}
+
+/// An observer of any work as an observer of runs: it receives the progress and the events as owned data.
+///
+/// ```
+/// use granum_core::observer::{Event, Observer as General};
+/// use granum_dem::observer::{Follower, Observer};
+///
+/// struct Warnings(Vec<Event>);
+///
+/// impl General for Warnings {
+///     fn event(&mut self, event: &Event) {
+///         self.0.push(event.clone());
+///     }
+/// }
+///
+/// let mut warnings = Warnings(Vec::new());
+/// Follower(&mut warnings).warn("the sample is loose");
+/// assert_eq!(warnings.0, [Event::Warning { text: "the sample is loose".into() }]);
+/// ```
+pub struct Follower<'a>(pub &'a mut dyn general::Observer);
+
+impl Observer for Follower<'_> {
+    fn progress(&mut self, progress: &Progress) -> Flow {
+        self.0.progress(&progress.report())
+    }
+
+    fn event(&mut self, event: &Event) {
+        self.0.event(event);
+    }
+}
 
 impl<F: FnMut(&Progress) -> Flow> Observer for F {
     fn progress(&mut self, progress: &Progress) -> Flow {
@@ -202,5 +246,9 @@ impl Observer for Observers<'_> {
         for observer in &mut self.0 {
             observer.warn(text);
         }
+    }
+
+    fn event(&mut self, event: &Event) {
+        self.0.iter_mut().for_each(|observer| observer.event(event));
     }
 }

@@ -12,5 +12,5 @@ pub mod record;
 pub mod stiffness;
 
 pub use engine::{Engine, EngineError, Engines, PlannedRun, Task};
-pub use granum_dem::observer::{Flow, NoObserver, Observer, Observers, Progress};
+pub use granum_dem::observer::{Flow, Follower, NoObserver, Observer, Observers, Progress};
 pub use laboratory::{Laboratory, LaboratoryError, Source, TestResult};

@@ -1,5 +1,6 @@
+use granum_core::observer;
 use granum_dem::config::{Rate, Recording};
-use granum_dem::observer::{Flow, NoObserver, Observer, Progress};
+use granum_dem::observer::{Flow, Follower, NoObserver, Observer, Progress};
 use granum_dem::preparation::Phase;
 use granum_dem::simulation::Hardware;
 use granum_io::Case;
@@ -41,6 +42,19 @@ impl Observer for Stopper {
     }
 }
 
+/// Notes the progress of any work, and stops it after a number of reports.
+#[derive(Default)]
+struct Listener {
+    stop_at: usize,
+    heard: Vec<observer::Progress>,
+}
+impl observer::Observer for Listener {
+    fn progress(&mut self, progress: &observer::Progress) -> Flow {
+        self.heard.push(progress.clone());
+        if self.heard.len() == self.stop_at { Flow::Stop } else { Flow::Continue }
+    }
+}
+
 #[test]
 fn an_interrupted_run_resumes_to_the_same_bits() {
     let base = tempfile::tempdir().unwrap();
@@ -54,8 +68,15 @@ fn an_interrupted_run_resumes_to_the_same_bits() {
     let mut stopper = Stopper(5);
     let record = lab.shear(&case, &Source::Case, &broken, &mut stopper).unwrap();
     assert_eq!(record.status, RunStatus::Interrupted);
-    let record = lab.resume(&broken, &mut NoObserver).unwrap();
+    // An observer of any work follows a run as well, and stops it.
+    let mut listener = Listener { stop_at: 3, ..Listener::default() };
+    let record = lab.resume(&broken, &mut Follower(&mut listener)).unwrap();
+    assert_eq!((record.status, listener.heard.len()), (RunStatus::Interrupted, 3));
+    let mut listener = Listener::default();
+    let record = lab.resume(&broken, &mut Follower(&mut listener)).unwrap();
     assert_eq!(record.status, RunStatus::Finished);
+    let last = listener.heard.last().unwrap();
+    assert_eq!((last.activity.as_ref(), last.completed().unwrap() > 0.5), ("shear", true), "{last}");
     let bytes = |folder: &RunFolder, name: &str| std::fs::read(folder.path().join(name)).unwrap();
     for name in ["series.parquet", "forces.parquet"] {
         assert_eq!(bytes(&straight, name), bytes(&broken, name), "{name}");
