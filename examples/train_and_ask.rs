@@ -16,7 +16,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let records = (1..=3).map(record).collect::<Result<Vec<_>, _>>()?;
     let named = |seed: u64| NamedRecord { name: "run", seed, record: &records[seed as usize - 1] };
     let dataset = StudyData::new(&[named(1), named(2)], &[named(3)], &StudyDataOptions::default())?;
-    let mappings = vec![granum::learn::antony2006::mapping::paper_mapping("F3")?];
+    let mappings = vec![granum::antony2006::mapping::paper_mapping("F3")?];
     let study = Study::train(&dataset, &StudyOptions { mappings, ..StudyOptions::default() }, &Silent)?;
     for evaluation in study.evaluate(&dataset)? {
         let [ours, strain_only] =

@@ -5,10 +5,10 @@
 
 use std::hint::black_box;
 
+use granum_antony2006::training_checkpoints::TrainingManifest;
 use granum_dem::config::{ContactModel, Material, Rate, Recording};
 use granum_dem::simulation::{Properties, Simulation};
 use granum_io::{Case, RunRecord, Table};
-use granum_learn::antony2006::training_checkpoints::TrainingManifest;
 use granum_nets::trainer::{Flow, Progress, TrainerState, by_name};
 use granum_nets::{Data, Model, Network};
 use granum_run::laboratory;

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
+use granum_antony2006::training_checkpoints::TrainingManifest;
+use granum_antony2006::{StudyOptions, paper_mappings};
 use granum_dem::config::{ContactModel, Grains, Material, NormalKind, TangentialKind};
 use granum_dem::random_insertion::random_insertion;
 use granum_dem::servo::CellControl;
 use granum_dem::simulation::{Hardware, Properties, Simulation};
 use granum_io::{Case, Column, Machine, Packing, QualityFlag, RunFolder, RunRecord, Table};
-use granum_learn::antony2006::training_checkpoints::TrainingManifest;
-use granum_learn::{StudyOptions, paper_mappings};
 use granum_nets::trainer::{Options, Silent, by_name};
 use granum_nets::{Data, Model, ModelDefinition};
 use granum_run::NoObserver;

@@ -29,27 +29,19 @@
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
-//!
-//! [`antony2006`] contains the study of the paper with its six mappings.
 
-pub mod antony2006;
 mod comparison;
-pub mod contents;
 pub mod dataset;
 mod error;
 pub mod inference;
-mod regression;
+pub mod regression;
 pub mod runs;
 pub mod score;
 pub mod student_t;
 pub mod surrogate;
+#[cfg(test)]
+mod synthetic;
 
-pub use antony2006::mapping::{Form, Mapping, Quantity, SubModel, paper_mappings};
-pub use antony2006::sensor_use::{SensorUse, Verdict};
-pub use antony2006::size_study::{SizeStudy, SizeStudyOptions};
-pub use antony2006::study::{Evaluation, Study, StudyObserver, StudyOptions, StudyProgress};
-pub use antony2006::summary::Summary;
-pub use antony2006::{MappingMethod, MappingNetworks, StudyData, StudyDataOptions};
 pub use comparison::{SurrogateScores, compare, score_surrogate};
 pub use dataset::{Dataset, NamedRecord, RunStates, Split, SplitParts, Variable};
 pub use error::{LearnError, Result};

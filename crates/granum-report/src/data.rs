@@ -6,8 +6,7 @@ use granum_core::Table;
 use granum_core::assembly::Assembly;
 use granum_io::run::{RunRecord, RunStatus};
 use granum_io::{Case, Run};
-use granum_learn::antony2006::figures::Figure as FigureData;
-use granum_learn::{LearnError, Summary};
+use granum_learn::LearnError;
 use granum_sensors::Record;
 use serde::{Deserialize, Serialize};
 
@@ -33,23 +32,6 @@ pub struct RunReport {
     pub start: Option<Assembly>,
     /// The assembly at the end, for pictures.
     pub end: Option<Assembly>,
-}
-
-/// The data of the report of a study.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct StudyReport {
-    /// The numerical results of the study.
-    pub summary: Summary,
-    /// The curves of Figures 3-8.
-    pub figures: Vec<FigureData>,
-    /// The DEM runs, with the training runs first. The pictures show the first run.
-    pub runs: Vec<RunReport>,
-    /// The command with which the study can be repeated.
-    pub command: String,
-    /// Hash of the data set of the networks.
-    pub dataset_hash: String,
-    /// Seed of the study, from which the seeds of the networks are derived.
-    pub network_seed: u64,
 }
 
 /// The role of a run.

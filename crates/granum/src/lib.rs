@@ -15,6 +15,7 @@ pub mod law {
     pub use granum_simd::{Mask, Real};
 }
 
+pub mod contents;
 pub mod gallery;
 
 /// What a loading path of one's own needs, and where it is registered; `examples/extend/` has one.
@@ -28,6 +29,7 @@ pub mod path {
     };
 }
 
+pub use granum_antony2006 as antony2006;
 pub use granum_core as core;
 pub use granum_dem as dem;
 pub use granum_io as io;

@@ -10,6 +10,7 @@ mod interrupt;
 mod messages;
 mod output;
 mod progress;
+mod surrogate_methods;
 
 use std::process::ExitCode;
 

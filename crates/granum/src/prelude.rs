@@ -16,6 +16,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub use granum_antony2006::study::Silent;
+pub use granum_antony2006::{
+    Form, Mapping, MappingNetworks, Study, StudyData, StudyDataOptions, StudyOptions,
+};
 pub use granum_core::assembly::{Assembly, Matrix, Vector};
 pub use granum_core::{Cell, Column, Part, Parts, Table};
 pub use granum_dem::config::{
@@ -28,11 +32,10 @@ pub use granum_io::packing::{PackedGrain, Packing};
 pub use granum_io::{
     Case, Run, RunFolder, read_columns, read_packing, read_table, write_packing, write_table,
 };
-pub use granum_learn::antony2006::study::Silent;
 pub use granum_learn::surrogate::Estimate;
 pub use granum_learn::{
-    Dataset, FitSpec, Form, Mapping, MappingNetworks, NamedRecord, Prediction, RunStates, Split, Study,
-    StudyData, StudyDataOptions, StudyOptions, Surrogate, SurrogateMethod, SurrogateMethods, compare,
+    Dataset, FitSpec, NamedRecord, Prediction, RunStates, Split, Surrogate, SurrogateMethod,
+    SurrogateMethods, compare,
 };
 
 pub use granum_run::{

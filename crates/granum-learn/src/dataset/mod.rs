@@ -12,8 +12,7 @@ mod split;
 mod variable;
 
 pub use named_columns::Dataset;
-pub(crate) use run_states::record_error;
-pub use run_states::{ColumnGroup, NamedRecord, RunStates};
+pub use run_states::{ColumnGroup, NamedRecord, RunStates, record_error};
 pub use split::{Split, SplitParts};
 pub use variable::Variable;
 

@@ -293,7 +293,8 @@ impl RunStates {
     }
 }
 
-pub(crate) fn record_error(run: &str, reason: impl Into<String>) -> LearnError {
+/// The error of a record that cannot be used.
+pub fn record_error(run: &str, reason: impl Into<String>) -> LearnError {
     LearnError::Record { run: run.to_owned(), reason: reason.into() }
 }
 

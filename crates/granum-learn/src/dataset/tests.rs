@@ -5,8 +5,8 @@ use granum_io::{Case, Machine, RunFolder, RunRecord};
 use granum_sensors::Record;
 
 use super::*;
-use crate::antony2006::synthetic::{Law, record};
 use crate::error::Result;
+use crate::synthetic::{Law, record};
 
 fn table(columns: &[(&str, &[f64])]) -> Table {
     Table::new(columns.iter().map(|(name, values)| Column::new(*name, "", values.to_vec())).collect())

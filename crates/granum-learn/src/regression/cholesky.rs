@@ -2,14 +2,14 @@
 //! order, so that the results are identical bit by bit on every computer.
 
 /// The lower triangular factor `L` of a matrix `A = L L^T`, in row-major order.
-pub(crate) struct Cholesky {
+pub struct Cholesky {
     size: usize,
     lower: Vec<f64>,
 }
 
 impl Cholesky {
     /// Factorises a matrix, of which only the lower triangle is read; `None` if it is not positive definite.
-    pub(crate) fn new(size: usize, matrix: &[f64]) -> Option<Cholesky> {
+    pub fn new(size: usize, matrix: &[f64]) -> Option<Cholesky> {
         let mut lower = vec![0.0; size * size];
         for i in 0..size {
             for j in 0..=i {
@@ -27,7 +27,7 @@ impl Cholesky {
     }
 
     /// Creates a factorisation from a stored factor; `None` if the factor is invalid.
-    pub(crate) fn from_lower(size: usize, lower: Vec<f64>) -> Option<Cholesky> {
+    pub fn from_lower(size: usize, lower: Vec<f64>) -> Option<Cholesky> {
         let positive = |i: usize| lower[i * size + i] > 0.0;
         let is_factor = lower.len() == size * size
             && lower.iter().all(|value| value.is_finite())
@@ -36,12 +36,12 @@ impl Cholesky {
     }
 
     /// The lower triangular factor in row-major order.
-    pub(crate) fn lower(&self) -> &[f64] {
+    pub fn lower(&self) -> &[f64] {
         &self.lower
     }
 
     /// Solves `A x = b`.
-    pub(crate) fn solve(&self, b: &[f64]) -> Vec<f64> {
+    pub fn solve(&self, b: &[f64]) -> Vec<f64> {
         let n = self.size;
         let mut x = b.to_vec();
         for i in 0..n {

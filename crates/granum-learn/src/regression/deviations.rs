@@ -13,12 +13,12 @@ use serde::{Deserialize, Serialize};
 use super::cholesky::Cholesky;
 
 /// Penalty on the squared coefficients of the curve, so small that it only keeps the equations solvable.
-pub(crate) const CURVE_PENALTY: f64 = 1e-6;
+pub const CURVE_PENALTY: f64 = 1e-6;
 
 /// The deviation of an input from its mean as a function of the coordinate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Deviation {
+pub struct Deviation {
     /// Coefficients of the functions for the mean.
     pub mean: Vec<f64>,
     /// Standard deviation from the mean over the rows.
@@ -47,18 +47,14 @@ impl Deviation {
 }
 
 /// A row of the regression: the functions of the coordinate, followed by the deviations of the inputs.
-pub(crate) fn row(
-    deviations: &[Deviation],
-    functions: &[f64],
-    inputs: impl IntoIterator<Item = f64>,
-) -> Vec<f64> {
+pub fn row(deviations: &[Deviation], functions: &[f64], inputs: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let mut row = functions.to_vec();
     row.extend(deviations.iter().zip(inputs).map(|(deviation, value)| deviation.of(value, functions)));
     row
 }
 
 /// The factorised normal equations of penalised least squares.
-pub(crate) struct Equations {
+pub struct Equations {
     factor: Cholesky,
 }
 
@@ -97,6 +93,7 @@ impl Equations {
     }
 }
 
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+/// The scalar product of two vectors, summed in order.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }

@@ -1,5 +1,5 @@
 //! Penalised linear regression with bit-identical results on every computer.
 
-pub(crate) mod cholesky;
-pub(crate) mod deviations;
-pub(crate) mod spline;
+pub mod cholesky;
+pub mod deviations;
+pub mod spline;

@@ -4,11 +4,11 @@
 /// strain.
 const KNOTS: usize = 8;
 /// Number of basis functions: in each interval four are non-zero, three of which continue in the next interval.
-pub(crate) const FUNCTIONS: usize = KNOTS + 2;
+pub const FUNCTIONS: usize = KNOTS + 2;
 
 /// The basis functions at a strain, for tests that end at `end`. Their sum is 1. Outside the range from 0 to `end` they are
 /// constant.
-pub(crate) fn basis(strain: f64, end: f64) -> [f64; FUNCTIONS] {
+pub fn basis(strain: f64, end: f64) -> [f64; FUNCTIONS] {
     let intervals = (KNOTS - 1) as f64;
     let share = if end > 0.0 { (strain / end).clamp(0.0, 1.0) } else { 0.0 };
     let place = share.sqrt() * intervals;

@@ -71,21 +71,21 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub(crate) mod content;
+mod content;
 mod feed_forward;
 mod file;
-pub(crate) mod prediction;
+mod prediction;
 mod registry;
 mod ridge;
-pub(crate) mod spec;
-pub(crate) mod surrogate_trait;
+mod spec;
+mod surrogate_trait;
 #[cfg(test)]
 mod tests;
 
 pub use content::Content;
 pub use feed_forward::FeedForward;
 pub use file::{save, to_json};
-pub use prediction::{Cause, Estimate, Interval, Outside, Prediction, outside_of};
+pub use prediction::{Cause, Estimate, Interval, Outside, Prediction, causes, outside_of};
 pub use registry::SurrogateMethods;
 pub use ridge::RidgeRegression;
 pub use spec::{Columns, FitSpec};

@@ -131,7 +131,7 @@ pub fn outside_of(columns: &Columns, ranges: &[[f64; 2]], row: &[f64]) -> Vec<Ou
 }
 
 /// The standard deviation of a network, split by cause.
-pub(crate) fn causes(deviation: &Deviation) -> Vec<(Cause, f64)> {
+pub fn causes(deviation: &Deviation) -> Vec<(Cause, f64)> {
     let all = [
         (Cause::Noise, deviation.noise),
         (Cause::Parameters, deviation.weights),

@@ -7,7 +7,6 @@ use super::feed_forward::FeedForward;
 use super::file::{self, Opened};
 use super::ridge::RidgeRegression;
 use super::surrogate_trait::{Surrogate, SurrogateMethod};
-use crate::antony2006::mapping_surrogate::MappingMethod;
 use crate::error::{LearnError, Result};
 
 /// A registry of methods by name, for fitting and for reading files.
@@ -16,7 +15,7 @@ use crate::error::{LearnError, Result};
 /// use granum_learn::SurrogateMethods;
 ///
 /// let methods = SurrogateMethods::standard();
-/// assert_eq!(methods.names(), ["feed-forward", "ridge", "antony2006"]);
+/// assert_eq!(methods.names(), ["feed-forward", "ridge"]);
 /// let error = methods.by_name("rigde").err().unwrap().to_string();
 /// assert!(error.starts_with("there is no surrogate method `rigde`"), "{error}");
 /// ```
@@ -35,11 +34,7 @@ impl SurrogateMethods {
     /// The methods of this crate with their default settings.
     pub fn standard() -> SurrogateMethods {
         SurrogateMethods {
-            methods: vec![
-                Arc::new(FeedForward::default()),
-                Arc::new(RidgeRegression::default()),
-                Arc::new(MappingMethod::default()),
-            ],
+            methods: vec![Arc::new(FeedForward::default()), Arc::new(RidgeRegression::default())],
         }
     }
 

@@ -4,12 +4,9 @@ use granum_core::{Column, Table};
 use granum_sensors::Record;
 
 use super::*;
-use crate::antony2006::mapping::paper_mapping;
-use crate::antony2006::study::{Silent, Study, StudyOptions};
-use crate::antony2006::synthetic::{Law, record};
-use crate::antony2006::{MappingMethod, MappingNetworks, StudyData, StudyDataOptions};
 use crate::dataset::{Dataset, NamedRecord, RunStates, Split, SplitParts};
 use crate::error::Result;
+use crate::synthetic::{Law, record};
 use crate::{SurrogateScores, compare, score_surrogate};
 
 /// A user-defined method: it predicts the outputs of the nearest training row, with the inputs scaled by their ranges.
@@ -93,7 +90,7 @@ fn parts(dataset: &Dataset) -> SplitParts {
     dataset.split(&Split::default().first_state(1).unseen(unseen)).unwrap()
 }
 
-/// The specification of a mapping of the paper by names of columns, with bins from 0 to 3.5.
+/// The specification of a mapping by names of columns, with bins from 0 to 3.5.
 fn spec_of(dataset: &Dataset, mapping: &str) -> FitSpec {
     let densities: Vec<String> = dataset
         .expand(&["probability_density"])
@@ -113,38 +110,20 @@ fn spec_of(dataset: &Dataset, mapping: &str) -> FitSpec {
     FitSpec::new(inputs, outputs).with_coordinate("deviator_strain")
 }
 
-/// The networks of a mapping, ridge regression and a user-defined surrogate are scored by one function, and the first two
-/// have exactly the same scores as in the study of the paper.
+/// Ridge regression and a user-defined surrogate are scored by one function.
 #[test]
-fn a_study_scores_any_surrogate_in_the_same_way() {
-    let records = records(Law::Hidden, 4);
-    let dataset = dataset_of(&records);
+fn any_surrogates_are_compared_by_the_same_scores() {
+    let dataset = dataset_of(&records(Law::Hidden, 4));
     let parts = parts(&dataset);
-    let mapping = paper_mapping("F3").unwrap().with_neurons(4);
-    let methods = SurrogateMethods::standard().with(MappingMethod::new(mapping.clone())).with(Nearest);
-    let asked = ["antony2006", "ridge", "nearest"].map(|name| methods.by_name(name).unwrap());
+    let methods = SurrogateMethods::standard().with(Nearest);
+    let asked = ["ridge", "nearest"].map(|name| methods.by_name(name).unwrap());
     let scores = compare(&parts, &spec_of(&dataset, "F3"), &asked, 0.9).unwrap();
-
-    let named: Vec<NamedRecord> =
-        records.iter().map(|record| NamedRecord { name: "run", seed: 0, record }).collect();
-    let data = StudyData::new(&named[..2], &named[2..], &StudyDataOptions::default()).unwrap();
-    let options = StudyOptions { mappings: vec![mapping], ..Default::default() };
-    let study = Study::train(&data, &options, &Silent).unwrap();
-    let evaluation = &study.evaluate(&data).unwrap()[0];
-    for (scored, known) in scores.iter().zip([&evaluation.network, &evaluation.ridge]) {
-        let name = &scored.method;
-        assert_eq!(scored.training, known.training, "{name}");
-        assert_eq!(scored.held_out, known.held_out, "{name}");
-        assert_eq!(scored.unseen, known.unseen, "{name}");
-    }
-    let [networks, ridge, nearest] = &scores[..] else { panic!() };
+    let [ridge, nearest] = &scores[..] else { panic!() };
     // For a training row, the nearest row is the row itself.
     assert_eq!((nearest.training.rmse, nearest.coverage), (0.0, None));
     assert!(nearest.unseen.relative_rmse > 1.2 * ridge.unseen.relative_rmse, "{:?}", nearest.unseen);
     assert_eq!((nearest.unseen.states, nearest.unseen_outside > 0), (120, true));
-    for known in [networks, ridge] {
-        assert!(known.coverage.is_some_and(|share| share > 0.7), "{} {:?}", known.method, known.coverage);
-    }
+    assert!(ridge.coverage.is_some_and(|share| share > 0.7), "{:?}", ridge.coverage);
     // A surrogate that was fitted elsewhere can be scored as well.
     assert_eq!(score_surrogate(ridge.surrogate.as_ref(), &parts.unseen).unwrap(), ridge.unseen);
 }
@@ -158,8 +137,7 @@ fn every_surrogate_comes_back_from_its_file_with_the_same_bits() {
     let dataset = dataset_of(&records(Law::Plain, 3));
     let parts = parts(&dataset);
     let small = FeedForward { hidden: vec![3], ..FeedForward::default() };
-    let mapping = MappingMethod::new(paper_mapping("F2").unwrap().with_neurons(3));
-    let methods = SurrogateMethods::standard().with(mapping).with(small).with(Nearest);
+    let methods = SurrogateMethods::standard().with(small).with(Nearest);
     let folder = tempfile::tempdir().unwrap();
     for name in methods.names() {
         let scores =
@@ -238,45 +216,6 @@ fn files_that_are_no_surrogates_are_refused_with_what_they_are() {
     assert_eq!(message(&empty), "s.json: it has no inputs or no outputs");
     let missing = standard.load(std::path::Path::new("/nowhere/s.json")).err().unwrap().to_string();
     assert!(missing.contains("/nowhere/s.json"), "{missing}");
-}
-
-/// As a surrogate, a mapping predicts all bins of a distribution at once, with the same values as for states.
-#[test]
-fn a_mapping_as_a_surrogate_answers_as_it_answers_states() {
-    let records = records(Law::Plain, 3);
-    let dataset = dataset_of(&records);
-    let parts = parts(&dataset);
-    let mapping = paper_mapping("F2").unwrap().with_neurons(3);
-    let fitted = MappingMethod::new(mapping.clone()).fit(&parts.training, &spec_of(&dataset, "F2")).unwrap();
-    let rows = parts.unseen.values(&["deviator_strain", "stress_ratio"]).unwrap();
-    let predictions = fitted.predict(&rows, 0.9).unwrap();
-
-    let named: Vec<NamedRecord> =
-        records.iter().map(|record| NamedRecord { name: "run", seed: 0, record }).collect();
-    let data = StudyData::new(&named[..1], &named[1..], &StudyDataOptions::default()).unwrap();
-    let options = StudyOptions { mappings: vec![mapping], ..Default::default() };
-    let study = Study::train(&data, &options, &Silent).unwrap();
-    let networks: &MappingNetworks = &study.mappings[0].surrogate;
-    let intervals = networks.intervals(data.unseen(), 0.9).unwrap();
-    let answers = networks.answer(data.unseen()).unwrap();
-    assert_eq!(predictions.len(), answers.len());
-    for ((prediction, answer), interval) in predictions.iter().zip(&answers).zip(intervals) {
-        let means: Vec<f64> = prediction.values.iter().map(|value| value.mean).collect();
-        assert_eq!(means, answer.values);
-        let interval = interval.unwrap();
-        for (value, ends) in prediction.values.iter().zip(interval) {
-            let own = value.interval.as_ref().unwrap();
-            assert_eq!([own.lower, own.upper], ends);
-            // With a single run, the difference between runs is unknown.
-            assert!(own.causes.iter().map(|(cause, _)| *cause).eq([Cause::Noise, Cause::Parameters]));
-        }
-    }
-    let message = |spec: FitSpec| MappingMethod::default().fit(&dataset, &spec).err().unwrap().to_string();
-    let text = message(FitSpec::new(["deviator_strain"], ["stress_ratio"]));
-    assert!(
-        text.contains("no mapping goes from (deviator_strain) to (stress_ratio); there are: q/p = F1("),
-        "{text}"
-    );
 }
 
 /// Runs with `y = x + offset of the run + noise` along x.

@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use granum_learn::antony2006::Run;
-use granum_learn::antony2006::files::{load_runs, load_study};
-use granum_learn::antony2006::study::{RunScore, Study};
+use granum_antony2006::Run;
+use granum_antony2006::SensorUse;
+use granum_antony2006::files::{load_runs, load_study};
+use granum_antony2006::study::{RunScore, Study};
+use granum_learn::Score;
 use granum_learn::runs::RunRole;
-use granum_learn::{Score, SensorUse};
 use serde_json::{Value, json};
 
 use super::records::{self, Recorded};

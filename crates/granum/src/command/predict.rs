@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use granum_antony2006::MappingNetworks;
+use granum_antony2006::files::load_study;
 use granum_io::{check_output_file, read_columns, write_table};
-use granum_learn::antony2006::files::load_study;
-use granum_learn::{LearnError, MappingNetworks, SurrogateMethods};
+use granum_learn::LearnError;
 use serde_json::json;
 
 use super::predict_surrogate;
@@ -14,6 +15,7 @@ use super::trained_range::inputs;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
+use crate::surrogate_methods::surrogate_methods;
 
 /// Evaluate the networks of a study, or a saved surrogate: one row by flags, or many from a table.
 ///
@@ -70,7 +72,7 @@ impl Predict {
                 "--mapping {mapping}: {path} is the file of one surrogate; only a study has mappings to choose from"
             )));
         }
-        let surrogate = SurrogateMethods::standard().load(&self.study)?;
+        let surrogate = surrogate_methods().load(&self.study)?;
         match &self.input {
             Some(path) => predict_surrogate::many(context, surrogate.as_ref(), path, self.output.as_deref()),
             None => predict_surrogate::one(context, surrogate.as_ref(), &self.values),

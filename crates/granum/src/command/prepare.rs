@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use granum::contents::{Kind, check_free};
 use granum_io::RunFolder;
-use granum_learn::contents::{Kind, check_free};
 use granum_run::laboratory::Source;
 
 use super::case_flags::CaseFlags;

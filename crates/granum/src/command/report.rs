@@ -4,14 +4,16 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use granum::contents::{Contents, Kind, taken};
+use granum_antony2006::figures::figures;
+use granum_antony2006::files::load_study;
+use granum_antony2006::reproduction::{Reproduction, SUMMARY_FILE};
+use granum_antony2006::{StudyData, StudyDataOptions};
+use granum_antony2006::{StudyReport, study_report};
 use granum_io::shell::quoted_path;
 use granum_io::{Run, RunStatus, atomic::write_atomically, check_output_file};
-use granum_learn::antony2006::figures::figures;
-use granum_learn::antony2006::files::load_study;
-use granum_learn::antony2006::reproduction::{Reproduction, SUMMARY_FILE};
-use granum_learn::contents::{Contents, Kind, taken};
-use granum_learn::{NamedRecord, StudyData, StudyDataOptions};
-use granum_report::{Document, Role, RunReport, StudyReport, run_report, sample_report, study_report};
+use granum_learn::NamedRecord;
+use granum_report::{Document, Role, RunReport, run_report, sample_report};
 use serde_json::json;
 
 use super::records;
@@ -89,7 +91,7 @@ fn document(folder: &Path) -> Result<Document, Failure> {
         let (name, next) = (folder.display(), contents.next(folder).text);
         return Err(Failure::new(format!("{name}: the reproduction is not finished; {next}")));
     }
-    if folder.join(granum_learn::antony2006::layout::STUDY_FILE).is_file() {
+    if folder.join(granum_antony2006::layout::STUDY_FILE).is_file() {
         return Err(Failure::new(format!(
             "{}: it contains networks but no runs to draw; `granum evaluate {} RUN...` scores them on runs",
             folder.display(),

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use granum::contents::Contents;
+use granum_antony2006::layout::STUDY_FILE;
 use granum_io::{RunFolder, RunStatus};
-use granum_learn::antony2006::layout::STUDY_FILE;
-use granum_learn::contents::Contents;
 use serde_json::json;
 
 use super::checkpoints::CheckpointFlags;

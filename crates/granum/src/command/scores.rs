@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use granum_learn::antony2006::summary::MappingSummary;
+use granum_antony2006::summary::MappingSummary;
 use granum_learn::student_t::PairedTest;
 
 /// A fraction as a percentage, or a dash if there is none.

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Args;
+use granum::contents::{Contents, Next};
+use granum_antony2006::training_checkpoints::TrainingManifest;
 use granum_io::{OutputFolder, Run, RunStatus};
-use granum_learn::antony2006::training_checkpoints::TrainingManifest;
-use granum_learn::contents::{Contents, Next};
 use granum_run::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
 use serde_json::{Value, json};
 

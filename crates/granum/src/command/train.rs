@@ -6,20 +6,21 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
+use granum::contents::{Kind, check_free};
+use granum_antony2006::files::save_study;
+use granum_antony2006::layout::{PLAN_FILE, STUDY_FILE};
+use granum_antony2006::mapping::{PAPER_STRAIN, paper_mappings_to};
+use granum_antony2006::sufficiency::check_states;
+use granum_antony2006::summary::MappingSummary;
+use granum_antony2006::training_checkpoints::{TrainingCheckpoints, TrainingManifest};
+use granum_antony2006::{
+    Form, Study, StudyData, StudyDataOptions, StudyObserver, StudyOptions, StudyProgress,
+};
 use granum_io::OutputFolder;
 use granum_io::case::Difference;
 use granum_io::shell::quoted_path;
-use granum_learn::antony2006::files::save_study;
-use granum_learn::antony2006::layout::{PLAN_FILE, STUDY_FILE};
-use granum_learn::antony2006::mapping::{PAPER_STRAIN, paper_mappings_to};
-use granum_learn::antony2006::sufficiency::check_states;
-use granum_learn::antony2006::summary::MappingSummary;
-use granum_learn::antony2006::training_checkpoints::{TrainingCheckpoints, TrainingManifest};
-use granum_learn::contents::{Kind, check_free};
+use granum_learn::LearnError;
 use granum_learn::runs::{RunRole, StudyRun};
-use granum_learn::{
-    Form, LearnError, Study, StudyData, StudyDataOptions, StudyObserver, StudyOptions, StudyProgress,
-};
 use granum_nets::Model;
 use granum_nets::trainer::{self, TrainerState};
 use granum_run::laboratory::Field;

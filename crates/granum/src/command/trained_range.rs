@@ -1,6 +1,6 @@
 //! The ranges of the inputs in which the networks of a mapping were trained.
 
-use granum_learn::MappingNetworks;
+use granum_antony2006::MappingNetworks;
 
 /// The inputs with the ranges in which one sub-model, or each of them, was trained, one input per line; bins with the same
 /// range share a line.

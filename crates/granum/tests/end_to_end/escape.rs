@@ -7,9 +7,9 @@ use std::fs;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 
-use granum_learn::Summary;
-use granum_learn::antony2006::reproduction::{Reproduction, ReproductionOptions};
-use granum_learn::antony2006::summary::RunSummary;
+use granum_antony2006::Summary;
+use granum_antony2006::reproduction::{Reproduction, ReproductionOptions};
+use granum_antony2006::summary::RunSummary;
 use serde_json::{Value, json};
 
 use crate::common::{run, stderr};

@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 use std::time::Duration;
 
-use granum_learn::antony2006::reproduction::{Reproduction, ReproductionOptions};
+use granum_antony2006::reproduction::{Reproduction, ReproductionOptions};
 use serde_json::{Value, json};
 
 use crate::common::{run, stderr};
@@ -57,7 +57,7 @@ fn reproduction(here: &Path, name: &str, quick: bool, trainer: &str, finished: b
     let options = ReproductionOptions { quick, trainer: trainer.into(), ..Default::default() };
     Reproduction::new(options, names).write(&folder).unwrap();
     if finished {
-        let summary = serde_json::to_vec(&granum_learn::Summary::default()).unwrap();
+        let summary = serde_json::to_vec(&granum_antony2006::Summary::default()).unwrap();
         fs::write(folder.join("summary.json"), summary).unwrap();
         fs::write(folder.join("report.html"), "a report").unwrap();
     } else {

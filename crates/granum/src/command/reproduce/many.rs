@@ -2,10 +2,11 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use granum_antony2006::learning_curve::LearningCurve;
+use granum_antony2006::{StudyObserver, StudyOptions, StudyProgress};
 use granum_io::shell::quoted_path;
 use granum_io::{OutputFolder, Run};
-use granum_learn::antony2006::learning_curve::LearningCurve;
-use granum_learn::{LearnError, NamedRecord, StudyObserver, StudyOptions, StudyProgress};
+use granum_learn::{LearnError, NamedRecord};
 use granum_run::laboratory::Field;
 use granum_run::record::read_record;
 

@@ -9,10 +9,11 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
+use granum::contents::{Contents, Kind, check_free, taken};
+use granum_antony2006::Summary;
+use granum_antony2006::reproduction::{Reproduction, ReproductionOptions, SUMMARY_FILE};
 use granum_io::OutputFolder;
-use granum_learn::antony2006::reproduction::{Reproduction, ReproductionOptions, SUMMARY_FILE};
-use granum_learn::contents::{Contents, Kind, check_free, taken};
-use granum_learn::{LearnError, Summary};
+use granum_learn::LearnError;
 use serde_json::json;
 
 use self::plan::Plan;

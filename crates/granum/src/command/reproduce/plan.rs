@@ -1,8 +1,8 @@
 //! The DEM runs of a reproduction and their roles.
 
+use granum_antony2006::reproduction::ReproductionOptions;
 use granum_dem::config::Rate;
 use granum_io::Case;
-use granum_learn::antony2006::reproduction::ReproductionOptions;
 
 /// Seeds of the protocol of the paper: one training run and two unseen runs. Seeds 1 to 3 and 101 to 124 are excluded, since
 /// samples with these seeds were used to choose the defaults of the training and can no longer serve to evaluate it.

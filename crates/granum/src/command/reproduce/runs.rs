@@ -16,7 +16,7 @@ use crate::failure::{Failure, Interrupted};
 use crate::progress::{Progress, Room};
 
 /// Folder of the runs.
-const FOLDER: &str = granum_learn::antony2006::reproduction::RUNS;
+const FOLDER: &str = granum_antony2006::reproduction::RUNS;
 /// Share of the preparation in the work of a run, for the display of progress.
 const PREPARATION_SHARE: f64 = 0.15;
 

@@ -1,16 +1,18 @@
 //! The networks of a reproduction: training, evaluation and output.
 
-use granum_io::{OutputFolder, Run};
-use granum_learn::antony2006::figures::figures;
-use granum_learn::antony2006::files::save_study;
-use granum_learn::antony2006::layout::write_json;
-use granum_learn::antony2006::summary::{DemSummary, MappingSummary, RunSummary};
-use granum_learn::antony2006::{interpretation, speed};
-use granum_learn::runs::{RunRole, StudyRun};
-use granum_learn::{
-    NamedRecord, SizeStudy, SizeStudyOptions, Study, StudyData, StudyDataOptions, StudyOptions, Summary,
+use granum_antony2006::figures::figures;
+use granum_antony2006::files::save_study;
+use granum_antony2006::layout::write_json;
+use granum_antony2006::summary::{DemSummary, MappingSummary, RunSummary};
+use granum_antony2006::{
+    SizeStudy, SizeStudyOptions, Study, StudyData, StudyDataOptions, StudyOptions, Summary,
 };
-use granum_report::{Role, RunReport, StudyReport, study_report};
+use granum_antony2006::{StudyReport, study_report};
+use granum_antony2006::{interpretation, speed};
+use granum_io::{OutputFolder, Run};
+use granum_learn::NamedRecord;
+use granum_learn::runs::{RunRole, StudyRun};
+use granum_report::{Role, RunReport};
 
 use super::Reproduce;
 use super::many;

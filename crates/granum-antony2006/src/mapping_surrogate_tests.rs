@@ -1,0 +1,141 @@
+//! Tests of the networks of a mapping as a surrogate among others.
+
+use granum_learn::compare;
+use granum_learn::dataset::{Dataset, NamedRecord, RunStates, Split, SplitParts};
+use granum_learn::surrogate::{Cause, Content, FitSpec, SurrogateMethod, SurrogateMethods, save, to_json};
+use granum_sensors::Record;
+
+use crate::mapping::paper_mapping;
+use crate::study::{Silent, Study, StudyOptions};
+use crate::synthetic::{Law, record};
+use crate::{MappingMethod, MappingNetworks, StudyData, StudyDataOptions};
+
+fn records(law: Law, count: u64) -> Vec<Record> {
+    (1..=count).map(|seed| record(law, seed, 60)).collect()
+}
+
+fn dataset_of(records: &[Record]) -> Dataset {
+    let run = |(k, record): (usize, &Record)| {
+        let name = format!("run-{}", k + 1);
+        RunStates::from_record(&NamedRecord { name: &name, seed: k as u64 + 1, record }).unwrap()
+    };
+    Dataset::new(records.iter().enumerate().map(run).collect()).unwrap()
+}
+
+/// The split of the paper, with the last two runs unseen.
+fn parts(dataset: &Dataset) -> SplitParts {
+    let unseen = dataset.runs().iter().rev().take(2).map(|run| run.name().to_string());
+    dataset.split(&Split::default().first_state(1).unseen(unseen)).unwrap()
+}
+
+/// The specification of a mapping of the paper by names of columns, with bins from 0 to 3.5.
+fn spec_of(dataset: &Dataset, mapping: &str) -> FitSpec {
+    let densities: Vec<String> = dataset
+        .expand(&["probability_density"])
+        .unwrap()
+        .into_iter()
+        .filter(|name| {
+            (0.0..3.5).contains(&name.trim_start_matches("probability_density_").parse::<f64>().unwrap())
+        })
+        .collect();
+    let number = |name: &str| vec![name.to_string()];
+    let strain = number("deviator_strain");
+    let (inputs, outputs) = match mapping {
+        "F2" => ([strain, number("stress_ratio")].concat(), densities),
+        "F3" => ([strain, number("deviator_fabric"), densities].concat(), number("stress_ratio")),
+        other => panic!("{other}"),
+    };
+    FitSpec::new(inputs, outputs).with_coordinate("deviator_strain")
+}
+
+/// The networks of a mapping and ridge regression, scored as any surrogate, have exactly the same scores as in the study of the paper.
+#[test]
+fn networks_and_ridge_have_the_scores_of_the_study_as_any_surrogate() {
+    let records = records(Law::Hidden, 4);
+    let dataset = dataset_of(&records);
+    let parts = parts(&dataset);
+    let mapping = paper_mapping("F3").unwrap().with_neurons(4);
+    let methods = SurrogateMethods::standard().with(MappingMethod::new(mapping.clone()));
+    let asked = ["antony2006", "ridge"].map(|name| methods.by_name(name).unwrap());
+    let scores = compare(&parts, &spec_of(&dataset, "F3"), &asked, 0.9).unwrap();
+
+    let named: Vec<NamedRecord> =
+        records.iter().map(|record| NamedRecord { name: "run", seed: 0, record }).collect();
+    let data = StudyData::new(&named[..2], &named[2..], &StudyDataOptions::default()).unwrap();
+    let options = StudyOptions { mappings: vec![mapping], ..Default::default() };
+    let study = Study::train(&data, &options, &Silent).unwrap();
+    let evaluation = &study.evaluate(&data).unwrap()[0];
+    for (scored, known) in scores.iter().zip([&evaluation.network, &evaluation.ridge]) {
+        let name = &scored.method;
+        assert_eq!(scored.training, known.training, "{name}");
+        assert_eq!(scored.held_out, known.held_out, "{name}");
+        assert_eq!(scored.unseen, known.unseen, "{name}");
+    }
+    for known in &scores {
+        assert!(known.coverage.is_some_and(|share| share > 0.7), "{} {:?}", known.method, known.coverage);
+    }
+}
+
+#[test]
+fn a_mapping_comes_back_from_its_file_with_the_same_bits() {
+    let dataset = dataset_of(&records(Law::Plain, 3));
+    let parts = parts(&dataset);
+    let method = MappingMethod::new(paper_mapping("F2").unwrap().with_neurons(3));
+    let fitted = method.fit(&parts.training, &spec_of(&dataset, "F2")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("F2.json");
+    save(&path, fitted.as_ref()).unwrap();
+    let methods = SurrogateMethods::standard().with(MappingMethod::default());
+    let loaded = methods.load(&path).unwrap();
+    assert_eq!((loaded.method(), loaded.columns()), ("antony2006", fitted.columns()));
+    let rows = parts.unseen.values(&loaded.columns().input_names()).unwrap();
+    let predictions = loaded.predict(&rows, 0.8).unwrap();
+    assert_eq!(predictions, fitted.predict(&rows, 0.8).unwrap());
+    assert_eq!(predictions[0].values.len(), 14);
+    let alien = MappingMethod::default().load(loaded.columns().clone(), &Content::of(&["alien"]).unwrap());
+    let refusal = alien.err().unwrap().to_string();
+    assert!(refusal.contains("the content is not that of a surrogate of this method"), "{refusal}");
+    // Without the method its files are refused.
+    let text = to_json(fitted.as_ref()).unwrap();
+    let unknown = SurrogateMethods::standard().from_json(&text, "F2.json").err().unwrap().to_string();
+    assert!(unknown.contains("no surrogate method `antony2006`"), "{unknown}");
+}
+
+/// As a surrogate, a mapping predicts all bins of a distribution at once, with the same values as for states.
+#[test]
+fn a_mapping_as_a_surrogate_answers_as_it_answers_states() {
+    let records = records(Law::Plain, 3);
+    let dataset = dataset_of(&records);
+    let parts = parts(&dataset);
+    let mapping = paper_mapping("F2").unwrap().with_neurons(3);
+    let fitted = MappingMethod::new(mapping.clone()).fit(&parts.training, &spec_of(&dataset, "F2")).unwrap();
+    let rows = parts.unseen.values(&["deviator_strain", "stress_ratio"]).unwrap();
+    let predictions = fitted.predict(&rows, 0.9).unwrap();
+
+    let named: Vec<NamedRecord> =
+        records.iter().map(|record| NamedRecord { name: "run", seed: 0, record }).collect();
+    let data = StudyData::new(&named[..1], &named[1..], &StudyDataOptions::default()).unwrap();
+    let options = StudyOptions { mappings: vec![mapping], ..Default::default() };
+    let study = Study::train(&data, &options, &Silent).unwrap();
+    let networks: &MappingNetworks = &study.mappings[0].surrogate;
+    let intervals = networks.intervals(data.unseen(), 0.9).unwrap();
+    let answers = networks.answer(data.unseen()).unwrap();
+    assert_eq!(predictions.len(), answers.len());
+    for ((prediction, answer), interval) in predictions.iter().zip(&answers).zip(intervals) {
+        let means: Vec<f64> = prediction.values.iter().map(|value| value.mean).collect();
+        assert_eq!(means, answer.values);
+        let interval = interval.unwrap();
+        for (value, ends) in prediction.values.iter().zip(interval) {
+            let own = value.interval.as_ref().unwrap();
+            assert_eq!([own.lower, own.upper], ends);
+            // With a single run, the difference between runs is unknown.
+            assert!(own.causes.iter().map(|(cause, _)| *cause).eq([Cause::Noise, Cause::Parameters]));
+        }
+    }
+    let message = |spec: FitSpec| MappingMethod::default().fit(&dataset, &spec).err().unwrap().to_string();
+    let text = message(FitSpec::new(["deviator_strain"], ["stress_ratio"]));
+    assert!(
+        text.contains("no mapping goes from (deviator_strain) to (stress_ratio); there are: q/p = F1("),
+        "{text}"
+    );
+}

@@ -1,0 +1,288 @@
+//! The contents of a folder, and the command line that continues from it. All commands use this module.
+
+use std::path::{Path, PathBuf};
+
+use granum_io::shell::quoted_path;
+use granum_io::{OutputFolder, Run, RunRecord, RunStatus};
+
+use granum_antony2006::layout::PLAN_FILE;
+use granum_antony2006::layout::STUDY_FILE;
+use granum_antony2006::reproduction::{RUNS, Reproduction, SUMMARY_FILE};
+use granum_learn::{LearnError, Result};
+use granum_run::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
+
+/// The page of a report.
+const REPORT_FILE: &str = "report.html";
+
+/// The purpose of a folder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A sample or a test.
+    Run,
+    /// A training.
+    Training,
+    /// A reproduction of the paper.
+    Reproduction,
+}
+
+impl Kind {
+    /// Description with an article.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Run => "a sample or test",
+            Kind::Training => "a training",
+            Kind::Reproduction => "a reproduction",
+        }
+    }
+}
+
+/// The contents of a folder.
+///
+/// ```
+/// use granum::contents::Contents;
+///
+/// let nowhere = std::path::Path::new("there is no such folder");
+/// assert_eq!(Contents::of(nowhere)?.name(), "nothing");
+/// # Ok::<(), granum_learn::LearnError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub enum Contents {
+    /// The folder does not exist or is empty.
+    Nothing,
+    /// The folder contains files of another kind.
+    Other,
+    /// A sample or a test, with its record if it can be read.
+    Run(Option<Box<RunRecord>>),
+    /// Networks.
+    Training {
+        /// True if all networks have been trained.
+        finished: bool,
+    },
+    /// A reproduction.
+    Reproduction {
+        /// Its description; `None` if it was created by an earlier version, which did not write one.
+        of: Option<Reproduction>,
+        /// True if all runs are finished and the summary has been written.
+        finished: bool,
+    },
+}
+
+/// The next action for a folder.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Next {
+    /// A sentence for the user, including the command line.
+    pub text: String,
+    /// The command line that continues from the folder, if there is one.
+    pub command: Option<String>,
+}
+
+impl Next {
+    fn new(what: &str, command: String) -> Next {
+        Next { text: format!("{what}: {command}"), command: Some(command) }
+    }
+
+    fn only(text: impl Into<String>) -> Next {
+        Next { text: text.into(), command: None }
+    }
+}
+
+impl Contents {
+    /// Determines the contents of a folder without locking or changing anything.
+    ///
+    /// # Errors
+    /// If the description of a reproduction cannot be read.
+    pub fn of(folder: &Path) -> Result<Contents> {
+        let has = |name: &str| folder.join(name).is_file();
+        let of = Reproduction::read(folder)?;
+        let unsaid = || OutputFolder::is_granums(folder) && is_real_folder(&folder.join(RUNS));
+        if of.is_some() || (!has("run.json") && !has(PLAN_FILE) && unsaid()) {
+            let finished = has(SUMMARY_FILE) && runs_are_finished(folder, of.as_ref());
+            return Ok(Contents::Reproduction { of, finished });
+        }
+        if has(PLAN_FILE) || has(STUDY_FILE) {
+            return Ok(Contents::Training { finished: has(STUDY_FILE) });
+        }
+        if has("run.json") {
+            let record = Run::at(folder).and_then(|run| run.record()).ok();
+            return Ok(Contents::Run(record.map(Box::new)));
+        }
+        Ok(if OutputFolder::is_free(folder) { Contents::Nothing } else { Contents::Other })
+    }
+
+    /// The purpose of the folder, if it was written by granum.
+    pub fn kind(&self) -> Option<Kind> {
+        match self {
+            Contents::Nothing | Contents::Other => None,
+            Contents::Run(_) => Some(Kind::Run),
+            Contents::Training { .. } => Some(Kind::Training),
+            Contents::Reproduction { .. } => Some(Kind::Reproduction),
+        }
+    }
+
+    /// A description such as "an interrupted test".
+    pub fn name(&self) -> String {
+        let ended = |finished: bool| if finished { "a finished" } else { "an unfinished" };
+        match self {
+            Contents::Nothing => "nothing".into(),
+            Contents::Other => "files that granum did not write".into(),
+            Contents::Run(None) => "a sample or test whose run.json cannot be read".into(),
+            Contents::Run(Some(record)) => {
+                let word = match record.status {
+                    RunStatus::Running => "a killed",
+                    RunStatus::Interrupted => "an interrupted",
+                    RunStatus::Finished => "a finished",
+                    RunStatus::Failed => "a failed",
+                };
+                format!(
+                    "{word} {}",
+                    if record.kind == "prepare" { "preparation of a sample" } else { "test" }
+                )
+            }
+            Contents::Training { finished } => format!("{} training", ended(*finished)),
+            Contents::Reproduction { finished, .. } => format!("{} reproduction", ended(*finished)),
+        }
+    }
+
+    /// The folders of the runs of a reproduction, some of which may not exist yet. Links are omitted.
+    pub fn runs(&self, folder: &Path) -> Vec<PathBuf> {
+        let Contents::Reproduction { of, .. } = self else { return Vec::new() };
+        let is_link = |path: &Path| std::fs::symlink_metadata(path).is_ok_and(|kind| kind.is_symlink());
+        let mut folders = runs_of(folder, of.as_ref());
+        folders.retain(|path| !is_link(path) && !is_link(&folder.join(RUNS)));
+        folders
+    }
+
+    /// The next action for the folder with these contents.
+    pub fn next(&self, folder: &Path) -> Next {
+        let name = quoted_path(folder);
+        if OutputFolder::is_in_use(folder) {
+            return Next::only("another process is using it; wait");
+        }
+        let resume = || format!("granum resume {name}");
+        match self {
+            Contents::Nothing | Contents::Other => Next::only("nothing to continue"),
+            Contents::Run(None) => {
+                Next::only("its run.json cannot be read; run its case again, with --force")
+            }
+            Contents::Run(Some(record)) => next_of_run(record, folder),
+            Contents::Training { finished: true } => {
+                Next::new("evaluate it", format!("granum evaluate {name} RUN..."))
+            }
+            Contents::Training { .. } => Next::new("continue it", resume()),
+            Contents::Reproduction { of: None, .. } => Next::only(
+                "there is no reproduction.json with its options; reproduce in another folder, or replace it with \
+                 --force",
+            ),
+            Contents::Reproduction { of: Some(of), finished } => {
+                let line = of.options.command_line(Some(folder));
+                if *finished {
+                    let page = folder.join(REPORT_FILE);
+                    return Next { text: format!("done; see {}", page.display()), command: Some(line) };
+                }
+                if of.is_of_this_version() {
+                    return Next::new("continue it", line);
+                }
+                Next::new(
+                    &format!("it was started by granum {}; continue it with that version", of.granum_version),
+                    line,
+                )
+            }
+        }
+    }
+}
+
+fn next_of_run(record: &RunRecord, folder: &Path) -> Next {
+    let name = quoted_path(folder);
+    let resume = format!("granum resume {name}");
+    let checkpoint = [CHECKPOINT, PREVIOUS_CHECKPOINT].iter().any(|file| folder.join(file).is_file());
+    match record.status {
+        RunStatus::Finished if record.kind == "prepare" => {
+            Next::new("shear it", format!("granum shear CASE --sample {name}"))
+        }
+        RunStatus::Finished if folder.join(REPORT_FILE).is_file() => {
+            let what = format!("its report is {}; write it again", folder.join(REPORT_FILE).display());
+            Next::new(&what, format!("granum report {name} --force"))
+        }
+        RunStatus::Finished => Next::new("write its report", format!("granum report {name}")),
+        RunStatus::Failed => {
+            let why = record.notes.last().map_or("it failed", String::as_str);
+            Next {
+                text: format!(
+                    "{why}; once the cause is removed, continue it: {resume}; or change the case and run it again with \
+                     --force"
+                ),
+                command: Some(resume),
+            }
+        }
+        _ if checkpoint => Next::new("continue it", resume),
+        _ => Next::new("there is no checkpoint yet; start again from its case", resume),
+    }
+}
+
+/// Refuses a folder in which a command would replace existing results: those of its own kind unless `force` is set, and
+/// those of another kind in any case. A folder that is in use by a process is protected by its lock instead.
+///
+/// # Errors
+/// [`LearnError::Taken`] with the command line that continues from the existing results.
+pub fn check_free(folder: &Path, wanted: Kind, force: bool) -> Result<()> {
+    let contents = Contents::of(folder)?;
+    let Some(kind) = contents.kind() else { return Ok(()) };
+    let same = kind == wanted;
+    if (same && force) || OutputFolder::is_in_use(folder) {
+        return Ok(());
+    }
+    Err(taken(folder, &contents, wanted.name(), same))
+}
+
+/// The error for a folder that is refused because of its contents; `replaceable` is true if `--force` would replace them.
+pub fn taken(folder: &Path, contents: &Contents, wanted: &str, replaceable: bool) -> LearnError {
+    let go_on = match contents.next(folder) {
+        Next { command: Some(command), .. } => {
+            format!("to continue from that: `{command}`; otherwise choose")
+        }
+        Next { text, .. } => format!("{text}; otherwise choose"),
+    };
+    let replace = if replaceable {
+        "another name, or give --force to replace it".to_string()
+    } else {
+        format!("another name for {wanted}")
+    };
+    LearnError::Taken {
+        folder: folder.to_path_buf(),
+        holds: contents.name(),
+        advice: format!("{go_on} {replace}"),
+    }
+}
+
+/// The existing run folders of a reproduction, sorted. Links are not followed, since they may point anywhere.
+fn run_folders(folder: &Path) -> Vec<PathBuf> {
+    let runs = folder.join(RUNS);
+    let Some(read) = is_real_folder(&runs).then(|| std::fs::read_dir(&runs).ok()).flatten() else {
+        return Vec::new();
+    };
+    let paths = read.filter_map(|entry| entry.ok().map(|entry| entry.path()));
+    let mut folders: Vec<PathBuf> = paths.filter(|path| is_real_folder(path)).collect();
+    folders.sort();
+    folders
+}
+
+/// The folders of all runs of a reproduction, including those that do not exist yet.
+fn runs_of(folder: &Path, of: Option<&Reproduction>) -> Vec<PathBuf> {
+    match of {
+        Some(of) => of.runs.iter().map(|name| folder.join(RUNS).join(name)).collect(),
+        None => run_folders(folder),
+    }
+}
+
+fn runs_are_finished(folder: &Path, of: Option<&Reproduction>) -> bool {
+    let folders = runs_of(folder, of);
+    let finished = |path: &PathBuf| {
+        let record = Run::at(path).and_then(|run| run.record());
+        is_real_folder(path) && record.is_ok_and(|record| record.status == RunStatus::Finished)
+    };
+    !folders.is_empty() && folders.iter().all(finished)
+}
+
+fn is_real_folder(path: &Path) -> bool {
+    std::fs::symlink_metadata(path).is_ok_and(|kind| kind.is_dir())
+}
