@@ -5,10 +5,13 @@
 //! Case --> Laboratory --> run folder: case, snapshots, checkpoint, record
 //! ```
 
+pub mod digest;
 pub mod engine;
 pub mod laboratory;
 pub mod lammps_deck;
+pub mod queue;
 pub mod record;
+pub mod runs_table;
 pub mod stiffness;
 
 pub use engine::{Engine, EngineError, Engines, PlannedRun, Task};

@@ -10,6 +10,7 @@ use granum_antony2006::layout::STUDY_FILE;
 use granum_antony2006::reproduction::{RUNS, Reproduction, SUMMARY_FILE};
 use granum_learn::{LearnError, Result};
 use granum_run::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
+use granum_run::queue::RunList;
 
 /// The page of a report.
 const REPORT_FILE: &str = "report.html";
@@ -23,6 +24,8 @@ pub enum Kind {
     Training,
     /// A reproduction of the paper.
     Reproduction,
+    /// Several runs.
+    Runs,
 }
 
 impl Kind {
@@ -32,6 +35,7 @@ impl Kind {
             Kind::Run => "a sample or test",
             Kind::Training => "a training",
             Kind::Reproduction => "a reproduction",
+            Kind::Runs => "several runs",
         }
     }
 }
@@ -63,6 +67,13 @@ pub enum Contents {
         /// Its description; `None` if it was created by an earlier version, which did not write one.
         of: Option<Reproduction>,
         /// True if all runs are finished and the summary has been written.
+        finished: bool,
+    },
+    /// Several runs that belong together.
+    Runs {
+        /// Their list.
+        list: RunList,
+        /// True if all runs are finished.
         finished: bool,
     },
 }
@@ -99,6 +110,10 @@ impl Contents {
             let finished = has(SUMMARY_FILE) && runs_are_finished(folder, of.as_ref());
             return Ok(Contents::Reproduction { of, finished });
         }
+        if let Some(list) = RunList::read(folder).map_err(LearnError::from)? {
+            let finished = list.tests(folder).all(|(_, run)| run_is_finished(&run));
+            return Ok(Contents::Runs { list, finished });
+        }
         if has(PLAN_FILE) || has(STUDY_FILE) {
             return Ok(Contents::Training { finished: has(STUDY_FILE) });
         }
@@ -116,6 +131,7 @@ impl Contents {
             Contents::Run(_) => Some(Kind::Run),
             Contents::Training { .. } => Some(Kind::Training),
             Contents::Reproduction { .. } => Some(Kind::Reproduction),
+            Contents::Runs { .. } => Some(Kind::Runs),
         }
     }
 
@@ -140,13 +156,23 @@ impl Contents {
             }
             Contents::Training { finished } => format!("{} training", ended(*finished)),
             Contents::Reproduction { finished, .. } => format!("{} reproduction", ended(*finished)),
+            Contents::Runs { list, finished } => {
+                format!("{} list of {} runs", ended(*finished), list.tests(Path::new("")).count())
+            }
         }
     }
 
-    /// The folders of the runs of a reproduction, some of which may not exist yet. Links are omitted.
+    /// The folders of the runs of a reproduction or a list, some of which may not exist yet. Links are omitted.
     pub fn runs(&self, folder: &Path) -> Vec<PathBuf> {
-        let Contents::Reproduction { of, .. } = self else { return Vec::new() };
         let is_link = |path: &Path| std::fs::symlink_metadata(path).is_ok_and(|kind| kind.is_symlink());
+        let of = match self {
+            Contents::Reproduction { of, .. } => of,
+            Contents::Runs { list, .. } => {
+                let folders = list.folders(folder).map(|(_, path)| path);
+                return folders.filter(|path| !is_link(path)).collect();
+            }
+            _ => return Vec::new(),
+        };
         let mut folders = runs_of(folder, of.as_ref());
         folders.retain(|path| !is_link(path) && !is_link(&folder.join(RUNS)));
         folders
@@ -165,6 +191,10 @@ impl Contents {
                 Next::only("its run.json cannot be read; run its case again, with --force")
             }
             Contents::Run(Some(record)) => next_of_run(record, folder),
+            Contents::Runs { finished: true, .. } => {
+                Next::new("their results in a table", format!("granum table {name}"))
+            }
+            Contents::Runs { .. } => Next::new("continue them", resume()),
             Contents::Training { finished: true } => {
                 Next::new("evaluate it", format!("granum evaluate {name} RUN..."))
             }
@@ -274,13 +304,14 @@ fn runs_of(folder: &Path, of: Option<&Reproduction>) -> Vec<PathBuf> {
     }
 }
 
+fn run_is_finished(path: &Path) -> bool {
+    let record = Run::at(path).and_then(|run| run.record());
+    is_real_folder(path) && record.is_ok_and(|record| record.status == RunStatus::Finished)
+}
+
 fn runs_are_finished(folder: &Path, of: Option<&Reproduction>) -> bool {
     let folders = runs_of(folder, of);
-    let finished = |path: &PathBuf| {
-        let record = Run::at(path).and_then(|run| run.record());
-        is_real_folder(path) && record.is_ok_and(|record| record.status == RunStatus::Finished)
-    };
-    !folders.is_empty() && folders.iter().all(finished)
+    !folders.is_empty() && folders.iter().all(|path| run_is_finished(path))
 }
 
 fn is_real_folder(path: &Path) -> bool {

@@ -184,6 +184,11 @@ impl Field {
         matches!(self.kind, Kind::Names { .. })
     }
 
+    /// True if the value of the field is a number that may have a fractional part.
+    pub(super) fn is_real(&self) -> bool {
+        matches!(self.kind, Kind::Number { .. } | Kind::Law(_) | Kind::Size(_))
+    }
+
     /// True if the value of the field is one of several names.
     pub(super) fn is_choice(&self) -> bool {
         matches!(self.kind, Kind::Choice { .. })

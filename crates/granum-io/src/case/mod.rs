@@ -26,6 +26,7 @@ mod stage_values;
 mod stage_write;
 mod suggestion;
 mod unit;
+mod value_list;
 mod write;
 
 pub use case_stage::CaseStage;
@@ -35,6 +36,7 @@ pub use digest::decides_sample;
 pub use field::{Field, Value};
 pub use fields::{FIELDS, field};
 pub(crate) use material::is_name as is_material_name;
+pub use value_list::{ValueShape, values_in};
 
 /// Keys that are not used in a run whose sample is made from a packing: its grains replace the random insertion.
 pub const UNUSED_WITH_PACKING: [&str; 9] = [

@@ -305,7 +305,7 @@ pub(super) fn too_many(stages: &[CaseStage]) -> Option<String> {
 }
 
 /// The numbers and the key of `1.2.axial_strain`.
-fn place(text: &str) -> Option<(Vec<usize>, &str)> {
+pub(super) fn place(text: &str) -> Option<(Vec<usize>, &str)> {
     let (numbers, key) = text.rsplit_once('.')?;
     let numbers = numbers.split('.').map(|number| number.parse().ok()).collect::<Option<_>>()?;
     Some((numbers, key))
@@ -318,6 +318,17 @@ fn stage_at<'s>(stages: &'s mut [CaseStage], numbers: &[usize]) -> Option<&'s mu
     match stage {
         _ if rest.is_empty() => Some(stage),
         CaseStage::Repeat { stages, .. } => stage_at(stages, rest),
+        _ => None,
+    }
+}
+
+/// As [`stage_at`], for looking only.
+pub(super) fn stage_in<'s>(stages: &'s [CaseStage], numbers: &[usize]) -> Option<&'s CaseStage> {
+    let (first, rest) = numbers.split_first()?;
+    let stage = stages.get(first.checked_sub(1)?)?;
+    match stage {
+        _ if rest.is_empty() => Some(stage),
+        CaseStage::Repeat { stages, .. } => stage_in(stages, rest),
         _ => None,
     }
 }

@@ -28,6 +28,7 @@ pub mod lammps_dump;
 pub mod mercury_data;
 pub mod mercury_fstat;
 pub mod mercury_restart;
+pub mod mixed;
 pub mod packing_csv;
 pub mod parquet;
 mod places;

@@ -19,7 +19,7 @@ use std::sync::Arc;
 
 use parquet::basic::{ConvertedType, Encoding, Repetition, Type as Physical};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
-use parquet::data_type::{BoolType, DataType, DoubleType, Int64Type};
+use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::{KeyValue, ParquetMetaDataReader};
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
@@ -31,6 +31,7 @@ use crate::atomic::write_atomically;
 use crate::contain::contain;
 use crate::error::{Error, Result};
 use crate::formats::TableFormat;
+use crate::formats::mixed::{MixedColumn, MixedTable, MixedValues};
 use granum_core::names::suggestion;
 use granum_core::{Column, ColumnKind, Table};
 
@@ -96,6 +97,43 @@ pub fn write_parts(path: &Path, rows: usize, part: impl Fn(Range<usize>) -> Resu
     failed.map_or(written, Err)
 }
 
+/// Writes a table of numbers and words: numbers as `DOUBLE`, words as UTF-8 text.
+pub(super) fn write_mixed(path: &Path, table: &MixedTable) -> Result<()> {
+    write_atomically(path, |file| write_mixed_to(file, table).map_err(io_error))
+}
+
+fn write_mixed_to<W: Write + Send>(writer: W, table: &MixedTable) -> parquet::errors::Result<()> {
+    let field = |column: &MixedColumn| {
+        let field = match column.values {
+            MixedValues::Numbers(_) => Type::primitive_type_builder(&column.name, Physical::DOUBLE),
+            MixedValues::Words(_) => Type::primitive_type_builder(&column.name, Physical::BYTE_ARRAY)
+                .with_converted_type(ConvertedType::UTF8),
+        };
+        Ok(Arc::new(field.with_repetition(Repetition::REQUIRED).build()?))
+    };
+    let fields = table.columns().iter().map(field).collect::<parquet::errors::Result<_>>()?;
+    let units = table.columns().iter().map(|column| (column.name.as_str(), column.unit.as_str())).collect();
+    let mut file = begin(writer, fields, &units)?;
+    let mut group = file.next_row_group()?;
+    for column in table.columns() {
+        if let Some(mut writer) = group.next_column()? {
+            match &column.values {
+                MixedValues::Numbers(values) => {
+                    writer.typed::<DoubleType>().write_batch(values, None, None)?;
+                }
+                MixedValues::Words(values) => {
+                    let words: Vec<ByteArray> =
+                        values.iter().map(|word| ByteArray::from(word.as_str())).collect();
+                    writer.typed::<ByteArrayType>().write_batch(&words, None, None)?;
+                }
+            }
+            writer.close()?;
+        }
+    }
+    group.close()?;
+    file.close().map(|_| ())
+}
+
 /// Stores the error of a part, and returns an error for the writer.
 fn keep(failed: &mut Option<Error>, error: Error) -> io::Error {
     *failed = Some(error);
@@ -114,10 +152,18 @@ fn start<W: Write + Send>(writer: W, table: &Table) -> parquet::errors::Result<S
         Ok(Arc::new(field.with_repetition(Repetition::REQUIRED).build()?))
     };
     let fields = table.columns().iter().map(field).collect::<parquet::errors::Result<_>>()?;
+    let units = table.columns().iter().map(|column| (column.name.as_str(), column.unit.as_str())).collect();
+    begin(writer, fields, &units)
+}
+
+/// A file with these columns and their units, and no rows so far.
+fn begin<W: Write + Send>(
+    writer: W,
+    fields: Vec<Arc<Type>>,
+    units: &BTreeMap<&str, &str>,
+) -> parquet::errors::Result<SerializedFileWriter<W>> {
     let schema = Type::group_type_builder("granum").with_fields(fields).build()?;
-    let units: BTreeMap<&str, &str> =
-        table.columns().iter().map(|column| (column.name.as_str(), column.unit.as_str())).collect();
-    let units = serde_json::to_string(&units).map_err(|error| ParquetError::External(Box::new(error)))?;
+    let units = serde_json::to_string(units).map_err(|error| ParquetError::External(Box::new(error)))?;
     let properties = WriterProperties::builder()
         .set_created_by("granum".into())
         .set_dictionary_enabled(false)

@@ -29,7 +29,7 @@ mod run_state;
 mod sample;
 mod saved_state;
 mod segment;
-mod setup;
+pub(crate) mod setup;
 pub(crate) mod shared;
 pub(crate) mod source;
 mod status;

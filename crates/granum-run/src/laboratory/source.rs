@@ -35,7 +35,7 @@ impl Source {
 
     /// The source that a record names. A packing file that is missing or was changed is refused, since it would give another
     /// sample.
-    pub(super) fn recorded(source: &RunSource) -> Result<Source, LaboratoryError> {
+    pub(crate) fn recorded(source: &RunSource) -> Result<Source, LaboratoryError> {
         match source {
             RunSource::Case => Ok(Source::Case),
             RunSource::Sample(path) => Ok(Source::Folder(path.clone())),

@@ -4,15 +4,17 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use clap::Args;
-use granum_io::case::field;
+use granum_io::case::{field, values_in};
 use granum_io::{Case, Error};
+use granum_run::queue::{Setting as Varied, combinations, names};
 
 use crate::failure::Failure;
 
 /// Keys of the case, given on the command line.
 #[derive(Args, Clone, Debug, Default)]
 pub struct SetFlags {
-    /// Set a key of the case, e.g. --set grains.material.friction=0.2; can be repeated for several keys.
+    /// Set a key of the case, e.g. --set grains.material.friction=0.2; can be repeated for several keys. `run`, `shear` and
+    /// `prepare` take several values, e.g. --set grains.material.friction=0.2,0.4, and make all combinations.
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
 }
@@ -22,12 +24,25 @@ pub struct SetFlags {
 pub struct CaseFlags {
     #[command(flatten)]
     set: SetFlags,
-    /// Seed of the sample, the same as --set preparation.seed=N.
+    /// Seed of the sample, the same as --set preparation.seed=N; `run`, `shear` and `prepare` take several, e.g. --seed 1,2,3.
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     seed: Option<String>,
 }
 
+/// A case that the flags give, with its name among several.
+pub struct Combination {
+    /// Name made of the values that differ; empty if there is one case only.
+    pub name: String,
+    /// The keys that have several values, with the values of this case.
+    pub values: Vec<(String, String)>,
+    pub case: Case,
+}
+
+/// A named path with the parameters that are given to it.
+pub type Loading<'a> = Option<(&'a str, &'a [(&'a str, &'a str)])>;
+
 /// A flag as the user gave it, with its key and value.
+#[derive(Clone)]
 struct Setting<'a> {
     flag: String,
     key: &'a str,
@@ -44,6 +59,7 @@ impl Setting<'_> {
         let (key, value) = (key.trim(), value.trim());
         // Quotes are removed, which a case file needs and which the shell may have passed on.
         let bare = value.strip_prefix('"').and_then(|rest| rest.strip_suffix('"'));
+        let bare = bare.filter(|bare| !bare.contains('"'));
         Ok(Setting { flag: format!("--set {key}"), key, value: bare.unwrap_or(value) })
     }
 }
@@ -91,17 +107,28 @@ impl CaseFlags {
     }
 
     /// As [`CaseFlags::read`], but a named path with its parameters replaces the test of the case.
-    pub fn read_with_path(
+    pub fn read_with_path(&self, path: &Path, packing: bool, loading: Loading) -> Result<Case, Failure> {
+        let mut all = self.read_all(path, packing, loading)?;
+        match (all.pop(), all.is_empty()) {
+            (Some(only), true) => Ok(only.case),
+            _ => Err(Failure::new(
+                "several values of a key make several runs, which this command does not take; give one value of each",
+            )),
+        }
+    }
+
+    /// The cases of all combinations of the values that the flags give. A mistake in any of them is an error.
+    pub fn read_all(
         &self,
         path: &Path,
         packing: bool,
-        loading: Option<(&str, &[(&str, &str)])>,
-    ) -> Result<Case, Failure> {
+        loading: Loading,
+    ) -> Result<Vec<Combination>, Failure> {
         let mut settings = self.set.settings()?;
         if let Some(seed) = &self.seed {
             settings.push(Setting { flag: "--seed".into(), key: "preparation.seed", value: seed });
         }
-        let mut case = Case::read(path)?;
+        let case = Case::read(path)?;
         let unused = |setting: &&Setting| case.unused_with_packing().any(|key| key == setting.key);
         if let Some(setting) = settings.iter().find(unused).filter(|_| packing) {
             return Err(Failure::new(format!(
@@ -109,12 +136,62 @@ impl CaseFlags {
                 setting.flag
             )));
         }
-        if let Some((name, parameters)) = loading {
-            case = case.with_path(name, parameters)?;
+        let varied = varied(&case, loading, &settings)?;
+        let several = varied.iter().any(|setting| setting.values.len() > 1);
+        let mut all: Vec<Combination> = Vec::new();
+        for (name, values) in names(&varied)?.into_iter().zip(combinations(&varied)?) {
+            let case = one(&case, loading, &settings, &values)?;
+            let kept = varied.iter().zip(values).filter(|(setting, _)| setting.values.len() > 1);
+            let values = kept.map(|(setting, value)| (setting.key.clone(), value)).collect();
+            let name = if several { name } else { String::new() };
+            if let Some(same) = all.iter().find(|other| other.case == case) {
+                let message = format!("{} and {name} are the same case: give every value once", same.name);
+                return Err(Failure::new(message));
+            }
+            all.push(Combination { name, values, case });
         }
-        apply(&mut case, &settings)?;
-        Ok(case)
+        Ok(all)
     }
+}
+
+/// The keys of the path and of the flags, each with its values.
+fn varied(case: &Case, loading: Loading, settings: &[Setting]) -> Result<Vec<Varied>, Failure> {
+    let mut varied = Vec::new();
+    let mut case = case.clone();
+    let mut add = |case: &Case, key: String, flag: &str, text: &str| -> Result<(), Failure> {
+        let values = values_in(text, case.shape_of(&key))
+            .map_err(|why| Failure::new(format!("{flag} = {text:?} {why}")))?;
+        varied.push(Varied { key, values });
+        Ok(())
+    };
+    if let Some((name, parameters)) = loading {
+        case = case.with_path(name, &[])?;
+        for (key, text) in parameters {
+            add(&case, format!("stage.1.{key}"), &format!("--with {key}"), text)?;
+        }
+    }
+    for setting in settings {
+        add(&case, setting.key.to_string(), &setting.flag, setting.value)?;
+    }
+    Ok(varied)
+}
+
+/// The case with one value for each parameter of the path and then for each flag.
+fn one(case: &Case, loading: Loading, settings: &[Setting], values: &[String]) -> Result<Case, Failure> {
+    let mut case = case.clone();
+    let (of_path, of_flags) = values.split_at(values.len() - settings.len());
+    if let Some((name, parameters)) = loading {
+        let parameters: Vec<(&str, &str)> =
+            parameters.iter().zip(of_path).map(|((key, _), value)| (*key, value.as_str())).collect();
+        case = case.with_path(name, &parameters)?;
+    }
+    let settings: Vec<Setting> = settings
+        .iter()
+        .zip(of_flags)
+        .map(|(setting, value)| Setting { value: value.as_str(), ..setting.clone() })
+        .collect();
+    apply(&mut case, &settings)?;
+    Ok(case)
 }
 
 /// Pairs of keys that exclude each other; without this check the last one given would silently take precedence.

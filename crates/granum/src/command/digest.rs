@@ -3,9 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use granum_core::digest::Digest as Hash;
-use granum_io::snapshot::{contacts_table, grains_table};
-use granum_io::{Run, RunStatus, Table};
+use granum_io::{Run, RunStatus};
+use granum_run::digest::of_run;
 use serde_json::{Value, json};
 
 use super::records;
@@ -49,39 +48,5 @@ fn digest(folder: &Path) -> Result<(String, RunStatus), Failure> {
     let run = Run::at(folder)?;
     let record = run.record()?;
     records::check_begun(&run, &record)?;
-    let mut hash = Hash::new();
-    hash.text("granum digest 1");
-    hash.text(&run.case()?.digest_with(record.packing_digest()));
-    // A sample has no tables of a test, whereas a test that has begun has both.
-    if record.kind != "prepare" {
-        table(&mut hash, "series", &run.series()?);
-        table(&mut hash, "forces", &run.forces()?);
-        for name in run.histograms()? {
-            table(&mut hash, &format!("histogram {name}"), &run.histogram(&name)?);
-        }
-    }
-    for name in run.snapshots()? {
-        let assembly = run.snapshot(&name)?;
-        hash.text(&name);
-        table(&mut hash, "grains", &grains_table(&assembly)?);
-        table(&mut hash, "contacts", &contacts_table(&assembly)?);
-        hash.numbers(&[assembly.cell, assembly.velocity_gradient, assembly.strain].concat().concat());
-        hash.numbers(&[assembly.time, assembly.time_step, assembly.step as f64]);
-        hash.text(&serde_json::to_string(&assembly.energy)?);
-    }
-    Ok((hash.finish(), record.status))
-}
-
-/// The first name that a column had: digests keep it, so that they can be compared with those of earlier versions.
-fn first_name(column: &str) -> &str {
-    if column == "observations" { "looks" } else { column }
-}
-
-fn table(hash: &mut Hash, name: &str, table: &Table) {
-    hash.text(name);
-    for column in table.columns() {
-        hash.text(first_name(&column.name));
-        hash.text(&column.unit);
-        hash.numbers(&column.values);
-    }
+    Ok((of_run(&run)?, record.status))
 }

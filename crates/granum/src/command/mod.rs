@@ -29,12 +29,17 @@ mod run;
 mod run_report;
 mod schema;
 mod scores;
+mod several_runs;
 mod shear;
+mod show_queue;
+mod single_run;
 mod sources;
 mod spread;
 mod status;
 mod stiffness;
+mod table;
 mod test_run;
+mod text_table;
 mod train;
 mod trained_range;
 
@@ -70,6 +75,7 @@ commands! {
     Shear(shear::Shear),
     Run(run::Run),
     Limits(limits::Limits),
+    Table(table::Table),
     Compare(compare::Compare),
     Resume(resume::Resume),
     Status(status::Status),

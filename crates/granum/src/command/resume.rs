@@ -1,4 +1,4 @@
-//! `granum resume`: continues an interrupted run, training or reproduction.
+//! `granum resume`: continues an interrupted run, list of runs, training or reproduction.
 
 use std::path::PathBuf;
 
@@ -12,17 +12,18 @@ use super::checkpoints::CheckpointFlags;
 use super::hardware::{HardwareFlags, Show};
 use super::reproduce::Reproduce;
 use super::run_report;
+use super::several_runs;
 use super::train::Train;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 
-/// Continue a preparation, test, training or reproduction that was interrupted or killed. The results are exactly those of
+/// Continue a preparation, test, list of runs, training or reproduction that was interrupted or killed. The results are exactly those of
 /// an uninterrupted run.
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum resume run-1")]
 pub struct Resume {
-    /// The folder of the run, training or reproduction.
+    /// The folder of the run, of several runs, of the training or the reproduction.
     folder: PathBuf,
     #[command(flatten)]
     checkpoints: CheckpointFlags,
@@ -42,6 +43,10 @@ impl Resume {
             unsaid @ Contents::Reproduction { of: None, .. } => {
                 let (name, next) = (self.folder.display(), unsaid.next(&self.folder).text);
                 Err(Failure::new(format!("{name}: {next}")))
+            }
+            Contents::Runs { list, .. } => {
+                let laboratory = self.hardware.laboratory(context, &self.checkpoints)?;
+                several_runs::resume(context, &laboratory, &list, &self.folder)
             }
             Contents::Training { .. } if Train::is_in(&self.folder) => self.training(context),
             _ => self.of_grains(context),

@@ -13,10 +13,16 @@ use crate::failure::Failure;
 use crate::output;
 
 /// Prepare or read a sample, test it along the path of its case or along a named path, and write a run folder.
+///
+/// Several values of a key or parameter, between commas, make several runs: all combinations, in folders below --out that are named
+/// by their values. Samples that several runs share are prepared once, and as many runs as there are processors go on at once. The
+/// same command continues what is unfinished. A key whose value is a list takes several lists in brackets:
+/// --set recording.strains="[[0.01, 0.1], [0.02, 0.2]]".
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum run my-sand.toml --path drained-triaxial --out drained\n  granum run my-sand.toml --path undrained-triaxial \
                   --with axial_strain=0.1 --out undrained\n  granum run my-stages.toml --set stage.1.axial_strain=0.05 --out run-2\n  \
+                  granum run my-sand.toml --path drained-triaxial --with lateral_stress=\"50 kPa,100 kPa\" --seed 1,2,3 --out study\n  \
                   granum run --list"
 )]
 pub struct Run {
@@ -26,7 +32,8 @@ pub struct Run {
     /// Use this named path instead of the test of the case.
     #[arg(long, value_name = "NAME")]
     path: Option<String>,
-    /// A parameter of the path, e.g. --with axial_strain=0.1; can be repeated.
+    /// A parameter of the path, e.g. --with axial_strain=0.1; can be repeated. Several values, e.g. --with lateral_stress="50
+    /// kPa,100 kPa", make several runs.
     #[arg(long, value_name = "KEY=VALUE", requires = "path")]
     with: Vec<String>,
     /// List the named paths with their parameters, without running anything.
@@ -41,8 +48,8 @@ impl Run {
         let Some(file) = self.case.as_ref().filter(|_| !self.list) else { return list(context) };
         let parameters = parameters(&self.with)?;
         let path = self.path.as_deref().map(|name| (name, parameters.as_slice()));
-        let case = self.test.flags.read_with_path(file, self.test.has_packing(), path)?;
-        self.test.run(context, &case)
+        let cases = self.test.flags.read_all(file, self.test.has_packing(), path)?;
+        self.test.run(context, cases)
     }
 }
 

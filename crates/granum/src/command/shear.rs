@@ -9,11 +9,14 @@ use crate::context::Context;
 use crate::failure::Failure;
 
 /// Prepare or read a sample, shear it at constant mean stress, and write a run folder.
+///
+/// Several values of a key, between commas, make several runs, as with `granum run`.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum shear my-sand.toml --out run-1\n  granum shear my-sand.toml --sample sample --out run-2\n  \
                   granum shear my-sand.toml --packing packing.csv --out run-3\n  \
-                  granum shear my-sand.toml --set grains.material.friction=0.2 --seed 7 --out run-4"
+                  granum shear my-sand.toml --set grains.material.friction=0.2 --seed 7 --out run-4\n  \
+                  granum shear my-sand.toml --set grains.material.friction=0.2,0.4 --seed 1,2,3 --out study"
 )]
 pub struct Shear {
     /// The case file.
@@ -24,7 +27,7 @@ pub struct Shear {
 
 impl Shear {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
-        let case = self.test.flags.read(&self.case, self.test.has_packing())?;
-        self.test.run(context, &case)
+        let cases = self.test.flags.read_all(&self.case, self.test.has_packing(), None)?;
+        self.test.run(context, cases)
     }
 }

@@ -16,11 +16,11 @@ use crate::failure::Failure;
 use crate::output;
 use crate::progress::readable;
 
-/// Print the progress of a run, of a training or of every run of a reproduction, and what to do next.
+/// Print the progress of a run, of a training or of every run of a reproduction or a list of runs, and what to do next.
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum status run-1\n  granum status reproduction")]
 pub struct Status {
-    /// Folder of a run, a training or a reproduction.
+    /// Folder of a run, of several runs, of a training or a reproduction.
     folder: PathBuf,
 }
 
@@ -28,7 +28,9 @@ impl Status {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         match Contents::of(&self.folder)? {
             Contents::Training { finished } => self.training(context, finished),
-            contents @ Contents::Reproduction { .. } => self.reproduction(context, &contents),
+            contents @ (Contents::Reproduction { .. } | Contents::Runs { .. }) => {
+                self.several(context, &contents)
+            }
             _ => {
                 let found = FolderStatus::of(&self.folder)?;
                 output::say(context, &found.json(), || found.text())
@@ -36,8 +38,8 @@ impl Status {
         }
     }
 
-    /// Prints the progress of every run of a reproduction.
-    fn reproduction(&self, context: &Context, contents: &Contents) -> Result<(), Failure> {
+    /// Prints the progress of every run of a reproduction or a list.
+    fn several(&self, context: &Context, contents: &Contents) -> Result<(), Failure> {
         let next = contents.next(&self.folder);
         let (mut all, mut lines) = (Vec::new(), Vec::new());
         for folder in contents.runs(&self.folder) {
@@ -54,7 +56,10 @@ impl Status {
         let result = json!({
             "folder": self.folder,
             "runs": all,
-            "finished": matches!(contents, Contents::Reproduction { finished: true, .. }),
+            "finished": matches!(
+                contents,
+                Contents::Reproduction { finished: true, .. } | Contents::Runs { finished: true, .. }
+            ),
             "next": next.text,
             "command": next.command,
         });

@@ -1,24 +1,23 @@
-//! The common part of `granum shear` and `granum run`: the source of the sample, the output folder and the run itself.
+//! The common part of `granum shear` and `granum run`: the source of the sample, and the output folder.
 
 use std::path::PathBuf;
 
 use clap::Args;
-use granum::contents::{Kind, check_free};
-use granum_io::{Case, RunFolder};
 use granum_run::laboratory::Source;
+use granum_run::queue::RunKind;
 
-use super::case_flags::CaseFlags;
+use super::case_flags::{CaseFlags, Combination};
 use super::checkpoints::CheckpointFlags;
-use super::hardware::{HardwareFlags, Show};
-use super::run_report;
+use super::hardware::HardwareFlags;
+use super::{several_runs, single_run};
 use crate::context::Context;
 use crate::failure::Failure;
 
 #[derive(Args)]
 pub struct TestRun {
-    /// Folder to create.
-    #[arg(short, long, default_value = "run", value_name = "DIR")]
-    out: PathBuf,
+    /// Folder to create: `run` by default, or `runs` for the folders of several runs.
+    #[arg(short, long, value_name = "DIR")]
+    out: Option<PathBuf>,
     /// Use the sample that `granum prepare` wrote to this folder.
     #[arg(long, value_name = "DIR", conflicts_with = "packing")]
     sample: Option<PathBuf>,
@@ -40,21 +39,20 @@ impl TestRun {
         self.packing.is_some()
     }
 
-    /// Runs the test of a case.
-    pub fn run(&self, context: &Context, case: &Case) -> Result<(), Failure> {
+    /// Runs the tests of the cases, one or several.
+    pub fn run(&self, context: &Context, cases: Vec<Combination>) -> Result<(), Failure> {
         let laboratory = self.hardware.laboratory(context, &self.checkpoints)?;
         let source = match (&self.sample, &self.packing) {
             (Some(folder), _) => Source::Folder(folder.clone()),
             (_, Some(file)) => Source::Packing(file.clone()),
             _ => Source::Case,
         };
-        check_free(&self.out, Kind::Run, context.force)?;
-        // Inputs are checked before the folder is created, so that a mistake leaves no folder behind and, with --force, does
-        // not delete an older run.
-        let mut show = Show::new(context);
-        let planned = laboratory.planned("shear", case, &source, &mut show)?;
-        let folder = RunFolder::create(&self.out, context.force)?;
-        let record = planned.run(&folder, &mut show)?;
-        run_report::print(context, &self.out, &record)
+        let out = |usual: &str| self.out.clone().unwrap_or_else(|| usual.into());
+        match &cases[..] {
+            [one] if one.name.is_empty() => {
+                single_run::run(context, &laboratory, RunKind::Shear, &one.case, &source, &out("run"))
+            }
+            _ => several_runs::run(context, &laboratory, RunKind::Shear, cases, &source, &out("runs")),
+        }
     }
 }

@@ -14,6 +14,7 @@ mod packings;
 mod recordings;
 mod refusals;
 mod settings;
+mod several_runs;
 mod stages;
 mod tests_of_grains;
 mod tutorial;

@@ -14,6 +14,7 @@ use granum_antony2006::Summary;
 use granum_antony2006::reproduction::{Reproduction, ReproductionOptions, SUMMARY_FILE};
 use granum_io::OutputFolder;
 use granum_learn::LearnError;
+use granum_run::Laboratory;
 use serde_json::json;
 
 use self::plan::Plan;
@@ -64,7 +65,7 @@ impl Reproduce {
         let laboratory = self.hardware.laboratory(context, &self.checkpoints)?;
         let plan = Plan::new(&self.options());
         let folder = self.folder(context, &plan)?;
-        if !context.force && self.is_finished(&folder, &plan, &laboratory.version) {
+        if !context.force && self.is_finished(&folder, &plan, &laboratory) {
             return self.print(context, &folder, &read_summary(folder.path())?, None);
         }
         let runs = runs::all(context, &laboratory, &plan, &self.out)?;
@@ -124,9 +125,9 @@ impl Reproduce {
     }
 
     /// True if the reproduction is complete.
-    fn is_finished(&self, folder: &OutputFolder, plan: &Plan, version: &str) -> bool {
+    fn is_finished(&self, folder: &OutputFolder, plan: &Plan, laboratory: &Laboratory) -> bool {
         [SUMMARY_FILE, "report.html"].iter().all(|name| folder.file(name).is_file())
-            && runs::are_finished(folder.path(), plan, version)
+            && runs::are_finished(laboratory, folder.path(), plan)
     }
 
     /// Prints the result of a reproduction that finished now or earlier.

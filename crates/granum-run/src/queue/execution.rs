@@ -1,0 +1,132 @@
+//! The execution of one run of a queue: a finished one is used again, an unfinished one continues, and otherwise a new one begins.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use granum_dem::observer::Observer;
+use granum_io::run::file_digest;
+use granum_io::{Run, RunFolder, RunRecord, RunSource, RunStatus};
+
+use super::outcome::RunError;
+use super::queue_error::QueueError;
+use super::queued_run::{QueuedRun, RunKind};
+use crate::engine::engine_trait::Laboratory;
+use crate::laboratory::laboratory_error::LaboratoryError;
+use crate::laboratory::source::Source;
+
+/// What the folder of a planned run holds.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Held {
+    /// No run.
+    Nothing,
+    /// The planned run, finished.
+    Finished(Box<RunRecord>),
+    /// The planned run, not finished.
+    Unfinished(Box<RunRecord>),
+    /// A run of another case or version.
+    Other(Box<RunRecord>),
+}
+
+impl Held {
+    /// Looks into the folder of a run.
+    ///
+    /// # Errors
+    /// If there is a record that cannot be read, or the packing of the run cannot be read.
+    pub(super) fn by(run: &QueuedRun, laboratory: &Laboratory) -> granum_io::Result<Held> {
+        if !run.folder.join("run.json").is_file() {
+            return Ok(Held::Nothing);
+        }
+        let record = Box::new(Run::at(&run.folder)?.record()?);
+        Ok(match (is_of(&record, run, laboratory)?, record.status) {
+            (false, _) => Held::Other(record),
+            (true, RunStatus::Finished) => Held::Finished(record),
+            (true, _) => Held::Unfinished(record),
+        })
+    }
+
+    /// True if the run needs the sample of another run.
+    pub(super) fn needs_sample(&self) -> bool {
+        match self {
+            Held::Finished(_) => false,
+            Held::Unfinished(record) => record.source != RunSource::Case,
+            Held::Nothing | Held::Other(_) => true,
+        }
+    }
+}
+
+/// True if a record, finished or not, is that of a planned run with this version.
+fn is_of(record: &RunRecord, run: &QueuedRun, laboratory: &Laboratory) -> granum_io::Result<bool> {
+    let packing = match &run.source {
+        Source::Case => None,
+        Source::Packing(file) => Some(file_digest(file)?),
+        Source::Folder(folder) => {
+            let sample = Run::at(folder).and_then(|sample| sample.record()).ok();
+            sample.and_then(|sample| sample.packing_digest().map(str::to_string))
+        }
+    };
+    // A run that has been prepared only in part does not always know its packing yet.
+    let same_case = record.case_digest == run.case.digest_with(packing.as_deref());
+    Ok(same_case
+        && record.kind == run.kind.name()
+        && record.engine == laboratory.engine
+        && record.granum_version == laboratory.version)
+}
+
+/// Refuses the folder of a run if it is a link, or holds another run that is not to be replaced.
+pub(super) fn check_folder(
+    run: &QueuedRun,
+    laboratory: &Laboratory,
+    replace_others: bool,
+) -> Result<Held, QueueError> {
+    if std::fs::symlink_metadata(&run.folder).is_ok_and(|kind| kind.is_symlink()) {
+        let message =
+            "is a symbolic link; a run must stay in its folder, so replace it by a folder or remove it";
+        return Err(granum_io::Error::content(&run.folder, message).into());
+    }
+    match Held::by(run, laboratory) {
+        Err(_) if replace_others => Ok(Held::Nothing),
+        Err(error) => Err(error.into()),
+        Ok(Held::Other(record)) if !replace_others => {
+            let (folder, version) = (run.folder.clone(), record.granum_version);
+            Err(QueueError::OtherRun { folder, version })
+        }
+        Ok(held) => Ok(held),
+    }
+}
+
+/// Executes a run; a panic is an error of this run alone.
+pub(super) fn execute(
+    laboratory: &Laboratory,
+    run: &QueuedRun,
+    observer: &mut dyn Observer,
+) -> Result<RunRecord, RunError> {
+    catch_unwind(AssertUnwindSafe(|| go_on(laboratory, run, observer))).unwrap_or_else(|panic| {
+        let text = panic.downcast_ref::<String>().map(String::as_str);
+        let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
+        Err(RunError::Panic(text.to_string()))
+    })
+}
+
+fn go_on(
+    laboratory: &Laboratory,
+    run: &QueuedRun,
+    observer: &mut dyn Observer,
+) -> Result<RunRecord, RunError> {
+    match Held::by(run, laboratory) {
+        Ok(Held::Finished(record)) => return Ok(*record),
+        Ok(Held::Unfinished(_)) => {
+            let folder = RunFolder::open(&run.folder)?;
+            match laboratory.resume(&folder, observer) {
+                // After damage to a checkpoint the run is repeated, which costs time but no other run.
+                Err(LaboratoryError::Checkpoint { .. } | LaboratoryError::Unusable { .. }) => {}
+                other => return Ok(other?),
+            }
+        }
+        // What the folder holds has been checked, or may be replaced.
+        Ok(Held::Nothing | Held::Other(_)) | Err(_) => {}
+    }
+    let folder = RunFolder::create(&run.folder, true)?;
+    Ok(match run.kind {
+        RunKind::Prepare => laboratory.prepare(&run.case, &run.source, &folder, observer),
+        RunKind::Shear => laboratory.shear(&run.case, &run.source, &folder, observer),
+    }?)
+}

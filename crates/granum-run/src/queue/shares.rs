@@ -1,0 +1,59 @@
+//! The completed share of all runs of a queue.
+
+use granum_dem::observer::Progress;
+use granum_dem::preparation::Phase;
+
+use super::outcome::Outcome;
+use super::queued_run::RunKind;
+use super::runner::Queue;
+use super::work;
+
+/// Share of the preparation in the work of a run that prepares its sample itself.
+const PREPARATION_SHARE: f64 = 0.15;
+
+/// The completed share of each run of a queue, weighed by its expected work.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shares {
+    work: Vec<f64>,
+    is_sample: Vec<bool>,
+    done: Vec<f64>,
+}
+
+impl Shares {
+    /// No run has begun.
+    pub fn new(queue: &Queue) -> Shares {
+        let runs = queue.runs();
+        Shares {
+            work: runs.iter().map(work::expected).collect(),
+            is_sample: runs.iter().map(|run| run.kind == RunKind::Prepare).collect(),
+            done: vec![0.0; runs.len()],
+        }
+    }
+
+    /// Notes the progress of a run.
+    pub fn update(&mut self, run: usize, progress: &Progress) {
+        // The solid fraction of a sample grows from nearly nothing to about two thirds.
+        let prepared = progress.simulation.state().solid_fraction();
+        self.done[run] = match (progress.phase, self.is_sample[run]) {
+            (Phase::Shear, _) => {
+                PREPARATION_SHARE + (1.0 - PREPARATION_SHARE) * progress.fraction.unwrap_or(0.0)
+            }
+            (_, true) => self.done[run].max(prepared),
+            (_, false) => self.done[run].max(PREPARATION_SHARE * prepared),
+        };
+    }
+
+    /// Notes the end of a run. One that was interrupted keeps its share.
+    pub fn end(&mut self, run: usize, outcome: &Outcome) {
+        if !outcome.is_stopped() {
+            self.done[run] = 1.0;
+        }
+    }
+
+    /// The completed share of all runs.
+    pub fn all(&self) -> f64 {
+        let all: f64 = self.work.iter().sum();
+        let done: f64 = self.work.iter().zip(&self.done).map(|(work, done)| work * done).sum();
+        if all > 0.0 { done / all } else { 1.0 }
+    }
+}

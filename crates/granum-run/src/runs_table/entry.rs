@@ -1,0 +1,55 @@
+//! A run of a table.
+
+use std::path::{Path, PathBuf};
+
+use granum_io::{Case, Result, Run, RunRecord};
+
+/// A run with what a table needs of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunEntry {
+    /// Its name in the table.
+    pub name: String,
+    /// Its folder.
+    pub folder: PathBuf,
+    /// The case.
+    pub case: Case,
+    /// The record.
+    pub record: RunRecord,
+    /// Digest of the results, if it is known.
+    pub digest: Option<String>,
+}
+
+impl RunEntry {
+    /// A run from its parts.
+    pub fn new(
+        name: impl Into<String>,
+        folder: impl Into<PathBuf>,
+        case: Case,
+        record: RunRecord,
+    ) -> RunEntry {
+        RunEntry { name: name.into(), folder: folder.into(), case, record, digest: None }
+    }
+
+    /// Reads the folder of a run; its name is that of the folder.
+    ///
+    /// # Errors
+    /// If the case or the record cannot be read; the message names the file.
+    pub fn read(folder: &Path) -> Result<RunEntry> {
+        let run = Run::at(folder)?;
+        let (case, record) = (run.case()?, run.record()?);
+        let whole = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
+        let name = whole
+            .file_name()
+            .map_or_else(|| folder.display().to_string(), |name| name.to_string_lossy().into_owned());
+        Ok(RunEntry::new(name, folder, case, record))
+    }
+
+    /// The same run with the digest of its results, which reads all of its files.
+    ///
+    /// # Errors
+    /// As [`crate::digest::of_run`].
+    pub fn with_digest(self) -> Result<RunEntry> {
+        let digest = crate::digest::of_run(&Run::at(&self.folder)?)?;
+        Ok(RunEntry { digest: Some(digest), ..self })
+    }
+}

@@ -1,0 +1,148 @@
+//! The keys by which the cases of runs differ, with their values.
+
+use std::collections::BTreeMap;
+
+use granum_core::quantity::format_number;
+use granum_io::Case;
+use granum_io::case::FIELDS;
+
+use super::entry::RunEntry;
+use crate::queue::short_keys;
+
+/// Most keys of a legend; with more the names of the runs are shorter.
+const MOST_IN_LEGEND: usize = 3;
+
+/// The value of a key of a case.
+#[derive(Clone, Debug, PartialEq)]
+pub enum KeyValue {
+    /// A number in the SI unit of the key.
+    Number(f64),
+    /// A word, or anything else as text.
+    Word(String),
+    /// The case does not have the key.
+    Absent,
+}
+
+/// A key that does not have the same value in all runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DifferingKey {
+    /// The key, e.g. `grains.material.friction` or `stage.1.lateral_stress`.
+    pub key: String,
+    /// SI unit of its numbers; empty for pure numbers and words.
+    pub unit: String,
+    /// Its value in every run.
+    pub values: Vec<KeyValue>,
+}
+
+/// The keys by which the cases of runs differ, in the order of the case file, stages and materials included.
+pub fn differing_keys(runs: &[RunEntry]) -> Vec<DifferingKey> {
+    let cases: Vec<BTreeMap<String, (KeyValue, String)>> =
+        runs.iter().map(|run| of_case(&run.case)).collect();
+    let mut keys: Vec<String> = FIELDS.iter().map(|field| field.path()).collect();
+    for key in cases.iter().flat_map(BTreeMap::keys) {
+        if !keys.contains(key) {
+            keys.push(key.clone());
+        }
+    }
+    let differing = |key: String| {
+        let found = |case: &BTreeMap<String, (KeyValue, String)>| {
+            case.get(&key).map_or(KeyValue::Absent, |(value, _)| value.clone())
+        };
+        let values: Vec<KeyValue> = cases.iter().map(found).collect();
+        let unit =
+            cases.iter().find_map(|case| case.get(&key)).map_or_else(String::new, |(_, unit)| unit.clone());
+        let differs = values.windows(2).any(|pair| pair[0] != pair[1]);
+        differs.then_some(DifferingKey { key, unit, values })
+    };
+    keys.into_iter().filter_map(differing).collect()
+}
+
+/// A short text for each run by which a reader tells them apart: the keys that differ with their values, `friction 0.2,
+/// lateral stress 50 kPa`; the names of the runs where no key or many keys differ, or where two runs would have the same text.
+pub fn legend(runs: &[RunEntry]) -> Vec<String> {
+    let names = || runs.iter().map(|run| run.name.clone()).collect();
+    let differing = differing_keys(runs);
+    if differing.is_empty() || differing.len() > MOST_IN_LEGEND {
+        return names();
+    }
+    let keys = short_keys(&differing.iter().map(|found| found.key.as_str()).collect::<Vec<_>>());
+    let text = |run: usize| {
+        let part = |(key, found): (&String, &DifferingKey)| {
+            format!("{} {}", key.replace('_', " "), shown(&found.values[run], &found.unit))
+        };
+        keys.iter().zip(&differing).map(part).collect::<Vec<_>>().join(", ")
+    };
+    let texts: Vec<String> = (0..runs.len()).map(text).collect();
+    let alike = (0..texts.len()).any(|k| texts[..k].contains(&texts[k]));
+    if alike { names() } else { texts }
+}
+
+/// A value for reading, with a prefix of its unit: `50 kPa`.
+fn shown(value: &KeyValue, unit: &str) -> String {
+    match value {
+        KeyValue::Absent => "not given".into(),
+        KeyValue::Word(word) => word.clone(),
+        KeyValue::Number(number) => {
+            let prefixes = [(1e9, "G"), (1e6, "M"), (1e3, "k")];
+            let size = number.abs() * (1.0 + 1e-9);
+            let prefix = prefixes.into_iter().find(|(factor, _)| unit == "Pa" && size >= *factor);
+            let (factor, prefix) = prefix.unwrap_or((1.0, ""));
+            format!("{} {prefix}{unit}", format_number(number / factor)).trim_end().to_string()
+        }
+    }
+}
+
+/// The values of all keys of a case.
+fn of_case(case: &Case) -> BTreeMap<String, (KeyValue, String)> {
+    let values = case.values();
+    let mut all: BTreeMap<String, (KeyValue, String)> = values
+        .iter()
+        .filter(|(key, _)| !["stage", "preparation.stage"].contains(&key.as_str()))
+        .map(|(key, text)| (key.clone(), value_of(text)))
+        .collect();
+    if case.has_stages() {
+        // The section [shear] says nothing about a test that is given as stages.
+        all.retain(|key, _| !key.starts_with("shear."));
+    }
+    all.extend(of_stages(&case.stages_toml(), "stage"));
+    all.extend(of_stages(&case.preparation_stages_toml(), "preparation.stage"));
+    all
+}
+
+/// A value as [`Case::values`] shows it, with its unit.
+fn value_of(text: &str) -> (KeyValue, String) {
+    if text == "not given" {
+        return (KeyValue::Absent, String::new());
+    }
+    let (first, unit) = text.split_once(' ').unwrap_or((text, ""));
+    match first.parse::<f64>() {
+        Ok(number) => (KeyValue::Number(number), unit.to_string()),
+        Err(_) => (KeyValue::Word(text.trim_matches('"').to_string()), String::new()),
+    }
+}
+
+/// The keys of stages, which are numbered: `stage.1.axial_strain`, `stage.2.1.amplitude` of a stage that is repeated.
+fn of_stages(toml: &str, heading: &str) -> Vec<(String, (KeyValue, String))> {
+    let mut numbers: Vec<usize> = Vec::new();
+    let mut all = Vec::new();
+    for line in toml.lines() {
+        if let Some(inner) = line.trim().strip_prefix("[[").and_then(|rest| rest.strip_suffix("]]")) {
+            let depth = inner.strip_prefix(heading).map_or(0, |rest| rest.matches(".stage").count());
+            numbers.truncate(depth + 1);
+            match numbers.get_mut(depth) {
+                Some(number) => *number += 1,
+                None => numbers.push(1),
+            }
+        } else if let Some((key, value)) = line.split_once(" = ") {
+            let (value, unit) = value.split_once("  # ").unwrap_or((value, ""));
+            let place: Vec<String> = numbers.iter().map(usize::to_string).collect();
+            let key = format!("{heading}.{}.{}", place.join("."), key.trim());
+            let value = match value.parse::<f64>() {
+                Ok(number) => KeyValue::Number(number),
+                Err(_) => KeyValue::Word(value.trim_matches('"').to_string()),
+            };
+            all.push((key, (value, unit.to_string())));
+        }
+    }
+    all
+}

@@ -1,0 +1,33 @@
+//! One preparation or test in its folder.
+
+use std::path::Path;
+
+use granum::contents::{Kind, check_free};
+use granum_io::{Case, RunFolder};
+use granum_run::Laboratory;
+use granum_run::laboratory::Source;
+use granum_run::queue::RunKind;
+
+use super::hardware::Show;
+use super::run_report;
+use crate::context::Context;
+use crate::failure::Failure;
+
+/// Executes a run in a new folder and prints its result.
+pub fn run(
+    context: &Context,
+    laboratory: &Laboratory,
+    kind: RunKind,
+    case: &Case,
+    source: &Source,
+    out: &Path,
+) -> Result<(), Failure> {
+    check_free(out, Kind::Run, context.force)?;
+    // Inputs are checked before the folder is created, so that a mistake leaves no folder behind and, with --force, does
+    // not delete an older run.
+    let mut show = Show::new(context);
+    let planned = laboratory.planned(kind.name(), case, source, &mut show)?;
+    let folder = RunFolder::create(out, context.force)?;
+    let record = planned.run(&folder, &mut show)?;
+    run_report::print(context, out, &record)
+}

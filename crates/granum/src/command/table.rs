@@ -1,0 +1,100 @@
+//! `granum table`: runs side by side, a row for each.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use granum_core::parallel;
+use granum_io::formats::mixed::{MixedTable, MixedValues};
+use granum_io::{RunStatus, check_output_file};
+use granum_run::runs_table::{RunEntry, RunsTable, Selection, find_runs};
+use serde_json::{Map, Value, json};
+
+use super::text_table;
+use crate::context::Context;
+use crate::failure::Failure;
+use crate::output;
+
+/// Make a table of runs, a row for each: every key by which their cases differ, the sample, the strength, the checks, the digests.
+///
+/// The keys are the resolved ones of the case files, stages (stage.1.lateral_stress) and materials included; numbers are in SI units,
+/// angles in degrees. On the terminal the main columns are shown; a file, --all and --json have all of them. A number that a run
+/// does not have is an empty cell (in Parquet NaN).
+#[derive(Args)]
+#[command(
+    after_help = "Example:\n  granum table study\n  granum table study -o study.csv\n  granum table run-1 run-2 other/study -o all.parquet"
+)]
+pub struct Table {
+    /// Folders of runs, or folders that contain runs and are searched.
+    #[arg(required = true, value_name = "RUN")]
+    folders: Vec<PathBuf>,
+    /// File to write (.csv or .parquet).
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Show all columns on the terminal.
+    #[arg(long)]
+    all: bool,
+}
+
+impl Table {
+    pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        if let Some(path) = &self.output {
+            check_output_file(path, context.force)?;
+        }
+        let folders = find_runs(&self.folders)?;
+        let all = self.output.is_some() || self.all || context.json;
+        let mut runs = parallel::map(folders.len(), 0, |k| read(context, &folders[k], all))?;
+        // Runs of different studies may have the same name.
+        let names: Vec<String> = runs.iter().map(|run| run.name.clone()).collect();
+        for run in &mut runs {
+            if names.iter().filter(|name| **name == run.name).count() > 1 {
+                run.name = run.folder.display().to_string();
+            }
+        }
+        for run in runs.iter().filter(|run| run.record.status != RunStatus::Finished) {
+            context.warn(&format!("{} did not reach its end", run.name));
+        }
+        let table = RunsTable::of(&runs);
+        let full = table.select(Selection::All);
+        if let Some(path) = &self.output {
+            full.write(path)?;
+        }
+        let shown = if self.all { full.clone() } else { table.select(Selection::Main) };
+        output::say(context, &as_json(&full, self.output.as_ref()), || {
+            let mut lines = text_table::lines(&shown);
+            if let Some(path) = &self.output {
+                let (rows, columns) = (full.rows(), full.columns().len());
+                lines.push(format!("wrote {rows} rows with {columns} columns to {}", path.display()));
+            }
+            lines.join("\n")
+        })
+    }
+}
+
+/// Reads a run, with its digest if it is asked for and the run has results.
+fn read(context: &Context, folder: &std::path::Path, digest: bool) -> Result<RunEntry, Failure> {
+    context.check_stopped(|| "nothing was written".into())?;
+    let run = RunEntry::read(folder)?;
+    let has_results = run.record.kind == "prepare" || folder.join("series.parquet").is_file();
+    Ok(if digest && has_results { run.with_digest()? } else { run })
+}
+
+/// The columns with their units, and the runs as objects.
+fn as_json(table: &MixedTable, output: Option<&PathBuf>) -> Value {
+    let units: Map<String, Value> = (table.columns().iter())
+        .filter(|column| !column.unit.is_empty())
+        .map(|column| (column.name.clone(), json!(column.unit)))
+        .collect();
+    let row = |row: usize| {
+        let value = |values: &MixedValues| match values {
+            MixedValues::Numbers(values) => match values.get(row).filter(|value| value.is_finite()) {
+                Some(whole) if whole.fract() == 0.0 && whole.abs() < 1e15 => json!(*whole as i64),
+                value => json!(value),
+            },
+            MixedValues::Words(values) => json!(values.get(row)),
+        };
+        let cells = table.columns().iter().map(|column| (column.name.clone(), value(&column.values)));
+        Value::Object(cells.collect())
+    };
+    let runs: Vec<Value> = (0..table.rows()).map(row).collect();
+    json!({ "runs": runs, "units": units, "output": output })
+}
