@@ -5,6 +5,7 @@ import sys
 
 folder = pathlib.Path(sys.argv[1])
 summary = json.loads((folder / "summary.json").read_text())
+times = json.loads((folder / "seconds.json").read_text())
 problems = []
 
 
@@ -20,7 +21,8 @@ check(4 < dem["coordination_number"] < 6, f"coordination number: {dem['coordinat
 check(4 < dem["mechanical_coordination_number"] < 6.5, "mechanical coordination number")
 check([r["role"] for r in dem["runs"]] == ["training", "unseen", "unseen"], "roles of the runs")
 check(len({r["seed"] for r in dem["runs"]}) == 3, "seeds differ")
-check(all(r["grain_steps"] > 1e8 and r["wall_seconds"] > 0 for r in dem["runs"]), "work of the runs")
+check(all(r["grain_steps"] > 1e8 for r in dem["runs"]), "work of the runs")
+check(all(r["wall_seconds"] > 0 for r in times["dem"]["runs"]), "times of the runs")
 
 tables = {  # neurons of Tables 1-6
     "F1": [60, 55, 50], "F2": [25, 40, 65], "F3": [50, 50, 50],
@@ -34,7 +36,7 @@ for name, neurons in tables.items():
         error = mapping["relative_rmse"][part]
         check(0 < error < 1, f"{name}: {part} relative RMSE {error}")
     check(0 < mapping["seed_scatter"] < 0.5, f"{name}: seed scatter {mapping['seed_scatter']}")
-check(summary["speed"]["factor"] > 10, f"speed factor {summary['speed']['factor']}")
+check(times["speed"]["factor"] > 10, f"speed factor {times['speed']['factor']}")
 
 curve = summary["learning_curve"]["points"]
 check([p["training_runs"] for p in curve if p["mapping"] == "F3"] == [1, 2, 4], "numbers of training runs")

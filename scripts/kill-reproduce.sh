@@ -1,6 +1,7 @@
 #!/bin/bash
 # Reproduces the paper's case at quick size once in one go and once killed (SIGKILL) again and again at random moments, and
-# compares every file that both left but those that hold times. Prints what differs and ends with 1 if anything does.
+# compares every file that both left (report, summary, figures, runs, networks) but those that hold times. Prints what differs
+# and ends with 1 if anything does.
 #
 #   scripts/kill-reproduce.sh target/release/granum [longest seconds between kills]
 set -u
@@ -24,8 +25,8 @@ while true; do
     fi
 done
 list() {
-    (cd "$1" && find runs models -type f ! -name run.json ! -name seconds.json ! -name .granum-lock \
-        ! -name checkpoint.previous | sort)
+    (cd "$1" && find . -type f ! -name seconds.json ! -name speed.html ! -name .granum-lock \
+        ! -name checkpoint.previous ! -name checkpoint.refused | sort)
 }
 status=0
 diff <(list straight) <(list killed) || status=1

@@ -13,7 +13,9 @@ use granum_nets::Model;
 use serde::{Deserialize, Serialize};
 
 use crate::baseline::Baselines;
-use crate::layout::{BASELINES_FILE, STUDY_FILE, TIMES_FILE, check_mapping, network_file, write_json};
+use crate::layout::{
+    BASELINES_FILE, STUDY_FILE, TIMES_FILE, check_mapping, network_file, read_json, write_json,
+};
 use crate::mapping::{Form, Mapping};
 use crate::mapping_networks::MappingNetworks;
 use crate::study::{Study, TrainedMapping, network_name};
@@ -22,8 +24,9 @@ use granum_learn::runs::StudyRun;
 use granum_learn::{LearnError, Result};
 
 const FORMAT: &str = "granum study";
-/// Version of the format. Version 1 did not record the runs of a study.
-const VERSION: u64 = 2;
+/// Version of the format. Version 1 did not record the runs of a study; up to version 2 there was no SHA-256, neither of the file
+/// nor of the networks and baselines.
+const VERSION: u64 = 3;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -41,6 +44,44 @@ struct StudyFile {
     forces: Vec<f64>,
     bin_width: f64,
     mappings: Vec<MappingFile>,
+    /// SHA-256 of the files of the networks and of the baselines, by name.
+    #[serde(default)]
+    content: BTreeMap<String, String>,
+}
+
+impl StudyFile {
+    /// The names of the files of the study, those of its networks first.
+    fn files(&self) -> Vec<String> {
+        let names = self.mappings.iter().flat_map(|entry| {
+            let count = entry.mapping.sub_models.len();
+            let name = |strain_only, k| network_file(&network_name(&entry.mapping, strain_only, k));
+            (0..count).flat_map(move |k| [name(false, k), name(true, k)]).collect::<Vec<_>>()
+        });
+        names.chain([BASELINES_FILE.to_string()]).collect()
+    }
+
+    /// Refuses a file of the study that is not the one with which the study was saved.
+    fn check(&self, folder: &Path, name: &str) -> Result<()> {
+        let path = folder.join(name);
+        let Some(sha256) = self.content.get(name) else {
+            if self.version < 3 || name == BASELINES_FILE {
+                return Ok(());
+            }
+            return Err(Error::content(
+                &folder.join(STUDY_FILE),
+                format!("has no SHA-256 of {name}; train it again"),
+            )
+            .into());
+        };
+        if granum_io::run::file_digest(&path)? == *sha256 {
+            return Ok(());
+        }
+        let message = format!(
+            "was changed or replaced since the study was saved: {STUDY_FILE} has another SHA-256 of it; put the file back, or \
+             train the study again"
+        );
+        Err(Error::content(&path, message).into())
+    }
 }
 
 #[derive(Serialize, Deserialize)]
@@ -70,7 +111,7 @@ pub fn save_study(folder: &Path, study: &Study, runs: &[StudyRun]) -> Result<()>
             }
         }
     }
-    let file = StudyFile {
+    let mut file = StudyFile {
         format: FORMAT.to_owned(),
         version: VERSION,
         form: study.form,
@@ -89,9 +130,16 @@ pub fn save_study(folder: &Path, study: &Study, runs: &[StudyRun]) -> Result<()>
                 strain_only_training_seconds: Vec::new(),
             })
             .collect(),
+        content: BTreeMap::new(),
     };
     if let Some(baselines) = &study.baselines {
         write_json(&folder.join(BASELINES_FILE), baselines)?;
+    }
+    for name in file.files() {
+        if name != BASELINES_FILE || study.baselines.is_some() {
+            let digest = granum_io::run::file_digest(&folder.join(&name))?;
+            file.content.insert(name, digest);
+        }
     }
     write_json(&folder.join(TIMES_FILE), &seconds_of(study))?;
     write_json(&folder.join(STUDY_FILE), &file)
@@ -124,6 +172,7 @@ pub fn load_study(folder: &Path) -> Result<Study> {
         let load = |mapping: Mapping, strain_only: bool| -> Result<MappingNetworks> {
             let models = (0..mapping.sub_models.len()).map(|k| {
                 let name = network_name(&mapping, strain_only, k);
+                file.check(folder, &network_file(&name))?;
                 Model::load(&folder.join(network_file(&name))).map_err(|error| network_error(&name, &error))
             });
             let models = models.collect::<Result<Vec<_>>>()?;
@@ -136,6 +185,9 @@ pub fn load_study(folder: &Path) -> Result<Study> {
             strain_only_seconds: padded(&entry.strain_only_training_seconds, entry.mapping.sub_models.len()),
         });
     }
+    file.check(folder, BASELINES_FILE)?;
+    // Baselines that the study was not saved with are not its own.
+    let has_baselines = file.version < 3 || file.content.contains_key(BASELINES_FILE);
     let mut study = Study {
         form: file.form,
         trainer: file.trainer,
@@ -146,7 +198,9 @@ pub fn load_study(folder: &Path) -> Result<Study> {
         mappings,
         baselines: None,
     };
-    study.baselines = load_baselines(folder, &study)?;
+    if has_baselines {
+        study.baselines = load_baselines(folder, &study)?;
+    }
     TrainingCheckpoints::new(folder, Duration::MAX).add_seconds(&mut study);
     Ok(study)
 }
@@ -157,7 +211,7 @@ fn load_baselines(folder: &Path, study: &Study) -> Result<Option<Baselines>> {
     if !path.exists() {
         return Ok(None);
     }
-    let text = std::fs::read_to_string(&path).map_err(Error::file("read", &path))?;
+    let text = read_json(&path, 0)?;
     let baselines: Baselines = serde_json::from_str(&text).map_err(|error| {
         Error::content(&path, format!("these are not baselines: {error}; train it again"))
     })?;
@@ -178,8 +232,27 @@ pub fn load_runs(folder: &Path) -> Result<Option<Vec<StudyRun>>> {
     Ok(read_study_file(&folder.join(STUDY_FILE))?.runs)
 }
 
+/// The files of a study that are missing or are not those with which it was saved, with the reason.
+///
+/// # Errors
+/// If `study.json` itself is missing, damaged or of a newer version; the message names it.
+pub fn faults(folder: &Path) -> Result<Vec<LearnError>> {
+    let path = folder.join(STUDY_FILE);
+    let file = read_study_file(&path)?;
+    file.mappings.iter().try_for_each(|entry| check_mapping(&path, &entry.mapping))?;
+    Ok(file.files().iter().filter_map(|name| file.check(folder, name).err()).collect())
+}
+
+/// True if `study.json` holds the SHA-256 of the other files; those of earlier versions cannot be checked.
+///
+/// # Errors
+/// As [`faults`].
+pub fn can_be_checked(folder: &Path) -> Result<bool> {
+    Ok(read_study_file(&folder.join(STUDY_FILE))?.version >= 3)
+}
+
 fn read_study_file(path: &Path) -> Result<StudyFile> {
-    let text = std::fs::read_to_string(path).map_err(Error::file("read", path))?;
+    let text = read_json(path, 3)?;
     let file: StudyFile = serde_json::from_str(&text)
         .map_err(|error| Error::content(path, format!("this is not a study: {error}; train it again")))?;
     if file.format != FORMAT || !(1..=VERSION).contains(&file.version) {

@@ -157,14 +157,9 @@ pub fn read_speed(speed: &SpeedSummary) -> String {
     )
 }
 
-/// The complete interpretation.
-pub fn read(
-    evaluations: &[Evaluation],
-    size_study: Option<&SizeStudy>,
-    speed: Option<&SpeedSummary>,
-) -> Vec<String> {
+/// The complete interpretation. Speed is not part of it, since it depends on the computer ([`read_speed`]).
+pub fn read(evaluations: &[Evaluation], size_study: Option<&SizeStudy>) -> Vec<String> {
     let mut sentences: Vec<String> = evaluations.iter().map(read_mapping).collect();
     sentences.extend(size_study.map(read_size_study).unwrap_or_default());
-    sentences.extend(speed.map(read_speed));
     sentences
 }

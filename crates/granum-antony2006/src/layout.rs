@@ -1,10 +1,9 @@
 //! Names of the files in the folder of a study, and the check of the names of mappings.
 
-use std::io::Write;
 use std::path::Path;
 
 use granum_io::Error;
-use granum_io::atomic::write_atomically;
+use granum_io::sealed::{unseal, unseal_strictly, write_sealed};
 use serde::Serialize;
 
 use crate::mapping::Mapping;
@@ -25,16 +24,30 @@ pub fn network_file(network: &str) -> String {
     format!("{network}.json")
 }
 
-/// Writes a value as readable JSON.
+/// Writes a value as readable JSON with its SHA-256.
 ///
 /// # Errors
 /// If the file cannot be written.
 pub fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
-    write_atomically(path, |file| {
-        serde_json::to_writer_pretty(&mut *file, value)?;
-        file.write_all(b"\n")
-    })?;
-    Ok(())
+    Ok(write_sealed(path, value)?)
+}
+
+/// Reads the text of such a file without its SHA-256, which is required from the given version of the format on.
+///
+/// # Errors
+/// If the file cannot be read, or was changed since it was written.
+pub(crate) fn read_json(path: &Path, sealed_from: u64) -> Result<String> {
+    #[derive(serde::Deserialize)]
+    struct Head {
+        version: u64,
+    }
+    let text = std::fs::read_to_string(path).map_err(Error::file("read", path))?;
+    // What is no JSON, or of another format, is told by the reader of the content.
+    let head: Option<Head> = serde_json::from_str(&text).ok();
+    Ok(match head {
+        Some(Head { version }) if version >= sealed_from => unseal_strictly(path, &text)?,
+        _ => unseal(path, &text)?.text,
+    })
 }
 
 /// Largest number of networks of a mapping.

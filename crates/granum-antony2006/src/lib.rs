@@ -33,6 +33,7 @@ pub mod study;
 pub mod study_data;
 pub mod sufficiency;
 pub mod summary;
+pub mod times;
 pub mod training_checkpoints;
 mod training_rows;
 
@@ -48,7 +49,7 @@ pub use batch::Batch;
 pub use mapping::{Form, Mapping, Quantity, SubModel, paper_mappings};
 pub use mapping_networks::{Answer, MappingNetworks, RowAnswer};
 pub use mapping_surrogate::MappingMethod;
-pub use report::{StudyReport, study_report};
+pub use report::{StudyReport, speed_page, study_report};
 pub use sensor_use::{SensorUse, Verdict};
 pub use size_study::{SizeStudy, SizeStudyOptions};
 pub use study::{Evaluation, Study, StudyObserver, StudyOptions, StudyProgress};

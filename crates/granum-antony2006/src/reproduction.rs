@@ -7,19 +7,22 @@ use granum_io::Error;
 use granum_io::shell::{quoted, quoted_path};
 use serde::{Deserialize, Serialize};
 
-use crate::layout::write_json;
+use crate::layout::{read_json, write_json};
 use crate::study::StudyOptions;
 use granum_learn::Result;
 
 /// File with the description of the reproduction in a folder.
 pub const REPRODUCTION_FILE: &str = "reproduction.json";
+/// Page with the computing times of a reproduction.
+pub const SPEED_FILE: &str = "speed.html";
 /// File with the numerical results of a reproduction; it is written last.
 pub const SUMMARY_FILE: &str = "summary.json";
 /// Folder of the runs.
 pub const RUNS: &str = "runs";
 
 const FORMAT: &str = "granum reproduction";
-const VERSION: u64 = 1;
+/// Version of the format. Version 1 had no SHA-256.
+const VERSION: u64 = 2;
 
 /// The options of `granum reproduce` that determine its results, in contrast to threads, instruction set and checkpoints.
 ///
@@ -34,6 +37,9 @@ pub struct ReproductionOptions {
     pub trainer: String,
     /// Number of additional training runs for the same mappings; `None` for the default.
     pub training_runs: Option<usize>,
+    /// Number of grains of every run; `None` for the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grains: Option<u64>,
 }
 
 impl Default for ReproductionOptions {
@@ -42,6 +48,7 @@ impl Default for ReproductionOptions {
             quick: false,
             trainer: StudyOptions::default().trainer.name().to_owned(),
             training_runs: None,
+            grains: None,
         }
     }
 }
@@ -59,6 +66,9 @@ impl ReproductionOptions {
         }
         if let Some(runs) = self.training_runs {
             flags.push(("--training-runs", Some(runs.to_string())));
+        }
+        if let Some(grains) = self.grains {
+            flags.push(("--grains", Some(grains.to_string())));
         }
         flags
     }
@@ -135,15 +145,15 @@ impl Reproduction {
         if !path.is_file() {
             return Ok(None);
         }
-        let text = std::fs::read_to_string(&path).map_err(Error::file("read", &path))?;
+        let text = read_json(&path, 2)?;
         let of: Reproduction = serde_json::from_str(&text).map_err(|error| {
             let message =
                 format!("does not describe a reproduction ({error}); it is damaged or from a newer granum");
             Error::content(&path, message)
         })?;
-        if of.format != FORMAT || of.version != VERSION {
+        if of.format != FORMAT || !(1..=VERSION).contains(&of.version) {
             let found = format!("format \"{}\" version {}", of.format, of.version);
-            let wanted = format!("this program reads \"{FORMAT}\" version {VERSION}");
+            let wanted = format!("this program reads \"{FORMAT}\" up to version {VERSION}");
             return Err(Error::content(&path, format!("{found}, but {wanted}")).into());
         }
         for name in &of.runs {
@@ -211,16 +221,20 @@ mod tests {
         of.write(folder).unwrap();
         assert_eq!(Reproduction::read(folder).unwrap(), Some(of));
         let path = folder.join(REPRODUCTION_FILE);
-        let text = std::fs::read_to_string(&path).unwrap();
+        let whole = std::fs::read_to_string(&path).unwrap();
+        // A file of version 1, which had no SHA-256.
+        let text = whole.split(",\n  \"sha256\"").next().unwrap().to_string() + "\n}";
+        let text = text.replace("\"version\": 2", "\"version\": 1");
         let message = |text: String| {
             std::fs::write(&path, text).unwrap();
             Reproduction::read(folder).unwrap_err().to_string()
         };
         assert!(message(text.replace("\"quick\"", "\"slow\"")).contains("unknown field `slow`"));
         assert!(
-            message(text.replace("\"version\": 1", "\"version\": 2")).contains("version 2, but this program")
+            message(text.replace("\"version\": 1", "\"version\": 0")).contains("version 0, but this program")
         );
         assert!(message(text.replace("training-11", "../x")).contains("cannot be part of a file name"));
+        assert!(message(whole.replace("training-11", "training-12")).contains("was changed or damaged"));
         // An option that is missing in a file has its default.
         std::fs::write(&path, text.replace("\"quick\": true,", "")).unwrap();
         assert_eq!(Reproduction::read(folder).unwrap().unwrap().options, options(false, "traingdx"));

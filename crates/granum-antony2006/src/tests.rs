@@ -336,8 +336,19 @@ fn a_study_survives_its_files_and_answers_rows() {
     let message = loaded.mapping("F3").unwrap_err().to_string();
     assert_eq!(message, "there is no mapping `F3`; there are: F1, F2");
 
+    refuses_every_changed_bit(folder.path());
+    // Studies of version 2 had no SHA-256 of their files.
+    let manifest = folder.path().join(crate::layout::STUDY_FILE);
+    let mut old: serde_json::Value = serde_json::from_slice(&std::fs::read(&manifest).unwrap()).unwrap();
+    old["version"] = 2.into();
+    for key in ["content", "sha256"] {
+        assert!(old.as_object_mut().unwrap().remove(key).is_some(), "{key}");
+    }
+    std::fs::write(&manifest, serde_json::to_vec(&old).unwrap()).unwrap();
+    assert!(!files::can_be_checked(folder.path()).unwrap());
     let kept = folder.path().join(crate::layout::BASELINES_FILE);
-    let text = std::fs::read_to_string(&kept).unwrap();
+    let sealed = std::fs::read_to_string(&kept).unwrap();
+    let text = sealed.split(",\n  \"sha256\"").next().unwrap().to_string() + "\n}";
     std::fs::write(&kept, text.replace("\"F2\"", "\"F9\"")).unwrap();
     let message = files::load_study(folder.path()).unwrap_err().to_string();
     assert!(
@@ -356,10 +367,40 @@ fn a_study_survives_its_files_and_answers_rows() {
 
     std::fs::write(folder.path().join("F1-2.json"), "{}").unwrap();
     assert!(files::load_study(folder.path()).unwrap_err().to_string().contains("F1-2.json"));
-    let manifest = folder.path().join(crate::layout::STUDY_FILE);
     let text = std::fs::read_to_string(&manifest).unwrap().replace("\"F1\"", "\"../F1\"");
     std::fs::write(&manifest, text).unwrap();
     assert!(files::load_study(folder.path()).unwrap_err().to_string().contains("letters, digits"));
+}
+
+/// Flips random bits in each file of a study, and exchanges two of its networks: it is refused, and the file is named.
+fn refuses_every_changed_bit(folder: &std::path::Path) {
+    assert!(files::faults(folder).unwrap().is_empty() && files::can_be_checked(folder).unwrap());
+    let mut noise = 20_061_121_u64;
+    let names = ["study.json", "baselines.json", "F1-1.json", "F2-3.json", "F1-strain-only-2.json"];
+    for (round, name) in names.iter().cycle().take(200).enumerate() {
+        let path = folder.join(name);
+        let good = std::fs::read(&path).unwrap();
+        let mut bytes = good.clone();
+        noise = noise * 48271 % 2_147_483_647;
+        let at = noise as usize % bytes.len();
+        bytes[at] ^= 1 << (round % 8);
+        std::fs::write(&path, bytes).unwrap();
+        let message = files::load_study(folder).unwrap_err().to_string();
+        assert!(message.contains(name), "byte {at} of {name}: {message}");
+        let told =
+            files::faults(folder).map(|faults| faults.iter().map(ToString::to_string).collect::<String>());
+        assert!(told.unwrap_or_else(|error| error.to_string()).contains(name));
+        std::fs::write(&path, good).unwrap();
+    }
+    let (one, two) = (folder.join("F1-1.json"), folder.join("F1-2.json"));
+    let good = std::fs::read(&one).unwrap();
+    std::fs::copy(&two, &one).unwrap();
+    let message = files::load_study(folder).unwrap_err().to_string();
+    assert!(message.contains("F1-1.json: was changed or replaced since the study was saved"), "{message}");
+    std::fs::remove_file(&one).unwrap();
+    assert!(files::load_study(folder).unwrap_err().to_string().contains("F1-1.json"));
+    std::fs::write(&one, good).unwrap();
+    files::load_study(folder).unwrap();
 }
 
 #[test]
@@ -475,5 +516,6 @@ fn summary_and_speed_come_from_the_evaluation() {
     let speed = crate::speed::measure(&study, &dataset.unseen_runs[0], 60.0, 5).unwrap();
     assert!(speed.network_seconds > 0.0 && speed.states == 40 && speed.training_seconds > 0.0);
     assert!((speed.factor * speed.network_seconds / 60.0 - 1.0).abs() < 1e-12);
-    assert!(interpretation::read(&study.evaluate(&dataset).unwrap(), None, Some(&speed)).len() == 2);
+    assert!(interpretation::read(&study.evaluate(&dataset).unwrap(), None).len() == 1);
+    assert!(interpretation::read_speed(&speed).contains("times faster"));
 }

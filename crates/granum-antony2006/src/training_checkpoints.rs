@@ -15,14 +15,15 @@ use granum_nets::trainer::TrainerState;
 use serde::{Deserialize, Serialize};
 
 use crate::layout::{
-    BASELINES_FILE, PLAN_FILE, STUDY_FILE, TIMES_FILE, check_mapping, network_file, write_json,
+    BASELINES_FILE, PLAN_FILE, STUDY_FILE, TIMES_FILE, check_mapping, network_file, read_json, write_json,
 };
 use crate::mapping::{Form, Mapping};
 use crate::study::{Study, StudyOptions, network_name};
 use granum_learn::{LearnError, Result};
 
 const FORMAT: &str = "granum training";
-const VERSION: u64 = 1;
+/// Version of the format. Version 1 had no SHA-256.
+const VERSION: u64 = 2;
 
 /// The manifest of a training: its runs, data and options.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -98,12 +99,12 @@ impl TrainingManifest {
     /// If the file is missing, damaged or of another version.
     pub fn read(folder: &Path) -> Result<TrainingManifest> {
         let path = folder.join(PLAN_FILE);
-        let text = std::fs::read_to_string(&path).map_err(Error::file("read", &path))?;
+        let text = read_json(&path, 2)?;
         let plan: TrainingManifest = serde_json::from_str(&text)
             .map_err(|error| Error::content(&path, format!("this is not a training manifest: {error}")))?;
-        if plan.format != FORMAT || plan.version != VERSION {
+        if plan.format != FORMAT || !(1..=VERSION).contains(&plan.version) {
             let found = format!("format \"{}\" version {}", plan.format, plan.version);
-            let wanted = format!("this program reads \"{FORMAT}\" version {VERSION}");
+            let wanted = format!("this program reads \"{FORMAT}\" up to version {VERSION}");
             return Err(Error::content(&path, format!("{found}, but {wanted}")).into());
         }
         plan.mappings.iter().try_for_each(|mapping| check_mapping(&path, mapping))?;
@@ -180,7 +181,7 @@ struct UnderWay {
 impl TrainingCheckpoints {
     /// Stores networks in an existing folder, and the states of unfinished networks at the given interval.
     pub fn new(folder: &Path, every: Duration) -> TrainingCheckpoints {
-        let seconds = std::fs::read_to_string(folder.join(TIMES_FILE)).ok();
+        let seconds = read_json(&folder.join(TIMES_FILE), 0).ok();
         // The times do not affect any result, so that a damaged file is simply replaced.
         let seconds = seconds.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default();
         TrainingCheckpoints {
@@ -394,8 +395,15 @@ mod tests {
         assert_eq!(TrainingManifest::read(base.path()).unwrap(), one);
         let path = base.path().join(PLAN_FILE);
         let text = std::fs::read_to_string(&path).unwrap();
-        std::fs::write(&path, text.replace("\"version\": 1", "\"version\": 2")).unwrap();
-        assert!(TrainingManifest::read(base.path()).unwrap_err().to_string().contains("version 2"));
+        std::fs::write(&path, text.replace("\"seed\": 1", "\"seed\": 2")).unwrap();
+        let message = TrainingManifest::read(base.path()).unwrap_err().to_string();
+        assert!(message.contains("was changed or damaged"), "{message}");
+        // A file of version 1 had no SHA-256.
+        let old = text.split(",\n  \"sha256\"").next().unwrap().to_string() + "\n}";
+        std::fs::write(&path, old.replace("\"version\": 2", "\"version\": 1")).unwrap();
+        assert_eq!(TrainingManifest::read(base.path()).unwrap().dataset_hash, one.dataset_hash);
+        std::fs::write(&path, old.replace("\"version\": 2", "\"version\": 0")).unwrap();
+        assert!(TrainingManifest::read(base.path()).unwrap_err().to_string().contains("version 0"));
         std::fs::write(&path, &text[..50]).unwrap();
         assert!(TrainingManifest::read(base.path()).unwrap_err().to_string().contains("training.json"));
     }

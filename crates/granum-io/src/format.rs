@@ -6,8 +6,8 @@ use serde::Deserialize;
 
 use crate::error::{Error, Result};
 
-/// Rejects JSON whose `format` is newer than `newest`.
-pub(crate) fn check_format(path: &Path, text: &str, newest: u32) -> Result<()> {
+/// Rejects JSON whose `format` is newer than `newest`; returns the format.
+pub(crate) fn check_format(path: &Path, text: &str, newest: u32) -> Result<u32> {
     #[derive(Deserialize)]
     struct Head {
         format: u32,
@@ -20,7 +20,7 @@ pub(crate) fn check_format(path: &Path, text: &str, newest: u32) -> Result<()> {
         );
         return Err(Error::content(path, message));
     }
-    Ok(())
+    Ok(head.format)
 }
 
 /// The error for JSON that cannot be read: truncated or damaged.

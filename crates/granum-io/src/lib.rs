@@ -14,6 +14,7 @@ pub mod formats;
 pub mod laboratory;
 pub mod packing;
 pub mod run;
+pub mod sealed;
 pub mod shell;
 pub mod snapshot;
 mod text;

@@ -15,7 +15,8 @@ pub fn whose_grains(run: &RunReport) -> String {
     }
 }
 
-/// The complete case, its digest, and the computer.
+/// The complete case and its digest. The computer and its times are in `seconds.json`, so that a report has the same bytes
+/// everywhere.
 pub fn case_details(run: &RunReport) -> Markup {
     let digest = run.case.digest_with(run.run.packing_digest());
     let mut facts = vec![match &run.run.packing {
@@ -24,13 +25,6 @@ pub fn case_details(run: &RunReport) -> Markup {
         }
         None => format!("Case digest {digest}; seed {}.", run.case.preparation.seed),
     }];
-    let machine = &run.run.machine;
-    if !machine.system.is_empty() {
-        facts.push(format!(
-            "Computed on {} with {} and {} of {} threads.",
-            machine.system, machine.instruction_set, machine.threads, machine.available_threads
-        ));
-    }
     facts.extend(run.run.notes.iter().cloned());
     html! {
         (paragraphs(&facts))

@@ -6,7 +6,7 @@ use super::case_details::{case_details, whose_grains};
 use super::data::RunReport;
 use super::figure::palette::color;
 use super::figure::{Axis, Figure, Layer, Panel, Plot};
-use super::numbers::{duration, quantity, significant};
+use super::numbers::{quantity, significant};
 use super::page::{Document, Page, tiles};
 use super::{sample, trust};
 
@@ -77,9 +77,5 @@ fn headline(run: &RunReport) -> Vec<[String; 3]> {
     tile("coordination_number", "coordination number of all grains");
     tile("mechanical_coordination_number", "mechanical coordination number");
     tile("preparation_friction", "preparation friction");
-    let seconds = run.wall_seconds();
-    if seconds > 0.0 {
-        out.push([duration(seconds), "wall time".into(), String::new()]);
-    }
     out
 }

@@ -8,7 +8,7 @@ use super::data::RunReport;
 use super::forces;
 use super::further;
 use super::material;
-use super::numbers::{duration, factor, quantity, significant};
+use super::numbers::{quantity, significant};
 use super::page::{Document, Page, rich, tiles};
 use super::{path, preparation, sample, trust};
 
@@ -112,15 +112,6 @@ fn headline(run: &RunReport) -> Vec<[String; 3]> {
             format!("{held} of {}", flags.len()),
             "quality checks passed".into(),
             "servo, rate, overlap, energy".into(),
-        ]);
-    }
-    let seconds = run.wall_seconds();
-    if seconds > 0.0 {
-        let rate = run.run.grain_steps() as f64 / seconds;
-        out.push([
-            duration(seconds),
-            "wall time".into(),
-            format!("{} million grain-steps per second", factor(1e-6 * rate)),
         ]);
     }
     out

@@ -58,13 +58,6 @@ pub fn tiles(study: &StudyReport) -> Vec<[String; 3]> {
             "as close to an unseen run as runs with different seeds are to each other".into(),
         ]);
     }
-    if study.summary.speed.factor > 0.0 {
-        out.push([
-            format!("× {}", factor(study.summary.speed.factor)),
-            "faster than the DEM test".into(),
-            "paper: 5–10; training not counted".into(),
-        ]);
-    }
     if let Some(solid) = sample::mean_start(&study.runs, "solid_fraction") {
         let z = sample::nearest_definition(&study.runs);
         let remark = z.map_or(String::new(), |(_, z)| {
@@ -127,14 +120,6 @@ pub fn findings(study: &StudyReport) -> Vec<String> {
     out.extend(scatter_sentence(study));
     if let Some(size) = &study.summary.size_study {
         out.extend(crate::interpretation::read_size_study(size).iter().map(|text| symbols::markup(text)));
-    }
-    let speed = &study.summary.speed;
-    if speed.factor > 0.0 {
-        out.push(format!(
-            "For the same curves the networks need 1/{} of the time of the DEM test (the paper says 1/5 to 1/10). They are \
-             given soft sensors of the test that they predict, which a laboratory would have to measure.",
-            factor(speed.factor)
-        ));
     }
     out.extend(sample::interpretation(&study.runs).into_iter().nth(1));
     out

@@ -9,9 +9,11 @@ use crate::summary::Summary;
 mod headline;
 mod many_runs;
 mod networks;
+mod speed;
 mod study;
 mod tables;
 
+pub use speed::page as speed_page;
 pub use study::report as study_report;
 
 /// The data of the report of a study.

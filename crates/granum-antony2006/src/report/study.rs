@@ -6,7 +6,7 @@ use super::StudyReport;
 use super::headline;
 use super::{many_runs, networks, tables};
 use granum_report::case_details::case_details;
-use granum_report::numbers::{duration, factor, whole};
+use granum_report::numbers::whole;
 use granum_report::page::{Document, Page, Table, paragraphs, rich, tiles};
 use granum_report::run::{SIGNS, behaviour, force_section};
 use granum_report::{sample, symbols, trust};
@@ -119,34 +119,24 @@ fn claims_section(page: &mut Page, study: &StudyReport) {
         .flat_map(crate::interpretation::read_size_study)
         .map(|sentence| symbols::markup(&sentence))
         .collect();
-    let speed = &study.summary.speed;
-    let label = page.own_table_label();
-    let mut table = Table::new(&label, "Computing times of DEM and networks.", &["", "Time"]);
-    for (name, seconds) in [
-        ("One DEM test (shear)", speed.dem_seconds),
-        ("Networks, for the same curves", speed.network_seconds),
-        ("Training of all networks, once", speed.training_seconds),
-    ] {
-        table.row(vec![name.to_owned(), duration(seconds)]);
-    }
-    table.row(vec!["Factor".into(), format!("{} (paper: 5–10)", factor(speed.factor))]);
     let body = html! {
         h3 { "The fabric as an input allows a smaller network" }
         @if let Some(size) = size { (size) (paragraphs(&size_words)) }
         @else { p { "The sizes were not compared in this study." } }
         h3 { "The networks are faster than DEM" }
-        (table.html())
-        (paragraphs(&[symbols::markup(&crate::interpretation::read_speed(speed))]))
+        p {
+            "The paper says 5 to 10 times. Times depend on the computer and are therefore not on this page, which has the same \
+             bytes everywhere: they are in the files seconds.json and speed.html beside it. The networks are given soft \
+             sensors of the test that they predict, which a laboratory would have to measure."
+        }
     };
     page.section("claims", "The paper\u{2019}s claims, tested", body);
 }
 
 fn interpretation_section(page: &mut Page, study: &StudyReport) {
-    // Size and speed have a separate section.
-    let elsewhere: Vec<String> = (study.summary.size_study.iter())
-        .flat_map(crate::interpretation::read_size_study)
-        .chain([crate::interpretation::read_speed(&study.summary.speed)])
-        .collect();
+    // The size has a separate section.
+    let elsewhere: Vec<String> =
+        (study.summary.size_study.iter()).flat_map(crate::interpretation::read_size_study).collect();
     let sentences: Vec<String> = (study.summary.reading.iter())
         .filter(|sentence| !elsewhere.contains(sentence))
         .map(|sentence| symbols::markup(sentence))
@@ -186,14 +176,13 @@ fn material_sections(page: &mut Page, study: &StudyReport) {
 
 fn reproducibility_section(page: &mut Page, study: &StudyReport) {
     let label = page.own_table_label();
-    let columns = ["Run", "Role", "Seed", "Wall time", "Million grain-steps", "Case digest"];
+    let columns = ["Run", "Role", "Seed", "Million grain-steps", "Case digest"];
     let mut table = Table { words: 2, ..Table::new(&label, "The DEM runs.", &columns) };
     for run in &study.runs {
         table.row(vec![
             run.name.clone(),
             run.role.word().to_owned(),
             run.case.preparation.seed.to_string(),
-            duration(run.wall_seconds()),
             whole(run.run.grain_steps() as f64 / 1e6),
             run.case.digest().chars().take(12).collect(),
         ]);
@@ -206,7 +195,8 @@ fn reproducibility_section(page: &mut Page, study: &StudyReport) {
         ));
     }
     facts.push(
-        "Results do not depend on the number of threads or the instruction set; wall times do.".to_owned(),
+        "Results do not depend on the number of threads or the instruction set; wall times do, and are in seconds.json."
+            .to_owned(),
     );
     let body: Markup = html! {
         @if !study.command.is_empty() { pre { (study.command) } }

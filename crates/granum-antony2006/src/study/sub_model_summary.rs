@@ -19,7 +19,8 @@ pub struct SubModelSummary {
     pub rows: usize,
     /// Reason why the training ended.
     pub termination: String,
-    /// Wall time of the training, s.
+    /// Wall time of the training, s; in the file `seconds.json` of the networks.
+    #[serde(default, skip_serializing)]
     pub seconds: f64,
     /// Effective number of parameters, if the trainer determines it.
     pub effective_parameters: Option<f64>,

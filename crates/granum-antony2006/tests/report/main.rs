@@ -6,7 +6,7 @@ mod study;
 #[path = "../../../granum-report/tests/report/synthetic.rs"]
 mod synthetic;
 
-use granum_antony2006::{StudyReport, study_report};
+use granum_antony2006::{StudyReport, speed_page, study_report};
 
 use checks::{check, keep};
 
@@ -45,6 +45,18 @@ fn a_study_has_the_papers_figures_and_tables_and_says_what_was_learned() {
     let sentence = study.summary.reading[0].split(':').next_back().map(str::trim).unwrap_or("");
     assert!(!sentence.is_empty());
     assert!(document == study_report(study), "the same study is the same bytes");
+    // Times depend on the computer and have a page of their own.
+    let mut elsewhere = study.clone();
+    elsewhere.summary.speed = Default::default();
+    elsewhere.runs.iter_mut().for_each(|run| {
+        (run.run.machine, run.run.wall_seconds) = Default::default();
+    });
+    assert!(document == study_report(&elsewhere), "the report depends on times");
+    assert!(speed_page(&elsewhere).is_none());
+    let speed = speed_page(study).expect("the times are known");
+    keep(&speed, "speed");
+    check(&speed);
+    assert!(speed.html.contains("9000") || speed.html.contains("9\u{202f}000"), "{}", speed.html);
     let mut names: Vec<&String> = document.figures.iter().map(|(name, _)| name).collect();
     names.sort();
     names.dedup();

@@ -60,7 +60,7 @@ fn train() -> StudyReport {
             runs: runs.iter().map(summary_of).collect(),
         },
         mappings: evaluations.iter().map(|e| (e.mapping.name.clone(), MappingSummary::new(e))).collect(),
-        reading: interpretation::read(&evaluations, Some(&size_study), Some(&speed)),
+        reading: interpretation::read(&evaluations, Some(&size_study)),
         size_study: Some(size_study),
         learning_curve: Some(curve),
         speed,

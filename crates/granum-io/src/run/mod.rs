@@ -2,6 +2,7 @@
 //! ([`RunRecord`]). It contains everything that is needed to measure, train or plot again.
 
 mod record;
+mod times;
 
 use std::fs::File;
 use std::io;
@@ -15,6 +16,7 @@ use crate::case::Case;
 use crate::error::{Error, Result};
 use crate::folder::{OutputFolder, check_name};
 use crate::format::{check_format, damaged};
+use crate::sealed::{unseal, unseal_strictly, write_sealed};
 use crate::snapshot;
 use granum_core::Table;
 
@@ -34,8 +36,18 @@ const REPORT: &str = "report.html";
 const FIGURES: &str = "figures";
 /// Files that a run or a report writes into the folder of a run. The record is removed first: a folder without one no longer
 /// counts as a run.
-const CONTENTS: [&str; 9] =
-    [RECORD, CASE, SERIES, FORCES, PREPARATION, CHECKPOINT, PREVIOUS_CHECKPOINT, REFUSED_CHECKPOINT, REPORT];
+const CONTENTS: [&str; 10] = [
+    RECORD,
+    CASE,
+    SERIES,
+    FORCES,
+    PREPARATION,
+    CHECKPOINT,
+    PREVIOUS_CHECKPOINT,
+    REFUSED_CHECKPOINT,
+    REPORT,
+    times::TIMES,
+];
 /// Inner folders, and the endings of the names of granum's files in them.
 const FOLDERS: [(&str, &[&str]); 3] = [
     (SNAPSHOTS, &[".json", ".grains.parquet", ".contacts.parquet"]),
@@ -104,8 +116,11 @@ impl Run {
             return Err(Error::content(&self.path, message));
         }
         let text = crate::text::read_small(&path, 1 << 24)?;
-        check_format(&path, &text, RUN_FORMAT)?;
-        serde_json::from_str(&text).map_err(|error| damaged(&path, &error))
+        let format = check_format(&path, &text, RUN_FORMAT)?;
+        let text = if format < 2 { unseal(&path, &text)?.text } else { unseal_strictly(&path, &text)? };
+        let mut record = serde_json::from_str(&text).map_err(|error| damaged(&path, &error))?;
+        times::read_into(&self.path, &mut record);
+        Ok(record)
     }
 
     /// Path of the table of states, which exists once a test has begun.
@@ -314,10 +329,8 @@ impl RunFolder {
                 record.content.insert(name, file_digest(&path)?);
             }
         }
-        write_atomically(&self.folder.file(RECORD), |file| {
-            serde_json::to_writer_pretty(&mut *file, &record).map_err(io::Error::from)?;
-            io::Write::write_all(file, b"\n")
-        })
+        times::write(self.folder.path(), &record)?;
+        write_sealed(&self.folder.file(RECORD), &record)
     }
 }
 
@@ -435,9 +448,12 @@ mod tests {
             folder.run().record().unwrap_err().to_string()
         };
         assert!(message(&text[..text.len() / 2]).contains("run.json: is truncated (EOF"));
-        let newer = text.replace("\"format\": 1", "\"format\": 2");
-        assert!(message(&newer).contains("was written by a newer granum (format 2; this one reads up to 1)"));
-        assert!(message(&text.replace("5000", "\"many\"")).contains("run.json: is damaged (invalid type"));
+        let newer = text.replace("\"format\": 2", "\"format\": 3");
+        assert!(message(&newer).contains("was written by a newer granum (format 3; this one reads up to 2)"));
+        assert!(message(&text.replace("5000", "6000")).contains("run.json: was changed or damaged"));
+        let earlier = text.replace("\"format\": 2", "\"format\": 1").replace("5000", "\"many\"");
+        let earlier = earlier.split(",\n  \"sha256\"").next().unwrap().to_string() + "\n}";
+        assert!(message(&earlier).contains("run.json: is damaged (invalid type"), "{}", message(&earlier));
         assert!(folder.write_snapshot("../end", &Assembly::default()).is_err());
     }
 

@@ -7,8 +7,9 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::case::Case;
 
-/// Newest layout of `run.json` that this version reads and writes.
-pub const RUN_FORMAT: u32 = 1;
+/// Newest layout of `run.json` that this version reads and writes. Since format 2 times are in `seconds.json` and the file ends
+/// with its SHA-256.
+pub const RUN_FORMAT: u32 = 2;
 
 /// The status of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -155,13 +156,14 @@ pub struct RunRecord {
     /// Steps by phase.
     #[serde(default)]
     pub steps: BTreeMap<String, u64>,
-    /// Seconds of wall time by phase.
-    #[serde(default)]
+    /// Seconds of wall time by phase; in the file `seconds.json`.
+    #[serde(default, skip_serializing)]
     pub wall_seconds: BTreeMap<String, f64>,
     /// Quantities that the run measured once, by name, in SI units: solid fraction, coordination numbers...
     #[serde(default, deserialize_with = "nulls_are_nan")]
     pub measures: BTreeMap<String, f64>,
-    /// The machine.
+    /// The machine; in the file `seconds.json`.
+    #[serde(default, skip_serializing)]
     pub machine: Machine,
     /// The quality checks of the run.
     #[serde(default)]

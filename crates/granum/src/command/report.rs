@@ -7,9 +7,9 @@ use clap::Args;
 use granum::contents::{Contents, Kind, taken};
 use granum_antony2006::figures::figures;
 use granum_antony2006::files::load_study;
-use granum_antony2006::reproduction::{Reproduction, SUMMARY_FILE};
+use granum_antony2006::reproduction::{Reproduction, SPEED_FILE, SUMMARY_FILE};
 use granum_antony2006::{StudyData, StudyDataOptions};
-use granum_antony2006::{StudyReport, study_report};
+use granum_antony2006::{StudyReport, speed_page, study_report};
 use granum_io::shell::quoted_path;
 use granum_io::{Run, RunStatus, atomic::write_atomically, check_output_file};
 use granum_learn::NamedRecord;
@@ -48,7 +48,7 @@ impl Report {
         if !page {
             self.check_place(out)?;
         }
-        let document = document(&self.folder)?;
+        let (document, study) = document(&self.folder)?;
         if page {
             write_atomically(out, |file| file.write_all(document.html.as_bytes()))?;
         } else {
@@ -56,6 +56,7 @@ impl Report {
                 check_output_file(out.join("figures").join(name), context.force)?;
             }
             document.write(out)?;
+            study.map_or(Ok(()), |study| write_speed_page(out, &study))?;
         }
         let figures = if page { 0 } else { document.figures.len() };
         output::say(context, &json!({ "report": file, "figure_files": figures }), || match figures {
@@ -81,10 +82,21 @@ impl Report {
     }
 }
 
-fn document(folder: &Path) -> Result<Document, Failure> {
+/// Writes the page with the computing times of a study, which the report leaves out, since all of the report is the same on
+/// every computer. A study whose times are unknown has no such page.
+pub(super) fn write_speed_page(folder: &Path, study: &StudyReport) -> Result<(), Failure> {
+    if let Some(page) = speed_page(study) {
+        write_atomically(&folder.join(SPEED_FILE), |file| file.write_all(page.html.as_bytes()))?;
+    }
+    Ok(())
+}
+
+/// The report of a folder, and the study from which it was made where it is a reproduction.
+fn document(folder: &Path) -> Result<(Document, Option<StudyReport>), Failure> {
     let (runs, models) = (folder.join("runs"), folder.join("models"));
     if folder.join(SUMMARY_FILE).is_file() && runs.is_dir() && models.is_dir() {
-        return Ok(study_report(&study(folder, &runs, &models)?));
+        let study = study(folder, &runs, &models)?;
+        return Ok((study_report(&study), Some(study)));
     }
     let contents = Contents::of(folder)?;
     if contents.kind() == Some(Kind::Reproduction) {
@@ -108,10 +120,10 @@ fn document(folder: &Path) -> Result<Document, Failure> {
                 quoted_path(folder)
             )));
         }
-        return Ok(sample_report(&RunReport::read(&run, Role::Single)?));
+        return Ok((sample_report(&RunReport::read(&run, Role::Single)?), None));
     }
     records::check_begun(&run, &about)?;
-    Ok(run_report(&RunReport::read(&run, Role::Single)?))
+    Ok((run_report(&RunReport::read(&run, Role::Single)?), None))
 }
 
 /// Collects the contents of the folder of a reproduction.

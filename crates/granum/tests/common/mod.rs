@@ -20,6 +20,14 @@ pub fn stderr(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()
 }
 
+/// Changes a JSON file that ends with its SHA-256 and gives it the right one again, as a program would that knows how.
+pub fn change_sealed(file: &Path, change: impl FnOnce(&mut serde_json::Value)) {
+    let mut value: serde_json::Value = serde_json::from_slice(&std::fs::read(file).unwrap()).unwrap();
+    value.as_object_mut().unwrap().remove("sha256");
+    change(&mut value);
+    std::fs::write(file, granum_io::sealed::seal(&value).unwrap()).unwrap();
+}
+
 /// Parses a text as JSON.
 pub fn json(text: &str) -> serde_json::Value {
     serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))

@@ -10,9 +10,9 @@ use std::path::{Path, PathBuf};
 use granum_antony2006::Summary;
 use granum_antony2006::reproduction::{Reproduction, ReproductionOptions};
 use granum_antony2006::summary::RunSummary;
-use serde_json::{Value, json};
+use serde_json::json;
 
-use crate::common::{run, stderr};
+use crate::common::{change_sealed as change, run, stderr};
 use crate::networks::make_run;
 use crate::{SMALL, done};
 
@@ -85,12 +85,6 @@ impl Place {
         let flat = told.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ");
         assert!(flat.contains(words), "granum {}: {told}", arguments.join(" "));
     }
-}
-
-fn change(file: &Path, change: impl FnOnce(&mut Value)) {
-    let mut value = serde_json::from_slice(&fs::read(file).unwrap()).unwrap();
-    change(&mut value);
-    fs::write(file, serde_json::to_vec(&value).unwrap()).unwrap();
 }
 
 #[test]

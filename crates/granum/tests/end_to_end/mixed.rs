@@ -100,7 +100,9 @@ fn evaluations(here: &Path) {
     let path = here.join("study/study.json");
     let mut old = json(&std::fs::read_to_string(&path).unwrap());
     old["version"] = 1.into();
-    old.as_object_mut().unwrap().remove("runs");
+    for key in ["runs", "content", "sha256"] {
+        assert!(old.as_object_mut().unwrap().remove(key).is_some(), "{key}");
+    }
     std::fs::write(&path, old.to_string()).unwrap();
     let (text, warned) = evaluate(&["run-1"]);
     assert!(text.contains("does not say whether") && warned.contains("earlier version"), "{text}{warned}");

@@ -9,9 +9,9 @@ use std::sync::OnceLock;
 use std::time::Duration;
 
 use granum_antony2006::reproduction::{Reproduction, ReproductionOptions};
-use serde_json::{Value, json};
+use serde_json::json;
 
-use crate::common::{run, stderr};
+use crate::common::{change_sealed, run, stderr};
 use crate::networks::make_run;
 use crate::{SMALL, done, done_json, refused};
 
@@ -39,10 +39,7 @@ fn copy(from: &Path, to: &Path) {
 }
 
 fn set_status(run: &Path, status: &str) {
-    let path = run.join("run.json");
-    let mut record: Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
-    record["status"] = json!(status);
-    fs::write(&path, serde_json::to_vec(&record).unwrap()).unwrap();
+    change_sealed(&run.join("run.json"), |record| record["status"] = json!(status));
 }
 
 /// The folder of a reproduction with small runs in place of the real ones, which would take too long.
@@ -267,8 +264,7 @@ fn status_tells_the_exact_command_and_is_done_only_when_all_is() {
     assert_eq!(done_json(here, &["status", "full"])["runs"][1]["status"], "not begun");
     // A reproduction of another version is refused, and the message gives the command of that version.
     let path = here.join("paper/reproduction.json");
-    let text = fs::read_to_string(&path).unwrap().replace(env!("CARGO_PKG_VERSION"), "0.0.9");
-    fs::write(&path, text).unwrap();
+    change_sealed(&path, |file| file["granum_version"] = json!("0.0.9"));
     let told = refused(here, 1, &["reproduce", "--trainer", "traingdx", "--out", "paper"]);
     assert!(told.contains("the version of granum (0.0.9, not 0.1.0)"), "{told}");
     assert!(next("paper").0.contains("done; see"), "{}", next("paper").0);

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use granum_dem::simulation::Simulation;
 use granum_io::{Case, Run};
@@ -34,7 +34,10 @@ fn spawn(here: &Path, arguments: &[&str]) -> Child {
 /// Starts the program and kills it after a given time; returns false if it had already ended.
 fn killed(here: &Path, arguments: &[&str], after: Duration) -> bool {
     let mut child = spawn(here, arguments);
-    std::thread::sleep(after);
+    let started = Instant::now();
+    while started.elapsed() < after && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_millis(1).min(after));
+    }
     let _ = child.kill();
     let output = child.wait_with_output().unwrap();
     let ended = output.status.code().is_some();
@@ -159,6 +162,51 @@ fn kill_training(here: &Path, random: &mut Random) -> usize {
         assert_eq!(assert_same(&here.join("study"), &folder), 39);
     }
     kills
+}
+
+/// The report, the summary, the figures, all runs and networks: everything but the times.
+#[test]
+fn a_reproduction_killed_again_and_again_ends_in_the_same_bytes() {
+    const MOST: usize = 6;
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    let mut random = Random(19_052_025);
+    let line = |out: &str, threads: &str| {
+        format!(
+            "reproduce --quick --grains 100 --training-runs 0 --out {out} --threads {threads} \
+             --checkpoint-every 0.05"
+        )
+    };
+    done(here, &line("straight", "2").split(' ').collect::<Vec<_>>());
+    let mut kills = 0;
+    loop {
+        let command = match kills % 2 {
+            1 => "resume killed --threads 1 --checkpoint-every 0.05".to_string(),
+            _ => line("killed", "2"),
+        };
+        // After some kills it may end.
+        let moment = if kills < MOST { random.milliseconds(2000) } else { Duration::from_secs(600) };
+        if !killed(here, &command.split(' ').collect::<Vec<_>>(), moment) {
+            break;
+        }
+        kills += 1;
+    }
+    println!("{kills} kills of a reproduction");
+    assert!(kills >= 2, "{kills}");
+    // Killed between its last file and its tidying up: what is left over goes with the next call.
+    let left = here.join("killed/sizes");
+    std::fs::create_dir(&left).unwrap();
+    std::fs::write(left.join("F1-1-neurons-seed-1-1.json"), "left").unwrap();
+    done(here, &["resume", "killed"]);
+    // Three runs of ten files or more, 36 networks with three files beside them, figures, report, summary and description.
+    let same = assert_same(&here.join("straight"), &here.join("killed"));
+    assert!(same >= 90, "{same}");
+    for name in ["report.html", "summary.json", "models/study.json", "runs/unseen-12/run.json"] {
+        assert!(crate::contents(&here.join("straight")).contains_key(Path::new(name)), "{name}");
+    }
+    for name in ["seconds.json", "speed.html"] {
+        assert!(here.join("killed").join(name).is_file(), "{name}");
+    }
 }
 
 #[test]

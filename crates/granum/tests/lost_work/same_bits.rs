@@ -5,7 +5,7 @@ use std::fs;
 
 use granum_dem::Isa;
 
-use crate::{CASE, assert_same, done};
+use crate::{CASE, assert_same, assert_same_but, done};
 
 #[test]
 fn any_threads_instruction_set_and_interval_leave_the_same_bytes() {
@@ -22,7 +22,7 @@ fn any_threads_instruction_set_and_interval_leave_the_same_bytes() {
     let portable = ["--isa", "portable", "--threads", "1", "--sample", "sample"];
     done(here, &[&["shear", "case.toml", "--out", "reference"], &portable[..]].concat());
     let shear = |name: &str, more: &[&str]| {
-        done(here, &[&["shear", "case.toml", "--out", name][..], more].concat());
+        done(here, &[&["shear", "case.toml", "--sample", "sample", "--out", name][..], more].concat());
         assert!(assert_same(&here.join("reference"), &here.join(name)) >= 10);
     };
     for isa in Isa::ALL.into_iter().filter(|isa| isa.available() && *isa != Isa::Portable) {
@@ -30,7 +30,10 @@ fn any_threads_instruction_set_and_interval_leave_the_same_bytes() {
     }
     shear("often", &["--checkpoint-every", "0"]);
     shear("two-threads", &["--threads", "2"]);
-    shear("from-sample", &["--sample", "sample", "--threads", "4"]);
+    shear("four-threads", &["--threads", "4"]);
+    // The record says that this sample was prepared by the run itself.
+    done(here, &["shear", "case.toml", "--out", "prepared"]);
+    assert!(assert_same_but(&["run.json"], &here.join("reference"), &here.join("prepared")) >= 9);
 
     // Another recording gives another series of exactly the same simulation.
     let more = case.replace("states = 8", "states = 50").replace("per_state = 3", "per_state = 10");

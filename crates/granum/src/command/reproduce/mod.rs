@@ -11,8 +11,11 @@ use std::time::Instant;
 use clap::Args;
 use granum::contents::{Contents, Kind, check_free, taken};
 use granum_antony2006::Summary;
-use granum_antony2006::reproduction::{Reproduction, ReproductionOptions, SUMMARY_FILE};
+use granum_antony2006::layout::TIMES_FILE;
+use granum_antony2006::reproduction::{Reproduction, ReproductionOptions, SPEED_FILE, SUMMARY_FILE};
+use granum_antony2006::times::SummaryTimes;
 use granum_io::OutputFolder;
+use granum_io::sealed::unseal;
 use granum_learn::LearnError;
 use granum_run::Laboratory;
 use serde_json::json;
@@ -52,6 +55,9 @@ pub struct Reproduce {
     /// grains, with --quick 4 runs of 1000 grains.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(0..=64))]
     training_runs: Option<u64>,
+    /// Number of grains of every run, 50 to 1000000; by default 5000 (additional runs 2000), with --quick 1000.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(50..=1_000_000))]
+    grains: Option<u64>,
     #[command(flatten)]
     checkpoints: CheckpointFlags,
     #[command(flatten)]
@@ -66,6 +72,8 @@ impl Reproduce {
         let plan = Plan::new(&self.options());
         let folder = self.folder(context, &plan)?;
         if !context.force && self.is_finished(&folder, &plan, &laboratory) {
+            // The process may have been killed between its last file and its tidying up.
+            study::tidy(&folder)?;
             return self.print(context, &folder, &read_summary(folder.path())?, None);
         }
         let runs = runs::all(context, &laboratory, &plan, &self.out)?;
@@ -80,15 +88,20 @@ impl Reproduce {
         checkpoints: CheckpointFlags,
         hardware: HardwareFlags,
     ) -> Reproduce {
-        let ReproductionOptions { quick, trainer, training_runs } = options;
+        let ReproductionOptions { quick, trainer, training_runs, grains } = options;
         let training_runs = training_runs.map(|runs| runs as u64);
-        Reproduce { quick, out: out.to_path_buf(), trainer, training_runs, checkpoints, hardware }
+        Reproduce { quick, out: out.to_path_buf(), trainer, training_runs, grains, checkpoints, hardware }
     }
 
     /// The options that determine the results.
     fn options(&self) -> ReproductionOptions {
         let training_runs = self.training_runs.map(|runs| runs as usize);
-        ReproductionOptions { quick: self.quick, trainer: self.trainer.clone(), training_runs }
+        ReproductionOptions {
+            quick: self.quick,
+            trainer: self.trainer.clone(),
+            training_runs,
+            grains: self.grains,
+        }
     }
 
     /// The output folder: a new one, that of the same reproduction, which is continued, or, with `--force`, that of any
@@ -118,7 +131,14 @@ impl Reproduce {
             return Err(refusal.into());
         }
         // Runs and networks of the same settings are used again, and the others are replaced one by one.
-        folder.clear(&[SUMMARY_FILE, "report.html", "models/study.json", "models/seconds.json"])?;
+        folder.clear(&[
+            SUMMARY_FILE,
+            "report.html",
+            SPEED_FILE,
+            TIMES_FILE,
+            "models/study.json",
+            "models/seconds.json",
+        ])?;
         folder.clear_inside("figures", &[".svg"])?;
         wanted.write(folder.path())?;
         Ok(folder)
@@ -159,17 +179,24 @@ impl Reproduce {
 pub(super) fn read_summary(folder: &Path) -> Result<Summary, Failure> {
     let path = folder.join(SUMMARY_FILE);
     let text = std::fs::read_to_string(&path).map_err(granum_io::Error::file("read", &path))?;
-    serde_json::from_str(&text).map_err(|error| {
+    let text = unseal(&path, &text)?.text;
+    let mut summary: Summary = serde_json::from_str(&text).map_err(|error| {
         Failure::new(format!("{}: this is not a summary of a study ({error})", path.display()))
-    })
+    })?;
+    if let Some(times) = SummaryTimes::read(folder) {
+        times.add_to(&mut summary);
+    }
+    Ok(summary)
 }
 
 /// A table of the mappings with their errors, for the terminal.
 fn table(summary: &Summary) -> String {
     let mut lines = scores::lines(&summary.mappings, "seed scatter");
-    lines.push(format!(
-        "the networks are {:.0} times faster than DEM ({:.0} s against {:.2e} s)",
-        summary.speed.factor, summary.speed.dem_seconds, summary.speed.network_seconds
-    ));
+    if summary.speed.factor > 0.0 {
+        lines.push(format!(
+            "the networks are {:.0} times faster than DEM ({:.0} s against {:.2e} s)",
+            summary.speed.factor, summary.speed.dem_seconds, summary.speed.network_seconds
+        ));
+    }
     lines.join("\n")
 }

@@ -55,7 +55,8 @@ pub struct Plan {
 
 impl Plan {
     pub fn new(options: &ReproductionOptions) -> Plan {
-        let case = case(options.quick);
+        let mut case = case(options.quick);
+        case.grains.count = options.grains.map_or(case.grains.count, |grains| grains as _);
         let mut runs: Vec<Planned> =
             PAPER.iter().map(|&(role, seed)| planned("", role, seed, &case)).collect();
         let (training, unseen) = if options.quick { QUICK } else { FULL };
@@ -110,7 +111,7 @@ fn case(quick: bool) -> Case {
 
 /// The same case with fewer grains, and with the largest strain rate that is still quasi-static.
 fn smaller(mut case: Case) -> Case {
-    case.grains.count = FEWER_GRAINS as _;
+    case.grains.count = case.grains.count.min(FEWER_GRAINS as _);
     case.shear.rate = Rate::InertialNumber(1e-3);
     case
 }

@@ -2,13 +2,15 @@
 
 use granum_antony2006::figures::figures;
 use granum_antony2006::files::save_study;
-use granum_antony2006::layout::write_json;
+use granum_antony2006::reproduction::SUMMARY_FILE;
 use granum_antony2006::summary::{DemSummary, MappingSummary, RunSummary};
+use granum_antony2006::times::SummaryTimes;
 use granum_antony2006::{
     SizeStudy, SizeStudyOptions, Study, StudyData, StudyDataOptions, StudyOptions, Summary,
 };
 use granum_antony2006::{StudyReport, study_report};
 use granum_antony2006::{interpretation, speed};
+use granum_io::sealed::write_sealed;
 use granum_io::{OutputFolder, Run};
 use granum_learn::NamedRecord;
 use granum_learn::runs::{RunRole, StudyRun};
@@ -18,6 +20,7 @@ use super::Reproduce;
 use super::many;
 use super::plan::{Plan, Role as PlannedRole};
 use super::runs::Done;
+use crate::command::report::write_speed_page;
 use crate::command::train::Show;
 use crate::context::Context;
 use crate::failure::Failure;
@@ -94,7 +97,7 @@ pub fn all(
     let summary = Summary {
         dem: dem_summary(&reports, runs),
         mappings: evaluations.iter().map(|e| (e.mapping.name.clone(), MappingSummary::new(e))).collect(),
-        reading: interpretation::read(&evaluations, Some(&size_study), Some(&speed)),
+        reading: interpretation::read(&evaluations, Some(&size_study)),
         speed,
         size_study: Some(size_study),
         learning_curve: many,
@@ -108,9 +111,16 @@ pub fn all(
         network_seed: options.seed,
     };
     study_report(&report).write(folder.path())?;
-    write_json(&folder.file("summary.json"), &report.summary)?;
-    folder.clear_inside(SIZES, &[".json", ".unfinished", ".part"])?;
+    SummaryTimes::of(&report.summary).write(folder.path())?;
+    write_speed_page(folder.path(), &report)?;
+    write_sealed(&folder.file(SUMMARY_FILE), &report.summary)?;
+    tidy(folder)?;
     Ok(report.summary)
+}
+
+/// Removes the networks of the study of network sizes, whose results are in the summary.
+pub fn tidy(folder: &OutputFolder) -> Result<(), Failure> {
+    Ok(folder.clear_inside(SIZES, &[".json", ".unfinished", ".part"])?)
 }
 
 /// The descriptions of the runs that the study stores.
