@@ -1,0 +1,189 @@
+//! The undamaged files: cases, runs, a study, packings of every format, tables and loading paths, made by the program itself once
+//! for all cases of an attack.
+
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use crate::files;
+use crate::process::{Limits, Program};
+
+/// A test whose strain range is wide enough for a training, in about a second.
+const CASE: &str = r#"
+[grains]
+count = 60
+spread = 0.1
+[contact]
+normal = "hertz"
+tangential = "no-slip"
+[preparation]
+friction = 0.1
+solid_fraction = "none"
+inertial_number = 1e-2
+unbalanced_force = 2e-2
+[shear]
+deviator_strain = 0.3
+inertial_number = 2e-2
+[recording]
+states = 40
+observations_per_state = 2
+"#;
+
+/// A test of several stages, one of them from a file of the IncrementalDriver.
+const STAGED: &str = r#"
+[grains]
+count = 60
+spread = 0.1
+[preparation]
+friction = 0.1
+solid_fraction = "none"
+mean_stress = "50 kPa"
+inertial_number = 1e-2
+unbalanced_force = 2e-2
+[recording]
+sensors = ["granular_temperature", "force_chains"]
+[[stage]]
+path = "drained-triaxial"
+axial_strain = 0.02
+states = 10
+inertial_number = 2e-2
+[[stage]]
+incremental_driver = "test.inp"
+stress_unit = "1 kPa"
+inertial_number = 2e-2
+interval = 1e-3
+[[stage]]
+path = "history"
+inertial_number = 2e-2
+interval = 1e-3
+file = "history.csv"
+"#;
+
+const DRIVER: &str = "out.txt
+*OedometricE1
+10 10 1
+-0.002
+*Repetition
+2 2
+*TriaxialE1 ? s1 < -100
+10 10 1
+-0.001
+*TriaxialE1
+10 10 1
+0.0005
+*ImportFile strains.txt | 1
+10 10 1
+*Cartesian
+0 1
+0 2
+0 2
+0 3
+0 3
+0 3
+*LinearLoad
+10 10 1
+*Cartesian
+0 -0.001
+1 0
+1 0
+0 0
+0 0
+0 0
+*End
+";
+
+const STRAINS: &str = "0 0 0\n-0.0005 0.0001 0\n-0.001 0.0002 0\n";
+
+const HISTORY: &str =
+    "xx_strain,yy_strain,zz_strain,xy_strain\n0,0,0,0\n0.001,0,0,0.001\n0.0015,-0.0002,0.0001,0\n";
+
+const LABORATORY: &str = "# compression = positive\ntest,axial_strain (%),volumetric_strain (%),axial_stress (kPa),\
+    lateral_stress (kPa)\nA,0,0,50,50\nA,0.5,0.1,90,50\nA,1,0.1,110,50\nA,1.5,0.05,120,50\nA,2,0,125,50\n";
+
+const PAIR: &str =
+    "normal_approach,tangential_displacement\n0,0\n1e-8,0\n1e-8,1e-9\n5e-9,1e-9\n2e-8,-1e-9\n0,0\n";
+
+const ROWS: &str = "deviator_strain,deviator_fabric,stress_ratio,force\n0.01,0.05,0.4,0.5\n0.15,0.1,0.5,1.125\n\
+    0.25,0.1,0.5,2\n";
+
+/// Everything undamaged, in one folder.
+pub struct Ground {
+    pub folder: PathBuf,
+    /// How long the runs took, by which kills are timed.
+    pub test: Duration,
+    pub training: Duration,
+}
+
+/// The words of a command line.
+pub fn words(line: &str) -> Vec<OsString> {
+    line.split(' ').filter(|word| !word.is_empty()).map(OsString::from).collect()
+}
+
+/// The training of the attack: few epochs.
+pub const TRAIN: &str = "--trainer traingdx --epoch-factor 5e-4 --threads 2";
+
+impl Ground {
+    /// Makes everything in a folder, which must be empty.
+    pub fn make(folder: &Path, program: &Program) -> Result<Ground, String> {
+        let write = |name: &str, text: &str| {
+            fs::write(folder.join(name), text)
+                .map_err(|error| format!("{}: {error}", folder.join(name).display()))
+        };
+        write("case.toml", CASE)?;
+        write("staged.toml", STAGED)?;
+        write("test.inp", DRIVER)?;
+        write("strains.txt", STRAINS)?;
+        write("history.csv", HISTORY)?;
+        write("lab.csv", LABORATORY)?;
+        write("pair.csv", PAIR)?;
+        let done = |line: &str| done(program, folder, line);
+        done("prepare case.toml --out sample")?;
+        let begun = Instant::now();
+        done("shear case.toml --out run-1")?;
+        let test = begun.elapsed();
+        done("shear case.toml --set preparation.seed=2 --out run-2")?;
+        done("shear staged.toml --out staged")?;
+        let begun = Instant::now();
+        done(&format!("train run-1 --unseen run-2 --out study {TRAIN}"))?;
+        let training = begun.elapsed();
+        for name in ["packing.csv", "packing.data", "packing.xyz", "packing.gsd", "packing.vtp"] {
+            done(&format!("export sample -o {name}"))?;
+        }
+        for name in ["grains", "contacts"] {
+            done(&format!("export run-1 --table {name} -o {name}.csv"))?;
+            done(&format!("export run-1 --table {name} -o {name}.parquet"))?;
+        }
+        write("rows.csv", ROWS)?;
+        done("predict study --mapping F4 --input rows.csv -o rows.parquet")?;
+        let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("../granum-io/tests/results");
+        files::copy(&results, &folder.join("results"))
+            .map_err(|error| format!("{}: {error}", results.display()))?;
+        interrupted(program, folder, "shear case.toml --out stopped --checkpoint-every 0.05", test)?;
+        let train = format!("train run-1 --unseen run-2 --out stopped-study --checkpoint-every 0.05 {TRAIN}");
+        interrupted(program, folder, &train, training)?;
+        Ok(Ground { folder: folder.to_path_buf(), test, training })
+    }
+}
+
+fn done(program: &Program, folder: &Path, line: &str) -> Result<(), String> {
+    let ended = program
+        .run(folder, &words(line), Limits::default())
+        .map_err(|error| format!("granum {line}: {error}"))?;
+    if ended.succeeded() { Ok(()) } else { Err(format!("granum {line}: {}", ended.error.trim())) }
+}
+
+/// Interrupts a command about half-way.
+fn interrupted(program: &Program, folder: &Path, line: &str, whole: Duration) -> Result<(), String> {
+    let out = line.split(' ').skip_while(|word| *word != "--out").nth(1).unwrap_or_default();
+    for part in [0.5, 0.35, 0.25, 0.15, 0.7, 0.6, 0.4] {
+        let _ = fs::remove_dir_all(folder.join(out));
+        let limits = Limits { stop_after: Some(whole.mul_f64(part)), ..Limits::default() };
+        let ended =
+            program.run(folder, &words(line), limits).map_err(|error| format!("granum {line}: {error}"))?;
+        if ended.code() == Some(130) && folder.join(out).is_dir() {
+            return Ok(());
+        }
+    }
+    Err(format!("granum {line}: it could not be interrupted"))
+}
