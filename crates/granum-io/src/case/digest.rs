@@ -100,7 +100,7 @@ impl Case {
             text.push_str(&format!("{}={value}\n", name(field)));
         }
         if wanted("grains.material") {
-            text.push_str(&self.materials_toml());
+            text.push_str(&self.materials_for_digest());
         }
         if wanted("preparation") {
             text.push_str(&self.preparation_stages_toml());

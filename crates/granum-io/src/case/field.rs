@@ -134,6 +134,14 @@ impl Field {
         matches!(self.kind, Kind::Curve { .. })
     }
 
+    /// The parameter of contact laws that the field is.
+    pub(super) fn law_parameter(&self) -> Option<&'static Parameter> {
+        match &self.kind {
+            Kind::Law(parameter) => Some(parameter),
+            _ => None,
+        }
+    }
+
     /// True if the field is a parameter of contact laws.
     pub(super) fn is_of_law(&self) -> bool {
         matches!(self.kind, Kind::Law(_))

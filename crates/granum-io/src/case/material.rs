@@ -55,8 +55,23 @@ fn scratch(case: &Case, material: Material, parameters: ParameterValues) -> Case
     scratch
 }
 
+/// Puts a value among those of the laws, if it is one of them. A value that equals the default is kept as given: `[contact]`, or
+/// the mean of two materials, may differ from the default.
+fn put_of_law(parameters: &mut ParameterValues, field: &Field, value: &Value) -> bool {
+    match (field.law_parameter(), value) {
+        // There is room for all parameters that are registered.
+        (Some(parameter), Value::Number(Some(value))) => {
+            parameters.set(parameter.key, *value).map_or(true, |()| true)
+        }
+        _ => false,
+    }
+}
+
 /// Puts the value of a field into a material.
 pub(super) fn put(case: &Case, component: &mut Component, field: &Field, value: Value) {
+    if put_of_law(&mut component.parameters, field, &value) {
+        return;
+    }
     let mut scratch = scratch(case, component.material, component.parameters);
     field.apply(&mut scratch, value);
     (component.material, component.parameters) = (scratch.grains.material, scratch.contact.parameters);
@@ -67,6 +82,7 @@ pub(super) fn put_into_pair(case: &Case, rule: &mut PairRule, field: &Field, val
     match (field.key, &value) {
         ("friction", Value::Number(friction)) => rule.friction = *friction,
         ("interface_energy", Value::Number(energy)) => rule.interface_energy = *energy,
+        _ if put_of_law(&mut rule.parameters, field, &value) => {}
         _ => {
             let mut scratch = scratch(case, Material::default(), rule.parameters);
             field.apply(&mut scratch, value);
@@ -130,12 +146,37 @@ impl Case {
 
     /// The tables `[[material]]` and `[[pair]]` as TOML in SI units; empty where there is one material.
     pub fn materials_toml(&self) -> String {
+        self.materials_with(|_, _| true)
+    }
+
+    /// The same for digests: a parameter of a law is left out where it has its default and would have it anyway, so that a case has
+    /// one digest whether the default is written out or not.
+    pub(super) fn materials_for_digest(&self) -> String {
+        let standard = |field: &Field, names: &[&String]| {
+            let is_default = |value: Option<Value>| field.is_default_of_law(&value);
+            let of = |name: &&String| {
+                let component = self.grains.mixture.components.iter().find(|known| known.name == **name);
+                component.and_then(|component| own_value(self, component, field))
+            };
+            match names {
+                [_] => is_default(field.value(self)),
+                pair => pair.iter().all(|name| is_default(of(name).or_else(|| field.value(self)))),
+            }
+        };
+        self.materials_with(|(field, value), names| {
+            !(field.is_default_of_law(&Some(value.clone())) && standard(field, names))
+        })
+    }
+
+    /// The tables with the values of one material or of a pair that are wanted.
+    fn materials_with(&self, wanted: impl Fn((&Field, &Value), &[&String]) -> bool) -> String {
         let mut text = String::new();
         for component in &self.grains.mixture.components {
             text.push_str(&format!("\n[[material]]\nname = \"{}\"\n", component.name));
             text.push_str(&format!("share = {}\n", format_number(component.share)));
             for field in fields() {
                 let value = own_value(self, component, field);
+                let value = value.filter(|value| wanted((field, value), &[&component.name]));
                 text.extend(value.map(|value| line(field, &value)));
             }
         }
@@ -144,6 +185,7 @@ impl Case {
             text.push_str(&format!("\n[[pair]]\nbetween = [\"{a}\", \"{b}\"]\n"));
             for field in pair_fields() {
                 let value = pair_value(self, rule, field);
+                let value = value.filter(|value| wanted((field, value), &[a, b]));
                 text.extend(value.map(|value| line(field, &value)));
             }
         }
@@ -171,6 +213,25 @@ impl Case {
             );
         }
         values
+    }
+
+    /// The keys of the materials and of their pairs with all their values, also those that a material takes from `[grains.material]`
+    /// and `[contact]`; without a field where the value is the share.
+    pub(super) fn material_fields(&self) -> Vec<(String, Option<&'static Field>, Value)> {
+        let mut all = Vec::new();
+        for component in &self.grains.mixture.components {
+            let key = |key: &str| format!("material.{}.{key}", component.name);
+            all.push((key("share"), None, Value::Number(Some(component.share))));
+            let value = |field: &Field| own_value(self, component, field).or_else(|| field.value(self));
+            all.extend(fields().filter_map(|field| Some((key(field.key), Some(field), value(field)?))));
+        }
+        for rule in &self.grains.mixture.pairs {
+            let [a, b] = &rule.between;
+            let key = |field: &Field| format!("pair.{a}.{b}.{}", field.key);
+            let given = pair_fields().filter_map(|field| Some((field, pair_value(self, rule, field)?)));
+            all.extend(given.map(|(field, value)| (key(field), Some(field), value)));
+        }
+        all
     }
 
     /// Sets a key of a material or of a pair of them: `material.glass.friction`, `pair.glass.steel.friction`.

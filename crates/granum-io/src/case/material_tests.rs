@@ -47,6 +47,33 @@ fn a_material_leaves_out_what_is_as_in_the_sections() {
     case.check().unwrap();
 }
 
+/// A value that equals the default of its law is given all the same: `[contact]` may have another one.
+#[test]
+fn a_default_that_a_material_or_a_pair_gives_is_kept() {
+    let text = |contact: &str, glass: &str, pair: &str| {
+        format!(
+            "[contact]\nrolling = \"elastic-plastic\"\n{contact}[[material]]\nname = \"glass\"\n{glass}\
+             [[material]]\nname = \"rubber\"\n[[pair]]\nbetween = [\"glass\", \"rubber\"]\nfriction = 0.7\n{pair}"
+        )
+    };
+    let (other, default) = ("rolling_friction = 0.3\n", "rolling_friction = 0.1\n");
+    let case = parse(&text(other, default, default));
+    let rolling = |case: &Case, key: &str| {
+        let all = case.parameters();
+        all.iter().find(|found| found.key == key).and_then(|found| found.number())
+    };
+    assert_eq!(rolling(&case, "contact.rolling_friction"), Some(0.3));
+    assert_eq!(rolling(&case, "material.glass.rolling_friction"), Some(0.1));
+    assert_eq!(rolling(&case, "material.rubber.rolling_friction"), Some(0.3));
+    assert_eq!(rolling(&case, "pair.glass.rubber.rolling_friction"), Some(0.1));
+    assert_eq!(parse(&case.resolved_toml()), case);
+    assert_ne!(case.digest(), parse(&text(other, "", default)).digest());
+    assert_ne!(case.digest(), parse(&text(other, default, "")).digest());
+    // Where everything has the default, writing it out is the same case.
+    assert_eq!(parse(&text("", default, default)).digest(), parse(&text("", "", "")).digest());
+    assert_eq!(parse(&text(default, default, "")).digest(), parse(&text("", "", "")).digest());
+}
+
 #[test]
 fn the_resolved_case_reads_back_and_the_order_of_tables_does_not_matter() {
     let case = parse(TWO);

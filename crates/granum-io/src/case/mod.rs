@@ -15,6 +15,7 @@ mod incremental_driver;
 mod material;
 mod material_read;
 mod material_table;
+mod parameters;
 mod read;
 mod reader;
 mod rules;
@@ -36,6 +37,7 @@ pub use digest::decides_sample;
 pub use field::{Field, Value};
 pub use fields::{FIELDS, field};
 pub(crate) use material::is_name as is_material_name;
+pub use parameters::{CaseParameter, ParameterValue};
 pub use value_list::{ValueShape, values_in};
 
 /// Keys that are not used in a run whose sample is made from a packing: its grains replace the random insertion.

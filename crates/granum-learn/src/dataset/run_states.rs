@@ -3,7 +3,7 @@
 use granum_core::digest::Digest;
 use granum_core::names::suggestion;
 use granum_core::{Column, Table};
-use granum_io::case::{FIELDS, Value};
+use granum_io::case::CaseParameter;
 use granum_io::{Case, Run};
 use granum_run::record::read_record;
 use granum_sensors::Record;
@@ -298,18 +298,13 @@ pub fn record_error(run: &str, reason: impl Into<String>) -> LearnError {
     LearnError::Record { run: run.to_owned(), reason: reason.into() }
 }
 
-/// The numerical values of a case with their keys.
+/// The numerical values of a case with their keys, those of its materials and stages included.
 fn numbers_of(case: &Case) -> Vec<(Variable, f64)> {
-    let number = |value: Value| match value {
-        Value::Number(number) => number,
-        Value::Count(count) => Some(count as f64),
-        Value::Choice(_) | Value::List(_) | Value::Names(_) | Value::Curve(_) => None,
+    let number = |found: CaseParameter| {
+        let value = found.number()?;
+        Some((Variable { name: found.key, unit: found.unit }, value))
     };
-    let field = |field: &granum_io::case::Field| {
-        let value = number(field.value(case)?)?;
-        Some((Variable { name: field.path(), unit: field.si_unit().to_string() }, value))
-    };
-    FIELDS.iter().filter_map(field).collect()
+    case.parameters().into_iter().filter_map(number).collect()
 }
 
 /// The histograms of forces as columns.

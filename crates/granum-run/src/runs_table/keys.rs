@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use granum_core::quantity::format_number;
 use granum_io::Case;
-use granum_io::case::FIELDS;
+use granum_io::case::{FIELDS, ParameterValue};
 
 use super::entry::RunEntry;
 use crate::queue::short_keys;
@@ -92,57 +92,14 @@ fn shown(value: &KeyValue, unit: &str) -> String {
     }
 }
 
-/// The values of all keys of a case.
+/// The values of all keys of a case that take part in its result.
 fn of_case(case: &Case) -> BTreeMap<String, (KeyValue, String)> {
-    let values = case.values();
-    let mut all: BTreeMap<String, (KeyValue, String)> = values
-        .iter()
-        .filter(|(key, _)| !["stage", "preparation.stage"].contains(&key.as_str()))
-        .map(|(key, text)| (key.clone(), value_of(text)))
-        .collect();
-    if case.has_stages() {
-        // The section [shear] says nothing about a test that is given as stages.
-        all.retain(|key, _| !key.starts_with("shear."));
-    }
-    all.extend(of_stages(&case.stages_toml(), "stage"));
-    all.extend(of_stages(&case.preparation_stages_toml(), "preparation.stage"));
-    all
-}
-
-/// A value as [`Case::values`] shows it, with its unit.
-fn value_of(text: &str) -> (KeyValue, String) {
-    if text == "not given" {
-        return (KeyValue::Absent, String::new());
-    }
-    let (first, unit) = text.split_once(' ').unwrap_or((text, ""));
-    match first.parse::<f64>() {
-        Ok(number) => (KeyValue::Number(number), unit.to_string()),
-        Err(_) => (KeyValue::Word(text.trim_matches('"').to_string()), String::new()),
-    }
-}
-
-/// The keys of stages, which are numbered: `stage.1.axial_strain`, `stage.2.1.amplitude` of a stage that is repeated.
-fn of_stages(toml: &str, heading: &str) -> Vec<(String, (KeyValue, String))> {
-    let mut numbers: Vec<usize> = Vec::new();
-    let mut all = Vec::new();
-    for line in toml.lines() {
-        if let Some(inner) = line.trim().strip_prefix("[[").and_then(|rest| rest.strip_suffix("]]")) {
-            let depth = inner.strip_prefix(heading).map_or(0, |rest| rest.matches(".stage").count());
-            numbers.truncate(depth + 1);
-            match numbers.get_mut(depth) {
-                Some(number) => *number += 1,
-                None => numbers.push(1),
-            }
-        } else if let Some((key, value)) = line.split_once(" = ") {
-            let (value, unit) = value.split_once("  # ").unwrap_or((value, ""));
-            let place: Vec<String> = numbers.iter().map(usize::to_string).collect();
-            let key = format!("{heading}.{}.{}", place.join("."), key.trim());
-            let value = match value.parse::<f64>() {
-                Ok(number) => KeyValue::Number(number),
-                Err(_) => KeyValue::Word(value.trim_matches('"').to_string()),
-            };
-            all.push((key, (value, unit.to_string())));
+    let value = |value: ParameterValue| match value {
+        ParameterValue::Number(number) => KeyValue::Number(number),
+        ParameterValue::Word(word) => KeyValue::Word(word),
+        ParameterValue::List(values) => {
+            KeyValue::Word(values.into_iter().map(format_number).collect::<Vec<_>>().join(", "))
         }
-    }
-    all
+    };
+    case.parameters().into_iter().map(|found| (found.key, (value(found.value), found.unit))).collect()
 }
