@@ -217,9 +217,9 @@ fn flatten(place: &str, value: &DeValue<'_>, found: &mut BTreeMap<String, Parame
         }
         DeValue::String(text) => drop(found.insert(place.into(), ParameterValue::Word(text.to_string()))),
         DeValue::Boolean(yes) => drop(found.insert(place.into(), ParameterValue::Word(yes.to_string()))),
-        other => drop(
-            found.extend(number(other).map(|number| (place.to_string(), ParameterValue::Number(number)))),
-        ),
+        other => {
+            found.extend(number(other).map(|number| (place.to_string(), ParameterValue::Number(number))));
+        }
     }
 }
 

@@ -155,6 +155,7 @@ fn a_run_folder_gives_its_case_as_parameters() {
     let folder = RunFolder::create(&path, false).unwrap();
     let mut case = Case::default();
     case.set("grains.material.friction", "0.45").unwrap();
+    case = case.with_path("drained-triaxial", &[("lateral_stress", "50 kPa")]).unwrap();
     folder.write_case(&case, None).unwrap();
     folder.write_record(&RunRecord::new("shear", "0.1.0", &case, Machine::here("avx2", 1))).unwrap();
     granum_run::record::write_record(&folder, &record).unwrap();
@@ -163,6 +164,9 @@ fn a_run_folder_gives_its_case_as_parameters() {
     assert_eq!(dataset.column("grains.material.friction").unwrap(), [0.45; 9]);
     assert_eq!(dataset.variable("grains.material.youngs_modulus").unwrap().unit, "Pa");
     assert_eq!(dataset.runs()[0].parameter("preparation.seed"), Some(case.preparation.seed as f64));
+    // The stages are parameters too, with the defaults of their path.
+    assert_eq!(dataset.column("stage.1.lateral_stress").unwrap(), [5e4; 9]);
+    assert_eq!(dataset.runs()[0].parameter("stage.1.axial_strain"), Some(0.2));
     // Names of contact laws are not numbers and therefore not columns.
     assert!(dataset.column("contact.normal").is_err());
     // For strains e (2, -1, -1) / 3, the arc length sqrt(2/3 e:e) is 2/3 e.
