@@ -4,8 +4,9 @@ use granum_io::LaboratoryTest;
 use granum_sensors::Record;
 
 use super::data::column;
-use super::figure::palette::{INK, color};
-use super::figure::{Axis, Figure, Layer, Panel, Plot, SHAPES, Stroke};
+use super::figure::palette::INK;
+use super::figure::{Axis, Figure, Layer, Panel, Plot, SHAPES};
+use super::overlay::{literal, stroke};
 
 /// The curves of a run in the measures of the laboratory: engineering strains, compression positive.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -103,7 +104,7 @@ pub fn errors(run: &RunCurves, test: &LaboratoryTest) -> Errors {
 /// The values of a test over its axial strains.
 type Values = fn(&LaboratoryTest) -> &[f64];
 
-/// Draws runs as lines over tests as open marks.
+/// Draws runs as lines over tests as open marks; without tests, runs over each other.
 pub fn figure(runs: &[RunCurves], tests: &[&LaboratoryTest]) -> (Figure, String) {
     let curves: [(&str, Axis, Values); 3] = [
         ("deviator stress", Axis::new("Deviator stress *q*").unit("Pa").including(0.0), |test| {
@@ -118,7 +119,13 @@ pub fn figure(runs: &[RunCurves], tests: &[&LaboratoryTest]) -> (Figure, String)
         let points = |test: &LaboratoryTest| -> Vec<[f64; 2]> {
             test.axial_strain.iter().zip(of(test)).map(|(x, y)| [*x, *y]).collect()
         };
-        if tests.iter().all(|test| of(test).is_empty()) {
+        let has = |test: &LaboratoryTest| !of(test).is_empty();
+        let drawn = if tests.is_empty() {
+            runs.iter().any(|run| has(&run.curves))
+        } else {
+            tests.iter().any(|test| has(test))
+        };
+        if !drawn {
             continue;
         }
         let mut plot = Plot::new(Axis::new("Axial strain *ε*_{1}"), axis);
@@ -130,14 +137,15 @@ pub fn figure(runs: &[RunCurves], tests: &[&LaboratoryTest]) -> (Figure, String)
             plot = plot.with(Layer::points(marks, SHAPES[k % SHAPES.len()], INK).named(name));
         }
         for (k, run) in runs.iter().enumerate() {
-            let stroke = Stroke::new(color(k), 1.6);
-            plot = plot.with(Layer::stroked(points(&run.curves), stroke).named(&run.name));
+            let line = Layer::stroked(points(&run.curves), stroke(k));
+            plot = plot.with(line.named(&literal(&run.name)));
         }
         panels.push(Panel::plot(plot));
         names.push(what);
     }
+    let whose = if tests.is_empty() { "runs" } else { "runs (lines) and laboratory tests (marks)" };
     let caption = format!(
-        "{} against axial strain: runs (lines) and laboratory tests (marks). Engineering strains, compression positive.",
+        "{} against axial strain: {whose}. Engineering strains, compression positive.",
         names.join(", ")
     );
     (Figure::new(&caption, panels.len().clamp(1, 2), panels), caption)

@@ -72,6 +72,18 @@ impl RunReport {
         let names = run.snapshots()?;
         let snapshot =
             |name: &str| names.iter().find(|found| *found == name).map(|name| run.snapshot(name)).transpose();
+        Ok(RunReport {
+            start: snapshot(granum_run::laboratory::SAMPLE)?,
+            end: snapshot(granum_run::laboratory::END)?,
+            ..RunReport::read_without_pictures(run, role)?
+        })
+    }
+
+    /// As [`RunReport::read`], without the snapshots.
+    ///
+    /// # Errors
+    /// As [`RunReport::read`].
+    pub fn read_without_pictures(run: &Run, role: Role) -> Result<Self, LearnError> {
         let about = run.record()?;
         Ok(RunReport {
             name: run.path().file_name().map_or("run".to_owned(), |name| name.to_string_lossy().into_owned()),
@@ -85,8 +97,8 @@ impl RunReport {
             },
             run: about,
             preparation: run.preparation()?.unwrap_or_default(),
-            start: snapshot(granum_run::laboratory::SAMPLE)?,
-            end: snapshot(granum_run::laboratory::END)?,
+            start: None,
+            end: None,
         })
     }
 

@@ -1,6 +1,7 @@
 //! Reports of runs and studies: one self-contained HTML file, and its figures as SVG files.
 //!
-//! [`run_report`] writes the report of one run. Quantities that a record does not contain are omitted. Pages of other crates are
+//! [`run_report`] writes the report of one run, [`overlay_report`] that of several over each other, and [`data_report`] that of
+//! another program's data. Quantities that a record does not contain are omitted. Pages of other crates are
 //! made of the same parts: [`page`], [`figure`], and the sections of [`run`], [`sample`] and [`trust`].
 
 pub mod case_details;
@@ -13,6 +14,8 @@ mod forces;
 mod further;
 mod material;
 pub mod numbers;
+pub mod other_data;
+pub mod overlay;
 pub mod page;
 mod path;
 mod preparation;
@@ -22,6 +25,8 @@ pub mod symbols;
 pub mod trust;
 
 pub use data::{Role, RunReport};
+pub use other_data::report as data_report;
+pub use overlay::report as overlay_report;
 pub use page::Document;
 pub use preparation::report as sample_report;
 pub use run::report as run_report;

@@ -118,7 +118,7 @@ pub fn void_ratio(run: &RunReport) -> Vec<f64> {
 }
 
 /// A line for each segment of states over which the strain counts from one start; others are gaps.
-fn lines(run: &RunReport, x: &[f64], y: &[f64]) -> Vec<[f64; 2]> {
+pub fn lines(run: &RunReport, x: &[f64], y: &[f64]) -> Vec<[f64; 2]> {
     let arcs = run.column("arc_length");
     let mut points = Vec::with_capacity(x.len());
     for (k, (&x, &y)) in x.iter().zip(y).enumerate() {

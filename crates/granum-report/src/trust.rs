@@ -165,7 +165,35 @@ fn verdict(runs: &[RunReport]) -> String {
         (1, 0) => "The run passed every check.".to_owned(),
         (_, 0) => "All runs passed every check.".to_owned(),
         (1, _) => "The run did not pass every check: read its results with care.".to_owned(),
+        (all, broken) if broken > 6 => {
+            format!("{broken} of {all} runs did not pass every check: read their results with care.")
+        }
         _ => format!("Not every check was passed by {}: read their results with care.", broken.join(", ")),
+    }
+}
+
+/// The section for several runs without figures: the checks that some of them did not pass, each with its worst value.
+pub fn of_several(runs: &[RunReport]) -> Markup {
+    let mut failed: Vec<(&QualityFlag, usize)> = Vec::new();
+    for flag in runs.iter().flat_map(|run| &run.run.quality).filter(|flag| !flag.passed) {
+        match failed.iter_mut().find(|(worst, _)| worst.name == flag.name) {
+            Some((worst, count)) => {
+                *count += 1;
+                if flag.value > worst.value {
+                    *worst = flag;
+                }
+            }
+            None => failed.push((flag, 1)),
+        }
+    }
+    html! {
+        p { (verdict(runs)) }
+        ul class="flags" { @for (flag, count) in failed {
+            li class="broken" {
+                (rich(&name(flag))) ": " (count) " of " (runs.len()) " runs are beyond the limit of " (rich(&number(flag, flag.limit)))
+                ", the worst with " b { (rich(&number(flag, flag.value))) } ". What to do: " span class="advice" { (flag.advice) "." }
+            }
+        } }
     }
 }
 

@@ -1,9 +1,8 @@
 //! The file in the folder of several runs, from which they can be continued.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use granum_io::atomic::write_atomically;
+use granum_io::sealed::{unseal_strictly, write_sealed};
 use granum_io::{Case, Error, RunSource, run};
 use serde::{Deserialize, Serialize};
 
@@ -97,6 +96,7 @@ impl RunList {
             return Err(Error::content(&path, "is too large for a list of runs"));
         }
         let text = std::fs::read_to_string(&path).map_err(Error::file("read", &path))?;
+        let text = unseal_strictly(&path, &text)?;
         let damaged = |why: String| Error::content(&path, format!("is no list of runs or is damaged: {why}"));
         let list: RunList = serde_json::from_str(&text).map_err(|error| damaged(error.to_string()))?;
         if list.format != FORMAT {
@@ -117,10 +117,7 @@ impl RunList {
     /// # Errors
     /// [`Error::File`].
     pub fn write(&self, folder: &Path) -> granum_io::Result<()> {
-        write_atomically(&folder.join(RUN_LIST), |file| {
-            serde_json::to_writer_pretty(&mut *file, self).map_err(std::io::Error::from)?;
-            file.write_all(b"\n")
-        })
+        write_sealed(&folder.join(RUN_LIST), self)
     }
 
     /// Adds the runs of an earlier list that are not in this one.

@@ -77,6 +77,53 @@ pub fn legend(runs: &[RunEntry]) -> Vec<String> {
     if alike { names() } else { texts }
 }
 
+/// Runs that are drawn alike, since they are repetitions of one test.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunGroup {
+    /// A short text that tells the group from the others.
+    pub label: String,
+    /// The numbers of its runs.
+    pub runs: Vec<usize>,
+}
+
+/// Runs by what they have in common: runs that differ in their seed alone are one group, labelled by the keys in which the groups
+/// differ and the number of its runs. Where no other key differs, every run is a group of its own.
+pub fn groups(runs: &[RunEntry]) -> Vec<RunGroup> {
+    let alike = |a: &RunEntry, b: &RunEntry| {
+        let mut other = b.case.clone();
+        other.preparation.seed = a.case.preparation.seed;
+        a.case == other
+    };
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (k, run) in runs.iter().enumerate() {
+        match groups.iter_mut().find(|group| alike(&runs[group[0]], run)) {
+            Some(group) => group.push(k),
+            None => groups.push(vec![k]),
+        }
+    }
+    if groups.len() == 1 {
+        groups = (0..runs.len()).map(|k| vec![k]).collect();
+    }
+    // The seed of a group is that of its first run, and is no difference between groups with several.
+    let several = groups.iter().any(|group| group.len() > 1);
+    let first: Vec<RunEntry> = groups
+        .iter()
+        .map(|group| {
+            let mut entry = runs[group[0]].clone();
+            if several {
+                entry.case.preparation.seed = 1;
+            }
+            entry
+        })
+        .collect();
+    let label = |(text, group): (String, &Vec<usize>)| match group.len() {
+        1 => text,
+        count => format!("{text} ({count} seeds)"),
+    };
+    let labels: Vec<String> = legend(&first).into_iter().zip(&groups).map(label).collect();
+    labels.into_iter().zip(groups).map(|(label, runs)| RunGroup { label, runs }).collect()
+}
+
 /// A value for reading, with a prefix of its unit: `50 kPa`.
 fn shown(value: &KeyValue, unit: &str) -> String {
     match value {

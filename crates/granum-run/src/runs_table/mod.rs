@@ -26,7 +26,7 @@ mod units;
 pub use columns::{RunsTable, Selection};
 pub use entry::RunEntry;
 pub use find::find_runs;
-pub use keys::{DifferingKey, KeyValue, differing_keys, legend};
+pub use keys::{DifferingKey, KeyValue, RunGroup, differing_keys, groups, legend};
 
 #[cfg(test)]
 mod tests;

@@ -118,3 +118,23 @@ fn runs_are_found_in_the_folders_that_contain_them() {
     assert!(found(&["empty"]).unwrap_err().to_string().ends_with("empty: contains no run"));
     assert!(found(&["nowhere"]).unwrap_err().to_string().ends_with("there is no such folder"));
 }
+
+#[test]
+fn repetitions_with_other_seeds_are_one_group() {
+    let text = |friction: &str, seed: u32| {
+        format!("grains.material.friction = {friction}\npreparation.seed = {seed}\n")
+    };
+    let runs: Vec<RunEntry> = [("0.2", 1), ("0.4", 1), ("0.2", 2)]
+        .iter()
+        .map(|(friction, seed)| entry(&format!("{friction}-{seed}"), &text(friction, *seed), &[]))
+        .collect();
+    let found: Vec<(String, Vec<usize>)> =
+        groups(&runs).into_iter().map(|group| (group.label, group.runs)).collect();
+    assert_eq!(
+        found,
+        [("friction 0.2 (2 seeds)".to_string(), vec![0, 2]), ("friction 0.4".to_string(), vec![1])]
+    );
+    let seeds: Vec<String> =
+        groups(&[runs[0].clone(), runs[2].clone()]).into_iter().map(|group| group.label).collect();
+    assert_eq!(seeds, ["seed 1", "seed 2"]);
+}

@@ -1,4 +1,4 @@
-//! `granum compare`: runs over the curves of laboratory tests.
+//! `granum compare`: runs over the curves of laboratory tests, or over each other.
 
 use std::path::{Path, PathBuf};
 
@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use granum_io::{Conventions, LaboratoryTest, Run, check_output_file, read_laboratory};
 use granum_report::comparison::{Errors, RunCurves, errors, figure};
 use granum_run::record::read_record;
+use granum_run::runs_table::{RunEntry, find_runs, legend};
 use serde_json::{Value, json};
 
 use super::records::check_begun;
@@ -16,6 +17,9 @@ use crate::output;
 /// Draw runs over the curves of laboratory tests (deviator stress, volumetric strain, void ratio against axial strain) and print
 /// the differences.
 ///
+/// Without a laboratory file the runs are drawn over each other, with a legend of the keys by which their cases differ, and the
+/// differences are those from the first run. A folder that contains runs stands for all of them.
+///
 /// The laboratory's file is a CSV with a row for each reading. Its header names the columns with their units, e.g. `axial_strain
 /// (%)` or `axial_stress_kPa`; known are axial_strain, volumetric_strain, axial_stress, lateral_stress, deviator_stress,
 /// mean_stress, void_ratio, initial_void_ratio and test (a name, where the file holds several tests). Compression is positive and
@@ -24,11 +28,11 @@ use crate::output;
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum compare run-dense data/lab/karlsruhe-fine-sand-drained.csv --test TMD22\n  granum compare run-1 run-2 \
-                  lab.csv --map axial_strain='eps1 (%)' --map deviator_stress='q (kPa)' --compression negative"
+                  lab.csv --map axial_strain='eps1 (%)' --map deviator_stress='q (kPa)' --compression negative\n  granum compare run-1 run-2"
 )]
 pub struct Compare {
-    /// Run folders, and the laboratory's file last.
-    #[arg(required = true, num_args = 2.., value_names = ["RUN", "LAB.csv"])]
+    /// Folders of runs or with runs, and the laboratory's file last, if there is one.
+    #[arg(required = true, num_args = 1.., value_names = ["RUN", "LAB.csv"])]
     files: Vec<PathBuf>,
     /// A test of the file; can be repeated. All tests of a file with no more than three are drawn without it.
     #[arg(long, value_name = "NAME")]
@@ -70,31 +74,64 @@ const MOST_TESTS: usize = 3;
 
 impl Compare {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
-        let Some((lab, folders)) = self.files.split_last() else {
-            return Err(Failure::new("nothing to compare"));
-        };
-        if lab.is_dir() {
-            return Err(Failure::new(format!(
-                "{}: is a folder; the laboratory's file comes last",
-                lab.display()
-            )));
-        }
         check_output_file(&self.output, context.force)?;
-        let tests = read_laboratory(lab, &self.conventions()?)?;
-        let tests = self.chosen(&tests)?;
-        let runs = folders.iter().map(|folder| curves(folder)).collect::<Result<Vec<_>, _>>()?;
-        let (figure, _) = figure(&runs, &tests);
-        granum_io::atomic::write_atomically(&self.output, |file| {
-            std::io::Write::write_all(file, figure.to_svg().as_bytes())
-        })?;
-        let pairs: Vec<(String, String, Errors)> = (runs.iter())
-            .flat_map(|run| {
-                tests.iter().map(move |test| (run.name.clone(), test.name.clone(), errors(run, test)))
-            })
-            .collect();
-        output::say(context, &as_json(&pairs, &self.output), || {
+        let (runs, pairs) = match self.files.split_last() {
+            Some((lab, folders)) if !lab.is_dir() => {
+                let tests = read_laboratory(lab, &self.conventions()?)?;
+                let tests = self.chosen(&tests)?;
+                let runs: Vec<RunCurves> =
+                    folders.iter().map(|folder| curves(folder)).collect::<Result<_, _>>()?;
+                let pairs = (runs.iter())
+                    .flat_map(|run| tests.iter().map(|test| Pair::of(run, test)).collect::<Vec<_>>())
+                    .collect();
+                self.draw(&runs, &tests)?;
+                (runs, pairs)
+            }
+            _ => {
+                let runs = self.labelled()?;
+                let Some((first, others)) = runs.split_first().filter(|(_, others)| !others.is_empty())
+                else {
+                    let message = "give two runs or more, or runs and the laboratory's file last";
+                    return Err(Failure::new(message));
+                };
+                let pairs: Vec<Pair> = others.iter().map(|run| Pair::of(run, &first.curves)).collect();
+                self.draw(&runs, &[])?;
+                (runs, pairs)
+            }
+        };
+        let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
+        output::say(context, &as_json(&pairs, &names, &self.output), || {
             format!("{}\nwrote {}", text(&pairs), self.output.display())
         })
+    }
+
+    /// The runs of the folders, each named by the keys in which it differs from the others.
+    fn labelled(&self) -> Result<Vec<RunCurves>, Failure> {
+        let given = !(self.test.is_empty() && self.map.is_empty());
+        if given || self.compression.is_some() || self.strain.is_some() {
+            let message =
+                "--test, --map, --compression and --strain belong to a laboratory's file, which comes last";
+            return Err(Failure::new(message));
+        }
+        let folders = find_runs(&self.files)?;
+        let entries = folders.iter().map(|folder| RunEntry::read(folder)).collect::<Result<Vec<_>, _>>()?;
+        if let Some(sample) = entries.iter().find(|entry| entry.record.kind == "prepare") {
+            return Err(Failure::new(format!("{}: is a sample, not a test", sample.folder.display())));
+        }
+        let labels = legend(&entries);
+        let named = |(folder, name): (&PathBuf, String)| {
+            let mut curves = curves(folder)?;
+            curves.curves.name.clone_from(&name);
+            Ok(RunCurves { name, ..curves })
+        };
+        folders.iter().zip(labels).map(named).collect()
+    }
+
+    fn draw(&self, runs: &[RunCurves], tests: &[&LaboratoryTest]) -> Result<(), Failure> {
+        let (figure, _) = figure(runs, tests);
+        Ok(granum_io::atomic::write_atomically(&self.output, |file| {
+            std::io::Write::write_all(file, figure.to_svg().as_bytes())
+        })?)
     }
 
     fn conventions(&self) -> Result<Conventions, Failure> {
@@ -143,11 +180,24 @@ fn curves(folder: &Path) -> Result<RunCurves, Failure> {
     Ok(RunCurves::of(&name, &read_record(&run)?))
 }
 
-fn as_json(pairs: &[(String, String, Errors)], output: &Path) -> Value {
-    let pair = |(run, test, errors): &(String, String, Errors)| {
+/// A run, the test or run with which it is compared, and the differences.
+struct Pair {
+    run: String,
+    other: String,
+    errors: Errors,
+}
+
+impl Pair {
+    fn of(run: &RunCurves, other: &LaboratoryTest) -> Pair {
+        Pair { run: run.name.clone(), other: other.name.clone(), errors: errors(run, other) }
+    }
+}
+
+fn as_json(pairs: &[Pair], runs: &[&str], output: &Path) -> Value {
+    let pair = |Pair { run, other, errors }: &Pair| {
         json!({
             "run": run,
-            "test": test,
+            "test": other,
             "up_to_axial_strain": errors.up_to,
             "deviator_stress_error": errors.deviator_stress,
             "peak_deviator_stress_error": errors.peak,
@@ -155,28 +205,35 @@ fn as_json(pairs: &[(String, String, Errors)], output: &Path) -> Value {
             "void_ratio_error": errors.void_ratio,
         })
     };
-    json!({ "comparisons": pairs.iter().map(pair).collect::<Vec<_>>(), "figure": output })
+    json!({ "runs": runs, "comparisons": pairs.iter().map(pair).collect::<Vec<_>>(), "figure": output })
 }
 
-fn text(pairs: &[(String, String, Errors)]) -> String {
+fn text(pairs: &[Pair]) -> String {
     let percent =
         |value: Option<f64>| value.map_or("-".to_string(), |value| format!("{:.1} %", 100.0 * value));
+    let width = |of: fn(&Pair) -> &str, least: usize| {
+        pairs.iter().map(|pair| of(pair).chars().count()).fold(least, usize::max)
+    };
+    let (runs, others) = (width(|pair| &pair.run, 20), width(|pair| &pair.other, 13));
     let mut lines = vec![format!(
-        "{:<20} {:<12} {:>12} {:>12} {:>12} {:>16} {:>12}",
-        "run", "test", "up to eps_1", "q (rms)", "largest q", "eps_v (rms)", "e (rms)"
+        "{:<runs$} {:<others$} {:>12} {:>12} {:>12} {:>16} {:>12}",
+        "run", "compared with", "up to eps_1", "q (rms)", "largest q", "eps_v (rms)", "e (rms)"
     )];
-    for (run, test, errors) in pairs {
+    for Pair { run, other, errors } in pairs {
         let void_ratio = errors.void_ratio.map_or("-".to_string(), |value| format!("{value:.4}"));
         let volume = errors
             .volumetric_strain
             .map_or("-".to_string(), |value| format!("{:.2} % strain", 100.0 * value));
         lines.push(format!(
-            "{run:<20} {test:<12} {:>12} {:>12} {:>12} {volume:>16} {void_ratio:>12}",
+            "{run:<runs$} {other:<others$} {:>12} {:>12} {:>12} {volume:>16} {void_ratio:>12}",
             percent(Some(errors.up_to)),
             percent(errors.deviator_stress),
             percent(errors.peak),
         ));
     }
-    lines.push("q: relative to the largest q of the test; largest q: run over test minus one".into());
+    lines.push(
+        "q: relative to the largest q of what the run is compared with; largest q: its ratio minus one"
+            .into(),
+    );
     lines.join("\n")
 }

@@ -152,14 +152,9 @@ impl Measure {
 
     /// A packing: what follows from places and radii, and with a case from its contact law.
     fn packing(&self, path: &Path) -> Result<(Assembly, Parts), Failure> {
+        let Some(case) = &self.case else { return packing_alone(path) };
         let packing = granum_io::read_packing(path)?;
-        let mut parts =
-            Parts::of(&[Part::Cell, Part::Positions, Part::Radii, Part::Contacts, Part::Overlaps]);
-        let Some(case) = &self.case else {
-            let material = Material::default().with(|material| material.interface_energy = 0.0);
-            let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
-            return Ok((simulation(&packing, Properties::new(material, contact))?.assembly(), parts));
-        };
+        let mut parts = Parts::of(&OF_PACKING);
         let case = Case::read(case)?;
         parts = parts.with(Part::Masses).with(Part::NormalForces);
         if case.grains.material.friction == 0.0 && case.grains.mixture.is_empty() {
@@ -169,6 +164,17 @@ impl Measure {
         }
         Ok((simulation(&packing, case.properties())?.assembly(), parts))
     }
+}
+
+/// What is known of a packing without a contact law.
+const OF_PACKING: [Part; 5] = [Part::Cell, Part::Positions, Part::Radii, Part::Contacts, Part::Overlaps];
+
+/// A packing without a contact law: grains that overlap touch.
+pub fn packing_alone(path: &Path) -> Result<(Assembly, Parts), Failure> {
+    let packing = granum_io::read_packing(path)?;
+    let material = Material::default().with(|material| material.interface_energy = 0.0);
+    let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
+    Ok((simulation(&packing, Properties::new(material, contact))?.assembly(), Parts::of(&OF_PACKING)))
 }
 
 fn as_json(assembly: &Assembly, measured: &Measurement) -> Value {

@@ -1,4 +1,4 @@
-//! `granum report`: writes the report of a run or of a whole reproduction from its folder.
+//! `granum report`: writes the report of a run, of several runs, of a whole reproduction, or of the data of another program.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -10,45 +10,64 @@ use granum_antony2006::files::load_study;
 use granum_antony2006::reproduction::{Reproduction, SPEED_FILE, SUMMARY_FILE};
 use granum_antony2006::{StudyData, StudyDataOptions};
 use granum_antony2006::{StudyReport, speed_page, study_report};
+use granum_io::formats::{Formats, Observation};
 use granum_io::shell::quoted_path;
 use granum_io::{Run, RunStatus, atomic::write_atomically, check_output_file};
 use granum_learn::NamedRecord;
-use granum_report::{Document, Role, RunReport, run_report, sample_report};
+use granum_report::other_data::Instant;
+use granum_report::{Document, Role, RunReport, data_report, overlay_report, run_report, sample_report};
+use granum_run::runs_table::find_runs;
 use serde_json::json;
 
+use super::measure::packing_alone;
 use super::records;
 use super::reproduce::read_summary;
+use super::sources::SourceFlags;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
 
-/// Write the report of a run folder, a sample folder or a reproduction from the contents of the folder.
+/// Write the report of a run, of several runs over each other, of a sample, of a reproduction, or of the data of another program.
 ///
 /// The report consists of report.html, which contains its figures and can be read offline, and of the figures as SVG files
-/// in the folder figures.
+/// in the folder figures. Several runs, or folders that contain runs, are drawn over each other, with a legend of the keys by which
+/// their cases differ; runs that differ in their seed alone have one colour. Files of grains and contacts of other programs, as
+/// `granum measure` reads them, give a report with their force chains, fabric, distribution of forces and all sensors.
 #[derive(Args)]
 #[command(
-    after_help = "Example:\n  granum report run-1\n  granum report run-1 --out run-1.html\n  granum report reproduction --force"
+    after_help = "Example:\n  granum report run-1\n  granum report run-1 --out run-1.html\n  granum report run-1 run-2 --out both.html\n  \
+                  granum report study\n  granum report grains.dump contacts.dump --columns \
+                  contacts.dump=index,patom1,patom2,fx,fy,fz,p1,p2,p3 --out lammps\n  granum report reproduction --force"
 )]
 pub struct Report {
-    /// Folder of a run, a sample or a reproduction.
-    folder: PathBuf,
-    /// Folder for report.html and figures, or a file name that ends in .html for the page alone; by default the folder
-    /// itself.
+    /// Folders of runs, of a sample or of a reproduction, or files of grains and contacts of another program.
+    #[arg(required = true, value_name = "DATA")]
+    data: Vec<PathBuf>,
+    /// Folder for report.html and figures, or a file name that ends in .html for the page alone. By default the folder of the data;
+    /// the page report.html here for several folders or for files.
     #[arg(short, long, value_name = "FILE/DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    sources: SourceFlags,
 }
+
+/// Page of the data that have no folder of their own.
+const PAGE: &str = "report.html";
 
 impl Report {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
-        let out = self.out.as_deref().unwrap_or(&self.folder);
+        let own_folder = match &self.data[..] {
+            [one] if one.is_dir() => one.clone(),
+            _ => PathBuf::from(PAGE),
+        };
+        let out = self.out.as_deref().unwrap_or(&own_folder);
         let page = out.extension().is_some_and(|extension| extension == "html") && !out.is_dir();
         let file = if page { out.to_path_buf() } else { out.join("report.html") };
         check_output_file(&file, context.force)?;
         if !page {
             self.check_place(out)?;
         }
-        let (document, study) = document(&self.folder)?;
+        let (document, study) = self.document(context)?;
         if page {
             write_atomically(out, |file| file.write_all(document.html.as_bytes()))?;
         } else {
@@ -66,19 +85,110 @@ impl Report {
             }
         })
     }
-}
 
-impl Report {
     /// Refuses an output folder that already holds other results, since it would then contain two reports, or the wrong one.
     fn check_place(&self, out: &Path) -> Result<(), Failure> {
         let same =
             |a: &Path, b: &Path| matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
         let contents = Contents::of(out)?;
-        if contents.kind().is_none() || same(out, &self.folder) {
+        let its_own = matches!(&self.data[..], [one] if same(out, one));
+        if contents.kind().is_none() || its_own {
             return Ok(());
         }
-        let what = format!("the report of {}", self.folder.display());
+        let names: Vec<String> = self.data.iter().map(|path| path.display().to_string()).collect();
+        let what = format!("the report of {}", names.join(", "));
         Err(taken(out, &contents, &what, false).into())
+    }
+
+    fn document(&self, context: &Context) -> Result<(Document, Option<StudyReport>), Failure> {
+        if let Some(path) = self.data.iter().find(|path| !path.exists()) {
+            return Err(Failure::new(format!("{}: there is no such file or folder", path.display())));
+        }
+        let files = self.data.iter().filter(|path| !path.is_dir()).count();
+        if files == self.data.len() {
+            return Ok((self.of_files()?, None));
+        }
+        if let Some(file) = self.data.iter().find(|path| !path.is_dir()) {
+            let message = "is no folder; give folders of runs, or files of another program, not both";
+            return Err(Failure::new(format!("{}: {message}", file.display())));
+        }
+        if let Some(flag) = self.sources.first_given() {
+            return Err(Failure::new(format!("{flag}: it belongs to files of another program, not to runs")));
+        }
+        match &self.data[..] {
+            [one] if !is_of_several(one)? => document(one),
+            folders => over_each_other(context, folders),
+        }
+    }
+
+    /// The report of files of another program.
+    fn of_files(&self) -> Result<Document, Failure> {
+        let names: Vec<String> = (self.data.iter())
+            .map(|path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned())
+            .collect();
+        let title = names.join(", ");
+        let instant = |name: String, assembly, parts| Instant { name, assembly, parts };
+        if let [one] = &self.data[..]
+            && one.is_file()
+            && self.sources.first_given().is_none()
+            && !Formats::standard().is_result(one)?
+        {
+            let (assembly, parts) = packing_alone(one)?;
+            return Ok(data_report(&title, &[instant(title.clone(), assembly, parts)]));
+        }
+        let found = self.sources.read(&self.data)?;
+        let count = found.len();
+        let named = |(k, found): (usize, Observation)| {
+            instant(format!("instant {} of {count}", k + 1), found.assembly, found.parts)
+        };
+        let instants: Vec<Instant> = found.into_iter().enumerate().map(named).collect();
+        Ok(data_report(&title, &instants))
+    }
+}
+
+/// True for a folder that is no run itself and contains several.
+fn is_of_several(folder: &Path) -> Result<bool, Failure> {
+    Ok(match Contents::of(folder)? {
+        Contents::Runs { .. } => true,
+        Contents::Other => find_runs(&[folder.to_path_buf()]).is_ok(),
+        _ => false,
+    })
+}
+
+/// The report of the runs in folders, over each other.
+fn over_each_other(
+    context: &Context,
+    folders: &[PathBuf],
+) -> Result<(Document, Option<StudyReport>), Failure> {
+    let found = find_runs(folders)?;
+    let mut runs = Vec::new();
+    for folder in &found {
+        let run = Run::at(folder)?;
+        let about = run.record()?;
+        if about.kind == "prepare" {
+            let message =
+                "is a sample; tests are drawn over each other, and a sample has a report of its own";
+            return Err(Failure::new(format!("{}: {message}", folder.display())));
+        }
+        records::check_begun(&run, &about)?;
+        if about.status != RunStatus::Finished {
+            context.warn(&format!(
+                "{} did not reach its end; the states recorded so far are drawn",
+                folder.display()
+            ));
+        }
+        runs.push(RunReport::read_without_pictures(&run, Role::Single)?);
+    }
+    // Runs of different studies may have the same name.
+    let names: Vec<String> = runs.iter().map(|run| run.name.clone()).collect();
+    for (run, folder) in runs.iter_mut().zip(&found) {
+        if names.iter().filter(|name| **name == run.name).count() > 1 {
+            run.name = folder.display().to_string();
+        }
+    }
+    match &runs[..] {
+        [_] => document(&found[0]),
+        _ => Ok((overlay_report(&runs), None)),
     }
 }
 

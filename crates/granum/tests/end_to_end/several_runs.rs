@@ -92,6 +92,8 @@ fn values_between_commas_make_all_combinations() {
     assert_eq!(status["runs"].as_array().unwrap().len(), 8);
 
     table_of_the_study(here);
+    curves_of_the_study(here);
+    data_of_another_program(here);
     a_folder_of_several_runs_is_no_run(here);
 }
 
@@ -133,6 +135,68 @@ fn table_of_the_study(here: &Path) {
     assert!(refused(here, 1, &["table", "nowhere"]).contains("nowhere: there is no such folder"));
     assert!(refused(here, 1, &["table", "study", "-o", "study.csv"]).contains("study.csv"));
     assert!(refused(here, 1, &["table", "study", "-o", "study.xls"]).contains(".csv or .parquet"));
+}
+
+/// The six runs over each other, in a report and in a figure.
+fn curves_of_the_study(here: &Path) {
+    let read = |name: &str| std::fs::read_to_string(here.join(name)).unwrap();
+    let text = done(here, &["report", "study"]);
+    assert!(text.contains("wrote study/report.html and 4 figures"), "{text}");
+    let page = read("study/report.html");
+    assert!(
+        page.contains("differ in grains.material.friction and stage.1.lateral_stress, and in nothing else")
+    );
+    let figure = read("study/figures/figure-s1-stress.svg");
+    for label in ["friction 0.2, lateral stress 20 kPa", "friction 0.4, lateral stress 40 kPa"] {
+        assert!(figure.contains(label), "{label}");
+    }
+    // The report and its figures are not taken for runs.
+    assert!(done(here, &["table", "study", "-o", "again.csv"]).contains("wrote 6 rows"));
+    let text = done(here, &["report", "study", "alone", "--out", "all.html"]);
+    assert!(text.contains("wrote all.html") && read("all.html").contains("7 runs"), "{text}");
+    let sample = format!("study/samples/{}", files(&here.join("study/samples"))[0]);
+    let message = refused(here, 1, &["report", &sample, "alone", "--out", "x.html"]);
+    assert!(message.contains("is a sample"), "{message}");
+    assert!(refused(here, 1, &["report", "nowhere"]).contains("nowhere: there is no such file or folder"));
+    let message = refused(here, 1, &["report", "study", "--density", "1", "--out", "x.html"]);
+    assert!(message.contains("belongs to files of another program"), "{message}");
+
+    let compared = done_json(here, &["compare", "study", "-o", "compare.svg"]);
+    let pairs = compared["comparisons"].as_array().unwrap();
+    assert_eq!((pairs.len(), &pairs[0]["test"]), (5, &"friction 0.2, lateral stress 20 kPa".into()));
+    assert!(pairs[4]["peak_deviator_stress_error"].as_f64().unwrap() > 0.5, "twice the stress: {compared}");
+    assert!(read("compare.svg").contains("friction 0.4, lateral stress 40 kPa"));
+    let message = refused(here, 1, &["compare", "alone", "-o", "y.svg"]);
+    assert!(message.contains("give two runs or more"), "{message}");
+    let message = refused(here, 1, &["compare", "study", "--test", "TMD22", "-o", "y.svg"]);
+    assert!(message.contains("belong to a laboratory's file"), "{message}");
+}
+
+/// Grains and contacts in files have force chains and fabric.
+fn data_of_another_program(here: &Path) {
+    for table in ["grains", "contacts"] {
+        done(here, &["export", "alone", "--table", table, "-o", &format!("{table}.csv")]);
+    }
+    let cell = granum_io::Run::at(here.join("alone")).unwrap().snapshot("end").unwrap().cell;
+    let cell: Vec<String> = (0..3).map(|k| format!("{} m", cell[k][k])).collect();
+    let cell = cell.join(", ");
+    let ask = ["report", "grains.csv", "contacts.csv", "--cell", &cell, "--out", "data"];
+    assert!(done(here, &ask).contains("wrote data/report.html and 4 figures"));
+    let wanted = ["force-chains", "strong-network", "forces", "roses"];
+    for (k, name) in wanted.iter().enumerate() {
+        assert!(here.join(format!("data/figures/figure-s{}-{name}.svg", k + 1)).is_file(), "{name}");
+    }
+    let page = std::fs::read_to_string(here.join("data/report.html")).unwrap();
+    let measured = done_json(here, &["measure", "grains.csv", "contacts.csv", "--cell", &cell]);
+    assert!(
+        page.contains("mechanical_coordination_number") && measured["values"]["deviator_fabric"].is_number()
+    );
+    // Without contacts the figures that need them are missing, and the page says why.
+    done(here, &["report", "grains.csv", "--cell", &cell, "--out", "grains.html"]);
+    let page = std::fs::read_to_string(here.join("grains.html")).unwrap();
+    assert!(page.contains("There is no figure of force chains: the data have no"), "{page}");
+    let message = refused(here, 1, &["report", "study", "grains.csv", "--out", "z.html"]);
+    assert!(message.contains("not both"), "{message}");
 }
 
 fn a_folder_of_several_runs_is_no_run(here: &Path) {
