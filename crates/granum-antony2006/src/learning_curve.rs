@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::baseline::{MappingBaselines, Ridge};
 use crate::mapping::Mapping;
 use crate::mapping_networks::states_of;
-use crate::sensor_use::SensorUse;
+use crate::sensor_use::sensor_use;
 use crate::study::observer::StudyObserver;
 use crate::study::options::{PAPER_TRAINER, StudyOptions};
 use crate::study::trained::{Study, TrainedMapping};
@@ -257,11 +257,11 @@ impl Errors {
         let mapping = trained.surrogate.mapping();
         let ridges = MappingBaselines::fit(mapping, dataset)?;
         let runs: Vec<&Run> = dataset.unseen_runs.iter().collect();
-        let usage = SensorUse::new(trained, &runs)?;
+        let usage = sensor_use(trained, &runs)?;
         for (k, (errors, run)) in usage.runs.iter().zip(&dataset.unseen_runs).enumerate() {
             let found = [
                 errors.own,
-                errors.strain_only,
+                errors.coordinate_only,
                 ridge_error(&ridges.ridge, mapping, run),
                 ridge_error(&ridges.strain_only, mapping, run),
                 errors.with_other.unwrap_or(errors.own),

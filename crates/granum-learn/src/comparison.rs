@@ -77,26 +77,32 @@ pub fn score_surrogate(surrogate: &dyn Surrogate, dataset: &Dataset) -> Result<S
     Ok(judged(surrogate, dataset, 0.9)?.score)
 }
 
-struct Judged {
-    score: Score,
-    coverage: Option<f64>,
-    outside: usize,
+/// The predictions of a surrogate for a data set, judged.
+pub(crate) struct Judged {
+    pub score: Score,
+    /// The score of each output.
+    pub outputs: Vec<Score>,
+    pub coverage: Option<f64>,
+    pub outside: usize,
 }
 
-fn judged(surrogate: &dyn Surrogate, dataset: &Dataset, level: f64) -> Result<Judged> {
-    if dataset.rows() == 0 {
-        return Ok(Judged { score: Score::default(), coverage: None, outside: 0 });
-    }
+pub(crate) fn judged(surrogate: &dyn Surrogate, dataset: &Dataset, level: f64) -> Result<Judged> {
     let columns = surrogate.columns();
+    if dataset.rows() == 0 {
+        let outputs = vec![Score::default(); columns.outputs.len()];
+        return Ok(Judged { score: Score::default(), outputs, coverage: None, outside: 0 });
+    }
     check_units(columns)?;
     let exact = dataset.values(&columns.output_names())?;
     let predictions = surrogate.predict(&dataset.values(&columns.input_names())?, level)?;
     let mut scorer = Scorer::default();
+    let mut each = vec![Scorer::default(); columns.outputs.len()];
     let (mut held, mut intervals) = (0, 0);
     for (exact, prediction) in exact.chunks_exact(columns.outputs.len()).zip(&predictions) {
         let means: Vec<f64> = prediction.values.iter().map(|estimate| estimate.mean).collect();
         scorer.add(exact, &means);
-        for (exact, estimate) in exact.iter().zip(&prediction.values) {
+        for ((scorer, exact), estimate) in each.iter_mut().zip(exact).zip(&prediction.values) {
+            scorer.add(&[*exact], &[estimate.mean]);
             if let Some(interval) = &estimate.interval {
                 intervals += 1;
                 held += usize::from(interval.lower <= *exact && *exact <= interval.upper);
@@ -106,12 +112,13 @@ fn judged(surrogate: &dyn Surrogate, dataset: &Dataset, level: f64) -> Result<Ju
     let is_outside = |prediction: &&Prediction| !prediction.outside.is_empty();
     Ok(Judged {
         score: scorer.score(),
+        outputs: each.iter().map(Scorer::score).collect(),
         coverage: (intervals > 0).then(|| held as f64 / intervals as f64),
         outside: predictions.iter().filter(is_outside).count(),
     })
 }
 
-fn check_units(columns: &Columns) -> Result<()> {
+pub(crate) fn check_units(columns: &Columns) -> Result<()> {
     let Some(first) = columns.outputs.first() else { return Ok(()) };
     let Some(other) = columns.outputs.iter().find(|other| other.unit != first.unit) else { return Ok(()) };
     let unit = |unit: &str| if unit.is_empty() { "no unit".to_string() } else { unit.to_string() };

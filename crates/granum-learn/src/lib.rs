@@ -31,13 +31,16 @@
 //! ```
 
 mod comparison;
+pub mod curve;
 pub mod dataset;
 mod error;
 pub mod inference;
+pub mod input_use;
 pub mod regression;
 pub mod runs;
 pub mod score;
 pub mod student_t;
+pub mod study;
 pub mod surrogate;
 #[cfg(test)]
 mod synthetic;

@@ -8,7 +8,7 @@ use crate::baseline::{Baselines, MappingBaselines};
 use crate::mapping::{Mapping, Quantity};
 use crate::mapping_networks::states_of;
 use crate::scatter::{Scatter, best_without_sensors};
-use crate::sensor_use::{SensorUse, is_constant};
+use crate::sensor_use::{self, SensorUse, is_constant};
 use crate::study_data::{Run, State, StudyData};
 use granum_learn::Result;
 use granum_learn::score::{Score, Scorer};
@@ -64,7 +64,7 @@ impl Study {
     /// # Errors
     /// If a state contains a value that is not finite.
     pub fn sensor_use(&self, runs: &[&Run]) -> Result<Vec<SensorUse>> {
-        self.mappings.iter().map(|trained| SensorUse::new(trained, runs)).collect()
+        self.mappings.iter().map(|trained| sensor_use::sensor_use(trained, runs)).collect()
     }
 
     /// Scores every mapping.
@@ -147,7 +147,7 @@ impl Evaluation {
             mean_curve: by(&|state| curve.answer(mapping.output, state.strain))?,
             ridge: by(&|state| both.ridge.answer(state))?,
             ridge_strain_only: by(&|state| both.strain_only.answer(state))?,
-            sensor_use: SensorUse::new(trained, &unseen)?,
+            sensor_use: sensor_use::sensor_use(trained, &unseen)?,
             seed_scatter: scatter(dataset, mapping, mapping.output).map(|scatter| scatter.relative),
             training_runs: dataset.training_runs.len(),
             sub_models: sub_models.collect::<Result<_>>()?,

@@ -1,5 +1,7 @@
 //! The split of a data set into training, held-out and unseen parts.
 
+use serde::{Deserialize, Serialize};
+
 use super::named_columns::Dataset;
 use super::run_states::{RunStates, STATE};
 use crate::error::{LearnError, Result};
@@ -8,7 +10,7 @@ use crate::error::{LearnError, Result};
 /// are held out, and the unseen runs are used for evaluation only.
 ///
 /// See [`Dataset`] for an example.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Split {
     /// Stride n: every n-th state is used for training (2).

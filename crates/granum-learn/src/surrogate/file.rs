@@ -62,9 +62,23 @@ pub fn to_json(surrogate: &dyn Surrogate) -> Result<String> {
         _digest: String::new(),
     };
     let text = json::readable(&file).map_err(|error| LearnError::Content(error.to_string()))?;
+    Ok(sealed(&text))
+}
+
+/// A JSON document with the SHA-256 of its text as its last entry.
+pub(crate) fn sealed(text: &str) -> String {
     // The digest is inserted before the closing brace of the document.
-    let body = text.strip_suffix('}').unwrap_or(&text).trim_end();
-    Ok(format!("{body}{DIGEST}{}\"\n}}\n", digest::of(body.as_bytes())))
+    let text = text.trim_end();
+    let body = text.strip_suffix('}').unwrap_or(text).trim_end();
+    format!("{body}{DIGEST}{}\"\n}}\n", digest::of(body.as_bytes()))
+}
+
+/// True if the last entry of a document is the SHA-256 of the text before it.
+pub(crate) fn is_whole(text: &str) -> bool {
+    let body = text.rfind(DIGEST).map(|at| (&text[..at], &text[at + DIGEST.len()..]));
+    let whole =
+        |(body, rest): (&str, &str)| rest.trim_end() == format!("{}\"\n}}", digest::of(body.as_bytes()));
+    body.is_some_and(whole)
 }
 
 /// Writes a surrogate to a file, which [`super::SurrogateMethods::load`] can read.
@@ -106,7 +120,7 @@ fn opened(text: &str) -> std::result::Result<Opened, String> {
             return Err("this is a single network; granum_nets::Model::load reads it".into());
         }
         (Some("granum study"), _) => {
-            return Err("this is a study of networks; antony2006::files::load_study reads its folder".into());
+            return Err("this is the file of a study, which is read with its folder".into());
         }
         (format, _) => {
             let found = format.unwrap_or("none");
@@ -115,10 +129,7 @@ fn opened(text: &str) -> std::result::Result<Opened, String> {
             ));
         }
     }
-    let body = text.rfind(DIGEST).map(|at| (&text[..at], &text[at + DIGEST.len()..]));
-    let whole =
-        |(body, rest): (&str, &str)| rest.trim_end() == format!("{}\"\n}}", digest::of(body.as_bytes()));
-    if !body.is_some_and(whole) {
+    if !is_whole(text) {
         return Err(
             "the SHA-256 does not match the content: the file was altered or damaged; save the surrogate again"
                 .into(),

@@ -73,7 +73,8 @@
 
 mod content;
 mod feed_forward;
-mod file;
+pub(crate) mod file;
+pub(crate) mod mean_curve;
 mod prediction;
 mod registry;
 mod ridge;
@@ -85,6 +86,7 @@ mod tests;
 pub use content::Content;
 pub use feed_forward::FeedForward;
 pub use file::{save, to_json};
+pub use mean_curve::MeanCurve;
 pub use prediction::{Cause, Estimate, Interval, Outside, Prediction, causes, outside_of};
 pub use registry::SurrogateMethods;
 pub use ridge::RidgeRegression;

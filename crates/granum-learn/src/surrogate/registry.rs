@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::feed_forward::FeedForward;
 use super::file::{self, Opened};
+use super::mean_curve::MeanCurve;
 use super::ridge::RidgeRegression;
 use super::surrogate_trait::{Surrogate, SurrogateMethod};
 use crate::error::{LearnError, Result};
@@ -15,7 +16,7 @@ use crate::error::{LearnError, Result};
 /// use granum_learn::SurrogateMethods;
 ///
 /// let methods = SurrogateMethods::standard();
-/// assert_eq!(methods.names(), ["feed-forward", "ridge"]);
+/// assert_eq!(methods.names(), ["feed-forward", "ridge", "mean-curve"]);
 /// let error = methods.by_name("rigde").err().unwrap().to_string();
 /// assert!(error.starts_with("there is no surrogate method `rigde`"), "{error}");
 /// ```
@@ -34,7 +35,11 @@ impl SurrogateMethods {
     /// The methods of this crate with their default settings.
     pub fn standard() -> SurrogateMethods {
         SurrogateMethods {
-            methods: vec![Arc::new(FeedForward::default()), Arc::new(RidgeRegression::default())],
+            methods: vec![
+                Arc::new(FeedForward::default()),
+                Arc::new(RidgeRegression::default()),
+                Arc::new(MeanCurve),
+            ],
         }
     }
 

@@ -14,7 +14,7 @@ use crate::error::{LearnError, Result};
 /// let spec = spec.with_coordinate("arc_length").with_seed(3);
 /// assert_eq!((spec.inputs.len(), spec.seed), (2, 3));
 /// ```
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct FitSpec {
     /// Names of the input columns; the name of a histogram (`probability_density`) represents all of its bins.
@@ -27,6 +27,7 @@ pub struct FitSpec {
     /// Seed of the random numbers of a method.
     pub seed: u64,
     /// Number of threads; 0 for the number of processors. Results do not depend on it.
+    #[serde(skip)]
     pub threads: usize,
 }
 

@@ -1,0 +1,148 @@
+//! What a study consists of.
+
+use serde::{Deserialize, Serialize};
+
+use super::member::{Member, Role};
+use crate::comparison::check_units;
+use crate::dataset::{Dataset, Split, SplitParts};
+use crate::error::{LearnError, Result};
+use crate::surrogate::{FitSpec, SurrogateMethods};
+
+/// Name of the method that is the baseline with all inputs.
+pub(super) const RIDGE: &str = "ridge";
+
+/// What a study consists of: fits, methods, and the split of its data set.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct StudyDefinition {
+    /// What is fitted: inputs, outputs and coordinate. Each output should be in one fit only.
+    pub fits: Vec<FitSpec>,
+    /// Names of the methods.
+    pub methods: Vec<String>,
+    /// The split into training, held-out and unseen states.
+    pub split: Split,
+    /// Level of the intervals (0.9).
+    pub level: f64,
+}
+
+impl StudyDefinition {
+    /// A definition with intervals of 90 %.
+    pub fn new<M: Into<String>>(
+        fits: impl IntoIterator<Item = FitSpec>,
+        methods: impl IntoIterator<Item = M>,
+        split: Split,
+    ) -> StudyDefinition {
+        StudyDefinition {
+            fits: fits.into_iter().collect(),
+            methods: methods.into_iter().map(Into::into).collect(),
+            split,
+            level: 0.9,
+        }
+    }
+
+    /// Checks the definition against a data set before anything is fitted, and splits the data set.
+    ///
+    /// # Errors
+    /// If there is only one run, a method or a column does not exist, a value is not finite, outputs of a fit have different
+    /// units, or an input has the same value in all training states.
+    pub fn check(&self, dataset: &Dataset, methods: &SurrogateMethods) -> Result<SplitParts> {
+        let bad = |reason: String| Err(LearnError::Dataset(reason));
+        if dataset.runs().len() < 2 {
+            return bad(
+                "a study needs two or more runs: some to learn from, and others to be scored on".into()
+            );
+        }
+        if self.fits.is_empty() || self.methods.is_empty() {
+            return bad("a study needs at least one fit and one method".into());
+        }
+        for (k, name) in self.methods.iter().enumerate() {
+            methods.by_name(name)?;
+            if self.methods[..k].contains(name) {
+                return bad(format!("the method {name} is named twice"));
+            }
+        }
+        let parts = dataset.split(&self.split)?;
+        for (k, fit) in self.fits.iter().enumerate() {
+            let name = fit_name(fit);
+            if self.fits[..k].iter().any(|other| fit_name(other) == name) {
+                return bad(format!("the output {name} is named twice"));
+            }
+            let columns = fit.columns(dataset)?;
+            check_units(&columns)?;
+            dataset.values(&columns.output_names())?;
+            dataset.values(&columns.input_names())?;
+            for (input, variable) in fit.inputs.iter().map(|input| (input, dataset.variable(input))) {
+                // A histogram has no column of its own name, and some of its bins may be empty in all states.
+                if variable.is_err() {
+                    continue;
+                }
+                let values = parts.training.column(input)?;
+                if let Some(same) = values.first().filter(|first| values.iter().all(|value| value == *first))
+                {
+                    return bad(format!(
+                        "the input {input} is {same} in all training states, so that nothing can be learned from it; \
+                         leave it out, or train on runs that differ in it"
+                    ));
+                }
+            }
+            for member in self.members(fit) {
+                granum_io::check_name("name of an output", &member.name)?;
+            }
+        }
+        Ok(parts)
+    }
+
+    /// The members that a fit has, without their surrogates: what is asked for, and the baselines.
+    pub(super) fn members(&self, fit: &FitSpec) -> Vec<Planned> {
+        let name = fit_name(fit);
+        let has_others = fit.coordinate.is_some() && fit.inputs.len() > 1;
+        let mut members: Vec<Planned> = Vec::new();
+        let mut add = |method: &str, role: Role| {
+            let alone = role == Role::CoordinateOnly;
+            let mark = if alone { "-coordinate-only" } else { "" };
+            let spec = match (&fit.coordinate, alone) {
+                (Some(coordinate), true) => FitSpec { inputs: vec![coordinate.clone()], ..fit.clone() },
+                _ => fit.clone(),
+            };
+            let name = format!("{name}-{method}{mark}");
+            if !members.iter().any(|member| member.name == name) {
+                members.push(Planned { name, method: method.to_owned(), role, spec });
+            }
+        };
+        for method in &self.methods {
+            add(method, Role::Asked);
+        }
+        add(RIDGE, Role::Baseline);
+        if has_others {
+            for method in self.methods.iter().filter(|method| *method != MEAN_CURVE) {
+                add(method, Role::CoordinateOnly);
+            }
+            add(RIDGE, Role::CoordinateOnly);
+        }
+        add(MEAN_CURVE, Role::Baseline);
+        members
+    }
+}
+
+const MEAN_CURVE: &str = crate::surrogate::mean_curve::NAME;
+
+/// A member that is to be fitted.
+pub(super) struct Planned {
+    pub name: String,
+    pub method: String,
+    pub role: Role,
+    pub spec: FitSpec,
+}
+
+impl Planned {
+    pub fn with(self, surrogate: Box<dyn crate::Surrogate>) -> Member {
+        Member { name: self.name, method: self.method, role: self.role, surrogate }
+    }
+}
+
+/// Name of a fit: that of its outputs. It is a part of file names, so that other signs than letters, digits, `-` and `_` are
+/// replaced.
+pub(super) fn fit_name(fit: &FitSpec) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
+    fit.outputs.join("_").chars().map(plain).collect()
+}

@@ -1,0 +1,188 @@
+//! The files of a study: `study.json` with the definition, the runs, the scores and the SHA-256 of every other file; one file
+//! for each surrogate, which is a surrogate file like any other; and `predictions.csv` with the predictions for the unseen runs.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::Path;
+
+use granum_core::{Table, digest, json};
+use granum_io::Error;
+use granum_io::atomic::write_atomically;
+use serde::{Deserialize, Serialize};
+
+use super::definition::{StudyDefinition, fit_name};
+use super::member::{Member, StudyFit};
+use super::predictions::predictions;
+use super::scores::StudyScores;
+use super::training::Study;
+use crate::dataset::Dataset;
+use crate::error::{LearnError, Result};
+use crate::runs::StudyRun;
+use crate::surrogate::SurrogateMethods;
+use crate::surrogate::file::{is_whole, sealed};
+
+/// File that describes a study.
+pub const STUDY_FILE: &str = "study.json";
+/// File with the predictions for the unseen runs.
+pub const SCORED_FILE: &str = "predictions.csv";
+const FORMAT: &str = "granum surrogate study";
+const VERSION: u64 = 1;
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    format: String,
+    version: u64,
+    granum_version: String,
+    dataset_digest: String,
+    definition: StudyDefinition,
+    runs: Vec<StudyRun>,
+    /// Names of the unseen runs in the order of their numbers in the predictions.
+    unseen: Vec<String>,
+    scores: StudyScores,
+    remarks: BTreeMap<String, Vec<String>>,
+    /// SHA-256 of every other file of the study.
+    files: BTreeMap<String, String>,
+    #[serde(default, skip_serializing, rename = "sha256")]
+    _digest: String,
+}
+
+#[derive(Deserialize)]
+struct Header {
+    format: Option<String>,
+    version: Option<u64>,
+}
+
+/// A study with what was stored beside its surrogates.
+pub struct StoredStudy {
+    /// The study.
+    pub study: Study,
+    /// Its scores at the end of training.
+    pub scores: StudyScores,
+    /// Names of the unseen runs, whose numbers in the predictions count from 1.
+    pub unseen: Vec<String>,
+    /// The predictions for the unseen runs; `None` without unseen runs.
+    pub predictions: Option<Table>,
+}
+
+/// True if a folder holds a finished study of this kind (and not that of the paper, whose file has the same name).
+pub fn is_study(folder: &Path) -> bool {
+    let text = std::fs::read_to_string(folder.join(STUDY_FILE)).unwrap_or_default();
+    serde_json::from_str::<Header>(&text).is_ok_and(|header| header.format.as_deref() == Some(FORMAT))
+}
+
+/// Name of the file of a surrogate.
+pub(super) fn member_file(name: &str) -> String {
+    format!("{name}.json")
+}
+
+/// Writes a study with its scores and its predictions for the unseen runs of its data set. The files of the surrogates are
+/// written first and `study.json` last.
+///
+/// # Errors
+/// If a file cannot be written or an unseen run cannot be predicted.
+pub fn save(folder: &Path, study: &Study, dataset: &Dataset) -> Result<StudyScores> {
+    let scores = study.evaluate(dataset)?;
+    let mut files = BTreeMap::new();
+    for member in study.members() {
+        let text = crate::surrogate::to_json(member.surrogate.as_ref())?;
+        let name = member_file(&member.name);
+        write_atomically(&folder.join(&name), |file| file.write_all(text.as_bytes()))?;
+        files.insert(name, digest::of(text.as_bytes()));
+    }
+    let unseen = dataset.split(&study.definition.split)?.unseen;
+    if unseen.rows() > 0 {
+        let path = folder.join(SCORED_FILE);
+        granum_io::write_table(&path, &predictions(study, &unseen)?)?;
+        files.insert(SCORED_FILE.into(), granum_io::run::file_digest(&path)?);
+    }
+    let remarks = study.fits.iter().filter(|fit| !fit.remarks.is_empty());
+    let file = File {
+        format: FORMAT.into(),
+        version: VERSION,
+        granum_version: env!("CARGO_PKG_VERSION").into(),
+        dataset_digest: study.dataset_digest.clone(),
+        definition: study.definition.clone(),
+        runs: study.runs.clone(),
+        unseen: unseen.runs().iter().map(|run| run.name().to_owned()).collect(),
+        scores: scores.clone(),
+        remarks: remarks.map(|fit| (fit.name.clone(), fit.remarks.clone())).collect(),
+        files,
+        _digest: String::new(),
+    };
+    let text = json::readable(&file).map_err(|error| LearnError::Content(error.to_string()))?;
+    write_atomically(&folder.join(STUDY_FILE), |out| out.write_all(sealed(&text).as_bytes()))?;
+    Ok(scores)
+}
+
+/// Reads a study from its folder.
+///
+/// # Errors
+/// If a file is missing, was altered or is of a newer version; the message names the file.
+pub fn load(folder: &Path, methods: &SurrogateMethods) -> Result<StoredStudy> {
+    let path = folder.join(STUDY_FILE);
+    let text = std::fs::read_to_string(&path).map_err(Error::file("read", &path))?;
+    let file = opened(&text).map_err(|reason| wrong(&path, reason))?;
+    for (name, sha256) in &file.files {
+        let stem = name.strip_suffix(".json").or_else(|| name.strip_suffix(".csv")).unwrap_or(name);
+        granum_io::check_name("name of a file", stem).map_err(|error| wrong(&path, error.to_string()))?;
+        let own = folder.join(name);
+        if granum_io::run::file_digest(&own)? != *sha256 {
+            return Err(wrong(
+                &own,
+                format!(
+                    "its SHA-256 is not the one that {STUDY_FILE} records: it was altered or damaged; train again"
+                ),
+            ));
+        }
+    }
+    let missing = |name: &str| wrong(&path, format!("it does not list the file of {name}"));
+    let mut fits = Vec::new();
+    for spec in &file.definition.fits {
+        let name = fit_name(spec);
+        let scored = file.scores.fits.iter().find(|fit| fit.name == name).ok_or_else(|| missing(&name))?;
+        let member = |member: &super::MemberScores| {
+            let own = member_file(&member.name);
+            if !file.files.contains_key(&own) {
+                return Err(missing(&member.name));
+            }
+            let (name, method) = (member.name.clone(), member.method.clone());
+            Ok(Member { name, method, role: member.role, surrogate: methods.load(&folder.join(own))? })
+        };
+        let members = scored.members.iter().map(member).collect::<Result<_>>()?;
+        let remarks = file.remarks.get(&name).cloned().unwrap_or_default();
+        fits.push(StudyFit { name, spec: spec.clone(), members, remarks });
+    }
+    let predictions = match file.files.contains_key(SCORED_FILE) {
+        true => Some(granum_io::read_table(folder.join(SCORED_FILE))?),
+        false => None,
+    };
+    let (definition, dataset_digest, runs) = (file.definition, file.dataset_digest, file.runs);
+    let study = Study { definition, dataset_digest, runs, fits };
+    Ok(StoredStudy { study, scores: file.scores, unseen: file.unseen, predictions })
+}
+
+fn wrong(path: &Path, reason: String) -> LearnError {
+    LearnError::SurrogateFile { file: path.display().to_string(), reason }
+}
+
+fn opened(text: &str) -> std::result::Result<File, String> {
+    let header: Header =
+        serde_json::from_str(text).map_err(|error| format!("this is not a study: {error}"))?;
+    match (header.format.as_deref(), header.version) {
+        (Some(FORMAT), Some(VERSION)) => {}
+        (Some(FORMAT), Some(version)) => {
+            return Err(format!("it has version {version}, this program reads version {VERSION}"));
+        }
+        (format, _) => {
+            let found = format.unwrap_or("none");
+            return Err(format!("\"format\" should be \"{FORMAT}\", found {found}"));
+        }
+    }
+    if !is_whole(text) {
+        return Err(
+            "the SHA-256 does not match the content: the file was altered or damaged; train again".into()
+        );
+    }
+    serde_json::from_str(text).map_err(|error| format!("not a usable study: {error}"))
+}

@@ -1,0 +1,174 @@
+//! Tests of studies on columns with known laws.
+
+use std::sync::Mutex;
+
+use granum_core::{Column, Table};
+
+use super::*;
+use crate::dataset::{Dataset, RunStates, Split};
+use crate::error::{LearnError, Result};
+use crate::input_use::Verdict;
+use crate::surrogate::{FitSpec, Surrogate, SurrogateMethods};
+
+/// A run in which `y` follows `x` and, with the given slope, a sensor that differs from run to run.
+fn run(k: u32, slope: f64) -> RunStates {
+    let x: Vec<f64> = (0..30).map(|i| f64::from(i) / 29.0).collect();
+    let s: Vec<f64> = x.iter().map(|x| ((7.0 + f64::from(k)) * x + 2.0 * f64::from(k)).sin()).collect();
+    let noise = |i: usize| 0.01 * ((i * 7919 + k as usize * 104_729) % 101) as f64 / 101.0;
+    let y = x.iter().zip(&s).enumerate().map(|(i, (x, s))| 1.0 + x * x + slope * s + noise(i)).collect();
+    let columns = vec![Column::new("x", "", x), Column::new("s", "m", s), Column::new("y", "Pa", y)];
+    let run = RunStates::new(&format!("run-{k}"), Table::new(columns).unwrap()).unwrap();
+    run.with_parameter("friction", "", 0.3).unwrap()
+}
+
+fn dataset(slope: f64) -> Dataset {
+    Dataset::new((1..=6).map(|k| run(k, slope)).collect()).unwrap()
+}
+
+fn definition(inputs: &[&str]) -> StudyDefinition {
+    let fit = FitSpec::new(inputs.iter().copied(), ["y"]).with_coordinate("x");
+    StudyDefinition::new([fit], ["ridge"], Split::default().unseen(["run-4", "run-5", "run-6"]))
+}
+
+fn train(dataset: &Dataset, definition: &StudyDefinition) -> Result<Study> {
+    Study::train(dataset, definition, &SurrogateMethods::standard(), &Silent)
+}
+
+#[test]
+fn a_sensor_that_matters_is_used_and_one_that_does_not_is_not() {
+    for (slope, wanted) in [(0.3, Verdict::Gains), (0.0, Verdict::DoesNotUse)] {
+        let dataset = dataset(slope);
+        let study = train(&dataset, &definition(&["x", "s"])).unwrap();
+        let names: Vec<&str> = study.members().map(|member| member.name.as_str()).collect();
+        assert_eq!(names, ["y-ridge", "y-ridge-coordinate-only", "y-mean-curve"]);
+        let scores = study.evaluate(&dataset).unwrap();
+        let error = |name: &str| scores.member(name).unwrap().unseen.score.relative_rmse;
+        let used = &scores.fits[0].uses["y-ridge"];
+        assert_eq!(used.verdict(), wanted, "{used:?}");
+        assert_eq!((used.runs.len(), scores.fits[0].uses.len()), (3, 1));
+        if slope > 0.0 {
+            assert!(error("y-ridge") < 0.2 * error("y-ridge-coordinate-only"), "{scores:?}");
+            assert!(used.with_other.unwrap().relative_rmse > 2.0 * error("y-ridge"));
+        }
+        let ridge = scores.member("y-ridge").unwrap();
+        assert_eq!((ridge.outputs.len(), ridge.outputs[0].unit.as_str()), (1, "Pa"));
+        assert_eq!(ridge.outputs[0].unseen, ridge.unseen.score);
+        assert_eq!((ridge.training.score.states, ridge.held_out.score.states), (45, 45));
+    }
+}
+
+#[test]
+fn a_study_comes_back_from_its_folder_and_altered_files_are_refused() {
+    let dataset = dataset(0.3);
+    let study = train(&dataset, &definition(&["x", "s"])).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let scores = save(folder.path(), &study, &dataset).unwrap();
+    assert!(is_study(folder.path()));
+    let methods = SurrogateMethods::standard();
+    let stored = load(folder.path(), &methods).unwrap();
+    assert_eq!(stored.scores, scores);
+    assert_eq!(stored.study.evaluate(&dataset).unwrap(), scores);
+    assert_eq!((&stored.study.definition, stored.unseen.len()), (&study.definition, 3));
+    let table = stored.predictions.unwrap();
+    assert_eq!(table.rows(), 90);
+    // The score follows from the stored predictions.
+    let (exact, given) = (table.column("y").unwrap(), table.column("predicted_y_by_y-ridge").unwrap());
+    let squares = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>();
+    let errors = squares(&mut exact.iter().zip(given).map(|(a, b)| a - b));
+    let relative = (errors / squares(&mut exact.iter().copied())).sqrt();
+    assert!((relative - scores.member("y-ridge").unwrap().unseen.score.relative_rmse).abs() < 1e-12);
+    assert!(table.has("lower_y_by_y-ridge") && table.has("predicted_y_by_y-mean-curve"));
+    // The same study has the same bytes.
+    let again = tempfile::tempdir().unwrap();
+    save(again.path(), &study, &dataset).unwrap();
+    for entry in std::fs::read_dir(folder.path()).unwrap() {
+        let name = entry.unwrap().file_name();
+        let bytes = |folder: &tempfile::TempDir| std::fs::read(folder.path().join(&name)).unwrap();
+        assert_eq!(bytes(&folder), bytes(&again), "{name:?}");
+    }
+    let refused = |file: &str, from: &str, to: &str| {
+        let path = folder.path().join(file);
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.contains(from), "{file}");
+        std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
+        let message = load(folder.path(), &methods).err().unwrap().to_string();
+        std::fs::write(&path, text).unwrap();
+        message
+    };
+    assert!(refused("y-ridge.json", "ridge", "rigde").contains("y-ridge.json: its SHA-256 is not the one"));
+    assert!(refused("predictions.csv", "1", "2").contains("predictions.csv: its SHA-256"));
+    assert!(refused("study.json", "0.9", "0.8").contains("study.json: the SHA-256 does not match"));
+    assert!(refused("study.json", "\"version\": 1", "\"version\": 2").contains("it has version 2"));
+}
+
+#[test]
+fn what_cannot_be_studied_is_refused_before_anything_is_fitted() {
+    let dataset = dataset(0.3);
+    let message = |definition: &StudyDefinition| train(&dataset, definition).err().unwrap().to_string();
+    assert!(message(&definition(&["x", "t"])).contains("there is no column t"));
+    assert!(message(&definition(&["x", "y"])).contains("y is both an input and an output"));
+    assert!(message(&definition(&["s"])).contains("the coordinate x must be one of the inputs"));
+    let text = message(&definition(&["x", "friction"]));
+    assert!(
+        text.contains("friction is 0.3 in all training states") && text.contains("leave it out"),
+        "{text}"
+    );
+    let unknown = StudyDefinition { methods: vec!["rigde".into()], ..definition(&["x"]) };
+    assert!(message(&unknown).contains("there is no surrogate method `rigde`"));
+    let twice = StudyDefinition { methods: vec!["ridge".into(), "ridge".into()], ..definition(&["x"]) };
+    assert!(message(&twice).contains("named twice"));
+    let one = Dataset::new(vec![run(1, 0.0)]).unwrap();
+    let text = train(&one, &definition(&["x"])).err().unwrap().to_string();
+    assert!(text.contains("needs two or more runs"), "{text}");
+}
+
+/// A path that turns has no mean curve along it, and inputs cannot be exchanged between runs at the same coordinate.
+#[test]
+fn along_a_path_that_turns_the_mean_curve_is_missing_with_its_reason() {
+    let turn = |k: u32| {
+        let x: Vec<f64> = (0..40).map(|i| (f64::from(i) / 6.0).sin()).collect();
+        let s: Vec<f64> = (0..40).map(|i| (f64::from(i * k) / 5.0).cos()).collect();
+        let y = x.iter().zip(&s).map(|(x, s)| 2.0 + x + 0.5 * s).collect();
+        let columns = vec![Column::new("x", "", x), Column::new("s", "", s), Column::new("y", "", y)];
+        RunStates::new(&format!("run-{k}"), Table::new(columns).unwrap()).unwrap()
+    };
+    let dataset = Dataset::new((1..=6).map(turn).collect()).unwrap();
+    let study = train(&dataset, &definition(&["x", "s"])).unwrap();
+    let remark = &study.fits[0].remarks[0];
+    assert!(remark.contains("y-mean-curve is missing") && remark.contains("does not increase"), "{remark}");
+    let used = &study.evaluate(&dataset).unwrap().fits[0].uses["y-ridge"];
+    assert!(used.with_other.is_none() && used.permuted.is_some());
+    assert_eq!(used.verdict(), Verdict::Gains);
+}
+
+/// Stops after the first surrogate and keeps it.
+#[derive(Default)]
+struct Keeper(Mutex<Vec<(String, String)>>);
+
+impl StudyObserver for Keeper {
+    fn finished(&self, name: &str) -> Result<Option<Box<dyn Surrogate>>> {
+        let kept = self.0.lock().unwrap();
+        let found = kept.iter().find(|(known, _)| known == name);
+        found.map(|(_, text)| SurrogateMethods::standard().from_json(text, name)).transpose()
+    }
+    fn fitted(&self, name: &str, surrogate: &dyn Surrogate) -> Result<()> {
+        self.0.lock().unwrap().push((name.into(), crate::surrogate::to_json(surrogate)?));
+        Ok(())
+    }
+    fn stop(&self) -> bool {
+        self.0.lock().unwrap().len() == 1
+    }
+}
+
+#[test]
+fn a_stopped_training_goes_on_to_the_same_surrogates() {
+    let dataset = dataset(0.3);
+    let definition = definition(&["x", "s"]);
+    let keeper = Keeper::default();
+    let stopped = Study::train(&dataset, &definition, &SurrogateMethods::standard(), &keeper);
+    assert!(matches!(stopped.err().unwrap(), LearnError::Stopped { done: 1, total: 3 }));
+    keeper.0.lock().unwrap().push(("none".into(), String::new()));
+    let resumed = Study::train(&dataset, &definition, &SurrogateMethods::standard(), &keeper).unwrap();
+    let whole = train(&dataset, &definition).unwrap();
+    assert_eq!(resumed.evaluate(&dataset).unwrap(), whole.evaluate(&dataset).unwrap());
+}
