@@ -2,6 +2,8 @@
 
 #[path = "../compare_surrogates.rs"]
 mod compare_surrogates;
+#[path = "../many_runs.rs"]
+mod many_runs;
 #[path = "../measure_a_packing.rs"]
 mod measure_a_packing;
 #[path = "../own_contact_law.rs"]
@@ -27,6 +29,11 @@ fn shear_a_sample_runs() {
 #[test]
 fn triaxial_paths_runs() {
     triaxial_paths::main().unwrap();
+}
+
+#[test]
+fn many_runs_runs() {
+    many_runs::main().unwrap();
 }
 
 #[test]

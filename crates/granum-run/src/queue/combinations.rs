@@ -1,5 +1,7 @@
 //! All combinations of values of several keys, and names for them.
 
+use std::collections::BTreeSet;
+
 use super::queue_error::QueueError;
 
 /// Largest number of combinations.
@@ -56,10 +58,11 @@ pub fn names(settings: &[Setting]) -> Result<Vec<String>, QueueError> {
     let varied: Vec<usize> = (0..settings.len()).filter(|k| settings[*k].values.len() > 1).collect();
     let keys = short_keys(&varied.iter().map(|k| settings[*k].key.as_str()).collect::<Vec<_>>());
     let mut names: Vec<String> = Vec::new();
+    let mut taken = BTreeSet::new();
     for (number, values) in combinations(settings)?.iter().enumerate() {
         let part = |(k, key): (&usize, &String)| format!("{key}={}", plain(&values[*k]));
         let name = varied.iter().zip(&keys).map(part).collect::<Vec<_>>().join("_");
-        let is_usable = !name.is_empty() && name.len() <= LONGEST_NAME && !names.contains(&name);
+        let is_usable = !name.is_empty() && name.len() <= LONGEST_NAME && taken.insert(name.clone());
         names.push(if is_usable { name } else { format!("run-{}", number + 1) });
     }
     Ok(names)

@@ -1,5 +1,6 @@
 //! The file in the folder of several runs, from which they can be continued.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use granum_io::sealed::{unseal_strictly, write_sealed};
@@ -122,19 +123,17 @@ impl RunList {
 
     /// Adds the runs of an earlier list that are not in this one.
     pub fn with_earlier(mut self, earlier: RunList) -> RunList {
-        for run in earlier.runs {
-            let known = self.runs.iter().any(|own| own.name == run.name || own.folder == run.folder);
-            if !known {
-                self.runs.push(run);
-            }
-        }
+        let names: BTreeSet<String> = self.runs.iter().map(|run| run.name.clone()).collect();
+        let folders: BTreeSet<PathBuf> = self.runs.iter().map(|run| run.folder.clone()).collect();
+        let is_new = |run: &Listed| !names.contains(&run.name) && !folders.contains(&run.folder);
+        self.runs.extend(earlier.runs.into_iter().filter(is_new));
         self
     }
 
     /// The folders of the runs inside that of the list, with their names. Samples are left out.
     pub fn tests<'a>(&'a self, folder: &'a Path) -> impl Iterator<Item = (&'a str, PathBuf)> {
-        let is_sample = |run: &&Listed| self.runs.iter().any(|other| other.after.as_ref() == Some(&run.name));
-        let tests = self.runs.iter().filter(move |run| !is_sample(run));
+        let samples: BTreeSet<&str> = self.runs.iter().filter_map(|run| run.after.as_deref()).collect();
+        let tests = self.runs.iter().filter(move |run| !samples.contains(run.name.as_str()));
         tests.map(move |run| (run.name.as_str(), folder.join(&run.folder)))
     }
 

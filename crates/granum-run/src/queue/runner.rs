@@ -1,6 +1,6 @@
 //! The queue and its execution.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -46,12 +46,13 @@ impl Queue {
                 return Err(QueueError::SameFolder(run.folder.clone()));
             }
         }
+        let places: BTreeMap<&str, usize> =
+            runs.iter().enumerate().map(|(k, run)| (run.name.as_str(), k)).collect();
         let number = |run: &QueuedRun| match &run.after {
             None => Ok(None),
             Some(after) => {
-                let found = runs.iter().position(|other| other.name == *after);
                 let missing = || QueueError::NoSuchRun { run: run.name.clone(), after: after.clone() };
-                found.map(Some).ok_or_else(missing)
+                places.get(after.as_str()).copied().map(Some).ok_or_else(missing)
             }
         };
         let after = runs.iter().map(number).collect::<Result<Vec<_>, _>>()?;
@@ -144,11 +145,14 @@ impl Queue {
         let work: Vec<f64> = self.runs.iter().map(work::expected).collect();
         let mut schedule = Schedule::new(&work, after.clone());
         let mut outcomes: Vec<Option<Outcome>> = held.iter().map(|_| None).collect();
+        let waited_for: BTreeSet<usize> = self.after.iter().flatten().copied().collect();
+        let still_waited_for: BTreeSet<usize> = after.iter().flatten().copied().collect();
         for (k, held) in held.into_iter().enumerate() {
-            let waited_for = self.after.contains(&Some(k));
             let outcome = match held {
                 Held::Finished(record) => Outcome::Finished { record, reused: true },
-                Held::Nothing if waited_for && !after.contains(&Some(k)) => Outcome::NotNeeded,
+                Held::Nothing if waited_for.contains(&k) && !still_waited_for.contains(&k) => {
+                    Outcome::NotNeeded
+                }
                 _ => continue,
             };
             observer.ends(k, &outcome);

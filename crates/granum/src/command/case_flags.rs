@@ -1,6 +1,6 @@
 //! Flags that change a case on the command line, with the same error messages as for the case file.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use clap::Args;
@@ -139,13 +139,14 @@ impl CaseFlags {
         let varied = varied(&case, loading, &settings)?;
         let several = varied.iter().any(|setting| setting.values.len() > 1);
         let mut all: Vec<Combination> = Vec::new();
+        let mut digests: BTreeMap<String, String> = BTreeMap::new();
         for (name, values) in names(&varied)?.into_iter().zip(combinations(&varied)?) {
             let case = one(&case, loading, &settings, &values)?;
             let kept = varied.iter().zip(values).filter(|(setting, _)| setting.values.len() > 1);
             let values = kept.map(|(setting, value)| (setting.key.clone(), value)).collect();
             let name = if several { name } else { String::new() };
-            if let Some(same) = all.iter().find(|other| other.case == case) {
-                let message = format!("{} and {name} are the same case: give every value once", same.name);
+            if let Some(same) = digests.insert(case.digest(), name.clone()) {
+                let message = format!("{same} and {name} are the same case: give every value once");
                 return Err(Failure::new(message));
             }
             all.push(Combination { name, values, case });

@@ -1,5 +1,6 @@
 //! Several runs in one folder: all combinations of the values that the flags give.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use granum::contents::{Kind, check_free};
@@ -79,7 +80,7 @@ fn execute(
     if context.force {
         queue.replace_others(laboratory)?;
     }
-    let samples = queue.runs().iter().filter(|run| is_sample_of_others(queue, run)).count();
+    let samples = shared_samples(queue).len();
     let tests = format!("{} runs", queue.runs().len() - samples);
     let phase = match samples {
         0 => tests,
@@ -115,15 +116,16 @@ fn execute(
     Err(Failure::new(format!("{} of {all} runs failed:\n  {}", failed.len(), failed.join("\n  "))))
 }
 
-/// True for a sample that was added for the tests which share it.
-fn is_sample_of_others(queue: &Queue, run: &QueuedRun) -> bool {
-    queue.runs().iter().any(|other| other.after.as_ref() == Some(&run.name))
+/// The names of the samples that were added for the tests which share them.
+fn shared_samples(queue: &Queue) -> BTreeSet<&str> {
+    queue.runs().iter().filter_map(|run| run.after.as_deref()).collect()
 }
 
 /// Prints the runs with their results.
 fn print(context: &Context, queue: &Queue, outcomes: &[Outcome], out: &Path) -> Result<(), Failure> {
     let runs = queue.runs().iter().zip(outcomes);
-    let (samples, tests): (Vec<_>, Vec<_>) = runs.partition(|(run, _)| is_sample_of_others(queue, run));
+    let shared = shared_samples(queue);
+    let (samples, tests): (Vec<_>, Vec<_>) = runs.partition(|(run, _)| shared.contains(run.name.as_str()));
     let result = json!({
         "folder": out,
         "list": out.join(RUN_LIST),
