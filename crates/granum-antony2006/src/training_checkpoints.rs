@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 
 use granum_io::Error;
 use granum_io::atomic::write_atomically;
+use granum_io::shell::recordable;
 use granum_nets::Model;
 use granum_nets::trainer::TrainerState;
 use serde::{Deserialize, Serialize};
@@ -57,7 +58,7 @@ impl TrainingManifest {
     /// The manifest of a study on runs.
     ///
     /// # Errors
-    /// If the working directory, to which relative paths refer, no longer exists.
+    /// If the working directory, to which relative paths refer, no longer exists, or a path is not UTF-8 text.
     pub fn new(
         runs: &[PathBuf],
         unseen: &[PathBuf],
@@ -65,9 +66,7 @@ impl TrainingManifest {
         options: &StudyOptions,
     ) -> Result<TrainingManifest> {
         let absolute = |paths: &[PathBuf]| -> Result<Vec<PathBuf>> {
-            let one =
-                |path: &PathBuf| std::path::absolute(path).map_err(Error::file("resolve the path", path));
-            Ok(paths.iter().map(one).collect::<std::result::Result<_, _>>()?)
+            Ok(paths.iter().map(|path| recordable(path)).collect::<std::result::Result<_, _>>()?)
         };
         Ok(TrainingManifest {
             format: FORMAT.into(),

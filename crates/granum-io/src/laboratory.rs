@@ -8,9 +8,10 @@
 use std::path::Path;
 
 use granum_core::names::suggestion;
-use granum_core::quantity::{Dimension, parse_quantity};
+use granum_core::quantity::{Dimension, format_number, parse_quantity};
 
-use crate::error::{Error, Result};
+use crate::case::bare_number::{Kind, Known};
+use crate::error::{Error, InputError, Result};
 use crate::formats::csv::{self, Lines};
 
 /// The quantities that a file can have, each with its dimension.
@@ -63,7 +64,12 @@ pub struct LaboratoryTest {
 struct SourceColumn {
     quantity: usize,
     factor: f64,
+    /// Where the name of the column stands, if it has no unit.
+    bare: Option<InputError>,
 }
+
+/// The columns of a file that are used, and the place of that of the names of tests.
+type Header = (Vec<Option<SourceColumn>>, Option<usize>);
 
 /// Reads all tests of a file, in the order in which they first appear.
 ///
@@ -76,7 +82,7 @@ pub fn read_laboratory(path: impl AsRef<Path>, conventions: &Conventions) -> Res
 
 fn read<R: std::io::BufRead>(lines: &mut Lines<R>, conventions: &Conventions) -> Result<Vec<LaboratoryTest>> {
     let mut stated = conventions.clone();
-    let mut header: Option<(Vec<Option<SourceColumn>>, Option<usize>)> = None;
+    let mut header: Option<Header> = None;
     let mut rows: Vec<(String, Vec<[f64; QUANTITIES.len()]>)> = Vec::new();
     while lines.advance()? {
         if lines.is_empty() {
@@ -119,7 +125,28 @@ fn read<R: std::io::BufRead>(lines: &mut Lines<R>, conventions: &Conventions) ->
             "has no rows; a header of columns and a row for each reading are needed",
         ));
     }
+    for column in header.iter().flat_map(|(places, _)| places).flatten() {
+        check_bare(column, rows.iter().flat_map(|(_, rows)| rows).map(|row| row[column.quantity]))?;
+    }
     rows.into_iter().map(|(name, rows)| test(file, name, &rows, &stated)).collect()
+}
+
+/// Refuses strains beyond 1 in a column whose name has no unit: they are probably in per cent.
+fn check_bare(column: &SourceColumn, values: impl Iterator<Item = f64>) -> Result<()> {
+    let Some(place) = &column.bare else { return Ok(()) };
+    let larger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+    let largest = values.fold(0.0, larger);
+    let name = QUANTITIES[column.quantity].0;
+    let Some(doubt) = Known::of_sample(f64::NAN).doubt(Kind::Strain, largest, &format_number(largest)) else {
+        return Ok(());
+    };
+    let mut error = place.clone();
+    error.message = format!("{name} goes to {} and {}", format_number(largest), doubt.message());
+    let help = format!(
+        "{}; --map {name}='COLUMN (%)' says the same of a file that is left as it is",
+        doubt.header_help(name)
+    );
+    Err(error.with_help(help).into())
 }
 
 /// A comment may state a convention, unless the caller did.
@@ -160,10 +187,7 @@ fn split(cell: &str) -> (&str, &str) {
     (cell.trim(), "")
 }
 
-fn columns<R: std::io::BufRead>(
-    lines: &Lines<R>,
-    conventions: &Conventions,
-) -> Result<(Vec<Option<SourceColumn>>, Option<usize>)> {
+fn columns<R: std::io::BufRead>(lines: &Lines<R>, conventions: &Conventions) -> Result<Header> {
     let names = csv::names(lines)?;
     let mut mapped = Vec::new();
     for (quantity, column) in &conventions.columns {
@@ -210,7 +234,9 @@ fn columns<R: std::io::BufRead>(
         let factor = factor.map_err(|why| {
             Error::from(lines.cell_error(start, cell, format!("the unit of {name}: 1 {unit} {why}")))
         })?;
-        places.push(Some(SourceColumn { quantity, factor }));
+        let is_strain = QUANTITIES[quantity].0.ends_with("_strain");
+        let bare = (unit.is_empty() && is_strain).then(|| lines.cell_error(start, cell, String::new()));
+        places.push(Some(SourceColumn { quantity, factor, bare }));
     }
     let has =
         |name: &str| places.iter().flatten().any(|place: &SourceColumn| QUANTITIES[place.quantity].0 == name);
@@ -268,8 +294,23 @@ fn test(
     }
     let of = if found.name.is_empty() { String::new() } else { format!(" of the test {}", found.name) };
     if found.axial_strain.windows(2).any(|pair| pair[1] < pair[0]) {
-        let what = "falls from row to row; curves of monotonic tests are compared (is compression = negative missing?)";
-        return Err(Error::content(file, format!("the axial strain{of} {what}")));
+        let what = match stated.compression_negative {
+            Some(true) => "with compression = negative; is it positive in this file?",
+            _ => "(is compression = negative missing?)",
+        };
+        let message = format!(
+            "the axial strain{of} falls from row to row; curves of monotonic tests are compared {what}"
+        );
+        return Err(Error::content(file, message));
+    }
+    for (name, values) in [("mean stress", &found.mean_stress), ("deviator stress", &found.deviator_stress)] {
+        if values.iter().sum::<f64>() < 0.0 {
+            let message = format!(
+                "the {name}{of} is negative, which is tension, while the axial strain is positive, which is compression: strains and \
+                 stresses must have one sign of compression (compression = negative tells that of the file)"
+            );
+            return Err(Error::content(file, message));
+        }
     }
     if found.deviator_stress.is_empty() && found.volumetric_strain.is_empty() && found.void_ratio.is_empty() {
         let what = "has neither stresses (axial_stress with lateral_stress, or deviator_stress) nor volumetric_strain nor void_ratio";
@@ -321,6 +362,38 @@ mod tests {
         assert!(found[0].void_ratio.is_empty() && found[0].mean_stress.is_empty());
         let engineering = Conventions { logarithmic: Some(false), ..given };
         assert!((tests(text, &engineering).unwrap()[0].axial_strain[1] - 0.2231435513).abs() < 1e-12);
+    }
+
+    #[test]
+    fn strains_in_per_cent_and_tension_are_noticed() {
+        let given = Conventions::default();
+        let text = "axial_strain,q\n0,0\n1,5\n20,9\n".replace('q', "deviator_stress (kPa)");
+        let found = tests(&text, &given).unwrap_err().to_string();
+        let parts = [
+            "lab.csv:1:1: axial_strain goes to 20 and is understood as a strain of 2000 %",
+            "probably axial_strain (%)",
+            "--map",
+        ];
+        assert!(parts.iter().all(|part| found.contains(part)), "{found}");
+        for header in ["axial_strain (%)", "axial_strain [%]", "axial_strain_percent"] {
+            let found = tests(&text.replace("axial_strain", header), &given).unwrap();
+            assert_eq!(found[0].axial_strain, [0.0, 0.01, 0.2], "{header}");
+        }
+        let columns = vec![("axial_strain".to_string(), "axial_strain (%)".to_string())];
+        assert_eq!(tests(&text, &Conventions { columns, ..given.clone() }).unwrap()[0].axial_strain[2], 0.2);
+        let text = "axial_strain (%),volumetric_strain\n0,0\n1,-2.5\n";
+        assert!(
+            tests(text, &given)
+                .unwrap_err()
+                .to_string()
+                .contains("lab.csv:1:18: volumetric_strain goes to -2.5")
+        );
+        let text = "axial_strain (%),axial_stress (kPa),lateral_stress (kPa)\n0,-100,-100\n1,-200,-100\n";
+        let found = tests(text, &given).unwrap_err().to_string();
+        assert!(found.contains("the mean stress is negative, which is tension"), "{found}");
+        let turned = Conventions { compression_negative: Some(true), ..given };
+        let found = tests(text, &turned).unwrap_err().to_string();
+        assert!(found.contains("with compression = negative; is it positive in this file?"), "{found}");
     }
 
     #[test]

@@ -12,6 +12,7 @@ mod folder;
 mod format;
 pub mod formats;
 pub mod laboratory;
+mod named_file;
 pub mod packing;
 pub mod run;
 pub mod sealed;
@@ -19,7 +20,7 @@ pub mod shell;
 pub mod snapshot;
 mod text;
 
-pub use case::Case;
+pub use case::{Case, Reading};
 pub use contain::is_contained;
 pub use error::{Error, InputError, Result};
 pub use folder::{OutputFolder, check_name, check_output_file, inner_folder};

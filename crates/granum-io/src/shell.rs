@@ -1,6 +1,11 @@
-//! Words of a command line that can be pasted into a shell.
+//! Paths and words for people and for shells: how a path is shown in a message, how it is written in JSON, and how it is quoted in a
+//! command that can be pasted into a shell. Nothing else in granum decides this.
+//!
+//! The name of a file can have any bytes. Bytes that are not UTF-8 are shown as `\xff`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result};
 
 /// A word in the form that a shell requires: unchanged if it contains nothing special to a shell, otherwise in quotes.
 pub fn quoted(word: &str) -> String {
@@ -13,10 +18,59 @@ pub fn quoted(word: &str) -> String {
     if cfg!(windows) { format!("\"{word}\"") } else { format!("'{}'", word.replace('\'', r"'\''")) }
 }
 
-/// A path as an argument: quoted, and never mistaken for an option.
+/// A path as an argument: quoted, and never mistaken for an option. Bytes that are not UTF-8 are written in the form `$'\xff'`, which
+/// bash, zsh, ksh and the present POSIX standard read.
 pub fn quoted_path(path: &Path) -> String {
-    let path = path.to_string_lossy();
-    if path.starts_with('-') { quoted(&format!("./{path}")) } else { quoted(&path) }
+    let inner = match path.to_str() {
+        Some(text) if !text.starts_with('-') => return quoted(text),
+        Some(text) => return quoted(&format!("./{text}")),
+        None => escaped(path, |c| matches!(c, '\'' | '\\')),
+    };
+    let prefix = if inner.starts_with('-') { "./" } else { "" };
+    format!("$'{prefix}{inner}'")
+}
+
+/// A path as it is shown in a message, on one line: control characters and bytes that are not UTF-8 are escaped.
+pub fn shown(path: &Path) -> String {
+    escaped(path, |_| false)
+}
+
+/// A path as text, for JSON: as it is if it is UTF-8, and otherwise as it is [shown].
+pub fn path_text(path: &Path) -> String {
+    path.to_str().map_or_else(|| shown(path), str::to_string)
+}
+
+/// The absolute path of a file or folder that a record is to name.
+///
+/// # Errors
+/// [`Error::Content`] if it is not UTF-8 text, which a record in JSON needs; [`Error::File`] if the working directory no longer exists.
+pub fn recordable(path: &Path) -> Result<PathBuf> {
+    let absolute = std::path::absolute(path).map_err(Error::file("resolve the path", path))?;
+    if absolute.to_str().is_some() {
+        return Ok(absolute);
+    }
+    let message = "has a name with bytes that are not UTF-8 text, which the record of a run cannot hold: rename it, or give a link to it \
+                   with another name";
+    Err(Error::content(&absolute, message))
+}
+
+/// The text of a path with `\n`, `\u{1b}` and `\xff` for what cannot be shown, and with a backslash before what `special` says.
+fn escaped(path: &Path, special: impl Fn(char) -> bool) -> String {
+    let mut text = String::new();
+    for chunk in path.as_os_str().as_encoded_bytes().utf8_chunks() {
+        for c in chunk.valid().chars() {
+            match c {
+                '\n' => text.push_str("\\n"),
+                '\t' => text.push_str("\\t"),
+                '\r' => text.push_str("\\r"),
+                c if c.is_control() => text.push_str(&format!("\\u{:04x}", c as u32)),
+                c if special(c) => text.extend(['\\', c]),
+                c => text.push(c),
+            }
+        }
+        text.extend(chunk.invalid().iter().map(|byte| format!("\\x{byte:02x}")));
+    }
+    text
 }
 
 #[cfg(test)]
@@ -28,5 +82,24 @@ mod tests {
         assert_eq!(quoted("run-1/F1_2.json"), "run-1/F1_2.json");
         assert_eq!(quoted("grün"), "grün");
         assert_eq!(quoted_path(Path::new("-run")), "./-run");
+    }
+
+    #[test]
+    fn a_path_is_shown_on_one_line() {
+        assert_eq!(shown(Path::new("grün/it's")), "grün/it's");
+        assert_eq!(shown(Path::new("a\nb\u{1b}[31m")), "a\\nb\\u001b[31m");
+        assert_eq!(path_text(Path::new("a\nb")), "a\nb");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn bytes_that_are_not_text_are_escaped() {
+        use std::ffi::OsStr;
+        use std::os::unix::ffi::OsStrExt;
+        let path = Path::new(OsStr::from_bytes(b"a'b/\xff\xfe9"));
+        assert_eq!(shown(path), "a'b/\\xff\\xfe9");
+        assert_eq!(path_text(path), shown(path));
+        assert_eq!(quoted_path(path), "$'a\\'b/\\xff\\xfe9'");
+        assert_eq!(quoted_path(Path::new(OsStr::from_bytes(b"-\xff"))), "$'./-\\xff'");
     }
 }

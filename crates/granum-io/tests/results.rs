@@ -278,7 +278,11 @@ fn what_is_written_for_other_programs_is_read_again() {
     let error = Formats::standard().write_results(&folder.path().join("a.data"), None, &series).unwrap_err();
     assert!(error.to_string().contains("holds one instant, not 3"), "{error}");
     let error = Formats::standard().write_results(&folder.path().join("a.dump"), None, &series).unwrap_err();
-    assert!(error.to_string().contains("no format that granum writes is \".dump\""), "{error}");
+    assert!(
+        error.to_string().contains("its name ends in .dump; it must end in .data")
+            && error.to_string().contains(".csv or .parquet"),
+        "{error}"
+    );
 }
 
 /// The pieces of a line that crosses faces add up to the branch, and each is inside the cell.
@@ -442,4 +446,39 @@ fn the_stress_of_a_liggghts_run_is_its_own() {
     assert!(apart(found, &rows[0]) < 1e-5, "{}", apart(found, &rows[0]));
     assert!((found.assembly.volume() / rows[0][1] - 1.0).abs() < 1e-14);
     assert!(found.parts.missing(&[Part::Spins, Part::Masses, Part::Velocities, Part::Overlaps]).is_empty());
+}
+
+/// Names that mean nothing, and a vector that is not whole, are refused: nothing of a file is passed over without a word.
+#[test]
+fn names_of_columns_are_known_and_complete() {
+    let message = |name: &str, columns: &str| {
+        let files = [plain("lammps/grains.dump"), with_columns(name, columns)];
+        Formats::standard().read_results(&files, &JoinOptions::default()).unwrap_err().to_string()
+    };
+    for (columns, parts) in [
+        (
+            "id1,id2,dist",
+            &["contacts.dump: --columns: \"dist\" is not the name of a quantity", "patom1", "force_z, and -"]
+                [..],
+        ),
+        (
+            "-,patom1,patom2,fx,fy,fz,-,-,-,-,-,-",
+            &["fx fy fz are the normal force", "p1 p2 p3, its tangential force, are missing"],
+        ),
+        ("index,patom1,patom2,fx,fy,fz,p1,p2,-,-,-,-", &["there is p1 p2, but no p3"]),
+        ("index,patom1,patom1,fx,fy,fz,p1,p2,p3,-,-,-", &["patom1 is given twice"]),
+        ("index,patom1,patom2,fx,fy,fz,p1,p2,p4,-,-,-", &["\"p4\" is not the name"]),
+    ] {
+        let found = message("lammps/contacts.dump", columns);
+        assert!(parts.iter().all(|part| found.contains(part)), "{columns}: {found}");
+    }
+    let found = message("lammps/grains.dump", "id,x,y,z");
+    assert!(found.contains("--columns"), "{found}");
+    // The normal force alone, with the vector that says its direction, is enough.
+    let files = [
+        plain("lammps/grains.dump"),
+        with_columns("lammps/contacts.dump", "-,patom1,patom2,fx,fy,fz,-,-,-,p10,p11,p12"),
+    ];
+    let found = read(&files);
+    assert!(found[0].parts.has(granum_core::Part::NormalForces));
 }

@@ -7,6 +7,10 @@ use serde::{Deserialize, Serialize};
 /// Most stages that a test or a preparation may come to, with its repetitions.
 pub(super) const MOST_STAGES: u64 = 10_000;
 
+/// Most repetitions that may lie within one another. TOML is read to a depth of 80 tables, and a case with all its repetitions is
+/// to be read back from the file that is written of it.
+pub(super) const MOST_NESTED: usize = 32;
+
 /// One table `[[stage]]` or `[[preparation.stage]]`.
 ///
 /// ```
@@ -62,6 +66,14 @@ impl CaseStage {
                 let times = usize::try_from(*times).unwrap_or(usize::MAX);
                 once.iter().cycle().take(once.len().saturating_mul(times).min(most)).cloned().collect()
             }
+        }
+    }
+
+    /// How many repetitions lie within one another.
+    pub(super) fn nested(&self) -> usize {
+        match self {
+            CaseStage::Path { .. } | CaseStage::Control(_) => 0,
+            CaseStage::Repeat { stages, .. } => 1 + stages.iter().map(CaseStage::nested).max().unwrap_or(0),
         }
     }
 

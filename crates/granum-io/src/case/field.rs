@@ -26,7 +26,7 @@ pub enum Value {
 }
 
 /// "a, b or c".
-fn any_of(names: &[String]) -> String {
+pub(super) fn any_of(names: &[String]) -> String {
     match names.split_last() {
         Some((last, [])) => last.clone(),
         Some((last, others)) => format!("{} or {last}", others.join(", ")),

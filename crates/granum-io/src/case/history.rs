@@ -8,6 +8,7 @@ use std::path::Path;
 use granum_dem::loading::{History, MOST_ROWS, Quantity};
 use toml::de::DeValue;
 
+use super::bare_number::Doubt;
 use super::stage_values::{Mistake, Node, Parsed, number, text};
 use super::suggestion::meant;
 use super::unit::dimension;
@@ -24,6 +25,8 @@ struct SourceColumn {
     quantity: Option<Quantity>,
     /// The factor by which a value is multiplied.
     factor: f64,
+    /// True if the header names no unit.
+    is_bare: bool,
 }
 
 /// The dimension of a column.
@@ -37,6 +40,30 @@ pub(super) fn dimension_of(quantity: Quantity) -> Dimension {
 /// If it cannot be read; [`Error::Input`] with line and column for what is wrong in it.
 pub(super) fn read(path: &Path) -> Result<History> {
     read_lines(&mut Lines::open(path)?)
+}
+
+/// Refuses a file if the largest value of a column whose name has no unit is in doubt.
+///
+/// # Errors
+/// As for [`read`]; [`Error::Input`] at the name of the column.
+pub(super) fn check_bare(path: &Path, mut doubt: impl FnMut(Quantity, f64) -> Option<Doubt>) -> Result<()> {
+    let history = read(path)?;
+    let lines = &mut Lines::open(path)?;
+    let columns = header(lines)?;
+    let names: Vec<(usize, String)> = lines.cells().map(|(start, cell)| (start, cell.to_string())).collect();
+    let quantities =
+        columns.iter().zip(names).filter_map(|(column, name)| Some((column, column.quantity?, name)));
+    for (k, (column, quantity, (start, cell))) in quantities.enumerate() {
+        let larger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+        let largest = history.rows.iter().filter_map(|row| row.get(k).copied()).fold(0.0, larger);
+        if let Some(doubt) = doubt(quantity, largest).filter(|_| column.is_bare) {
+            let name = quantity.name();
+            let message = format!("{name} goes to {} and {}", format_number(largest), doubt.message());
+            let error = lines.cell_error(start, &cell, message).with_help(doubt.header_help(&name));
+            return Err(error.into());
+        }
+    }
+    Ok(())
 }
 
 fn read_lines<R: BufRead>(lines: &mut Lines<R>) -> Result<History> {
@@ -105,7 +132,7 @@ fn place(cell: &str) -> std::result::Result<SourceColumn, (String, String)> {
         None => (cell, ""),
     };
     if name == "time" {
-        return Ok(SourceColumn { quantity: None, factor: 1.0 });
+        return Ok(SourceColumn { quantity: None, factor: 1.0, is_bare: false });
     }
     let Some(quantity) = Quantity::named(name) else {
         let names: Vec<String> = Quantity::all().map(Quantity::name).collect();
@@ -119,7 +146,7 @@ fn place(cell: &str) -> std::result::Result<SourceColumn, (String, String)> {
     let wrong = |why| {
         (format!("the unit of {name}: 1 {unit} {why}"), format!("e.g. {name} (kPa), or no unit for SI"))
     };
-    Ok(SourceColumn { quantity: Some(quantity), factor: factor.map_err(wrong)? })
+    Ok(SourceColumn { quantity: Some(quantity), factor: factor.map_err(wrong)?, is_bare: unit.is_empty() })
 }
 
 fn value<R: BufRead>(lines: &Lines<R>, place: &SourceColumn, start: usize, cell: &str) -> Result<f64> {

@@ -10,8 +10,9 @@ use std::path::Path;
 use granum_dem::loading::preset::{Given, Value};
 use granum_dem::loading::{Constraint, Control, Drive, Measure, Ramp, Record, Speed, Stage, Target, Until};
 
-use super::case_stage::CaseStage;
+use super::case_stage::{CaseStage, MOST_NESTED, MOST_STAGES};
 use crate::error::{Error, InputError, Result};
+use crate::named_file::named_file;
 
 /// Largest file that is read.
 const LARGEST: u64 = 1 << 20;
@@ -28,6 +29,8 @@ pub(super) struct Options {
     pub(super) inertial_number: f64,
     /// Arc length of strain at which states are recorded.
     pub(super) interval: f64,
+    /// True if it may name files outside its own folder.
+    pub(super) outside: bool,
 }
 
 /// Keywords that are known and cannot be followed, with the reason.
@@ -49,7 +52,7 @@ pub(super) fn read(path: &Path, options: &Options) -> Result<Vec<CaseStage>> {
 fn parse(text: &str, file: &str, folder: &Path, options: &Options) -> Result<Vec<CaseStage>> {
     // The first line names a file for results, which granum has its own of.
     let lines: Vec<(usize, &str)> = text.lines().enumerate().skip(1).map(|(k, line)| (k + 1, line)).collect();
-    let mut steps = Steps { lines, at: 0, file, folder, options };
+    let mut steps = Steps { lines, at: 0, nested: 0, file, folder, options };
     let mut stages = Vec::new();
     while let Some((number, line)) = steps.next() {
         if is(line, "*End") {
@@ -67,6 +70,8 @@ fn parse(text: &str, file: &str, folder: &Path, options: &Options) -> Result<Vec
 struct Steps<'a> {
     lines: Vec<(usize, &'a str)>,
     at: usize,
+    /// How many repetitions the present step is within.
+    nested: usize,
     file: &'a str,
     folder: &'a Path,
     options: &'a Options,
@@ -329,7 +334,8 @@ impl<'a> Steps<'a> {
             };
             columns.push((kind == "1", column, factor));
         }
-        let path = self.folder.join(name);
+        let path = named_file(self.folder, name, self.options.outside)
+            .map_err(|why| self.error(at, format!("*ImportFile {name} {why}")))?;
         let text = crate::text::read_small(&path, LARGEST)?;
         let mut rows: Vec<Vec<f64>> = Vec::new();
         for (k, line) in text.lines().enumerate().filter(|(_, line)| !plain(line).is_empty()) {
@@ -381,11 +387,23 @@ impl<'a> Steps<'a> {
         let (Some(Some(steps)), Some(Some(times))) = (words.next(), words.next()) else {
             return Err(self.error(line, "the numbers of steps and of repetitions are needed, e.g. 2 10"));
         };
+        if steps == 0 || !(1..=MOST_STAGES).contains(&times) {
+            let message = format!(
+                "{steps} steps and {times} repetitions are not possible; at least 1 step can be repeated 1 to {MOST_STAGES} times"
+            );
+            return Err(self.error(line, message));
+        }
+        if self.nested == MOST_NESTED {
+            let message = format!("this *Repetition is within {MOST_NESTED} others; no more are possible");
+            return Err(self.error(at, message));
+        }
+        self.nested += 1;
         let mut stages = Vec::new();
         for _ in 0..steps {
             let (number, text) = self.needed(line, "a step to repeat")?;
             stages.extend(self.step(number, text)?);
         }
+        self.nested -= 1;
         Ok(vec![CaseStage::Repeat { times, stages }])
     }
 
@@ -458,7 +476,8 @@ fn equation(text: &str) -> std::result::Result<Equation, String> {
 mod tests {
     use super::*;
 
-    const OPTIONS: Options = Options { stress_unit: 1e3, inertial_number: 1e-3, interval: 1e-4 };
+    const OPTIONS: Options =
+        Options { stress_unit: 1e3, inertial_number: 1e-3, interval: 1e-4, outside: false };
 
     fn read(text: &str) -> Result<Vec<CaseStage>> {
         parse(text, "test.inp", Path::new(""), &OPTIONS)
@@ -494,6 +513,44 @@ mod tests {
         assert_eq!(found[6].control.components[1], Drive::Fixed);
         assert_eq!(found[7].control.components[1], Drive::Ramp(Ramp::By(-0.01)));
         assert!(found.iter().all(|stage| stage.control.check().is_ok()));
+    }
+
+    /// Deeper repetitions would be written to a case file that is too deep to be read.
+    #[test]
+    fn repetitions_have_a_largest_depth() {
+        let nested =
+            |depth: usize| format!("out\n{}*TriaxialE1\n1 1 1\n-0.01\n", "*Repetition\n1 2\n".repeat(depth));
+        let once = nested(32).replace("1 2", "1 1");
+        let case = super::super::Case { stages: read(&once).unwrap(), ..Default::default() };
+        case.readable_toml(None).unwrap();
+        for depth in [33, 80, 100_000] {
+            let found = read(&nested(depth)).unwrap_err().to_string();
+            assert!(found.starts_with("test.inp:66:1: this *Repetition is within 32 others"), "{found}");
+        }
+        for (counts, part) in
+            [("0 3", ":3:1: 0 steps and 3"), ("1 0", ":3:1: 1 steps and 0"), ("1 99999", "1 to 10000 times")]
+        {
+            let found = read(&nested(1).replace("1 2", counts)).unwrap_err().to_string();
+            assert!(found.contains(part), "{found}");
+        }
+    }
+
+    #[test]
+    fn an_imported_file_lies_below_the_path() {
+        let base = tempfile::tempdir().unwrap();
+        let folder = base.path().join("here");
+        std::fs::create_dir(&folder).unwrap();
+        std::fs::write(base.path().join("rows.txt"), "0 0\n1 -0.01\n").unwrap();
+        std::fs::write(folder.join("rows.txt"), "0 0\n1 -0.01\n").unwrap();
+        let imported = |name: &str, outside: bool| {
+            let text = format!("out\n*ImportFile {name}\n1 1 1\n*Cartesian\n0 2\n0 0\n0 0\n0 0\n0 0\n0 0\n");
+            parse(&text, "test.inp", &folder, &Options { outside, ..OPTIONS })
+        };
+        assert_eq!(imported("rows.txt", false).unwrap().len(), 1);
+        let found = imported("../rows.txt", false).unwrap_err().to_string();
+        let parts = ["test.inp:2:1: *ImportFile ../rows.txt leads out of the folder", "--allow-outside"];
+        assert!(parts.iter().all(|part| found.contains(part)), "{found}");
+        assert_eq!(imported("../rows.txt", true).unwrap().len(), 1);
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! digests are all based on it. A new key is one entry in this list. The tables `[[stage]]` and `[[preparation.stage]]` are not
 //! part of it, since named paths declare their own parameters ([`granum_dem::loading::preset`]); the tables `[[material]]` and `[[pair]]` use keys of the list.
 
+pub(crate) mod bare_number;
 mod case_stage;
 mod definition;
 mod difference;
@@ -18,6 +19,7 @@ mod material_table;
 mod parameters;
 mod read;
 mod reader;
+mod reading;
 mod rules;
 mod schema;
 mod sieve;
@@ -30,6 +32,7 @@ mod unit;
 mod value_list;
 mod write;
 
+pub use bare_number::SetKey;
 pub use case_stage::CaseStage;
 pub use definition::Case;
 pub use difference::{CaseValues, Difference, SEED, differences};
@@ -38,6 +41,7 @@ pub use field::{Field, Value};
 pub use fields::{FIELDS, field};
 pub(crate) use material::is_name as is_material_name;
 pub use parameters::{CaseParameter, ParameterValue};
+pub use reading::Reading;
 pub use value_list::{ValueShape, values_in};
 
 /// Keys that are not used in a run whose sample is made from a packing: its grains replace the random insertion.
@@ -62,6 +66,8 @@ impl Case {
     }
 }
 
+#[cfg(test)]
+mod bare_number_tests;
 #[cfg(test)]
 mod material_tests;
 #[cfg(test)]
@@ -313,7 +319,12 @@ mod tests {
         let error = case.set("grains.material.youngs_modulus", "70 kg").unwrap_err().to_string();
         assert!(error.contains("is a mass; it must be a stress"), "{error}");
         assert!(case.set("shear.density_scaling", "2").is_err());
-        assert!(case.set("grains.diametre", "2").unwrap_err().to_string().contains("did you mean diameter?"));
+        assert!(
+            case.set("grains.diametre", "2")
+                .unwrap_err()
+                .to_string()
+                .contains("did you mean grains.diameter?")
+        );
         assert_eq!(case.grains.material.youngs_modulus, 10e9);
     }
 

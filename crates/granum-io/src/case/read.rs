@@ -1,6 +1,7 @@
 //! Reading a case file: all mistakes are reported at once, each with its position and what would be right.
 
 use std::collections::HashMap;
+use std::ffi::OsStr;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
@@ -10,18 +11,21 @@ use granum_dem::contact::check::LawError;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::bare_number;
 use super::definition::Case;
 use super::field::{Field, Value};
 use super::fields::{FIELDS, RENAMED, SECTIONS, field};
 use super::reader::{Reader, scalar};
+use super::reading::Reading;
 use super::rules::RULES;
 use super::sieve;
 use super::stage::{PREPARATION_STAGE, STAGE, is_unused_with_stages};
+use super::suggestion;
 use crate::error::{Error, InputError, Result};
-use granum_core::names::nearest;
+use crate::run::{CASE, RECORD};
 
-/// A case file is a page or two long; a larger file is something else.
-const LARGEST_FILE: u64 = 1 << 20;
+/// A case file is a page or two long, but for histories of many rows in the case of a run; a larger file is something else.
+pub(super) const LARGEST_FILE: u64 = 1 << 23;
 
 impl Case {
     /// Reads a case file.
@@ -29,17 +33,42 @@ impl Case {
     /// # Errors
     /// If the file cannot be read, or as for [`Case::parse`].
     pub fn read(path: impl AsRef<Path>) -> Result<Case> {
+        Case::read_as(path, Reading::default())
+    }
+
+    /// The same, with a choice of what is taken without question. The file of a run's folder is its record, in which numbers need no
+    /// units.
+    ///
+    /// # Errors
+    /// As for [`Case::read`].
+    pub fn read_as(path: impl AsRef<Path>, reading: Reading) -> Result<Case> {
         let path = path.as_ref();
         let text = crate::text::read_small(path, LARGEST_FILE)?;
-        Case::parse(&text, &path.display().to_string())
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let recorded = path.file_name() == Some(OsStr::new(CASE)) && folder.join(RECORD).is_file();
+        let reading = Reading { bare_numbers: reading.bare_numbers || recorded, ..reading };
+        Case::parse_in(&text, &path.display().to_string(), folder, reading)
     }
 
     /// Reads the text of a case file; `file` is its name for messages.
     ///
     /// # Errors
     /// [`Error::Inputs`] with all mistakes: syntax, unknown keys (with the nearest existing one), wrong dimension, values
-    /// out of bounds, keys that exclude each other.
+    /// out of bounds, keys that exclude each other, stresses and strains that need their units.
     pub fn parse(text: &str, file: &str) -> Result<Case> {
+        Case::parse_as(text, file, Reading::default())
+    }
+
+    /// The same, with a choice of what is taken without question.
+    ///
+    /// # Errors
+    /// As for [`Case::parse`].
+    pub fn parse_as(text: &str, file: &str, reading: Reading) -> Result<Case> {
+        Case::parse_in(text, file, Path::new(file).parent().unwrap_or(Path::new("")), reading)
+    }
+
+    /// Reads the text of a case file in a folder, in which the files lie that it names.
+    fn parse_in(text: &str, file: &str, folder: &Path, reading: Reading) -> Result<Case> {
         let text: Arc<str> = Arc::from(text);
         let document = DeTable::parse(&text).map_err(|error| {
             let span = error.span().unwrap_or(0..0);
@@ -48,6 +77,8 @@ impl Case {
         })?;
         let mut reader = Reader {
             file,
+            folder,
+            reading,
             text: text.clone(),
             errors: Vec::new(),
             keys: HashMap::new(),
@@ -79,6 +110,9 @@ impl Case {
         if reader.errors.is_empty() {
             reader.check_rules(&case);
         }
+        if reader.errors.is_empty() && !reading.bare_numbers {
+            reader.check_bare_numbers(document.get_ref(), &case);
+        }
         reader.errors.sort_by_key(|error| error.span.start);
         if reader.errors.is_empty() { Ok(case) } else { Err(Error::Inputs(reader.errors)) }
     }
@@ -99,10 +133,9 @@ impl Case {
         if self.has_stages() && is_unused_with_stages(path) {
             return Err(wrong("has no effect in a case with stages; set stage.1.KEY instead".into()));
         }
-        let section = path.rsplit_once('.').map_or("", |(section, _)| section);
         let field = field(path).ok_or_else(|| match new_name(path) {
             Some(new) => wrong(format!("is now called {new}")),
-            None => wrong(format!("is not a key; {}", suggestion(path, section))),
+            None => wrong(format!("is not a key; {}", suggestion::of_set(self, path))),
         })?;
         let value = field.parse(text).map_err(wrong)?;
         if path == "shear.density_scaling" && field.value(self).is_none() {
@@ -154,7 +187,7 @@ impl Reader<'_> {
                     Some(format!("write {name}"));
             } else {
                 let what = if section.is_empty() { "section" } else { "key" };
-                let help = suggestion(&path, section);
+                let help = suggestion::in_file(&path, section);
                 self.error(key.span(), format!("unknown {what} {path}")).help = Some(help);
             }
         }
@@ -169,11 +202,11 @@ impl Reader<'_> {
             DeValue::String(name)
                 if field.is_curve() && field.words().iter().all(|[word, _]| word != name) =>
             {
-                match sieve::read(&Path::new(self.file).parent().unwrap_or(Path::new("")).join(name.as_ref()))
-                {
+                let file = self.named_file(name).map_err(|why| (None, why));
+                file.and_then(|file| match sieve::read(&file) {
                     Ok(points) => Ok(Value::Curve(points)),
                     Err(error) => Err((None, format!("cannot be used: {error}"))),
-                }
+                })
             }
             DeValue::Array(items) if field.is_list() => Self::list(field, items),
             other => scalar(field, other).and_then(|text| field.parse(&text)).map_err(|why| (None, why)),
@@ -290,6 +323,21 @@ impl Reader<'_> {
         }
     }
 
+    /// Checks that stresses and strains far from those of the sample have units.
+    fn check_bare_numbers(&mut self, document: &DeTable<'_>, case: &Case) {
+        match bare_number::check(document, case, |name| self.named_file(name).ok()) {
+            Ok(mistakes) => {
+                for (span, message, help) in mistakes {
+                    self.error(span, message).help = Some(help);
+                }
+            }
+            Err(Error::Input(error)) => self.errors.push(*error),
+            Err(error) => {
+                self.error(0..0, error.to_string());
+            }
+        }
+    }
+
     fn check_rules(&mut self, case: &Case) {
         if let Err(error) = check::check(&case.contact) {
             let keys = match &error {
@@ -319,23 +367,4 @@ impl Reader<'_> {
 /// The present name of a renamed key.
 fn new_name(path: &str) -> Option<&'static str> {
     RENAMED.iter().find(|[old, _]| *old == path).map(|[_, new]| *new)
-}
-
-/// What a user may have meant by an unknown path.
-fn suggestion(path: &str, section: &str) -> String {
-    let key = path.rsplit('.').next().unwrap_or(path);
-    let known_section = FIELDS.iter().any(|field| field.section == section);
-    let beside: Vec<&str> = if !known_section {
-        SECTIONS.iter().map(|[name, _]| *name).chain(["material", "pair", "stage"]).collect()
-    } else {
-        FIELDS.iter().filter(|field| field.section == section).map(|field| field.key).collect()
-    };
-    if let Some(name) = nearest(if known_section { key } else { path }, beside.iter().copied()) {
-        return format!("did you mean {name}?");
-    }
-    if let Some(name) = nearest(key, FIELDS.iter().map(|field| field.key)) {
-        let places: Vec<_> = FIELDS.iter().filter(|field| field.key == name).map(Field::path).collect();
-        return format!("did you mean {}?", places.join(" or "));
-    }
-    format!("known here: {}", beside.join(", "))
 }

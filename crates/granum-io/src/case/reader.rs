@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::ops::Range;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use toml::de::DeValue;
@@ -9,7 +10,9 @@ use toml::de::DeValue;
 use super::case_stage::CaseStage;
 use super::field::{Field, Value};
 use super::material_table::{MaterialTable, PairTable};
+use super::reading::Reading;
 use crate::error::InputError;
+use crate::named_file::named_file;
 
 /// The text of a single value.
 pub(super) fn scalar(field: &Field, value: &DeValue<'_>) -> std::result::Result<String, String> {
@@ -24,6 +27,9 @@ pub(super) fn scalar(field: &Field, value: &DeValue<'_>) -> std::result::Result<
 
 pub(super) struct Reader<'a> {
     pub(super) file: &'a str,
+    /// The folder in which the files lie that the case names.
+    pub(super) folder: &'a Path,
+    pub(super) reading: Reading,
     pub(super) text: Arc<str>,
     pub(super) errors: Vec<InputError>,
     /// Position of each key in the file, by path.
@@ -41,6 +47,11 @@ impl Reader<'_> {
         self.errors.push(InputError::in_text(self.file, &self.text, span, message));
         let last = self.errors.len() - 1;
         &mut self.errors[last]
+    }
+
+    /// The file that the case names.
+    pub(super) fn named_file(&self, name: &str) -> std::result::Result<PathBuf, String> {
+        named_file(self.folder, name, self.reading.outside)
     }
 
     /// The text of a value, short enough for a message.

@@ -8,7 +8,8 @@ use granum_dem::loading::preset::{
 };
 use granum_dem::loading::{Record, Stage, Start};
 
-use super::case_stage::{CaseStage, MOST_STAGES};
+use super::bare_number::in_per_cent_instead;
+use super::case_stage::{CaseStage, MOST_NESTED, MOST_STAGES};
 use super::definition::Case;
 use super::history;
 use super::suggestion::meant;
@@ -83,7 +84,12 @@ pub(super) fn parse_value(parameter: &Parameter, text: &str) -> std::result::Res
 
 fn parse_number(parameter: &Parameter, text: &str) -> std::result::Result<f64, String> {
     let value = parse_quantity(text, dimension(parameter.unit))? + 0.0;
-    check_number(parameter, value).map(|()| value)
+    check_number(parameter, value).map(|()| value).map_err(|why| {
+        match in_per_cent_instead(parameter, value, text) {
+            Some(hint) => format!("{why}; {hint}"),
+            None => why,
+        }
+    })
 }
 
 fn check_number(parameter: &Parameter, value: f64) -> std::result::Result<(), String> {
@@ -214,6 +220,25 @@ impl Case {
         }
     }
 
+    /// The parameter of a path that a key such as `stage.1.axial_strain` sets.
+    pub(super) fn parameter_of(&self, path: &str) -> Option<&'static Parameter> {
+        let (list, rest) = match path.strip_prefix("preparation.stage.") {
+            Some(rest) => (&self.preparation_stages, rest),
+            None => (&self.stages, path.strip_prefix("stage.")?),
+        };
+        let (numbers, key) = place(rest)?;
+        let (mut list, mut found) = (list.as_slice(), None);
+        for number in numbers {
+            let stage = list.get(number.checked_sub(1)?)?;
+            list = if let CaseStage::Repeat { stages, .. } = stage { stages } else { &[] };
+            found = Some(stage);
+        }
+        match found? {
+            CaseStage::Path { name, .. } => preset::named(name)?.parameter(key),
+            CaseStage::Control(_) | CaseStage::Repeat { .. } => None,
+        }
+    }
+
     /// The stages of the preparation of the sample, between its compaction and its relaxation.
     pub fn sample_stages(&self) -> Vec<Stage> {
         self.preparation_stages.iter().flat_map(CaseStage::stages).collect()
@@ -232,6 +257,10 @@ impl Case {
     /// Checks the stages: bounds of parameters, and that each control determines the strain rates.
     pub(super) fn check_stages(&self) -> Result<()> {
         for (stages, heading) in [(&self.stages, STAGE), (&self.preparation_stages, PREPARATION_STAGE)] {
+            if let Some((k, message)) = (1..).zip(stages).find_map(|(k, stage)| Some((k, too_nested(stage)?)))
+            {
+                return Err(Error::Rule(format!("{heading}.{k} {message}")));
+            }
             check_list(stages, heading)?;
             if let Some(message) = too_many(stages) {
                 return Err(Error::Rule(message));
@@ -302,6 +331,13 @@ pub(super) fn too_many(stages: &[CaseStage]) -> Option<String> {
     (count > MOST_STAGES).then(|| {
         format!("the case has {count} stages with their repetitions; at most {MOST_STAGES} are possible")
     })
+}
+
+/// What is wrong with a stage whose repetitions lie too deep within one another, as the continuation of its name.
+pub(super) fn too_nested(stage: &CaseStage) -> Option<String> {
+    let nested = stage.nested();
+    (nested > MOST_NESTED)
+        .then(|| format!("has {nested} repetitions within one another; at most {MOST_NESTED} are possible"))
 }
 
 /// The numbers and the key of `1.2.axial_strain`.

@@ -1,7 +1,6 @@
 //! Reading the tables `[[stage]]` and `[[preparation.stage]]` of a case file.
 
 use std::ops::Range;
-use std::path::Path;
 
 use granum_dem::loading::preset::{self, Given, Kind, Preset, Value};
 use granum_dem::loading::{Control, Drive, Kinematics, SERVO_LIMIT, Speed, Stage, Start, Until};
@@ -15,13 +14,13 @@ use super::incremental_driver::{self, Options};
 use super::reader::Reader;
 use super::stage::{
     NOTHING_RECORDED, NOTHING_SAVED, PREPARATION_STAGE, RECORDING_KEYS, STAGE, fault_of_order, goes_back,
-    parse_value, path_fault, too_many, without_recording,
+    parse_value, path_fault, too_many, too_nested, without_recording,
 };
 use super::stage_values::{
     Mistake, Node, Parsed, boolean, constraint, drive, end, numbers, record, scalar, text, turns,
 };
 use super::stage_values::{number, whole};
-use super::suggestion::meant;
+use super::suggestion::{meant, paths_with};
 use granum_core::quantity::Dimension;
 
 /// Keys of a stage with an explicit control, with their meaning.
@@ -97,7 +96,10 @@ impl Reader<'_> {
         if self.errors.len() > before {
             return stages;
         }
-        if let Some(message) = too_many(&stages) {
+        let nested = stages.iter().zip(&spans).find_map(|(stage, span)| Some((too_nested(stage)?, span)));
+        if let Some((message, span)) = nested {
+            self.error(span.clone(), format!("this {heading} {message}"));
+        } else if let Some(message) = too_many(&stages) {
             self.error(value.span(), message);
         } else if let Some((number, message)) = fault_of_order(&stages) {
             self.error(spans.get(number - 1).cloned().unwrap_or(0..0), format!("stage.{number} {message}"));
@@ -265,8 +267,9 @@ impl TableReader<'_, '_> {
         }
         if let Some(file) = file {
             let name = self.key(table, "file", text)?;
-            let folder = Path::new(self.reader.file).parent().unwrap_or(Path::new(""));
-            return match history::read(&folder.join(&name)) {
+            let path = self.reader.named_file(&name).map_err(|why| Mistake(file.span(), why, None));
+            let path = self.take("file", path)?;
+            return match history::read(&path) {
                 Ok(history) => Some(history),
                 Err(crate::Error::Input(error)) => {
                     self.reader.errors.push(*error);
@@ -308,9 +311,12 @@ impl TableReader<'_, '_> {
             stress_unit,
             inertial_number: speed.unwrap_or(1e-3),
             interval: interval.unwrap_or(1e-4),
+            outside: self.reader.reading.outside,
         };
-        let folder = Path::new(self.reader.file).parent().unwrap_or(Path::new(""));
-        match incremental_driver::read(&folder.join(&file), &options) {
+        let at = table.get("incremental_driver").map_or(span.clone(), Spanned::span);
+        let path = self.reader.named_file(&file).map_err(|why| Mistake(at, why, None));
+        let Some(path) = self.take("incremental_driver", path) else { return Vec::new() };
+        match incremental_driver::read(&path, &options) {
             Ok(stages) if is_of_preparation(&self.name) => {
                 if stages.iter().any(goes_back) {
                     let message = format!("{} {NOTHING_SAVED}", self.name);
@@ -361,6 +367,10 @@ impl TableReader<'_, '_> {
             if !STAGE_KEYS.iter().any(|[known, _]| *known == key.get_ref()) {
                 let names = STAGE_KEYS.iter().map(|[known, _]| *known).chain(["path"]);
                 self.unknown(key.get_ref(), key.span(), names);
+                if let (Some(paths), Some(error)) = (paths_with(key.get_ref()), self.reader.errors.last_mut())
+                {
+                    error.help = Some(format!("{} belongs to a stage with path = {paths}", key.get_ref()));
+                }
             }
         }
         self.records_nothing(table, &["record"]);

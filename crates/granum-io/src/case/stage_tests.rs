@@ -32,6 +32,27 @@ turns = { measure = "xx_strain", high = 0.1, low = -0.1 }
 record = { measure = "arc_length", every = 1e-3 }
 "#;
 
+/// A case as deep as it may be can be written and read again; a deeper one is refused.
+#[test]
+fn repetitions_have_a_largest_depth() {
+    let nested = |depth: usize| {
+        let mut text = String::new();
+        for level in 1..=depth {
+            text += &format!("[[{}]]\nrepeat = 1\n", vec!["stage"; level].join("."));
+        }
+        text + &format!("[[{}]]\npath = \"hold\"\n", vec!["stage"; depth + 1].join("."))
+    };
+    let case = Case::parse(&nested(32), "case.toml").unwrap();
+    assert_eq!(Case::parse(&case.readable_toml(None).unwrap(), "case.toml").unwrap(), case);
+    let error = Case::parse(&nested(33), "case.toml").unwrap_err().to_string();
+    let wanted = "case.toml:1:1: this stage has 33 repetitions within one another; at most 32 are possible";
+    assert!(error.starts_with(wanted), "{error}");
+    let inner = case.stages.clone();
+    let deeper = Case { stages: vec![CaseStage::Repeat { times: 1, stages: inner }], ..Case::default() };
+    assert!(deeper.check().unwrap_err().to_string().contains("stage.1 has 33 repetitions"));
+    assert!(deeper.readable_toml(None).is_err());
+}
+
 #[test]
 fn stages_are_read_as_paths_and_written_out() {
     let case = parse(WRITTEN_OUT);
@@ -420,4 +441,32 @@ proptest! {
     fn no_stage_makes_the_reader_panic(text in "(path|xx|xy|until|constraint|record|turns|rate|stress|name|repeat|stage|rows|columns|start|resets) = (\"[ -~]{0,9}\"|[0-9e.-]{1,6}|\\[1, 2\\]|\\{ (rate|stress|measure|every|at) = [0-9\"a-z\\[\\]]{1,6} \\})") {
         let _ = Case::parse(&format!("[[stage]]\n{text}\n"), "case.toml");
     }
+}
+
+/// Keys of stages and of other sections are found where they belong.
+#[test]
+fn a_key_without_its_place_is_found_in_the_stages_of_the_case() {
+    let mut case = parse(
+        "[[stage]]\npath = \"isotropic\"\n[[stage]]\nrepeat = 2\n[[stage.stage]]\npath = \"drained-triaxial\"\n",
+    );
+    let mut set = |key: &str| case.set(key, "1").unwrap_err().to_string();
+    assert!(set("lateral_stress").contains("did you mean stage.2.1.lateral_stress?"));
+    assert!(set("stress.lateral_stress").contains("did you mean stage.2.1.lateral_stress?"));
+    assert!(set("lateral_stres").contains("did you mean stage.2.1.lateral_stress?"));
+    assert!(set("friction").contains("did you mean grains.material.friction or preparation.friction?"));
+    assert!(
+        set("shear_strain")
+            .contains("parameter of the path \"simple-shear\" or \"simple-shear-constant-volume\"")
+    );
+    assert!(set("shear_strain").contains("--path NAME --with shear_strain=VALUE"));
+    assert!(
+        set("mean_stress").contains("preparation.mean_stress, shear.mean_stress or stage.1.mean_stress?")
+    );
+    let found = message("lateral_stress = 1e5\n");
+    assert!(
+        found.contains("lateral_stress belongs to a [[stage]] with path = \"drained-triaxial\""),
+        "{found}"
+    );
+    let found = message("[[stage]]\nlateral_stress = 1e5\nuntil = { xx_strain = 0.1 }\n");
+    assert!(found.contains("lateral_stress belongs to a stage with path ="), "{found}");
 }

@@ -1,9 +1,13 @@
 //! Writing a case: resolved (SI numbers, stored with a result) and as a template that explains the keys.
 
+use super::bare_number::with_units;
 use super::definition::Case;
 use super::field::Field;
 use super::fields::{FIELDS, SECTIONS};
+use super::read::LARGEST_FILE;
+use super::reading::Reading;
 use super::stage::is_unused_with_stages;
+use crate::error::{Error, Result};
 
 const TEMPLATE_HEAD: &str = "\
 # A granum case: all inputs that determine a result.
@@ -97,7 +101,32 @@ impl Case {
         text.push_str(&self.materials_toml());
         text.push_str(&self.preparation_stages_toml());
         text.push_str(&self.stages_toml());
-        text
+        with_units(text, self)
+    }
+
+    /// The text of [`Case::resolved_toml_with`], after it was read back as the same case.
+    ///
+    /// # Errors
+    /// [`Error::Rule`] if no file can be written from which this case would be read.
+    pub fn readable_toml(&self, packing: Option<&str>) -> Result<String> {
+        let text = self.resolved_toml_with(packing);
+        let cannot = |why: String| {
+            Error::Rule(format!(
+                "this case cannot be written to a file from which it would be read again: {why}"
+            ))
+        };
+        if text.len() as u64 > LARGEST_FILE {
+            let size = text.len();
+            return Err(cannot(format!(
+                "it comes to {size} bytes, and case files have at most {LARGEST_FILE}"
+            )));
+        }
+        let read = Case::parse_as(&text, "case.toml", Reading::default())
+            .map_err(|error| cannot(error.to_string()))?;
+        if read.digest() != self.digest() {
+            return Err(cannot("what is read has other values".into()));
+        }
+        Ok(text)
     }
 }
 

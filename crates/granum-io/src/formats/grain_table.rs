@@ -16,6 +16,7 @@ use std::path::Path;
 use granum_core::assembly::{Grain, Vector};
 use granum_core::{Part, Table};
 
+use super::column_names;
 use super::packing_csv::{self, PackingCsv};
 use super::result::{Frame, FrameCell, Pair, ReadOptions, ResultFormat};
 use super::{PackingFormat, csv, parquet};
@@ -47,7 +48,15 @@ impl ResultFormat for GrainTable {
         names.are_of_contacts()
             || (names.are_of_grains() && (names.say_more() || !PackingCsv.recognises(head)))
     }
+    fn names_columns(&self) -> bool {
+        true
+    }
     fn read(&self, path: &Path, options: &ReadOptions) -> Result<Vec<Frame>> {
+        if let Some(given) = &options.columns {
+            let given: Vec<String> = given.iter().map(|name| name.to_ascii_lowercase()).collect();
+            let (known, vectors) = known_names();
+            column_names::check(path, &given, &known, &vectors)?;
+        }
         let source = Source::open(path, options)?;
         let contacts = source.names.are_of_contacts();
         if !contacts && !source.names.are_of_grains() {
@@ -101,6 +110,32 @@ const NORMAL_ENERGY: Scalar = &["normal_energy"];
 const TANGENTIAL_ENERGY: Scalar = &["tangential_energy"];
 const SLIDING: Scalar = &["sliding"];
 const TOUCHING: Scalar = &["touching"];
+
+/// All names, and those of vectors.
+fn known_names() -> (Vec<String>, Vec<[String; 3]>) {
+    let scalars = [
+        STEP,
+        TIME,
+        ID,
+        RADIUS,
+        DIAMETER,
+        MASS,
+        NORMAL_FORCE,
+        APPROACH,
+        NORMAL_ENERGY,
+        TANGENTIAL_ENERGY,
+        SLIDING,
+        TOUCHING,
+    ];
+    let triples = [POSITION, VELOCITY, SPIN, FORCE, TORQUE, BRANCH, NORMAL, TANGENTIAL_FORCE];
+    let vector = |name: &&str| ["x", "y", "z"].map(|axis| name.replace('?', axis));
+    let vectors: Vec<[String; 3]> = triples.iter().flat_map(|names| names.iter().map(vector)).collect();
+    let mut known: Vec<String> =
+        scalars.iter().flat_map(|names| names.iter().map(|name| name.to_string())).collect();
+    known.extend(PAIRS.iter().flatten().map(|name| name.to_string()));
+    known.extend(vectors.iter().flatten().cloned());
+    (known, vectors)
+}
 
 /// The names of the columns of a table, without capitals.
 struct Names(Vec<String>);

@@ -122,6 +122,11 @@ fn attach(grains: &mut [(PathBuf, Frame)], path: &Path, frames: Vec<Frame>) -> R
         known.cell = known.cell.or(frame.cell);
         known.time = known.time.or(frame.time);
         if frame.contacts.is_some() {
+            if known.contacts.is_some() {
+                let message =
+                    "the grains of this instant have contacts already, of another file: give one of the two";
+                return Err(Error::content(path, message));
+            }
             known.contacts = frame.contacts;
             known.centres = frame.centres;
         }

@@ -41,6 +41,9 @@ impl ResultFormat for LammpsData {
     fn read(&self, path: &Path, _: &ReadOptions) -> Result<Vec<Frame>> {
         Ok(vec![read(&mut Words::open(path)?)?])
     }
+    fn holds_one_instant(&self) -> bool {
+        true
+    }
     fn is_written(&self) -> bool {
         true
     }

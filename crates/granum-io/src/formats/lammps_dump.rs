@@ -17,6 +17,7 @@ use granum_core::Part;
 use granum_core::assembly::{Grain, Vector};
 use granum_core::geometry::apply;
 
+use super::column_names;
 use super::result::{Frame, FrameCell, Pair, ReadOptions, ResultFormat};
 use super::words::Words;
 use crate::error::{Error, Result};
@@ -34,9 +35,43 @@ impl ResultFormat for LammpsDump {
     fn recognises(&self, head: &[u8]) -> bool {
         head.starts_with(b"ITEM: ")
     }
+    fn names_columns(&self) -> bool {
+        true
+    }
     fn read(&self, path: &Path, options: &ReadOptions) -> Result<Vec<Frame>> {
+        if let Some(given) = &options.columns {
+            check_names(path, given)?;
+        }
         read(&mut Words::open(path)?, options)
     }
+}
+
+/// Names of the columns of contacts: the grains, and vectors.
+const GRAINS_OF_PAIR: [&str; 8] = ["patom1", "patom2", "natom1", "natom2", "id1", "id2", "first", "second"];
+const VECTORS_OF_PAIR: [[&str; 3]; 5] = [
+    ["dx", "dy", "dz"],
+    ["fx", "fy", "fz"],
+    ["p1", "p2", "p3"],
+    ["p10", "p11", "p12"],
+    ["force_x", "force_y", "force_z"],
+];
+/// A number of the row, which means nothing.
+const INDEX: &str = "index";
+
+/// Checks the names that a user gives to the columns of contacts.
+fn check_names(path: &Path, given: &[String]) -> Result<()> {
+    let vectors = VECTORS_OF_PAIR.map(column_names::owned);
+    let mut known = vec![INDEX.to_string()];
+    known.extend(column_names::owned(GRAINS_OF_PAIR));
+    known.extend(vectors.iter().flatten().cloned());
+    column_names::check(path, given, &known, &vectors)?;
+    let has = |name: &str| given.iter().any(|known| known == name);
+    if has("fx") && !(has("force_x") || has("p1") || has("dx") || has("p10")) {
+        let message = "--columns: fx fy fz are the normal force of a contact; p1 p2 p3, its tangential force, are missing: name them as \
+                       well, or dx dy dz beside the normal force alone";
+        return Err(Error::content(path, message));
+    }
+    Ok(())
 }
 
 /// What stands before the rows of one time step.
@@ -167,6 +202,10 @@ fn read_rows(
     let mut frame = Frame { step: head.step, time: head.time, ..Frame::default() };
     frame.cell = head.cell.filter(|_| head.periodic);
     if atoms {
+        if options.columns.is_some() {
+            return Err(words
+                .error("--columns: this line names the columns of the atoms; name those of a dump local"));
+        }
         let columns = Columns(names);
         let layout = GrainLayout::of(words, &columns)?;
         frame.knows(&layout.parts());

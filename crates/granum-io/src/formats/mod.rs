@@ -18,6 +18,7 @@ use granum_core::Table;
 use crate::error::{Error, Result};
 use crate::packing::Packing;
 
+mod column_names;
 pub mod csv;
 pub mod extended_xyz;
 pub mod grain_table;
@@ -91,6 +92,8 @@ pub struct Formats {
     tables: Vec<Arc<dyn TableFormat>>,
     packings: Vec<Arc<dyn PackingFormat>>,
     results: Vec<Arc<dyn ResultFormat>>,
+    /// True if files may name files outside their own folders.
+    outside: bool,
 }
 
 impl std::fmt::Debug for Formats {
@@ -122,7 +125,13 @@ impl Formats {
                 Arc::new(snapshot_json::SnapshotJson),
                 Arc::new(grain_table::GrainTable),
             ],
+            outside: false,
         }
+    }
+
+    /// The same formats; a file that names others (`.vtm`) may name files outside its own folder if `outside` is true.
+    pub fn allowing_outside(self, outside: bool) -> Formats {
+        Formats { outside, ..self }
     }
 
     /// The same formats and one more for tables.
@@ -197,7 +206,7 @@ impl Formats {
             return format.read(path);
         }
         if let Some(format) = self.result_format(path, &head) {
-            let frames = format.read(path, &ReadOptions::default())?;
+            let frames = format.read(path, &ReadOptions::default().with_outside(self.outside))?;
             let found = join::join(vec![(path.to_path_buf(), frames)], &JoinOptions::default())?;
             return match found.last() {
                 Some(last) => last.packing(path),
@@ -243,7 +252,17 @@ impl Formats {
         for (path, file_options) in files {
             let head = head(path)?;
             let frames = match self.result_format(path, &head) {
-                Some(format) => format.read(path, file_options)?,
+                Some(format) => {
+                    if file_options.columns.is_some() && !format.names_columns() {
+                        let message = format!(
+                            "--columns: the quantities of a file of this format ({}) have names of their own",
+                            format.name()
+                        );
+                        return Err(Error::content(path, message));
+                    }
+                    let outside = file_options.outside || self.outside;
+                    format.read(path, &file_options.clone().with_outside(outside))?
+                }
                 None => vec![Frame::of_packing(&self.read_packing(path)?)],
             };
             read.push((path.clone(), frames));
@@ -264,11 +283,23 @@ impl Formats {
             None => format.is_written() && format.extensions().contains(&wanted.as_str()),
         };
         self.results().find(fits).ok_or_else(|| {
-            let known =
-                self.results().filter(|format| format.is_written()).flat_map(|format| format.extensions());
-            let what = name.map_or_else(|| format!("\".{wanted}\""), |name| format!("{name:?}"));
-            let message = format!("no format that granum writes is {what}; it may be {}", any_of(known));
-            Error::content(path, message)
+            let written = || self.results().filter(|format| format.is_written());
+            let Some(name) = name else {
+                let tables = self.tables().flat_map(|format| format.extensions());
+                let packings = self.packings().flat_map(|format| format.extensions());
+                let known = written().flat_map(|format| format.extensions()).chain(tables).chain(packings);
+                let what =
+                    if wanted.is_empty() { "has no extension".into() } else { format!("ends in .{wanted}") };
+                let message =
+                    format!("its name {what}; it must end in {}, which says its format", any_of(known));
+                return Error::content(path, message);
+            };
+            let known: Vec<String> = written().map(|format| short_name(format.name())).collect();
+            let known = known.join(", ");
+            Error::content(
+                path,
+                format!("no format that granum writes is called {name:?}; known are {known}"),
+            )
         })
     }
 

@@ -52,6 +52,14 @@ pub trait ResultFormat: Send + Sync {
     /// # Errors
     /// If the file cannot be read or is not of this format, with file and line.
     fn read(&self, path: &Path, options: &ReadOptions) -> Result<Vec<Frame>>;
+    /// True if [`ReadOptions::columns`] can name the columns of its files.
+    fn names_columns(&self) -> bool {
+        false
+    }
+    /// True if a file holds one instant only.
+    fn holds_one_instant(&self) -> bool {
+        false
+    }
     /// True if [`ResultFormat::write`] writes this format.
     fn is_written(&self) -> bool {
         false
@@ -72,12 +80,19 @@ pub trait ResultFormat: Send + Sync {
 pub struct ReadOptions {
     /// Names of the columns of a file whose own header has none of use, as a LAMMPS dump of `c_1[1] c_1[2]`.
     pub columns: Option<Vec<String>>,
+    /// True if a file that names others may name files outside its own folder.
+    pub outside: bool,
 }
 
 impl ReadOptions {
     /// Options by which the columns of a file have these names.
     pub fn with_columns(columns: Option<Vec<String>>) -> ReadOptions {
-        ReadOptions { columns }
+        ReadOptions { columns, ..ReadOptions::default() }
+    }
+
+    /// The same options; files may name others outside their own folders if `outside` is true.
+    pub fn with_outside(self, outside: bool) -> ReadOptions {
+        ReadOptions { outside, ..self }
     }
 }
 

@@ -37,6 +37,9 @@ impl ResultFormat for Vtp {
     fn read(&self, path: &Path, options: &ReadOptions) -> Result<Vec<Frame>> {
         VtkXml.read(path, options)
     }
+    fn holds_one_instant(&self) -> bool {
+        true
+    }
     fn is_written(&self) -> bool {
         true
     }

@@ -10,6 +10,7 @@ use std::path::Path;
 use granum_core::Part;
 use granum_core::assembly::Grain;
 
+use super::column_names;
 use super::result::{Frame, FrameCell, ReadOptions, ResultFormat};
 use super::words::{Words, head_lines};
 use crate::error::{Error, Result};
@@ -19,6 +20,8 @@ pub struct YadeText;
 
 /// Columns of `SpherePack.save`.
 const BARE: &str = "x_y_z_r";
+/// Names of columns; the last three are passed over.
+const COLUMNS: [&str; 8] = ["x", "y", "z", "r", "id", "matId", "mask", "clump"];
 
 impl ResultFormat for YadeText {
     fn name(&self) -> &'static str {
@@ -31,13 +34,21 @@ impl ResultFormat for YadeText {
         let lines = head_lines(head);
         lines.first().is_some_and(|line| line.starts_with("#format ") || line.starts_with("##PERIODIC::"))
     }
+    fn names_columns(&self) -> bool {
+        true
+    }
     fn read(&self, path: &Path, options: &ReadOptions) -> Result<Vec<Frame>> {
+        if let Some(given) = &options.columns {
+            column_names::check(path, given, &column_names::owned(COLUMNS), &[])?;
+        }
         let mut words = Words::open(path)?;
         let mut columns: Vec<String> = options.columns.clone().unwrap_or_else(|| split(BARE));
         let mut frame = Frame::default();
         while words.advance_to_text()? {
             if words.word(0) == "##PERIODIC::" {
                 frame.cell = Some(periodic(&words)?);
+            } else if words.word(0) == "#format" && options.columns.is_some() {
+                return Err(words.error("this line names the columns; leave out --columns"));
             } else if words.word(0) == "#format" {
                 columns = split(words.word(1));
             } else if !words.word(0).starts_with('#') {

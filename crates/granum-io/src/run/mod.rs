@@ -12,7 +12,7 @@ use granum_core::assembly::Assembly;
 use granum_core::digest::Digest;
 
 use crate::atomic::{write_atomically, write_keeping_previous};
-use crate::case::Case;
+use crate::case::{Case, Reading};
 use crate::error::{Error, Result};
 use crate::folder::{OutputFolder, check_name};
 use crate::format::{check_format, damaged};
@@ -25,13 +25,13 @@ pub use record::{
     nulls_are_nan,
 };
 
-const CASE: &str = "case.toml";
+pub(crate) const CASE: &str = "case.toml";
 const SERIES: &str = "series.parquet";
 const FORCES: &str = "forces.parquet";
 const PREPARATION: &str = "preparation.parquet";
 const SNAPSHOTS: &str = "snapshots";
 const HISTOGRAMS: &str = "histograms";
-const RECORD: &str = "run.json";
+pub(crate) const RECORD: &str = "run.json";
 const REPORT: &str = "report.html";
 const FIGURES: &str = "figures";
 /// Files that a run or a report writes into the folder of a run. The record is removed first: a folder without one no longer
@@ -97,8 +97,8 @@ impl Run {
         let path = self.path.join(CASE);
         let pending = || self.record().ok().and_then(|record| record.unwritten_case);
         match pending().filter(|_| !path.is_file()) {
-            Some(text) => Case::parse(&text, &path.display().to_string()),
-            None => Case::read(path),
+            Some(text) => Case::parse_as(&text, &path.display().to_string(), Reading::recorded()),
+            None => Case::read_as(path, Reading::recorded()),
         }
     }
 

@@ -37,6 +37,8 @@ pub(crate) fn begin(
 ) -> Result<Begun, LaboratoryError> {
     let Task { case, source, laboratory, .. } = *task;
     laboratory.sensors.of_test(&case.recording, case.has_stages())?;
+    // The folder of the run is read again from what is written there.
+    case.readable_toml(None)?;
     if *source == Source::Case {
         memory::check(case)?;
     }

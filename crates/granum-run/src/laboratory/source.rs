@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use granum_io::run::{self, RunSource};
+use granum_io::shell::recordable;
 
 use super::laboratory_error::LaboratoryError;
 
@@ -20,15 +21,13 @@ pub enum Source {
 
 impl Source {
     /// The source for the record of a run, with absolute paths, so that the run can be resumed from any working directory.
+    /// Paths that a record cannot hold are refused.
     pub(crate) fn record(&self) -> Result<RunSource, LaboratoryError> {
-        let absolute = |path: &PathBuf| {
-            std::path::absolute(path).map_err(granum_io::Error::file("resolve the path", path))
-        };
         Ok(match self {
             Source::Case => RunSource::Case,
-            Source::Folder(path) => RunSource::Sample(absolute(path)?),
+            Source::Folder(path) => RunSource::Sample(recordable(path)?),
             Source::Packing(path) => {
-                RunSource::Packing { file: absolute(path)?, sha256: run::file_digest(path)? }
+                RunSource::Packing { file: recordable(path)?, sha256: run::file_digest(path)? }
             }
         })
     }

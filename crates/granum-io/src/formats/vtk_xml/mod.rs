@@ -41,9 +41,9 @@ impl ResultFormat for VtkXml {
     fn recognises(&self, head: &[u8]) -> bool {
         String::from_utf8_lossy(head).contains("<VTKFile")
     }
-    fn read(&self, path: &Path, _: &ReadOptions) -> Result<Vec<Frame>> {
+    fn read(&self, path: &Path, options: &ReadOptions) -> Result<Vec<Frame>> {
         let bytes = std::fs::read(path).map_err(Error::file("read", path))?;
-        let mut frame = match index::files(path, &bytes)? {
+        let mut frame = match index::files(path, &bytes, options.outside)? {
             Some(files) => together(path, &files)?,
             None => read_one(path, &bytes)?,
         };
@@ -92,6 +92,30 @@ fn step(path: &Path) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_index_names_files_below_it() {
+        let base = tempfile::tempdir().unwrap();
+        let folder = base.path().join("here");
+        std::fs::create_dir(&folder).unwrap();
+        let index = folder.join("run-1.vtm");
+        let read = |file: &str, outside: bool| {
+            let text = format!(
+                "<VTKFile type=\"vtkMultiBlockDataSet\"><vtkMultiBlockDataSet><DataSet file=\"{file}\"/></vtkMultiBlockDataSet></VTKFile>"
+            );
+            std::fs::write(&index, text).unwrap();
+            VtkXml.read(&index, &ReadOptions::default().with_outside(outside)).unwrap_err().to_string()
+        };
+        for name in ["../secret.vtu", "/etc/passwd"] {
+            let error = read(name, false);
+            assert!(
+                error.contains("leads out of the folder") && error.contains("--allow-outside"),
+                "{error}"
+            );
+        }
+        assert!(read("../secret.vtu", true).contains("cannot read"));
+        assert!(read("missing.vtu", false).contains("cannot read"));
+    }
 
     #[test]
     fn the_step_is_that_of_the_name() {

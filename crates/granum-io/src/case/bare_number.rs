@@ -1,0 +1,541 @@
+//! Stresses and strains that are given as numbers without a unit and are far from those of the sample.
+//!
+//! A number without a unit is in SI units. A lateral stress of 50 for a sample at 100 kPa is thus 50 Pa, where 50 kPa was probably
+//! meant, and an axial strain of 2 is 200 %, where 2 % was probably meant. Such a number is in doubt and needs a unit to be taken:
+//!
+//! - a stress that is not 0, of a tenth or less of the sample's mean stress or ten times it or more, unless another stress of the case
+//!   that is not in doubt is within these bounds of it;
+//! - a strain beyond 1;
+//! - the mean stress of the sample itself below 1 kPa.
+//!
+//! What granum writes of a case has units where a number would be in doubt, and is read back wherever it is copied to.
+
+use std::ops::Range;
+use std::path::Path;
+
+use granum_core::quantity::{Dimension, format_number, parse_quantity};
+use granum_dem::loading::preset::{self, Kind as ParameterKind, Parameter};
+use granum_dem::loading::{Measure, Quantity};
+use granum_dem::servo::COMPONENTS;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::definition::Case;
+use super::history::{self, HISTORY_KEYS};
+use super::stage_values::{Node, scalar};
+use crate::error::{Error, Result};
+
+/// How many times smaller or larger a stress without a unit may be.
+const FAR: f64 = 10.0;
+/// Smallest mean stress of a sample, Pa, that needs no unit.
+const SMALLEST_SAMPLE_STRESS: f64 = 1e3;
+/// Largest strain that needs no unit.
+const LARGEST_STRAIN: f64 = 1.0;
+/// Key of the mean stress of the sample.
+const SAMPLE_STRESS: &str = "preparation.mean_stress";
+
+/// What a number stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Kind {
+    /// The mean stress of the sample.
+    OfSample,
+    /// Another stress.
+    Stress,
+    /// A strain.
+    Strain,
+}
+
+impl Kind {
+    fn dimension(self) -> Dimension {
+        if self == Kind::Strain { Dimension::NUMBER } else { Dimension::STRESS }
+    }
+
+    /// The kind of a key outside the tables of stages.
+    fn of_field(path: &str) -> Option<Kind> {
+        match path {
+            SAMPLE_STRESS => Some(Kind::OfSample),
+            "preparation.compaction_stress" | "shear.mean_stress" => Some(Kind::Stress),
+            "shear.deviator_strain" => Some(Kind::Strain),
+            _ => None,
+        }
+    }
+
+    /// The kind of a parameter of a path.
+    fn of_parameter(parameter: &Parameter) -> Option<Kind> {
+        let Parameter { key, unit, kind, .. } = parameter;
+        if !matches!(kind, ParameterKind::Number | ParameterKind::List) {
+            return None;
+        }
+        match *unit {
+            "Pa" if key.contains("stress") => Some(Kind::Stress),
+            "1" if key.contains("strain") || ["at", "double_amplitude"].contains(key) => Some(Kind::Strain),
+            _ => None,
+        }
+    }
+
+    /// The kind of a measure; the arc length grows beyond 1 in many cycles and is no strain in this sense.
+    fn of_measure(measure: Measure) -> Option<Kind> {
+        match measure.unit() {
+            "Pa" => Some(Kind::Stress),
+            _ if measure.name().ends_with("strain") => Some(Kind::Strain),
+            _ => None,
+        }
+    }
+
+    fn of_quantity(quantity: Quantity) -> Kind {
+        if matches!(quantity, Quantity::Stress(_)) { Kind::Stress } else { Kind::Strain }
+    }
+}
+
+/// What was probably meant by a strain out of bounds whose number would be within them in per cent.
+pub(super) fn in_per_cent_instead(parameter: &Parameter, value: f64, text: &str) -> Option<String> {
+    let [low, high] = parameter.bounds;
+    let fits = is_bare(text) && value.abs() > LARGEST_STRAIN && (low..=high).contains(&(value / 100.0));
+    let text = text.trim();
+    (fits && Kind::of_parameter(parameter) == Some(Kind::Strain))
+        .then(|| format!("if {text} % is meant, write \"{text} %\""))
+}
+
+/// True if text is a number without a unit.
+fn is_bare(text: &str) -> bool {
+    text.trim().parse::<f64>().is_ok()
+}
+
+/// The stresses that a case has without doubt, Pa. The first is the mean stress of its sample.
+pub(crate) struct Known(Vec<f64>);
+
+impl Known {
+    /// Of a sample with a mean stress, Pa.
+    pub(crate) fn of_sample(mean_stress: f64) -> Known {
+        Known(vec![mean_stress])
+    }
+
+    fn sample_stress(&self) -> f64 {
+        self.0.first().copied().unwrap_or(f64::NAN)
+    }
+
+    fn add(&mut self, stress: f64) {
+        if stress != 0.0 {
+            self.0.push(stress.abs());
+        }
+    }
+
+    fn is_near(&self, stress: f64) -> bool {
+        self.0.iter().any(|known| stress.abs() > known / FAR && stress.abs() < known * FAR)
+    }
+
+    /// What a number without a unit is understood as and what was probably meant, if it is in doubt; the text is that of the number.
+    pub(crate) fn doubt(&mut self, kind: Kind, value: f64, text: &str) -> Option<Doubt> {
+        let text = text.trim();
+        let exact = |unit: &'static str| WithUnit { text: format!("{text} {unit}"), unit };
+        let guess = |unit| Some(exact(unit));
+        match kind {
+            Kind::OfSample if value.abs() < SMALLEST_SAMPLE_STRESS => {
+                let said = format!(
+                    "is understood as {}, which is less than most tests can be run at",
+                    stress(value)
+                );
+                Some(Doubt { said, guess: guess("kPa"), exact: exact("Pa") })
+            }
+            Kind::Stress if value != 0.0 && !self.is_near(value) => {
+                let sample = self.sample_stress();
+                let said = format!(
+                    "is understood as {}, {} the sample's mean stress of {}",
+                    stress(value),
+                    times(value.abs() / sample),
+                    stress(sample)
+                );
+                let meant =
+                    [("kPa", 1e3), ("MPa", 1e6)].into_iter().find(|(_, size)| self.is_near(value * size));
+                Some(Doubt { said, guess: meant.and_then(|(unit, _)| guess(unit)), exact: exact("Pa") })
+            }
+            Kind::Strain if value.abs() > LARGEST_STRAIN => {
+                let exact = in_per_cent(value);
+                let said = format!("is understood as a strain of {exact}");
+                Some(Doubt { said, guess: guess("%"), exact: WithUnit { text: exact, unit: "1" } })
+            }
+            Kind::Stress => {
+                self.add(value);
+                None
+            }
+            Kind::OfSample | Kind::Strain => None,
+        }
+    }
+}
+
+/// A number in doubt.
+pub(crate) struct Doubt {
+    /// What it is understood as, as the continuation of "key = value".
+    said: String,
+    /// The same number in the unit that was probably meant.
+    guess: Option<WithUnit>,
+    /// The same number in the unit that it is understood in.
+    exact: WithUnit,
+}
+
+/// A number with its unit.
+struct WithUnit {
+    text: String,
+    /// The unit as the header of a table has it; 1 for a pure number.
+    unit: &'static str,
+}
+
+impl Doubt {
+    /// What it is understood as, as the continuation of "key = value".
+    pub(crate) fn message(&self) -> &str {
+        &self.said
+    }
+
+    /// What would be right for a value.
+    pub(crate) fn help(&self) -> String {
+        let exact = &self.exact.text;
+        match &self.guess {
+            Some(WithUnit { text, .. }) => {
+                format!("probably {text} was meant: write \"{text}\", or \"{exact}\" if that is meant")
+            }
+            None => format!("write it with its unit, \"{exact}\" if that is meant"),
+        }
+    }
+
+    /// What would be right for the name of a column of a table.
+    pub(crate) fn header_help(&self, name: &str) -> String {
+        let exact = self.exact.unit;
+        match &self.guess {
+            Some(WithUnit { unit, .. }) => {
+                format!(
+                    "name the unit in the header: probably {name} ({unit}), or {name} ({exact}) if that is meant"
+                )
+            }
+            None => format!("name the unit in the header, {name} ({exact}) if that is meant"),
+        }
+    }
+}
+
+/// "2000 times less than", "15 times".
+fn times(ratio: f64) -> String {
+    let [factor, rest] = if ratio < 1.0 { [1.0 / ratio, 1.0] } else { [ratio, 0.0] };
+    let digits = format!("{factor:.1e}").parse::<f64>().unwrap_or(factor);
+    let than = if rest > 0.0 { " less than" } else { "" };
+    format!("{} times{than}", format_number(digits))
+}
+
+/// A stress in the unit in which it is readable.
+pub(crate) fn stress(value: f64) -> String {
+    let units = [("GPa", 1e9), ("MPa", 1e6), ("kPa", 1e3)];
+    let (unit, size) = units.into_iter().find(|(_, size)| value.abs() >= *size).unwrap_or(("Pa", 1.0));
+    let digits = format!("{:.3e}", value / size).parse::<f64>().unwrap_or(value / size);
+    format!("{} {unit}", format_number(digits))
+}
+
+/// A pure number in per cent, read back as the same double.
+fn in_per_cent(value: f64) -> String {
+    // The decimal point is moved, since a product would be rounded.
+    let digits = format!("{value:e}");
+    let (mantissa, exponent) = digits.split_once('e').unwrap_or((&digits, "0"));
+    let moved = format!("{mantissa}e{}", exponent.parse::<i32>().unwrap_or(0) + 2);
+    let short = moved.parse().map_or(moved.clone(), format_number);
+    let same = |text: &String| parse_quantity(text, Dimension::NUMBER) == Ok(value);
+    [format!("{short} %"), format!("{moved} %")]
+        .into_iter()
+        .find(same)
+        .unwrap_or_else(|| format!("{moved} %"))
+}
+
+/// A number of a case file.
+struct Found {
+    /// What is shown of its key, e.g. `stage.1.lateral_stress`.
+    name: String,
+    kind: Kind,
+    text: String,
+    span: Range<usize>,
+    /// The numbers of one column of a history are judged by the largest of them.
+    column: Option<usize>,
+}
+
+/// Collects the stresses and strains of a case file.
+#[derive(Default)]
+struct Finder {
+    found: Vec<Found>,
+    columns: usize,
+    /// Histories in files: their names, and where they stand.
+    files: Vec<(String, Range<usize>)>,
+}
+
+impl Finder {
+    fn number(&mut self, name: String, kind: Kind, value: &Node<'_>, column: Option<usize>) {
+        if let Ok(text) = scalar(value) {
+            self.found.push(Found { name, kind, text, span: value.span(), column });
+        }
+    }
+
+    /// A value by its key in a table, or each value of a list.
+    fn key(&mut self, table: &DeTable<'_>, name: &str, key: &str, kind: Kind) {
+        match table.get(key).map(|value| (value, value.get_ref())) {
+            Some((_, DeValue::Array(items))) => {
+                for item in items {
+                    self.number(format!("{name}.{key}"), kind, item, None);
+                }
+            }
+            Some((value, _)) => self.number(format!("{name}.{key}"), kind, value, None),
+            None => {}
+        }
+    }
+
+    fn document(&mut self, table: &DeTable<'_>) {
+        for section in ["preparation", "shear"] {
+            let Some(DeValue::Table(inner)) = table.get(section).map(Spanned::get_ref) else { continue };
+            for key in inner.keys() {
+                if let Some(kind) = Kind::of_field(&format!("{section}.{}", key.get_ref())) {
+                    self.key(inner, section, key.get_ref(), kind);
+                }
+            }
+            if let Some(stages) = inner.get("stage") {
+                self.stages(stages, &format!("{section}.stage"));
+            }
+        }
+        if let Some(stages) = table.get("stage") {
+            self.stages(stages, "stage");
+        }
+    }
+
+    fn stages(&mut self, stages: &Node<'_>, name: &str) {
+        let DeValue::Array(items) = stages.get_ref() else { return };
+        for (k, item) in items.iter().enumerate() {
+            let DeValue::Table(table) = item.get_ref() else { continue };
+            let name = format!("{name}.{}", k + 1);
+            match (table.get("path").map(Spanned::get_ref), table.get("stage")) {
+                (Some(DeValue::String(path)), _) => self.path(table, &name, path),
+                (_, Some(inner)) => self.stages(inner, &name),
+                _ => self.control(table, &name),
+            }
+        }
+    }
+
+    fn path(&mut self, table: &DeTable<'_>, name: &str, path: &str) {
+        let Some(preset) = preset::named(path) else { return };
+        for parameter in preset.parameters() {
+            if let Some(kind) = Kind::of_parameter(parameter) {
+                self.key(table, name, parameter.key, kind);
+            }
+        }
+        if preset.parameters().any(|parameter| parameter.kind == ParameterKind::History) {
+            self.history(table, name);
+        }
+    }
+
+    fn history(&mut self, table: &DeTable<'_>, name: &str) {
+        let [file, columns, rows] = HISTORY_KEYS.map(|key| table.get(key));
+        if let Some((file, DeValue::String(text))) = file.map(|file| (file, file.get_ref())) {
+            self.files.push((text.to_string(), file.span()));
+        }
+        let quantities = columns.and_then(|columns| history::columns(columns).ok());
+        let (Some(quantities), Some(DeValue::Array(rows))) = (quantities, rows.map(Spanned::get_ref)) else {
+            return;
+        };
+        for row in rows {
+            let DeValue::Array(cells) = row.get_ref() else { continue };
+            for ((k, cell), quantity) in cells.iter().enumerate().zip(&quantities) {
+                let name = format!("{name}.rows ({})", quantity.name());
+                self.number(name, Kind::of_quantity(*quantity), cell, Some(self.columns + k));
+            }
+        }
+        self.columns += quantities.len();
+    }
+
+    /// A stage with an explicit control.
+    fn control(&mut self, table: &DeTable<'_>, name: &str) {
+        for component in COMPONENTS {
+            let Some(DeValue::Table(drive)) = table.get(component).map(Spanned::get_ref) else { continue };
+            let name = format!("{name}.{component}");
+            for key in ["stress", "stress_to", "stress_by"] {
+                self.key(drive, &name, key, Kind::Stress);
+            }
+            for key in ["strain_to", "strain_by"] {
+                self.key(drive, &name, key, Kind::Strain);
+            }
+        }
+        if let Some(DeValue::Array(items)) = table.get("constraint").map(Spanned::get_ref) {
+            for (k, item) in items.iter().enumerate() {
+                // Values are given for combinations of stresses only.
+                let DeValue::Table(constraint) = item.get_ref() else { continue };
+                for key in ["value", "value_to", "value_by"] {
+                    self.key(constraint, &format!("{name}.constraint.{}", k + 1), key, Kind::Stress);
+                }
+            }
+        }
+        if let Some(DeValue::Table(until)) = table.get("until").map(Spanned::get_ref) {
+            self.ends(until, &format!("{name}.until"));
+        }
+        if let Some(DeValue::Table(turns)) = table.get("turns").map(Spanned::get_ref) {
+            self.measured(turns, &format!("{name}.turns"), &["high", "low"]);
+        }
+    }
+
+    fn ends(&mut self, until: &DeTable<'_>, name: &str) {
+        for (_, _, measure) in Measure::ALL {
+            if let Some(kind) = Kind::of_measure(measure) {
+                self.key(until, name, measure.name(), kind);
+            }
+        }
+        if let Some(DeValue::Table(inner)) = until.get("double_amplitude").map(Spanned::get_ref) {
+            self.measured(inner, &format!("{name}.double_amplitude"), &["value"]);
+        }
+    }
+
+    /// Values of the measure that the table names.
+    fn measured(&mut self, table: &DeTable<'_>, name: &str, keys: &[&str]) {
+        let Some(DeValue::String(measure)) = table.get("measure").map(Spanned::get_ref) else { return };
+        if let Some(kind) = Measure::named(measure).and_then(Kind::of_measure) {
+            for key in keys {
+                self.key(table, name, key, kind);
+            }
+        }
+    }
+}
+
+/// The numbers of a case file that are in doubt, in their order, with the names and places of them.
+fn doubts(finder: &mut Finder, known: &mut Known) -> Vec<(String, Range<usize>, String, Doubt)> {
+    finder.found.sort_by_key(|found| found.span.start);
+    let value = |found: &Found| parse_quantity(&found.text, found.kind.dimension()).ok();
+    for found in finder.found.iter().filter(|found| found.kind == Kind::Stress && !is_bare(&found.text)) {
+        known.add(value(found).unwrap_or(0.0));
+    }
+    // Of the column of a history the largest stress decides: a path may begin at zero.
+    let mut largest: Vec<f64> = vec![0.0; finder.columns];
+    let bare = || finder.found.iter().filter(|found| is_bare(&found.text));
+    for (found, column) in bare().filter_map(|found| Some((found, found.column?))) {
+        largest[column] = largest[column].max(value(found).unwrap_or(0.0).abs());
+    }
+    let mut all = Vec::new();
+    for found in bare() {
+        let Some(value) = value(found) else { continue };
+        if found.kind == Kind::Stress && found.column.is_some_and(|column| known.is_near(largest[column])) {
+            known.add(largest[found.column.unwrap_or(0)]);
+            continue;
+        }
+        if let Some(doubt) = known.doubt(found.kind, value, &found.text) {
+            all.push((found.name.clone(), found.span.clone(), found.text.clone(), doubt));
+        }
+    }
+    all
+}
+
+/// A mistake in a case file: its place, what is wrong and what would be right.
+pub(super) type Mistake = (Range<usize>, String, String);
+
+/// The mistakes in the text of a case file, which was read as this case; `file` finds the histories that it names.
+///
+/// # Errors
+/// As for [`history_in_doubt`].
+pub(super) fn check(
+    document: &DeTable<'_>,
+    case: &Case,
+    file: impl Fn(&str) -> Option<std::path::PathBuf>,
+) -> Result<Vec<Mistake>> {
+    let mut finder = Finder::default();
+    finder.document(document);
+    let mut known = Known::of_sample(case.preparation.mean_stress);
+    let all = doubts(&mut finder, &mut known);
+    for path in finder.files.iter().filter_map(|(name, _)| file(name)) {
+        history_in_doubt(&path, &mut known)?;
+    }
+    // A column of a history that is in doubt has as many mistakes as rows.
+    let mut last = String::new();
+    let once = |(name, ..): &(String, Range<usize>, String, Doubt)| {
+        let new = *name != last || !name.contains(".rows ");
+        last = name.clone();
+        new
+    };
+    let mistake = |(name, span, text, doubt): (String, Range<usize>, String, Doubt)| {
+        (span, format!("{name} = {text} {}", doubt.message()), doubt.help())
+    };
+    Ok(all.into_iter().filter(once).map(mistake).collect())
+}
+
+/// Refuses a history whose header gives no unit for a column that is in doubt.
+///
+/// # Errors
+/// [`Error::Input`] at the name of the column; as for [`history::read`].
+fn history_in_doubt(path: &Path, known: &mut Known) -> Result<()> {
+    history::check_bare(path, |quantity, largest| {
+        known.doubt(Kind::of_quantity(quantity), largest, &format_number(largest))
+    })
+}
+
+/// The text of a resolved case with units where its numbers would be in doubt.
+pub(super) fn with_units(text: String, case: &Case) -> String {
+    let Ok(document) = DeTable::parse(&text) else { return text };
+    let mut finder = Finder::default();
+    finder.document(document.get_ref());
+    let all = doubts(&mut finder, &mut Known::of_sample(case.preparation.mean_stress));
+    drop(document);
+    let mut text = text;
+    for (_, span, _, doubt) in all.into_iter().rev() {
+        text.replace_range(span, &format!("\"{}\"", doubt.exact.text));
+    }
+    text
+}
+
+/// A key of a case with its text, as a flag gives them.
+#[derive(Clone, Copy, Debug)]
+pub struct SetKey<'a> {
+    /// The flag, for messages, e.g. `--set stage.1.lateral_stress`.
+    pub flag: &'a str,
+    /// The key, e.g. `stage.1.lateral_stress`.
+    pub path: &'a str,
+    /// Its value.
+    pub text: &'a str,
+}
+
+impl Case {
+    /// Refuses stresses and strains without a unit, given by flags that were already applied to this case, if they are far from those
+    /// of the sample and of the case `before` the flags.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for the first of them, with what was understood and what was probably meant.
+    pub fn check_bare_numbers(&self, before: &Case, keys: &[SetKey]) -> Result<()> {
+        let mut known = Known::of_sample(self.preparation.mean_stress);
+        let text = before.resolved_toml();
+        if let Ok(document) = DeTable::parse(&text) {
+            let mut finder = Finder::default();
+            finder.document(document.get_ref());
+            for found in finder.found.iter().filter(|found| found.kind == Kind::Stress) {
+                known.add(parse_quantity(&found.text, Dimension::STRESS).unwrap_or(0.0));
+            }
+        }
+        let kind = |key: &SetKey| self.kind_of(key.path);
+        let numbers: Vec<(&SetKey, Kind, &str)> = keys
+            .iter()
+            .filter_map(|key| Some((key, kind(key)?)))
+            .flat_map(|(key, kind)| key.text.split(',').map(move |text| (key, kind, text.trim())))
+            .collect();
+        for (_, kind, text) in
+            numbers.iter().filter(|(_, kind, text)| *kind == Kind::Stress && !is_bare(text))
+        {
+            known.add(parse_quantity(text, kind.dimension()).unwrap_or(0.0));
+        }
+        for (key, kind, text) in numbers.into_iter().filter(|(_, _, text)| is_bare(text)) {
+            let Ok(value) = parse_quantity(text, kind.dimension()) else { continue };
+            if let Some(doubt) = known.doubt(kind, value, text) {
+                let message = format!("{}; {}", doubt.message(), doubt.help());
+                return Err(Error::Value { name: key.flag.into(), value: key.text.into(), message });
+            }
+        }
+        for key in keys.iter().filter(|key| self.is_history(key.path)) {
+            history_in_doubt(Path::new(key.text), &mut known)?;
+        }
+        Ok(())
+    }
+
+    /// The kind of a key.
+    fn kind_of(&self, path: &str) -> Option<Kind> {
+        match self.parameter_of(path) {
+            Some(parameter) => Kind::of_parameter(parameter),
+            None => Kind::of_field(path),
+        }
+    }
+
+    fn is_history(&self, path: &str) -> bool {
+        self.parameter_of(path).is_some_and(|parameter| parameter.kind == ParameterKind::History)
+    }
+}

@@ -1,0 +1,24 @@
+//! How a case file is read.
+
+/// What is taken from a case file without question. By default neither of the two is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Reading {
+    /// True if numbers without a unit are taken as they are. Otherwise a stress far from that of the sample and a strain beyond 1
+    /// need their units, since they are probably meant in kPa or in per cent.
+    pub bare_numbers: bool,
+    /// True if the case may name files (histories, sieve curves, paths of the IncrementalDriver) outside its own folder.
+    pub outside: bool,
+}
+
+impl Reading {
+    /// The file that a program wrote as the record of a run: its numbers are in SI units.
+    pub fn recorded() -> Reading {
+        Reading { bare_numbers: true, ..Reading::default() }
+    }
+
+    /// The same; the case may name files outside its own folder if `outside` is true.
+    pub fn with_outside(self, outside: bool) -> Reading {
+        Reading { outside, ..self }
+    }
+}
