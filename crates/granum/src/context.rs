@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use granum_io::{Formats, Reading};
 use granum_run::Flow;
 
 use crate::failure::{Failure, Interrupted};
@@ -18,6 +19,8 @@ pub struct Context {
     pub force: bool,
     /// Print more information.
     pub verbose: bool,
+    /// Input files may name files outside their own folders.
+    pub allow_outside: bool,
     stop: Arc<AtomicBool>,
     /// The warnings so far, which the JSON of the result or of the error contains.
     warnings: Arc<Mutex<Vec<String>>>,
@@ -25,7 +28,22 @@ pub struct Context {
 
 impl Context {
     pub fn new(json: bool, force: bool, verbose: bool, stop: Arc<AtomicBool>) -> Self {
-        Context { json, force, verbose, stop, warnings: Arc::default() }
+        Context { json, force, verbose, allow_outside: false, stop, warnings: Arc::default() }
+    }
+
+    /// The same options; input files may name files outside their own folders if `allow_outside` is true.
+    pub fn allowing_outside(self, allow_outside: bool) -> Context {
+        Context { allow_outside, ..self }
+    }
+
+    /// How case files are read.
+    pub fn reading(&self) -> Reading {
+        Reading::default().with_outside(self.allow_outside)
+    }
+
+    /// The formats by which data are read.
+    pub fn formats(&self) -> Formats {
+        Formats::standard().allowing_outside(self.allow_outside)
     }
 
     /// The same options without permission to replace anything.

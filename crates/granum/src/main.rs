@@ -8,6 +8,7 @@ mod context;
 mod failure;
 mod interrupt;
 mod messages;
+mod numbers;
 mod output;
 mod progress;
 mod surrogate_methods;
@@ -36,6 +37,9 @@ struct Arguments {
     /// Print more information on what is done.
     #[arg(short, long, global = true, help_heading = "Global options")]
     verbose: bool,
+    /// Also read files outside the folder of the input file that names them (histories, sieve curves, *ImportFile, parts of a .vtm).
+    #[arg(long, global = true, help_heading = "Global options")]
+    allow_outside: bool,
     #[command(subcommand)]
     command: Command,
 }
@@ -57,7 +61,8 @@ fn main() -> ExitCode {
         Err(error) => return refuse(&error),
     };
     let (stop, warnings) = interrupt::install();
-    let context = Context::new(arguments.json, arguments.force, arguments.verbose, stop);
+    let context = Context::new(arguments.json, arguments.force, arguments.verbose, stop)
+        .allowing_outside(arguments.allow_outside);
     warnings.iter().for_each(|warning| context.warn(warning));
     match arguments.command.run(&context) {
         Ok(()) => ExitCode::SUCCESS,

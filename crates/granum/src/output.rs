@@ -4,6 +4,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use granum_io::formats::csv;
+use granum_io::shell::path_text;
 use granum_io::{Table, check_output_file, write_table};
 use serde_json::{Map, Value, json};
 
@@ -29,7 +30,7 @@ pub fn put_table_with(
         check_output_file(path, context.force)?;
         write_table(path, table)?;
         let mut result =
-            Map::from_iter([("output".into(), json!(path)), ("rows".into(), json!(table.rows()))]);
+            Map::from_iter([("output".into(), self::path(path)), ("rows".into(), json!(table.rows()))]);
         result.extend(more);
         return say(context, &Value::Object(result), || {
             let wrote = format!("wrote {} rows to {}", table.rows(), path.display());
@@ -46,6 +47,11 @@ pub fn put_table_with(
     }
     let mut out = BufWriter::new(io::stdout().lock());
     written(csv::write_rows(&mut out, table).and_then(|()| out.flush()))
+}
+
+/// A path as JSON, also one that is not UTF-8.
+pub fn path(path: &Path) -> Value {
+    Value::String(path_text(path))
 }
 
 /// The columns of a table by name, as JSON.

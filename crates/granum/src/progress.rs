@@ -110,6 +110,16 @@ impl Progress {
     }
 }
 
+impl Progress {
+    /// Calls `print`, which prints lines, while the bar is not on the screen: they would otherwise begin behind it.
+    pub fn aside(&self, print: impl FnOnce()) {
+        match &self.display {
+            Display::Bar(bar) => bar.suspend(print),
+            Display::Silent | Display::Lines { .. } => print(),
+        }
+    }
+}
+
 impl Drop for Progress {
     fn drop(&mut self) {
         if let Display::Bar(bar) = &self.display {

@@ -4,10 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use clap::Args;
-use granum_io::case::{field, values_in};
+use granum_io::case::{SetKey, field, values_in};
 use granum_io::{Case, Error};
 use granum_run::queue::{Setting as Varied, combinations, names};
 
+use crate::context::Context;
 use crate::failure::Failure;
 
 /// Keys of the case, given on the command line.
@@ -102,13 +103,19 @@ impl CaseFlags {
 
     /// Reads a case file and applies the flags. With `packing`, flags that have no effect on a run from a packing are
     /// refused.
-    pub fn read(&self, path: &Path, packing: bool) -> Result<Case, Failure> {
-        self.read_with_path(path, packing, None)
+    pub fn read(&self, context: &Context, path: &Path, packing: bool) -> Result<Case, Failure> {
+        self.read_with_path(context, path, packing, None)
     }
 
     /// As [`CaseFlags::read`], but a named path with its parameters replaces the test of the case.
-    pub fn read_with_path(&self, path: &Path, packing: bool, loading: Loading) -> Result<Case, Failure> {
-        let mut all = self.read_all(path, packing, loading)?;
+    pub fn read_with_path(
+        &self,
+        context: &Context,
+        path: &Path,
+        packing: bool,
+        loading: Loading,
+    ) -> Result<Case, Failure> {
+        let mut all = self.read_all(context, path, packing, loading)?;
         match (all.pop(), all.is_empty()) {
             (Some(only), true) => Ok(only.case),
             _ => Err(Failure::new(
@@ -120,6 +127,7 @@ impl CaseFlags {
     /// The cases of all combinations of the values that the flags give. A mistake in any of them is an error.
     pub fn read_all(
         &self,
+        context: &Context,
         path: &Path,
         packing: bool,
         loading: Loading,
@@ -128,7 +136,7 @@ impl CaseFlags {
         if let Some(seed) = &self.seed {
             settings.push(Setting { flag: "--seed".into(), key: "preparation.seed", value: seed });
         }
-        let case = Case::read(path)?;
+        let case = Case::read_as(path, context.reading())?;
         let unused = |setting: &&Setting| case.unused_with_packing().any(|key| key == setting.key);
         if let Some(setting) = settings.iter().find(unused).filter(|_| packing) {
             return Err(Failure::new(format!(
@@ -178,13 +186,19 @@ fn varied(case: &Case, loading: Loading, settings: &[Setting]) -> Result<Vec<Var
 }
 
 /// The case with one value for each parameter of the path and then for each flag.
-fn one(case: &Case, loading: Loading, settings: &[Setting], values: &[String]) -> Result<Case, Failure> {
-    let mut case = case.clone();
+fn one(before: &Case, loading: Loading, settings: &[Setting], values: &[String]) -> Result<Case, Failure> {
+    let mut case = before.clone();
+    let mut with = Vec::new();
     let (of_path, of_flags) = values.split_at(values.len() - settings.len());
     if let Some((name, parameters)) = loading {
         let parameters: Vec<(&str, &str)> =
             parameters.iter().zip(of_path).map(|((key, _), value)| (*key, value.as_str())).collect();
-        case = case.with_path(name, &parameters)?;
+        case = case.with_path(name, &parameters).map_err(named_with)?;
+        with.extend(
+            parameters
+                .iter()
+                .map(|(key, text)| (format!("{WITH} {key}"), format!("{FIRST_STAGE}{key}"), *text)),
+        );
     }
     let settings: Vec<Setting> = settings
         .iter()
@@ -192,7 +206,27 @@ fn one(case: &Case, loading: Loading, settings: &[Setting], values: &[String]) -
         .map(|(setting, value)| Setting { value: value.as_str(), ..setting.clone() })
         .collect();
     apply(&mut case, &settings)?;
+    let with = with.iter().map(|(flag, path, text)| SetKey { flag, path, text });
+    let set =
+        settings.iter().map(|setting| SetKey { flag: &setting.flag, path: setting.key, text: setting.value });
+    case.check_bare_numbers(before, &with.chain(set).collect::<Vec<_>>())?;
     Ok(case)
+}
+
+/// The flag of a parameter of a named path.
+const WITH: &str = "--with";
+/// The beginning of the keys of such a path, which is the only stage of its case.
+const FIRST_STAGE: &str = "stage.1.";
+
+/// The same error with the flag of the parameter instead of the key.
+fn named_with(error: Error) -> Error {
+    match error {
+        Error::Value { name, value, message } if name != "path" => {
+            let key = name.strip_prefix(FIRST_STAGE).unwrap_or(&name);
+            Error::Value { name: format!("{WITH} {key}"), value, message }
+        }
+        other => other,
+    }
 }
 
 /// Pairs of keys that exclude each other; without this check the last one given would silently take precedence.

@@ -9,6 +9,7 @@ use granum_run::record::read_record;
 use granum_run::runs_table::{RunEntry, find_runs, legend};
 use serde_json::{Value, json};
 
+use super::comparability::{check_common, unlike_stresses};
 use super::records::check_begun;
 use crate::context::Context;
 use crate::failure::Failure;
@@ -81,6 +82,8 @@ impl Compare {
                 let tests = self.chosen(&tests)?;
                 let runs: Vec<RunCurves> =
                     folders.iter().map(|folder| curves(folder)).collect::<Result<_, _>>()?;
+                check_common(&runs, &tests)?;
+                unlike_stresses(&runs, &tests).iter().for_each(|remark| context.warn(remark));
                 let pairs = (runs.iter())
                     .flat_map(|run| tests.iter().map(|test| Pair::of(run, test)).collect::<Vec<_>>())
                     .collect();
@@ -193,7 +196,7 @@ impl Pair {
     }
 }
 
-fn as_json(pairs: &[Pair], runs: &[&str], output: &Path) -> Value {
+fn as_json(pairs: &[Pair], runs: &[&str], figure: &Path) -> Value {
     let pair = |Pair { run, other, errors }: &Pair| {
         json!({
             "run": run,
@@ -205,7 +208,7 @@ fn as_json(pairs: &[Pair], runs: &[&str], output: &Path) -> Value {
             "void_ratio_error": errors.void_ratio,
         })
     };
-    json!({ "runs": runs, "comparisons": pairs.iter().map(pair).collect::<Vec<_>>(), "figure": output })
+    json!({ "runs": runs, "comparisons": pairs.iter().map(pair).collect::<Vec<_>>(), "figure": output::path(figure) })
 }
 
 fn text(pairs: &[Pair]) -> String {

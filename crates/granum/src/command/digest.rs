@@ -31,7 +31,7 @@ impl Digest {
             .folders
             .iter()
             .zip(&found)
-            .map(|(folder, (digest, status))| json!({ "folder": folder, "sha256": digest, "status": status }))
+            .map(|(folder, (digest, status))| json!({ "folder": output::path(folder), "sha256": digest, "status": status }))
             .collect();
         let line = |(folder, (digest, status)): (&PathBuf, &(String, RunStatus))| {
             let part = if *status == RunStatus::Finished { "" } else { "  (of the part finished so far)" };

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use granum_antony2006::Run;
 use granum_antony2006::SensorUse;
-use granum_antony2006::files::{load_runs, load_study};
+use granum_antony2006::files::load_runs;
 use granum_antony2006::study::{RunScore, Study};
 use granum_learn::Score;
 use granum_learn::runs::RunRole;
@@ -14,6 +14,7 @@ use serde_json::{Value, json};
 use super::records::{self, Recorded};
 use super::relation::Relation;
 use super::scores::{SensorRow, percent, sensor_table};
+use super::study_folder;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -38,7 +39,7 @@ pub struct Evaluate {
 
 impl Evaluate {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
-        let study = load_study(&self.study)?;
+        let study = study_folder::load(&self.study)?;
         let known = load_runs(&self.study)?;
         let mut scored = Vec::new();
         let mut unseen: Vec<Run> = Vec::new();
@@ -69,7 +70,7 @@ impl Evaluate {
             })
             .collect();
         let result = json!({
-            "study": self.study,
+            "study": output::path(&self.study),
             "runs": runs,
             "sensors": sensors.iter().map(sensors_as_json).collect::<Vec<_>>(),
         });

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use granum_core::Table;
-use granum_io::formats::{Formats, Observation};
+use granum_io::formats::Observation;
 use granum_io::snapshot::{contacts_table, grains_table};
 use granum_io::{Run, check_output_file, read_table, write_table};
 use serde_json::json;
@@ -46,6 +46,7 @@ pub struct Export {
     #[arg(long, value_name = "NAME", conflicts_with = "to")]
     table: Option<String>,
     /// Snapshot of the run folder, or all in the order of their times; the one at its end by default, of a prepared sample the only one.
+    /// Of other results the number of the instant, from 1, or last, or all; all by default.
     #[arg(long, value_name = "NAME")]
     snapshot: Option<String>,
     #[command(flatten)]
@@ -71,10 +72,11 @@ impl Export {
         }
         self.deck.check_unused()?;
         check_output_file(&self.output, context.force)?;
-        let formats = Formats::standard();
+        let formats = context.formats();
         let path = &self.output;
         if let Some(name) = &self.to {
-            formats.written_format(path, Some(name))?;
+            let unknown = |error| Failure::new(format!("--to {name}: {error}; lammps makes an input deck"));
+            formats.written_format(path, Some(name)).map_err(unknown)?;
         }
         let run = match &self.data[..] {
             [folder] if folder.is_dir() => Some(Run::at(folder)?),
@@ -92,20 +94,38 @@ impl Export {
         }
         let observations = match &run {
             Some(run) => self.snapshots(run)?,
-            None => self.sources.read(&self.data)?,
+            None => self.instants(self.sources.read(context, &self.data)?)?,
         };
         let observations: Vec<Observation> = observations.into_iter().map(numbered_from_one).collect();
-        let grains = observations.first().map_or(0, |observation| observation.assembly.grains.len());
+        let grains = observations.last().map_or(0, |observation| observation.assembly.grains.len());
+        let of = match observations.len() {
+            0 | 1 => String::new(),
+            many => format!(", the last of {many} instants"),
+        };
         let is_packing = formats.packings().any(|format| has_extension(path, format.extensions()));
         let usual = (tabular && !is_packing).then_some("grains");
         if let Some(name) = self.table.as_deref().or(usual) {
             let table = table_of(last(&observations)?, name)?;
             write_table(path, &table)?;
-            return self.say(context, &format!("{} rows of {name}", table.rows()));
+            return self.say(context, &format!("{} rows of {name}{of}", table.rows()));
         }
         if tabular {
             formats.write_packing(path, &last(&observations)?.packing(&self.data[0])?)?;
-            return self.say(context, &format!("a packing of {grains} grains"));
+            return self.say(context, &format!("a packing of {grains} grains{of}"));
+        }
+        let format = formats.written_format(path, self.to.as_deref())?;
+        if format.holds_one_instant() && observations.len() > 1 {
+            let many = observations.len();
+            let choice = match &run {
+                Some(run) => format!("there are {}", run.snapshots()?.join(", ")),
+                None => format!("1 to {many}, or last"),
+            };
+            return Err(Failure::new(format!(
+                "{}: a file of this format ({}) holds one instant, and these are {many}; choose one with --snapshot ({choice}), or write \
+                 a .gsd or .xyz",
+                path.display(),
+                format.name()
+            )));
         }
         formats.write_results(path, self.to.as_deref(), &observations)?;
         let instants = match observations.len() {
@@ -139,9 +159,26 @@ impl Export {
         Ok(found)
     }
 
+    /// The requested instants of other results.
+    fn instants(&self, mut all: Vec<Observation>) -> Result<Vec<Observation>, Failure> {
+        let count = all.len();
+        let at = match self.snapshot.as_deref() {
+            None | Some("all") => return Ok(all),
+            Some("last") => count,
+            Some(text) => text.parse().unwrap_or(0),
+        };
+        if !(1..=count).contains(&at) {
+            let name = self.snapshot.as_deref().unwrap_or_default();
+            return Err(Failure::new(format!(
+                "--snapshot {name}: these data have {count} instant(s); give a number from 1 to {count}, last or all"
+            )));
+        }
+        Ok(vec![all.swap_remove(at - 1)])
+    }
+
     fn say(&self, context: &Context, what: &str) -> Result<(), Failure> {
         let path = self.output.display();
-        output::say(context, &json!({ "output": self.output, "content": what }), || {
+        output::say(context, &json!({ "output": output::path(&self.output), "content": what }), || {
             format!("wrote {what} to {path}")
         })
     }

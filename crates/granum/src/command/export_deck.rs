@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use granum_io::{Packing, Run, read_packing};
+use granum_io::shell::quoted_path;
+use granum_io::{Packing, Run};
 use granum_run::laboratory::SAMPLE;
 use granum_run::lammps_deck::{Confinement, LammpsDeck, SCRIPT};
 use serde_json::json;
@@ -58,23 +59,25 @@ impl DeckFlags {
             (source.join("case.toml"), sample, Confinement::Own)
         } else {
             let Some(packing) = &self.packing else {
-                let source = source.display();
+                let (shown, quoted) = (source.display(), quoted_path(source));
                 return Err(Failure::new(format!(
-                    "{source} is a case without a sample: add --packing FILE, or make its sample with `granum prepare {source} --out \
+                    "{shown} is a case without a sample: add --packing FILE, or make its sample with `granum prepare {quoted} --out \
                      sample` and export the folder sample"
                 )));
             };
-            (source.clone(), read_packing(packing)?, Confinement::Prepared)
+            (source.clone(), context.formats().read_packing(packing)?, Confinement::Prepared)
         };
         let parameters = super::run::parameters(&self.with)?;
         let path = self.path.as_deref().map(|name| (name, parameters.as_slice()));
-        let case = self.flags.read_with_path(&file, true, path)?;
+        let case = self.flags.read_with_path(context, &file, true, path)?;
         let deck = LammpsDeck::new(&case, &packing, confinement)?;
         deck.write(folder, context.force)?;
         let (grains, shown) = (deck.grains(), folder.display());
-        output::say(context, &json!({ "output": folder, "script": SCRIPT, "grains": grains }), || {
-            format!("wrote a deck of {grains} grains to {shown}; run it there with `lmp -in {SCRIPT}`")
-        })
+        output::say(
+            context,
+            &json!({ "output": output::path(folder), "script": SCRIPT, "grains": grains }),
+            || format!("wrote a deck of {grains} grains to {shown}; run it there with `lmp -in {SCRIPT}`"),
+        )
     }
 }
 

@@ -31,8 +31,8 @@ pub struct Forces {
 
 impl Forces {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
-        let case = self.law.case()?;
-        let packing = granum_io::read_packing(&self.packing)?;
+        let case = self.law.case(context)?;
+        let packing = context.formats().read_packing(&self.packing)?;
         let simulation = simulation(&packing, case.properties())?;
         let assembly = simulation.assembly();
         let mut columns =
@@ -60,7 +60,7 @@ impl Forces {
             output::put_table(context, None, &table)?;
         }
         let mut result = json!({
-            "output": self.output,
+            "output": self.output.as_deref().map(output::path),
             "grains": assembly.grains.len(),
             "contacts": assembly.contacts.len(),
             "stress": stress,

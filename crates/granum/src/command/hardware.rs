@@ -72,7 +72,8 @@ impl HardwareFlags {
         context: &Context,
         checkpoints: &CheckpointFlags,
     ) -> Result<Laboratory, Failure> {
-        let mut laboratory = Laboratory::new(self.hardware()?, env!("CARGO_PKG_VERSION"));
+        let mut laboratory =
+            Laboratory::new(self.hardware()?, env!("CARGO_PKG_VERSION")).with_formats(context.formats());
         laboratory.checkpoint_every = checkpoints.every()?;
         let used = laboratory.hardware.threads;
         if let Some(asked) = self.threads.filter(|asked| *asked > used) {
@@ -117,6 +118,6 @@ impl Observer for Show<'_> {
         self.context.flow()
     }
     fn warn(&mut self, text: &str) {
-        self.context.warn(text);
+        self.progress.aside(|| self.context.warn(text));
     }
 }

@@ -40,10 +40,10 @@ impl Init {
         let Some(name) = &self.case else {
             let path = self.path.clone().unwrap_or_else(|| PathBuf::from("case.toml"));
             write(&path, &Case::template(), context)?;
-            return output::say(context, &json!({ "case": path }), || {
-                let path = path.display();
+            return output::say(context, &json!({ "case": output::path(&path) }), || {
+                let (shown, quoted) = (path.display(), quoted_path(&path));
                 format!(
-                    "wrote {path}, with every key at its default; change values in it and run it: granum shear {path}"
+                    "wrote {shown}, with every key at its default; change values in it and run it: granum shear {quoted}"
                 )
             });
         };
@@ -53,10 +53,18 @@ impl Init {
         })?;
         let path = self.path.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.toml")));
         write(&path, ready.text, context)?;
-        output::say(context, &json!({ "case": path, "name": name, "title": ready.title() }), || {
-            let quoted = quoted_path(&path);
-            format!("wrote {}: {}\nrun it: granum run {quoted} --out {name}", path.display(), ready.title())
-        })
+        output::say(
+            context,
+            &json!({ "case": output::path(&path), "name": name, "title": ready.title() }),
+            || {
+                let quoted = quoted_path(&path);
+                format!(
+                    "wrote {}: {}\nrun it: granum run {quoted} --out {name}",
+                    path.display(),
+                    ready.title()
+                )
+            },
+        )
     }
 }
 

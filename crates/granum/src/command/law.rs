@@ -7,6 +7,7 @@ use granum_dem::contact::registry::{adhesion_laws, normal_laws, parameters, roll
 use granum_io::Case;
 
 use super::case_flags::SetFlags;
+use crate::context::Context;
 use crate::failure::Failure;
 
 /// Contact law and grains; the defaults are those of Antony, Zhou and Wang (2006).
@@ -78,8 +79,8 @@ fn rolling_help() -> String {
 
 impl LawFlags {
     /// As [`LawFlags::case`], for a command that supports only one material.
-    pub fn case_of_one_material(&self) -> Result<Case, Failure> {
-        let case = self.case()?;
+    pub fn case_of_one_material(&self, context: &Context) -> Result<Case, Failure> {
+        let case = self.case(context)?;
         if case.grains.mixture.is_empty() {
             return Ok(case);
         }
@@ -91,9 +92,9 @@ impl LawFlags {
     }
 
     /// The case that results from the file and the flags.
-    pub fn case(&self) -> Result<Case, Failure> {
+    pub fn case(&self, context: &Context) -> Result<Case, Failure> {
         let mut case = match &self.case {
-            Some(path) => Case::read(path)?,
+            Some(path) => Case::read_as(path, context.reading())?,
             None => Case::default(),
         };
         let flags = [

@@ -39,7 +39,7 @@ impl Limits {
         if let Some(path) = &self.output {
             check_output_file(path, context.force)?;
         }
-        let case = self.flags.read(&self.case, false)?;
+        let case = self.flags.read(context, &self.case, false)?;
         let laboratory = self.hardware.laboratory(context, &CheckpointFlags::default())?;
         let found = laboratory.limits(&case, &mut Show::new(context))?;
         let result = as_json(&found);

@@ -6,7 +6,6 @@ use clap::Args;
 use granum_core::{Assembly, Column, Part, Parts, Table};
 use granum_dem::config::{ContactModel, CriticalState, Material, NormalKind, Recording, TangentialKind};
 use granum_dem::simulation::Properties;
-use granum_io::formats::Formats;
 use granum_io::{Case, Run};
 use granum_run::laboratory::simulation;
 use granum_sensors::{MeasuredSeries, Measurement, SensorColumn, Sensors};
@@ -62,8 +61,8 @@ impl Measure {
         if self.list {
             return list(context, &sensors);
         }
-        let observations = self.read()?;
-        let critical_state = self.critical_state()?;
+        let observations = self.read(context)?;
+        let critical_state = self.critical_state(context)?;
         let recording = Recording::default().with(|recording| recording.critical_state = critical_state);
         if let [(assembly, parts)] = &observations[..] {
             let measured = sensors.measure_with(assembly, *parts, &recording);
@@ -79,9 +78,9 @@ impl Measure {
     }
 
     /// The critical state line of the run or of the case, if one is given.
-    fn critical_state(&self) -> Result<CriticalState, Failure> {
+    fn critical_state(&self, context: &Context) -> Result<CriticalState, Failure> {
         Ok(match (&self.case, self.data.first()) {
-            (Some(case), _) => Case::read(case)?.recording.critical_state,
+            (Some(case), _) => Case::read_as(case, context.reading())?.recording.critical_state,
             (None, Some(data)) if data.is_dir() => Run::at(data)?.case()?.recording.critical_state,
             _ => CriticalState::default(),
         })
@@ -99,11 +98,11 @@ impl Measure {
     }
 
     /// The assemblies and which of their parts are known.
-    fn read(&self) -> Result<Vec<(Assembly, Parts)>, Failure> {
+    fn read(&self, context: &Context) -> Result<Vec<(Assembly, Parts)>, Failure> {
         if let Some(grains) = &self.grains {
             let tables: Vec<PathBuf> =
                 [Some(grains), self.contacts.as_ref()].into_iter().flatten().cloned().collect();
-            return self.joined(&tables);
+            return self.joined(context, &tables);
         }
         let Some(data) = self.data.first() else { return Err(Failure::new("there is nothing to measure")) };
         if data.is_dir() && self.data.len() == 1 {
@@ -112,8 +111,8 @@ impl Measure {
         if let Some(name) = &self.snapshot {
             return Err(Failure::new(format!("--snapshot {name}: {} is no run folder", data.display())));
         }
-        if self.data.len() == 1 && (self.case.is_some() || !Formats::standard().is_result(data)?) {
-            return Ok(vec![self.packing(data)?]);
+        if self.data.len() == 1 && (self.case.is_some() || !context.formats().is_result(data)?) {
+            return Ok(vec![self.packing(context, data)?]);
         }
         if let Some(case) = &self.case {
             return Err(Failure::new(format!(
@@ -121,12 +120,12 @@ impl Measure {
                 case.display()
             )));
         }
-        self.joined(&self.data)
+        self.joined(context, &self.data)
     }
 
     /// The instants of files that belong together.
-    fn joined(&self, files: &[PathBuf]) -> Result<Vec<(Assembly, Parts)>, Failure> {
-        let found = self.sources.read(files)?;
+    fn joined(&self, context: &Context, files: &[PathBuf]) -> Result<Vec<(Assembly, Parts)>, Failure> {
+        let found = self.sources.read(context, files)?;
         Ok(found.into_iter().map(|observation| (observation.assembly, observation.parts)).collect())
     }
 
@@ -151,11 +150,11 @@ impl Measure {
     }
 
     /// A packing: what follows from places and radii, and with a case from its contact law.
-    fn packing(&self, path: &Path) -> Result<(Assembly, Parts), Failure> {
-        let Some(case) = &self.case else { return packing_alone(path) };
-        let packing = granum_io::read_packing(path)?;
+    fn packing(&self, context: &Context, path: &Path) -> Result<(Assembly, Parts), Failure> {
+        let Some(case) = &self.case else { return packing_alone(context, path) };
+        let packing = context.formats().read_packing(path)?;
         let mut parts = Parts::of(&OF_PACKING);
-        let case = Case::read(case)?;
+        let case = Case::read_as(case, context.reading())?;
         parts = parts.with(Part::Masses).with(Part::NormalForces);
         if case.grains.material.friction == 0.0 && case.grains.mixture.is_empty() {
             // Only then is it known, without the history of the contacts, what acts along them: nothing.
@@ -170,8 +169,8 @@ impl Measure {
 const OF_PACKING: [Part; 5] = [Part::Cell, Part::Positions, Part::Radii, Part::Contacts, Part::Overlaps];
 
 /// A packing without a contact law: grains that overlap touch.
-pub fn packing_alone(path: &Path) -> Result<(Assembly, Parts), Failure> {
-    let packing = granum_io::read_packing(path)?;
+pub fn packing_alone(context: &Context, path: &Path) -> Result<(Assembly, Parts), Failure> {
+    let packing = context.formats().read_packing(path)?;
     let material = Material::default().with(|material| material.interface_energy = 0.0);
     let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
     Ok((simulation(&packing, Properties::new(material, contact))?.assembly(), Parts::of(&OF_PACKING)))

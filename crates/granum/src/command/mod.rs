@@ -3,6 +3,7 @@
 mod bench;
 mod case_flags;
 mod checkpoints;
+mod comparability;
 mod compare;
 mod digest;
 mod evaluate;
@@ -37,6 +38,8 @@ mod sources;
 mod spread;
 mod status;
 mod stiffness;
+mod stresses;
+mod study_folder;
 mod table;
 mod test_run;
 mod text_table;

@@ -43,7 +43,7 @@ pub struct Pair {
 
 impl Pair {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
-        let case = self.law.case_of_one_material()?;
+        let case = self.law.case_of_one_material(context)?;
         let mut table = read_table(&self.path)?;
         let in_file =
             |error: &dyn std::fmt::Display| Failure::new(format!("{}: {error}", self.path.display()));

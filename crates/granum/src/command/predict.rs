@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use granum_antony2006::MappingNetworks;
-use granum_antony2006::files::load_study;
 use granum_io::{check_output_file, read_columns, write_table};
 use granum_learn::LearnError;
 use serde_json::json;
 
 use super::predict_surrogate;
 use super::prediction_input::{LEVEL, outside_text, row};
+use super::study_folder;
 use super::trained_range::inputs;
 use crate::context::Context;
 use crate::failure::Failure;
@@ -52,7 +52,7 @@ impl Predict {
         if self.study.is_file() {
             return self.ask_file(context);
         }
-        let study = load_study(&self.study)?;
+        let study = study_folder::load(&self.study)?;
         let Some(mapping) = &self.mapping else {
             let names = study.mappings.iter().map(|trained| trained.surrogate.mapping().name.as_str());
             let names = names.collect::<Vec<_>>().join(", ");
@@ -81,7 +81,7 @@ impl Predict {
 
     fn one(&self, context: &Context, surrogate: &MappingNetworks) -> Result<(), Failure> {
         let needs = || format!("{} needs:\n{}", surrogate.mapping().formula(), inputs(surrogate, None));
-        let row = row(&surrogate.input_names(), &self.values, &needs)?;
+        let row = row(&surrogate.input_names(), &|_| String::new(), &self.values, &needs)?;
         let answer = surrogate.predict_row(&row, LEVEL)?;
         let network = &surrogate.networks()[answer.sub_model];
         let output = surrogate.mapping().network_output();
@@ -143,16 +143,14 @@ impl Predict {
             context.warn(&warning);
         }
         surrogate.remarks(&answers.sub_models).iter().for_each(|remark| context.note(remark));
-        let Some(output) = &self.output else { return output::put_table(context, None, &answers.table) };
-        write_table(output, &answers.table)?;
+        let Some(path) = &self.output else { return output::put_table(context, None, &answers.table) };
+        write_table(path, &answers.table)?;
         let result = json!({
-            "output": output,
+            "output": output::path(path),
             "rows": answers.table.rows(),
             "rows_outside": answers.outside,
             "constant_sub_models": surrogate.constants(&answers.sub_models),
         });
-        output::say(context, &result, || {
-            format!("wrote {} rows to {}", answers.table.rows(), output.display())
-        })
+        output::say(context, &result, || format!("wrote {} rows to {}", answers.table.rows(), path.display()))
     }
 }

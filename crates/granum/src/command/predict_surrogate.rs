@@ -17,8 +17,12 @@ use crate::output;
 pub fn one(context: &Context, surrogate: &dyn Surrogate, flags: &[String]) -> Result<(), Failure> {
     let columns = surrogate.columns();
     let names = columns.input_names();
+    let unit = |name: &str| {
+        let known = columns.inputs.iter().find(|input| input.name == name);
+        known.map_or_else(String::new, |input| input.unit.clone())
+    };
     let needs = || format!("the surrogate ({}) needs: {}", surrogate.method(), names.join(", "));
-    let prediction = surrogate.predict(&row(&names, flags, &needs)?, LEVEL)?.pop().unwrap_or_default();
+    let prediction = surrogate.predict(&row(&names, &unit, flags, &needs)?, LEVEL)?.pop().unwrap_or_default();
     let named = columns.outputs.iter().zip(&prediction.values);
     let outside = prediction.outside.iter();
     let result = json!({
@@ -88,6 +92,6 @@ pub fn many(
     }
     let Some(path) = output else { return output::put_table(context, None, &answers) };
     write_table(path, &answers)?;
-    let result = json!({ "output": path, "rows": answers.rows(), "rows_outside": outside });
+    let result = json!({ "output": output::path(path), "rows": answers.rows(), "rows_outside": outside });
     output::say(context, &result, || format!("wrote {} rows to {}", answers.rows(), path.display()))
 }

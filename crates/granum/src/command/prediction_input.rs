@@ -1,17 +1,56 @@
 //! The inputs of a prediction from the command line, and what is said of them.
 
 use granum_core::names::nearest;
+use granum_core::quantity::{Dimension, parse_quantity};
+use granum_dem::loading::preset;
+use granum_io::case::{FIELDS, Field};
 use granum_learn::surrogate::Outside;
+use granum_sensors::Sensors;
 
-use super::trained_range::short;
 use crate::failure::Failure;
+use crate::numbers::apart_from_range;
 
 /// Nominal coverage of the intervals for states of unseen runs.
 pub(super) const LEVEL: f64 = 0.9;
 
-/// The row that `--set` flags give, in the order of the inputs; `needs` says what these are.
+/// The dimension of an input: that of its unit, or else that of the quantity of its name, which may be a column of a sensor, a
+/// parameter of a path or a key of the case.
+fn dimension(name: &str, unit: &str) -> Dimension {
+    let of_sensor = || {
+        Sensors::standard().columns().find(|column| column.name == name).map(|column| column.unit.to_string())
+    };
+    let of_path = || {
+        let parameter = preset::all().into_iter().find_map(|preset| preset.parameter(name));
+        parameter.map(|parameter| parameter.unit.to_string())
+    };
+    let of_case =
+        || FIELDS.iter().find(|field| field.key == name || field.path() == name).map(Field::si_unit);
+    let given = (!unit.is_empty()).then(|| unit.to_string());
+    let unit = given.or_else(of_sensor).or_else(of_path).or_else(of_case).unwrap_or_default();
+    DIMENSIONS.into_iter().find(|known| known.si_unit() == unit).unwrap_or(Dimension::NUMBER)
+}
+
+/// The dimensions that an input can have.
+const DIMENSIONS: [Dimension; 12] = [
+    Dimension::STRESS,
+    Dimension::LENGTH,
+    Dimension::MASS,
+    Dimension::TIME,
+    Dimension::RATE,
+    Dimension::VELOCITY,
+    Dimension::FORCE,
+    Dimension::STRESS_RATE,
+    Dimension::DENSITY,
+    Dimension::ENERGY,
+    Dimension::SURFACE_ENERGY,
+    Dimension::ANGLE,
+];
+
+/// The row that `--set` flags give, in the order of the inputs; `unit` is the unit of an input where it is known, and `needs` says
+/// what the inputs are.
 pub(super) fn row(
     names: &[String],
+    unit: &dyn Fn(&str) -> String,
     flags: &[String],
     needs: &dyn Fn() -> String,
 ) -> Result<Vec<f64>, Failure> {
@@ -25,10 +64,8 @@ pub(super) fn row(
             let hint = near.map_or(String::new(), |near| format!("; did you mean {near}?"));
             Failure::new(format!("--set {flag}: there is no such input{hint}\n{}", needs()))
         })?;
-        let value =
-            text.trim().parse::<f64>().ok().filter(|value| value.is_finite()).ok_or_else(|| {
-                Failure::new(format!("--set {flag}: {:?} is not a finite number", text.trim()))
-            })?;
+        let value = parse_quantity(text, dimension(&names[k], &unit(&names[k])))
+            .map_err(|why| Failure::new(format!("--set {flag}: {:?} {why}", text.trim())))?;
         if row[k].replace(value).is_some() {
             return Err(Failure::new(format!("--set {flag}: {} is given twice", names[k])));
         }
@@ -46,7 +83,8 @@ pub(super) fn row(
 pub(super) fn outside_text(outside: &[Outside]) -> Option<String> {
     let each = outside.iter().map(|outside| {
         let [low, high] = outside.range;
-        format!("{} = {} (trained from {} to {})", outside.name, outside.value, short(low), short(high))
+        let [value, low, high] = apart_from_range(outside.value, [low, high]);
+        format!("{} = {value} (trained from {low} to {high})", outside.name)
     });
     let all = each.collect::<Vec<_>>().join(", ");
     (!all.is_empty()).then(|| format!("OUTSIDE the trained range: {all}; do not trust this answer."))

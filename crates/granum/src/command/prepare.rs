@@ -42,7 +42,7 @@ pub struct Prepare {
 
 impl Prepare {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
-        let cases = self.flags.read_all(&self.case, self.packing.is_some(), None)?;
+        let cases = self.flags.read_all(context, &self.case, self.packing.is_some(), None)?;
         let laboratory = self.hardware.laboratory(context, &self.checkpoints)?;
         let source = self.packing.clone().map_or(Source::Case, Source::Packing);
         let out = |usual: &str| self.out.clone().unwrap_or_else(|| usual.into());

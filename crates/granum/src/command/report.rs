@@ -10,7 +10,7 @@ use granum_antony2006::files::load_study;
 use granum_antony2006::reproduction::{Reproduction, SPEED_FILE, SUMMARY_FILE};
 use granum_antony2006::{StudyData, StudyDataOptions};
 use granum_antony2006::{StudyReport, speed_page, study_report};
-use granum_io::formats::{Formats, Observation};
+use granum_io::formats::Observation;
 use granum_io::shell::quoted_path;
 use granum_io::{Run, RunStatus, atomic::write_atomically, check_output_file};
 use granum_learn::NamedRecord;
@@ -78,10 +78,16 @@ impl Report {
             study.map_or(Ok(()), |study| write_speed_page(out, &study))?;
         }
         let figures = if page { 0 } else { document.figures.len() };
-        output::say(context, &json!({ "report": file, "figure_files": figures }), || match figures {
-            0 => format!("wrote {}", file.display()),
-            _ => {
-                format!("wrote {} and {figures} figures in {}", file.display(), out.join("figures").display())
+        output::say(context, &json!({ "report": output::path(&file), "figure_files": figures }), || {
+            match figures {
+                0 => format!("wrote {}", file.display()),
+                _ => {
+                    format!(
+                        "wrote {} and {figures} figures in {}",
+                        file.display(),
+                        out.join("figures").display()
+                    )
+                }
             }
         })
     }
@@ -106,7 +112,7 @@ impl Report {
         }
         let files = self.data.iter().filter(|path| !path.is_dir()).count();
         if files == self.data.len() {
-            return Ok((self.of_files()?, None));
+            return Ok((self.of_files(context)?, None));
         }
         if let Some(file) = self.data.iter().find(|path| !path.is_dir()) {
             let message = "is no folder; give folders of runs, or files of another program, not both";
@@ -122,7 +128,7 @@ impl Report {
     }
 
     /// The report of files of another program.
-    fn of_files(&self) -> Result<Document, Failure> {
+    fn of_files(&self, context: &Context) -> Result<Document, Failure> {
         let names: Vec<String> = (self.data.iter())
             .map(|path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned())
             .collect();
@@ -131,12 +137,12 @@ impl Report {
         if let [one] = &self.data[..]
             && one.is_file()
             && self.sources.first_given().is_none()
-            && !Formats::standard().is_result(one)?
+            && !context.formats().is_result(one)?
         {
-            let (assembly, parts) = packing_alone(one)?;
+            let (assembly, parts) = packing_alone(context, one)?;
             return Ok(data_report(&title, &[instant(title.clone(), assembly, parts)]));
         }
-        let found = self.sources.read(&self.data)?;
+        let found = self.sources.read(context, &self.data)?;
         let count = found.len();
         let named = |(k, found): (usize, Observation)| {
             instant(format!("instant {} of {count}", k + 1), found.assembly, found.parts)

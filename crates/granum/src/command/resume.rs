@@ -69,7 +69,7 @@ impl Resume {
     fn training(&self, context: &Context) -> Result<(), Failure> {
         let name = self.folder.display();
         if self.folder.join(STUDY_FILE).is_file() {
-            let result = json!({ "study": self.folder, "status": "finished" });
+            let result = json!({ "study": output::path(&self.folder), "status": "finished" });
             return output::say(context, &result, || format!("{name}: the training is finished"));
         }
         Train::resumed(&self.folder, self.hardware.threads, self.checkpoints.clone())?.run(context)

@@ -3,12 +3,17 @@
 use std::path::Path;
 
 use granum_io::shell::quoted_path;
-use granum_io::{QualityFlag, RunRecord, RunStatus};
+use granum_io::{QualityFlag, Run, RunRecord, RunSource, RunStatus};
 use serde_json::{Value, json};
 
+use super::stresses::Stresses;
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
+use crate::numbers::apart;
 use crate::output;
+
+/// The phase in which a sample is prepared, in the records of runs.
+const PREPARATION: &str = "prepare";
 
 /// Prints the result of a run that ended in good order; an interruption is a failure with its own exit status.
 pub fn print(context: &Context, folder: &Path, record: &RunRecord) -> Result<(), Failure> {
@@ -21,7 +26,7 @@ pub fn print(context: &Context, folder: &Path, record: &RunRecord) -> Result<(),
         return Err(Interrupted { left }.into());
     }
     output::say_complete(context, folder, &result(context, folder, record), || {
-        format!("{}\nwrote {}", text(record), folder.display())
+        format!("{}\nwrote {}", text(folder, record), folder.display())
     })
 }
 
@@ -37,12 +42,13 @@ fn result(context: &Context, folder: &Path, record: &RunRecord) -> Value {
         context.warn_in_json(&warning(flag));
     }
     json!({
-        "folder": folder,
+        "folder": output::path(folder),
         "status": record.status,
         "seed": record.seed,
         "packing": record.packing,
         "case_digest": record.case_digest,
         "measures": record.measures,
+        "stresses": stresses(folder).map(|stresses| stresses.json()),
         "steps": record.steps,
         "wall_seconds": record.wall_seconds,
         "quality": record.quality,
@@ -50,7 +56,12 @@ fn result(context: &Context, folder: &Path, record: &RunRecord) -> Value {
     })
 }
 
-fn text(record: &RunRecord) -> String {
+/// The stresses of the test in a folder.
+fn stresses(folder: &Path) -> Option<Stresses> {
+    Stresses::of(&Run::at(folder).ok()?)
+}
+
+fn text(folder: &Path, record: &RunRecord) -> String {
     let mut lines = Vec::new();
     let measure = |name: &str| record.measures.get(name).copied();
     if let Some(solid_fraction) = measure("solid_fraction") {
@@ -82,6 +93,7 @@ fn text(record: &RunRecord) -> String {
             "the sample was brought to this mean stress before the test, in {steps} steps of consolidation"
         ));
     }
+    lines.extend(stresses(folder).iter().flat_map(Stresses::lines));
     lines.extend(peak_and_late(record));
     let bad: Vec<_> = record.quality.iter().filter(|q| !q.passed).collect();
     for flag in &bad {
@@ -90,10 +102,24 @@ fn text(record: &RunRecord) -> String {
     if bad.is_empty() && !record.quality.is_empty() {
         lines.push(format!("all {} quality checks passed", record.quality.len()));
     }
-    let seconds: f64 = record.wall_seconds.values().sum();
-    let rate = record.grain_steps() as f64 / seconds.max(1e-9) / 1e6;
-    lines.push(format!("{:.2e} grain-steps in {seconds:.1} s ({rate:.1} M/s)", record.grain_steps() as f64));
+    lines.push(work(record));
     lines.join("\n")
+}
+
+/// The work and the time of the computation; the preparation of a sample that was taken from another folder was not part of it.
+fn work(record: &RunRecord) -> String {
+    let is_own = |phase: &str| phase != PREPARATION || !matches!(record.source, RunSource::Sample(_));
+    let seconds = record
+        .wall_seconds
+        .iter()
+        .filter(|(phase, _)| is_own(phase))
+        .map(|(_, seconds)| seconds)
+        .sum::<f64>();
+    let steps =
+        record.steps.iter().filter(|(phase, _)| is_own(phase)).map(|(_, steps)| *steps as f64).sum::<f64>();
+    let grain_steps = steps * record.grains as f64;
+    let rate = grain_steps / seconds.max(1e-9) / 1e6;
+    format!("{grain_steps:.2e} grain-steps in {seconds:.1} s ({rate:.1} M/s)")
 }
 
 /// Peak and late values of a finished test.
@@ -121,5 +147,6 @@ fn warning(flag: &QualityFlag) -> String {
         return flag.advice.clone();
     }
     let name = flag.name.replace('_', " ");
-    format!("{name} is {:.3e} and should be at most {:.1e}: {}", flag.value, flag.limit, flag.advice)
+    let [value, limit] = apart(flag.value, flag.limit);
+    format!("{name} is {value} and should be at most {limit}: {}", flag.advice)
 }

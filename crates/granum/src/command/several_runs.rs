@@ -1,7 +1,7 @@
 //! Several runs in one folder: all combinations of the values that the flags give.
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use granum::contents::{Kind, check_free};
 use granum_io::OutputFolder;
@@ -127,8 +127,8 @@ fn print(context: &Context, queue: &Queue, outcomes: &[Outcome], out: &Path) -> 
     let shared = shared_samples(queue);
     let (samples, tests): (Vec<_>, Vec<_>) = runs.partition(|(run, _)| shared.contains(run.name.as_str()));
     let result = json!({
-        "folder": out,
-        "list": out.join(RUN_LIST),
+        "folder": output::path(out),
+        "list": output::path(&out.join(RUN_LIST)),
         "runs": tests.iter().map(|(run, outcome)| as_json(context, run, outcome)).collect::<Vec<_>>(),
         "samples": samples.iter().map(|(run, outcome)| as_json(context, run, outcome)).collect::<Vec<_>>(),
     });
@@ -165,10 +165,9 @@ fn as_json(context: &Context, run: &QueuedRun, outcome: &Outcome) -> Value {
     if !failed_checks.is_empty() {
         context.warn_in_json(&format!("{}: checks not passed: {}", run.name, failed_checks.join(", ")));
     }
-    let folder: PathBuf = run.folder.clone();
     json!({
         "name": run.name,
-        "folder": folder,
+        "folder": output::path(&run.folder),
         "values": values,
         "status": outcome.word(),
         "reused": matches!(outcome, Outcome::Finished { reused: true, .. }),

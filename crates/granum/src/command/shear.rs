@@ -27,7 +27,7 @@ pub struct Shear {
 
 impl Shear {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
-        let cases = self.test.flags.read_all(&self.case, self.test.has_packing(), None)?;
+        let cases = self.test.flags.read_all(context, &self.case, self.test.has_packing(), None)?;
         self.test.run(context, cases)
     }
 }

@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use granum_core::quantity::{Dimension, parse_quantity};
-use granum_io::formats::{Formats, FrameCell, JoinOptions, Observation, ReadOptions};
+use granum_io::formats::{FrameCell, JoinOptions, Observation, ReadOptions};
 
+use crate::context::Context;
 use crate::failure::Failure;
 
 /// What files of results do not say.
@@ -39,7 +40,7 @@ impl SourceFlags {
     }
 
     /// Reads and joins files of results.
-    pub fn read(&self, files: &[PathBuf]) -> Result<Vec<Observation>, Failure> {
+    pub fn read(&self, context: &Context, files: &[PathBuf]) -> Result<Vec<Observation>, Failure> {
         let mut columns: Vec<(PathBuf, Vec<String>)> = Vec::new();
         for text in &self.columns {
             let found = text.split_once('=').filter(|(file, _)| files.contains(&PathBuf::from(file)));
@@ -62,7 +63,7 @@ impl SourceFlags {
             positive("--density", self.density.as_deref(), Dimension::DENSITY)?,
             positive("--time-step", self.time_step.as_deref(), Dimension::TIME)?,
         );
-        Ok(Formats::standard().read_results(&files, &join)?)
+        Ok(context.formats().read_results(&files, &join)?)
     }
 }
 

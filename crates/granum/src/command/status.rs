@@ -44,7 +44,7 @@ impl Status {
         let (mut all, mut lines) = (Vec::new(), Vec::new());
         for folder in contents.runs(&self.folder) {
             if Contents::of(&folder)? == Contents::Nothing {
-                all.push(json!({ "folder": folder, "status": "not begun" }));
+                all.push(json!({ "folder": output::path(&folder), "status": "not begun" }));
                 lines.push(format!("{}: not begun", folder.display()));
                 continue;
             }
@@ -54,7 +54,7 @@ impl Status {
         }
         lines.push(format!("{}: {}", self.folder.display(), next.text));
         let result = json!({
-            "folder": self.folder,
+            "folder": output::path(&self.folder),
             "runs": all,
             "finished": matches!(
                 contents,
@@ -83,7 +83,7 @@ impl Status {
         };
         let next = Contents::Training { finished }.next(&self.folder);
         let result = json!({
-            "folder": self.folder,
+            "folder": output::path(&self.folder),
             "kind": "train",
             "status": word,
             "networks": there,
@@ -160,7 +160,7 @@ impl FolderStatus {
 
     fn json(&self) -> Value {
         json!({
-            "folder": self.folder,
+            "folder": output::path(&self.folder),
             "kind": self.kind,
             "status": self.word(),
             "phase": self.phase,

@@ -14,6 +14,7 @@ use super::case_flags::CaseFlags;
 use super::hardware::{HardwareFlags, Show};
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
+use crate::numbers::rounded;
 use crate::output;
 
 /// Measure the elastic stiffness (6 x 6) of a sample or of the end of a test, or at chosen strains of the test of a case.
@@ -92,12 +93,14 @@ impl MeasureStiffness {
                 self.data.display()
             )));
         }
-        let case = self.flags.read(&self.data, false)?;
+        let case = self.flags.read(context, &self.data, false)?;
         let source = self.sample.clone().map_or(Source::Case, Source::Folder);
         let mut show = Show::new(context);
         let mut probes = Probes::new(self.stage, at, probing);
         let mut until = Until { probes: &mut probes };
         let test = laboratory.test_of(&case, &source, &mut Observers(vec![&mut show, &mut until]));
+        // Warnings would begin behind the bar.
+        drop(show);
         let left = probes.due().to_vec();
         let rows = probes.finish()?;
         test?;
@@ -141,7 +144,8 @@ impl MeasureStiffness {
         if let Some(row) = rows.iter().find(|row| !row.stiffness.settled) {
             context.warn(&format!(
                 "at a deviator strain of {}: a response still changed by {:.1e} of itself in the last steps",
-                row.deviator_strain, row.stiffness.unsettled
+                rounded(row.deviator_strain, 4),
+                row.stiffness.unsettled
             ));
         }
         let table = table(rows);

@@ -96,5 +96,5 @@ fn as_json(table: &MixedTable, output: Option<&PathBuf>) -> Value {
         Value::Object(cells.collect())
     };
     let runs: Vec<Value> = (0..table.rows()).map(row).collect();
-    json!({ "runs": runs, "units": units, "output": output })
+    json!({ "runs": runs, "units": units, "output": output.map(|path| output::path(path)) })
 }

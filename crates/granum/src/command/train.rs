@@ -32,6 +32,7 @@ use super::scores;
 use super::spread::Spread;
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
+use crate::numbers::apart;
 use crate::output;
 use crate::progress::Progress;
 
@@ -182,8 +183,9 @@ impl Train {
         let end = training.iter().map(|run| run.end).fold(f64::INFINITY, f64::min);
         options.mappings = paper_mappings_to(end);
         if end != PAPER_STRAIN {
+            let [end, paper] = apart(end, PAPER_STRAIN);
             context.note(&format!(
-                "the tests end at a deviator strain of {end}, not {PAPER_STRAIN}; the strain ranges of the \
+                "the tests end at a deviator strain of {end}, not {paper}; the strain ranges of the \
                  paper's tables are scaled accordingly"
             ));
         }
@@ -311,7 +313,7 @@ impl Train {
             .map(|evaluation| (evaluation.mapping.name.clone(), MappingSummary::new(evaluation)))
             .collect();
         let result = json!({
-            "study": self.out,
+            "study": output::path(&self.out),
             "dataset_hash": study.dataset_hash,
             "training_seconds": study.training_seconds(),
             "runs_differ_in": spread.keys(),

@@ -152,7 +152,7 @@ fn what_no_deck_can_be_is_said() {
     done(here, &["prepare", "case.toml", "--out", "sample"]);
     // A misspelt format is named as such, and a sample that was not tested has its one snapshot written.
     let error = refused(here, 1, &["export", "sample", "--to", "lamps", "--out", "deck"]);
-    assert!(error.contains("no format that granum writes is \"lamps\""), "{error}");
+    assert!(error.contains("no format that granum writes is called \"lamps\""), "{error}");
     done(here, &["export", "sample", "-o", "sample.vtp"]);
     assert!(here.join("sample.vtp").exists());
     let law = ["--set", "contact.tangential=mindlin-deresiewicz"];

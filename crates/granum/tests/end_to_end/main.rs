@@ -5,6 +5,7 @@
 mod common;
 mod escape;
 mod further_sensors;
+mod inputs;
 mod lammps_decks;
 mod materials;
 mod mixed;

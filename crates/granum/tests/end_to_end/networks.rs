@@ -162,7 +162,9 @@ fn one_row(here: &Path) {
     let message = ask(&["deviator_strian=0.1"]);
     assert!(message.contains("did you mean deviator_strain?"), "{message}");
     let message = ask(&["force=much"]);
-    assert!(message.contains("\"much\" is not a finite number"), "{message}");
+    assert!(message.contains("\"much\" does not start with a number"), "{message}");
+    let message = ask(&["force=100 kPa"]);
+    assert!(message.contains("\"100 kPa\" is a stress; it must be a pure number"), "{message}");
     let message = refused(here, 1, &["predict", "study", "--mapping", "F9"]);
     assert!(message.contains("no mapping `F9`; there are: F1, F2"), "{message}");
 }
@@ -226,7 +228,7 @@ fn what_cannot_be_trained_is_refused() {
     let message = refused(here, 1, &["train", "run-1", "--trainer", "traingdx", "--epoch-factor", "-1"]);
     assert!(message.contains("more than 0"), "{message}");
     let message = refused(here, 1, &["evaluate", "run-1", "run-1"]);
-    assert!(message.contains("study.json"), "{message}");
+    assert!(message.contains("a study is needed here"), "{message}");
     std::fs::write(here.join("run-1/series.parquet"), "PAR1").unwrap();
     let message = refused(here, 1, &["train", "run-1"]);
     assert!(message.contains("series.parquet"), "{message}");

@@ -35,7 +35,7 @@ fn wrong_flags_are_refused_with_what_would_be_right() {
         ),
         (
             &["--set", "grains.diametre=1 mm"],
-            "--set grains.diametre = \"1 mm\" is not a key; did you mean diameter?",
+            "--set grains.diametre = \"1 mm\" is not a key; did you mean grains.diameter?",
         ),
         (&["--set", "contact.damping"], "--set \"contact.damping\": a key and its value are needed"),
         (&["--set", "contact.damping=2"], "is out of bounds; it must be from 0 to 1"),
@@ -82,5 +82,5 @@ fn commands_on_a_law_take_keys_of_the_law() {
         refused(here, 1, &["pair", "path.csv", "--friction", "0.1", "--set", "grains.material.friction=0.2"]);
     assert!(message.contains("--friction both set grains.material.friction"), "{message}");
     let message = refused(here, 1, &["pair", "path.csv", "--set", "contact.dampling=0.1"]);
-    assert!(message.contains("did you mean damping?"), "{message}");
+    assert!(message.contains("did you mean contact.damping?"), "{message}");
 }

@@ -35,7 +35,7 @@ fn every_command_that_warns_does_so_in_its_json() {
     warned(&refused, threads);
 
     let test = told(here, &["shear", "case.toml", "--sample", "sample"]);
-    warned(&test, "inertial number is 3.00");
+    warned(&test, "inertial number is 0.003 and should be at most 0.00105");
     assert_eq!(test["warnings"].as_array().unwrap().len(), 4, "one for each check that failed: {test}");
     assert_eq!(told(here, &["resume", "run"])["warnings"], test["warnings"], "it is finished");
     // A stage that does not reach its end condition.

@@ -87,7 +87,7 @@ impl Bench {
         });
         if wanted("dem") {
             let packing = match &self.packing {
-                Some(path) => granum_io::read_packing(path)?,
+                Some(path) => context.formats().read_packing(path)?,
                 None => {
                     granum_io::formats::packing_csv::read_from(PACKING.as_bytes(), "the shipped packing")?
                 }

@@ -161,8 +161,8 @@ impl Reproduce {
         let (report, numbers) = (folder.file("report.html"), folder.file(SUMMARY_FILE));
         let seconds = started.map(|started| started.elapsed());
         let result = json!({
-            "report": report,
-            "summary": numbers,
+            "report": output::path(&report),
+            "summary": output::path(&numbers),
             "seconds": seconds.map(|seconds| seconds.as_secs_f64()),
         });
         output::say_complete(context, &self.out, &result, || {

@@ -1,0 +1,33 @@
+//! The folder of a study that a command is given.
+
+use std::path::Path;
+
+use granum::contents::Contents;
+use granum_antony2006::Study;
+use granum_antony2006::files::load_study;
+use granum_antony2006::layout::STUDY_FILE;
+use granum_io::shell::quoted_path;
+
+use crate::failure::Failure;
+
+/// Reads the study in a folder; a folder of another kind is refused with what it holds and what to do.
+pub fn load(folder: &Path) -> Result<Study, Failure> {
+    if folder.is_dir() && !folder.join(STUDY_FILE).is_file() {
+        let contents = Contents::of(folder)?;
+        let quoted = quoted_path(folder);
+        let next = match &contents {
+            Contents::Run(_) => format!("networks are trained on runs: granum train {quoted} --out study"),
+            Contents::Reproduction { .. } => {
+                format!("its networks are in the folder {}", quoted_path(&folder.join("models")))
+            }
+            Contents::Training { .. } | Contents::Runs { .. } => contents.next(folder).text,
+            Contents::Nothing | Contents::Other => "give the folder that `granum train` wrote".into(),
+        };
+        return Err(Failure::new(format!(
+            "{}: a study is needed here, and this folder holds {}; {next}",
+            folder.display(),
+            contents.name()
+        )));
+    }
+    Ok(load_study(folder)?)
+}
