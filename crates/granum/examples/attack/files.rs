@@ -61,15 +61,16 @@ pub fn contents(path: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     files.map(|file| (file.clone(), bytes(&path.join(&file)))).collect()
 }
 
-/// The bytes of a file; of the plan of a training without the places of its runs.
+/// The bytes of a file; of the plan of a training without the places of its runs and the sum of the text that holds them.
 fn bytes(file: &Path) -> Vec<u8> {
     let bytes = fs::read(file).unwrap_or_default();
     if !file.ends_with("training.json") {
         return bytes;
     }
     let text = String::from_utf8_lossy(&bytes);
-    let lines: Vec<&str> = text.lines().filter(|line| !line.trim_start().starts_with("\"/")).collect();
-    lines.join("\n").into_bytes()
+    let places =
+        |line: &&str| line.trim_start().starts_with("\"/") || line.trim_start().starts_with("\"sha256\"");
+    text.lines().filter(|line| !places(line)).collect::<Vec<_>>().join("\n").into_bytes()
 }
 
 /// The first difference between the contents of two folders.
