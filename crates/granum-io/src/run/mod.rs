@@ -329,8 +329,9 @@ impl RunFolder {
                 record.content.insert(name, file_digest(&path)?);
             }
         }
-        times::write(self.folder.path(), &record)?;
-        write_sealed(&self.folder.file(RECORD), &record)
+        // The record comes first: a folder in which the disk was full or the process was killed before it is an empty one.
+        write_sealed(&self.folder.file(RECORD), &record)?;
+        times::write(self.folder.path(), &record)
     }
 }
 
@@ -369,6 +370,19 @@ mod tests {
 
     fn table() -> Table {
         Table::new(vec![Column::new("deviator_strain", "", vec![0.0, 0.3])]).unwrap()
+    }
+
+    /// A folder that holds only times would be neither empty nor a run.
+    #[test]
+    fn a_record_that_cannot_be_written_leaves_no_times() {
+        let base = tempfile::tempdir().unwrap();
+        let folder = RunFolder::create(base.path().join("run"), false).unwrap();
+        fs::create_dir(folder.path().join(RECORD)).unwrap();
+        assert!(folder.write_record(&record()).is_err());
+        assert!(!folder.path().join(times::TIMES).exists());
+        fs::remove_dir(folder.path().join(RECORD)).unwrap();
+        folder.write_record(&record()).unwrap();
+        assert_eq!(folder.run().record().unwrap().wall_seconds, record().wall_seconds);
     }
 
     #[test]

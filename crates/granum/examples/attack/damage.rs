@@ -180,7 +180,8 @@ struct Subject<'a> {
 
 impl Subject<'_> {
     fn judge(&self, line: &'static Line) -> Result<Vec<Find>, String> {
-        for out in ["out", "out.csv", "out.svg"] {
+        // What the command before has written.
+        for out in ["out", "out.csv", "out.data", "out.gsd", "out.parquet", "out.svg", "out.vtp", "out.xyz"] {
             let path = self.folder.join(out);
             let _ = if path.is_dir() { fs::remove_dir_all(&path) } else { fs::remove_file(&path) };
         }

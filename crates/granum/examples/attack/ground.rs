@@ -144,6 +144,7 @@ impl Ground {
         let test = begun.elapsed();
         done("shear case.toml --set preparation.seed=2 --out run-2")?;
         done("shear staged.toml --out staged")?;
+        done("shear case.toml --seed 1,2 --out several")?;
         let begun = Instant::now();
         done(&format!("train run-1 --unseen run-2 --out study {TRAIN}"))?;
         let training = begun.elapsed();

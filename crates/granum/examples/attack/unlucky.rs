@@ -46,6 +46,15 @@ fn works(ground: &Ground) -> Vec<Work> {
             "staged",
         ),
         Work {
+            begun: "runs.json",
+            whole: 2 * ground.test,
+            ..grains(
+                "shear case.toml --seed 1,2 --out out --checkpoint-every 0.05",
+                &["case.toml"],
+                "several",
+            )
+        },
+        Work {
             line: format!("train run-1 --unseen run-2 --out out --checkpoint-every 0.05 {TRAIN}"),
             resume: "resume out --threads 2 --checkpoint-every 0.05",
             needs: &["run-1", "run-2"],
@@ -240,8 +249,12 @@ impl Place<'_> {
             "export out -o out.gsd",
             "export out --to lammps -o deck",
         ];
-        // The last is for laws that LAMMPS has.
-        let number = if self.work.like == "staged" { 3 } else { 4 };
+        // The last is for laws that LAMMPS has, the first is for any number of runs.
+        let number = match self.work.like {
+            "several" => 1,
+            "staged" => 3,
+            _ => 4,
+        };
         let line = *case.random.of(&outputs[..number]);
         let name = line.split(' ').next_back().unwrap_or_default();
         let first = self.start(line, Limits::default())?;
