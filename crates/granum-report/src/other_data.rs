@@ -78,10 +78,10 @@ fn heads(
     instants: usize,
     shown: &[(&Instant, Measurement)],
 ) -> Vec<[String; 3]> {
-    let mut heads = vec![
-        [whole(grains as f64), "grains".into(), String::new()],
-        [whole(contacts as f64), "contacts".into(), String::new()],
-    ];
+    let mut heads = vec![[whole(grains as f64), "grains".into(), String::new()]];
+    if shown.first().is_some_and(|(instant, _)| instant.parts.has(Part::Contacts)) {
+        heads.push([whole(contacts as f64), "contacts".into(), String::new()]);
+    }
     if instants > 1 {
         heads.push([whole(instants as f64), "instants".into(), String::new()]);
     }
