@@ -288,10 +288,23 @@ fn is_equal(spacing: &Spacing) -> bool {
 pub struct Numerics {
     /// Time step as a fraction of `sqrt(m / k_t)` of the stiffest contact.
     pub time_step_factor: f64,
+    /// Largest overlap of two grains over the sum of their radii with which a run goes on; [`LARGEST_OVERLAP`] if it is not given.
+    pub largest_overlap: Option<f64>,
+}
+
+/// Largest overlap of two grains over the sum of their radii with which a run goes on unless its case allows more. The theory of
+/// elastic contacts is one of small overlaps, and beyond a tenth of a diameter neighbours of one grain would touch through it.
+pub const LARGEST_OVERLAP: f64 = 0.1;
+
+impl Numerics {
+    /// The largest overlap with which a run goes on.
+    pub fn overlap_limit(&self) -> f64 {
+        self.largest_overlap.unwrap_or(LARGEST_OVERLAP)
+    }
 }
 
 impl Default for Numerics {
     fn default() -> Self {
-        Numerics { time_step_factor: 0.2 }
+        Numerics { time_step_factor: 0.2, largest_overlap: None }
     }
 }

@@ -38,6 +38,7 @@ mod properties;
 mod rows;
 mod search;
 mod simulation_error;
+mod slices;
 mod stepping;
 mod team;
 

@@ -11,6 +11,8 @@ use crate::simulation::Simulation;
 /// The phase of a preparation or test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
+    /// Placing of the grains at random, before the first step.
+    Placing,
     /// Isotropic compression.
     Compaction,
     /// Relaxation to equilibrium with the final properties.
@@ -29,6 +31,7 @@ impl Phase {
     /// Its name in reports.
     pub fn name(self) -> &'static str {
         match self {
+            Phase::Placing => "placing of the grains",
             Phase::Compaction => "compaction",
             Phase::Relaxation => "relaxation",
             Phase::Consolidation => "consolidation",
@@ -92,6 +95,25 @@ impl<'a> Progress<'a> {
     }
 }
 
+/// Work between two calls of [`Observer::progress`] that may take seconds.
+#[derive(Clone, Copy)]
+#[non_exhaustive]
+pub enum Work<'a> {
+    /// Grains are placed at random for the initial state of a sample.
+    Placing {
+        /// Grains that have a place.
+        placed: usize,
+        /// Grains that need one.
+        count: usize,
+    },
+    /// Steps are made; this is the progress so far.
+    Steps(&'a Progress<'a>),
+}
+
+/// Number of grain-steps (grains times steps) after which an observer is told of the work, unless it wants to be told at another number:
+/// a tenth of a second on a usual computer.
+pub const WORK_EVERY: u64 = 1_000_000;
+
 /// Follows a preparation or a test. It has only a shared reference to the simulation, so that it can stop the run but cannot change
 /// a result, and a run that was stopped is resumed with the same bits.
 ///
@@ -129,6 +151,18 @@ pub trait Observer {
     fn progress(&mut self, progress: &Progress) -> Flow {
         let _ = progress;
         Flow::Continue
+    }
+
+    /// Called during work that may take seconds, between two calls of [`Observer::progress`], so that it can be shown and stopped;
+    /// returns whether to continue. How often it is called is no part of a result: nothing is to be recorded here.
+    fn work(&mut self, work: &Work) -> Flow {
+        let _ = work;
+        Flow::Continue
+    }
+
+    /// Number of grain-steps after which [`Observer::work`] is to be called.
+    fn work_every(&self) -> u64 {
+        WORK_EVERY
     }
 
     /// Called when a stage of a test starts, or is resumed from a checkpoint; stages are counted from 1. A test that is not given as
@@ -223,6 +257,20 @@ impl Observer for Observers<'_> {
             }
         }
         flow
+    }
+
+    fn work(&mut self, work: &Work) -> Flow {
+        let mut flow = Flow::Continue;
+        for observer in &mut self.0 {
+            if observer.work(work) == Flow::Stop {
+                flow = Flow::Stop;
+            }
+        }
+        flow
+    }
+
+    fn work_every(&self) -> u64 {
+        self.0.iter().map(|observer| observer.work_every()).min().unwrap_or(WORK_EVERY)
     }
 
     fn stage(&mut self, number: usize) {

@@ -8,6 +8,7 @@ use crate::assembly::Vector;
 use crate::cell::Cell;
 use crate::config::Grains;
 use crate::initial_sphere::InitialSphere;
+use crate::observer::{Flow, NoObserver, Observer, Work};
 use crate::random::unit;
 use crate::sizes::SizeError;
 
@@ -18,6 +19,8 @@ const PATIENCE: usize = 30;
 /// Side of a room (a small cube of the cell) over the smallest diameter, and largest number of rooms along an edge.
 const ROOM: f64 = 1.0 / 3.0;
 const MOST_ROOMS: usize = 1024;
+/// Number of attempts, or of grains around which rooms are closed, between two calls of the observer.
+const ATTEMPTS_AT_ONCE: u64 = 1024;
 
 /// The initial state cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -35,6 +38,14 @@ pub enum InsertionError {
         /// The requested solid fraction.
         solid_fraction: f64,
     },
+    /// The observer stopped it.
+    #[error("stopped after {placed} of {count} grains had been placed")]
+    Stopped {
+        /// Grains that have a place.
+        placed: usize,
+        /// Grains that need one.
+        count: usize,
+    },
     /// The grains cannot have these sizes.
     #[error(transparent)]
     Sizes(#[from] SizeError),
@@ -50,6 +61,19 @@ pub fn random_insertion(
     solid_fraction: f64,
     seed: u64,
 ) -> Result<(Cell, Vec<InitialSphere>), InsertionError> {
+    followed_insertion(grains, solid_fraction, seed, &mut NoObserver)
+}
+
+/// As [`random_insertion`], with an observer that is told of the work ([`Work::Placing`]) and can stop it.
+///
+/// # Errors
+/// As for [`random_insertion`]; [`InsertionError::Stopped`] if the observer stops it.
+pub fn followed_insertion(
+    grains: &Grains,
+    solid_fraction: f64,
+    seed: u64,
+    observer: &mut dyn Observer,
+) -> Result<(Cell, Vec<InitialSphere>), InsertionError> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut radii: Vec<f64> =
         grains.diameters(&mut rng)?.into_iter().map(|diameter| 0.5 * diameter).collect();
@@ -61,11 +85,13 @@ pub fn random_insertion(
     let smallest = radii.last().copied().unwrap_or(0.0);
     let mut rooms: Option<Rooms> = None;
     let mut spheres: Vec<InitialSphere> = Vec::with_capacity(grains.count);
+    let mut listen = Listen { observer, calls: 0, count: grains.count };
     for (k, &radius) in radii.iter().enumerate() {
         let mut found = None;
         for attempt in 0..TRIES {
+            listen.tell(k)?;
             if attempt == PATIENCE && rooms.is_none() {
-                rooms = Some(Rooms::new(length, smallest, &spheres));
+                rooms = Some(Rooms::new(length, smallest, &spheres, &mut listen)?);
             }
             let guess = match &mut rooms {
                 None => Some([(); 3].map(|()| length * unit(&mut rng))),
@@ -89,6 +115,24 @@ pub fn random_insertion(
     Ok((Cell::cuboid([length; 3]), spheres))
 }
 
+/// Tells the observer of the work now and then.
+struct Listen<'a> {
+    observer: &'a mut dyn Observer,
+    calls: u64,
+    count: usize,
+}
+
+impl Listen<'_> {
+    fn tell(&mut self, placed: usize) -> Result<(), InsertionError> {
+        let (due, count) = (self.calls.is_multiple_of(ATTEMPTS_AT_ONCE), self.count);
+        self.calls += 1;
+        if due && self.observer.work(&Work::Placing { placed, count }) == Flow::Stop {
+            return Err(InsertionError::Stopped { placed, count });
+        }
+        Ok(())
+    }
+}
+
 /// Small cubes ("rooms") that fill the cell. A room all of whose points are too close to a placed grain is closed for good;
 /// a random point of the open rooms has the distribution of a random point of the cell that is drawn again until it falls
 /// into one of them.
@@ -101,7 +145,12 @@ struct Rooms {
 }
 
 impl Rooms {
-    fn new(length: f64, smallest: f64, spheres: &[InitialSphere]) -> Rooms {
+    fn new(
+        length: f64,
+        smallest: f64,
+        spheres: &[InitialSphere],
+        listen: &mut Listen,
+    ) -> Result<Rooms, InsertionError> {
         let count = ((length / (2.0 * smallest * ROOM)).ceil() as usize).clamp(1, MOST_ROOMS);
         let all = count.pow(3);
         let mut rooms = Rooms {
@@ -112,10 +161,11 @@ impl Rooms {
             open: Vec::new(),
         };
         for sphere in spheres {
+            listen.tell(spheres.len())?;
             rooms.close_around(&sphere.position, sphere.radius);
         }
         rooms.open = (0..all as u32).filter(|&k| !rooms.closed[k as usize]).collect();
-        rooms
+        Ok(rooms)
     }
 
     /// Closes the rooms whose farthest corner is too close to a grain for the smallest grain to fit.
@@ -240,6 +290,32 @@ mod tests {
         assert_ne!(random_insertion(&g, 0.2, 3).unwrap().1, random_insertion(&g, 0.2, 4).unwrap().1);
     }
 
+    /// Counts the calls and stops at one of them.
+    struct Counting {
+        calls: usize,
+        stop_at: usize,
+    }
+
+    impl Observer for Counting {
+        fn work(&mut self, work: &Work) -> Flow {
+            assert!(matches!(work, Work::Placing { count: 2000, .. }));
+            self.calls += 1;
+            if self.calls == self.stop_at { Flow::Stop } else { Flow::Continue }
+        }
+    }
+
+    #[test]
+    fn an_observer_can_stop_it_and_changes_nothing() {
+        let g = grains(2000, 0.2);
+        let mut counting = Counting { calls: 0, stop_at: usize::MAX };
+        let followed = followed_insertion(&g, 0.36, 3, &mut counting).unwrap();
+        assert_eq!(followed.1, random_insertion(&g, 0.36, 3).unwrap().1);
+        assert!(counting.calls > 3, "{}", counting.calls);
+        let mut stopping = Counting { calls: 0, stop_at: 2 };
+        let stopped = followed_insertion(&g, 0.36, 3, &mut stopping).unwrap_err();
+        assert!(matches!(stopped, InsertionError::Stopped { count: 2000, .. }) && stopping.calls == 2);
+    }
+
     #[test]
     fn too_dense_an_initial_state_is_refused() {
         assert!(random_insertion(&grains(300, 0.0), 0.6, 1).is_err());
@@ -256,7 +332,8 @@ mod tests {
             for s in &spheres {
                 boxes.insert(s.position, s.radius);
             }
-            let rooms = Rooms::new(length, smallest, &spheres);
+            let mut listen = Listen { observer: &mut NoObserver, calls: 0, count: 400 };
+            let rooms = Rooms::new(length, smallest, &spheres, &mut listen).unwrap();
             let mut rng = ChaCha8Rng::seed_from_u64(1);
             let (mut closed, mut free) = (0, 0);
             for _ in 0..200_000 {

@@ -1,11 +1,12 @@
 //! The complete state of a simulation at one instant: the content of a checkpoint, and what sensors observe.
 
-use granum_simd::{Row4, Row8};
+use granum_simd::{LANES, Row4, Row8};
 use serde::{Deserialize, Serialize};
 
 use crate::assembly::{EnergyBalance, Matrix};
 use crate::cell::Cell;
 use crate::contact_sums::ContactSums;
+use crate::images::{NO_IMAGE, image_vector};
 use crate::inner_list::InnerList;
 use crate::loading::measure::MacroState;
 use crate::pairs::{Pairs, resultant};
@@ -338,6 +339,21 @@ impl State {
     /// Number of contacts that touch.
     pub fn contacts(&self) -> usize {
         self.pairs.contacts()
+    }
+
+    /// Largest overlap of two grains that touch over the sum of their radii; zero without contacts.
+    pub fn largest_overlap(&self) -> f64 {
+        let overlap = |slot: usize| {
+            let (b, l) = (slot / LANES, slot % LANES);
+            let [i, j] = [&self.pairs.first, &self.pairs.second].map(|list| list[b][l] as usize);
+            let [one, two] = [i, j].map(|grain| &self.particles[grain].0);
+            let code = self.pairs.image[b][l];
+            let image = if code == NO_IMAGE { [0.0; 3] } else { self.cell.image(image_vector(code)) };
+            let branch: [f64; 3] = std::array::from_fn(|k| two[k] - one[k] + image[k]);
+            let distance = branch.iter().map(|x| x * x).sum::<f64>().sqrt();
+            1.0 - distance / (one[3] + two[3])
+        };
+        self.pairs.touching().map(overlap).fold(0.0, f64::max)
     }
 
     /// The target of the mean stress, if the control has one.

@@ -50,8 +50,9 @@ pub struct Impact {
     /// True where the grains stay together.
     pub sticks: bool,
     /// Remaining change of the velocities with the time step, relative to the approach velocity. It exceeds 1e-5 only where
-    /// the grains barely separate (the bond oscillates many times, and every oscillation amplifies the earlier errors), and
-    /// is infinite where even the outcome, separation or sticking, changes.
+    /// the grains barely separate (the bond oscillates many times, and every oscillation amplifies the earlier errors) or barely
+    /// touch (the overlap is lost in the rounding of the distance of the centres), and is infinite where even the outcome,
+    /// separation or sticking, changes.
     pub uncertainty: f64,
 }
 
@@ -123,6 +124,9 @@ pub fn collide(
         // With very small steps rounding errors accumulate: the best result is the one that changed least.
         let kept = steadiest.filter(|kept| kept.uncertainty < change).unwrap_or(now);
         if kept.uncertainty < CONVERGED || steps >= MOST_STEPS {
+            let rounding =
+                f64::EPSILON * pair.radius_sum / (velocity * duration(contact, &pair, velocity, across));
+            let kept = Impact { uncertainty: kept.uncertainty.max(rounding), ..kept };
             return Ok(describe(kept, &pair, material, speed, angle_deg));
         }
         steadiest = Some(kept);
@@ -188,6 +192,16 @@ fn characteristic_time(contact: &ContactModel, pair: &PairProperties, velocity: 
     hertz.min((mass * length / force).sqrt())
 }
 
+/// The characteristic time, s, or the time `2 D v_n / v_t^2` after which grains that only graze each other have passed, if that is
+/// shorter.
+fn duration(contact: &ContactModel, pair: &PairProperties, velocity: f64, across: f64) -> f64 {
+    let time = characteristic_time(contact, pair, velocity);
+    let constants = contact.constants(pair);
+    // Grains that attract each other do not pass.
+    let attracts = contact.breaking_overlap(&constants) < 0.0 || contact.range(&constants) > 0.0;
+    if attracts { time } else { time.min(2.0 * pair.radius_sum * velocity / (across * across)) }
+}
+
 /// One collision with a time step of the characteristic time over `steps`.
 pub(super) fn run(
     contact: &ContactModel,
@@ -197,10 +211,11 @@ pub(super) fn run(
     steps: usize,
 ) -> Impact {
     let time = characteristic_time(contact, pair, velocity);
+    let time_step = duration(contact, pair, velocity, across) / steps as f64;
     let constants = contact.constants(pair);
     // Attraction beyond touch is left at the speed of the rebound, which may be a small part of that before.
     let patience = PATIENCE * (time + contact.range(&constants) / velocity);
-    let given = Collide { pair, velocity, across, steps, time_step: time / steps as f64, patience };
+    let given = Collide { pair, velocity, across, steps, time_step, patience };
     // A bridge may hold grains that do not touch any more.
     let separation = contact.breaking_overlap(&constants).min(-contact.range(&constants));
     let isa = Isa::detect();

@@ -13,6 +13,9 @@ const MOST_STEPS: usize = 1 << 20;
 /// Largest number of steps of a whole path: this takes seconds.
 const MOST_STEPS_OF_PATH: usize = 1 << 27;
 
+/// Change of a force, over the largest force of the whole path, below which it is rounding that more steps do not remove.
+const ROUNDING: f64 = 1e-10;
+
 /// The result of [`drive_pair_refined`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct RefinedPath {
@@ -21,12 +24,13 @@ pub struct RefinedPath {
     /// Number of equal steps from one row to the next.
     pub steps: usize,
     /// Largest change of a force compared with half as many steps, as a fraction of the largest force of its kind on the
-    /// path.
+    /// path; a change that is lost in the rounding of the largest force of the whole path counts as none.
     pub change: f64,
 }
 
 /// Runs a path with the laws of `contact`, dividing the distance between rows into 2, 4, 8 ... steps until no force at a row
-/// changes by more than `tolerance` times the largest force of its kind (normal, tangential) on the path.
+/// changes by more than `tolerance` times the largest force of its kind (normal, tangential) on the path. Changes below 1e-10 of the
+/// largest force of the whole path are rounding: on a purely normal path the tangential force is nothing else.
 ///
 /// # Errors
 /// As for [`super::pair::drive_pair`]; [`PairError::NotConverged`] if too many steps would be needed.
@@ -56,13 +60,13 @@ pub fn drive_pair_refined(
 /// The row where a force changes most, and the change as a fraction of the largest force of its kind.
 fn largest_change(coarse: &[PairRow], fine: &[PairRow]) -> (usize, f64) {
     let kinds: [fn(&PairRow) -> f64; 2] = [|row| row.normal_force, |row| row.tangential_force];
+    let largest = kinds.map(|force| fine.iter().fold(0.0f64, |most, row| most.max(force(row).abs())));
+    let rounding = ROUNDING * largest[0].max(largest[1]);
     let mut worst = (0, 0.0);
-    for force in kinds {
-        let largest = fine.iter().fold(0.0f64, |most, row| most.max(force(row).abs()));
+    for (force, largest) in kinds.into_iter().zip(largest) {
         for (k, (a, b)) in coarse.iter().zip(fine).enumerate() {
             let change = (force(a) - force(b)).abs();
-            // On a path without any such force the change is zero too.
-            if change > worst.1 * largest {
+            if change > rounding && change > worst.1 * largest {
                 worst = (k, change / largest.max(f64::MIN_POSITIVE));
             }
         }
@@ -159,6 +163,29 @@ mod tests {
                 let miss = (same.tangential_force - end.tangential_force).abs() / largest;
                 assert!(miss < 4e-5, "{normal:?} {tangential:?} row {k}: {miss}");
                 assert_eq!(same.normal_force, end.normal_force);
+            }
+        }
+    }
+
+    /// Approach and separation of adhesive grains, without a tangential displacement: its force is rounding, and so are its changes.
+    #[test]
+    fn a_purely_normal_path_converges() {
+        let material = Material { interface_energy: 0.1, ..Material::default() };
+        let p = PairProperties::new((&material, 5e-5), (&material, 5e-5), 0.0);
+        let force = 1.5 * std::f64::consts::PI * 0.1 * p.effective_radius;
+        let length = (3.0 * force / p.effective_modulus).powf(2.0 / 3.0) / p.effective_radius.cbrt();
+        let shares = [0.0, 0.2, 0.75, 3.3, 17.0, 3.3, 0.75, 0.2, -0.05, -0.2];
+        let path = shares.map(|share| row(share * length, 0.0));
+        for tangential in
+            [TangentialKind::NO_SLIP, TangentialKind::MINDLIN_DERESIEWICZ, TangentialKind::PEELING]
+        {
+            let contact = ContactModel::new(NormalKind::JKR, tangential, 0.1);
+            let answer = drive_pair_refined(&contact, &p, &path, TOLERANCE).unwrap();
+            assert!(answer.steps <= 64, "{tangential:?}: {} steps", answer.steps);
+            let largest = answer.rows.iter().fold(0.0f64, |most, row| most.max(row.normal_force));
+            assert!(largest > 10.0 * force);
+            for (k, row) in answer.rows.iter().enumerate() {
+                assert!(row.tangential_force.abs() < 1e-12 * largest, "{tangential:?} {k}: {row:?}");
             }
         }
     }

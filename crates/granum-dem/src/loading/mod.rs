@@ -17,11 +17,13 @@ pub use self::control_error::ControlError;
 pub use self::history::{History, MOST_ROWS, Quantity};
 pub use self::measure::{Event, MacroState, Measure};
 pub use self::record::Record;
+pub(crate) use self::until::overlap_text;
 pub use self::until::{Reason, StageProgress, Until};
-use crate::config::Rate;
+use crate::config::{LARGEST_OVERLAP, Rate};
 use crate::observer::{Flow, Observer, Phase, Progress};
 use crate::simulation::Simulation;
 use crate::simulation_error::SimulationError;
+use crate::slices;
 use crate::state::ServoError;
 
 /// Largest number of steps between two calls of the observer.
@@ -72,10 +74,21 @@ pub struct Stage {
     /// The state from which it begins, and whether that state is saved for later stages.
     #[serde(default)]
     pub start: Start,
+    /// Largest overlap of two grains over the sum of their radii with which it goes on.
+    #[serde(default = "usual_overlap", skip_serializing_if = "is_usual_overlap")]
+    pub largest_overlap: f64,
 }
 
 fn one() -> f64 {
     1.0
+}
+
+fn usual_overlap() -> f64 {
+    LARGEST_OVERLAP
+}
+
+fn is_usual_overlap(overlap: &f64) -> bool {
+    *overlap == LARGEST_OVERLAP
 }
 
 /// The state from which a stage begins.
@@ -131,6 +144,7 @@ impl Stage {
             resets: false,
             density_scaling: 1.0,
             start: Start::Here,
+            largest_overlap: LARGEST_OVERLAP,
         }
     }
 
@@ -240,38 +254,78 @@ pub fn follow(
     let origin = stage_progress.origin(measure);
     let most_time = most_time(stage, stage_progress, simulation);
     let mut events = Vec::new();
+    add_events(stage, stage_progress, observer, &mut events);
+    let since = simulation.state().step() - stage_progress.start_step;
+    // A run that was stopped between two checks goes on to the next one.
+    let mut between = !since.is_multiple_of(STRIDE) && !slices::has_come(&events, simulation);
     loop {
-        let here = measure.of(&simulation.state().macro_state()) - origin;
-        while observer.next_observation() <= here {
-            let due = observer.next_observation();
-            observer.observe(simulation);
-            if observer.next_observation() == due {
-                // The observer computes the measure in another way and finds it short by a rounding error: it will be
-                // reached in the next step.
-                break;
+        if !std::mem::take(&mut between) {
+            let here = measure.of(&simulation.state().macro_state()) - origin;
+            while observer.next_observation() <= here {
+                let due = observer.next_observation();
+                observer.observe(simulation);
+                if observer.next_observation() == due {
+                    // The observer computes the measure in another way and finds it short by a rounding error: it will be
+                    // reached in the next step.
+                    break;
+                }
             }
+            turn(stage, stage_progress, simulation);
+            let end = stage_progress.check(&stage.until, simulation.state());
+            let end = end.or_else(|| too_deep(stage, stage_progress, simulation));
+            if let Some(reason) = end.or_else(|| cut_short(stage, stage_progress, simulation, most_time)) {
+                return Ok(Ending::Complete(reason));
+            }
+            if observer.progress(&progress_of(stage, stage_progress, simulation)) == Flow::Stop {
+                return Ok(Ending::Stopped);
+            }
+            add_events(stage, stage_progress, observer, &mut events);
         }
-        turn(stage, stage_progress, simulation);
-        let end = stage_progress.check(&stage.until, simulation.state());
-        if let Some(reason) = end.or_else(|| cut_short(stage, stage_progress, simulation, most_time)) {
-            return Ok(Ending::Complete(reason));
-        }
-        let (steps, time) = (simulation.state().step(), simulation.state().time());
-        let fraction = stage.fraction(stage_progress, simulation);
-        let progress = Progress { fraction, ..Progress::new(Phase::Shear, steps, time, simulation) };
-        if observer.progress(&progress) == Flow::Stop {
+        let left = STRIDE - (simulation.state().step() - stage_progress.start_step) % STRIDE;
+        let flow = slices::advance(simulation, &events, left, observer, |simulation| {
+            progress_of(stage, stage_progress, simulation)
+        })?;
+        if flow == Flow::Stop {
             return Ok(Ending::Stopped);
         }
-        events.clear();
-        let next = observer.next_observation();
-        if next.is_finite() {
-            events.push(Event { measure, origin, value: next, rising: true });
-        }
-        events.extend(turning_point(stage, stage_progress));
-        stage_progress.events(&stage.until, &mut events);
-        let since = steps - stage_progress.start_step;
-        simulation.advance_to(&events, STRIDE - since % STRIDE)?;
     }
+}
+
+/// The progress of a stage as observers see it.
+fn progress_of<'a>(
+    stage: &Stage,
+    stage_progress: &StageProgress,
+    simulation: &'a Simulation,
+) -> Progress<'a> {
+    let (steps, time) = (simulation.state().step(), simulation.state().time());
+    let fraction = stage.fraction(stage_progress, simulation);
+    Progress { fraction, ..Progress::new(Phase::Shear, steps, time, simulation) }
+}
+
+/// The events at which something may be due in a stage.
+fn add_events(
+    stage: &Stage,
+    stage_progress: &StageProgress,
+    observer: &dyn Observer,
+    events: &mut Vec<Event>,
+) {
+    events.clear();
+    let (measure, next) = (stage.record.measure, observer.next_observation());
+    if next.is_finite() {
+        events.push(Event { measure, origin: stage_progress.origin(measure), value: next, rising: true });
+    }
+    events.extend(turning_point(stage, stage_progress));
+    stage_progress.events(&stage.until, events);
+}
+
+/// The reason for the end if grains overlap too far. This is checked at the start and every [`STRIDE`] steps, whatever is observed.
+fn too_deep(stage: &Stage, stage_progress: &StageProgress, simulation: &Simulation) -> Option<Reason> {
+    let state = simulation.state();
+    if !(state.step() - stage_progress.start_step).is_multiple_of(STRIDE) {
+        return None;
+    }
+    let (overlap, limit) = (state.largest_overlap(), stage.largest_overlap);
+    (overlap > limit).then_some(Reason::TooDeep { overlap, limit })
 }
 
 /// Reverses a stage at its turning points.

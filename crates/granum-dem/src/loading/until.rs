@@ -72,6 +72,23 @@ pub enum Reason {
         /// Mean stress at the start of the stage, Pa.
         before: f64,
     },
+    /// Grains overlap farther than the stage allows.
+    TooDeep {
+        /// Largest overlap over the sum of the radii.
+        overlap: f64,
+        /// The largest one that is allowed.
+        limit: f64,
+    },
+}
+
+/// A sentence on overlaps that are too large.
+pub(crate) fn overlap_text(overlap: f64, limit: f64) -> String {
+    format!(
+        "grains overlap by {:.1} % of the sum of their radii, more than the {:.1} % up to which the theory of small contacts is used: \
+         lower the stress or raise the stiffness of the grains, or allow more by numerics.largest_overlap",
+        100.0 * overlap,
+        100.0 * limit
+    )
 }
 
 impl Reason {
@@ -95,6 +112,7 @@ impl fmt::Display for Reason {
                 "the sample no longer carries stress: the mean stress fell from {before:.4e} Pa to {mean_stress:.4e} Pa, below a \
                  thousandth of it"
             ),
+            Reason::TooDeep { overlap, limit } => f.write_str(&overlap_text(*overlap, *limit)),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Reasons why a sample cannot be prepared.
 
-use crate::loading::{ControlError, Reason};
+use crate::loading::{ControlError, Reason, overlap_text};
 use crate::observer::Phase;
 use crate::random_insertion::InsertionError;
 use crate::simulation::SimulationError;
@@ -37,6 +37,18 @@ pub enum PreparationError {
         target: f64,
         /// Time step, s.
         time_step: f64,
+    },
+    /// Grains overlap farther than the specification allows.
+    #[error(
+        "in the {}, {}", phase.name(), overlap_text(*overlap, *limit)
+    )]
+    Overlap {
+        /// The phase.
+        phase: Phase,
+        /// Largest overlap over the sum of the radii.
+        overlap: f64,
+        /// The largest one that is allowed.
+        limit: f64,
     },
     /// A stage between compaction and relaxation was not executed to its end.
     #[error("stage {number} of the {count} stages of the preparation ({name}): {fault}")]

@@ -38,12 +38,17 @@ pub use self::procedure_search::Procedure;
 use self::procedure_search::{Line, closer, repeats};
 pub use self::progress::{Sample, Trial};
 pub use self::specification::SampleSpecification;
+use crate::cell::Cell;
 use crate::config::Preparation;
+use crate::initial_sphere::InitialSphere;
 use crate::loading::StageProgress;
+use crate::observer::NoObserver;
 pub use crate::observer::{Flow, Observer, Phase, Progress};
-use crate::random_insertion::{InsertionError, random_insertion};
+use crate::random_insertion::{InsertionError, followed_insertion};
 use crate::servo::CellControl;
 use crate::simulation::{Properties, Simulation};
+use crate::simulation_error::SimulationError;
+use crate::slices;
 
 /// Number of steps between two checks for the end of a phase, and between two calls of the observer.
 const CHECK_EVERY: u64 = 500;
@@ -198,6 +203,14 @@ impl PreparationState {
         self.steps
     }
 
+    /// The progress as observers see it.
+    fn of<'a>(&self, simulation: &'a Simulation) -> Progress<'a> {
+        let state = simulation.state();
+        let steps = self.steps.saturating_add(state.step());
+        let time = self.time + state.time();
+        Progress { trial: self.trial(), ..Progress::new(self.phase(), steps, time, simulation) }
+    }
+
     /// Adds the steps and the time of a phase that is complete.
     fn count(&mut self, simulation: &Simulation) {
         self.steps += simulation.state().step();
@@ -214,7 +227,7 @@ pub fn prepare(
     specification: &SampleSpecification,
     observer: &mut dyn Observer,
 ) -> Result<Sample, PreparationError> {
-    complete(Preparing::new(specification)?, specification, observer)
+    complete(Preparing::followed(specification, observer)?, specification, observer)
 }
 
 /// Brings a packing that was made by another program, or with another contact law, to rest at the mean stress of the specification
@@ -249,7 +262,19 @@ impl Preparing {
     /// # Errors
     /// If the initial state is too dense, or the laws cannot be combined.
     pub fn new(specification: &SampleSpecification) -> Result<Preparing, PreparationError> {
-        Preparing::trial(specification, NextTrial::first(specification))
+        Preparing::followed(specification, &mut NoObserver)
+    }
+
+    /// As [`Preparing::new`], with an observer that is told of the placing of the grains and can stop it.
+    ///
+    /// # Errors
+    /// As for [`Preparing::new`]; [`PreparationError::Stopped`] if the observer stops it. Nothing is then left to be continued.
+    pub fn followed(
+        specification: &SampleSpecification,
+        observer: &mut dyn Observer,
+    ) -> Result<Preparing, PreparationError> {
+        let placed = place(specification, observer)?;
+        Preparing::trial(specification, NextTrial::first(specification), &placed)
     }
 
     /// The start of the relaxation of a packing, see [`settle`].
@@ -305,10 +330,12 @@ impl Preparing {
     }
 
     /// The initial state of a trial, ready to be compacted.
-    fn trial(specification: &SampleSpecification, next: NextTrial) -> Result<Preparing, PreparationError> {
-        let p = specification.preparation;
-        let (cell, spheres) = random_insertion(specification.grains, p.initial_solid_fraction, p.seed)?;
-        let s = Simulation::new(cell, &spheres, next.properties(specification))?;
+    fn trial(
+        specification: &SampleSpecification,
+        next: NextTrial,
+        (cell, spheres): &Placed,
+    ) -> Result<Preparing, PreparationError> {
+        let s = Simulation::new(*cell, spheres, next.properties(specification))?;
         let diameter = specification.grains.mean_diameter().map_err(InsertionError::from)?;
         Ok(Preparing::compaction(s, specification, next, diameter))
     }
@@ -359,38 +386,71 @@ impl Preparing {
                     Flow::Stop => return Ok(Outcome::Stopped(Box::new(self))),
                 }
             }
-            if observer.progress(&self.progress()) == Flow::Stop {
-                return Ok(Outcome::Stopped(Box::new(self)));
-            }
-            self.simulation.advance(CHECK_EVERY)?;
-            let settled = match self.progress.stage {
-                Stage::Compaction { .. } => {
-                    self.check_compaction(specification)?;
-                    None
-                }
-                // Executed above, by itself.
-                Stage::Loading { .. } => None,
-                Stage::Relaxation => self.check_relaxation(specification.preparation, MOST_RELAXATION_STEPS),
-                Stage::Consolidation { limit } => self.check_relaxation(specification.preparation, limit),
+            let settled = match self.rested() {
+                // It was stopped between two trials.
+                Some(settled) => Some(settled),
+                None => match self.advance_to_check(observer)? {
+                    Flow::Continue => self.check(specification)?,
+                    Flow::Stop => return Ok(Outcome::Stopped(Box::new(self))),
+                },
             };
             let Some(settled) = settled else { continue };
-            let packing = self.progress.packing;
-            match self.end_trial(specification, settled) {
-                Ended::Sample(sample) => return Ok(Outcome::Sample(sample)),
-                Ended::Again(next) if packing => return Ok(Outcome::Again(next)),
-                Ended::Again(next) => {
-                    self = Preparing::trial(specification, next)?;
-                    self.simulation.set_hardware(specification.hardware);
-                }
+            let (trials, next) = self.end_trial(specification);
+            let Some(next) = next else {
+                return Ok(Outcome::Sample(Box::new(self.sample(specification, trials, settled))));
+            };
+            if self.progress.packing {
+                return Ok(Outcome::Again(next));
             }
+            let placed = match place(specification, observer) {
+                Err(PreparationError::Stopped { .. }) => return Ok(Outcome::Stopped(Box::new(self))),
+                placed => placed?,
+            };
+            // Memory may not hold two large simulations.
+            drop(self);
+            self = Preparing::trial(specification, next, &placed)?;
+            self.simulation.set_hardware(specification.hardware);
         }
     }
 
+    /// Advances to the next check, at a multiple of [`CHECK_EVERY`] steps, unless the observer stops it before.
+    fn advance_to_check(&mut self, observer: &mut dyn Observer) -> Result<Flow, SimulationError> {
+        let since = self.simulation.state().step() % CHECK_EVERY;
+        // After a stop between two checks it goes on to the next one.
+        if since == 0 && observer.progress(&self.progress()) == Flow::Stop {
+            return Ok(Flow::Stop);
+        }
+        let Preparing { simulation, progress } = self;
+        let left = CHECK_EVERY - since;
+        slices::advance(simulation, &[], left, observer, |simulation| progress.of(simulation))
+    }
+
+    /// Checks the present phase, and begins the next one if it is over; for a sample that is complete, whether it has come to rest.
+    fn check(&mut self, specification: &SampleSpecification) -> Result<Option<bool>, PreparationError> {
+        self.check_overlap(specification)?;
+        match self.progress.stage {
+            Stage::Compaction { .. } => self.check_compaction(specification)?,
+            // Executed by itself.
+            Stage::Loading { .. } => {}
+            Stage::Relaxation | Stage::Consolidation { .. } => {
+                return Ok(self.check_relaxation(specification.preparation));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Refuses a state in which grains overlap too far.
+    fn check_overlap(&self, specification: &SampleSpecification) -> Result<(), PreparationError> {
+        let limit = specification.largest_overlap;
+        let overlap = self.simulation.state().largest_overlap();
+        if overlap > limit {
+            return Err(PreparationError::Overlap { phase: self.progress.phase(), overlap, limit });
+        }
+        Ok(())
+    }
+
     fn progress(&self) -> Progress<'_> {
-        let (progress, state) = (&self.progress, self.simulation.state());
-        let steps = progress.steps.saturating_add(state.step());
-        let time = progress.time + state.time();
-        Progress { trial: progress.trial(), ..Progress::new(progress.phase(), steps, time, &self.simulation) }
+        self.progress.of(&self.simulation)
     }
 
     /// Reduces the rate once load is carried; starts the stages or the relaxation once the stress is reached and steady.
@@ -440,60 +500,87 @@ impl Preparing {
         Ok(())
     }
 
-    /// Whether the sample has come to rest; `None` as long as this is not decided.
-    fn check_relaxation(&mut self, p: &Preparation, limit: u64) -> Option<bool> {
+    /// Checks whether the sample has come to rest; `None` as long as this is not decided.
+    fn check_relaxation(&mut self, p: &Preparation) -> Option<bool> {
         let state = self.simulation.state();
         let ratio = state.mean_stress() / p.mean_stress;
         let near = (ratio - 1.0).abs() < 0.005 && state.unbalanced_force() < p.unbalanced_force;
         self.progress.converged_checks = if near { self.progress.converged_checks + 1 } else { 0 };
+        self.rested()
+    }
+
+    /// Whether the checks so far found the sample at rest; `None` as long as this is not decided.
+    fn rested(&self) -> Option<bool> {
+        let limit = match self.progress.stage {
+            Stage::Relaxation => MOST_RELAXATION_STEPS,
+            Stage::Consolidation { limit } => limit,
+            Stage::Compaction { .. } | Stage::Loading { .. } => return None,
+        };
         if self.progress.converged_checks >= CHECKS_TO_CONVERGE {
             return Some(true);
         }
-        (state.step() >= limit).then_some(false)
+        (self.simulation.state().step() >= limit).then_some(false)
     }
 
-    /// Returns the finished sample, or the next procedure to try.
-    fn end_trial(self, specification: &SampleSpecification, settled: bool) -> Ended {
+    /// The trials up to the present one, which has ended, and the next one if its target is not met.
+    fn end_trial(&self, specification: &SampleSpecification) -> (Vec<Trial>, Option<NextTrial>) {
+        let (p, progress) = (specification.preparation, &self.progress);
+        let mut trials = progress.trials.clone();
+        let Some(procedure) = progress.procedure else { return (trials, None) };
+        let solid_fraction = self.simulation.state().solid_fraction();
+        trials.push(Trial { solid_fraction, ..procedure.trial(progress.position) });
+        let Some(target) = p.target().filter(|_| !self.meets_target(p)) else { return (trials, None) };
+        let over = p.friction.is_some() || trials.len() >= MOST_TRIALS || repeats(&trials);
+        let line = Line::new(p, specification.grains.mean_friction());
+        // A search that ends without the target repeats the trial that came closest.
+        let next = if over { closer(&trials, target) } else { Some(line.next(&trials, target)) };
+        let state = self.simulation.state();
+        let (steps, time) = (progress.steps + state.step(), progress.time + state.time());
+        let next = next.map(|position| NextTrial {
+            procedure: line.procedure(position),
+            position,
+            trials: trials.clone(),
+            steps,
+            time,
+        });
+        (trials, next)
+    }
+
+    /// True if the solid fraction is that of the target, if there is one and grains were compacted.
+    fn meets_target(&self, p: &Preparation) -> bool {
+        let reached = self.simulation.state().solid_fraction();
+        let missed = |target: f64| (reached - target).abs() > p.solid_fraction_tolerance;
+        self.progress.procedure.is_none() || !p.target().is_some_and(missed)
+    }
+
+    /// The finished sample.
+    fn sample(self, specification: &SampleSpecification, trials: Vec<Trial>, settled: bool) -> Sample {
         let p = specification.preparation;
+        let solid_fraction_met = self.meets_target(p);
         let Preparing { mut simulation, progress } = self;
         let state = simulation.state();
-        let solid_fraction = state.solid_fraction();
         let unbalanced_force = state.unbalanced_force();
         let steps = progress.steps + state.step();
         let time = progress.time + state.time();
-        let mut trials = progress.trials;
-        let mut solid_fraction_met = true;
-        if let Some(procedure) = progress.procedure {
-            trials.push(Trial { solid_fraction, ..procedure.trial(progress.position) });
-            if let Some(target) = p.target() {
-                solid_fraction_met = (solid_fraction - target).abs() <= p.solid_fraction_tolerance;
-                let over = p.friction.is_some() || trials.len() >= MOST_TRIALS || repeats(&trials);
-                let line = Line::new(p, specification.grains.mean_friction());
-                // A search that ends without the target repeats the trial that came closest.
-                let next = if over { closer(&trials, target) } else { Some(line.next(&trials, target)) };
-                if let Some(position) = next.filter(|_| !solid_fraction_met) {
-                    let procedure = line.procedure(position);
-                    return Ended::Again(NextTrial { procedure, position, trials, steps, time });
-                }
-            }
-        }
         finish(&mut simulation, p);
-        Ended::Sample(Box::new(Sample {
-            simulation,
-            trials,
-            steps,
-            time,
-            unbalanced_force,
-            settled,
-            solid_fraction_met,
-        }))
+        Sample { simulation, trials, steps, time, unbalanced_force, settled, solid_fraction_met }
     }
 }
 
-/// How a trial ended.
-enum Ended {
-    Sample(Box<Sample>),
-    Again(NextTrial),
+/// The cell and the grains of a random insertion.
+type Placed = (Cell, Vec<InitialSphere>);
+
+/// Places the grains at random, unless the observer stops it.
+fn place(
+    specification: &SampleSpecification,
+    observer: &mut dyn Observer,
+) -> Result<Placed, PreparationError> {
+    let p = specification.preparation;
+    let placed = followed_insertion(specification.grains, p.initial_solid_fraction, p.seed, observer);
+    placed.map_err(|error| match error {
+        InsertionError::Stopped { .. } => PreparationError::Stopped { phase: Phase::Placing },
+        error => error.into(),
+    })
 }
 
 /// Twenty times the number of steps that the strain from a loose random state to a dense packing takes at a rate, 1/s, plus

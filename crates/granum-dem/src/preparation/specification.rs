@@ -1,6 +1,6 @@
 //! The specification of a preparation.
 
-use crate::config::{Grains, Numerics, Preparation};
+use crate::config::{Grains, LARGEST_OVERLAP, Numerics, Preparation};
 use crate::contact::selection::ContactModel;
 use crate::loading;
 use crate::simulation::{Hardware, Properties};
@@ -19,6 +19,8 @@ pub struct SampleSpecification<'a> {
     pub stages: Vec<loading::Stage>,
     /// Time step factor.
     pub time_step_factor: f64,
+    /// Largest overlap of grains over the sum of their radii with which the preparation goes on.
+    pub largest_overlap: f64,
     /// Threads and instruction set.
     pub hardware: Hardware,
 }
@@ -30,8 +32,16 @@ impl<'a> SampleSpecification<'a> {
         contact: &'a ContactModel,
         preparation: &'a Preparation,
     ) -> SampleSpecification<'a> {
-        let (time_step_factor, hardware) = (Numerics::default().time_step_factor, Hardware::default());
-        SampleSpecification { grains, contact, preparation, stages: Vec::new(), time_step_factor, hardware }
+        let Numerics { time_step_factor, .. } = Numerics::default();
+        SampleSpecification {
+            grains,
+            contact,
+            preparation,
+            stages: Vec::new(),
+            time_step_factor,
+            largest_overlap: LARGEST_OVERLAP,
+            hardware: Hardware::default(),
+        }
     }
 
     /// The same with loading paths between compaction and relaxation.

@@ -1,6 +1,8 @@
 use super::*;
-use crate::config::{Grains, NormalKind, TangentialKind};
+use crate::config::{Grains, LARGEST_OVERLAP, NormalKind, TangentialKind};
 use crate::contact::selection::ContactModel;
+use crate::observer::Work;
+use crate::random_insertion::random_insertion;
 
 pub(super) fn grains(spread: f64) -> Grains {
     Grains { count: 80, spread, ..Grains::default() }
@@ -75,6 +77,83 @@ fn a_preparation_in_pieces_makes_the_same_sample() {
         assert!(seen.contains(&(2, Phase::Compaction)) && seen.contains(&(2, Phase::Relaxation)), "{seen:?}");
         assert_same(&straight, &pieces);
     }
+}
+
+/// Stops at every so many calls during work, also where grains are placed for another trial.
+struct Impatient {
+    every: u32,
+    left: u32,
+    placings: u32,
+}
+
+impl Observer for Impatient {
+    fn work(&mut self, work: &Work) -> Flow {
+        if matches!(work, Work::Placing { .. }) {
+            self.placings += 1;
+            // The same placing is tried again after the stop.
+            return if self.placings.is_multiple_of(2) { Flow::Continue } else { Flow::Stop };
+        }
+        self.left -= 1;
+        if self.left > 0 {
+            return Flow::Continue;
+        }
+        self.left = self.every;
+        Flow::Stop
+    }
+
+    fn work_every(&self) -> u64 {
+        // 80 grains: five calls from one check to the next.
+        80 * 97
+    }
+}
+
+#[test]
+fn a_preparation_that_is_stopped_between_its_checks_makes_the_same_sample() {
+    let contact = ContactModel::default();
+    let grains = grains(0.2);
+    let preparation =
+        Preparation { solid_fraction: Some(0.6), solid_fraction_tolerance: 1e-9, cycles: 1, ..quick() };
+    let specification = SampleSpecification::new(&grains, &contact, &preparation);
+    let straight = prepare(&specification, &mut NoObserver).unwrap();
+    let mut observer = Impatient { every: 7, left: 7, placings: 0 };
+    let stopped = Preparing::followed(&specification, &mut observer).err().unwrap();
+    assert!(matches!(stopped, PreparationError::Stopped { phase: Phase::Placing }));
+    let mut preparing = Preparing::followed(&specification, &mut observer).unwrap();
+    let mut stops = 0;
+    let sample = loop {
+        preparing = written_and_read(&preparing);
+        match preparing.go_on(&specification, &mut observer).unwrap() {
+            Outcome::Sample(sample) => break *sample,
+            Outcome::Stopped(at) => preparing = *at,
+            Outcome::Again(next) => panic!("an initial state needs no packing: {next:?}"),
+        }
+        stops += 1;
+    };
+    assert!(stops > 20 && straight.trials.len() >= 2, "{stops}");
+    assert_eq!(observer.placings as usize, 2 * straight.trials.len());
+    assert_same(&straight, &sample);
+}
+
+/// Steel would be pressed into itself at a fifth of its modulus.
+#[test]
+fn a_stress_that_presses_grains_into_each_other_is_refused() {
+    let contact = ContactModel::new(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.1);
+    let grains = grains(0.0);
+    let preparation = Preparation {
+        mean_stress: 0.2 * grains.material.youngs_modulus,
+        solid_fraction: None,
+        friction: Some(0.1),
+        ..quick()
+    };
+    let specification = SampleSpecification::new(&grains, &contact, &preparation);
+    let error = prepare(&specification, &mut NoObserver).err().unwrap();
+    let PreparationError::Overlap { phase, overlap, limit } = error else { panic!("{error}") };
+    assert!(phase == Phase::Compaction && limit == LARGEST_OVERLAP && overlap > limit && overlap < 0.2);
+    let text = PreparationError::Overlap { phase, overlap: 0.123, limit }.to_string();
+    assert!(
+        text.starts_with("in the compaction, grains overlap by 12.3 % of the sum of their radii"),
+        "{text}"
+    );
 }
 
 #[test]

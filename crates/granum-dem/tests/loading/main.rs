@@ -13,7 +13,7 @@ use granum_dem::loading::{
     Control, Drive, Ending, History, Measure, Quantity, Ramp, Reason, Speed, Stage, StageEnd, StageProgress,
     Start, Target, Turns, Until, begin, follow, preset,
 };
-use granum_dem::observer::{Flow, Observer, Progress};
+use granum_dem::observer::{Flow, Observer, Progress, Work};
 use granum_dem::preparation::{SampleSpecification, prepare};
 use granum_dem::simulation::{Hardware, Simulation};
 
@@ -262,6 +262,75 @@ fn a_cyclic_stage_turns_round_and_counts() {
     let strains = || notes.taken.iter().map(|(_, strain)| strain[0][0]);
     let (low, high) = (strains().fold(1.0, f64::min), strains().fold(-1.0, f64::max));
     assert!(low < -0.8e-3 && low > -1.01e-3 && high > 0.8e-3 && high < 1.01e-3, "{low} {high}");
+}
+
+/// Passes on to notes, and stops at every third call during work, 300 grains times 70 steps apart.
+#[derive(Default)]
+struct Impatient {
+    notes: Notes,
+    calls: u64,
+}
+
+impl Observer for Impatient {
+    fn next_observation(&self) -> f64 {
+        self.notes.next_observation()
+    }
+    fn observe(&mut self, simulation: &Simulation) {
+        self.notes.observe(simulation);
+    }
+    fn work(&mut self, _: &Work) -> Flow {
+        self.calls += 1;
+        if self.calls.is_multiple_of(3) { Flow::Stop } else { Flow::Continue }
+    }
+    fn work_every(&self) -> u64 {
+        300 * 70
+    }
+}
+
+#[test]
+fn a_stage_that_is_stopped_between_its_checks_goes_on_with_the_same_bits() {
+    let mut stage = expand("drained-triaxial", &[("axial_strain", 0.004)]).remove(0);
+    stage.turns = Some(Turns { measure: Measure::Strain(0), high: 1e-3, low: -1e-3 });
+    stage.until = vec![Until::Reversals(3)];
+    let (mut straight, mut stopped) = (sample(), sample());
+    let (ends, notes) = run(&mut straight, std::slice::from_ref(&stage));
+    let (mut observer, mut stops) = (Impatient::default(), 0);
+    let mut progress = begin(&stage, &mut stopped).unwrap();
+    let reason = loop {
+        match follow(&stage, &mut progress, &mut stopped, &mut observer).unwrap() {
+            Ending::Complete(reason) => break reason,
+            Ending::Stopped => stops += 1,
+        }
+        let bytes = stopped.checkpoint("").unwrap();
+        stopped = Simulation::restore(&bytes).unwrap().0;
+    };
+    assert!(stops > 10, "{stops}");
+    assert_eq!(reason, ends[0].reason);
+    assert_eq!(observer.notes.taken, notes.taken);
+    assert!(straight.state() == stopped.state());
+}
+
+/// A cell that shrinks presses the grains into each other: the stage ends and says why, and later where it may go farther.
+#[test]
+fn a_stage_ends_where_grains_overlap_too_far() {
+    let speed = Speed::StrainRate(3e3);
+    let control = Control::of(
+        speed,
+        [Drive::Rate(1.0), Drive::Rate(1.0), Drive::Rate(1.0), Drive::Fixed, Drive::Fixed, Drive::Fixed],
+    );
+    let until = Until::Reaches { measure: Measure::Strain(0), value: 0.5 };
+    let mut stage = Stage::new("shrink", control, vec![until]);
+    let mut strains = Vec::new();
+    for limit in [0.1, 0.2] {
+        stage.largest_overlap = limit;
+        let mut s = sample();
+        let (ends, _) = run(&mut s, std::slice::from_ref(&stage));
+        let Reason::TooDeep { overlap, limit: told } = ends[0].reason else { panic!("{}", ends[0].reason) };
+        assert!(told == limit && overlap > limit && overlap == s.state().largest_overlap(), "{overlap}");
+        assert!(!ends[0].reason.is_asked_for());
+        strains.push(s.state().strain()[0][0]);
+    }
+    assert!(strains[0] > 0.02 && strains[1] > 1.5 * strains[0], "{strains:?}");
 }
 
 /// None of its end conditions can be met: the stage ends all the same and reports why.

@@ -134,6 +134,21 @@ fn an_impact_that_no_step_settles_is_answered_with_its_uncertainty() {
     assert!(clear.uncertainty < AGREEMENT, "{}", clear.uncertainty);
 }
 
+/// Grains that graze each other have passed before the time of a central impact is over, and are told from those whose overlap is
+/// nothing but rounding.
+#[test]
+fn a_grazing_impact_is_resolved_or_called_uncertain() {
+    let hertz = contact(NormalKind::HERTZ, TangentialKind::MINDLIN_DERESIEWICZ, 0.1);
+    for angle in [89.9, 89.99] {
+        let impact = collide(&hertz, &smooth(), DIAMETER, 0.1, angle).unwrap();
+        println!("{angle} deg: {:.6} uncertain by {:.1e}", impact.restitution, impact.uncertainty);
+        assert!(impact.uncertainty < 3e-4, "{angle}: {}", impact.uncertainty);
+        assert!(impact.restitution > 0.5 && impact.restitution < 1.0, "{angle}: {}", impact.restitution);
+    }
+    let lost = collide(&hertz, &smooth(), DIAMETER, 0.1, 89.999_999_99).unwrap();
+    assert!(lost.uncertainty > AGREEMENT, "{} {}", lost.uncertainty, lost.restitution);
+}
+
 #[test]
 fn refuses_what_is_no_collision() {
     let hertz = contact(NormalKind::HERTZ, TangentialKind::NO_SLIP, 0.0);
