@@ -9,7 +9,7 @@ use crate::contact::pair_properties::PairProperties;
 use crate::contact::selection::ContactModel;
 use crate::material::Material;
 use crate::mixture::MixtureError;
-use crate::pair_table::PairTable;
+use crate::pair_table::{MaterialPair, PairTable};
 use crate::simulation_error::SimulationError;
 
 /// Key of the coefficient of rolling friction.
@@ -129,6 +129,23 @@ impl Properties {
     pub(crate) fn density_of(&self, material: Option<u8>) -> f64 {
         let component = material.and_then(|k| self.mixture.components.get(k as usize));
         component.map_or(self.material.density, |component| component.material.density)
+    }
+
+    /// Isotropic stress, Pa, at which grains of a diameter, m, overlap by a share of it, estimated from a contact that carries
+    /// `p d^2`: of the softest materials `F(share d) / d^2`, where F is the force of a first loading. Without a positive force, as where
+    /// adhesion outweighs it, infinite.
+    ///
+    /// # Errors
+    /// If the laws cannot be combined.
+    pub fn stress_at_overlap(&self, diameter: f64, share: f64) -> Result<f64, SimulationError> {
+        check(&self.contact)?;
+        let force = |common: &MaterialPair| {
+            let constants = common.contact.constants(&common.pair([0.5 * diameter; 2]));
+            common.contact.normal_contact(&constants, share * diameter).force
+        };
+        let table = self.table();
+        let least = table.all().iter().map(force).filter(|force| *force > 0.0).fold(f64::INFINITY, f64::min);
+        Ok(least / (diameter * diameter))
     }
 
     /// Largest gap at which two equal spheres that have touched separate, m: zero without adhesion.

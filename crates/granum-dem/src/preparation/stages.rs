@@ -10,7 +10,7 @@ use super::{
 };
 use crate::config::Preparation;
 use crate::loading::{self, Constraint, Control, Drive, Ending, Measure, Speed, Start, Target, Turns, Until};
-use crate::observer::{Flow, Observer, Phase, Progress};
+use crate::observer::{Flow, Observer, Phase, Progress, Work};
 
 /// Arc length of strain after which a stage of the specification ends that has no limit of its own.
 const MOST_ARC_LENGTH: f64 = 1.0;
@@ -150,9 +150,13 @@ struct InPreparation<'a> {
     observer: &'a mut dyn Observer,
 }
 
-impl Observer for InPreparation<'_> {
-    fn progress(&mut self, progress: &Progress) -> Flow {
-        self.observer.progress(&Progress {
+impl<'a> InPreparation<'a> {
+    /// The progress of the preparation at that of a stage.
+    fn announced<'b>(&self, progress: &Progress<'b>) -> Progress<'b>
+    where
+        'a: 'b,
+    {
+        Progress {
             phase: self.phase,
             trial: self.trial,
             stage: self.stage,
@@ -161,7 +165,24 @@ impl Observer for InPreparation<'_> {
             steps: self.steps.saturating_add(progress.steps),
             time: self.time + progress.time,
             ..*progress
-        })
+        }
+    }
+}
+
+impl Observer for InPreparation<'_> {
+    fn progress(&mut self, progress: &Progress) -> Flow {
+        self.observer.progress(&self.announced(progress))
+    }
+
+    fn work(&mut self, work: &Work) -> Flow {
+        match work {
+            Work::Steps(progress) => self.observer.work(&Work::Steps(&self.announced(progress))),
+            other => self.observer.work(other),
+        }
+    }
+
+    fn work_every(&self) -> u64 {
+        self.observer.work_every()
     }
 
     fn warn(&mut self, text: &str) {

@@ -353,4 +353,6 @@ fn fields() -> Vec<Field> { vec![
 
     entry("numerics", "time_step_factor", "Time step as a fraction of sqrt(m / k_t) of the stiffest contact; shortened where contact.damping is above 0.1.", "0.2",
         number!(NUMBER, "0.0001"..="1", numerics.time_step_factor)),
+    entry("numerics", "largest_overlap", "Largest overlap of two grains over the sum of their radii: a run ends beyond it. More than a tenth only for very soft or plastic grains.", "usual",
+        optional!(NUMBER, "0.1"..="0.5", "usual": "0.1", numerics.largest_overlap)),
 ]}

@@ -27,6 +27,7 @@ mod stage;
 mod stage_read;
 mod stage_values;
 mod stage_write;
+mod stresses;
 mod suggestion;
 mod unit;
 mod value_list;

@@ -5,6 +5,7 @@ use granum_dem::contact::{PairProperties, check};
 use granum_dem::simulation::{LARGEST_REACH, Properties};
 
 use super::definition::Case;
+use super::stresses;
 use crate::error::{Error, Result};
 
 /// A rule: the fields concerned (the error points to the first one that the user has given), and what is wrong.
@@ -23,6 +24,14 @@ pub(super) const RULES: &[Rule] = &[
         broken: |case| too_sticky(case, "preparation", case.preparation.interface_energy),
     },
     Rule { fields: &["material", "pair"], broken: materials_too_sticky },
+    Rule {
+        fields: &["preparation.mean_stress", "grains.material.youngs_modulus"],
+        broken: stresses::of_sample,
+    },
+    Rule { fields: &["preparation.compaction_stress"], broken: stresses::of_compaction },
+    Rule { fields: &["shear.mean_stress"], broken: stresses::of_shear },
+    Rule { fields: &["preparation.stage"], broken: stresses::of_preparation_stages },
+    Rule { fields: &["stage"], broken: stresses::of_stages },
     Rule {
         fields: &["preparation.initial_solid_fraction", "preparation.solid_fraction"],
         broken: |case| {

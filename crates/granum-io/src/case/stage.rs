@@ -134,9 +134,16 @@ impl Case {
     /// The stages of the test: the given ones, or the one of the paper's test.
     pub fn test_stages(&self) -> Vec<Stage> {
         if self.has_stages() {
-            return self.stages.iter().flat_map(CaseStage::stages).collect();
+            return self.within_overlaps(self.stages.iter().flat_map(CaseStage::stages));
         }
-        vec![preset::antony2006(&self.shear, &self.recording, self.preparation.mean_stress)]
+        let stage = preset::antony2006(&self.shear, &self.recording, self.preparation.mean_stress);
+        self.within_overlaps([stage].into_iter())
+    }
+
+    /// Stages with the largest overlap of the case.
+    fn within_overlaps(&self, stages: impl Iterator<Item = Stage>) -> Vec<Stage> {
+        let limit = self.numerics.overlap_limit();
+        stages.map(|stage| stage.with(|stage| stage.largest_overlap = limit)).collect()
     }
 
     /// The same case with a named path instead of its test. The parameters are given as text, like flags of the program.
@@ -241,7 +248,7 @@ impl Case {
 
     /// The stages of the preparation of the sample, between its compaction and its relaxation.
     pub fn sample_stages(&self) -> Vec<Stage> {
-        self.preparation_stages.iter().flat_map(CaseStage::stages).collect()
+        self.within_overlaps(self.preparation_stages.iter().flat_map(CaseStage::stages))
     }
 
     /// The tables `[[stage]]` as TOML in SI units; empty without stages.

@@ -4,7 +4,7 @@
 use granum_core::assembly::Assembly;
 use granum_core::quantity::format_number;
 use granum_dem::loading::{Measure, StageProgress};
-use granum_dem::observer::{Flow, Observer, Progress};
+use granum_dem::observer::{Flow, Observer, Progress, Work};
 use granum_dem::simulation::Simulation;
 use granum_sensors::Recorder;
 
@@ -25,15 +25,38 @@ pub(super) struct Follow<'a> {
     pub(super) stopped: bool,
 }
 
-impl Observer for Follow<'_> {
-    fn progress(&mut self, progress: &Progress) -> Flow {
+impl Follow<'_> {
+    /// The progress in the whole test, with its speed.
+    fn announced<'a>(&mut self, progress: &Progress<'a>) -> Progress<'a> {
         let [at, all] = self.place;
         let mut announced = *progress;
-        announced.stage = self.stage.or(progress.stage);
         announced.fraction = progress.fraction.map(|part| (at as f64 + part) / all.max(1) as f64);
         announced.grain_steps_per_second = self.speedometer.rate(progress.simulation);
+        announced
+    }
+}
+
+impl Observer for Follow<'_> {
+    fn progress(&mut self, progress: &Progress) -> Flow {
+        let stage = self.stage.or(progress.stage);
+        let announced = Progress { stage, ..self.announced(progress) };
         self.stopped = self.observer.progress(&announced) == Flow::Stop;
         if self.stopped || self.checkpoint.is_over() { Flow::Stop } else { Flow::Continue }
+    }
+    fn work(&mut self, work: &Work) -> Flow {
+        let flow = match work {
+            Work::Steps(progress) => {
+                let stage = self.stage.or(progress.stage);
+                let announced = Progress { stage, ..self.announced(progress) };
+                self.observer.work(&Work::Steps(&announced))
+            }
+            other => self.observer.work(other),
+        };
+        self.stopped = flow == Flow::Stop;
+        flow
+    }
+    fn work_every(&self) -> u64 {
+        self.observer.work_every()
     }
     fn next_observation(&self) -> f64 {
         self.observer.next_observation()

@@ -48,6 +48,8 @@ fn number(phase: Phase) -> u8 {
         Phase::Shear => 3,
         Phase::Cycles => 4,
         Phase::PreparationStage => 5,
+        // Nothing is observed while grains are placed.
+        Phase::Placing => 6,
     }
 }
 

@@ -108,7 +108,7 @@ pub(super) fn judge(
     };
     let bound = if test.staged { STAGE_SERVO_ERROR } else { 0.01 };
     let unmet = test.ends.iter().filter(|end| !end.reason.is_asked_for()).count();
-    let mut flags = if !test.staged {
+    let mut flags = if !test.staged && unmet == 0 {
         Vec::new()
     } else {
         vec![QualityFlag::at_most(

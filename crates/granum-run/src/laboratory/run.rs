@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use granum_dem::loading::StageEnd;
 use granum_dem::observer::Observer;
+use granum_dem::preparation::PreparationError;
 use granum_io::run::{RunFolder, RunRecord, RunSource, RunStatus};
 use granum_io::{Case, Error as FileError};
 
@@ -126,7 +127,14 @@ fn finish(
     record: &mut RunRecord,
     work: impl FnOnce(&mut RunRecord) -> Result<(), LaboratoryError>,
 ) -> Result<RunRecord, LaboratoryError> {
-    let result = work(record);
+    let result = match work(record) {
+        // Grains were being placed again: there is no state yet, and `resume` starts from the case.
+        Err(LaboratoryError::Preparation(PreparationError::Stopped { .. })) => {
+            record.status = RunStatus::Interrupted;
+            Ok(())
+        }
+        result => result,
+    };
     match &result {
         Ok(()) if record.status == RunStatus::Running => record.status = RunStatus::Finished,
         Ok(()) => {}
@@ -268,6 +276,8 @@ fn complete(
     measures::of_test(&seen, &mut record.measures);
     if test.staged {
         measures::of_oedometers(&seen, test.list(), &mut record.measures);
+    }
+    if test.staged || test.ends.iter().any(|end| !end.reason.is_asked_for()) {
         record_stages(test, record, observer);
     }
     if let Some(remark) = quality::remark_on_samples(&test.missed_observations()) {

@@ -40,7 +40,7 @@ impl Laboratory {
                 if let Some(remark) = remark_on_sizes(case) {
                     note(record, remark);
                 }
-                Preparing::new(&specification)?
+                Preparing::followed(&specification, observer)?
             }
             Source::Packing(path) => {
                 let packing = packing.map_or_else(|| self.formats.read_packing(path), Ok)?;
@@ -85,6 +85,7 @@ impl Laboratory {
             preparation,
             stages: case.sample_stages(),
             time_step_factor: case.numerics.time_step_factor,
+            largest_overlap: case.numerics.overlap_limit(),
             hardware: self.hardware_for(grains),
         }
     }
