@@ -110,6 +110,18 @@ pub enum Work<'a> {
     Steps(&'a Progress<'a>),
 }
 
+impl Work<'_> {
+    /// The same as owned data.
+    pub fn report(&self) -> general::Progress {
+        match self {
+            Work::Placing { placed, count } => {
+                general::Progress::new(Phase::Placing.name(), "grains", *placed as u64).of(*count as u64)
+            }
+            Work::Steps(progress) => progress.report(),
+        }
+    }
+}
+
 /// Number of grain-steps (grains times steps) after which an observer is told of the work, unless it wants to be told at another number:
 /// a tenth of a second on a usual computer.
 pub const WORK_EVERY: u64 = 1_000_000;
@@ -218,6 +230,10 @@ pub struct Follower<'a>(pub &'a mut dyn general::Observer);
 impl Observer for Follower<'_> {
     fn progress(&mut self, progress: &Progress) -> Flow {
         self.0.progress(&progress.report())
+    }
+
+    fn work(&mut self, work: &Work) -> Flow {
+        self.0.progress(&work.report())
     }
 
     fn event(&mut self, event: &Event) {

@@ -6,6 +6,7 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use crate::error::{Error, Result};
 
@@ -14,6 +15,33 @@ pub(crate) const UNFINISHED: &str = ".granum-unfinished";
 
 /// Distinguishes temporary files that one process writes for the same name.
 static COUNTER: AtomicU64 = AtomicU64::new(0);
+
+/// The temporary files that this process is writing.
+static UNFINISHED_NOW: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Removes the temporary files that this process is writing, for a program that is about to end at once. Files that are complete stay.
+pub fn abandon_writing() {
+    for path in UNFINISHED_NOW.lock().unwrap_or_else(PoisonError::into_inner).drain(..) {
+        // A file that has just been renamed is complete and no longer there.
+        let _ = fs::remove_file(path);
+    }
+}
+
+/// A temporary file in the list of those that are being written, for as long as this lives.
+struct Unfinished<'a>(&'a Path);
+
+impl<'a> Unfinished<'a> {
+    fn new(path: &'a Path) -> Unfinished<'a> {
+        UNFINISHED_NOW.lock().unwrap_or_else(PoisonError::into_inner).push(path.to_path_buf());
+        Unfinished(path)
+    }
+}
+
+impl Drop for Unfinished<'_> {
+    fn drop(&mut self) {
+        UNFINISHED_NOW.lock().unwrap_or_else(PoisonError::into_inner).retain(|path| path != self.0);
+    }
+}
 
 /// Writes a file through `fill`. If this returns `Ok`, the file is complete and on the disk; otherwise the previous file is
 /// unchanged and no temporary file is left.
@@ -53,6 +81,7 @@ fn write_beside(
     place: impl FnOnce(&Path) -> io::Result<()>,
 ) -> Result<()> {
     let beside = name_beside(path)?;
+    let _unfinished = Unfinished::new(&beside);
     let write = || {
         fill_and_sync(&beside, fill)?;
         place(&beside)?;

@@ -15,5 +15,5 @@ pub mod runs_table;
 pub mod stiffness;
 
 pub use engine::{Engine, EngineError, Engines, PlannedRun, Task};
-pub use granum_dem::observer::{Flow, Follower, NoObserver, Observer, Observers, Progress};
+pub use granum_dem::observer::{Flow, Follower, NoObserver, Observer, Observers, Progress, Work};
 pub use laboratory::{Laboratory, LaboratoryError, Source, TestResult};

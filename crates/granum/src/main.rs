@@ -12,6 +12,7 @@ mod numbers;
 mod output;
 mod progress;
 mod surrogate_methods;
+mod unwritten;
 
 use std::process::ExitCode;
 

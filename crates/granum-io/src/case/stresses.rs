@@ -6,7 +6,7 @@
 //! times Young's modulus.
 
 use granum_core::quantity::format_number;
-use granum_dem::loading::{Constraint, Drive, Measure, Stage, Target, Until};
+use granum_dem::loading::{Constraint, Drive, Measure, Ramp, Stage, Target, Until};
 
 use super::definition::Case;
 
@@ -65,7 +65,11 @@ fn stresses(stage: &Stage) -> Vec<f64> {
 }
 
 fn values(target: &Target) -> impl Iterator<Item = f64> {
-    target.value.into_iter().chain(target.ramp.map(|ramp| ramp.end))
+    let end = target.ramp.map(|ramp| match ramp {
+        Ramp::To(value) => value,
+        Ramp::By(change) => change,
+    });
+    target.value.into_iter().chain(end)
 }
 
 /// The message if a stress, Pa, would press the grains into each other.

@@ -39,7 +39,8 @@ impl Follow<'_> {
 impl Observer for Follow<'_> {
     fn progress(&mut self, progress: &Progress) -> Flow {
         let stage = self.stage.or(progress.stage);
-        let announced = Progress { stage, ..self.announced(progress) };
+        let mut announced = self.announced(progress);
+        announced.stage = stage;
         self.stopped = self.observer.progress(&announced) == Flow::Stop;
         if self.stopped || self.checkpoint.is_over() { Flow::Stop } else { Flow::Continue }
     }
@@ -47,7 +48,8 @@ impl Observer for Follow<'_> {
         let flow = match work {
             Work::Steps(progress) => {
                 let stage = self.stage.or(progress.stage);
-                let announced = Progress { stage, ..self.announced(progress) };
+                let mut announced = self.announced(progress);
+                announced.stage = stage;
                 self.observer.work(&Work::Steps(&announced))
             }
             other => self.observer.work(other),

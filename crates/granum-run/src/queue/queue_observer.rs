@@ -1,7 +1,7 @@
 //! What follows a queue of runs.
 
 use granum_core::observer::{self as general, Event, SharedObserver};
-use granum_dem::observer::{Flow, Observer, Progress};
+use granum_dem::observer::{Flow, Observer, Progress, Work};
 
 use super::outcome::Outcome;
 use super::runner::Queue;
@@ -89,6 +89,13 @@ pub(super) struct OfOneRun<'a> {
 impl Observer for OfOneRun<'_> {
     fn progress(&mut self, progress: &Progress) -> Flow {
         self.observer.progress(self.run, progress)
+    }
+
+    fn work(&mut self, work: &Work) -> Flow {
+        match work {
+            Work::Steps(progress) => self.observer.progress(self.run, progress),
+            _ => self.observer.flow(),
+        }
     }
 
     fn warn(&mut self, text: &str) {

@@ -6,10 +6,11 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
 use granum_dem::observer::{Flow, NoObserver};
+use granum_dem::preparation::PreparationError;
 use granum_io::{RunFolder, RunStatus};
 
 use super::execution::{Held, check_folder, execute};
-use super::outcome::Outcome;
+use super::outcome::{Outcome, RunError};
 use super::queue_error::QueueError;
 use super::queue_observer::{OfOneRun, QueueObserver};
 use super::queued_run::QueuedRun;
@@ -259,6 +260,10 @@ impl Execution<'_> {
         match record {
             Ok(record) if record.status == RunStatus::Interrupted => Outcome::Interrupted(Box::new(record)),
             Ok(record) => Outcome::Finished { record: Box::new(record), reused: false },
+            // Stopped while its grains were placed: there is nothing to continue from yet.
+            Err(RunError::Laboratory(LaboratoryError::Preparation(PreparationError::Stopped { .. }))) => {
+                Outcome::NotBegun
+            }
             Err(error) => Outcome::Failed(error),
         }
     }

@@ -75,6 +75,7 @@ const MOST_TESTS: usize = 3;
 
 impl Compare {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        let _alone = context.nothing_written(Some("comparing"));
         check_output_file(&self.output, context.force)?;
         let (runs, pairs) = match self.files.split_last() {
             Some((lab, folders)) if !lab.is_dir() => {

@@ -39,6 +39,7 @@ pub struct Evaluate {
 
 impl Evaluate {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        let _alone = context.nothing_written(Some("evaluating"));
         let study = study_folder::load(&self.study)?;
         let known = load_runs(&self.study)?;
         let mut scored = Vec::new();

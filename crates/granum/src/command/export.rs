@@ -71,6 +71,7 @@ impl Export {
             return self.deck.write(context, &self.data, &self.output);
         }
         self.deck.check_unused()?;
+        let _alone = context.nothing_written(Some("exporting"));
         check_output_file(&self.output, context.force)?;
         let formats = context.formats();
         let path = &self.output;

@@ -31,6 +31,7 @@ pub struct Forces {
 
 impl Forces {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        let _alone = context.nothing_written(Some("computing the forces"));
         let case = self.law.case(context)?;
         let packing = context.formats().read_packing(&self.packing)?;
         let simulation = simulation(&packing, case.properties())?;

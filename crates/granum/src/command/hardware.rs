@@ -2,13 +2,16 @@
 
 use clap::Args;
 use granum_dem::Isa;
+use granum_dem::preparation::{Phase, PreparationError};
 use granum_dem::simulation::Hardware;
-use granum_run::laboratory::{self, Field, Laboratory};
-use granum_run::{Flow, Observer, Progress as RunProgress};
+use std::time::{Duration, Instant};
+
+use granum_run::laboratory::{self, Field, Laboratory, LaboratoryError};
+use granum_run::{Flow, Observer, Progress as RunProgress, Work};
 
 use super::checkpoints::CheckpointFlags;
 use crate::context::Context;
-use crate::failure::Failure;
+use crate::failure::{Failure, Interrupted};
 use crate::progress::{Progress, Room};
 
 /// Threads and instruction set.
@@ -97,24 +100,62 @@ pub struct Show<'a> {
     context: &'a Context,
     progress: Progress,
     phase: String,
+    placing_since: Option<Instant>,
 }
+
+/// Time after which the placing of grains is shown: it is over sooner for most samples.
+const PLACING_SHOWN_AFTER: Duration = Duration::from_secs(1);
 
 impl<'a> Show<'a> {
     pub fn new(context: &'a Context) -> Show<'a> {
-        Show { context, progress: context.progress(), phase: String::new() }
+        Show { context, progress: context.progress(), phase: String::new(), placing_since: None }
+    }
+
+    /// The failure of work of which nothing has been written yet: an interruption, if the user asked for it.
+    pub fn failure(&self, error: LaboratoryError) -> Failure {
+        match error {
+            LaboratoryError::Preparation(PreparationError::Stopped { phase }) if self.context.stopped() => {
+                let left = format!("nothing was written (it was in the {})", phase.name());
+                Interrupted { left }.into()
+            }
+            error => error.into(),
+        }
+    }
+
+    fn begin(&mut self, phase: &str) {
+        if self.phase != phase {
+            self.phase = phase.to_string();
+            self.progress.phase(self.phase.clone());
+        }
+    }
+
+    fn placing(&mut self, placed: usize, count: usize) {
+        let since = *self.placing_since.get_or_insert_with(Instant::now);
+        if since.elapsed() < PLACING_SHOWN_AFTER {
+            return;
+        }
+        self.begin(Phase::Placing.name());
+        let share = placed as f64 / count.max(1) as f64;
+        self.progress.update(Some(share), |_| vec![Field::new(0, format!("{placed} of {count} grains"))]);
     }
 }
 
 impl Observer for Show<'_> {
     fn progress(&mut self, progress: &RunProgress) -> Flow {
-        if self.phase != progress.phase.name() {
-            self.phase = progress.phase.name().to_string();
-            self.progress.phase(self.phase.clone());
-        }
+        self.placing_since = None;
+        self.begin(progress.phase.name());
         self.progress.update(progress.fraction, |room| match room {
             Room::Line => vec![Field::new(0, laboratory::line(progress))],
             Room::Screen => laboratory::fields(progress),
         });
+        self.context.flow()
+    }
+    fn work(&mut self, work: &Work) -> Flow {
+        match work {
+            Work::Placing { placed, count } => self.placing(*placed, *count),
+            Work::Steps(progress) => return self.progress(progress),
+            _ => {}
+        }
         self.context.flow()
     }
     fn warn(&mut self, text: &str) {

@@ -61,6 +61,7 @@ const COLUMNS: [Answer; 10] = [
 
 impl Impact {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        let _alone = context.nothing_written(Some("colliding"));
         let case = self.law.case_of_one_material(context)?;
         let speeds = quantities("--speed", &self.speed, Dimension::VELOCITY)?;
         let angles = self.angle.iter().map(|text| degrees(text)).collect::<Result<Vec<_>, _>>()?;

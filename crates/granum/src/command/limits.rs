@@ -41,7 +41,9 @@ impl Limits {
         }
         let case = self.flags.read(context, &self.case, false)?;
         let laboratory = self.hardware.laboratory(context, &CheckpointFlags::default())?;
-        let found = laboratory.limits(&case, &mut Show::new(context))?;
+        let _alone = context.nothing_written(None);
+        let mut show = Show::new(context);
+        let found = laboratory.limits(&case, &mut show).map_err(|error| show.failure(error))?;
         let result = as_json(&found);
         warnings(&found.records).iter().for_each(|warning| context.warn_in_json(warning));
         if let Some(path) = &self.output {

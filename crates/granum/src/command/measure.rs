@@ -57,6 +57,7 @@ pub struct Measure {
 
 impl Measure {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        let _alone = context.nothing_written(Some("measuring"));
         let sensors = Sensors::standard();
         if self.list {
             return list(context, &sensors);

@@ -43,6 +43,7 @@ pub struct Pair {
 
 impl Pair {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        let _alone = context.nothing_written(Some("moving the pair"));
         let case = self.law.case_of_one_material(context)?;
         let mut table = read_table(&self.path)?;
         let in_file =

@@ -49,6 +49,7 @@ pub struct Predict {
 
 impl Predict {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        let _alone = context.nothing_written(Some("predicting"));
         if self.study.is_file() {
             return self.ask_file(context);
         }

@@ -67,7 +67,11 @@ impl Report {
         if !page {
             self.check_place(out)?;
         }
-        let (document, study) = self.document(context)?;
+        // The page and its figures are several files, whose writing is not cut off.
+        let (document, study) = {
+            let _alone = context.nothing_written(Some("making the report"));
+            self.document(context)?
+        };
         if page {
             write_atomically(out, |file| file.write_all(document.html.as_bytes()))?;
         } else {

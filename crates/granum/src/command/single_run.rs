@@ -26,7 +26,10 @@ pub fn run(
     // Inputs are checked before the folder is created, so that a mistake leaves no folder behind and, with --force, does
     // not delete an older run.
     let mut show = Show::new(context);
-    let planned = laboratory.planned(kind.name(), case, source, &mut show)?;
+    let planned = {
+        let _alone = context.nothing_written(None);
+        laboratory.planned(kind.name(), case, source, &mut show).map_err(|error| show.failure(error))?
+    };
     let folder = RunFolder::create(out, context.force)?;
     let record = planned.run(&folder, &mut show)?;
     run_report::print(context, out, &record)

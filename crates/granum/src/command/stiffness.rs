@@ -60,6 +60,7 @@ pub struct MeasureStiffness {
 
 impl MeasureStiffness {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        let _alone = context.nothing_written(Some("measuring the stiffness"));
         let laboratory = Laboratory::new(self.hardware.hardware()?, env!("CARGO_PKG_VERSION"));
         let probing = Probing { strain: self.strain, elastic: !self.sliding, ..Probing::default() };
         if let Some(at) = &self.at {

@@ -21,6 +21,11 @@ const FEWEST_STEPS: u64 = 400;
 const PATIENCE: f64 = 6.0;
 /// Fraction of critical damping, as in a test.
 const DAMPING: f64 = 0.1;
+/// Fewest contacts a grain of a packing that carries load: at least two for a grain that is part of it (isostatic with friction), where
+/// a quarter of the grains may be loose.
+const FEWEST_CONTACTS: f64 = 1.5;
+/// Smallest mean stress at the end of a measurement over that at its beginning: below, the packing has lost its load.
+const LEAST_STRESS: f64 = 0.1;
 /// Inertial number and mean stress, Pa, of the shear.
 const INERTIAL_NUMBER: f64 = 1e-3;
 const MEAN_STRESS: f64 = 20e3;
@@ -114,6 +119,45 @@ pub struct Figure {
     /// The same ratio for arithmetic in registers, measured between the segments.
     arithmetic_speed_up: Option<f64>,
     steps: u64,
+    #[serde(flatten)]
+    load: Load,
+}
+
+/// The load of the packing at the end of a measurement.
+#[derive(Clone, Copy, Serialize)]
+struct Load {
+    /// Number of contacts over that of grains.
+    contacts_per_grain: f64,
+    /// Mean stress, Pa.
+    mean_stress: f64,
+}
+
+impl Load {
+    fn of(simulation: &Simulation) -> Load {
+        let state = simulation.state();
+        Load {
+            contacts_per_grain: state.contacts() as f64 / state.grains() as f64,
+            mean_stress: state.mean_stress(),
+        }
+    }
+
+    /// Refuses a packing that has lost its load: grains that do not touch cost hardly anything, so that its speed says nothing.
+    fn check(self, before: Load) -> Result<Load, Failure> {
+        let Load { contacts_per_grain: contacts, mean_stress: stress } = self;
+        let (loose, unloaded) = (
+            contacts < FEWEST_CONTACTS,
+            before.mean_stress > 0.0 && stress < LEAST_STRESS * before.mean_stress,
+        );
+        if !loose && !unloaded {
+            return Ok(self);
+        }
+        Err(Failure::new(format!(
+            "the packing has lost its load under the shear: {contacts:.2} contacts a grain at {stress:.4e} Pa (at the beginning \
+             {:.2} at {:.4e} Pa), and a speed without contacts means nothing; at least {FEWEST_CONTACTS} contacts a grain and \
+             {LEAST_STRESS} of the first stress are needed. Give a denser packing, or one that is at rest under a larger stress",
+            before.contacts_per_grain, before.mean_stress
+        )))
+    }
 }
 
 /// Measures all figures and prints each at once. All laws are measured at the first size, and the last law at the others.
@@ -129,12 +173,14 @@ pub fn measure(
     let mut figures = Vec::new();
     if !context.json {
         output::line(&format!(
-            "{:<7} {:<20} {:>9} {:>8} {:>9} {:>18} {:>9} {:>9} {:>14}",
+            "{:<7} {:<20} {:>9} {:>8} {:>9} {:>14} {:>10} {:>18} {:>9} {:>9} {:>14}",
             "normal",
             "tangential",
             "grains",
             "threads",
             "isa",
+            "contacts/grain",
+            "stress, Pa",
             "M grain-steps/s",
             "mean",
             "speed-up",
@@ -180,8 +226,10 @@ fn print(figure: &Figure, compared: bool) -> Result<(), Failure> {
     };
     let others = [figure.rolling, figure.adhesion].into_iter().flatten();
     let beside = others.fold(tangential.to_string(), |names, name| format!("{names}, {name}"));
+    let Load { contacts_per_grain, mean_stress } = figure.load;
     output::line(&format!(
-        "{normal:<7} {beside:<20} {grains:>9} {threads:>8} {isa:>9} {rate:>18.2} {mean:>9.2} {speed_up}"
+        "{normal:<7} {beside:<20} {grains:>9} {threads:>8} {isa:>9} {contacts_per_grain:>14.2} {mean_stress:>10.3e} {rate:>18.2} \
+         {mean:>9.2} {speed_up}"
     ))
 }
 
@@ -242,6 +290,7 @@ fn figures(
     measurement: &Measurement,
 ) -> Result<Vec<Figure>, Failure> {
     let mut from = sheared(law, packing, measurement)?;
+    let before = Load::of(&from);
     let first = hardware.first().copied().unwrap_or_default();
     from.set_hardware(first);
     if let Some(wanted) = measurement.segment {
@@ -281,6 +330,7 @@ fn figures(
         made += steps;
         from = end.unwrap_or(from);
     }
+    let load = Load::of(&from).check(before)?;
     let grains = packing.grains.len() as f64;
     let figure = |k: usize| Figure {
         normal: law.0.normal.name(),
@@ -299,6 +349,7 @@ fn figures(
             arithmetic[k] / arithmetic[0]
         }),
         steps: made,
+        load,
     };
     Ok((0..hardware.len()).map(figure).collect())
 }
@@ -338,6 +389,7 @@ fn one_segment(
             // With a single segment there are no pauses in which the arithmetic could be measured.
             arithmetic_speed_up: None,
             steps: wanted.steps,
+            load: Load::of(&simulation).check(Load::of(from))?,
         });
     }
     Ok(figures)
