@@ -41,7 +41,8 @@ pub(crate) fn read_json(path: &Path, sealed_from: u64) -> Result<String> {
     struct Head {
         version: u64,
     }
-    let text = std::fs::read_to_string(path).map_err(Error::file("read", path))?;
+    let text = granum_core::input::read_text(path, granum_core::input::LARGEST_INPUT)
+        .map_err(Error::file("read", path))?;
     // What is no JSON, or of another format, is told by the reader of the content.
     let head: Option<Head> = serde_json::from_str(&text).ok();
     Ok(match head {

@@ -59,7 +59,7 @@ impl SummaryTimes {
     /// Reads the file; `None` if it is missing or damaged, since no result depends on times.
     pub fn read(folder: &Path) -> Option<SummaryTimes> {
         let path = folder.join(TIMES_FILE);
-        let text = std::fs::read_to_string(&path).ok()?;
+        let text = granum_core::input::read_text(&path, granum_core::input::LARGEST_INPUT).ok()?;
         serde_json::from_str(&unseal(&path, &text).ok()?.text).ok()
     }
 

@@ -1,6 +1,6 @@
 //! Common types of granum: a periodic [`cell`], an [`assembly`] of grains and contacts at one moment, tables of
 //! named columns, [`quantity`] with units, the nearest name to one that is not
-//! known, one [`digest`], [`json`] that can be read, [`parallel`] work, and one [`observer`] of long work.
+//! known, one [`digest`], [`input`] files, [`json`] that can be read, [`parallel`] work, and one [`observer`] of long work.
 //!
 //! Sign convention, stated once for the whole project: **compression is positive** for stress, strain, strain
 //! rate and normal force. SI units throughout.
@@ -9,6 +9,7 @@ pub mod assembly;
 pub mod cell;
 pub mod digest;
 pub mod geometry;
+pub mod input;
 pub mod json;
 pub mod names;
 pub mod observer;

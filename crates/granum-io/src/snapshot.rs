@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::atomic::write_atomically;
 use crate::error::{Error, Result};
 use crate::format::{check_format, damaged};
+use crate::packing::plausible::{self, Found};
 use granum_core::{Column, ColumnKind, Table};
 
 /// Newest layout that this version reads and writes.
@@ -255,12 +256,22 @@ pub fn read_snapshot(folder: &Path, name: &str) -> Result<Assembly> {
     check_format(&path, &text, FORMAT)?;
     let state: State = serde_json::from_str(&text).map_err(|error| damaged(&path, &error))?;
     let mut assembly = state.assembly;
-    assembly.grains = read_grains(&part(folder, name, "grains.parquet"), state.grains)?;
+    let grains = part(folder, name, "grains.parquet");
+    assembly.grains = read_grains(&grains, state.grains)?;
+    check_plausible(&grains, &assembly)?;
     let contacts = part(folder, name, "contacts.parquet");
     let pairs = state.contacts.saturating_add(state.apart);
     assembly.contacts = read_contacts(&contacts, pairs, &assembly.grains)?;
     assembly.apart = assembly.contacts.split_off(state.contacts);
     Ok(assembly)
+}
+
+/// The check that all readers of grains share.
+fn check_plausible(path: &Path, assembly: &Assembly) -> Result<()> {
+    let found =
+        |grain: &Grain| Found { id: grain.id, position: grain.position, radius: Some(grain.radius), line: 0 };
+    let grains: Vec<Found> = assembly.grains.iter().map(found).collect();
+    plausible::check(&path.display().to_string(), Some(([0.0; 3], assembly.cell)), &grains)
 }
 
 fn read_rows(path: &Path, rows: usize) -> Result<Table> {

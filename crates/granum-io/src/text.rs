@@ -1,6 +1,5 @@
 //! Reading small text files completely, with a limit on their size.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -11,7 +10,7 @@ use crate::error::{Error, Result};
 /// # Errors
 /// If it cannot be read, is larger, or is not UTF-8.
 pub(crate) fn read_small(path: &Path, largest: u64) -> Result<String> {
-    let file = File::open(path).map_err(Error::file("read", path))?;
+    let file = granum_core::input::open(path).map_err(Error::file("read", path))?;
     let mut bytes = Vec::new();
     file.take(largest + 1).read_to_end(&mut bytes).map_err(Error::file("read", path))?;
     if bytes.len() as u64 > largest {

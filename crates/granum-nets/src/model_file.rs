@@ -308,7 +308,7 @@ fn load(path: &Path) -> Result<Model, ModelError> {
     let name = path.display().to_string();
     let failed = |source| ModelError::Io { path: name.clone(), source };
     let mut bytes = Vec::new();
-    let file = fs::File::open(path).map_err(failed)?;
+    let file = granum_core::input::open(path).map_err(failed)?;
     file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(failed)?;
     let problem = |text: String| ModelError::File { path: name.clone(), problem: text };
     if bytes.len() as u64 > LARGEST_FILE {

@@ -10,9 +10,9 @@
 //! The mean over the grains grows with the strain between the observations. The participation ratio `<D2>^2 / <D2^2>` is 1
 //! if D2 is the same for all grains, and small if few grains rearrange.
 
-use granum_core::Part;
 use granum_core::assembly::{Matrix, Vector};
 use granum_core::geometry::{apply, determinant, invert, multiply};
+use granum_core::{Assembly, Part};
 
 use crate::neighbours::Neighbours;
 use crate::ratio::{mean, ratio};
@@ -42,6 +42,10 @@ impl Sensor for D2Min {
             ])
             .needing(&[Part::Cell, Part::Positions, Part::Radii])
             .remembering()
+    }
+
+    fn reach(&self, assembly: &Assembly) -> f64 {
+        REACH * assembly.grains.iter().fold(0.0, |largest: f64, grain| largest.max(2.0 * grain.radius))
     }
 
     fn measure(&self, observation: &Observation, memory: &mut Memory, values: &mut Values) {
@@ -114,7 +118,6 @@ fn misfit(branches: &[[Vector; 2]]) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::lattice;
-    use granum_core::Assembly;
 
     fn observe(memory: &mut Memory, assembly: &Assembly) -> [f64; 2] {
         let mut row = Vec::new();

@@ -9,13 +9,16 @@
 //!
 //! The volumes add up to that of the periodic cell; `voronoi_gap` is the relative difference, which is due to rounding only.
 
-use granum_core::Part;
 use granum_core::assembly::{Matrix, Vector};
+use granum_core::{Assembly, Part};
 use granum_dem::config::Recording;
 
 use crate::neighbours::Neighbours;
 use crate::ratio::{mean, ratio};
 use crate::{Bins, Description, Memory, Observation, Sensor, SensorColumn, Values};
+
+/// Distance up to which neighbours are searched first, over the largest radius.
+const FIRST_REACH: f64 = 4.0;
 
 /// The sensor.
 pub struct LocalSolidFraction;
@@ -41,6 +44,10 @@ impl Sensor for LocalSolidFraction {
 
     fn histograms(&self, _: &Recording) -> Vec<Bins> {
         vec![Bins::new("local_solid_fractions", "solid_fraction", "1").width(0.01).range(0.0, 1.0)]
+    }
+
+    fn reach(&self, assembly: &Assembly) -> f64 {
+        FIRST_REACH * assembly.grains.iter().fold(0.0, |largest, grain| grain.radius.max(largest))
     }
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
@@ -88,7 +95,7 @@ pub struct VoronoiCell {
 pub fn radical_voronoi(cell: &Matrix, centres: &[Vector], radii: &[f64]) -> Vec<VoronoiCell> {
     let largest = radii.iter().fold(0.0f64, |largest, radius| largest.max(*radius));
     let mut cells = vec![None; centres.len().min(radii.len())];
-    let mut reach = 4.0 * largest;
+    let mut reach = FIRST_REACH * largest;
     // Beyond the sum of the edges even a single sphere has all of its images as neighbours.
     for _ in 0..40 {
         let Some(neighbours) = Neighbours::new(cell, centres, reach) else { return Vec::new() };
@@ -235,7 +242,6 @@ mod tests {
     use super::*;
     use crate::lattice;
     use crate::sensor::measured;
-    use granum_core::Assembly;
     use granum_core::geometry::{apply, determinant};
     use proptest::prelude::*;
 

@@ -4,6 +4,17 @@
 use granum_core::assembly::{Matrix, Vector};
 use granum_core::geometry::{apply, determinant, invert};
 
+/// Largest number of neighbours, in the mean over the grains, that a search looks at: its cost is at most this multiple of the number of
+/// grains. Equal grains have some hundreds within five diameters; only grains that differ in size by a factor above ten have more.
+pub(crate) const MOST_NEIGHBOURS: f64 = 50_000.0;
+
+/// Mean number of neighbours, their images included, within a reach in a cell that they fill evenly; zero without a volume.
+pub(crate) fn expected(cell: &Matrix, grains: usize, reach: f64) -> f64 {
+    let volume = determinant(cell).abs();
+    let sphere = 4.0 / 3.0 * std::f64::consts::PI * reach * reach * reach;
+    if volume > 0.0 { grains as f64 * sphere / volume } else { 0.0 }
+}
+
 /// The grains of an assembly, sorted into bins.
 pub(crate) struct Neighbours<'a> {
     cell: &'a Matrix,
@@ -135,6 +146,14 @@ mod tests {
             plain.sort_unstable();
             assert_eq!(found, plain);
         }
+    }
+
+    #[test]
+    fn the_number_of_neighbours_is_known_before_they_are_searched() {
+        let lattice = lattice::simple_cubic(6, 1.0, 0.0, 0.0);
+        // Up to a distance of 2.1 there are 32 and the grain itself; a sphere of this radius has a volume of 38.8.
+        assert!((expected(&lattice.cell, lattice.grains.len(), 2.1) - 38.8).abs() < 0.1);
+        assert_eq!(expected(&[[0.0; 3]; 3], 10, 1.0), 0.0);
     }
 
     #[test]

@@ -6,8 +6,8 @@
 //! which [`radial_distribution`] computes; it tends to 1 far away, in a cell whose smallest height is more than twice the
 //! distance (Allen and Tildesley 1987). Pairs farther apart are not counted.
 
-use granum_core::Part;
 use granum_core::assembly::Vector;
+use granum_core::{Assembly, Part};
 use granum_dem::config::Recording;
 
 use crate::neighbours::Neighbours;
@@ -40,6 +40,11 @@ impl Sensor for RadialDistribution {
 
     fn histograms(&self, _: &Recording) -> Vec<Bins> {
         vec![Bins::new("distances", "distance", "1").width(WIDTH).range(0.0, FARTHEST)]
+    }
+
+    fn reach(&self, assembly: &Assembly) -> f64 {
+        let radii: f64 = assembly.grains.iter().map(|grain| grain.radius).sum();
+        FARTHEST * 2.0 * mean(radii, assembly.grains.len())
     }
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
@@ -101,7 +106,6 @@ pub fn radial_distribution(
 mod tests {
     use super::*;
     use crate::lattice;
-    use granum_core::Assembly;
 
     fn counted(assembly: &Assembly) -> (Vec<f64>, Histogram) {
         let mut histograms = [RadialDistribution.histograms(&Recording::default())[0].empty()];

@@ -8,6 +8,7 @@ use granum_core::{Assembly, Part, Parts};
 use granum_dem::config::Recording;
 
 use crate::histogram::{Bins, Histogram};
+use crate::neighbours::{MOST_NEIGHBOURS, expected};
 use crate::{Description, Memory, Observation, Sensor, SensorColumn, Values};
 use crate::{
     anisotropies, attraction, chain_buckling, contact_motion, coordination, coordination_by_size, d2min,
@@ -80,6 +81,16 @@ pub(crate) struct Known {
     pub(crate) sensor: Box<dyn Sensor>,
     pub(crate) description: Description,
     recorded: Recorded,
+}
+
+impl Known {
+    /// The reason if the sensor would have to look at too many neighbours.
+    fn costs_too_much(&self, assembly: &Assembly) -> Option<&'static str> {
+        let neighbours = expected(&assembly.cell, assembly.grains.len(), self.sensor.reach(assembly));
+        (neighbours > MOST_NEIGHBOURS).then_some(
+            "the grains differ so much in size that it would look at more than 50000 neighbours of each of them",
+        )
+    }
 }
 
 /// The sensors that a program knows, in the order of their columns.
@@ -275,7 +286,7 @@ impl Sensors {
         for known in &self.0 {
             let Description { name, columns, needs, remembers, .. } = &known.description;
             let missing = parts.missing(needs);
-            let lacks = known.sensor.lacks(recording);
+            let lacks = known.sensor.lacks(recording).or_else(|| known.costs_too_much(assembly));
             if *remembers || !missing.is_empty() || lacks.is_some() {
                 found.left_out.push(LeftOut {
                     sensor: name,
@@ -337,7 +348,8 @@ impl Sensors {
             let Description { name, columns, needs, remembers, .. } = &known.description;
             let missing = parts.missing(needs);
             let alone = *remembers && observations.len() < 2;
-            let lacks = known.sensor.lacks(recording);
+            let costly = || observations.iter().find_map(|one| known.costs_too_much(one.assembly));
+            let lacks = known.sensor.lacks(recording).or_else(costly);
             if alone || !missing.is_empty() || lacks.is_some() {
                 let columns = Vec::new();
                 left_out.left_out.push(LeftOut { sensor: name, columns, missing, remembers: alone, lacks });
@@ -438,7 +450,7 @@ pub struct LeftOut {
     pub missing: Vec<Part>,
     /// True if the sensor compares an observation with the one before, which a single assembly does not have.
     pub remembers: bool,
-    /// The parameter that it needs and the recording does not have.
+    /// The parameter that it needs and the recording does not have, or why it would take too long.
     pub lacks: Option<&'static str>,
 }
 

@@ -1,6 +1,6 @@
 //! Definition of a sensor.
 
-use granum_core::Part;
+use granum_core::{Assembly, Part};
 use granum_dem::config::Recording;
 
 use crate::Observation;
@@ -155,6 +155,13 @@ pub trait Sensor: Send + Sync {
     fn lacks(&self, recording: &Recording) -> Option<&'static str> {
         let _ = recording;
         None
+    }
+
+    /// The distance, m, up to which the sensor searches the neighbours of every grain of an assembly; zero if it searches none. A sensor
+    /// that would have to look at more than 50,000 of them a grain is left out.
+    fn reach(&self, assembly: &Assembly) -> f64 {
+        let _ = assembly;
+        0.0
     }
 
     /// Measures: one value for each column, in their order, and counts into the histograms.

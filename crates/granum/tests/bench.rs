@@ -100,3 +100,36 @@ fn one_stretch_of_given_steps_is_its_own_mean() {
     let best = value("grain_steps_per_second") * (1.0 + 1e-12);
     assert!(value("mean_grain_steps_per_second") <= best, "{figure}");
 }
+
+/// Grains that do not touch are fast and say nothing.
+#[test]
+fn a_packing_without_load_is_refused_and_the_load_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let packing = |radius: f64| {
+        let mut text = String::from(
+            "# periodic box, m: xlo=0 ylo=0 zlo=0 xhi=3e-4 yhi=3e-4 zhi=3e-4\nid,x,y,z,radius\n",
+        );
+        for k in 0..27 {
+            let [x, y, z] = [k % 3, k / 3 % 3, k / 9].map(|n| 1e-4 * f64::from(n) + 5e-5);
+            text.push_str(&format!("{},{x},{y},{z},{radius}\n", k + 1));
+        }
+        text
+    };
+    let flags =
+        ["bench", "--json", "--only", "dem", "--seconds", "0.01", "--threads", "1", "--packing", "p.csv"];
+    let flags = [&flags[..], &["--grains", "27", "--law", "hertz,no-slip"]].concat();
+    std::fs::write(folder.path().join("p.csv"), packing(4.9e-5)).unwrap();
+    let refused = run(folder.path(), &flags);
+    let message = stderr(&refused);
+    assert!(!refused.status.success() && message.contains("has lost its load"), "{message}");
+    assert!(
+        message.contains("0.00 contacts a grain") && message.contains("at least 1.5 contacts"),
+        "{message}"
+    );
+    std::fs::write(folder.path().join("p.csv"), packing(5.02e-5)).unwrap();
+    let done = run(folder.path(), &flags);
+    assert!(done.status.success(), "{}", stderr(&done));
+    let figure = &json(&stdout(&done))["dem"][0];
+    assert!(figure["contacts_per_grain"].as_f64().unwrap() > 1.5, "{figure}");
+    assert!(figure["mean_stress"].as_f64().unwrap() > 1e3, "{figure}");
+}

@@ -45,7 +45,7 @@ pub(crate) struct Lines<R> {
 
 impl Lines<BufReader<File>> {
     pub(crate) fn open(path: &Path) -> Result<Self> {
-        let file = File::open(path).map_err(Error::file("read", path))?;
+        let file = granum_core::input::open(path).map_err(Error::file("read", path))?;
         Ok(Lines::new(BufReader::with_capacity(1 << 16, file), &path.display().to_string()))
     }
 }

@@ -11,6 +11,7 @@ use super::places;
 use super::result::{Frame, FrameCell, Observation, Pair};
 use super::strain::add_strains;
 use crate::error::{Error, Result, in_file};
+use crate::packing::plausible::{self, Found};
 
 /// What the files do not say.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -151,8 +152,9 @@ fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<Obser
     let Frame { step, time, cell, grains, lines, contacts, centres, mut parts, materials } = frame;
     let (mut grains, lines) = in_order(path, grains, lines)?;
     let cell = cell.or(options.cell);
+    check_plausible(path, &grains, &lines, cell.as_ref(), parts)?;
     if let Some(cell) = &cell {
-        wrap(path, &mut grains, cell)?;
+        wrap(&mut grains, cell);
         parts = parts.with(Part::Cell);
     }
     if let Some(density) = options.density.filter(|_| !parts.has(Part::Masses) && parts.has(Part::Radii)) {
@@ -184,6 +186,25 @@ fn observation(path: &Path, frame: Frame, options: &JoinOptions) -> Result<Obser
     Ok(Observation { lines, ..Observation::new(assembly, parts, origin) })
 }
 
+/// The check that all readers of grains share.
+fn check_plausible(
+    path: &Path,
+    grains: &[Grain],
+    lines: &[usize],
+    cell: Option<&FrameCell>,
+    parts: Parts,
+) -> Result<()> {
+    let found = |(k, grain): (usize, &Grain)| Found {
+        id: grain.id,
+        position: grain.position,
+        radius: parts.has(Part::Radii).then_some(grain.radius),
+        line: lines.get(k).copied().unwrap_or(0),
+    };
+    let found: Vec<Found> = grains.iter().enumerate().map(found).collect();
+    let file = path.display().to_string();
+    plausible::check(&file, cell.map(|cell| (cell.origin, cell.edges)), &found)
+}
+
 /// The grains in the order of their ids, and the line of each; every id must be there once.
 fn in_order(path: &Path, grains: Vec<Grain>, mut lines: Vec<usize>) -> Result<(Vec<Grain>, Vec<usize>)> {
     let has_lines = lines.len() == grains.len();
@@ -201,11 +222,8 @@ fn in_order(path: &Path, grains: Vec<Grain>, mut lines: Vec<usize>) -> Result<(V
 }
 
 /// Moves the grains so that a corner of the cell is at the origin and each of them is inside.
-fn wrap(path: &Path, grains: &mut [Grain], cell: &FrameCell) -> Result<()> {
+fn wrap(grains: &mut [Grain], cell: &FrameCell) {
     let inverse = invert(&cell.edges);
-    if inverse.iter().flatten().any(|x| !x.is_finite()) {
-        return Err(Error::content(path, "the volume of its cell is zero"));
-    }
     for grain in grains {
         let from_corner: Vector = std::array::from_fn(|a| grain.position[a] - cell.origin[a]);
         let shift = apply(&inverse, from_corner).map(f64::floor);
@@ -214,7 +232,6 @@ fn wrap(path: &Path, grains: &mut [Grain], cell: &FrameCell) -> Result<()> {
         grain.position =
             if shift == [0.0; 3] { from_corner } else { std::array::from_fn(|a| from_corner[a] - moved[a]) };
     }
-    Ok(())
 }
 
 /// The vector between two places that is shortest among all images of a cell. A cell of zero volume has no images.

@@ -8,7 +8,6 @@
 //! assert_eq!(names, ["CSV", "Parquet"]);
 //! ```
 
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
@@ -339,7 +338,7 @@ impl Formats {
 /// The beginning of a file, by which its format may be recognised.
 fn head(path: &Path) -> Result<Vec<u8>> {
     let mut head = Vec::new();
-    let file = File::open(path).map_err(Error::file("read", path))?;
+    let file = granum_core::input::open(path).map_err(Error::file("read", path))?;
     file.take(HEAD).read_to_end(&mut head).map_err(Error::file("read", path))?;
     Ok(head)
 }

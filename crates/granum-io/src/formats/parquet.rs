@@ -11,7 +11,6 @@ mod sizes;
 mod thrift;
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::{self, Write};
 use std::ops::Range;
 use std::path::Path;
@@ -245,7 +244,7 @@ fn io_error(error: ParquetError) -> io::Error {
 /// [`Error::File`] if the file cannot be opened; [`Error::Content`] if it is not a Parquet file, is damaged, has a
 /// compression other than snappy, lacks a column, or a requested column is not flat and numeric.
 pub fn read(path: &Path, names: Option<&[&str]>) -> Result<Table> {
-    let file = File::open(path).map_err(Error::file("read", path))?;
+    let file = granum_core::input::open(path).map_err(Error::file("read", path))?;
     read_contained(path, file, names)
 }
 

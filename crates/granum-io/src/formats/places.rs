@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use granum_core::assembly::{Assembly, Vector};
-use granum_core::geometry::{apply, invert};
+use granum_core::geometry::{apply, determinant, invert};
 
 use super::result::Pair;
 use crate::error::{Error, Result};
@@ -57,6 +57,19 @@ pub(super) fn identify(
     Ok(found)
 }
 
+/// Volume of the cell, or of the cuboid around the centres if there is no cell, m3.
+fn space(assembly: &Assembly, is_cell: bool) -> f64 {
+    if is_cell {
+        return determinant(&assembly.cell).abs();
+    }
+    let extent = |axis: usize| {
+        let places = assembly.grains.iter().map(|grain| grain.position[axis]);
+        let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        (high - low).max(0.0)
+    };
+    extent(0) * extent(1) * extent(2)
+}
+
 /// The grains by bins of the cell, or of space if there is no cell.
 struct Grid<'a> {
     assembly: &'a Assembly,
@@ -71,7 +84,10 @@ impl<'a> Grid<'a> {
         let inverse = invert(&assembly.cell);
         let is_cell = inverse.iter().flatten().all(|x| x.is_finite());
         let largest = assembly.grains.iter().map(|grain| grain.radius).fold(0.0, f64::max);
-        let width = if largest > 0.0 { largest } else { 1.0 };
+        // About one grain in a bin, however large the largest of them is; what is searched lies within the tolerance.
+        let spacing = (space(assembly, is_cell) / assembly.grains.len().max(1) as f64).cbrt();
+        let width = spacing.max(TOLERANCE * largest);
+        let width = if width > 0.0 { width } else { 1.0 };
         let bins = if is_cell {
             let heights = granum_core::Cell { edges: assembly.cell }.heights();
             heights.map(|height| (height / width).floor().clamp(1.0, 1e6))

@@ -2,11 +2,11 @@
 
 mod overlap;
 mod packed_grain;
+pub(crate) mod plausible;
 mod repeat;
 
 use std::path::Path;
 
-use granum_core::Cell;
 use granum_core::assembly::{Assembly, Matrix, Vector};
 use granum_core::geometry::{apply, determinant, invert};
 use granum_dem::mixture::MOST_MATERIALS;
@@ -152,22 +152,23 @@ fn check_cell(file: &str, origin: &Vector, cell: &Matrix, grains: &[(PackedGrain
         let message = "is not a packing: it needs a cell and grains";
         return Err(Error::content(Path::new(file), message));
     }
+    let found = |(grain, line): &(PackedGrain, usize)| plausible::Found {
+        id: grain.id,
+        position: grain.position,
+        radius: Some(grain.radius),
+        line: *line,
+    };
+    plausible::check(file, Some((*origin, *cell)), &grains.iter().map(found).collect::<Vec<_>>())?;
     let inverse = invert(cell);
-    if inverse.iter().flatten().any(|x| !x.is_finite()) {
-        let volume = determinant(cell);
-        let message = format!("the cell has the volume {volume:e} m3; it must be positive");
-        return Err(Error::content(Path::new(file), message));
-    }
-    grains.iter().try_for_each(|(grain, line)| check_inside(file, *line, grain, origin, cell, &inverse))
+    grains.iter().try_for_each(|(grain, line)| check_inside(file, *line, grain, origin, &inverse))
 }
 
-/// Checks that a grain is inside the cell, and that the cell is wide enough for it.
+/// Checks that a grain is inside the cell.
 fn check_inside(
     file: &str,
     line: usize,
     grain: &PackedGrain,
     origin: &Vector,
-    edges: &Matrix,
     inverse: &Matrix,
 ) -> Result<()> {
     let from_corner: Vector = std::array::from_fn(|a| grain.position[a] - origin[a]);
@@ -181,14 +182,6 @@ fn check_inside(
             ["a", "b", "c"][axis]
         );
         return Err(in_file(file, line, message, "wrap it into the periodic cell"));
-    }
-    let narrow = Cell { edges: *edges }.heights().into_iter().fold(f64::INFINITY, f64::min);
-    if 2.0 * grain.radius > narrow {
-        let message = format!(
-            "grain {}: radius = {:e} m does not fit in the cell, {narrow:e} m wide",
-            grain.id, grain.radius
-        );
-        return Err(in_file(file, line, message, "lengths are in m"));
     }
     Ok(())
 }

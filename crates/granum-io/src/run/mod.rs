@@ -4,7 +4,6 @@
 mod record;
 mod times;
 
-use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -340,7 +339,7 @@ impl RunFolder {
 /// # Errors
 /// [`Error::File`] if it cannot be read.
 pub fn file_digest(path: &Path) -> Result<String> {
-    let mut file = File::open(path).map_err(Error::file("read", path))?;
+    let mut file = granum_core::input::open(path).map_err(Error::file("read", path))?;
     let mut hash = Digest::new();
     let mut buffer = vec![0; 1 << 16];
     loop {

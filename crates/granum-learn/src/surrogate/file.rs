@@ -93,12 +93,13 @@ pub fn save(path: &Path, surrogate: &dyn Surrogate) -> Result<()> {
 
 pub(super) fn read(path: &Path) -> Result<Opened> {
     let name = path.display().to_string();
-    let size = std::fs::metadata(path).map_err(Error::file("read", path))?.len();
+    let size = granum_core::input::open(path).and_then(|file| file.metadata());
+    let size = size.map_err(Error::file("read", path))?.len();
     if size > LARGEST_FILE {
         let reason = format!("it has {size} bytes; a surrogate has at most {LARGEST_FILE}");
         return Err(LearnError::SurrogateFile { file: name, reason });
     }
-    let text = std::fs::read_to_string(path).map_err(Error::file("read", path))?;
+    let text = granum_core::input::read_text(path, LARGEST_FILE).map_err(Error::file("read", path))?;
     parse(&text, &name)
 }
 

@@ -12,6 +12,7 @@
 
 mod consolidation;
 mod energy_balance;
+pub mod estimate;
 mod follow;
 mod from_packing;
 mod in_folders;

@@ -17,7 +17,7 @@ use super::source::Source;
 use super::status::Speedometer;
 use super::store::{END, SAMPLE, Store};
 use super::test_state::{MOST_STAGES_NOTED, Test};
-use super::{consolidation, from_packing, measures, memory, quality};
+use super::{consolidation, estimate, from_packing, measures, memory, quality};
 use crate::engine::engine_trait::{Engine, Laboratory, Task};
 use crate::record::write_record;
 
@@ -48,6 +48,10 @@ pub(crate) fn begin(
     if let (Some(packing), RunSource::Packing { file, sha256 }) = (&packing, &record.source) {
         let packing = from_packing::describe(file, packing, sha256);
         record.set_packing(case, packing);
+    }
+    if let Some(text) = estimate::warning(case, *source == Source::Case, task.kind != "prepare") {
+        observer.warn(&text);
+        record.notes.push(text);
     }
     let run_state = laboratory.start(case, source, packing, &mut record, observer)?;
     Ok(Begun { record, run_state })

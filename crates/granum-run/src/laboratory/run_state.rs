@@ -138,7 +138,7 @@ impl RunState {
         sensors: &Sensors,
     ) -> Result<Option<RunState>, LaboratoryError> {
         let bad = |what: String| LaboratoryError::Checkpoint { path: path.to_path_buf(), what };
-        let bytes = match std::fs::read(path) {
+        let bytes = match granum_core::input::read(path, u64::MAX) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(bad(format!("it cannot be read: {error}"))),

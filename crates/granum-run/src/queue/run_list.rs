@@ -96,7 +96,8 @@ impl RunList {
         if size > LARGEST {
             return Err(Error::content(&path, "is too large for a list of runs"));
         }
-        let text = std::fs::read_to_string(&path).map_err(Error::file("read", &path))?;
+        let text = granum_core::input::read_text(&path, granum_core::input::LARGEST_INPUT)
+            .map_err(Error::file("read", &path))?;
         let text = unseal_strictly(&path, &text)?;
         let damaged = |why: String| Error::content(&path, format!("is no list of runs or is damaged: {why}"));
         let list: RunList = serde_json::from_str(&text).map_err(|error| damaged(error.to_string()))?;

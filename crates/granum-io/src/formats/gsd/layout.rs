@@ -1,7 +1,10 @@
 //! The container: a header, an index of chunks, a list of their names, and the chunks.
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+
+use granum_core::input::LARGEST_INPUT;
 
 use crate::error::{Error, Result};
 
@@ -11,8 +14,10 @@ pub(super) const MAGIC: [u8; 8] = [0xDF, 0x65, 0xDF, 0x65, 0xDF, 0x65, 0xDF, 0x6
 const HEADER: usize = 256;
 const ENTRY: usize = 32;
 const NAME: usize = 64;
-/// Larger files are no sample of grains in a laboratory.
-const LARGEST: u64 = 1 << 34;
+/// All numbers that are read of a file have at most this many times its bytes, and so many more: frames may share chunks of the first
+/// one, but a file that names one chunk a million times is no sample of grains.
+const MOST_TIMES: u64 = 64;
+const FREE: u64 = 32 << 20;
 
 /// The type of the numbers of a chunk.
 #[derive(Clone, Copy, PartialEq)]
@@ -84,16 +89,15 @@ pub(super) struct File {
     /// Chunks by frame and name.
     chunks: BTreeMap<(u64, String), Entry>,
     frames: u64,
+    /// Bytes that may still be read of its chunks.
+    left: Cell<u64>,
 }
 
 impl File {
     pub(super) fn open(path: &Path) -> Result<File> {
-        let length = std::fs::metadata(path).map_err(Error::file("read", path))?.len();
-        if length > LARGEST {
-            return Err(Error::content(path, format!("is larger than {LARGEST} bytes")));
-        }
-        let bytes = std::fs::read(path).map_err(Error::file("read", path))?;
-        let mut file = File { path: path.to_path_buf(), bytes, chunks: BTreeMap::new(), frames: 0 };
+        let bytes = granum_core::input::read(path, LARGEST_INPUT).map_err(Error::file("read", path))?;
+        let left = Cell::new(MOST_TIMES.saturating_mul(bytes.len() as u64).saturating_add(FREE));
+        let mut file = File { path: path.to_path_buf(), bytes, chunks: BTreeMap::new(), frames: 0, left };
         file.read_index()?;
         Ok(file)
     }
@@ -169,6 +173,10 @@ impl File {
             return Err(self.damaged("the type of a chunk is not known"));
         };
         let length = chunk.rows.saturating_mul(chunk.columns).saturating_mul(width);
+        let Some(left) = self.left.get().checked_sub(length) else {
+            return Err(self.damaged("its frames hold far more numbers than its bytes"));
+        };
+        self.left.set(left);
         let bytes = self.part(chunk.location, length)?;
         decode(chunk.code, bytes).map(Some).ok_or_else(|| self.damaged("a chunk holds no numbers"))
     }

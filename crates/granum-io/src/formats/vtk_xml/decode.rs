@@ -4,6 +4,8 @@
 //! number of blocks, the size of a block and of the last one (0 if it is whole) before compression, and the compressed size of
 //! each block.
 
+use std::cell::Cell;
+
 /// How the bytes of an array stand in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
@@ -90,11 +92,13 @@ pub(super) fn binary(
     encoding: Encoding,
     layout: Layout,
     kind: Kind,
+    room: &Cell<usize>,
 ) -> Result<Vec<f64>, String> {
     let bytes = if layout.compressed {
-        compressed(data, at, encoding, layout)?
+        compressed(data, at, encoding, layout, room)?
     } else {
         let size = header(data, at, encoding, layout, 1)?[0];
+        take_room(room, size)?;
         // Header and data are one stretch of base64.
         let mut all = encoding.take(data, at, size.checked_add(layout.header).ok_or_else(cut)?)?;
         all.split_off(layout.header)
@@ -105,7 +109,28 @@ pub(super) fn binary(
     Ok(bytes.chunks_exact(kind.bytes).map(|value| kind.number(value, layout.big_endian)).collect())
 }
 
-fn compressed(data: &[u8], at: usize, encoding: Encoding, layout: Layout) -> Result<Vec<u8>, String> {
+/// Room in bytes for the unpacked arrays of a file of so many bytes: 64 times its size and 32 MiB. Numbers of grains, packed, are
+/// smaller by a factor below ten; more is claimed by files that are made to fill the memory.
+pub(super) fn room(bytes: usize) -> Cell<usize> {
+    Cell::new(bytes.saturating_mul(64).saturating_add(32 << 20))
+}
+
+/// Takes so many bytes of the room, before they are allocated.
+fn take_room(room: &Cell<usize>, bytes: usize) -> Result<(), String> {
+    match room.get().checked_sub(bytes) {
+        Some(left) => room.set(left),
+        None => return Err(format!("claims {bytes} bytes, far more than a file of this size can hold")),
+    }
+    Ok(())
+}
+
+fn compressed(
+    data: &[u8],
+    at: usize,
+    encoding: Encoding,
+    layout: Layout,
+    room: &Cell<usize>,
+) -> Result<Vec<u8>, String> {
     let blocks = header(data, at, encoding, layout, 3)?[0];
     let length = blocks.checked_add(3).filter(|length| *length <= data.len()).ok_or_else(cut)?;
     let head = header(data, at, encoding, layout, length)?;
@@ -114,6 +139,7 @@ fn compressed(data: &[u8], at: usize, encoding: Encoding, layout: Layout) -> Res
     let total = sizes.iter().try_fold(0_usize, |sum, size| sum.checked_add(*size)).ok_or_else(cut)?;
     // The header is a stretch of base64 of its own.
     let body = encoding.take(data, at + encoding.length(length * layout.header), total)?;
+    take_room(room, blocks.saturating_sub(1).saturating_mul(block).saturating_add(last.max(block)))?;
     let (mut bytes, mut start) = (Vec::new(), 0);
     for (k, size) in sizes.iter().enumerate() {
         let whole = if k + 1 == blocks && last != 0 { last } else { block };
@@ -225,6 +251,25 @@ mod tests {
         assert!(Kind::named("Float16").is_none() && Kind::named("String").is_none());
     }
 
+    /// Zeros are packed a thousand times smaller: two megabytes are two gigabytes.
+    #[test]
+    fn more_than_there_is_room_for_is_refused_before_it_is_unpacked() {
+        let packed = miniz_oxide::deflate::compress_to_vec_zlib(&vec![0; 1 << 20], 9);
+        let blocks = 3000_u32;
+        let head = [blocks, 1 << 20, 0].into_iter().chain((0..blocks).map(|_| packed.len() as u32));
+        let mut bytes: Vec<u8> = head.flat_map(u32::to_le_bytes).collect();
+        (0..blocks).for_each(|_| bytes.extend(&packed));
+        let layout = Layout { big_endian: false, header: 4, compressed: true };
+        let kind = Kind::named("Float64").unwrap();
+        let room = room(bytes.len());
+        let error = binary(&bytes, 0, Encoding::Raw, layout, kind, &room).unwrap_err();
+        assert!(error.starts_with("claims 3145728000 bytes, far more"), "{error}");
+        // Its own size is not a reason: a single block has room.
+        bytes[..4].copy_from_slice(&1_u32.to_le_bytes());
+        bytes.drain(16..12 + 4 * blocks as usize);
+        assert_eq!(binary(&bytes, 0, Encoding::Raw, layout, kind, &room).unwrap().len(), 1 << 17);
+    }
+
     proptest! {
         #[test]
         fn any_bytes_give_numbers_or_a_message(
@@ -234,7 +279,7 @@ mod tests {
         ) {
             let layout = Layout { big_endian: false, header: if wide { 8 } else { 4 }, compressed };
             let encoding = if raw { Encoding::Raw } else { Encoding::Base64 };
-            let _ = binary(&bytes, at, encoding, layout, Kind::named("Float64").unwrap());
+            let _ = binary(&bytes, at, encoding, layout, Kind::named("Float64").unwrap(), &room(bytes.len()));
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The points, cells and arrays of a VTK XML file.
 
 use std::borrow::Cow;
+use std::cell::Cell;
 use std::ops::Range;
 use std::path::Path;
 
@@ -60,7 +61,8 @@ impl Document {
                 format!("has type=\"{kind}\"; PolyData, UnstructuredGrid and RectilinearGrid can be read");
             return Err(Error::content(path, message));
         }
-        let file = File { path, xml: &xml, layout: layout(path, root)?, appended: appended(path, bytes)? };
+        let (layout, appended) = (layout(path, root)?, appended(path, bytes)?);
+        let file = File { path, xml: &xml, layout, appended, room: decode::room(bytes.len()) };
         let mut document = Document::default();
         for node in root.descendants().filter(|node| node.has_tag_name("FieldData")) {
             document.field_data.extend(file.arrays(node)?);
@@ -231,6 +233,8 @@ struct File<'a> {
     xml: &'a Xml<'a>,
     layout: Layout,
     appended: Option<(&'a [u8], Encoding)>,
+    /// Bytes that its arrays may still have.
+    room: Cell<usize>,
 }
 
 impl File<'_> {
@@ -264,14 +268,14 @@ impl File<'_> {
             "ascii" => text_values(text(), kind).map_err(wrong)?,
             "binary" => {
                 let bytes: Vec<u8> = text().bytes().filter(|byte| !byte.is_ascii_whitespace()).collect();
-                decode::binary(&bytes, 0, Encoding::Base64, self.layout, kind).map_err(wrong)?
+                decode::binary(&bytes, 0, Encoding::Base64, self.layout, kind, &self.room).map_err(wrong)?
             }
             "appended" => {
                 let offset = node.attribute("offset").and_then(|offset| offset.trim().parse::<usize>().ok());
                 let (Some(offset), Some((data, encoding))) = (offset, self.appended) else {
                     return Err(wrong("is in appended data that are not there".into()));
                 };
-                decode::binary(data, offset, encoding, self.layout, kind).map_err(wrong)?
+                decode::binary(data, offset, encoding, self.layout, kind, &self.room).map_err(wrong)?
             }
             other => return Err(wrong(format!("has the unknown format {other:?}"))),
         };

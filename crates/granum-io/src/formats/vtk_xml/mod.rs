@@ -24,6 +24,8 @@ mod interpret;
 
 use std::path::Path;
 
+use granum_core::input::{LARGEST_INPUT, read};
+
 use self::document::Document;
 use super::result::{Frame, ReadOptions, ResultFormat};
 use crate::error::{Error, Result};
@@ -42,7 +44,7 @@ impl ResultFormat for VtkXml {
         String::from_utf8_lossy(head).contains("<VTKFile")
     }
     fn read(&self, path: &Path, options: &ReadOptions) -> Result<Vec<Frame>> {
-        let bytes = std::fs::read(path).map_err(Error::file("read", path))?;
+        let bytes = read(path, LARGEST_INPUT).map_err(Error::file("read", path))?;
         let mut frame = match index::files(path, &bytes, options.outside)? {
             Some(files) => together(path, &files)?,
             None => read_one(path, &bytes)?,
@@ -60,7 +62,7 @@ fn read_one(path: &Path, bytes: &[u8]) -> Result<Frame> {
 fn together(path: &Path, files: &[std::path::PathBuf]) -> Result<Frame> {
     let mut all = Frame::default();
     for file in files {
-        let bytes = std::fs::read(file).map_err(Error::file("read", file))?;
+        let bytes = read(file, LARGEST_INPUT).map_err(Error::file("read", file))?;
         let frame = read_one(file, &bytes)?;
         if !frame.grains.is_empty() {
             if !all.grains.is_empty() {

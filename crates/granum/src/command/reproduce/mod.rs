@@ -178,7 +178,8 @@ impl Reproduce {
 /// Reads the summary of a finished reproduction.
 pub(super) fn read_summary(folder: &Path) -> Result<Summary, Failure> {
     let path = folder.join(SUMMARY_FILE);
-    let text = std::fs::read_to_string(&path).map_err(granum_io::Error::file("read", &path))?;
+    let text = granum_core::input::read_text(&path, granum_core::input::LARGEST_INPUT)
+        .map_err(granum_io::Error::file("read", &path))?;
     let text = unseal(&path, &text)?.text;
     let mut summary: Summary = serde_json::from_str(&text).map_err(|error| {
         Failure::new(format!("{}: this is not a summary of a study ({error})", path.display()))

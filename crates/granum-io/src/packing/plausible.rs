@@ -1,0 +1,195 @@
+//! The check that all readers of grains share: values that cannot belong to one packing.
+//!
+//! A single damaged number, a place a million cells away or a radius larger than the cell, would make searches for neighbours run for
+//! ever and every mean meaningless.
+
+use granum_core::Cell;
+use granum_core::assembly::{Matrix, Vector};
+use granum_core::geometry::{apply, determinant, invert};
+use granum_core::quantity::format_number;
+
+use crate::error::{Error, Result, in_file};
+
+/// Largest ratio of the radii of two grains of one packing.
+pub const WIDEST_RADII: f64 = 1e6;
+/// Largest distance of a grain from the cell, in edges of the cell; without a cell from the median place, in spreads of the places.
+pub const FARTHEST: f64 = 1e6;
+
+/// A grain as a file has it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Found {
+    pub(crate) id: u64,
+    pub(crate) position: Vector,
+    /// Radius, m; none where it is not known.
+    pub(crate) radius: Option<f64>,
+    /// Line in the file; 0 in files without lines.
+    pub(crate) line: usize,
+}
+
+/// Checks the grains of one instant, whose cell has this corner and these edges, if it is known.
+///
+/// # Errors
+/// [`Error::Input`] with the line of the first grain that cannot belong to the others ([`Error::Content`] in files without lines): a
+/// number that is not finite, a radius that is not positive or larger than half the cell, a place more than [`FARTHEST`] cells away,
+/// and radii that differ by more than [`WIDEST_RADII`]; [`Error::Content`] for a cell without a volume.
+pub(crate) fn check(file: &str, cell: Option<(Vector, Matrix)>, grains: &[Found]) -> Result<()> {
+    grains.iter().try_for_each(|grain| check_numbers(file, grain))?;
+    match &cell {
+        Some((origin, edges)) => check_in_cell(file, origin, edges, grains)?,
+        None => check_together(file, grains)?,
+    }
+    check_radii(file, grains)
+}
+
+fn check_numbers(file: &str, grain: &Found) -> Result<()> {
+    let wrong = |what: String| {
+        in_file(file, grain.line, format!("grain {}: {what}", grain.id), "a finite number is needed")
+    };
+    if let Some(axis) = (0..3).find(|axis| !grain.position[*axis].is_finite()) {
+        return Err(wrong(format!("{} = {}", ["x", "y", "z"][axis], grain.position[axis])));
+    }
+    match grain.radius {
+        Some(radius) if !(radius.is_finite() && radius > 0.0) => {
+            Err(wrong(format!("radius = {radius} must be positive")))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn check_in_cell(file: &str, origin: &Vector, edges: &Matrix, grains: &[Found]) -> Result<()> {
+    let inverse = invert(edges);
+    if inverse.iter().flatten().any(|x| !x.is_finite()) {
+        let message = format!("the cell has the volume {:e} m3; it must be positive", determinant(edges));
+        return Err(Error::content(file.as_ref(), message));
+    }
+    let narrow = Cell { edges: *edges }.heights().into_iter().fold(f64::INFINITY, f64::min);
+    for grain in grains {
+        let place = apply(&inverse, std::array::from_fn(|a| grain.position[a] - origin[a]));
+        if let Some(axis) = (0..3).find(|axis| !(place[*axis].abs() <= FARTHEST)) {
+            let [x, y, z] = grain.position;
+            let message = format!(
+                "grain {}: ({x:e}, {y:e}, {z:e}) is {} cells away along edge {}",
+                grain.id,
+                short(place[axis].abs()),
+                ["a", "b", "c"][axis]
+            );
+            return Err(in_file(file, grain.line, message, "places are in m, and at most 1e6 cells away"));
+        }
+        if let Some(radius) = grain.radius.filter(|radius| 2.0 * radius > narrow) {
+            return Err(too_large(file, grain, radius, narrow));
+        }
+    }
+    Ok(())
+}
+
+/// The error of a grain that does not fit in the cell.
+fn too_large(file: &str, grain: &Found, radius: f64, narrow: f64) -> Error {
+    let message =
+        format!("grain {}: radius = {radius:e} m does not fit in the cell, {narrow:e} m wide", grain.id);
+    in_file(file, grain.line, message, "lengths are in m")
+}
+
+/// Without a cell: no grain is a million times farther from the median place than half of the grains are.
+fn check_together(file: &str, grains: &[Found]) -> Result<()> {
+    let largest = grains.iter().filter_map(|grain| grain.radius).map(f64::abs).fold(0.0, f64::max);
+    let usual = median(grains.iter().filter_map(|grain| grain.radius).collect()).unwrap_or(0.0);
+    for axis in 0..3 {
+        let Some(middle) = median(grains.iter().map(|grain| grain.position[axis]).collect()) else {
+            return Ok(());
+        };
+        let away = |grain: &Found| (grain.position[axis] - middle).abs();
+        let spread = median(grains.iter().map(away).collect()).unwrap_or(0.0).max(usual.min(largest));
+        if spread == 0.0 {
+            continue;
+        }
+        if let Some(grain) = grains.iter().find(|grain| away(grain) > FARTHEST * spread) {
+            let name = ["x", "y", "z"][axis];
+            let message =
+                format!("grain {}: {name} = {:e} m is far from all others", grain.id, grain.position[axis]);
+            let help = format!(
+                "half of them are within {spread:e} m of {name} = {middle:e} m, and at most 1e6 times that can be right"
+            );
+            return Err(in_file(file, grain.line, message, &help));
+        }
+    }
+    Ok(())
+}
+
+/// Of radii that differ too much, the one that is farthest from the median is wrong.
+fn check_radii(file: &str, grains: &[Found]) -> Result<()> {
+    let radii = || grains.iter().filter_map(|grain| grain.radius);
+    let (smallest, largest) =
+        radii().fold((f64::INFINITY, 0.0f64), |(low, high), r| (low.min(r), high.max(r)));
+    if !(largest > WIDEST_RADII * smallest) {
+        return Ok(());
+    }
+    let usual = median(radii().collect()).unwrap_or(smallest);
+    let wrong = if largest / usual > usual / smallest { largest } else { smallest };
+    let Some(grain) = grains.iter().find(|grain| grain.radius == Some(wrong)) else { return Ok(()) };
+    let message = format!(
+        "grain {}: radius = {wrong:e} m does not belong to the others, which are about {usual:e} m",
+        grain.id
+    );
+    let help = "the largest grain of a packing is at most 1e6 times the smallest; lengths are in m";
+    Err(in_file(file, grain.line, message, help))
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    let middle = values.len() / 2;
+    if values.is_empty() {
+        return None;
+    }
+    Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+/// Three digits.
+fn short(value: f64) -> String {
+    format!("{value:.2e}").parse().map_or_else(|_| value.to_string(), format_number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EDGES: Matrix = [[1e-3, 0.0, 0.0], [0.0, 1e-3, 0.0], [0.0, 0.0, 1e-3]];
+
+    fn grains() -> Vec<Found> {
+        let place = |k: u64| [1e-4 * k as f64, 5e-5 * (k % 3) as f64, 3e-4];
+        (1..8)
+            .map(|k| Found { id: k, position: place(k), radius: Some(5e-5), line: k as usize + 2 })
+            .collect()
+    }
+
+    fn message(cell: bool, change: impl FnOnce(&mut Found)) -> String {
+        let mut grains = grains();
+        change(&mut grains[3]);
+        let cell = cell.then_some(([0.0; 3], EDGES));
+        check("p.txt", cell, &grains).err().map_or_else(String::new, |error| error.to_string())
+    }
+
+    #[test]
+    fn values_that_belong_to_no_packing_are_refused_by_line() {
+        for cell in [true, false] {
+            assert_eq!(message(cell, |_| {}), "");
+            let found = message(cell, |grain| grain.position[0] = 1e9);
+            assert!(found.starts_with("p.txt:6:") && found.contains("grain 4: "), "{found}");
+            assert!(
+                found.contains(if cell { "1e12 cells away" } else { "x = 1e9 m is far from all" }),
+                "{found}"
+            );
+            let found = message(cell, |grain| grain.radius = Some(1e308));
+            assert!(found.starts_with("p.txt:6:") && found.contains("radius = 1e308 m"), "{found}");
+            let found = message(cell, |grain| grain.radius = Some(1e-12));
+            assert!(found.contains("radius = 1e-12 m does not belong to the others"), "{found}");
+            assert!(message(cell, |grain| grain.radius = Some(f64::NAN)).contains("radius = NaN"));
+            assert!(message(cell, |grain| grain.position[2] = f64::INFINITY).contains("z = inf"));
+            assert_eq!(message(cell, |grain| grain.radius = None), "");
+        }
+        assert!(message(true, |grain| grain.radius = Some(5.1e-4)).contains("does not fit in the cell"));
+        // A grain outside the cell is at one of its images.
+        assert_eq!(message(true, |grain| grain.position[0] = 900.0), "");
+        let flat = check("p", Some(([0.0; 3], [[0.0; 3]; 3])), &grains()).unwrap_err().to_string();
+        assert!(flat.contains("it must be positive"), "{flat}");
+        assert!(check("p", None, &[]).is_ok());
+    }
+}
