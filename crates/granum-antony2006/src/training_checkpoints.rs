@@ -270,7 +270,11 @@ impl TrainingCheckpoints {
     /// The state of an unfinished network, if it is complete and belongs to the same training; otherwise `None`, and the
     /// network is trained from the start.
     pub fn state(&self, network: &str, key: &str) -> Option<TrainerState> {
-        let text = std::fs::read_to_string(self.folder.join(state_file(network))).ok()?;
+        let text = granum_core::input::read_text(
+            &self.folder.join(state_file(network)),
+            granum_core::input::LARGEST_INPUT,
+        )
+        .ok()?;
         let (sum, text) = text.split_once('\n')?;
         let text = text.strip_suffix('\n')?;
         if u32::from_str_radix(sum, 16).ok()? != crc32fast::hash(text.as_bytes()) {

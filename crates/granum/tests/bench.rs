@@ -123,7 +123,7 @@ fn a_packing_without_load_is_refused_and_the_load_is_told() {
     let message = stderr(&refused);
     assert!(!refused.status.success() && message.contains("has lost its load"), "{message}");
     assert!(
-        message.contains("0.00 contacts a grain") && message.contains("at least 1.5 contacts"),
+        message.contains("0.00 contacts a grain") && message.contains("at least 0.5 contacts"),
         "{message}"
     );
     std::fs::write(folder.path().join("p.csv"), packing(5.02e-5)).unwrap();

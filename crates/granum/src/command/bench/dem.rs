@@ -21,9 +21,10 @@ const FEWEST_STEPS: u64 = 400;
 const PATIENCE: f64 = 6.0;
 /// Fraction of critical damping, as in a test.
 const DAMPING: f64 = 0.1;
-/// Fewest contacts a grain of a packing that carries load: at least two for a grain that is part of it (isostatic with friction), where
-/// a quarter of the grains may be loose.
-const FEWEST_CONTACTS: f64 = 1.5;
+/// Fewest contacts a grain of a packing that carries load, and the smallest share of those at the beginning of a measurement that is
+/// left at its end.
+const FEWEST_CONTACTS: f64 = 0.5;
+const LEAST_CONTACTS: f64 = 0.5;
 /// Smallest mean stress at the end of a measurement over that at its beginning: below, the packing has lost its load.
 const LEAST_STRESS: f64 = 0.1;
 /// Inertial number and mean stress, Pa, of the shear.
@@ -145,7 +146,7 @@ impl Load {
     fn check(self, before: Load) -> Result<Load, Failure> {
         let Load { contacts_per_grain: contacts, mean_stress: stress } = self;
         let (loose, unloaded) = (
-            contacts < FEWEST_CONTACTS,
+            contacts < FEWEST_CONTACTS.max(LEAST_CONTACTS * before.contacts_per_grain),
             before.mean_stress > 0.0 && stress < LEAST_STRESS * before.mean_stress,
         );
         if !loose && !unloaded {
@@ -153,8 +154,9 @@ impl Load {
         }
         Err(Failure::new(format!(
             "the packing has lost its load under the shear: {contacts:.2} contacts a grain at {stress:.4e} Pa (at the beginning \
-             {:.2} at {:.4e} Pa), and a speed without contacts means nothing; at least {FEWEST_CONTACTS} contacts a grain and \
-             {LEAST_STRESS} of the first stress are needed. Give a denser packing, or one that is at rest under a larger stress",
+             {:.2} at {:.4e} Pa), and a speed without contacts means nothing; at least {FEWEST_CONTACTS} contacts a grain, and of the \
+             first contacts and stress a share of {LEAST_CONTACTS} and {LEAST_STRESS}, are needed. Give a denser packing, or one that \
+             is at rest under a larger stress",
             before.contacts_per_grain, before.mean_stress
         )))
     }

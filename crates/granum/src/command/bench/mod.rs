@@ -26,8 +26,8 @@ const PACKING: &str = include_str!("../../../data/packing-5000.csv");
 /// Every figure is the best of several segments of steps, together with the mean of all segments; in each segment all
 /// numbers of threads compute the same steps one after another. Their speed-up is printed next to that of arithmetic in
 /// registers, which is what the processor itself provides. The contacts a grain and the mean stress are those at the end of the
-/// measurement; a packing that has lost its load by then, with fewer than 1.5 contacts a grain or less than a tenth of its first
-/// stress, is refused. The measurement takes about a minute on two cores.
+/// measurement; a packing that has lost its load by then, with fewer than 0.5 contacts a grain, half of its first contacts or a tenth
+/// of its first stress, is refused. The measurement takes about a minute on two cores.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum bench\n  granum bench --threads 1,8 --grains 5000,1000000 --json > bench.json\n  granum bench \
