@@ -65,7 +65,8 @@ fn check_in_cell(file: &str, origin: &Vector, edges: &Matrix, grains: &[Found]) 
     let narrow = Cell { edges: *edges }.heights().into_iter().fold(f64::INFINITY, f64::min);
     for grain in grains {
         let place = apply(&inverse, std::array::from_fn(|a| grain.position[a] - origin[a]));
-        if let Some(axis) = (0..3).find(|axis| !(place[*axis].abs() <= FARTHEST)) {
+        let is_near = |axis: usize| place[axis].abs() <= FARTHEST;
+        if let Some(axis) = (0..3).find(|axis| !is_near(*axis)) {
             let [x, y, z] = grain.position;
             let message = format!(
                 "grain {}: ({x:e}, {y:e}, {z:e}) is {} cells away along edge {}",
@@ -120,7 +121,7 @@ fn check_radii(file: &str, grains: &[Found]) -> Result<()> {
     let radii = || grains.iter().filter_map(|grain| grain.radius);
     let (smallest, largest) =
         radii().fold((f64::INFINITY, 0.0f64), |(low, high), r| (low.min(r), high.max(r)));
-    if !(largest > WIDEST_RADII * smallest) {
+    if largest <= WIDEST_RADII * smallest || largest == 0.0 {
         return Ok(());
     }
     let usual = median(radii().collect()).unwrap_or(smallest);
