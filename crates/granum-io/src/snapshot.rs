@@ -393,11 +393,14 @@ pub(crate) mod tests {
             attraction_energy: 0.0,
         };
         let contacts = vec![contact(0, 1, false, &mut next3), contact(0, 2, true, &mut next3)];
+        // Wide enough for the grains, and skew.
+        let mut cell = [next3(), next3(), next3()];
+        (0..3).for_each(|axis| cell[axis][axis] += 1e-3);
         Assembly {
             time: 0.1,
             step: 12,
             time_step: 1.0 / 3.0,
-            cell: [next3(), next3(), next3()],
+            cell,
             velocity_gradient: [next3(), next3(), next3()],
             strain: [next3(), next3(), next3()],
             arc_length: 0.375,

@@ -2,7 +2,7 @@
 
 use super::*;
 use proptest::prelude::*;
-use std::fs;
+use std::fs::{self, File};
 
 fn table(rows: usize) -> Table {
     let numbers = (0..rows).map(|i| (i as f64 * 0.37).sin() * 1e5).collect();
