@@ -67,7 +67,8 @@ pub struct StoredStudy {
 
 /// True if a folder holds a finished study of this kind (and not that of the paper, whose file has the same name).
 pub fn is_study(folder: &Path) -> bool {
-    let text = std::fs::read_to_string(folder.join(STUDY_FILE)).unwrap_or_default();
+    let text = granum_core::input::read_text(&folder.join(STUDY_FILE), granum_core::input::LARGEST_INPUT)
+        .unwrap_or_default();
     serde_json::from_str::<Header>(&text).is_ok_and(|header| header.format.as_deref() == Some(FORMAT))
 }
 
@@ -121,7 +122,8 @@ pub fn save(folder: &Path, study: &Study, dataset: &Dataset) -> Result<StudyScor
 /// If a file is missing, was altered or is of a newer version; the message names the file.
 pub fn load(folder: &Path, methods: &SurrogateMethods) -> Result<StoredStudy> {
     let path = folder.join(STUDY_FILE);
-    let text = std::fs::read_to_string(&path).map_err(Error::file("read", &path))?;
+    let text = granum_core::input::read_text(&path, granum_core::input::LARGEST_INPUT)
+        .map_err(Error::file("read", &path))?;
     let file = opened(&text).map_err(|reason| wrong(&path, reason))?;
     for (name, sha256) in &file.files {
         let stem = name.strip_suffix(".json").or_else(|| name.strip_suffix(".csv")).unwrap_or(name);

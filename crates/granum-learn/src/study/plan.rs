@@ -61,7 +61,8 @@ impl StudyPlan {
         struct Header {
             format: String,
         }
-        let text = std::fs::read_to_string(folder.join(PLAN_FILE)).unwrap_or_default();
+        let text = granum_core::input::read_text(&folder.join(PLAN_FILE), granum_core::input::LARGEST_INPUT)
+            .unwrap_or_default();
         serde_json::from_str::<Header>(&text).is_ok_and(|header| header.format == FORMAT)
     }
 
@@ -71,7 +72,8 @@ impl StudyPlan {
     /// If it cannot be read.
     pub fn read(folder: &Path) -> Result<StudyPlan> {
         let path = folder.join(PLAN_FILE);
-        let text = std::fs::read_to_string(&path).map_err(Error::file("read", &path))?;
+        let text = granum_core::input::read_text(&path, granum_core::input::LARGEST_INPUT)
+            .map_err(Error::file("read", &path))?;
         serde_json::from_str(&text).map_err(|error| LearnError::SurrogateFile {
             file: path.display().to_string(),
             reason: format!("not a usable plan of a training: {error}"),

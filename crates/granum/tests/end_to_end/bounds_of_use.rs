@@ -91,7 +91,8 @@ fn inputs_are_regular_files() {
         &["digest", "pipe"],
     ] {
         let message = refused(here, 1, arguments);
-        let told = ["an input must be a regular file", "pipe", "zero"].iter().any(|word| message.contains(word));
+        let told =
+            ["an input must be a regular file", "pipe", "zero"].iter().any(|word| message.contains(word));
         assert!(told, "{arguments:?}: {message}");
     }
     assert!(!here.join("r").exists());
