@@ -21,6 +21,7 @@ mod path;
 mod preparation;
 pub mod run;
 pub mod sample;
+mod study;
 pub mod symbols;
 pub mod trust;
 
@@ -30,3 +31,4 @@ pub use overlay::report as overlay_report;
 pub use page::Document;
 pub use preparation::report as sample_report;
 pub use run::report as run_report;
+pub use study::report as surrogate_study_report;

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use granum_antony2006::MappingNetworks;
 use granum_io::{check_output_file, read_columns, write_table};
-use granum_learn::LearnError;
+use granum_learn::study::load;
+use granum_learn::{LearnError, Surrogate};
 use serde_json::json;
 
 use super::predict_surrogate;
@@ -25,7 +26,8 @@ use crate::surrogate_methods::surrogate_methods;
 /// a single run it does not include the scatter between samples. A row outside the range on which a network was trained is also
 /// answered, and is marked as outside: do not trust it. Without --set and --input the error lists the inputs with their ranges.
 ///
-/// A surrogate that a program saved in a file is evaluated by its own columns, without --mapping.
+/// A surrogate in a file of its own (of a study of any columns, or saved by a program) is evaluated by its own columns, without
+/// --mapping.
 #[derive(Args)]
 #[command(after_help = "Example:\n  granum predict study --mapping F4 --set deviator_strain=0.12 --set \
                   deviator_fabric=0.1 --set force=1.125\n  granum predict study --mapping F1 --input rows.csv -o answers.csv\n  granum predict surrogate.json \
@@ -33,8 +35,8 @@ use crate::surrogate_methods::surrogate_methods;
 pub struct Predict {
     /// Folder of the study that `granum train` left (or `models` of a reproduction), or the file of a surrogate.
     study: PathBuf,
-    /// Mapping of a study to ask, F1 to F6.
-    #[arg(short, long, value_name = "NAME")]
+    /// Mapping to ask (F1 to F6), or surrogate of a study of any columns (stress_ratio-ridge).
+    #[arg(short, long, visible_alias = "model", value_name = "NAME")]
     mapping: Option<String>,
     /// One input of the state; every input must be given once.
     #[arg(short = 's', long = "set", value_name = "INPUT=VALUE", conflicts_with = "input")]
@@ -53,6 +55,9 @@ impl Predict {
         if self.study.is_file() {
             return self.ask_file(context);
         }
+        if granum_learn::study::is_study(&self.study) {
+            return self.ask_study(context);
+        }
         let study = study_folder::load(&self.study)?;
         let Some(mapping) = &self.mapping else {
             let names = study.mappings.iter().map(|trained| trained.surrogate.mapping().name.as_str());
@@ -66,6 +71,19 @@ impl Predict {
         }
     }
 
+    /// Asks one of the surrogates of a study of any columns.
+    fn ask_study(&self, context: &Context) -> Result<(), Failure> {
+        let study = load(&self.study, &surrogate_methods())?.study;
+        let Some(name) = &self.mapping else {
+            let names: Vec<&str> = study.members().map(|member| member.name.as_str()).collect();
+            return Err(Failure::new(format!(
+                "give a surrogate as --model NAME; the study has {}",
+                names.join(", ")
+            )));
+        };
+        self.ask(context, study.member(name)?.surrogate.as_ref())
+    }
+
     fn ask_file(&self, context: &Context) -> Result<(), Failure> {
         if let Some(mapping) = &self.mapping {
             let path = self.study.display();
@@ -74,9 +92,13 @@ impl Predict {
             )));
         }
         let surrogate = surrogate_methods().load(&self.study)?;
+        self.ask(context, surrogate.as_ref())
+    }
+
+    fn ask(&self, context: &Context, surrogate: &dyn Surrogate) -> Result<(), Failure> {
         match &self.input {
-            Some(path) => predict_surrogate::many(context, surrogate.as_ref(), path, self.output.as_deref()),
-            None => predict_surrogate::one(context, surrogate.as_ref(), &self.values),
+            Some(path) => predict_surrogate::many(context, surrogate, path, self.output.as_deref()),
+            None => predict_surrogate::one(context, surrogate, &self.values),
         }
     }
 

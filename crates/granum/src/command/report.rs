@@ -15,7 +15,9 @@ use granum_io::shell::quoted_path;
 use granum_io::{Run, RunStatus, atomic::write_atomically, check_output_file};
 use granum_learn::NamedRecord;
 use granum_report::other_data::Instant;
-use granum_report::{Document, Role, RunReport, data_report, overlay_report, run_report, sample_report};
+use granum_report::{
+    Document, Role, RunReport, data_report, overlay_report, run_report, sample_report, surrogate_study_report,
+};
 use granum_run::runs_table::find_runs;
 use serde_json::json;
 
@@ -26,8 +28,10 @@ use super::sources::SourceFlags;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
+use crate::surrogate_methods::surrogate_methods;
 
-/// Write the report of a run, of several runs over each other, of a sample, of a reproduction, or of the data of another program.
+/// Write the report of a run, of several runs over each other, of a sample, of a study of any columns, of a reproduction, or of
+/// the data of another program.
 ///
 /// The report consists of report.html, which contains its figures and can be read offline, and of the figures as SVG files
 /// in the folder figures. Several runs, or folders that contain runs, are drawn over each other, with a legend of the keys by which
@@ -222,6 +226,11 @@ fn document(folder: &Path) -> Result<(Document, Option<StudyReport>), Failure> {
     if contents.kind() == Some(Kind::Reproduction) {
         let (name, next) = (folder.display(), contents.next(folder).text);
         return Err(Failure::new(format!("{name}: the reproduction is not finished; {next}")));
+    }
+    if granum_learn::study::is_study(folder) {
+        let stored = granum_learn::study::load(folder, &surrogate_methods())?;
+        let name = folder.file_name().map_or_else(|| "study".into(), |name| name.to_string_lossy());
+        return Ok((surrogate_study_report(&stored, &name), None));
     }
     if folder.join(granum_antony2006::layout::STUDY_FILE).is_file() {
         return Err(Failure::new(format!(

@@ -6,6 +6,7 @@ use clap::Args;
 use granum::contents::Contents;
 use granum_antony2006::layout::STUDY_FILE;
 use granum_io::{RunFolder, RunStatus};
+use granum_learn::study::StudyPlan;
 use serde_json::json;
 
 use super::checkpoints::CheckpointFlags;
@@ -14,6 +15,7 @@ use super::reproduce::Reproduce;
 use super::run_report;
 use super::several_runs;
 use super::train::Train;
+use super::train_study;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -71,6 +73,9 @@ impl Resume {
         if self.folder.join(STUDY_FILE).is_file() {
             let result = json!({ "study": output::path(&self.folder), "status": "finished" });
             return output::say(context, &result, || format!("{name}: the training is finished"));
+        }
+        if StudyPlan::is_in(&self.folder) {
+            return train_study::resume(context, &self.folder, self.hardware.threads.unwrap_or(0));
         }
         Train::resumed(&self.folder, self.hardware.threads, self.checkpoints.clone())?.run(context)
     }

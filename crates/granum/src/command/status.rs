@@ -7,6 +7,7 @@ use clap::Args;
 use granum::contents::{Contents, Next};
 use granum_antony2006::training_checkpoints::TrainingManifest;
 use granum_io::{OutputFolder, Run, RunStatus};
+use granum_learn::study::StudyPlan;
 use granum_run::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
 use serde_json::{Value, json};
 
@@ -70,7 +71,9 @@ impl Status {
     fn training(&self, context: &Context, finished: bool) -> Result<(), Failure> {
         let name = self.folder.display();
         // The networks of a reproduction have no manifest of their own.
-        let networks = if Train::is_in(&self.folder) {
+        let networks = if StudyPlan::is_in(&self.folder) {
+            StudyPlan::read(&self.folder)?.surrogates()
+        } else if Train::is_in(&self.folder) {
             TrainingManifest::read(&self.folder)?.networks()
         } else {
             Vec::new()

@@ -30,6 +30,7 @@ use super::checkpoints::CheckpointFlags;
 use super::records::{self, Recorded};
 use super::scores;
 use super::spread::Spread;
+use super::train_study::{self, StudyFlags, Training};
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
 use crate::numbers::apart;
@@ -39,15 +40,18 @@ use crate::progress::Progress;
 /// The trainer that uses the numbers of epochs in the tables of the paper.
 const PAPER_TRAINER: &str = "traingdx";
 
-/// Train the eighteen networks of the six mappings of the paper, and for each a strain-only network of the same size.
+/// Train the eighteen networks of the six mappings of the paper, and for each a strain-only network of the same size; with
+/// --input and --output surrogates of any columns.
 ///
 /// Every second state of the training runs is used for training, and the others are held out for evaluation; unseen runs are
 /// used for evaluation only. All runs must have the same case and differ only in preparation.seed, unless --mixed is given.
+/// With --input and --output runs may differ in anything, and every method is compared with ridge regression, with itself on
+/// the coordinate alone, and with the mean curve of the training runs.
 /// The same command continues an interrupted training.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  granum train run-1 --unseen run-2 run-3 --out study\n  granum train run-1 --trainer traingdx \
-                  --epoch-factor 0.1 --out quick-study"
+                  --epoch-factor 0.1 --out quick-study\n  granum train run-1 run-2 --unseen run-3 --input deviator_fabric,probability_density \\\n    --output stress_ratio --coordinate deviator_strain --method feed-forward,ridge -o columns"
 )]
 pub struct Train {
     /// Run folders for training.
@@ -79,6 +83,8 @@ pub struct Train {
     /// it.
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
+    #[command(flatten)]
+    study: StudyFlags,
     #[command(flatten)]
     checkpoints: CheckpointFlags,
 }
@@ -175,6 +181,15 @@ impl StudyObserver for Show<'_> {
 impl Train {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let mut options = self.options()?;
+        if self.study.is_given() {
+            let (runs, unseen, out, threads) = (&self.runs, &self.unseen, &self.out, options.threads);
+            return train_study::train(
+                context,
+                &Training { runs, unseen, out, threads },
+                &self.study,
+                self.seed,
+            );
+        }
         let training = records::read(context, &self.runs, RunRole::Training)?;
         let unseen = records::read(context, &self.unseen, RunRole::Unseen)?;
         let all: Vec<&Recorded> = training.iter().chain(&unseen).collect();
@@ -264,7 +279,8 @@ impl Train {
         let (runs, unseen, mixed, trainer, seed) =
             (plan.runs, plan.unseen, plan.mixed, plan.trainer, plan.seed);
         let out = out.to_path_buf();
-        Ok(Train { runs, out, unseen, mixed, trainer, form, seed, epoch_factor, threads, checkpoints })
+        let study = StudyFlags::default();
+        Ok(Train { runs, out, unseen, mixed, trainer, form, seed, epoch_factor, threads, study, checkpoints })
     }
 
     /// True if the folder holds a training, finished or not.

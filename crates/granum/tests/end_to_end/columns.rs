@@ -1,0 +1,143 @@
+//! Studies of any columns: trained, evaluated, asked, reported and resumed by the program.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::networks::{make_run, make_run_of};
+use crate::{done, done_json, refused};
+
+const TRAIN: [&str; 14] = [
+    "train",
+    "run-1",
+    "run-2",
+    "--unseen",
+    "run-3",
+    "run-4",
+    "--input",
+    "deviator_fabric",
+    "--output",
+    "stress_ratio,coordination_number",
+    "--coordinate",
+    "deviator_strain",
+    "--method",
+    "ridge",
+];
+
+fn train(here: &Path, out: &str) -> Value {
+    done_json(here, &[&TRAIN[..], &["-o", out]].concat())
+}
+
+fn error(scores: &Value) -> f64 {
+    scores["score"]["relative_rmse"].as_f64().unwrap()
+}
+
+#[test]
+fn a_study_of_columns_is_trained_judged_asked_reported_and_resumed() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    (1..=4).for_each(|seed| make_run(here, seed));
+    let trained = train(here, "study");
+    let fits = trained["fits"].as_array().unwrap();
+    assert_eq!((fits.len(), &fits[0]["name"]), (2, &"stress_ratio".into()));
+    let members = fits[0]["members"].as_array().unwrap();
+    let names: Vec<&str> = members.iter().map(|member| member["name"].as_str().unwrap()).collect();
+    assert_eq!(
+        names,
+        ["stress_ratio-ridge", "stress_ratio-ridge-coordinate-only", "stress_ratio-mean-curve"]
+    );
+    assert!(error(&members[0]["training"]) > 0.0 && error(&members[0]["unseen"]) < 0.5, "{trained}");
+    let used = &fits[0]["uses"]["stress_ratio-ridge"];
+    assert_eq!(used["verdict"], "cannot be told from so few runs");
+    assert!(used["with_other"]["relative_rmse"].is_number() && used["help"]["mean"].is_number(), "{used}");
+    let message = refused(here, 1, &[&TRAIN[..], &["-o", "study"]].concat());
+    assert!(message.contains("study already contains a finished training"), "{message}");
+
+    // The scores of the files over both unseen runs are those at the end of training.
+    let judged = done_json(here, &["evaluate", "study", "run-3", "run-4"]);
+    let one = |run: usize| judged["runs"][run]["surrogates"][0]["scores"]["score"]["rmse"].as_f64().unwrap();
+    let both = (0.5 * (one(0).powi(2) + one(1).powi(2))).sqrt();
+    assert!((both / members[0]["unseen"]["score"]["rmse"].as_f64().unwrap() - 1.0).abs() < 1e-9, "{judged}");
+    assert_eq!(judged["uses"]["stress_ratio-ridge"]["with_other"], used["with_other"]);
+    let text = done(here, &["evaluate", "study", "run-1"]);
+    assert!(text.contains("scores on a training run") && text.contains("stress_ratio-mean-curve"), "{text}");
+
+    // One surrogate is asked by its name in the study or by its file.
+    let question = ["-s", "deviator_strain=0.1", "-s", "deviator_fabric=0.1"];
+    let by_name = [&["predict", "study", "--model", "stress_ratio-ridge"], &question[..]].concat();
+    let by_file = [&["predict", "study/stress_ratio-ridge.json"], &question[..]].concat();
+    let answer = done_json(here, &by_name);
+    assert_eq!(answer, done_json(here, &by_file));
+    assert!(answer["outputs"][0]["lower"].is_number(), "{answer}");
+    let message = refused(here, 1, &["predict", "study"]);
+    assert!(
+        message.contains("--model NAME") && message.contains("coordination_number-mean-curve"),
+        "{message}"
+    );
+
+    done(here, &["report", "study"]);
+    let page = std::fs::read_to_string(here.join("study/report.html")).unwrap();
+    assert!(page.contains("Use of the inputs") && page.contains("mean-curve") && !page.contains("NaN"));
+    assert!(here.join("study/figures/figure-s1-along.svg").is_file());
+
+    // Without its last files the training is unfinished, and goes on to the same bytes.
+    std::fs::remove_file(here.join("study/study.json")).unwrap();
+    std::fs::remove_file(here.join("study/stress_ratio-mean-curve.json")).unwrap();
+    let status = done_json(here, &["status", "study"]);
+    assert_eq!((&status["networks"], &status["networks_end"]), (&5.into(), &6.into()), "{status}");
+    let other = [&TRAIN[..12], &["--method", "mean-curve", "-o", "study"]].concat();
+    assert!(refused(here, 1, &other).contains("differs in the methods"));
+    done(here, &["resume", "study"]);
+    train(here, "again");
+    for name in ["study.json", "stress_ratio-mean-curve.json", "predictions.csv"] {
+        let bytes = |folder: &str| std::fs::read(here.join(folder).join(name)).unwrap();
+        assert_eq!(bytes("study"), bytes("again"), "{name}");
+    }
+    std::fs::write(here.join("study/predictions.csv"), "altered").unwrap();
+    assert!(refused(here, 1, &["evaluate", "study", "run-3"]).contains("its SHA-256 is not the one"));
+}
+
+/// Runs that differ in their friction, which is an input.
+#[test]
+fn a_parameter_of_the_case_is_an_input_and_bad_columns_are_refused() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    for (name, friction) in [("low", "0.2"), ("middle", "0.3"), ("high", "0.4")] {
+        make_run_of(here, name, |case| case.replace("friction = 0.1", &format!("friction = {friction}")));
+    }
+    let train = |flags: &[&str]| -> Vec<String> {
+        ["train", "low", "high", "--unseen", "middle", "-o", "out"]
+            .iter()
+            .chain(flags)
+            .map(ToString::to_string)
+            .collect()
+    };
+    let refuse = |flags: &[&str]| {
+        let line = train(flags);
+        let message = refused(here, 1, &line.iter().map(String::as_str).collect::<Vec<_>>());
+        assert!(!here.join("out").exists(), "{message}");
+        message
+    };
+    let along =
+        ["--coordinate", "deviator_strain", "--output", "stress_ratio", "--method", "ridge", "--input"];
+    let with = |input: &'static str| [&along[..], &[input]].concat();
+    let line = train(&with("grains.material.friction"));
+    let trained = done_json(here, &line.iter().map(String::as_str).collect::<Vec<_>>());
+    assert!(trained["warnings"].is_null() || trained["warnings"].as_array().unwrap().is_empty(), "{trained}");
+    std::fs::remove_dir_all(here.join("out")).unwrap();
+
+    assert!(refuse(&with("stress_ration")).contains("did you mean stress_ratio?"));
+    assert!(refuse(&with("stress_ratio")).contains("stress_ratio is both an input and an output"));
+    let message = refuse(&with("contact.normal"));
+    assert!(message.contains("contact.normal is") && message.contains("not a number"), "{message}");
+    let message = refuse(&with("grains.count"));
+    assert!(message.contains("in all training states") && message.contains("leave it out"), "{message}");
+    let message = refuse(&["--input", "deviator_strain", "--output", "stress_ratio", "--method", "rigde"]);
+    assert!(message.contains("no surrogate method `rigde`") && message.contains("mean-curve"), "{message}");
+    let one = ["train", "low", "--input", "deviator_strain", "--output", "stress_ratio", "-o", "out"];
+    assert!(refused(here, 1, &one).contains("needs two or more runs"));
+    let without = ["train", "low", "high", "--input", "deviator_strain", "-o", "out"];
+    assert!(refused(here, 2, &without).contains("--output"));
+    let both = [&one[..], &["--form", "point"]].concat();
+    assert!(refused(here, 2, &both).contains("cannot be used with"));
+}
