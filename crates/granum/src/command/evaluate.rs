@@ -40,13 +40,10 @@ pub struct Evaluate {
 
 impl Evaluate {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
-<<<<<<< HEAD
         let _alone = context.nothing_written(Some("evaluating"));
-=======
         if granum_learn::study::is_study(&self.study) {
             return evaluate_study::run(context, &self.study, &self.runs);
         }
->>>>>>> d60a1ae (granum train --input --output makes a study of any columns, which evaluate, predict, report, status and resume work on)
         let study = study_folder::load(&self.study)?;
         let known = load_runs(&self.study)?;
         let mut scored = Vec::new();

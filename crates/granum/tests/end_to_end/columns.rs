@@ -103,7 +103,9 @@ fn a_parameter_of_the_case_is_an_input_and_bad_columns_are_refused() {
     let base = tempfile::tempdir().unwrap();
     let here = base.path();
     for (name, friction) in [("low", "0.2"), ("middle", "0.3"), ("high", "0.4")] {
-        make_run_of(here, name, |case| case.replace("friction = 0.1", &format!("friction = {friction}")));
+        make_run_of(here, name, |case| {
+            case.replace("[grains]\n", &format!("[grains]\nmaterial.friction = {friction}\n"))
+        });
     }
     let train = |flags: &[&str]| -> Vec<String> {
         ["train", "low", "high", "--unseen", "middle", "-o", "out"]
