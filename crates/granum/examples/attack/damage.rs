@@ -254,6 +254,11 @@ impl Subject<'_> {
         let name = self.file.file_name().unwrap_or_default().to_string_lossy();
         let stem = self.file.file_stem().unwrap_or_default().to_string_lossy();
         let named = |part: &str| ended.error.contains(part);
+        let folder = self.file.parent().unwrap_or(Path::new("")).display().to_string();
+        // Without the file that tells what a folder is, nobody knows that it is missing.
+        if !self.folder.join(self.file).exists() && named(&folder) {
+            return true;
+        }
         matches!(line.rule, Rule::Calm) || name == ".granum-lock" || named(&name) || named(&stem)
     }
 }
