@@ -1,5 +1,6 @@
 //! Errors with files, described so that a user finds the position and learns what would be right.
 
+use crate::shell::ShowPath;
 use std::fmt;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -86,7 +87,7 @@ impl std::error::Error for InputError {}
 #[non_exhaustive]
 pub enum Error {
     /// An operation of the operating system failed.
-    #[error("cannot {action} {}: {source}", path.display())]
+    #[error("cannot {action} {}: {source}", path.shown())]
     File {
         /// The attempted action, as a verb: "read", "write".
         action: &'static str,
@@ -115,7 +116,7 @@ pub enum Error {
     #[error("{0}")]
     Rule(String),
     /// A file that is damaged, from another version, or not of the kind that its name indicates.
-    #[error("{}: {message}", path.display())]
+    #[error("{}: {message}", path.shown())]
     Content {
         /// The file.
         path: PathBuf,
@@ -126,10 +127,10 @@ pub enum Error {
     #[error(transparent)]
     Table(#[from] granum_core::TableError),
     /// The output exists already, and its replacement was not requested.
-    #[error("{} exists already; give --force to replace it, or another name", .0.display())]
+    #[error("{} exists already; give --force to replace it, or another name", .0.shown())]
     Exists(PathBuf),
     /// Another process is using the folder.
-    #[error("{} is in use by another granum process{holder}; wait for it or choose another folder", path.display())]
+    #[error("{} is in use by another granum process{holder}; wait for it or choose another folder", path.shown())]
     Locked {
         /// The folder.
         path: PathBuf,

@@ -35,6 +35,18 @@ pub fn shown(path: &Path) -> String {
     escaped(path, |_| false)
 }
 
+/// The text of a path in a message.
+pub trait ShowPath {
+    /// As [`shown`] has it.
+    fn shown(&self) -> String;
+}
+
+impl ShowPath for Path {
+    fn shown(&self) -> String {
+        shown(self)
+    }
+}
+
 /// A path as text, for JSON: as it is if it is UTF-8, and otherwise as it is [shown].
 pub fn path_text(path: &Path) -> String {
     path.to_str().map_or_else(|| shown(path), str::to_string)

@@ -12,6 +12,7 @@ use crate::atomic::write_atomically;
 use crate::error::{Error, Result};
 use crate::format::{check_format, damaged};
 use crate::packing::plausible::{self, Found};
+use crate::shell::ShowPath;
 use granum_core::{Column, ColumnKind, Table};
 
 /// Newest layout that this version reads and writes.
@@ -271,7 +272,7 @@ fn check_plausible(path: &Path, assembly: &Assembly) -> Result<()> {
     let found =
         |grain: &Grain| Found { id: grain.id, position: grain.position, radius: Some(grain.radius), line: 0 };
     let grains: Vec<Found> = assembly.grains.iter().map(found).collect();
-    plausible::check(&path.display().to_string(), Some(([0.0; 3], assembly.cell)), &grains)
+    plausible::check(&path.shown(), Some(([0.0; 3], assembly.cell)), &grains)
 }
 
 fn read_rows(path: &Path, rows: usize) -> Result<Table> {

@@ -1,5 +1,6 @@
 //! The errors of this crate.
 
+use granum_io::shell::ShowPath;
 use thiserror::Error;
 
 /// An error of this crate.
@@ -88,7 +89,7 @@ pub enum LearnError {
     #[error("the content is not that of a surrogate of this method: {0}")]
     Content(String),
     /// The contents of a folder would be replaced.
-    #[error("{} already contains {holds}; {advice}", folder.display())]
+    #[error("{} already contains {holds}; {advice}", folder.shown())]
     Taken {
         /// The folder.
         folder: std::path::PathBuf,

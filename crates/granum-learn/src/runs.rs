@@ -5,6 +5,7 @@ use std::path::Path;
 
 use granum_io::case::{CaseValues, Difference, SEED, differences};
 use granum_io::run::file_digest;
+use granum_io::shell::ShowPath;
 use granum_io::{Run, RunSource};
 use serde::{Deserialize, Serialize};
 
@@ -100,7 +101,7 @@ fn shown(sha256: &str) -> String {
 
 fn last_part(path: &Path) -> String {
     let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
-    whole.file_name().map_or_else(|| whole.display().to_string(), |name| name.to_string_lossy().into_owned())
+    whole.file_name().map_or_else(|| whole.shown(), |name| name.to_string_lossy().into_owned())
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
 use granum_io::{OutputFolder, Run, RunRecord, RunStatus};
 
@@ -207,7 +208,7 @@ impl Contents {
                 let line = of.options.command_line(Some(folder));
                 if *finished {
                     let page = folder.join(REPORT_FILE);
-                    return Next { text: format!("done; see {}", page.display()), command: Some(line) };
+                    return Next { text: format!("done; see {}", page.shown()), command: Some(line) };
                 }
                 if of.is_of_this_version() {
                     return Next::new("continue it", line);
@@ -230,7 +231,7 @@ fn next_of_run(record: &RunRecord, folder: &Path) -> Next {
             Next::new("shear it", format!("granum shear CASE --sample {name}"))
         }
         RunStatus::Finished if folder.join(REPORT_FILE).is_file() => {
-            let what = format!("its report is {}; write it again", folder.join(REPORT_FILE).display());
+            let what = format!("its report is {}; write it again", folder.join(REPORT_FILE).shown());
             Next::new(&what, format!("granum report {name} --force"))
         }
         RunStatus::Finished => Next::new("write its report", format!("granum report {name}")),

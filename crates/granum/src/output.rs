@@ -4,6 +4,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use granum_io::formats::csv;
+use granum_io::shell::ShowPath;
 use granum_io::shell::path_text;
 use granum_io::{Table, check_output_file, write_table};
 use serde_json::{Map, Value, json};
@@ -33,7 +34,7 @@ pub fn put_table_with(
             Map::from_iter([("output".into(), self::path(path)), ("rows".into(), json!(table.rows()))]);
         result.extend(more);
         return say(context, &Value::Object(result), || {
-            let wrote = format!("wrote {} rows to {}", table.rows(), path.display());
+            let wrote = format!("wrote {} rows to {}", table.rows(), path.shown());
             if note.is_empty() { wrote } else { format!("{wrote}\n{note}") }
         });
     }
@@ -87,7 +88,7 @@ pub fn say_complete(
 ) -> Result<(), Failure> {
     match to_output(&shown(context, result, text)) {
         Err(error) if !unread(&error) => {
-            Err(Failure::new(format!("{}; {} is complete", cannot_write(&error), folder.display())))
+            Err(Failure::new(format!("{}; {} is complete", cannot_write(&error), folder.shown())))
         }
         _ => Ok(()),
     }

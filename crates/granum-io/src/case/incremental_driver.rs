@@ -13,6 +13,7 @@ use granum_dem::loading::{Constraint, Control, Drive, Measure, Ramp, Record, Spe
 use super::case_stage::{CaseStage, MOST_NESTED, MOST_STAGES};
 use crate::error::{Error, InputError, Result};
 use crate::named_file::named_file;
+use crate::shell::ShowPath;
 
 /// Largest file that is read.
 const LARGEST: u64 = 1 << 20;
@@ -46,7 +47,7 @@ const REFUSED: [(&str, &str); 3] = [
 /// If it cannot be read; [`Error::Input`] with line and column for what is wrong in it or cannot be followed.
 pub(super) fn read(path: &Path, options: &Options) -> Result<Vec<CaseStage>> {
     let text = crate::text::read_small(path, LARGEST)?;
-    parse(&text, &path.display().to_string(), path.parent().unwrap_or(Path::new("")), options)
+    parse(&text, &path.shown(), path.parent().unwrap_or(Path::new("")), options)
 }
 
 fn parse(text: &str, file: &str, folder: &Path, options: &Options) -> Result<Vec<CaseStage>> {
@@ -345,7 +346,7 @@ impl<'a> Steps<'a> {
                 Some(row) => rows.push(row),
                 None => {
                     let message = format!("the row is not a list of at least {most} numbers");
-                    let file = path.display().to_string();
+                    let file = path.shown();
                     return Err(InputError::in_line(&file, k + 1, line, 0..line.len(), message).into());
                 }
             }

@@ -23,6 +23,7 @@ use super::stage::{PREPARATION_STAGE, STAGE, is_unused_with_stages};
 use super::suggestion;
 use crate::error::{Error, InputError, Result};
 use crate::run::{CASE, RECORD};
+use crate::shell::ShowPath;
 
 /// A case file is a page or two long, but for histories of many rows in the case of a run; a larger file is something else.
 pub(super) const LARGEST_FILE: u64 = 1 << 23;
@@ -47,7 +48,7 @@ impl Case {
         let folder = path.parent().unwrap_or(Path::new(""));
         let recorded = path.file_name() == Some(OsStr::new(CASE)) && folder.join(RECORD).is_file();
         let reading = Reading { bare_numbers: reading.bare_numbers || recorded, ..reading };
-        Case::parse_in(&text, &path.display().to_string(), folder, reading)
+        Case::parse_in(&text, &path.shown(), folder, reading)
     }
 
     /// Reads the text of a case file; `file` is its name for messages.

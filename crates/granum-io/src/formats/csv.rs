@@ -10,6 +10,7 @@ use std::path::Path;
 use crate::atomic::write_atomically;
 use crate::error::{Error, InputError, Result};
 use crate::formats::TableFormat;
+use crate::shell::ShowPath;
 use granum_core::names::suggestion;
 use granum_core::quantity::format_number;
 use granum_core::{Column, Table};
@@ -46,7 +47,7 @@ pub(crate) struct Lines<R> {
 impl Lines<BufReader<File>> {
     pub(crate) fn open(path: &Path) -> Result<Self> {
         let file = granum_core::input::open(path).map_err(Error::file("read", path))?;
-        Ok(Lines::new(BufReader::with_capacity(1 << 16, file), &path.display().to_string()))
+        Ok(Lines::new(BufReader::with_capacity(1 << 16, file), &path.shown()))
     }
 }
 

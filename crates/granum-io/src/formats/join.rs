@@ -12,6 +12,7 @@ use super::result::{Frame, FrameCell, Observation, Pair};
 use super::strain::add_strains;
 use crate::error::{Error, Result, in_file};
 use crate::packing::plausible::{self, Found};
+use crate::shell::ShowPath;
 
 /// What the files do not say.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -201,7 +202,7 @@ fn check_plausible(
         line: lines.get(k).copied().unwrap_or(0),
     };
     let found: Vec<Found> = grains.iter().enumerate().map(found).collect();
-    let file = path.display().to_string();
+    let file = path.shown();
     plausible::check(&file, cell.map(|cell| (cell.origin, cell.edges)), &found)
 }
 
@@ -212,7 +213,7 @@ fn in_order(path: &Path, grains: Vec<Grain>, mut lines: Vec<usize>) -> Result<(V
     let mut rows: Vec<(Grain, usize)> = grains.into_iter().zip(lines).collect();
     rows.sort_by_key(|(grain, line)| (grain.id, *line));
     if let Some([(first, line), (_, second)]) = rows.windows(2).find(|rows| rows[0].0.id == rows[1].0.id) {
-        let file = path.display().to_string();
+        let file = path.shown();
         let where_first = if has_lines { format!(" in line {line}") } else { String::new() };
         let message = format!("grain {} is already given{where_first}", first.id);
         return Err(in_file(&file, *second, message, "each grain has an id of its own"));

@@ -7,6 +7,7 @@ use granum_core::assembly::{Assembly, Grain, Matrix, Vector};
 use granum_core::{Part, Parts};
 
 use crate::error::{Error, Result};
+use crate::shell::ShowPath;
 
 /// A format of results: grains, and possibly contacts, at one or several instants.
 ///
@@ -229,7 +230,7 @@ impl Observation {
             (crate::packing::PackedGrain { id: grain.id, position, radius: grain.radius }, line)
         };
         let grains = self.assembly.grains.iter().enumerate().map(grain).collect();
-        let file = path.display().to_string();
+        let file = path.shown();
         let packing = crate::Packing::numbered_from_one(&file, self.origin, self.assembly.cell, grains)?;
         if self.assembly.materials.is_empty() {
             return Ok(packing);

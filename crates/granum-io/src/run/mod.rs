@@ -16,6 +16,7 @@ use crate::error::{Error, Result};
 use crate::folder::{OutputFolder, check_name};
 use crate::format::{check_format, damaged};
 use crate::sealed::{unseal, unseal_strictly, write_sealed};
+use crate::shell::ShowPath;
 use crate::snapshot;
 use granum_core::Table;
 
@@ -96,7 +97,7 @@ impl Run {
         let path = self.path.join(CASE);
         let pending = || self.record().ok().and_then(|record| record.unwritten_case);
         match pending().filter(|_| !path.is_file()) {
-            Some(text) => Case::parse_as(&text, &path.display().to_string(), Reading::recorded()),
+            Some(text) => Case::parse_as(&text, &path.shown(), Reading::recorded()),
             None => Case::read_as(path, Reading::recorded()),
         }
     }

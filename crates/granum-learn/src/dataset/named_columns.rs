@@ -6,6 +6,7 @@ use granum_core::digest::Digest;
 use granum_core::names::suggestion;
 use granum_core::{Column, Table};
 use granum_io::Run;
+use granum_io::shell::ShowPath;
 
 use super::run_states::RunStates;
 use super::variable::Variable;
@@ -68,7 +69,7 @@ impl Dataset {
     pub fn read<P: AsRef<Path>>(folders: &[P]) -> Result<Dataset> {
         let read = |folder: &P| {
             let folder = folder.as_ref();
-            RunStates::read(&folder.display().to_string(), &Run::at(folder)?)
+            RunStates::read(&folder.shown(), &Run::at(folder)?)
         };
         Dataset::new(folders.iter().map(read).collect::<Result<_>>()?)
     }

@@ -8,6 +8,7 @@ use std::path::Path;
 use granum_core::{Table, digest, json};
 use granum_io::Error;
 use granum_io::atomic::write_atomically;
+use granum_io::shell::ShowPath;
 use serde::{Deserialize, Serialize};
 
 use super::definition::{StudyDefinition, fit_name};
@@ -165,7 +166,7 @@ pub fn load(folder: &Path, methods: &SurrogateMethods) -> Result<StoredStudy> {
 }
 
 fn wrong(path: &Path, reason: String) -> LearnError {
-    LearnError::SurrogateFile { file: path.display().to_string(), reason }
+    LearnError::SurrogateFile { file: path.shown(), reason }
 }
 
 fn opened(text: &str) -> std::result::Result<File, String> {

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use granum_core::json;
 use granum_io::Error;
 use granum_io::atomic::write_atomically;
+use granum_io::shell::ShowPath;
 use serde::{Deserialize, Serialize};
 
 use super::definition::StudyDefinition;
@@ -75,7 +76,7 @@ impl StudyPlan {
         let text = granum_core::input::read_text(&path, granum_core::input::LARGEST_INPUT)
             .map_err(Error::file("read", &path))?;
         serde_json::from_str(&text).map_err(|error| LearnError::SurrogateFile {
-            file: path.display().to_string(),
+            file: path.shown(),
             reason: format!("not a usable plan of a training: {error}"),
         })
     }

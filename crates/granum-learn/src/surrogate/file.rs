@@ -6,6 +6,7 @@ use std::path::Path;
 use granum_core::{digest, json};
 use granum_io::Error;
 use granum_io::atomic::write_atomically;
+use granum_io::shell::ShowPath;
 use serde::{Deserialize, Serialize};
 
 use super::content::Content;
@@ -92,7 +93,7 @@ pub fn save(path: &Path, surrogate: &dyn Surrogate) -> Result<()> {
 }
 
 pub(super) fn read(path: &Path) -> Result<Opened> {
-    let name = path.display().to_string();
+    let name = path.shown();
     let size = granum_core::input::open(path).and_then(|file| file.metadata());
     let size = size.map_err(Error::file("read", path))?.len();
     if size > LARGEST_FILE {

@@ -9,6 +9,7 @@ use super::mean_curve::MeanCurve;
 use super::ridge::RidgeRegression;
 use super::surrogate_trait::{Surrogate, SurrogateMethod};
 use crate::error::{LearnError, Result};
+use granum_io::shell::ShowPath;
 
 /// A registry of methods by name, for fitting and for reading files.
 ///
@@ -78,7 +79,7 @@ impl SurrogateMethods {
     /// If the file cannot be read, was altered, is of a newer version, or belongs to a method that is not in the registry;
     /// the message names the file.
     pub fn load(&self, path: &Path) -> Result<Box<dyn Surrogate>> {
-        self.assembled(file::read(path)?, &path.display().to_string())
+        self.assembled(file::read(path)?, &path.shown())
     }
 
     /// Reads a surrogate from the text of its file; `name` is used in error messages.

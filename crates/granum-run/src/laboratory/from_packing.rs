@@ -5,6 +5,7 @@ use std::path::Path;
 use granum_dem::preparation::{NextTrial, Preparing, SampleSpecification, is_loose};
 use granum_io::case::field;
 use granum_io::run::{PackingRecord, RunSource, file_digest};
+use granum_io::shell::ShowPath;
 use granum_io::{Case, Formats, Packing};
 
 use super::laboratory_error::LaboratoryError;
@@ -24,7 +25,7 @@ const USED_IN_COMPACTION: [&str; 6] = [
 
 /// Name of a packing's file without its folder.
 fn file_name(path: &Path) -> String {
-    path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
+    path.file_name().map_or_else(|| path.shown(), |name| name.to_string_lossy().into_owned())
 }
 
 /// The description of a packing for the record of a run.

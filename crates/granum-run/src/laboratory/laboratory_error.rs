@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use granum_dem::loading::ControlError;
 use granum_dem::preparation::PreparationError;
 use granum_dem::simulation::SimulationError;
+use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
 use granum_sensors::SensorError;
 use thiserror::Error;
@@ -61,7 +62,7 @@ pub enum LaboratoryError {
     #[error("the packing cannot be simulated: {0}")]
     Packing(String),
     /// A checkpoint cannot be used or written.
-    #[error("{}: {what}", path.display())]
+    #[error("{}: {what}", path.shown())]
     Checkpoint {
         /// The file of the checkpoint.
         path: PathBuf,

@@ -13,6 +13,7 @@ use granum_io::Case;
 use granum_io::run::{
     CHECKPOINT, PREVIOUS_CHECKPOINT, QualityFlag, REFUSED_CHECKPOINT, RunFolder, RunRecord,
 };
+use granum_io::shell::ShowPath;
 use granum_sensors::Sensors;
 use serde::{Deserialize, Serialize};
 
@@ -194,7 +195,7 @@ pub(super) fn last_good(
         (Err(too), None) => return Err(no_way_on(folder, too.to_string())),
         (Err(too), Some(why)) => return Err(no_way_on(folder, format!("{why}; {too}"))),
     };
-    let path = previous.display();
+    let path = previous.shown();
     match current {
         // The run was killed between the two renames, and hardly any work is lost.
         None => observer

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use crate::laboratory::laboratory_error::LaboratoryError;
+use granum_io::shell::ShowPath;
 
 /// Why a queue is refused before any of its runs begins.
 #[derive(Debug, Error)]
@@ -14,7 +15,7 @@ pub enum QueueError {
     #[error("two runs have the name {0}")]
     SameName(String),
     /// Two runs have one folder.
-    #[error("two runs have the folder {}", .0.display())]
+    #[error("two runs have the folder {}", .0.shown())]
     SameFolder(PathBuf),
     /// A run waits for one that is not in the queue.
     #[error("the run {run} waits for {after}, which is not in the queue")]
@@ -38,7 +39,7 @@ pub enum QueueError {
     /// The folder of a run holds another run.
     #[error(
         "{}: its run has another case or version (granum {version}) than the one that is planned here",
-        folder.display()
+        folder.shown()
     )]
     OtherRun {
         /// The folder.

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use granum_io::sealed::{unseal_strictly, write_sealed};
+use granum_io::shell::ShowPath;
 use granum_io::{Case, Error, RunSource, run};
 use serde::{Deserialize, Serialize};
 
@@ -109,7 +110,7 @@ impl RunList {
                 && path != Path::new("")
         };
         match list.runs.iter().find(|run| !within(&run.folder)) {
-            Some(run) => Err(damaged(format!("the folder {:?} is not inside", run.folder.display()))),
+            Some(run) => Err(damaged(format!("the folder {:?} is not inside", run.folder.shown()))),
             None => Ok(Some(list)),
         }
     }
@@ -151,7 +152,7 @@ impl RunList {
         let file = folder.join(RUN_LIST);
         let planned = |run: &Listed| -> Result<QueuedRun, QueueError> {
             let in_run = |error| QueueError::Run { run: run.name.clone(), source: Box::new(error) };
-            let name = format!("{} (case of {})", file.display(), run.name);
+            let name = format!("{} (case of {})", file.shown(), run.name);
             let source = match &run.source {
                 RunSource::Sample(path) if run.after.is_some() => Source::Folder(folder.join(path)),
                 RunSource::Packing { file, sha256 } if run::file_digest(file)? != *sha256 => {

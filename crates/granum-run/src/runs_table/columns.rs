@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use granum_io::formats::mixed::{MixedColumn, MixedTable};
+use granum_io::shell::ShowPath;
 use granum_io::{RunRecord, RunStatus};
 use granum_sensors::Sensors;
 
@@ -96,7 +97,7 @@ impl RunsTable {
             MixedColumn::words("granum_version", words(&|run| run.record.granum_version.clone())),
             false,
         );
-        table.add(MixedColumn::words("folder", words(&|run| run.folder.display().to_string())), false);
+        table.add(MixedColumn::words("folder", words(&|run| run.folder.shown())), false);
         table
     }
 

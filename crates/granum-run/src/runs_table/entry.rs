@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use granum_io::shell::ShowPath;
 use granum_io::{Case, Result, Run, RunRecord};
 
 /// A run with what a table needs of it.
@@ -38,9 +39,8 @@ impl RunEntry {
         let run = Run::at(folder)?;
         let (case, record) = (run.case()?, run.record()?);
         let whole = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
-        let name = whole
-            .file_name()
-            .map_or_else(|| folder.display().to_string(), |name| name.to_string_lossy().into_owned());
+        let name =
+            whole.file_name().map_or_else(|| folder.shown(), |name| name.to_string_lossy().into_owned());
         Ok(RunEntry::new(name, folder, case, record))
     }
 

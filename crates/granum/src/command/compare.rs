@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use granum_io::shell::ShowPath;
 use granum_io::{Conventions, LaboratoryTest, Run, check_output_file, read_laboratory};
 use granum_report::comparison::{Errors, RunCurves, errors, figure};
 use granum_run::record::read_record;
@@ -105,7 +106,7 @@ impl Compare {
         };
         let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
         output::say(context, &as_json(&pairs, &names, &self.output), || {
-            format!("{}\nwrote {}", text(&pairs), self.output.display())
+            format!("{}\nwrote {}", text(&pairs), self.output.shown())
         })
     }
 
@@ -120,7 +121,7 @@ impl Compare {
         let folders = find_runs(&self.files)?;
         let entries = folders.iter().map(|folder| RunEntry::read(folder)).collect::<Result<Vec<_>, _>>()?;
         if let Some(sample) = entries.iter().find(|entry| entry.record.kind == "prepare") {
-            return Err(Failure::new(format!("{}: is a sample, not a test", sample.folder.display())));
+            return Err(Failure::new(format!("{}: is a sample, not a test", sample.folder.shown())));
         }
         let labels = legend(&entries);
         let named = |(folder, name): (&PathBuf, String)| {
@@ -178,9 +179,7 @@ impl Compare {
 fn curves(folder: &Path) -> Result<RunCurves, Failure> {
     let run = Run::at(folder)?;
     check_begun(&run, &run.record()?)?;
-    let name = folder
-        .file_name()
-        .map_or_else(|| folder.display().to_string(), |name| name.to_string_lossy().into_owned());
+    let name = folder.file_name().map_or_else(|| folder.shown(), |name| name.to_string_lossy().into_owned());
     Ok(RunCurves::of(&name, &read_record(&run)?))
 }
 

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use granum_io::shell::ShowPath;
 use granum_io::{Run, RunStatus};
 use granum_run::digest::of_run;
 use serde_json::{Value, json};
@@ -35,7 +36,7 @@ impl Digest {
             .collect();
         let line = |(folder, (digest, status)): (&PathBuf, &(String, RunStatus))| {
             let part = if *status == RunStatus::Finished { "" } else { "  (of the part finished so far)" };
-            format!("{digest}  {}{part}", folder.display())
+            format!("{digest}  {}{part}", folder.shown())
         };
         output::say(context, &json!({ "digests": rows }), || {
             self.folders.iter().zip(&found).map(line).collect::<Vec<_>>().join("\n")

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use granum_core::Table;
 use granum_io::formats::Observation;
+use granum_io::shell::ShowPath;
 use granum_io::snapshot::{contacts_table, grains_table};
 use granum_io::{Run, check_output_file, read_table, write_table};
 use serde_json::json;
@@ -124,7 +125,7 @@ impl Export {
             return Err(Failure::new(format!(
                 "{}: a file of this format ({}) holds one instant, and these are {many}; choose one with --snapshot ({choice}), or write \
                  a .gsd or .xyz",
-                path.display(),
+                path.shown(),
                 format.name()
             )));
         }
@@ -178,7 +179,7 @@ impl Export {
     }
 
     fn say(&self, context: &Context, what: &str) -> Result<(), Failure> {
-        let path = self.output.display();
+        let path = self.output.shown();
         output::say(context, &json!({ "output": output::path(&self.output), "content": what }), || {
             format!("wrote {what} to {path}")
         })
@@ -216,7 +217,7 @@ fn run_table(folder: &Path, name: &str) -> Result<Table, Failure> {
     let known: Vec<String> = known.chain(OF_SNAPSHOTS.map(String::from)).collect();
     Err(Failure::new(format!(
         "--table {name:?}: {} has no such table; there are {}",
-        folder.display(),
+        folder.shown(),
         known.join(", ")
     )))
 }

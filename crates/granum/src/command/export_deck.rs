@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
 use granum_io::{Packing, Run};
 use granum_run::laboratory::SAMPLE;
@@ -59,7 +60,7 @@ impl DeckFlags {
             (source.join("case.toml"), sample, Confinement::Own)
         } else {
             let Some(packing) = &self.packing else {
-                let (shown, quoted) = (source.display(), quoted_path(source));
+                let (shown, quoted) = (source.shown(), quoted_path(source));
                 return Err(Failure::new(format!(
                     "{shown} is a case without a sample: add --packing FILE, or make its sample with `granum prepare {quoted} --out \
                      sample` and export the folder sample"
@@ -72,7 +73,7 @@ impl DeckFlags {
         let case = self.flags.read_with_path(context, &file, true, path)?;
         let deck = LammpsDeck::new(&case, &packing, confinement)?;
         deck.write(folder, context.force)?;
-        let (grains, shown) = (deck.grains(), folder.display());
+        let (grains, shown) = (deck.grains(), folder.shown());
         output::say(
             context,
             &json!({ "output": output::path(folder), "script": SCRIPT, "grains": grains }),
@@ -85,7 +86,7 @@ impl DeckFlags {
 fn sample(folder: &Path) -> Result<Packing, Failure> {
     let run = Run::at(folder)?;
     if !run.snapshots()?.iter().any(|name| name == SAMPLE) {
-        let folder = folder.display();
+        let folder = folder.shown();
         return Err(Failure::new(format!("{folder}: its sample is not complete; resume the run first")));
     }
     Ok(Packing::from_assembly(&run.snapshot(SAMPLE)?))

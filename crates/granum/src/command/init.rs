@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use granum::gallery::{CASES, ReadyCase};
 use granum_core::names::suggestion;
+use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
 use granum_io::{Case, atomic::write_atomically, check_output_file};
 use serde_json::{Value, json};
@@ -41,7 +42,7 @@ impl Init {
             let path = self.path.clone().unwrap_or_else(|| PathBuf::from("case.toml"));
             write(&path, &Case::template(), context)?;
             return output::say(context, &json!({ "case": output::path(&path) }), || {
-                let (shown, quoted) = (path.display(), quoted_path(&path));
+                let (shown, quoted) = (path.shown(), quoted_path(&path));
                 format!(
                     "wrote {shown}, with every key at its default; change values in it and run it: granum shear {quoted}"
                 )
@@ -58,11 +59,7 @@ impl Init {
             &json!({ "case": output::path(&path), "name": name, "title": ready.title() }),
             || {
                 let quoted = quoted_path(&path);
-                format!(
-                    "wrote {}: {}\nrun it: granum run {quoted} --out {name}",
-                    path.display(),
-                    ready.title()
-                )
+                format!("wrote {}: {}\nrun it: granum run {quoted} --out {name}", path.shown(), ready.title())
             },
         )
     }

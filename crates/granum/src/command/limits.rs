@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use granum_io::shell::ShowPath;
 use granum_io::{QualityFlag, RunRecord, atomic::write_atomically, check_output_file};
 use granum_run::laboratory::limits::{CYCLE_STRAIN, CYCLES, LOOSE_STRESS, Limits as Found};
 use serde_json::{Value, json};
@@ -117,7 +118,7 @@ fn text(found: &Found, output: Option<&Path>) -> String {
         ratios[0], ratios[1]
     ));
     if let Some(path) = output {
-        lines.push(format!("wrote {}", path.display()));
+        lines.push(format!("wrote {}", path.shown()));
     }
     lines.join("\n")
 }

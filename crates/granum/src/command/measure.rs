@@ -6,6 +6,7 @@ use clap::Args;
 use granum_core::{Assembly, Column, Part, Parts, Table};
 use granum_dem::config::{ContactModel, CriticalState, Material, NormalKind, Recording, TangentialKind};
 use granum_dem::simulation::Properties;
+use granum_io::shell::ShowPath;
 use granum_io::{Case, Run};
 use granum_run::laboratory::simulation;
 use granum_sensors::{MeasuredSeries, Measurement, SensorColumn, Sensors};
@@ -110,7 +111,7 @@ impl Measure {
             return Ok(vec![self.run_folder(data)?]);
         }
         if let Some(name) = &self.snapshot {
-            return Err(Failure::new(format!("--snapshot {name}: {} is no run folder", data.display())));
+            return Err(Failure::new(format!("--snapshot {name}: {} is no run folder", data.shown())));
         }
         if self.data.len() == 1 && (self.case.is_some() || !context.formats().is_result(data)?) {
             return Ok(vec![self.packing(context, data)?]);
@@ -118,7 +119,7 @@ impl Measure {
         if let Some(case) = &self.case {
             return Err(Failure::new(format!(
                 "--case {}: it goes with one packing, not with several files",
-                case.display()
+                case.shown()
             )));
         }
         self.joined(context, &self.data)
@@ -132,19 +133,19 @@ impl Measure {
 
     fn run_folder(&self, data: &Path) -> Result<(Assembly, Parts), Failure> {
         if self.case.is_some() {
-            return Err(Failure::new(format!("--case: {} is a run, which has its own case", data.display())));
+            return Err(Failure::new(format!("--case: {} is a run, which has its own case", data.shown())));
         }
         let run = Run::at(data)?;
         let names = run.snapshots()?;
         let usual = || names.iter().find(|name| *name == "end").or(names.first()).cloned();
         let Some(name) = self.snapshot.clone().or_else(usual) else {
-            return Err(Failure::new(format!("{}: it has no snapshot yet", data.display())));
+            return Err(Failure::new(format!("{}: it has no snapshot yet", data.shown())));
         };
         if !names.contains(&name) {
             let known = names.join(", ");
             return Err(Failure::new(format!(
                 "{}: it has no snapshot {name}; there are {known}",
-                data.display()
+                data.shown()
             )));
         }
         Ok((run.snapshot(&name)?, Parts::all()))

@@ -6,6 +6,7 @@ use clap::Args;
 use granum_dem::contact::PairProperties;
 use granum_dem::contact::pair::{PairRow, PathRow};
 use granum_dem::contact::refined::drive_pair_refined;
+use granum_io::shell::ShowPath;
 use granum_io::{Column, read_table};
 
 use super::law::LawFlags;
@@ -46,8 +47,7 @@ impl Pair {
         let _alone = context.nothing_written(Some("moving the pair"));
         let case = self.law.case_of_one_material(context)?;
         let mut table = read_table(&self.path)?;
-        let in_file =
-            |error: &dyn std::fmt::Display| Failure::new(format!("{}: {error}", self.path.display()));
+        let in_file = |error: &dyn std::fmt::Display| Failure::new(format!("{}: {error}", self.path.shown()));
         let [approach, displacement] =
             table.select(["normal_approach", "tangential_displacement"]).map_err(|error| in_file(&error))?;
         let path: Vec<PathRow> = approach

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use granum_antony2006::MappingNetworks;
+use granum_io::shell::ShowPath;
 use granum_io::{check_output_file, read_columns, write_table};
 use granum_learn::study::load;
 use granum_learn::{LearnError, Surrogate};
@@ -86,7 +87,7 @@ impl Predict {
 
     fn ask_file(&self, context: &Context) -> Result<(), Failure> {
         if let Some(mapping) = &self.mapping {
-            let path = self.study.display();
+            let path = self.study.shown();
             return Err(Failure::new(format!(
                 "--mapping {mapping}: {path} is the file of one surrogate; only a study has mappings to choose from"
             )));
@@ -154,7 +155,7 @@ impl Predict {
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let table = read_columns(path, &names)?;
         let answers = surrogate.predict_table(&table, LEVEL).map_err(|error| match error {
-            LearnError::Rows(reason) => Failure::new(format!("{}: {reason}", path.display())),
+            LearnError::Rows(reason) => Failure::new(format!("{}: {reason}", path.shown())),
             other => other.into(),
         })?;
         let warning = format!(
@@ -174,6 +175,6 @@ impl Predict {
             "rows_outside": answers.outside,
             "constant_sub_models": surrogate.constants(&answers.sub_models),
         });
-        output::say(context, &result, || format!("wrote {} rows to {}", answers.table.rows(), path.display()))
+        output::say(context, &result, || format!("wrote {} rows to {}", answers.table.rows(), path.shown()))
     }
 }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use granum_io::shell::ShowPath;
 use granum_io::{check_output_file, read_columns, write_table};
 use granum_learn::Surrogate;
 use granum_learn::inference::predict_table;
@@ -80,7 +81,7 @@ pub fn many(
     let names = surrogate.columns().input_names();
     let table = read_columns(input, &names.iter().map(String::as_str).collect::<Vec<_>>())?;
     let answers = predict_table(surrogate, &table, LEVEL)
-        .map_err(|error| Failure::new(format!("{}: {error}", input.display())))?;
+        .map_err(|error| Failure::new(format!("{}: {error}", input.shown())))?;
     let outside =
         answers.values("outside").map_or(0, |flags| flags.iter().filter(|flag| **flag > 0.0).count());
     if outside > 0 {
@@ -93,5 +94,5 @@ pub fn many(
     let Some(path) = output else { return output::put_table(context, None, &answers) };
     write_table(path, &answers)?;
     let result = json!({ "output": output::path(path), "rows": answers.rows(), "rows_outside": outside });
-    output::say(context, &result, || format!("wrote {} rows to {}", answers.rows(), path.display()))
+    output::say(context, &result, || format!("wrote {} rows to {}", answers.rows(), path.shown()))
 }

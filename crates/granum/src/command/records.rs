@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use granum_io::case::Difference;
+use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
 use granum_io::{Run, RunRecord, RunStatus};
 use granum_learn::NamedRecord;
@@ -38,7 +39,7 @@ pub fn check_begun(run: &Run, about: &RunRecord) -> Result<(), Failure> {
     if about.kind == "prepare" || run.series_path().is_file() {
         return Ok(());
     }
-    let (name, quoted) = (run.path().display(), quoted_path(run.path()));
+    let (name, quoted) = (run.path().shown(), quoted_path(run.path()));
     let place = if about.phase.is_empty() { "the start" } else { about.phase.as_str() };
     Err(Failure::new(format!(
         "{name}: it was interrupted in {place}, before its test began; continue it with `granum resume {quoted}`"
@@ -61,28 +62,20 @@ fn read_one(context: &Context, folder: &Path, role: RunRole) -> Result<Recorded,
     if about.kind == "prepare" {
         return Err(Failure::new(format!(
             "{}: this is a sample, not a test; shear it first: granum shear CASE --sample {}",
-            folder.display(),
+            folder.shown(),
             quoted_path(folder)
         )));
     }
     check_begun(&run, &about)?;
     let record = read_record(&run)?;
     if about.status != RunStatus::Finished {
-        context.warn(&format!(
-            "{} did not reach its end; the states recorded so far are used",
-            folder.display()
-        ));
+        context
+            .warn(&format!("{} did not reach its end; the states recorded so far are used", folder.shown()));
     }
     // The end of a test that is defined as a list of stages is the end of its record.
     let last = record.series.values("deviator_strain").and_then(|strains| strains.last().copied());
     let end = last.filter(|_| case.has_stages()).unwrap_or(case.shear.deviator_strain);
-    Ok(Recorded {
-        known: StudyRun::read(&run, role)?,
-        name: folder.display().to_string(),
-        seed: about.seed,
-        end,
-        record,
-    })
+    Ok(Recorded { known: StudyRun::read(&run, role)?, name: folder.shown(), seed: about.seed, end, record })
 }
 
 /// Refuses runs with identical states, since networks would be evaluated on the data from which they learned.

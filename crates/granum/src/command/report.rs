@@ -11,6 +11,7 @@ use granum_antony2006::reproduction::{Reproduction, SPEED_FILE, SUMMARY_FILE};
 use granum_antony2006::{StudyData, StudyDataOptions};
 use granum_antony2006::{StudyReport, speed_page, study_report};
 use granum_io::formats::Observation;
+use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
 use granum_io::{Run, RunStatus, atomic::write_atomically, check_output_file};
 use granum_learn::NamedRecord;
@@ -88,13 +89,9 @@ impl Report {
         let figures = if page { 0 } else { document.figures.len() };
         output::say(context, &json!({ "report": output::path(&file), "figure_files": figures }), || {
             match figures {
-                0 => format!("wrote {}", file.display()),
+                0 => format!("wrote {}", file.shown()),
                 _ => {
-                    format!(
-                        "wrote {} and {figures} figures in {}",
-                        file.display(),
-                        out.join("figures").display()
-                    )
+                    format!("wrote {} and {figures} figures in {}", file.shown(), out.join("figures").shown())
                 }
             }
         })
@@ -109,14 +106,14 @@ impl Report {
         if contents.kind().is_none() || its_own {
             return Ok(());
         }
-        let names: Vec<String> = self.data.iter().map(|path| path.display().to_string()).collect();
+        let names: Vec<String> = self.data.iter().map(|path| path.shown()).collect();
         let what = format!("the report of {}", names.join(", "));
         Err(taken(out, &contents, &what, false).into())
     }
 
     fn document(&self, context: &Context) -> Result<(Document, Option<StudyReport>), Failure> {
         if let Some(path) = self.data.iter().find(|path| !path.exists()) {
-            return Err(Failure::new(format!("{}: there is no such file or folder", path.display())));
+            return Err(Failure::new(format!("{}: there is no such file or folder", path.shown())));
         }
         let files = self.data.iter().filter(|path| !path.is_dir()).count();
         if files == self.data.len() {
@@ -124,7 +121,7 @@ impl Report {
         }
         if let Some(file) = self.data.iter().find(|path| !path.is_dir()) {
             let message = "is no folder; give folders of runs, or files of another program, not both";
-            return Err(Failure::new(format!("{}: {message}", file.display())));
+            return Err(Failure::new(format!("{}: {message}", file.shown())));
         }
         if let Some(flag) = self.sources.first_given() {
             return Err(Failure::new(format!("{flag}: it belongs to files of another program, not to runs")));
@@ -182,13 +179,13 @@ fn over_each_other(
         if about.kind == "prepare" {
             let message =
                 "is a sample; tests are drawn over each other, and a sample has a report of its own";
-            return Err(Failure::new(format!("{}: {message}", folder.display())));
+            return Err(Failure::new(format!("{}: {message}", folder.shown())));
         }
         records::check_begun(&run, &about)?;
         if about.status != RunStatus::Finished {
             context.warn(&format!(
                 "{} did not reach its end; the states recorded so far are drawn",
-                folder.display()
+                folder.shown()
             ));
         }
         runs.push(RunReport::read_without_pictures(&run, Role::Single)?);
@@ -197,7 +194,7 @@ fn over_each_other(
     let names: Vec<String> = runs.iter().map(|run| run.name.clone()).collect();
     for (run, folder) in runs.iter_mut().zip(&found) {
         if names.iter().filter(|name| **name == run.name).count() > 1 {
-            run.name = folder.display().to_string();
+            run.name = folder.shown();
         }
     }
     match &runs[..] {
@@ -224,7 +221,7 @@ fn document(folder: &Path) -> Result<(Document, Option<StudyReport>), Failure> {
     }
     let contents = Contents::of(folder)?;
     if contents.kind() == Some(Kind::Reproduction) {
-        let (name, next) = (folder.display(), contents.next(folder).text);
+        let (name, next) = (folder.shown(), contents.next(folder).text);
         return Err(Failure::new(format!("{name}: the reproduction is not finished; {next}")));
     }
     if granum_learn::study::is_study(folder) {
@@ -235,7 +232,7 @@ fn document(folder: &Path) -> Result<(Document, Option<StudyReport>), Failure> {
     if folder.join(granum_antony2006::layout::STUDY_FILE).is_file() {
         return Err(Failure::new(format!(
             "{}: it contains networks but no runs to draw; `granum evaluate {} RUN...` scores them on runs",
-            folder.display(),
+            folder.shown(),
             quoted_path(folder)
         )));
     }
@@ -245,7 +242,7 @@ fn document(folder: &Path) -> Result<(Document, Option<StudyReport>), Failure> {
         if about.status != RunStatus::Finished {
             return Err(Failure::new(format!(
                 "{}: the sample is not finished; continue it: `granum resume {}`",
-                folder.display(),
+                folder.shown(),
                 quoted_path(folder)
             )));
         }
@@ -267,8 +264,7 @@ fn study(folder: &Path, runs: &Path, models: &Path) -> Result<StudyReport, Failu
                 "training" => Role::Training,
                 "unseen" => Role::Unseen,
                 other => {
-                    let message =
-                        format!("{}: role {other:?} is neither training nor unseen", path.display());
+                    let message = format!("{}: role {other:?} is neither training nor unseen", path.shown());
                     return Err(Failure::new(message));
                 }
             };
@@ -286,8 +282,8 @@ fn study(folder: &Path, runs: &Path, models: &Path) -> Result<StudyReport, Failu
     if dataset_hash != study.dataset_hash {
         return Err(Failure::new(format!(
             "{}: the networks were not trained on the runs in {}; train them again: granum resume {}",
-            models.display(),
-            runs.display(),
+            models.shown(),
+            runs.shown(),
             quoted_path(folder)
         )));
     }

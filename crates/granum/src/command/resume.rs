@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use granum::contents::Contents;
 use granum_antony2006::layout::STUDY_FILE;
+use granum_io::shell::ShowPath;
 use granum_io::{RunFolder, RunStatus};
 use granum_learn::study::StudyPlan;
 use serde_json::json;
@@ -43,7 +44,7 @@ impl Resume {
                 Reproduce::resumed(&self.folder, of.options, checkpoints, hardware).run(context)
             }
             unsaid @ Contents::Reproduction { of: None, .. } => {
-                let (name, next) = (self.folder.display(), unsaid.next(&self.folder).text);
+                let (name, next) = (self.folder.shown(), unsaid.next(&self.folder).text);
                 Err(Failure::new(format!("{name}: {next}")))
             }
             Contents::Runs { list, .. } => {
@@ -69,7 +70,7 @@ impl Resume {
 
     /// Resumes a training.
     fn training(&self, context: &Context) -> Result<(), Failure> {
-        let name = self.folder.display();
+        let name = self.folder.shown();
         if self.folder.join(STUDY_FILE).is_file() {
             let result = json!({ "study": output::path(&self.folder), "status": "finished" });
             return output::say(context, &result, || format!("{name}: the training is finished"));

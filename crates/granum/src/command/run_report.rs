@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
 use granum_io::{QualityFlag, Run, RunRecord, RunSource, RunStatus};
 use serde_json::{Value, json};
@@ -20,20 +21,20 @@ pub fn print(context: &Context, folder: &Path, record: &RunRecord) -> Result<(),
     if record.status == RunStatus::Interrupted {
         let left = format!(
             "the results so far are in {}; continue with `granum resume {}`",
-            folder.display(),
+            folder.shown(),
             quoted_path(folder)
         );
         return Err(Interrupted { left }.into());
     }
     output::say_complete(context, folder, &result(context, folder, record), || {
-        format!("{}\nwrote {}", text(folder, record), folder.display())
+        format!("{}\nwrote {}", text(folder, record), folder.shown())
     })
 }
 
 /// Prints the result of a run that had finished earlier.
 pub fn print_finished(context: &Context, folder: &Path, record: &RunRecord) -> Result<(), Failure> {
     output::say(context, &result(context, folder, record), || {
-        format!("{}: it was already finished; nothing was left to do", folder.display())
+        format!("{}: it was already finished; nothing was left to do", folder.shown())
     })
 }
 

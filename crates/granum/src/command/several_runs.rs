@@ -5,6 +5,7 @@ use std::path::Path;
 
 use granum::contents::{Kind, check_free};
 use granum_io::OutputFolder;
+use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
 use granum_run::Laboratory;
 use granum_run::laboratory::Source;
@@ -92,7 +93,7 @@ fn execute(
     let outcomes = queue.run(laboratory, &show);
     let finished = outcomes.iter().filter(|outcome| outcome.is_finished()).count();
     if outcomes.iter().any(Outcome::is_stopped) {
-        let (out, quoted) = (folder.path().display(), quoted_path(folder.path()));
+        let (out, quoted) = (folder.path().shown(), quoted_path(folder.path()));
         let all = outcomes.len();
         let left =
             format!("{finished} of {all} runs in {out} are finished; continue with `granum resume {quoted}`");
@@ -151,7 +152,7 @@ fn print(context: &Context, queue: &Queue, outcomes: &[Outcome], out: &Path) -> 
             }
             count => lines.push(format!("{count} were already finished")),
         }
-        lines.push(format!("wrote {}; all columns: granum table {}", out.display(), quoted_path(out)));
+        lines.push(format!("wrote {}; all columns: granum table {}", out.shown(), quoted_path(out)));
         lines.join("\n")
     })
 }

@@ -6,6 +6,7 @@ use std::time::Duration;
 use clap::Args;
 use granum::contents::{Contents, Next};
 use granum_antony2006::training_checkpoints::TrainingManifest;
+use granum_io::shell::ShowPath;
 use granum_io::{OutputFolder, Run, RunStatus};
 use granum_learn::study::StudyPlan;
 use granum_run::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
@@ -46,14 +47,14 @@ impl Status {
         for folder in contents.runs(&self.folder) {
             if Contents::of(&folder)? == Contents::Nothing {
                 all.push(json!({ "folder": output::path(&folder), "status": "not begun" }));
-                lines.push(format!("{}: not begun", folder.display()));
+                lines.push(format!("{}: not begun", folder.shown()));
                 continue;
             }
             let found = FolderStatus::of(&folder)?;
             all.push(found.json());
             lines.push(found.text());
         }
-        lines.push(format!("{}: {}", self.folder.display(), next.text));
+        lines.push(format!("{}: {}", self.folder.shown(), next.text));
         let result = json!({
             "folder": output::path(&self.folder),
             "runs": all,
@@ -69,7 +70,7 @@ impl Status {
 
     /// Prints the progress of a training.
     fn training(&self, context: &Context, finished: bool) -> Result<(), Failure> {
-        let name = self.folder.display();
+        let name = self.folder.shown();
         // The networks of a reproduction have no manifest of their own.
         let networks = if StudyPlan::is_in(&self.folder) {
             StudyPlan::read(&self.folder)?.surrogates()
@@ -180,7 +181,7 @@ impl FolderStatus {
 
     fn text(&self) -> String {
         let what = if self.kind == "prepare" { "preparation" } else { "test" };
-        let mut text = format!("{}: {what} {}", self.folder.display(), self.word());
+        let mut text = format!("{}: {what} {}", self.folder.shown(), self.word());
         if !self.phase.is_empty() {
             text += &format!(" in {}", self.phase);
         }

@@ -6,6 +6,7 @@ use clap::Args;
 use granum_core::Table;
 use granum_core::quantity::{Dimension, parse_quantity};
 use granum_dem::simulation::Simulation;
+use granum_io::shell::ShowPath;
 use granum_run::stiffness::{Probed, Probes, Probing, degradation, degradation_table, table};
 use granum_run::{Laboratory, Observers, Source};
 use serde_json::{Value, json};
@@ -70,7 +71,7 @@ impl MeasureStiffness {
         if !self.data.is_dir() {
             return Err(Failure::new(format!(
                 "{}: is no folder; give the folder of a sample or a run, or a case with --at and the strains at which to measure",
-                self.data.display()
+                self.data.shown()
             )));
         }
         let simulation = laboratory.last_state(&self.data)?;
@@ -91,7 +92,7 @@ impl MeasureStiffness {
         if self.data.is_dir() {
             return Err(Failure::new(format!(
                 "{}: is a folder; --at needs a case file, whose test it runs",
-                self.data.display()
+                self.data.shown()
             )));
         }
         let case = self.flags.read(context, &self.data, false)?;

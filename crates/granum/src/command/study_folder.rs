@@ -6,6 +6,7 @@ use granum::contents::Contents;
 use granum_antony2006::Study;
 use granum_antony2006::files::load_study;
 use granum_antony2006::layout::STUDY_FILE;
+use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
 
 use crate::failure::Failure;
@@ -25,7 +26,7 @@ pub fn load(folder: &Path) -> Result<Study, Failure> {
         };
         return Err(Failure::new(format!(
             "{}: a study is needed here, and this folder holds {}; {next}",
-            folder.display(),
+            folder.shown(),
             contents.name()
         )));
     }

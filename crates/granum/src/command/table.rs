@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use granum_core::parallel;
 use granum_io::formats::mixed::{MixedTable, MixedValues};
+use granum_io::shell::ShowPath;
 use granum_io::{RunStatus, check_output_file};
 use granum_run::runs_table::{RunEntry, RunsTable, Selection, find_runs};
 use serde_json::{Map, Value, json};
@@ -47,7 +48,7 @@ impl Table {
         let names: Vec<String> = runs.iter().map(|run| run.name.clone()).collect();
         for run in &mut runs {
             if names.iter().filter(|name| **name == run.name).count() > 1 {
-                run.name = run.folder.display().to_string();
+                run.name = run.folder.shown();
             }
         }
         for run in runs.iter().filter(|run| run.record.status != RunStatus::Finished) {
@@ -63,7 +64,7 @@ impl Table {
             let mut lines = text_table::lines(&shown);
             if let Some(path) = &self.output {
                 let (rows, columns) = (full.rows(), full.columns().len());
-                lines.push(format!("wrote {rows} rows with {columns} columns to {}", path.display()));
+                lines.push(format!("wrote {rows} rows with {columns} columns to {}", path.shown()));
             }
             lines.join("\n")
         })

@@ -18,6 +18,7 @@ use granum_antony2006::{
 };
 use granum_io::OutputFolder;
 use granum_io::case::Difference;
+use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
 use granum_learn::LearnError;
 use granum_learn::runs::{RunRole, StudyRun};
@@ -144,7 +145,7 @@ impl<'a> Show<'a> {
             (None, LearnError::Stopped { done, total }) => {
                 let left = format!(
                     "{done} of {total} networks are in {}; continue with `granum resume {}`",
-                    folder.display(),
+                    folder.shown(),
                     quoted_path(folder)
                 );
                 Interrupted { left }.into()
@@ -301,7 +302,7 @@ impl Train {
                 return Err(Failure::new(format!(
                     "{}: it contains an unfinished training that differs in {}; continue that one (`granum resume \
                      {}`), choose another --out, or give --force to replace it",
-                    self.out.display(),
+                    self.out.shown(),
                     differences.join(", "),
                     quoted_path(&self.out)
                 )));
@@ -338,7 +339,7 @@ impl Train {
         output::say(context, &result, || {
             let mut lines = scores::lines(&mappings, spread.name());
             lines.extend(spread.explanation());
-            lines.push(format!("wrote {}", self.out.display()));
+            lines.push(format!("wrote {}", self.out.shown()));
             lines.join("\n")
         })
     }

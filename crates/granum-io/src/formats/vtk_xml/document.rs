@@ -10,6 +10,7 @@ use roxmltree::{Document as Xml, Node};
 
 use super::decode::{self, Encoding, Kind, Layout};
 use crate::error::{Error, InputError, Result};
+use crate::shell::ShowPath;
 
 /// Where the appended data begin.
 const APPENDED: &[u8] = b"<AppendedData";
@@ -172,7 +173,7 @@ pub(super) fn parse_text<'a>(path: &Path, text: &'a str) -> Result<Xml<'a>> {
     Xml::parse(text).map_err(|error| {
         let line = error.pos().row as usize;
         let message = format!("is no VTK XML file or is damaged: {error}");
-        InputError::in_line(&path.display().to_string(), line, "", 0..0, message).into()
+        InputError::in_line(&path.shown(), line, "", 0..0, message).into()
     })
 }
 
@@ -287,7 +288,7 @@ impl File<'_> {
 
     fn error(&self, node: Node, message: impl Into<String>) -> Error {
         let line = self.xml.text_pos_at(node.range().start).row as usize;
-        InputError::in_line(&self.path.display().to_string(), line, "", 0..0, message.into()).into()
+        InputError::in_line(&self.path.shown(), line, "", 0..0, message.into()).into()
     }
 }
 

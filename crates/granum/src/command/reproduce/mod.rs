@@ -16,6 +16,7 @@ use granum_antony2006::reproduction::{Reproduction, ReproductionOptions, SPEED_F
 use granum_antony2006::times::SummaryTimes;
 use granum_io::OutputFolder;
 use granum_io::sealed::unseal;
+use granum_io::shell::ShowPath;
 use granum_learn::LearnError;
 use granum_run::Laboratory;
 use serde_json::json;
@@ -170,7 +171,7 @@ impl Reproduce {
                 Some(seconds) => format!("done in {}", readable(seconds)),
                 None => "it was already finished; nothing was left to do".to_string(),
             };
-            format!("{}\nreport: {}\nnumbers: {}\n{end}", table(summary), report.display(), numbers.display())
+            format!("{}\nreport: {}\nnumbers: {}\n{end}", table(summary), report.shown(), numbers.shown())
         })
     }
 }
@@ -182,7 +183,7 @@ pub(super) fn read_summary(folder: &Path) -> Result<Summary, Failure> {
         .map_err(granum_io::Error::file("read", &path))?;
     let text = unseal(&path, &text)?.text;
     let mut summary: Summary = serde_json::from_str(&text).map_err(|error| {
-        Failure::new(format!("{}: this is not a summary of a study ({error})", path.display()))
+        Failure::new(format!("{}: this is not a summary of a study ({error})", path.shown()))
     })?;
     if let Some(times) = SummaryTimes::read(folder) {
         times.add_to(&mut summary);

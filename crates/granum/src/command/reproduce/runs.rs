@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use granum_io::inner_folder;
+use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
 use granum_run::laboratory::{Laboratory, Source};
 use granum_run::queue::{Outcome, Queue, QueueError, QueuedRun};
@@ -63,7 +64,7 @@ pub fn all(
         }
     }
     if stopped {
-        let (name, quoted) = (folder.display(), quoted_path(folder));
+        let (name, quoted) = (folder.shown(), quoted_path(folder));
         let left = format!("{name} contains the results so far; continue with `granum resume {quoted}`");
         return Err(Interrupted { left }.into());
     }
@@ -81,7 +82,7 @@ fn refusal(error: QueueError) -> Failure {
     match error {
         QueueError::OtherRun { folder, version } => Failure::new(format!(
             "{}: its run has another case or version (granum {version}) than this reproduction; {otherwise}",
-            folder.display()
+            folder.shown()
         )),
         QueueError::File(error) => Failure::new(format!("{error}; {otherwise}")),
         other => other.into(),
