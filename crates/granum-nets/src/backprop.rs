@@ -153,6 +153,7 @@ impl Workspace {
             targets: data.targets.repeat(m),
             weights: data.weights.as_ref().map(|w| w.repeat(m)),
             blocks: Vec::new(),
+            sequences: None,
             validation: None,
             ..*data
         };

@@ -3,6 +3,8 @@
 use granum_core::digest::Digest;
 use serde::{Deserialize, Serialize};
 
+use crate::sequences::Sequences;
+
 /// Largest number of values in a table (inputs and targets together).
 const LARGEST: usize = 1 << 28;
 
@@ -64,6 +66,8 @@ pub struct Data {
     pub(crate) blocks: Vec<usize>,
     #[serde(default)]
     pub(crate) spread_column: Option<usize>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) sequences: Option<Sequences>,
     pub(crate) validation: Option<Box<Data>>,
 }
 
@@ -123,6 +127,7 @@ impl Data {
             observations,
             blocks: Vec::new(),
             spread_column: None,
+            sequences: None,
             validation,
         })
     }
@@ -186,6 +191,30 @@ impl Data {
         self.weights = Some(weights.into_iter().map(|w| w / mean).collect());
         self.observations = self.rows as f64;
         Ok(self)
+    }
+
+    /// Divides the rows into consecutive sequences, for models with memory.
+    ///
+    /// # Errors
+    /// If the lengths of the sequences do not add up to the number of rows, or if rows form observations of several points.
+    pub fn with_sequences(mut self, sequences: Sequences) -> Result<Data, DataError> {
+        if sequences.rows() != self.rows {
+            return Err(DataError::Shape(format!(
+                "the sequences have {} rows together, the table has {}",
+                sequences.rows(),
+                self.rows
+            )));
+        }
+        if self.points > 1 {
+            return Err(DataError::Shape("observations of several points do not form sequences".into()));
+        }
+        self.sequences = Some(sequences);
+        Ok(self)
+    }
+
+    /// The sequences of rows; `None` for rows without an order.
+    pub fn sequences(&self) -> Option<&Sequences> {
+        self.sequences.as_ref()
     }
 
     /// Number of rows of each observation; one unless it was set.
@@ -253,6 +282,10 @@ impl Data {
                 "validation rows come in observations of {} points, training rows of {}",
                 rows.points, self.points
             )));
+        }
+        if rows.sequences.is_some() != self.sequences.is_some() {
+            let text = "validation rows and training rows must both be sequences, or neither";
+            return Err(DataError::Shape(text.into()));
         }
         if (rows.input_columns, rows.target_columns) != (self.input_columns, self.target_columns) {
             return Err(DataError::Shape(format!(
@@ -344,6 +377,10 @@ impl Data {
         if let Some(validation) = &self.validation {
             validation.feed(digest);
         }
+        // Rows without sequences keep the digest that they had before there were sequences.
+        if let Some(sequences) = &self.sequences {
+            sequences.feed(digest);
+        }
     }
 }
 
@@ -388,5 +425,9 @@ mod tests {
         assert_eq!(data(2.0).hash(), data(2.0).hash());
         assert_ne!(data(2.0).hash(), data(2.0f64.next_up()).hash());
         assert_ne!(data(2.0).hash(), data(2.0).with_weights(vec![1.0, 2.0]).unwrap().hash());
+        let cut =
+            |lengths: Vec<usize>| data(2.0).with_sequences(Sequences::new(lengths).unwrap()).unwrap().hash();
+        assert_ne!(data(2.0).hash(), cut(vec![2]));
+        assert_ne!(cut(vec![1, 1]), cut(vec![2]));
     }
 }

@@ -1,5 +1,6 @@
 //! Ensembles of networks from different seeds: their mean, and their scatter as a further estimate of the uncertainty.
 
+use granum_core::observer::NoObserver;
 use granum_core::parallel;
 
 use crate::data::Data;
@@ -7,7 +8,6 @@ use crate::model::Model;
 use crate::model_definition::ModelDefinition;
 use crate::model_error::ModelError;
 use crate::prediction::{BatchPrediction, Prediction};
-use crate::trainer::observer::Silent;
 use crate::trainer::report::TrainingReport;
 use crate::trainer::trainer_trait::Trainer;
 
@@ -44,7 +44,12 @@ impl Ensemble {
         threads: usize,
     ) -> Result<(Ensemble, Vec<TrainingReport>), ModelError> {
         let fitted = parallel::map(seeds.len(), threads.max(1), |k| {
-            Model::fit(&ModelDefinition { seed: seeds[k], ..definition.clone() }, data, trainer, &mut Silent)
+            Model::fit(
+                &ModelDefinition { seed: seeds[k], ..definition.clone() },
+                data,
+                trainer,
+                &mut NoObserver,
+            )
         })?;
         let (members, reports) = fitted.into_iter().unzip();
         Ok((Ensemble::from_models(members)?, reports))

@@ -57,7 +57,7 @@ fn layer(
 }
 
 /// A random number with uniform distribution in (-1, 1), with 53 bits and never zero.
-fn uniform(random: &mut ChaCha8Rng) -> f64 {
+pub(crate) fn uniform(random: &mut ChaCha8Rng) -> f64 {
     let bits = (random.next_u64() >> 11) as f64 + 0.5;
     2.0 * bits / 9_007_199_254_740_992.0 - 1.0
 }

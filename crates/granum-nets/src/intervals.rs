@@ -123,7 +123,7 @@ mod tests {
     use rand_chacha::rand_core::{Rng, SeedableRng};
 
     use super::*;
-    use crate::trainer::{LevenbergMarquardt, Silent};
+    use crate::trainer::{LevenbergMarquardt, NoObserver};
     use crate::{Column, Model, ModelDefinition};
 
     fn table(points: usize) -> Data {
@@ -217,7 +217,7 @@ mod tests {
             seed: 3,
         };
         let trainer = LevenbergMarquardt { isa, ..LevenbergMarquardt::default() };
-        Model::fit(&definition, data, &trainer, &mut Silent).unwrap().0
+        Model::fit(&definition, data, &trainer, &mut NoObserver).unwrap().0
     }
 
     #[test]

@@ -1,7 +1,7 @@
-//! Feed-forward networks for small tables: training, prediction with uncertainty, and model files.
+//! Feed-forward networks for small tables and recurrent ones for sequences: training, prediction with uncertainty, and model files.
 //!
 //! ```
-//! use granum_nets::trainer::{self, Options, Silent};
+//! use granum_nets::trainer::{self, NoObserver, Options};
 //! use granum_nets::{Column, Data, Model, ModelDefinition};
 //!
 //! // Forty rows of one input and one target.
@@ -12,7 +12,7 @@
 //! let inputs = vec![Column::new("deviator_strain", "1")];
 //! let definition = ModelDefinition::new(inputs, Column::new("stress_ratio", "1"), vec![10, 10]).with_seed(1);
 //! let trainer = trainer::by_name("levenberg-marquardt", &Options::default())?;
-//! let (model, report) = Model::fit(&definition, &data, trainer.as_ref(), &mut Silent)?;
+//! let (model, report) = Model::fit(&definition, &data, trainer.as_ref(), &mut NoObserver)?;
 //! println!("{} epochs: {}", report.epochs, report.termination);
 //!
 //! let inside = model.predict(&[0.1])?;
@@ -30,20 +30,27 @@ mod activation;
 mod backprop;
 mod curvature;
 mod data;
+mod differentiable;
 mod ensemble;
 mod forward;
+mod gru;
+mod gru_batch;
 mod initialisation;
 mod intervals;
 mod kernels;
+mod members;
 mod model;
 mod model_definition;
 mod model_error;
 mod model_file;
 mod network;
+mod network_batch;
 mod objective;
 mod prediction;
 mod provenance;
 mod scaler;
+mod sequence_model;
+mod sequences;
 mod student_t;
 mod symmetric;
 pub mod trainer;
@@ -51,7 +58,10 @@ mod uncertainty;
 
 pub use activation::Activation;
 pub use data::{Data, DataError};
+pub use differentiable::{Batch, Differentiable, GaussNewton};
 pub use ensemble::Ensemble;
+pub use granum_simd::Isa;
+pub use gru::Gru;
 pub use intervals::Intervals;
 pub use model::Model;
 pub use model_definition::{Column, ModelDefinition};
@@ -61,4 +71,6 @@ pub use objective::Objective;
 pub use prediction::{BatchPrediction, Deviation, Prediction};
 pub use provenance::{Fit, Provenance};
 pub use scaler::Scaler;
+pub use sequence_model::{SequenceDefinition, SequenceModel};
+pub use sequences::Sequences;
 pub use student_t::two_sided_quantile;

@@ -2,6 +2,8 @@
 
 use std::sync::OnceLock;
 
+use granum_core::observer::Observer;
+
 use crate::data::Data;
 use crate::forward::RowNetwork;
 use crate::intervals::Intervals;
@@ -10,7 +12,6 @@ use crate::model_error::ModelError;
 use crate::network::Network;
 use crate::provenance::{Fit, Provenance};
 use crate::scaler::Scaler;
-use crate::trainer::observer::Observer;
 use crate::trainer::report::TrainingReport;
 use crate::trainer::state::TrainerState;
 use crate::trainer::trainer_trait::Trainer;
@@ -22,14 +23,14 @@ const CONSTANT: f64 = 1e-3;
 /// A trained network in the units of its columns.
 ///
 /// ```
-/// use granum_nets::trainer::{LevenbergMarquardt, Silent};
+/// use granum_nets::trainer::{LevenbergMarquardt, NoObserver};
 /// use granum_nets::{Column, Data, Model, ModelDefinition};
 ///
 /// let x: Vec<f64> = (0..30).map(|k| k as f64 / 29.0).collect();
 /// let y = x.iter().map(|x| 2.0 * x * x).collect();
 /// let definition = ModelDefinition::new(vec![Column::new("x", "m")], Column::new("y", "m2"), vec![4]);
 /// let trainer = LevenbergMarquardt::default();
-/// let (model, _) = Model::fit(&definition, &Data::new(x, 1, y)?, &trainer, &mut Silent)?;
+/// let (model, _) = Model::fit(&definition, &Data::new(x, 1, y)?, &trainer, &mut NoObserver)?;
 /// // A saved model is read back with identical bits.
 /// let back = Model::from_json(&model.to_json(), "model.json")?;
 /// assert_eq!(back.value(&[0.5])?, model.value(&[0.5])?);
@@ -243,6 +244,7 @@ fn scale(data: &Data, inputs: &[Scaler], output: &Scaler) -> Data {
         validation: data.validation().map(|v| Box::new(scale(v, inputs, output))),
         weights: data.weights.clone(),
         blocks: data.blocks.clone(),
+        sequences: data.sequences.clone(),
         ..*data
     }
 }

@@ -1,14 +1,13 @@
-//! The error of a network over the rows of a table, and its gradient, for user-defined trainers.
+//! The error of a model over the rows of a table, and its gradient, for user-defined trainers.
 
 use granum_simd::Isa;
 
-use crate::backprop::Workspace;
 use crate::data::Data;
-use crate::network::Network;
+use crate::differentiable::{Batch, Differentiable};
 use crate::trainer::error::TrainingError;
 use crate::trainer::trainer_trait::check_columns;
 
-/// The mean squared error of a network as a function of its weights,
+/// The mean squared error of a model as a function of its weights,
 ///
 /// ```text
 /// E = sum of w (answer - target)^2 / (observations * targets)
@@ -29,35 +28,35 @@ use crate::trainer::trainer_trait::check_columns;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Objective {
-    workspace: Workspace,
+    batch: Box<dyn Batch>,
     /// Number of errors: observations times targets.
     values: f64,
     weights: usize,
 }
 
 impl Objective {
-    /// The error over the given rows, for networks with the shape of `network`.
+    /// The error over the given rows, or sequences of rows, for models with the shape of `model`.
     ///
     /// # Errors
-    /// If the numbers of columns of the data do not match the network.
-    pub fn new(network: &Network, data: &Data) -> Result<Objective, TrainingError> {
-        check_columns(network, data)?;
+    /// If the data do not match the model.
+    pub fn new(model: &dyn Differentiable, data: &Data) -> Result<Objective, TrainingError> {
+        check_columns(model, data)?;
         Ok(Objective {
-            workspace: Workspace::new(Isa::detect(), network, data),
+            batch: model.batch(Isa::detect(), data)?,
             values: data.observations() * data.target_columns() as f64,
-            weights: network.weights().len(),
+            weights: model.weights().len(),
         })
     }
 
     /// The mean squared error at the given weights.
     ///
     /// # Errors
-    /// If the number of weights is not that of the network.
+    /// If the number of weights is not that of the model.
     pub fn error(&mut self, weights: &[f64]) -> Result<f64, TrainingError> {
         if weights.len() != self.weights {
             return Err(TrainingError::Weights { expected: self.weights, found: weights.len() });
         }
-        Ok(self.workspace.squared_error(weights) / self.values)
+        Ok(self.batch.squared_error(weights) / self.values)
     }
 
     /// The mean squared error at the given weights, and its derivatives with respect to the weights.
@@ -67,7 +66,7 @@ impl Objective {
     pub fn error_and_gradient(&mut self, weights: &[f64]) -> Result<(f64, Vec<f64>), TrainingError> {
         let error = self.error(weights)?;
         let mut gradient = vec![0.0; weights.len()];
-        self.workspace.gradient(weights, 2.0 / self.values, &mut gradient);
+        self.batch.gradient(weights, 2.0 / self.values, &mut gradient);
         Ok((error, gradient))
     }
 }

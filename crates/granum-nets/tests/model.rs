@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use granum_nets::trainer::{LevenbergMarquardt, Silent, Trainer, Traingdx};
+use granum_nets::trainer::{LevenbergMarquardt, NoObserver, Trainer, Traingdx};
 use granum_nets::{Column, Data, Model, ModelDefinition, ModelError};
 use proptest::prelude::*;
 
@@ -48,7 +48,7 @@ fn data(rows: usize) -> Data {
 }
 
 fn model() -> Model {
-    Model::fit(&definition(), &data(120), &LevenbergMarquardt::default(), &mut Silent).unwrap().0
+    Model::fit(&definition(), &data(120), &LevenbergMarquardt::default(), &mut NoObserver).unwrap().0
 }
 
 /// A temporary folder, which is removed when it is dropped.
@@ -130,7 +130,7 @@ fn rows_that_are_none_are_refused() {
     assert!(model.predict_batch(&[]).unwrap().values.is_empty());
     let wrong = ModelDefinition { inputs: vec![Column::new("x", "1")], ..definition() };
     assert!(matches!(
-        Model::fit(&wrong, &data(20), &LevenbergMarquardt::default(), &mut Silent),
+        Model::fit(&wrong, &data(20), &LevenbergMarquardt::default(), &mut NoObserver),
         Err(ModelError::Columns(_))
     ));
 }
@@ -154,7 +154,7 @@ fn a_saved_model_comes_back_whole() {
     for trainer in
         [&LevenbergMarquardt::default() as &dyn Trainer, &Traingdx { epochs: 50, ..Default::default() }]
     {
-        let (model, _) = Model::fit(&definition(), &data(120), trainer, &mut Silent).unwrap();
+        let (model, _) = Model::fit(&definition(), &data(120), trainer, &mut NoObserver).unwrap();
         let path = folder.0.join("model.json");
         model.save(&path).unwrap();
         let loaded = Model::load(&path).unwrap();
@@ -197,7 +197,7 @@ fn standard_deviations_are_split_by_cause() {
     let alone = model();
     let blocks = |count: usize| (0..120).map(|k| k * count / 120).collect();
     let data = data(120).with_blocks(blocks(4)).unwrap().with_spread_column(0).unwrap();
-    let (several, _) = Model::fit(&definition(), &data, &LevenbergMarquardt::default(), &mut Silent).unwrap();
+    let (several, _) = Model::fit(&definition(), &data, &LevenbergMarquardt::default(), &mut NoObserver).unwrap();
     for model in [alone, several] {
         let totals = model.standard_deviations(&rows).unwrap().unwrap();
         let split = model.deviations_of(&rows, 1).unwrap().unwrap();

@@ -24,6 +24,19 @@ pub enum TrainingError {
         /// Description of valid values.
         expected: &'static str,
     },
+    /// The trainer needs more from a model than it provides.
+    #[error("{trainer} cannot train a {model}, which provides no Gauss-Newton matrix; use one of: {others}")]
+    NoGaussNewton {
+        /// Name of the trainer.
+        trainer: &'static str,
+        /// Kind of the model.
+        model: String,
+        /// Names of other trainers.
+        others: &'static str,
+    },
+    /// The rows, or their division into sequences, do not match the model.
+    #[error("{0}")]
+    Rows(String),
     /// The columns of the data do not match the network.
     #[error("the network has {inputs} inputs and {outputs} outputs, the data {columns} and {targets}")]
     Columns {
@@ -46,11 +59,9 @@ pub enum TrainingError {
     },
     /// The training would need too much memory.
     #[error(
-        "{trainer} with {rows} rows and {weights} weights would need {bytes} bytes of memory, more than {limit}; use traingdx, fewer rows or fewer neurons"
+        "training with {rows} rows and {weights} weights would need {bytes} bytes of memory, more than {limit}; train with adam, which takes a few rows at a time, or use fewer rows or fewer neurons"
     )]
     Memory {
-        /// Name of the trainer.
-        trainer: &'static str,
         /// Number of rows.
         rows: usize,
         /// Number of weights.

@@ -1,13 +1,15 @@
 //! The trainers, which share one trait and have one file each.
 //!
 //! All functions that train accept a `&dyn Trainer`, so that user-defined trainers can be used like those of this crate; the
-//! registry of names ([`by_name`]) is built on top. [`crate::Objective`] provides the error of a network and its gradient:
+//! registry of names ([`by_name`]) is built on top. [`crate::Objective`] provides the error of a model and its gradient, over
+//! rows or over sequences:
 //!
 //! ```
 //! use granum_nets::trainer::{
-//!     Flow, Observer, Progress, Silent, TerminationReason, Trainer, TrainerState, TrainingError, TrainingReport,
+//!     Flow, NoObserver, Observer, TerminationReason, Trainer, TrainerState, TrainingError, TrainingReport,
+//!     training_progress,
 //! };
-//! use granum_nets::{Column, Data, Model, Network, Objective, ModelDefinition};
+//! use granum_nets::{Column, Data, Differentiable, Model, ModelDefinition, Objective};
 //!
 //! /// Resilient propagation (Riedmiller and Braun 1993): the sign of the gradient decides, each weight has its own step.
 //! struct Rprop {
@@ -21,18 +23,18 @@
 //!
 //!     fn resume(
 //!         &self,
-//!         network: &mut Network,
+//!         model: &mut dyn Differentiable,
 //!         data: &Data,
 //!         state: Option<TrainerState>,
 //!         observer: &mut dyn Observer,
 //!     ) -> Result<TrainingReport, TrainingError> {
-//!         let mut objective = Objective::new(network, data)?;
-//!         let count = network.weights().len();
+//!         let mut objective = Objective::new(model, data)?;
+//!         let count = model.weights().len();
 //!         let mut state = state.unwrap_or_else(|| {
-//!             let state = TrainerState::new("rprop", network.weights().to_vec());
+//!             let state = TrainerState::new("rprop", model.weights().to_vec());
 //!             state.with("steps", &vec![0.05; count]).with("signs", &vec![0.0; count])
 //!         });
-//!         state.check("rprop", network)?;
+//!         state.check("rprop", model)?;
 //!         let mut termination = TerminationReason::EpochLimit;
 //!         while state.epoch() < self.epochs {
 //!             let (_, gradient) = objective.error_and_gradient(state.weights())?;
@@ -48,15 +50,13 @@
 //!             state.set("steps", &steps);
 //!             state.set("signs", &signs);
 //!             state.note_epoch(&weights, error);
-//!             let to_go_on_from = || state.clone();
-//!             let progress = Progress::new(state.epoch(), self.epochs, error, &to_go_on_from);
-//!             if observer.progress(&progress) == Flow::Stop {
+//!             if observer.progress(&training_progress(state.epoch(), self.epochs, error, None)) == Flow::Stop {
 //!                 termination = TerminationReason::Stopped;
 //!                 break;
 //!             }
 //!         }
 //!         let error = objective.error(state.weights())?;
-//!         network.weights_mut().copy_from_slice(state.weights());
+//!         model.weights_mut().copy_from_slice(state.weights());
 //!         Ok(TrainingReport::new(state, error, termination))
 //!     }
 //! }
@@ -64,16 +64,16 @@
 //! let x: Vec<f64> = (0..30).map(|k| k as f64 / 29.0).collect();
 //! let y = x.iter().map(|x| 2.0 * x * x).collect();
 //! let definition = ModelDefinition::new(vec![Column::new("x", "1")], Column::new("y", "1"), vec![6]);
-//! let (model, report) = Model::fit(&definition, &Data::new(x, 1, y)?, &Rprop { epochs: 300 }, &mut Silent)?;
+//! let (model, report) = Model::fit(&definition, &Data::new(x, 1, y)?, &Rprop { epochs: 300 }, &mut NoObserver)?;
 //! assert!((model.value(&[0.5])? - 0.5).abs() < 0.02 && report.trainer == "rprop");
 //! assert_eq!(model.provenance().trainer, "rprop");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod adam;
 pub(crate) mod error;
 mod kind;
 mod levenberg_marquardt;
-pub(crate) mod observer;
 mod options;
 mod registry;
 pub(crate) mod report;
@@ -81,15 +81,16 @@ pub(crate) mod state;
 pub(crate) mod trainer_trait;
 mod traingdx;
 
+pub use adam::Adam;
 pub use error::{TerminationReason, TrainingError};
+pub use granum_core::observer::{Flow, NoObserver, Observer, Progress};
 pub use kind::TrainerKind;
 pub use levenberg_marquardt::{LevenbergMarquardt, Regularisation};
-pub use observer::{Flow, Observer, Progress, Silent};
 pub use options::Options;
 pub use registry::{ALL, NAMES, by_name};
 pub use report::{Evidence, TrainingReport};
 pub use state::{HistoryPoint, TrainerState};
-pub use trainer_trait::{SharedTrainer, Trainer};
+pub use trainer_trait::{SharedTrainer, Trainer, training_progress};
 pub use traingdx::Traingdx;
 
 #[cfg(test)]

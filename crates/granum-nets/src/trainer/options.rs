@@ -15,6 +15,8 @@ pub struct Options {
     pub maximum_failures: Option<u64>,
     /// Initial ratio of Bayesian regularisation, see [`super::LevenbergMarquardt::first_ratio`].
     pub first_ratio: Option<f64>,
+    /// Seed of the random numbers of a trainer, such as those that choose mini-batches.
+    pub seed: Option<u64>,
     /// The instruction set; by default the widest that the processor supports. Results do not depend on it.
     pub isa: Option<Isa>,
 }

@@ -1,5 +1,6 @@
 //! The registry of trainers. A new trainer needs a file in this folder and a line in [`ALL`].
 
+use super::adam;
 use super::error::TrainingError;
 use super::kind::TrainerKind;
 use super::levenberg_marquardt::{self, LevenbergMarquardt};
@@ -8,7 +9,7 @@ use super::trainer_trait::SharedTrainer;
 use super::traingdx;
 
 /// The trainers of this crate, starting with the default.
-pub const ALL: [&TrainerKind; 2] = [&levenberg_marquardt::KIND, &traingdx::KIND];
+pub const ALL: [&TrainerKind; 3] = [&levenberg_marquardt::KIND, &traingdx::KIND, &adam::KIND];
 
 /// The names that [`by_name`] accepts, starting with the default.
 pub const NAMES: [&str; ALL.len()] = {
@@ -35,8 +36,8 @@ impl Default for SharedTrainer {
 ///
 /// let options = Options { epochs: Some(200), ..Options::default() };
 /// assert_eq!(trainer::by_name("traingdx", &options)?.name(), "traingdx");
-/// let error = trainer::by_name("adam", &options).unwrap_err();
-/// assert_eq!(error.to_string(), "there is no trainer \"adam\"; there are: levenberg-marquardt, traingdx");
+/// let error = trainer::by_name("adem", &options).unwrap_err();
+/// assert_eq!(error.to_string(), "there is no trainer \"adem\"; there are: levenberg-marquardt, traingdx, adam");
 /// # Ok::<(), granum_nets::trainer::TrainingError>(())
 /// ```
 ///

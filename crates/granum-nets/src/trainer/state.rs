@@ -5,9 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::error::TrainingError;
-use crate::backprop::Workspace;
 use crate::data::Data;
-use crate::network::Network;
+use crate::differentiable::{Batch, Differentiable};
 use granum_simd::Isa;
 
 /// Largest number of points of a history.
@@ -128,16 +127,16 @@ impl TrainerState {
         Ok(self.vector(name, 1)?[0])
     }
 
-    /// Refuses a state of another trainer or network, and an invalid state.
+    /// Refuses a state of another trainer or model, and an invalid state.
     ///
     /// # Errors
     /// [`TrainingError::State`] with the reason.
-    pub fn check(&self, trainer: &str, network: &Network) -> Result<(), TrainingError> {
+    pub fn check(&self, trainer: &str, model: &dyn Differentiable) -> Result<(), TrainingError> {
         let refused = |reason: String| Err(TrainingError::State(reason));
         if self.trainer != trainer {
             return refused(format!("it was written by {}, not by {trainer}", self.trainer));
         }
-        let count = network.weights().len();
+        let count = model.weights().len();
         if self.weights.len() != count {
             return refused(format!("it has {} weights, the network {count}", self.weights.len()));
         }
@@ -214,20 +213,24 @@ impl TrainingHistory {
 
 /// The rows for early stopping in the layout for training.
 pub(super) struct Validation {
-    workspace: Workspace,
+    batch: Box<dyn Batch>,
     values: f64,
 }
 
 impl Validation {
-    pub(super) fn new(isa: Isa, network: &Network, data: &Data) -> Option<Validation> {
-        let rows = data.validation()?;
+    pub(super) fn new(
+        isa: Isa,
+        model: &dyn Differentiable,
+        data: &Data,
+    ) -> Result<Option<Validation>, TrainingError> {
+        let Some(rows) = data.validation() else { return Ok(None) };
         let values = rows.observations() * rows.target_columns() as f64;
-        Some(Validation { workspace: Workspace::new(isa, network, rows), values })
+        Ok(Some(Validation { batch: model.batch(isa, rows)?, values }))
     }
 
     /// Mean squared error over the validation rows.
     pub(super) fn error(&mut self, weights: &[f64]) -> f64 {
-        self.workspace.squared_error(weights) / self.values
+        self.batch.squared_error(weights) / self.values
     }
 }
 

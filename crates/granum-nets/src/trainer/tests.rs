@@ -62,7 +62,7 @@ fn names_and_options_are_checked() {
     let error = by_name("trainlm", &Options::default()).err().unwrap();
     assert_eq!(
         error.to_string(),
-        "there is no trainer \"trainlm\"; there are: levenberg-marquardt, traingdx"
+        "there is no trainer \"trainlm\"; there are: levenberg-marquardt, traingdx, adam"
     );
     let options = Options { goal: Some(-1.0), ..Options::default() };
     assert!(by_name("traingdx", &options).err().unwrap().to_string().contains("goal = -1"));
@@ -70,7 +70,7 @@ fn names_and_options_are_checked() {
     for name in NAMES {
         let trainer = by_name(name, &Options::default()).unwrap();
         assert!(matches!(
-            trainer.train(&mut network, &surface(5), &mut Silent),
+            trainer.train(&mut network, &surface(5), &mut NoObserver),
             Err(TrainingError::Columns { inputs: 3, columns: 2, .. })
         ));
     }
@@ -81,8 +81,8 @@ fn too_large_a_problem_is_refused_before_it_starts() {
     let rows = 400_000;
     let data = Data::new(vec![0.5; rows], 1, vec![0.5; rows]).unwrap();
     let mut network = Network::new(&[1, 200, 200, 1], 1).unwrap();
-    let error = LevenbergMarquardt::default().train(&mut network, &data, &mut Silent).unwrap_err();
-    assert!(error.to_string().contains("use traingdx"), "{error}");
+    let error = LevenbergMarquardt::default().train(&mut network, &data, &mut NoObserver).unwrap_err();
+    assert!(error.to_string().contains("train with adam"), "{error}");
 }
 
 proptest! {
@@ -202,7 +202,7 @@ fn traingdx_follows_its_rule_through_rejections() {
         let mut network = Network::new(&[2, 7, 1], 3).unwrap();
         let (weights, rejected, error) = plain_traingdx(&network, &data, rate, 90);
         let rule = Traingdx { epochs: 90, learning_rate: rate, ..Default::default() };
-        let report = rule.train(&mut network, &data, &mut Silent).unwrap();
+        let report = rule.train(&mut network, &data, &mut NoObserver).unwrap();
         assert_eq!(rejected > 0, rate > 1.0, "{rejected} steps rejected");
         assert!((report.error / error - 1.0).abs() < 1e-11);
         for (ours, plain) in network.weights().iter().zip(&weights) {
@@ -216,11 +216,11 @@ fn traingdx_follows_its_rule_through_rejections() {
 fn traingdx_ends_at_its_goal_and_at_a_flat_place() {
     let mut network = Network::new(&[2, 7, 1], 3).unwrap();
     let rule = Traingdx { goal: 3e-3, ..Default::default() };
-    let report = rule.train(&mut network, &surface(40), &mut Silent).unwrap();
+    let report = rule.train(&mut network, &surface(40), &mut NoObserver).unwrap();
     assert_eq!(report.termination, TerminationReason::Goal);
     assert!(report.error <= 3e-3 && report.history.last().unwrap().error <= report.history[0].error);
     let rule = Traingdx { minimum_gradient: 10.0, ..Default::default() };
-    let report = rule.train(&mut network, &surface(40), &mut Silent).unwrap();
+    let report = rule.train(&mut network, &surface(40), &mut NoObserver).unwrap();
     assert_eq!((report.termination, report.epochs), (TerminationReason::MinimumGradient, 0));
 }
 
@@ -264,7 +264,7 @@ fn levenberg_marquardt_solves_linear_least_squares_and_ridge_regression() {
             minimum_gradient: 1e-13,
             ..Default::default()
         };
-        let report = rule.train(&mut network, &data, &mut Silent).unwrap();
+        let report = rule.train(&mut network, &data, &mut NoObserver).unwrap();
         for (ours, exact) in network.weights().iter().zip(ridge(&data, decay)) {
             assert!((ours - exact).abs() < 1e-10, "{ours} {exact} after {} epochs", report.epochs);
         }
@@ -284,7 +284,7 @@ fn levenberg_marquardt_finds_a_network_that_made_the_data() {
         goal: 1e-12,
         ..Default::default()
     };
-    let report = rule.train(&mut student, &data, &mut Silent).unwrap();
+    let report = rule.train(&mut student, &data, &mut NoObserver).unwrap();
     assert_eq!(report.termination, TerminationReason::Goal, "{:e}", report.error);
 }
 
@@ -294,7 +294,7 @@ fn bayesian_regularisation_does_not_overfit_a_noisy_sine() {
     let data = noisy_sine(80, deviation);
     for seed in 1..4 {
         let mut network = Network::new(&[1, 30, 30, 1], seed).unwrap();
-        let report = LevenbergMarquardt::default().train(&mut network, &data, &mut Silent).unwrap();
+        let report = LevenbergMarquardt::default().train(&mut network, &data, &mut NoObserver).unwrap();
         let evidence = report.evidence.unwrap();
         let truth = error_against_truth(&network);
         assert!(truth < 0.45 * deviation, "seed {seed}: error against the truth {truth}");
@@ -305,7 +305,7 @@ fn bayesian_regularisation_does_not_overfit_a_noisy_sine() {
 
         let mut free = Network::new(&[1, 30, 30, 1], seed).unwrap();
         let rule = LevenbergMarquardt { regularisation: Regularisation::Fixed(1e-10), ..Default::default() };
-        rule.train(&mut free, &data, &mut Silent).unwrap();
+        rule.train(&mut free, &data, &mut NoObserver).unwrap();
         assert!(error_against_truth(&free) > 1.5 * truth, "without regularisation it should be worse");
     }
 }
@@ -319,7 +319,7 @@ fn several_targets_are_trained_together() {
         let mut network = Network::new(&[1, 8, 8, 2], 4).unwrap();
         let options =
             Options { epochs: Some(if name == "traingdx" { 3000 } else { 100 }), ..Options::default() };
-        let report = by_name(name, &options).unwrap().train(&mut network, &data, &mut Silent).unwrap();
+        let report = by_name(name, &options).unwrap().train(&mut network, &data, &mut NoObserver).unwrap();
         assert!(report.error < error, "{name} {}", report.error);
     }
 }
@@ -341,7 +341,7 @@ fn row_weights_count_as_repeated_rows() {
     let train = |data: &Data| {
         let mut network = Network::new(&[2, 4, 1], 6).unwrap();
         let rule = Traingdx { epochs: 200, ..Default::default() };
-        (rule.train(&mut network, data, &mut Silent).unwrap().error, network)
+        (rule.train(&mut network, data, &mut NoObserver).unwrap().error, network)
     };
     let ((a, weighted), (b, repeated)) = (train(&weighted), train(&repeated));
     assert!((a / b - 1.0).abs() < 1e-10);
@@ -358,7 +358,7 @@ fn copies_of_rows_are_not_taken_for_witnesses() {
     let evidence = |data: &Data| {
         let mut network = Network::new(&[2, 4, 1], 6).unwrap();
         let rule = LevenbergMarquardt { epochs: 30, ..Default::default() };
-        rule.train(&mut network, data, &mut Silent).unwrap().evidence.unwrap()
+        rule.train(&mut network, data, &mut NoObserver).unwrap().evidence.unwrap()
     };
     let (once, five, copied) = (evidence(&data), evidence(&told), evidence(&copies));
     for (a, b) in [(once.alpha, five.alpha), (once.beta, five.beta), (once.gamma, five.gamma)] {
@@ -367,21 +367,22 @@ fn copies_of_rows_are_not_taken_for_witnesses() {
     assert!((once.gamma / copied.gamma - 1.0).abs() > 1e-1, "{once:?} {copied:?}");
 }
 
-fn trainers(isa: Isa) -> [(SharedTrainer, u64); 2] {
+fn trainers(isa: Isa) -> [(SharedTrainer, u64); 3] {
     let options = |epochs| Options { epochs: Some(epochs), isa: Some(isa), ..Options::default() };
     [
         (by_name("levenberg-marquardt", &options(24)).unwrap(), 24),
         (by_name("traingdx", &options(120)).unwrap(), 120),
+        (by_name("adam", &options(20)).unwrap(), 20),
     ]
 }
 
 #[test]
 fn every_instruction_set_trains_to_the_same_bits() {
     let data = surface(37).with_validation(surface(11)).unwrap();
-    for k in 0..2 {
+    for k in 0..3 {
         let train = |isa| {
             let mut network = Network::new(&[2, 9, 6, 1], 12).unwrap();
-            let report = trainers(isa)[k].0.train(&mut network, &data, &mut Silent).unwrap();
+            let report = trainers(isa)[k].0.train(&mut network, &data, &mut NoObserver).unwrap();
             (network, report.state, report.error, report.evidence)
         };
         let reference = train(Isa::Portable);
@@ -397,18 +398,18 @@ fn an_interrupted_training_goes_on_to_the_same_bits() {
     for (trainer, epochs) in trainers(Isa::detect()) {
         let start = Network::new(&[2, 9, 6, 1], 12).unwrap();
         let mut whole = start.clone();
-        let expected = trainer.train(&mut whole, &data, &mut Silent).unwrap();
+        let expected = trainer.train(&mut whole, &data, &mut NoObserver).unwrap();
         assert_eq!(expected.epochs, epochs);
         for stop in [1, 7, epochs - 1] {
             let mut network = start.clone();
             let mut calls = 0;
             let mut observer = |progress: &Progress| {
                 calls += 1;
-                if progress.epoch == stop { Flow::Stop } else { Flow::Continue }
+                if progress.done == stop { Flow::Stop } else { Flow::Continue }
             };
             let report = trainer.train(&mut network, &data, &mut observer).unwrap();
             assert_eq!((report.termination, report.epochs, calls), (TerminationReason::Stopped, stop, stop));
-            assert!(report.error <= report.history[0].error);
+            assert!(report.error <= report.history[0].error, "{} {stop}", trainer.name());
             let outputs = network.forward(data.inputs()).unwrap();
             assert!(outputs.iter().all(|y| (0.0..=1.0).contains(y)), "the network can be used as it is");
             let text = serde_json::to_string(&report.state).unwrap();
@@ -416,7 +417,7 @@ fn an_interrupted_training_goes_on_to_the_same_bits() {
             assert_eq!(state, report.state);
             // The weights are taken from the state, so that any network of the same shape can be passed.
             let mut resumed = start.clone();
-            let resumed_report = trainer.resume(&mut resumed, &data, Some(state), &mut Silent).unwrap();
+            let resumed_report = trainer.resume(&mut resumed, &data, Some(state), &mut NoObserver).unwrap();
             assert_eq!(resumed, whole, "{} stopped at {stop}", trainer.name());
             assert_eq!(resumed_report.state, expected.state);
             assert_eq!(resumed_report.history, expected.history);
@@ -427,16 +428,16 @@ fn an_interrupted_training_goes_on_to_the_same_bits() {
 #[test]
 fn states_of_others_are_refused() {
     let data = surface(10);
-    let [(first, _), (second, _)] = trainers(Isa::detect());
+    let [(first, _), (second, _), _] = trainers(Isa::detect());
     let mut network = Network::new(&[2, 3, 1], 1).unwrap();
-    let state = first.train(&mut network, &data, &mut Silent).unwrap().state;
+    let state = first.train(&mut network, &data, &mut NoObserver).unwrap().state;
     assert!(matches!(
-        second.resume(&mut network, &data, Some(state.clone()), &mut Silent),
+        second.resume(&mut network, &data, Some(state.clone()), &mut NoObserver),
         Err(TrainingError::State(_))
     ));
     let mut other = Network::new(&[2, 4, 1], 1).unwrap();
     assert!(matches!(
-        first.resume(&mut other, &data, Some(state), &mut Silent),
+        first.resume(&mut other, &data, Some(state), &mut NoObserver),
         Err(TrainingError::State(_))
     ));
 }
@@ -446,7 +447,7 @@ fn states_that_no_training_left_are_refused() {
     let data = surface(10);
     for (trainer, _) in trainers(Isa::detect()) {
         let mut network = Network::new(&[2, 3, 1], 1).unwrap();
-        let state = trainer.train(&mut network, &data, &mut Silent).unwrap().state;
+        let state = trainer.train(&mut network, &data, &mut NoObserver).unwrap().state;
         let good = serde_json::to_value(&state).unwrap();
         let changes: [fn(&mut serde_json::Value); 5] = [
             |state| state["history"]["epoch"] = u64::MAX.into(),
@@ -456,12 +457,12 @@ fn states_that_no_training_left_are_refused() {
             |state| state["own"]["damping"][0] = 0.into(),
             |state| state["own"]["evidence"][1] = (-1).into(),
         ];
-        let count = if trainer.name() == Traingdx::NAME { 3 } else { 5 };
+        let count = if trainer.name() == LevenbergMarquardt::NAME { 5 } else { 3 };
         for change in &changes[..count] {
             let mut forged = good.clone();
             change(&mut forged);
             let forged: TrainerState = serde_json::from_value(forged).unwrap();
-            let result = trainer.resume(&mut network, &data, Some(forged), &mut Silent);
+            let result = trainer.resume(&mut network, &data, Some(forged), &mut NoObserver);
             assert!(matches!(result, Err(TrainingError::State(_))), "{}", trainer.name());
         }
     }
@@ -483,7 +484,7 @@ fn validation_rows_stop_the_training_at_their_best() {
     ];
     for rule in rules {
         let mut network = Network::new(&[1, 25, 1], 2).unwrap();
-        let report = rule.train(&mut network, &data, &mut Silent).unwrap();
+        let report = rule.train(&mut network, &data, &mut NoObserver).unwrap();
         assert_eq!(report.termination, TerminationReason::ValidationFailures, "{}", rule.name());
         let outputs = network.forward(validation.inputs()).unwrap();
         let error = outputs.iter().zip(validation.targets()).map(|(y, t)| (y - t) * (y - t)).sum::<f64>()
@@ -500,12 +501,11 @@ fn observers_cannot_change_the_result() {
     for (trainer, _) in trainers(Isa::detect()) {
         let mut silent = Network::new(&[2, 5, 1], 3).unwrap();
         let mut observed = silent.clone();
-        trainer.train(&mut silent, &data, &mut Silent).unwrap();
+        trainer.train(&mut silent, &data, &mut NoObserver).unwrap();
         let mut epochs = Vec::new();
         let mut observer = |progress: &Progress| {
-            epochs.push(progress.epoch);
-            assert_eq!(progress.state().epoch(), progress.epoch);
-            assert!(progress.error > 0.0 && progress.epoch <= progress.epochs);
+            epochs.push(progress.done);
+            assert!(progress.value("error").unwrap() > 0.0 && progress.done <= progress.of.unwrap());
             Flow::Continue
         };
         let report = trainer.train(&mut observed, &data, &mut observer).unwrap();

@@ -2,44 +2,47 @@
 
 use std::sync::Arc;
 
+use granum_core::observer::{Observer, Progress};
+
 use super::error::TrainingError;
-use super::observer::Observer;
 use super::options::Options;
 use super::report::TrainingReport;
 use super::state::TrainerState;
 use crate::data::Data;
-use crate::network::Network;
+use crate::differentiable::Differentiable;
 
-/// An algorithm that trains a network; the documentation of [this module](super) contains a user-defined example.
+/// An algorithm that trains any model that gives its error and gradient over rows or sequences; the documentation of [this module](super) contains a user-defined example.
 pub trait Trainer: Send + Sync {
     /// Name of the trainer in commands and records.
     fn name(&self) -> &str;
 
-    /// Trains from the given state, or from the current weights of the network if there is none. The data are in the
-    /// scaled units of the network. The result of a resumed training is identical bit by bit to that of an uninterrupted
-    /// training.
+    /// Trains from the given state, or from the current weights of the model if there is none. The data are in the
+    /// scaled units of the model. The observer hears of every epoch. If it requests a stop, the model keeps its current
+    /// weights, and the report contains the state from which training can be resumed. The result of a resumed training is
+    /// identical bit by bit to that of an uninterrupted training.
     ///
     /// # Errors
-    /// If data or state do not match the network, or if the memory does not suffice.
+    /// If data or state do not match the model, if the model does not provide what the trainer needs, or if the memory does
+    /// not suffice.
     fn resume(
         &self,
-        network: &mut Network,
+        model: &mut dyn Differentiable,
         data: &Data,
         state: Option<TrainerState>,
         observer: &mut dyn Observer,
     ) -> Result<TrainingReport, TrainingError>;
 
-    /// Trains from the current weights of the network.
+    /// Trains from the current weights of the model.
     ///
     /// # Errors
     /// As [`Trainer::resume`].
     fn train(
         &self,
-        network: &mut Network,
+        model: &mut dyn Differentiable,
         data: &Data,
         observer: &mut dyn Observer,
     ) -> Result<TrainingReport, TrainingError> {
-        self.resume(network, data, None, observer)
+        self.resume(model, data, None, observer)
     }
 
     /// The same trainer with those of the given options that it supports; `None` if it supports none. A study that trains
@@ -85,15 +88,30 @@ impl std::fmt::Debug for SharedTrainer {
     }
 }
 
-/// Refuses data whose numbers of columns do not match the network.
-pub(crate) fn check_columns(network: &Network, data: &Data) -> Result<(), TrainingError> {
-    if (network.inputs(), network.outputs()) == (data.input_columns(), data.target_columns()) {
+/// Refuses data whose numbers of columns do not match the model.
+pub(crate) fn check_columns(model: &dyn Differentiable, data: &Data) -> Result<(), TrainingError> {
+    if (model.inputs(), model.outputs()) == (data.input_columns(), data.target_columns()) {
         return Ok(());
     }
     Err(TrainingError::Columns {
-        inputs: network.inputs(),
-        outputs: network.outputs(),
+        inputs: model.inputs(),
+        outputs: model.outputs(),
         columns: data.input_columns(),
         targets: data.target_columns(),
     })
+}
+
+/// The progress of a training, with the mean squared errors over the training rows and the validation rows, in scaled units,
+/// as its values `error` and `validation_error`.
+///
+/// ```
+/// let progress = granum_nets::trainer::training_progress(25, 100, 1.5e-3, None);
+/// assert_eq!((progress.done, progress.value("error")), (25, Some(1.5e-3)));
+/// ```
+pub fn training_progress(epoch: u64, epochs: u64, error: f64, validation_error: Option<f64>) -> Progress {
+    let progress = Progress::new("training", "epochs", epoch).of(epochs).with("error", error, "");
+    match validation_error {
+        Some(error) => progress.with("validation_error", error, ""),
+        None => progress,
+    }
 }

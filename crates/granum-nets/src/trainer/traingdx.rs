@@ -14,18 +14,17 @@
 
 use std::time::Instant;
 
+use granum_core::observer::{Flow, Observer};
 use granum_simd::{Isa, Kernel, LANES, Lanes, dispatch};
 
 use super::error::{TerminationReason, TrainingError};
 use super::kind::TrainerKind;
-use super::observer::{Flow, Observer, Progress};
 use super::options::Options;
 use super::report::TrainingReport;
 use super::state::{TrainerState, TrainingHistory, Validation};
-use super::trainer_trait::{SharedTrainer, Trainer, check_columns};
-use crate::backprop::Workspace;
+use super::trainer_trait::{SharedTrainer, Trainer, check_columns, training_progress};
 use crate::data::Data;
-use crate::network::Network;
+use crate::differentiable::{Batch, Differentiable};
 
 /// The entry of the registry.
 pub(super) const KIND: TrainerKind = TrainerKind {
@@ -109,21 +108,21 @@ impl Trainer for Traingdx {
 
     fn resume(
         &self,
-        network: &mut Network,
+        model: &mut dyn Differentiable,
         data: &Data,
         state: Option<TrainerState>,
         observer: &mut dyn Observer,
     ) -> Result<TrainingReport, TrainingError> {
-        check_columns(network, data)?;
+        check_columns(model, data)?;
         let clock = Instant::now();
-        let mut descent = Descent::start(self, network, data, state)?;
+        let mut descent = Descent::start(self, model, data, state)?;
         let termination = descent.run(observer);
         let mut error = descent.error;
         let mut validation_error = descent.validation_error;
-        network.weights_mut().copy_from_slice(&descent.weights);
+        model.weights_mut().copy_from_slice(&descent.weights);
         if let (Some(best), false) = (&descent.history.best, termination == TerminationReason::Stopped) {
-            network.weights_mut().copy_from_slice(&best.weights);
-            error = descent.workspace.squared_error(&best.weights) / descent.values;
+            model.weights_mut().copy_from_slice(&best.weights);
+            error = descent.batch.squared_error(&best.weights) / descent.values;
             validation_error = Some(best.error);
         }
         Ok(TrainingReport {
@@ -141,7 +140,7 @@ const RATE: &str = "rate";
 /// The state of a gradient descent.
 struct Descent<'a> {
     rule: &'a Traingdx,
-    workspace: Workspace,
+    batch: Box<dyn Batch>,
     validation: Option<Validation>,
     /// Number of errors, rows times targets.
     values: f64,
@@ -158,23 +157,23 @@ struct Descent<'a> {
 impl<'a> Descent<'a> {
     fn start(
         rule: &'a Traingdx,
-        network: &Network,
+        model: &dyn Differentiable,
         data: &Data,
         state: Option<TrainerState>,
     ) -> Result<Descent<'a>, TrainingError> {
-        let count = network.weights().len();
+        let count = model.weights().len();
         let fresh = state.is_none();
         let state = state.unwrap_or_else(|| {
-            TrainerState::new(Traingdx::NAME, network.weights().to_vec())
+            TrainerState::new(Traingdx::NAME, model.weights().to_vec())
                 .with(STEP, &vec![0.0; count])
                 .with(RATE, &[rule.learning_rate])
         });
-        state.check(Traingdx::NAME, network)?;
+        state.check(Traingdx::NAME, model)?;
         let (step, rate) = (state.vector(STEP, count)?.to_vec(), state.number(RATE)?);
         let mut descent = Descent {
             rule,
-            workspace: Workspace::new(rule.isa, network, data),
-            validation: Validation::new(rule.isa, network, data),
+            batch: model.batch(rule.isa, data)?,
+            validation: Validation::new(rule.isa, model, data)?,
             values: data.observations() * data.target_columns() as f64,
             trial: state.weights.clone(),
             weights: state.weights,
@@ -185,11 +184,11 @@ impl<'a> Descent<'a> {
             validation_error: None,
             history: state.history,
         };
-        descent.error = descent.workspace.squared_error(&descent.weights) / descent.values;
+        descent.error = descent.batch.squared_error(&descent.weights) / descent.values;
         if !descent.error.is_finite() {
             return Err(TrainingError::NotFinite(descent.error));
         }
-        descent.workspace.gradient(&descent.weights, 2.0 / descent.values, &mut descent.gradient);
+        descent.batch.gradient(&descent.weights, 2.0 / descent.values, &mut descent.gradient);
         descent.validation_error = descent.validation.as_mut().map(|v| v.error(&descent.weights));
         if fresh {
             if let Some(error) = descent.validation_error {
@@ -212,13 +211,8 @@ impl<'a> Descent<'a> {
                 return reason;
             }
             self.epoch();
-            let progress = Progress {
-                epoch: self.history.epoch,
-                epochs: self.rule.epochs,
-                error: self.error,
-                validation_error: self.validation_error,
-                state: &|| self.state(),
-            };
+            let (epoch, epochs) = (self.history.epoch, self.rule.epochs);
+            let progress = training_progress(epoch, epochs, self.error, self.validation_error);
             if observer.progress(&progress) == Flow::Stop {
                 return TerminationReason::Stopped;
             }
@@ -244,7 +238,7 @@ impl<'a> Descent<'a> {
         let rule = self.rule;
         let slope = -(1.0 - rule.momentum) * self.rate;
         dispatch(rule.isa, Step { factor: rule.momentum, slope, descent: self });
-        let error = self.workspace.squared_error(&self.trial) / self.values;
+        let error = self.batch.squared_error(&self.trial) / self.values;
         self.history.epoch += 1;
         // The comparison is such that an error of NaN is rejected.
         if error <= rule.largest_rise * self.error {
@@ -253,7 +247,7 @@ impl<'a> Descent<'a> {
             }
             std::mem::swap(&mut self.weights, &mut self.trial);
             self.error = error;
-            self.workspace.gradient(&self.weights, 2.0 / self.values, &mut self.gradient);
+            self.batch.gradient(&self.weights, 2.0 / self.values, &mut self.gradient);
             if let Some(validation) = &mut self.validation {
                 let error = validation.error(&self.weights);
                 self.validation_error = Some(error);

@@ -25,25 +25,19 @@ mod method;
 
 use std::time::Instant;
 
-use granum_simd::{Isa, Row8};
+use granum_core::observer::{Flow, Observer};
+use granum_simd::Isa;
 
 use self::method::Method;
 use super::error::{TerminationReason, TrainingError};
 use super::kind::TrainerKind;
-use super::observer::{Flow, Observer, Progress};
 use super::options::Options;
 use super::report::{Evidence, TrainingReport};
 use super::state::{TrainerState, TrainingHistory, Validation};
-use super::trainer_trait::{SharedTrainer, Trainer, check_columns};
+use super::trainer_trait::{SharedTrainer, Trainer, check_columns, training_progress};
 use super::traingdx::norm;
-use crate::backprop::Workspace;
-use crate::curvature::Curvature;
 use crate::data::Data;
-use crate::kernels::blocks;
-use crate::network::Network;
-
-/// Limit on the memory for the matrices, bytes.
-const MEMORY: usize = 2 << 30;
+use crate::differentiable::{Differentiable, GaussNewton};
 
 /// The entry of the registry.
 pub(super) const KIND: TrainerKind = TrainerKind {
@@ -185,26 +179,26 @@ impl Trainer for LevenbergMarquardt {
 
     fn resume(
         &self,
-        network: &mut Network,
+        model: &mut dyn Differentiable,
         data: &Data,
         state: Option<TrainerState>,
         observer: &mut dyn Observer,
     ) -> Result<TrainingReport, TrainingError> {
-        check_columns(network, data)?;
+        check_columns(model, data)?;
         let clock = Instant::now();
-        let mut search = Search::start(self, network, data, state)?;
+        let mut search = Search::start(self, model, data, state)?;
         let termination = search.run(observer);
         let mut error = search.squared_error / search.values;
         let mut validation_error = search.validation_error;
-        network.weights_mut().copy_from_slice(&search.weights);
+        model.weights_mut().copy_from_slice(&search.weights);
         if let (Some(best), false) = (&search.history.best, termination == TerminationReason::Stopped) {
-            network.weights_mut().copy_from_slice(&best.weights);
-            error = search.workspace.squared_error(&best.weights) / search.values;
+            model.weights_mut().copy_from_slice(&best.weights);
+            error = search.problem.squared_error(&best.weights) / search.values;
             validation_error = Some(best.error);
         }
         let left_out = match termination {
             TerminationReason::Stopped => None,
-            _ => search.left_out(network.weights(), data),
+            _ => search.left_out(model.weights(), data),
         };
         Ok(TrainingReport {
             validation_error,
@@ -219,15 +213,13 @@ impl Trainer for LevenbergMarquardt {
 /// The state of a Levenberg-Marquardt search.
 struct Search<'a> {
     rule: &'a LevenbergMarquardt,
-    workspace: Workspace,
-    curvature: Curvature,
+    problem: Box<dyn GaussNewton>,
     validation: Option<Validation>,
     /// Number of independent errors: observations times targets.
     values: f64,
     weights: Vec<f64>,
     trial: Vec<f64>,
     gradient: Vec<f64>,
-    residuals: Vec<Row8>,
     /// `E_D` and `E_W`.
     squared_error: f64,
     squared_weights: f64,
@@ -251,43 +243,39 @@ struct Search<'a> {
 impl<'a> Search<'a> {
     fn start(
         rule: &'a LevenbergMarquardt,
-        network: &Network,
+        model: &dyn Differentiable,
         data: &Data,
         state: Option<TrainerState>,
     ) -> Result<Search<'a>, TrainingError> {
-        let (rows, count) = (data.rows() * data.target_columns(), network.weights().len());
-        let bytes = Curvature::bytes(rows, rows / data.points(), count)
-            .saturating_add(Workspace::bytes(network, rows));
-        if bytes > MEMORY {
-            let trainer = LevenbergMarquardt::NAME;
-            return Err(TrainingError::Memory { trainer, rows, weights: count, bytes, limit: MEMORY });
-        }
+        let count = model.weights().len();
+        let problem = model.gauss_newton(rule.isa, data)?.ok_or_else(|| TrainingError::NoGaussNewton {
+            trainer: LevenbergMarquardt::NAME,
+            model: model.name().to_owned(),
+            others: "adam, traingdx",
+        })?;
         let fresh = state.is_none();
         let state = state.unwrap_or_else(|| {
             let bayesian = rule.regularisation == Regularisation::Bayesian;
             let method = Method {
                 damping: rule.damping,
                 evidence: rule.first_evidence(data, count),
-                start: bayesian.then(|| network.weights().to_vec()),
+                start: bayesian.then(|| model.weights().to_vec()),
                 ceiling: f64::MAX,
                 settled: false,
                 quiet: 0,
             };
-            method.into_state(TrainerState::new(LevenbergMarquardt::NAME, network.weights().to_vec()))
+            method.into_state(TrainerState::new(LevenbergMarquardt::NAME, model.weights().to_vec()))
         });
-        state.check(LevenbergMarquardt::NAME, network)?;
+        state.check(LevenbergMarquardt::NAME, model)?;
         let Method { damping, evidence, start, ceiling, settled, quiet } = Method::of(&state, count)?;
-        let workspace = Workspace::of_residuals(rule.isa, network, data);
         let mut search = Search {
             rule,
-            curvature: Curvature::new(&workspace, count),
-            validation: Validation::new(rule.isa, network, data),
+            problem,
+            validation: Validation::new(rule.isa, model, data)?,
             values: data.observations() * data.target_columns() as f64,
             trial: state.weights.clone(),
             weights: state.weights,
             gradient: vec![0.0; count],
-            residuals: vec![Row8::default(); blocks(workspace.observations())],
-            workspace,
             squared_error: 0.0,
             squared_weights: 0.0,
             damping,
@@ -300,7 +288,7 @@ impl<'a> Search<'a> {
             validation_error: None,
             history: state.history,
         };
-        search.squared_error = search.workspace.squared_error(&search.weights);
+        search.squared_error = search.problem.squared_error(&search.weights);
         search.squared_weights = square(rule.isa, &search.weights);
         if !search.squared_error.is_finite() {
             return Err(TrainingError::NotFinite(search.squared_error));
@@ -336,13 +324,9 @@ impl<'a> Search<'a> {
             if let Err(reason) = self.epoch() {
                 return reason;
             }
-            let progress = Progress {
-                epoch: self.history.epoch,
-                epochs: self.rule.epochs,
-                error: self.squared_error / self.values,
-                validation_error: self.validation_error,
-                state: &|| self.state(),
-            };
+            let (epoch, epochs) = (self.history.epoch, self.rule.epochs);
+            let error = self.squared_error / self.values;
+            let progress = training_progress(epoch, epochs, error, self.validation_error);
             if observer.progress(&progress) == Flow::Stop {
                 return TerminationReason::Stopped;
             }
@@ -373,9 +357,7 @@ impl<'a> Search<'a> {
         if self.settled && self.start.is_some() {
             self.judge_start();
         }
-        self.workspace.sensitivities(&self.weights);
-        self.workspace.residuals(&mut self.residuals);
-        if !self.curvature.form(&self.workspace) {
+        if !self.problem.linearise(&self.weights) {
             return Err(TerminationReason::MaximumDamping);
         }
         let gamma = self.evidence.gamma;
@@ -383,7 +365,7 @@ impl<'a> Search<'a> {
             self.update_evidence();
         }
         let decay = self.decay();
-        self.workspace.transposed_jacobian_times(&self.residuals, &mut self.gradient);
+        self.problem.projected_residuals(&mut self.gradient);
         for (g, w) in self.gradient.iter_mut().zip(&self.weights) {
             *g = decay.mul_add(*w, *g) * (2.0 / self.values);
         }
@@ -417,7 +399,7 @@ impl<'a> Search<'a> {
             self.damping = self.rule.damping;
             self.settled = false;
             self.weights.copy_from_slice(&start);
-            self.squared_error = self.workspace.squared_error(&start);
+            self.squared_error = self.problem.squared_error(&start);
             self.squared_weights = square(self.rule.isa, &start);
             self.start = Some(start);
         } else {
@@ -429,13 +411,13 @@ impl<'a> Search<'a> {
     fn descend(&mut self, decay: f64, before: f64) -> Result<f64, TerminationReason> {
         while self.damping <= self.rule.maximum_damping {
             let shift = decay + self.damping;
-            if self.curvature.factorise(shift) {
-                let (workspace, trial) = (&mut self.workspace, &mut self.trial);
-                self.curvature.step(workspace, &self.residuals, &self.weights, decay, shift, trial);
+            if self.problem.factorise(shift) {
+                let (problem, trial) = (&mut self.problem, &mut self.trial);
+                problem.step(&self.weights, decay, shift, trial);
                 for (t, w) in trial.iter_mut().zip(&self.weights) {
                     *t += w;
                 }
-                let squared_error = workspace.squared_error(trial);
+                let squared_error = problem.squared_error(trial);
                 let squared_weights = square(self.rule.isa, trial);
                 let after = decay.mul_add(squared_weights, squared_error);
                 if after < before {
@@ -446,7 +428,7 @@ impl<'a> Search<'a> {
                     return Ok(after);
                 }
                 // The outputs must be recomputed for the old weights, to which the deltas still belong.
-                self.workspace.squared_error(&self.weights);
+                self.problem.squared_error(&self.weights);
             }
             self.damping *= 10.0;
         }
@@ -459,16 +441,13 @@ impl<'a> Search<'a> {
         if data.block_count() < 2 || data.target_columns() > 1 || self.decay() <= 0.0 {
             return None;
         }
-        self.workspace.squared_error(weights);
-        self.workspace.sensitivities(weights);
-        self.workspace.residuals(&mut self.residuals);
+        self.problem.squared_error(weights);
         let shift = self.decay();
-        if !self.curvature.form(&self.workspace) || !self.curvature.factorise(shift) {
+        if !self.problem.linearise(weights) || !self.problem.factorise(shift) {
             return None;
         }
         let weights = data.observation_weights();
-        let residuals = &Row8::numbers(&self.residuals)[..weights.len()];
-        let mut errors = self.curvature.left_out_residuals(data.blocks(), residuals, shift)?;
+        let mut errors = self.problem.left_out_residuals(data.blocks(), shift)?;
         for (error, weight) in errors.iter_mut().zip(&weights) {
             *error = if *weight > 0.0 { *error / weight.sqrt() } else { f64::NAN };
         }
@@ -478,10 +457,10 @@ impl<'a> Search<'a> {
     /// Estimates the precisions of weights and noise at the current weights.
     fn update_evidence(&mut self) {
         let decay = self.decay();
-        if !self.curvature.factorise(decay) {
+        if !self.problem.factorise(decay) {
             return;
         }
-        let gamma = self.curvature.effective_parameters(decay).clamp(f64::MIN_POSITIVE, self.values);
+        let gamma = self.problem.effective_parameters(decay).clamp(f64::MIN_POSITIVE, self.values);
         let noise = (self.values - gamma).max(LEAST_NOISE * self.values);
         let alpha = gamma / self.squared_weights.max(f64::MIN_POSITIVE);
         let beta = noise / self.squared_error.max(f64::MIN_POSITIVE);
