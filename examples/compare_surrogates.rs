@@ -2,7 +2,8 @@
 //!
 //! Four samples with different friction are sheared; three are used for training, and the fourth is an unseen run.
 
-use granum::learn::surrogate::{Cause, Columns, Content, outside_of, save};
+use granum::core::observer::{NoObserver, Observer};
+use granum::learn::surrogate::{Cause, Columns, Content, RunInputs, outside_of, save};
 use granum::prelude::*;
 
 fn run(seed: u64, friction: f64) -> Result<RunStates, Box<dyn std::error::Error>> {
@@ -39,7 +40,12 @@ impl SurrogateMethod for Neighbours {
     fn help(&self) -> &str {
         "the mean of the nearest training rows"
     }
-    fn fit(&self, dataset: &Dataset, spec: &FitSpec) -> granum::learn::Result<Box<dyn Surrogate>> {
+    fn fit(
+        &self,
+        dataset: &Dataset,
+        spec: &FitSpec,
+        _: &mut dyn Observer,
+    ) -> granum::learn::Result<Box<dyn Surrogate>> {
         let columns = spec.columns(dataset)?;
         let (inputs, outputs) = (columns.input_names(), columns.output_names());
         let (x, y) = (dataset.values(&inputs)?, dataset.values(&outputs)?);
@@ -64,10 +70,10 @@ impl Surrogate for FittedNeighbours {
     fn columns(&self) -> &Columns {
         &self.columns
     }
-    fn answer(&self, rows: &[&[f64]], _level: f64) -> granum::learn::Result<Vec<Prediction>> {
-        let answer = |row: &&[f64]| {
+    fn answer(&self, inputs: &RunInputs, _level: f64) -> granum::learn::Result<Vec<Prediction>> {
+        let answer = |row: &[f64]| {
             let distance = |other: &[f64]| -> f64 {
-                let each = other.iter().zip(*row).zip(&self.ranges);
+                let each = other.iter().zip(row).zip(&self.ranges);
                 each.map(|((a, b), [low, high])| ((a - b) / (high - low)).powi(2)).sum()
             };
             let mut nearest: Vec<_> = self.rows.iter().collect();
@@ -77,7 +83,7 @@ impl Surrogate for FittedNeighbours {
             let estimates = (0..self.columns.outputs.len()).map(|k| Estimate::new(mean(k)));
             Prediction::new(estimates.collect()).with_outside(outside_of(&self.columns, &self.ranges, row))
         };
-        Ok(rows.iter().map(answer).collect())
+        Ok(inputs.rows().map(answer).collect())
     }
     fn content(&self) -> granum::learn::Result<Content> {
         Content::of(&(self.count, &self.ranges, &self.rows))
@@ -95,7 +101,8 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let methods = SurrogateMethods::standard().with(Neighbours { count: 4 });
     let compared = ["feed-forward", "ridge", "neighbours"].map(|name| methods.by_name(name));
-    let scores = compare(&parts, &spec, &compared.into_iter().collect::<Result<Vec<_>, _>>()?, 0.9)?;
+    let scores =
+        compare(&parts, &spec, &compared.into_iter().collect::<Result<Vec<_>, _>>()?, 0.9, &mut NoObserver)?;
     println!("method         held out  unseen  in 90 % interval");
     for scored in &scores {
         let [held_out, unseen] = [scored.held_out, scored.unseen].map(|score| 100.0 * score.relative_rmse);
@@ -109,7 +116,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     save(&file, scores[1].surrogate.as_ref())?;
     let ridge = methods.load(&file)?;
     std::fs::remove_file(&file)?;
-    let prediction = &ridge.predict(&[0.1, 0.2, 0.12], 0.9)?[0];
+    let prediction = &ridge.predict_rows(&[0.1, 0.2, 0.12], 0.9)?[0];
     let interval = prediction.values[0].interval.as_ref().ok_or("ridge regression has intervals")?;
     println!(
         "q/p at arc length 0.1: {:.3}, {:.3} to {:.3}",

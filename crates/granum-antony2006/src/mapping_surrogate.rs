@@ -3,13 +3,14 @@
 //! As a surrogate, a mapping has columns of a data set as inputs and outputs; if `P(f)` is the output, it predicts all
 //! bins at once.
 
+use granum_core::observer::{Observer, SharedObserver};
 use granum_nets::Model;
-use granum_nets::trainer::SharedTrainer;
+use granum_nets::trainer::{SharedTrainer, training_progress};
 use serde::{Deserialize, Serialize};
 
 use crate::mapping::{Form, Mapping, Quantity, paper_mappings};
 use crate::mapping_networks::{MappingNetworks, RowAnswer, columns_of};
-use crate::study::observer::Silent;
+use crate::study::observer::{StudyObserver, StudyProgress};
 use crate::study::options::StudyOptions;
 use crate::study::training::{Job, network_name, network_seed, train_all};
 use crate::study_data::StudyData;
@@ -17,7 +18,7 @@ use granum_learn::dataset::{Dataset, Variable};
 use granum_learn::surrogate::Content;
 use granum_learn::surrogate::{Columns, FitSpec};
 use granum_learn::surrogate::{Estimate, Outside, Prediction, causes};
-use granum_learn::surrogate::{Surrogate, SurrogateMethod};
+use granum_learn::surrogate::{RunInputs, Surrogate, SurrogateMethod};
 use granum_learn::{LearnError, Result};
 
 const NAME: &str = "antony2006";
@@ -91,6 +92,22 @@ fn pure(columns: Columns) -> Columns {
     }
 }
 
+/// An observer of any work as one of a study.
+struct Heard<'a>(SharedObserver<'a>);
+
+impl StudyObserver for Heard<'_> {
+    fn progress(&self, progress: &StudyProgress) {
+        let StudyProgress { network, epoch, epochs, error } = *progress;
+        self.0.part(network).progress(&training_progress(epoch, epochs, error, None));
+    }
+    fn trained(&self, network: &str, _: &Model, _: f64) {
+        self.0.part(network).completed();
+    }
+    fn stop(&self) -> bool {
+        self.0.stopped()
+    }
+}
+
 impl SurrogateMethod for MappingMethod {
     fn name(&self) -> &str {
         NAME
@@ -100,7 +117,12 @@ impl SurrogateMethod for MappingMethod {
         "the networks of a mapping of Antony, Zhou and Wang (2006), one for each range of strain"
     }
 
-    fn fit(&self, dataset: &Dataset, spec: &FitSpec) -> Result<Box<dyn Surrogate>> {
+    fn fit(
+        &self,
+        dataset: &Dataset,
+        spec: &FitSpec,
+        observer: &mut dyn Observer,
+    ) -> Result<Box<dyn Surrogate>> {
         let columns = pure(spec.columns(dataset)?);
         let data = StudyData::all_training(dataset)?;
         let mapping = self.chosen(&columns, &data.forces)?;
@@ -117,7 +139,8 @@ impl SurrogateMethod for MappingMethod {
             Job { seed: network_seed(spec.seed, &name), name, mapping: &mapping, sub_model }
         };
         let jobs: Vec<Job> = (0..mapping.sub_models.len()).map(job).collect();
-        let trained = train_all(&data, &jobs, &options, &Silent)?;
+        let heard = Heard(SharedObserver::new(observer));
+        let trained = train_all(&data, &jobs, &options, &heard)?;
         let networks = trained.into_iter().map(|(model, _)| model).collect();
         Ok(Box::new(MappingNetworks::new(mapping.clone(), self.form, data.forces.clone(), networks)?))
     }
@@ -156,13 +179,13 @@ impl Surrogate for MappingNetworks {
         self.data_columns()
     }
 
-    fn answer(&self, rows: &[&[f64]], level: f64) -> Result<Vec<Prediction>> {
+    fn answer(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
         // If the output is a distribution, the last input of the networks is the force.
         let distribution = self.mapping().output == Quantity::ForceDistribution;
         let forces: Vec<Option<f64>> =
             if distribution { self.forces().iter().copied().map(Some).collect() } else { vec![None] };
-        let asked: Vec<f64> = rows
-            .iter()
+        let asked: Vec<f64> = inputs
+            .rows()
             .flat_map(|row| forces.iter().flat_map(|force| row.iter().copied().chain(*force)))
             .collect();
         let answers = self.predict_rows(&asked, level)?;

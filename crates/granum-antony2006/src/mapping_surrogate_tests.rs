@@ -1,5 +1,6 @@
 //! Tests of the networks of a mapping as a surrogate among others.
 
+use granum_core::observer::NoObserver;
 use granum_learn::compare;
 use granum_learn::dataset::{Dataset, NamedRecord, RunStates, Split, SplitParts};
 use granum_learn::surrogate::{Cause, Content, FitSpec, SurrogateMethod, SurrogateMethods, save, to_json};
@@ -57,7 +58,7 @@ fn networks_and_ridge_have_the_scores_of_the_study_as_any_surrogate() {
     let mapping = paper_mapping("F3").unwrap().with_neurons(4);
     let methods = SurrogateMethods::standard().with(MappingMethod::new(mapping.clone()));
     let asked = ["antony2006", "ridge"].map(|name| methods.by_name(name).unwrap());
-    let scores = compare(&parts, &spec_of(&dataset, "F3"), &asked, 0.9).unwrap();
+    let scores = compare(&parts, &spec_of(&dataset, "F3"), &asked, 0.9, &mut NoObserver).unwrap();
 
     let named: Vec<NamedRecord> =
         records.iter().map(|record| NamedRecord { name: "run", seed: 0, record }).collect();
@@ -81,7 +82,7 @@ fn a_mapping_comes_back_from_its_file_with_the_same_bits() {
     let dataset = dataset_of(&records(Law::Plain, 3));
     let parts = parts(&dataset);
     let method = MappingMethod::new(paper_mapping("F2").unwrap().with_neurons(3));
-    let fitted = method.fit(&parts.training, &spec_of(&dataset, "F2")).unwrap();
+    let fitted = method.fit(&parts.training, &spec_of(&dataset, "F2"), &mut NoObserver).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("F2.json");
     save(&path, fitted.as_ref()).unwrap();
@@ -89,8 +90,8 @@ fn a_mapping_comes_back_from_its_file_with_the_same_bits() {
     let loaded = methods.load(&path).unwrap();
     assert_eq!((loaded.method(), loaded.columns()), ("antony2006", fitted.columns()));
     let rows = parts.unseen.values(&loaded.columns().input_names()).unwrap();
-    let predictions = loaded.predict(&rows, 0.8).unwrap();
-    assert_eq!(predictions, fitted.predict(&rows, 0.8).unwrap());
+    let predictions = loaded.predict_rows(&rows, 0.8).unwrap();
+    assert_eq!(predictions, fitted.predict_rows(&rows, 0.8).unwrap());
     assert_eq!(predictions[0].values.len(), 14);
     let alien = MappingMethod::default().load(loaded.columns().clone(), &Content::of(&["alien"]).unwrap());
     let refusal = alien.err().unwrap().to_string();
@@ -108,9 +109,11 @@ fn a_mapping_as_a_surrogate_answers_as_it_answers_states() {
     let dataset = dataset_of(&records);
     let parts = parts(&dataset);
     let mapping = paper_mapping("F2").unwrap().with_neurons(3);
-    let fitted = MappingMethod::new(mapping.clone()).fit(&parts.training, &spec_of(&dataset, "F2")).unwrap();
+    let fitted = MappingMethod::new(mapping.clone())
+        .fit(&parts.training, &spec_of(&dataset, "F2"), &mut NoObserver)
+        .unwrap();
     let rows = parts.unseen.values(&["deviator_strain", "stress_ratio"]).unwrap();
-    let predictions = fitted.predict(&rows, 0.9).unwrap();
+    let predictions = fitted.predict_rows(&rows, 0.9).unwrap();
 
     let named: Vec<NamedRecord> =
         records.iter().map(|record| NamedRecord { name: "run", seed: 0, record }).collect();
@@ -132,7 +135,9 @@ fn a_mapping_as_a_surrogate_answers_as_it_answers_states() {
             assert!(own.causes.iter().map(|(cause, _)| *cause).eq([Cause::Noise, Cause::Parameters]));
         }
     }
-    let message = |spec: FitSpec| MappingMethod::default().fit(&dataset, &spec).err().unwrap().to_string();
+    let message = |spec: FitSpec| {
+        MappingMethod::default().fit(&dataset, &spec, &mut NoObserver).err().unwrap().to_string()
+    };
     let text = message(FitSpec::new(["deviator_strain"], ["stress_ratio"]));
     assert!(
         text.contains("no mapping goes from (deviator_strain) to (stress_ratio); there are: q/p = F1("),

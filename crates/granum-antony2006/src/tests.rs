@@ -7,7 +7,7 @@ use granum_nets::trainer::{
     Flow, LevenbergMarquardt, Observer, Options, Progress, Trainer, TrainerState, TrainingError,
     TrainingReport, by_name,
 };
-use granum_nets::{Column, Data, Model, ModelDefinition, Network};
+use granum_nets::{Column, Data, Differentiable, Model, ModelDefinition};
 use granum_sensors::Record;
 
 use crate::figures::figures;
@@ -191,12 +191,12 @@ impl Trainer for Own {
     }
     fn resume(
         &self,
-        network: &mut Network,
+        model: &mut dyn Differentiable,
         data: &Data,
         state: Option<TrainerState>,
         observer: &mut dyn Observer,
     ) -> Result<TrainingReport, TrainingError> {
-        let mut report = LevenbergMarquardt::default().resume(network, data, state, observer)?;
+        let mut report = LevenbergMarquardt::default().resume(model, data, state, observer)?;
         report.trainer = "own".into();
         Ok(report)
     }

@@ -240,22 +240,22 @@ impl TrainingCheckpoints {
         Model::load(&self.folder.join(network_file(network))).ok()
     }
 
-    /// Stores the state of an unfinished network if it is due, or at once if `now`.
-    pub fn under_way(&self, network: &str, key: &str, now: bool, state: &dyn Fn() -> TrainerState) {
+    /// True if the state of an unfinished network is due to be stored.
+    pub fn is_due(&self, network: &str) -> bool {
         let mut held = self.held();
-        let due = match held.kept.get(network) {
+        match held.kept.get(network) {
             Some(last) => last.elapsed() > self.every,
             None => {
                 held.kept.insert(network.to_string(), Instant::now());
                 self.every.is_zero()
             }
-        };
-        if !due && !now {
-            return;
         }
-        held.kept.insert(network.to_string(), Instant::now());
-        drop(held);
-        self.note(self.write_state(network, UnderWay { key: key.to_string(), state: state() }));
+    }
+
+    /// Stores the state of an unfinished network.
+    pub fn under_way(&self, network: &str, key: &str, state: &TrainerState) {
+        self.held().kept.insert(network.to_string(), Instant::now());
+        self.note(self.write_state(network, UnderWay { key: key.to_string(), state: state.clone() }));
     }
 
     fn write_state(&self, network: &str, under_way: UnderWay) -> Result<()> {
@@ -328,7 +328,7 @@ mod tests {
     /// Trains up to an epoch, and returns the model and the state at its end.
     fn trained(epochs: u64, state: Option<TrainerState>) -> (Model, TrainerState) {
         let trainer = by_name("traingdx", &Default::default()).unwrap();
-        let mut listen = |p: &Progress| if p.epoch < epochs { Flow::Continue } else { Flow::Stop };
+        let mut listen = |p: &Progress| if p.done < epochs { Flow::Continue } else { Flow::Stop };
         let (model, report) =
             Model::resume(&definition(), &data(), trainer.as_ref(), state, &mut listen).unwrap();
         (model, report.state)
@@ -340,7 +340,8 @@ mod tests {
         let folder = base.path();
         let (_, state) = trained(40, None);
         let checkpoints = TrainingCheckpoints::new(folder, Duration::ZERO);
-        checkpoints.under_way("F1-1", "this", false, &|| state.clone());
+        assert!(checkpoints.is_due("F1-1"));
+        checkpoints.under_way("F1-1", "this", &state);
         assert_eq!(checkpoints.state("F1-1", "this"), Some(state.clone()));
         assert!(checkpoints.state("F1-1", "other").is_none() && checkpoints.state("F1-2", "this").is_none());
         let (whole, _) = trained(90, None);
@@ -366,9 +367,8 @@ mod tests {
         assert_eq!(again.held().seconds["F1-1"], 2.5);
         std::fs::write(folder.join(TIMES_FILE), "{").unwrap();
         assert!(TrainingCheckpoints::new(folder, Duration::MAX).held().seconds.is_empty());
-        again.under_way("F1-2", "this", false, &|| state.clone());
-        assert!(again.state("F1-2", "this").is_none());
-        again.under_way("F1-2", "this", true, &|| state.clone());
+        assert!(!again.is_due("F1-2") && again.state("F1-2", "this").is_none());
+        again.under_way("F1-2", "this", &state);
         assert!(again.state("F1-2", "this").is_some());
     }
 

@@ -2,10 +2,12 @@
 
 use std::time::Instant;
 
+use granum_core::observer::Observer;
+
 use crate::dataset::{Dataset, SplitParts};
 use crate::error::{LearnError, Result};
 use crate::score::{Score, Scorer};
-use crate::surrogate::{Columns, FitSpec, Prediction, Surrogate, SurrogateMethod};
+use crate::surrogate::{Columns, FitSpec, Prediction, RunInputs, Surrogate, SurrogateMethod};
 
 /// A fitted surrogate with its scores on the parts of a data set.
 #[non_exhaustive]
@@ -16,7 +18,8 @@ pub struct SurrogateScores {
     pub surrogate: Box<dyn Surrogate>,
     /// Score on the training rows.
     pub training: Score,
-    /// Score on the held-out rows of the same runs.
+    /// Score on the held-out rows of the same runs; without rows for a method with memory, which is fitted to all states of
+    /// the training runs.
     pub held_out: Score,
     /// Score on unseen runs.
     pub unseen: Score,
@@ -29,7 +32,7 @@ pub struct SurrogateScores {
 }
 
 /// Fits every method to the training part and scores the result on all parts, with intervals of the given level. The
-/// scores do not depend on the order of the methods.
+/// scores do not depend on the order of the methods. The observer follows the fits, and can stop them.
 ///
 /// The documentation of [this crate](crate) contains an example.
 ///
@@ -41,9 +44,10 @@ pub fn compare(
     spec: &FitSpec,
     methods: &[&dyn SurrogateMethod],
     level: f64,
+    observer: &mut dyn Observer,
 ) -> Result<Vec<SurrogateScores>> {
     check_units(&spec.columns(&parts.training)?)?;
-    methods.iter().map(|method| compare_one(parts, spec, *method, level)).collect()
+    methods.iter().map(|method| compare_one(parts, spec, *method, level, observer)).collect()
 }
 
 fn compare_one(
@@ -51,16 +55,18 @@ fn compare_one(
     spec: &FitSpec,
     method: &dyn SurrogateMethod,
     level: f64,
+    observer: &mut dyn Observer,
 ) -> Result<SurrogateScores> {
     let clock = Instant::now();
-    let surrogate = method.fit(&parts.training, spec)?;
+    let training = if method.has_memory() { &parts.training_runs } else { &parts.training };
+    let surrogate = method.fit(training, spec, observer)?;
     let seconds = clock.elapsed().as_secs_f64();
     let judge = |part: &Dataset| judged(surrogate.as_ref(), part, level);
     let unseen = judge(&parts.unseen)?;
     Ok(SurrogateScores {
         method: method.name().to_owned(),
-        training: judge(&parts.training)?.score,
-        held_out: judge(&parts.held_out)?.score,
+        training: judge(training)?.score,
+        held_out: if method.has_memory() { Score::default() } else { judge(&parts.held_out)?.score },
         unseen: unseen.score,
         coverage: unseen.coverage,
         unseen_outside: unseen.outside,
@@ -94,7 +100,7 @@ pub(crate) fn judged(surrogate: &dyn Surrogate, dataset: &Dataset, level: f64) -
     }
     check_units(columns)?;
     let exact = dataset.values(&columns.output_names())?;
-    let predictions = surrogate.predict(&dataset.values(&columns.input_names())?, level)?;
+    let predictions = surrogate.predict(&RunInputs::from_dataset(dataset, columns)?, level)?;
     let mut scorer = Scorer::default();
     let mut each = vec![Scorer::default(); columns.outputs.len()];
     let (mut held, mut intervals) = (0, 0);

@@ -3,13 +3,18 @@
 use granum_core::{Column, Table};
 
 use crate::error::Result;
-use crate::surrogate::{Estimate, Prediction, Surrogate};
+use crate::surrogate::{Estimate, Prediction, RunInputs, Surrogate};
 
-/// Predicts every row of a table. The result has the inputs of the surrogate, then for each output `predicted_NAME`,
+/// The column of a table with the number of the run of each row.
+pub const RUN: &str = "run";
+
+/// Predicts every row of a table. The rows are the states of one run; if there is a column `run`, a run starts wherever its
+/// value changes. The result has the inputs of the surrogate, then for each output `predicted_NAME`,
 /// followed by `standard_deviation_NAME`, `lower_NAME` and `upper_NAME` if the surrogate provides them (NaN for rows
 /// without them), and last `outside`, which is 1 if an input is outside the trained range.
 ///
 /// ```
+/// use granum_core::observer::NoObserver;
 /// use granum_core::{Column, Table};
 /// use granum_learn::{Dataset, FitSpec, RunStates, SurrogateMethods, inference};
 ///
@@ -18,7 +23,8 @@ use crate::surrogate::{Estimate, Prediction, Surrogate};
 /// let table = Table::new(vec![Column::new("x", "", x), Column::new("y", "", y)])?;
 /// let dataset = Dataset::new(vec![RunStates::new("run", table)?])?;
 /// let methods = SurrogateMethods::standard();
-/// let ridge = methods.by_name("ridge")?.fit(&dataset, &FitSpec::new(["x"], ["y"]).with_coordinate("x"))?;
+/// let spec = FitSpec::new(["x"], ["y"]).with_coordinate("x");
+/// let ridge = methods.by_name("ridge")?.fit(&dataset, &spec, &mut NoObserver)?;
 ///
 /// let asked = Table::new(vec![Column::new("x", "", vec![4.5, 40.0])])?;
 /// let answers = inference::predict_table(ridge.as_ref(), &asked, 0.9)?;
@@ -32,7 +38,7 @@ use crate::surrogate::{Estimate, Prediction, Surrogate};
 pub fn predict_table(surrogate: &dyn Surrogate, table: &Table, level: f64) -> Result<Table> {
     let columns = surrogate.columns();
     let inputs = chosen(table, &columns.input_names())?;
-    let predictions = surrogate.predict(&rows_of(&inputs), level)?;
+    let predictions = surrogate.predict(&run_inputs(table, &inputs)?, level)?;
     let mut all = inputs.columns().to_vec();
     for (k, output) in columns.outputs.iter().enumerate() {
         let mut add = |prefix: &str, value: &dyn Fn(&Estimate) -> f64| {
@@ -52,6 +58,16 @@ pub fn predict_table(surrogate: &dyn Surrogate, table: &Table, level: f64) -> Re
     let outside = |prediction: &Prediction| f64::from(u8::from(!prediction.outside.is_empty()));
     all.push(Column::new("outside", "", predictions.iter().map(outside).collect()));
     Ok(Table::new(all)?)
+}
+
+/// The rows of the inputs, divided into runs by the column `run` of the table.
+fn run_inputs(table: &Table, inputs: &Table) -> Result<RunInputs> {
+    let lengths = match table.values(RUN) {
+        _ if inputs.rows() == 0 => Vec::new(),
+        Some(runs) => runs.chunk_by(|a, b| a.to_bits() == b.to_bits()).map(<[f64]>::len).collect(),
+        None => vec![inputs.rows()],
+    };
+    RunInputs::new(rows_of(inputs), inputs.columns().len(), lengths)
 }
 
 /// The columns with the given names, in this order.

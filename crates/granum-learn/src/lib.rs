@@ -10,6 +10,7 @@
 //! [`compare`], are saved in a common format, and are found by name in [`SurrogateMethods`].
 //!
 //! ```
+//! use granum_core::observer::NoObserver;
 //! use granum_core::{Column, Table};
 //! use granum_learn::{Dataset, FitSpec, RunStates, Split, SurrogateMethods, compare};
 //!
@@ -24,7 +25,8 @@
 //!
 //! let methods = SurrogateMethods::standard();
 //! let spec = FitSpec::new(["x"], ["y"]).with_coordinate("x");
-//! for scored in compare(&parts, &spec, &[methods.by_name("ridge")?, methods.by_name("feed-forward")?], 0.9)? {
+//! let compared = [methods.by_name("ridge")?, methods.by_name("feed-forward")?];
+//! for scored in compare(&parts, &spec, &compared, 0.9, &mut NoObserver)? {
 //!     assert!(scored.unseen.relative_rmse < 0.05, "{} {:?}", scored.method, scored.unseen);
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())

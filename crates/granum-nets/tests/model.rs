@@ -197,7 +197,8 @@ fn standard_deviations_are_split_by_cause() {
     let alone = model();
     let blocks = |count: usize| (0..120).map(|k| k * count / 120).collect();
     let data = data(120).with_blocks(blocks(4)).unwrap().with_spread_column(0).unwrap();
-    let (several, _) = Model::fit(&definition(), &data, &LevenbergMarquardt::default(), &mut NoObserver).unwrap();
+    let (several, _) =
+        Model::fit(&definition(), &data, &LevenbergMarquardt::default(), &mut NoObserver).unwrap();
     for model in [alone, several] {
         let totals = model.standard_deviations(&rows).unwrap().unwrap();
         let split = model.deviations_of(&rows, 1).unwrap().unwrap();

@@ -43,9 +43,13 @@ pub trait StudyObserver: Sync {
     /// Called when the training of a network is complete, with its duration in seconds, or when a finished network was found
     /// (then the duration is 0).
     fn trained(&self, _network: &str, _model: &Model, _seconds: f64) {}
-    /// Called after every epoch with the state from which the training can be resumed; `key` identifies the training.
-    /// `last` is true if the training ends here because [`StudyObserver::stop`] returned true.
-    fn under_way(&self, _network: &str, _key: &str, _last: bool, _state: &dyn Fn() -> TrainerState) {}
+    /// Returns true if the state of an unfinished network is to be kept now. It is asked after every epoch.
+    fn keeps_state(&self, _network: &str) -> bool {
+        false
+    }
+    /// Called with the state from which the training can be resumed, at the request of [`StudyObserver::keeps_state`], and
+    /// when [`StudyObserver::stop`] has ended the training; `key` identifies the training.
+    fn under_way(&self, _network: &str, _key: &str, _state: &TrainerState) {}
     /// The state from which the unfinished training identified by `key` can be resumed.
     fn state(&self, _network: &str, _key: &str) -> Option<TrainerState> {
         None

@@ -1,7 +1,7 @@
 //! The training of the networks of a study, in parallel.
 
 use granum_core::parallel;
-use granum_nets::trainer::{self, Flow, Options};
+use granum_nets::trainer::{self, Flow, Options, Progress, TerminationReason};
 use granum_nets::{Column, Data, Model, ModelDefinition};
 
 use super::observer::{StudyObserver, StudyProgress};
@@ -100,19 +100,31 @@ fn train_one(
         job.seed,
         data.hash()
     );
-    let mut stopped = false;
-    let mut listen = |progress: &trainer::Progress| {
-        let (epoch, epochs, error) = (progress.epoch, progress.epochs, progress.error);
-        observer.progress(&StudyProgress { network: &job.name, epoch, epochs, error });
-        stopped = observer.stop();
-        observer.under_way(&job.name, &key, stopped, &|| progress.state());
-        if stopped { Flow::Stop } else { Flow::Continue }
-    };
-    let state = observer.state(&job.name, &key);
-    let (model, report) = Model::resume(&definition, &data, trainer.as_ref(), state, &mut listen)
-        .map_err(|error| failed(error.to_string()))?;
-    // The time must be positive, since a time of zero marks a network that was found finished.
-    Ok((!stopped).then_some((model, report.seconds.max(1e-9))))
+    // A state is kept by stopping the training and continuing from its state, which changes no bit.
+    let mut state = observer.state(&job.name, &key);
+    let mut seconds = 0.0;
+    loop {
+        let mut stopped = false;
+        let mut listen = |progress: &Progress| {
+            let (epoch, epochs) = (progress.done, progress.of.unwrap_or(progress.done));
+            let error = progress.value("error").unwrap_or(f64::NAN);
+            observer.progress(&StudyProgress { network: &job.name, epoch, epochs, error });
+            stopped = observer.stop();
+            if stopped || observer.keeps_state(&job.name) { Flow::Stop } else { Flow::Continue }
+        };
+        let (model, report) = Model::resume(&definition, &data, trainer.as_ref(), state.take(), &mut listen)
+            .map_err(|error| failed(error.to_string()))?;
+        seconds += report.seconds;
+        if report.termination == TerminationReason::Stopped {
+            observer.under_way(&job.name, &key, &report.state);
+            if !stopped {
+                state = Some(report.state);
+                continue;
+            }
+        }
+        // The time must be positive, since a time of zero marks a network that was found finished.
+        return Ok((!stopped).then_some((model, seconds.max(1e-9))));
+    }
 }
 
 /// True if a model is the result that training with the definition would give.

@@ -72,6 +72,7 @@ impl Split {
             (state_of(run, row) - self.first_state).is_multiple_of(self.stride as u64)
         };
         let parts = SplitParts {
+            training_runs: used.select(|run, _| !is_unseen(run)),
             training: used.select(|run, row| !is_unseen(run) && trains(run, row)),
             held_out: used.select(|run, row| !is_unseen(run) && !trains(run, row)),
             unseen: used.select(|run, _| is_unseen(run)),
@@ -112,6 +113,8 @@ fn state_of(run: &RunStates, row: usize) -> u64 {
 /// The parts of a data set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SplitParts {
+    /// All states of the training runs, training and held-out ones, for methods with memory.
+    pub training_runs: Dataset,
     /// Training states.
     pub training: Dataset,
     /// Held-out states of the same runs.

@@ -5,7 +5,7 @@ use crate::dataset::{Dataset, RunStates};
 use crate::error::Result;
 use crate::input_use::{Given, InputTest, permutation};
 use crate::score::Scorer;
-use crate::surrogate::Surrogate;
+use crate::surrogate::{RunInputs, Surrogate};
 
 /// A surrogate with its unseen runs.
 pub(super) struct MemberTest<'a> {
@@ -99,7 +99,9 @@ impl InputTest for MemberTest<'_> {
 fn error(surrogate: &dyn Surrogate, inputs: &[f64], run: &RunColumns, all: &mut Scorer) -> Result<f64> {
     let mut own = Scorer::default();
     let outputs = surrogate.columns().outputs.len();
-    for (prediction, exact) in surrogate.predict(inputs, 0.5)?.iter().zip(run.outputs.chunks_exact(outputs)) {
+    let inputs = RunInputs::new(inputs.to_vec(), surrogate.columns().inputs.len(), vec![run.stages.len()])?;
+    for (prediction, exact) in surrogate.predict(&inputs, 0.5)?.iter().zip(run.outputs.chunks_exact(outputs))
+    {
         let means: Vec<f64> = prediction.values.iter().map(|estimate| estimate.mean).collect();
         own.add(exact, &means);
         all.add(exact, &means);

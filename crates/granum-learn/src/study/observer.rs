@@ -1,13 +1,18 @@
 //! Observers of a study.
 
+use granum_core::observer::Progress;
+
 use crate::error::Result;
 use crate::surrogate::Surrogate;
 
-/// An observer of the training of a study, which may store its surrogates and may stop it between two of them. Every method has
+/// An observer of the training of a study, which may store its surrogates and may stop it, also within a fit. Every method has
 /// a default that does nothing.
 pub trait StudyObserver: Sync {
     /// Called before a surrogate is fitted, with its name, its number from 1, and the number of all.
     fn begins(&self, _name: &str, _number: usize, _all: usize) {}
+
+    /// Called while a surrogate is fitted, with its name.
+    fn progress(&self, _name: &str, _progress: &Progress) {}
 
     /// A surrogate of an earlier, unfinished training of the same study.
     ///

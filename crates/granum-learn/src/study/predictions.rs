@@ -5,7 +5,7 @@ use granum_core::{Column, Table};
 use super::training::Study;
 use crate::dataset::Dataset;
 use crate::error::Result;
-use crate::surrogate::{Estimate, Interval};
+use crate::surrogate::{Estimate, Interval, RunInputs};
 
 /// The predictions of all surrogates for the unseen runs of a data set: the number of the run (from 1), `stage`, `state`, the
 /// inputs and outputs of all fits, and for each output and surrogate `predicted_OUTPUT_by_NAME`, with `lower_` and `upper_` if
@@ -28,8 +28,8 @@ pub fn predictions(study: &Study, unseen: &Dataset) -> Result<Table> {
     }
     for member in study.members() {
         let surrogate = member.surrogate.as_ref();
-        let rows = unseen.values(&surrogate.columns().input_names())?;
-        let predictions = surrogate.predict(&rows, study.definition.level)?;
+        let inputs = RunInputs::from_dataset(unseen, surrogate.columns())?;
+        let predictions = surrogate.predict(&inputs, study.definition.level)?;
         for (k, output) in surrogate.columns().outputs.iter().enumerate() {
             let mut add = |word: &str, value: &dyn Fn(&Estimate) -> f64| {
                 let name = format!("{word}_{}_by_{}", output.name, member.name);

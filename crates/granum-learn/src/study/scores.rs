@@ -89,12 +89,17 @@ impl Study {
         let fits = self.fits.iter().map(|fit| {
             let score = |member: &Member| {
                 let on = |part: &Dataset| self.score_part(member, part);
+                // A surrogate with memory was fitted to all states of the training runs.
+                let (training, held_out) = match member.surrogate.has_memory() {
+                    true => (&parts.training_runs, &parts.held_out.select(|_, _| false)),
+                    false => (&parts.training, &parts.held_out),
+                };
                 Ok(MemberScores {
                     name: member.name.clone(),
                     method: member.method.clone(),
                     role: member.role,
-                    training: on(&parts.training)?,
-                    held_out: on(&parts.held_out)?,
+                    training: on(training)?,
+                    held_out: on(held_out)?,
                     unseen: on(&parts.unseen)?,
                     outputs: self.score_outputs(member, &parts.unseen)?,
                 })

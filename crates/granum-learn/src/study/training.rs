@@ -1,5 +1,7 @@
 //! The training of a study.
 
+use granum_core::observer::{Flow, Progress};
+
 use super::definition::{Planned, StudyDefinition, fit_name};
 use super::member::{Member, Role, StudyFit};
 use super::observer::StudyObserver;
@@ -48,6 +50,7 @@ impl Study {
                     Err(error @ LearnError::Surrogate { .. }) if planned.role != Role::Asked => {
                         remarks.push(format!("{} is missing: {error}", planned.name));
                     }
+                    Err(LearnError::Stopped { .. }) => return Err(LearnError::Stopped { done, total }),
                     Err(error) => return Err(error),
                 }
                 done += 1;
@@ -84,7 +87,13 @@ fn fitted(
     if let Some(surrogate) = observer.finished(&planned.name)? {
         return Ok(surrogate);
     }
-    let surrogate = methods.by_name(&planned.method)?.fit(&parts.training, &planned.spec)?;
+    let method = methods.by_name(&planned.method)?;
+    let training = if method.has_memory() { &parts.training_runs } else { &parts.training };
+    let mut listen = |progress: &Progress| {
+        observer.progress(&planned.name, progress);
+        if observer.stop() { Flow::Stop } else { Flow::Continue }
+    };
+    let surrogate = method.fit(training, &planned.spec, &mut listen)?;
     observer.fitted(&planned.name, surrogate.as_ref())?;
     Ok(surrogate)
 }

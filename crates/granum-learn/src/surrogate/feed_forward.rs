@@ -3,13 +3,17 @@
 //! The bins of a histogram are scaled together as one quantity. With two or more runs, the intervals are calibrated by
 //! leaving out each run in turn, see [`granum_nets::Intervals`].
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use granum_core::observer::{Observer, SharedObserver};
 use granum_core::parallel;
-use granum_nets::trainer::{SharedTrainer, Silent};
+use granum_nets::trainer::{SharedTrainer, TerminationReason};
 use granum_nets::{Column, Data, Model, ModelDefinition};
 use serde::{Deserialize, Serialize};
 
 use super::content::Content;
 use super::prediction::{Estimate, Prediction, causes, outside_of};
+use super::run_inputs::RunInputs;
 use super::spec::{Columns, FitSpec};
 use super::surrogate_trait::{Surrogate, SurrogateMethod};
 use crate::dataset::{Dataset, Variable};
@@ -60,7 +64,12 @@ impl SurrogateMethod for FeedForward {
         "feed-forward networks, one for each output"
     }
 
-    fn fit(&self, dataset: &Dataset, spec: &FitSpec) -> Result<Box<dyn Surrogate>> {
+    fn fit(
+        &self,
+        dataset: &Dataset,
+        spec: &FitSpec,
+        observer: &mut dyn Observer,
+    ) -> Result<Box<dyn Surrogate>> {
         let columns = spec.columns(dataset)?;
         let inputs = dataset.values(&columns.input_names())?;
         let definition = ModelDefinition {
@@ -72,8 +81,15 @@ impl SurrogateMethod for FeedForward {
             )
         };
         let blocks = dataset.run_of_rows();
-        let models = parallel::map(columns.outputs.len(), spec.threads, |k| {
+        let shared = SharedObserver::new(observer);
+        let (done, total) = (AtomicUsize::new(0), columns.outputs.len());
+        let models = parallel::map(total, spec.threads, |k| {
+            let stopped = || LearnError::Stopped { done: done.load(Ordering::Relaxed), total };
+            if shared.stopped() {
+                return Err(stopped());
+            }
             let output = &columns.outputs[k];
+            let mut part = shared.part(&output.name);
             let targets = dataset.values(&[&output.name])?;
             let observations = targets.len() as f64 * self.observations_per_row;
             let data = Data::new(inputs.clone(), columns.inputs.len(), targets)
@@ -86,8 +102,14 @@ impl SurrogateMethod for FeedForward {
                 .map_err(failed)?;
             let seed = spec.seed.wrapping_add(k as u64);
             let definition = ModelDefinition { output: network_column(output), seed, ..definition.clone() };
-            let (model, _) = Model::fit(&definition, &data, &*self.trainer, &mut Silent).map_err(failed)?;
-            Ok::<_, LearnError>(model)
+            let (model, report) =
+                Model::fit(&definition, &data, &*self.trainer, &mut part).map_err(failed)?;
+            if report.termination == TerminationReason::Stopped {
+                return Err(stopped());
+            }
+            done.fetch_add(1, Ordering::Relaxed);
+            part.completed();
+            Ok(model)
         })?;
         Ok(Box::new(FittedNetworks { columns, models }))
     }
@@ -151,12 +173,12 @@ impl Surrogate for FittedNetworks {
         &self.columns
     }
 
-    fn answer(&self, rows: &[&[f64]], level: f64) -> Result<Vec<Prediction>> {
-        let flat = rows.concat();
-        let mut predictions = vec![Prediction::default(); rows.len()];
+    fn answer(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
+        let flat = inputs.values();
+        let mut predictions = vec![Prediction::default(); inputs.len()];
         for model in &self.models {
-            let means = model.predict_batch(&flat).map_err(failed)?.values;
-            let deviations = model.deviations_of(&flat, 1).map_err(failed)?;
+            let means = model.predict_batch(flat).map_err(failed)?.values;
+            let deviations = model.deviations_of(flat, 1).map_err(failed)?;
             let quantile = model.quantile(level);
             for (k, (prediction, mean)) in predictions.iter_mut().zip(means).enumerate() {
                 let estimate = Estimate::new(mean);
@@ -172,7 +194,7 @@ impl Surrogate for FittedNetworks {
         let ranges: Vec<[f64; 2]> = self.models.first().map_or(Vec::new(), |model| {
             model.input_scalers().iter().map(|scaler| [scaler.minimum, scaler.maximum]).collect()
         });
-        for (prediction, row) in predictions.iter_mut().zip(rows) {
+        for (prediction, row) in predictions.iter_mut().zip(inputs.rows()) {
             prediction.outside = outside_of(&self.columns, &ranges, row);
         }
         Ok(predictions)

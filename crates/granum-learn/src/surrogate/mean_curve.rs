@@ -7,10 +7,12 @@
 //! half width of intervals follows from Student's t distribution with n - 1 degrees of freedom; for a single run there is no
 //! interval.
 
+use granum_core::observer::Observer;
 use serde::{Deserialize, Serialize};
 
 use super::content::Content;
 use super::prediction::{Cause, Estimate, Prediction, outside_of};
+use super::run_inputs::RunInputs;
 use super::spec::{Columns, FitSpec};
 use super::surrogate_trait::{Surrogate, SurrogateMethod};
 use crate::curve::{increases, interpolated};
@@ -20,6 +22,7 @@ use crate::error::{LearnError, Result};
 /// The mean curve of the runs.
 ///
 /// ```
+/// use granum_core::observer::NoObserver;
 /// use granum_core::{Column, Table};
 /// use granum_learn::surrogate::{FitSpec, MeanCurve, SurrogateMethod};
 /// use granum_learn::{Dataset, RunStates};
@@ -28,8 +31,8 @@ use crate::error::{LearnError, Result};
 ///     RunStates::new(name, Table::new(vec![Column::new("x", "", vec![0.0, 1.0]), Column::new("y", "", y)])?)
 /// };
 /// let dataset = Dataset::new(vec![run("a", vec![1.0, 3.0])?, run("b", vec![2.0, 6.0])?])?;
-/// let curve = MeanCurve.fit(&dataset, &FitSpec::new(["x"], ["y"]).with_coordinate("x"))?;
-/// assert_eq!(curve.predict(&[0.5], 0.9)?[0].values[0].mean, 3.0);
+/// let curve = MeanCurve.fit(&dataset, &FitSpec::new(["x"], ["y"]).with_coordinate("x"), &mut NoObserver)?;
+/// assert_eq!(curve.predict_rows(&[0.5], 0.9)?[0].values[0].mean, 3.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, Default)]
@@ -82,7 +85,7 @@ impl SurrogateMethod for MeanCurve {
         "the mean of the runs at the coordinate"
     }
 
-    fn fit(&self, dataset: &Dataset, spec: &FitSpec) -> Result<Box<dyn Surrogate>> {
+    fn fit(&self, dataset: &Dataset, spec: &FitSpec, _: &mut dyn Observer) -> Result<Box<dyn Surrogate>> {
         let mut columns = spec.columns(dataset)?;
         let Some(place) = spec.place_of_coordinate(&columns) else {
             let fitted = overall_mean(dataset, &columns)?;
@@ -163,7 +166,7 @@ impl Surrogate for FittedCurve {
         &self.columns
     }
 
-    fn answer(&self, rows: &[&[f64]], level: f64) -> Result<Vec<Prediction>> {
+    fn answer(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
         let Fitted { along_coordinate, runs, coordinates, means, deviations } = &self.fitted;
         let n = *runs as f64;
         let quantile = granum_nets::two_sided_quantile(level, n - 1.0);
@@ -171,7 +174,7 @@ impl Surrogate for FittedCurve {
             (true, Some(first), Some(last)) => vec![[*first, *last]],
             _ => vec![[f64::NEG_INFINITY, f64::INFINITY]; self.columns.inputs.len()],
         };
-        let predict = |row: &&[f64]| {
+        let predict = |row: &[f64]| {
             let x = if *along_coordinate { row[0] } else { 0.0 };
             let estimate = |k: usize| {
                 let estimate = Estimate::new(interpolated(x, coordinates, &means[k]));
@@ -186,7 +189,7 @@ impl Surrogate for FittedCurve {
             let values = (0..means.len()).map(estimate).collect();
             Prediction::new(values).with_outside(outside_of(&self.columns, &ranges, row))
         };
-        Ok(rows.iter().map(predict).collect())
+        Ok(inputs.rows().map(predict).collect())
     }
 
     fn content(&self) -> Result<Content> {
@@ -197,6 +200,7 @@ impl Surrogate for FittedCurve {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use granum_core::observer::NoObserver;
     use granum_core::{Column, Table};
 
     fn run(name: &str, xs: &[f64], y: impl Fn(f64) -> f64) -> RunStates {
@@ -214,25 +218,25 @@ mod tests {
         let runs = vec![run("a", &xs, |x| x), run("b", &[0.0, 2.0], |x| x + 2.0), run("c", &xs, |x| x + 4.0)];
         let dataset = Dataset::new(runs).unwrap();
         let spec = FitSpec::new(["x"], ["y"]).with_coordinate("x");
-        let curve = MeanCurve.fit(&dataset, &spec).unwrap();
-        let prediction = &curve.predict(&[1.5], 0.9).unwrap()[0];
+        let curve = MeanCurve.fit(&dataset, &spec, &mut NoObserver).unwrap();
+        let prediction = &curve.predict_rows(&[1.5], 0.9).unwrap()[0];
         assert!((prediction.values[0].mean - 3.5).abs() < 1e-12);
         // The runs differ by 2 in the standard deviation, and the quantile for two degrees of freedom is 2.92.
         let interval = prediction.values[0].interval.as_ref().unwrap();
         let half = 0.5 * (interval.upper - interval.lower);
         assert!((half - 2.920 * 2.0 * (4.0f64 / 3.0).sqrt()).abs() < 0.02, "{half}");
-        let beyond = &curve.predict(&[9.0], 0.9).unwrap()[0];
+        let beyond = &curve.predict_rows(&[9.0], 0.9).unwrap()[0];
         assert_eq!((beyond.values[0].mean, beyond.outside.len()), (4.0, 1));
         // Without a coordinate it is the mean of all rows.
-        let flat = MeanCurve.fit(&dataset, &FitSpec::new(["x"], ["y"])).unwrap();
-        assert_eq!(flat.predict(&[9.0], 0.9).unwrap()[0].values[0].mean, 3.0);
+        let flat = MeanCurve.fit(&dataset, &FitSpec::new(["x"], ["y"]), &mut NoObserver).unwrap();
+        assert_eq!(flat.predict_rows(&[9.0], 0.9).unwrap()[0].values[0].mean, 3.0);
     }
 
     #[test]
     fn a_coordinate_that_turns_is_refused() {
         let dataset = Dataset::new(vec![run("a", &[0.0, 1.0, 0.5], |x| x)]).unwrap();
         let spec = FitSpec::new(["x"], ["y"]).with_coordinate("x");
-        let text = MeanCurve.fit(&dataset, &spec).err().unwrap().to_string();
+        let text = MeanCurve.fit(&dataset, &spec, &mut NoObserver).err().unwrap().to_string();
         assert!(text.contains("x does not increase from state to state in a"), "{text}");
     }
 }

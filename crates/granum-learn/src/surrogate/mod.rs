@@ -5,8 +5,10 @@
 //! like those of this crate. The following is a complete example, which predicts the mean of the training rows:
 //!
 //! ```
+//! use granum_core::observer::{NoObserver, Observer};
 //! use granum_learn::surrogate::{
-//!     self, Cause, Columns, Content, Estimate, FitSpec, Prediction, Surrogate, SurrogateMethod, SurrogateMethods,
+//!     self, Cause, Columns, Content, Estimate, FitSpec, Prediction, RunInputs, Surrogate, SurrogateMethod,
+//!     SurrogateMethods,
 //! };
 //! use granum_learn::{Dataset, Result};
 //!
@@ -25,7 +27,12 @@
 //!     fn help(&self) -> &str {
 //!         "the mean of the training rows"
 //!     }
-//!     fn fit(&self, dataset: &Dataset, spec: &FitSpec) -> Result<Box<dyn Surrogate>> {
+//!     fn fit(
+//!         &self,
+//!         dataset: &Dataset,
+//!         spec: &FitSpec,
+//!         _: &mut dyn Observer,
+//!     ) -> Result<Box<dyn Surrogate>> {
 //!         let columns = spec.columns(dataset)?;
 //!         let moments = |name: &String| {
 //!             let values = dataset.values(&[name])?;
@@ -48,10 +55,10 @@
 //!     fn columns(&self) -> &Columns {
 //!         &self.columns
 //!     }
-//!     fn answer(&self, rows: &[&[f64]], level: f64) -> Result<Vec<Prediction>> {
+//!     fn answer(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
 //!         let quantile = granum_nets::two_sided_quantile(level, f64::INFINITY);
 //!         let estimates = self.moments.iter().map(|[mean, sd]| Estimate::new(*mean).by(vec![(Cause::Noise, *sd)], quantile));
-//!         Ok(vec![Prediction::new(estimates.collect()); rows.len()])
+//!         Ok(vec![Prediction::new(estimates.collect()); inputs.len()])
 //!     }
 //!     fn content(&self) -> Result<Content> {
 //!         Content::of(&self.moments)
@@ -63,11 +70,11 @@
 //! let columns = vec![Column::new("x", "", vec![0.0, 1.0, 2.0]), Column::new("y", "", vec![1.0, 2.0, 3.0])];
 //! let dataset = Dataset::new(vec![RunStates::new("run", Table::new(columns)?)?])?;
 //! let methods = SurrogateMethods::standard().with(Mean);
-//! let fitted = methods.by_name("mean")?.fit(&dataset, &FitSpec::new(["x"], ["y"]))?;
-//! assert_eq!(fitted.predict(&[5.0], 0.9)?[0].values[0].mean, 2.0);
+//! let fitted = methods.by_name("mean")?.fit(&dataset, &FitSpec::new(["x"], ["y"]), &mut NoObserver)?;
+//! assert_eq!(fitted.predict_rows(&[5.0], 0.9)?[0].values[0].mean, 2.0);
 //! // A saved surrogate is loaded by the name of its method.
 //! let text = surrogate::to_json(fitted.as_ref())?;
-//! assert_eq!(methods.from_json(&text, "mean.json")?.predict(&[5.0], 0.9)?, fitted.predict(&[5.0], 0.9)?);
+//! assert_eq!(methods.from_json(&text, "mean.json")?.predict_rows(&[5.0], 0.9)?, fitted.predict_rows(&[5.0], 0.9)?);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -75,9 +82,13 @@ mod content;
 mod feed_forward;
 pub(crate) mod file;
 pub(crate) mod mean_curve;
+#[cfg(test)]
+mod memory_tests;
 mod prediction;
+mod recurrent;
 mod registry;
 mod ridge;
+mod run_inputs;
 mod spec;
 mod surrogate_trait;
 #[cfg(test)]
@@ -88,7 +99,9 @@ pub use feed_forward::FeedForward;
 pub use file::{save, to_json};
 pub use mean_curve::MeanCurve;
 pub use prediction::{Cause, Estimate, Interval, Outside, Prediction, causes, outside_of};
+pub use recurrent::Recurrent;
 pub use registry::SurrogateMethods;
 pub use ridge::RidgeRegression;
+pub use run_inputs::RunInputs;
 pub use spec::{Columns, FitSpec};
 pub use surrogate_trait::{Surrogate, SurrogateMethod};

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::feed_forward::FeedForward;
 use super::file::{self, Opened};
 use super::mean_curve::MeanCurve;
+use super::recurrent::Recurrent;
 use super::ridge::RidgeRegression;
 use super::surrogate_trait::{Surrogate, SurrogateMethod};
 use crate::error::{LearnError, Result};
@@ -17,7 +18,7 @@ use granum_io::shell::ShowPath;
 /// use granum_learn::SurrogateMethods;
 ///
 /// let methods = SurrogateMethods::standard();
-/// assert_eq!(methods.names(), ["feed-forward", "ridge", "mean-curve"]);
+/// assert_eq!(methods.names(), ["feed-forward", "ridge", "mean-curve", "recurrent"]);
 /// let error = methods.by_name("rigde").err().unwrap().to_string();
 /// assert!(error.starts_with("there is no surrogate method `rigde`"), "{error}");
 /// ```
@@ -40,6 +41,7 @@ impl SurrogateMethods {
                 Arc::new(FeedForward::default()),
                 Arc::new(RidgeRegression::default()),
                 Arc::new(MeanCurve),
+                Arc::new(Recurrent::default()),
             ],
         }
     }

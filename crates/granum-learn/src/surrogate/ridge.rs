@@ -21,10 +21,12 @@
 //! and the half width of intervals is given by the quantile of Student's t distribution with the degrees of freedom of
 //! Welch and Satterthwaite: n - gamma for the first two parts, and the number of runs minus one for the third.
 
+use granum_core::observer::Observer;
 use serde::{Deserialize, Serialize};
 
 use super::content::Content;
 use super::prediction::{Cause, Estimate, Prediction, outside_of};
+use super::run_inputs::RunInputs;
 use super::spec::{Columns, FitSpec};
 use super::surrogate_trait::{Surrogate, SurrogateMethod};
 use crate::dataset::Dataset;
@@ -36,6 +38,7 @@ use crate::regression::spline::{FUNCTIONS, basis};
 /// Ridge regression with its penalty.
 ///
 /// ```
+/// use granum_core::observer::NoObserver;
 /// use granum_core::{Column, Table};
 /// use granum_learn::surrogate::{Cause, FitSpec, RidgeRegression, SurrogateMethod};
 /// use granum_learn::{Dataset, RunStates};
@@ -48,12 +51,12 @@ use crate::regression::spline::{FUNCTIONS, basis};
 ///
 /// let mut method = RidgeRegression::default();
 /// method.penalty = 1e-9;
-/// let fitted = method.fit(&dataset, &FitSpec::new(["x"], ["y"]))?;
-/// let prediction = &fitted.predict(&[20.0], 0.9)?[0];
+/// let fitted = method.fit(&dataset, &FitSpec::new(["x"], ["y"]), &mut NoObserver)?;
+/// let prediction = &fitted.predict_rows(&[20.0], 0.9)?[0];
 /// assert!((prediction.values[0].mean - 41.0).abs() < 0.1);
 /// let causes = &prediction.values[0].interval.as_ref().unwrap().causes;
 /// assert!(matches!(causes[0], (Cause::Noise, s) if (s - 0.07).abs() < 0.01), "{causes:?}");
-/// assert_eq!(fitted.predict(&[90.0], 0.9)?[0].outside[0].range, [0.0, 49.0]);
+/// assert_eq!(fitted.predict_rows(&[90.0], 0.9)?[0].outside[0].range, [0.0, 49.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -161,7 +164,7 @@ impl SurrogateMethod for RidgeRegression {
         "ridge regression, linear in the inputs along a curve"
     }
 
-    fn fit(&self, dataset: &Dataset, spec: &FitSpec) -> Result<Box<dyn Surrogate>> {
+    fn fit(&self, dataset: &Dataset, spec: &FitSpec, _: &mut dyn Observer) -> Result<Box<dyn Surrogate>> {
         if !(self.penalty > 0.0 && self.penalty.is_finite()) {
             return Err(failed(format!("the penalty must be a positive number, not {}", self.penalty)));
         }
@@ -292,7 +295,7 @@ impl Surrogate for FittedRidge {
         &self.columns
     }
 
-    fn answer(&self, rows: &[&[f64]], level: f64) -> Result<Vec<Prediction>> {
+    fn answer(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
         let fitted = &self.fitted;
         let size = fitted.outputs.first().map_or(0, |output| output.coefficients.len());
         let factor = Cholesky::from_lower(size, fitted.factor.clone());
@@ -302,7 +305,7 @@ impl Surrogate for FittedRidge {
             .iter()
             .map(|output| granum_nets::two_sided_quantile(level, output.degrees_of_freedom))
             .collect();
-        let predict = |inputs: &&[f64]| {
+        let predict = |inputs: &[f64]| {
             let row = fitted.row(inputs);
             let leverage = dot(&row, &factor.solve(&row)).max(0.0);
             let estimate = |(output, quantile): (&Output, &f64)| {
@@ -316,7 +319,7 @@ impl Surrogate for FittedRidge {
             let estimates = fitted.outputs.iter().zip(&quantiles).map(estimate).collect();
             Prediction::new(estimates).with_outside(outside_of(&self.columns, &fitted.ranges, inputs))
         };
-        Ok(rows.iter().map(predict).collect())
+        Ok(inputs.rows().map(predict).collect())
     }
 
     fn content(&self) -> Result<Content> {

@@ -1,7 +1,10 @@
 //! The traits of surrogates and of the methods that fit them.
 
+use granum_core::observer::Observer;
+
 use super::content::Content;
 use super::prediction::Prediction;
+use super::run_inputs::RunInputs;
 use super::spec::{Columns, FitSpec};
 use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
@@ -14,12 +17,25 @@ pub trait SurrogateMethod: Send + Sync {
     /// A short description.
     fn help(&self) -> &str;
 
+    /// True if a prediction depends on the states of a run before the present one. Such a method is fitted to all states of
+    /// its runs, and not to every second one.
+    fn has_memory(&self) -> bool {
+        false
+    }
+
     /// Fits a surrogate to all rows of a data set. The result depends only on the data set and the spec, and is
-    /// bit-identical for any number of threads.
+    /// bit-identical for any number of threads. A fit that takes long reports its progress to the observer, which can stop
+    /// it.
     ///
     /// # Errors
-    /// If columns are missing, values are not finite, or there are too few rows.
-    fn fit(&self, dataset: &Dataset, spec: &FitSpec) -> Result<Box<dyn Surrogate>>;
+    /// If columns are missing, values are not finite, or there are too few rows; [`LearnError::Stopped`] if the observer
+    /// stopped the fit.
+    fn fit(
+        &self,
+        dataset: &Dataset,
+        spec: &FitSpec,
+        observer: &mut dyn Observer,
+    ) -> Result<Box<dyn Surrogate>>;
 
     /// Recreates a surrogate from the result of [`Surrogate::content`].
     ///
@@ -36,12 +52,18 @@ pub trait Surrogate: Send + Sync {
     /// The inputs and outputs.
     fn columns(&self) -> &Columns;
 
-    /// Predicts rows, each with a finite value for every input in order, which [`Surrogate::predict`] ensures. The
-    /// intervals should contain the given share (0 to 1) of the observations of new runs.
+    /// True if a prediction depends on the states of a run before the present one, as [`SurrogateMethod::has_memory`].
+    fn has_memory(&self) -> bool {
+        false
+    }
+
+    /// Predicts the states of runs, each with a finite value for every input in order, which [`Surrogate::predict`] ensures.
+    /// A surrogate without memory predicts [`RunInputs::rows`], one with memory [`RunInputs::runs`]. The intervals should
+    /// contain the given share (0 to 1) of the observations of new runs.
     ///
     /// # Errors
     /// If a row cannot be predicted.
-    fn answer(&self, rows: &[&[f64]], level: f64) -> Result<Vec<Prediction>>;
+    fn answer(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>>;
 
     /// Everything that is needed for bit-identical predictions after loading.
     ///
@@ -49,34 +71,45 @@ pub trait Surrogate: Send + Sync {
     /// If the content cannot be represented in JSON.
     fn content(&self) -> Result<Content>;
 
-    /// Predicts rows, given in row-major order with a value for every input in order.
+    /// Predicts all states of runs.
     ///
     /// # Errors
-    /// If `rows` does not contain a whole number of rows, a value is not finite, or the level is not between 0 and 1.
-    fn predict(&self, rows: &[f64], level: f64) -> Result<Vec<Prediction>> {
+    /// If the rows do not have a value for every input, a value is not finite, or the level is not between 0 and 1.
+    fn predict(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
         let names = self.columns().input_names();
         let problem = |reason: String| LearnError::Surrogate { method: self.method().into(), reason };
         if !(level > 0.0 && level < 1.0) {
             return Err(problem(format!("the level of an interval must be between 0 and 1, not {level}")));
         }
-        if names.is_empty() || !rows.len().is_multiple_of(names.len()) {
-            let (needed, list) = (names.len(), names.join(", "));
-            return Err(problem(format!(
-                "a row has {needed} values ({list}); {} values are not a whole number of rows",
-                rows.len()
-            )));
+        if names.len() != inputs.columns() {
+            let (needed, list, found) = (names.len(), names.join(", "), inputs.columns());
+            return Err(problem(format!("a row has {needed} values ({list}), not {found}")));
         }
-        if let Some(k) = rows.iter().position(|value| !value.is_finite()) {
-            let (row, name) = (k / names.len() + 1, &names[k % names.len()]);
-            return Err(problem(format!("row {row}: {name} is {}, not a finite number", rows[k])));
+        if let Some(k) = inputs.values().iter().position(|value| !value.is_finite()) {
+            let (row, name, value) = (k / names.len() + 1, &names[k % names.len()], inputs.values()[k]);
+            return Err(problem(format!("row {row}: {name} is {value}, not a finite number")));
         }
-        let rows: Vec<&[f64]> = rows.chunks_exact(names.len()).collect();
-        let predictions = self.answer(&rows, level)?;
-        let outputs = self.columns().outputs.len();
-        if predictions.len() != rows.len() || predictions.iter().any(|p| p.values.len() != outputs) {
-            let reason = format!("it did not return {} rows with {outputs} values each", rows.len());
-            return Err(problem(reason));
+        let predictions = self.answer(inputs, level)?;
+        let (rows, outputs) = (inputs.len(), self.columns().outputs.len());
+        if predictions.len() != rows || predictions.iter().any(|p| p.values.len() != outputs) {
+            return Err(problem(format!("it did not return {rows} rows with {outputs} values each")));
         }
         Ok(predictions)
+    }
+
+    /// Predicts rows, given in row-major order with a value for every input in order. For a surrogate with memory, each row
+    /// is the first state of a run of its own.
+    ///
+    /// # Errors
+    /// As [`Surrogate::predict`], and if `rows` does not contain a whole number of rows.
+    fn predict_rows(&self, rows: &[f64], level: f64) -> Result<Vec<Prediction>> {
+        let names = self.columns().input_names();
+        let inputs = RunInputs::separate(rows.to_vec(), names.len()).map_err(|_| {
+            let (needed, list, found) = (names.len(), names.join(", "), rows.len());
+            let reason =
+                format!("a row has {needed} values ({list}); {found} values are not a whole number of rows");
+            LearnError::Surrogate { method: self.method().into(), reason }
+        })?;
+        self.predict(&inputs, level)
     }
 }

@@ -1,6 +1,8 @@
 //! Tests of all kinds of surrogates, including a user-defined one.
 
+use granum_core::observer::{NoObserver, Observer};
 use granum_core::{Column, Table};
+use granum_nets::trainer::Adam;
 use granum_sensors::Record;
 
 use super::*;
@@ -25,7 +27,7 @@ impl SurrogateMethod for Nearest {
     fn help(&self) -> &str {
         "the outputs of the nearest training row"
     }
-    fn fit(&self, dataset: &Dataset, spec: &FitSpec) -> Result<Box<dyn Surrogate>> {
+    fn fit(&self, dataset: &Dataset, spec: &FitSpec, _: &mut dyn Observer) -> Result<Box<dyn Surrogate>> {
         let columns = spec.columns(dataset)?;
         let (inputs, outputs) = (columns.input_names(), columns.output_names());
         let (x, y) = (dataset.values(&inputs)?, dataset.values(&outputs)?);
@@ -54,18 +56,18 @@ impl Surrogate for FittedNearest {
     fn columns(&self) -> &Columns {
         &self.columns
     }
-    fn answer(&self, rows: &[&[f64]], _level: f64) -> Result<Vec<Prediction>> {
+    fn answer(&self, inputs: &RunInputs, _level: f64) -> Result<Vec<Prediction>> {
         let distance = |a: &[f64], b: &[f64]| -> f64 {
             let each = a.iter().zip(b).zip(&self.ranges);
             each.map(|((a, b), [low, high])| ((a - b) / (high - low).max(1e-300)).powi(2)).sum()
         };
-        let predict = |row: &&[f64]| {
+        let predict = |row: &[f64]| {
             let nearest = self.rows.iter().min_by(|a, b| distance(&a.0, row).total_cmp(&distance(&b.0, row)));
             let outputs = nearest.map_or(&[][..], |(_, outputs)| outputs);
             let estimates = outputs.iter().map(|mean| Estimate::new(*mean)).collect();
             Prediction::new(estimates).with_outside(outside_of(&self.columns, &self.ranges, row))
         };
-        Ok(rows.iter().map(predict).collect())
+        Ok(inputs.rows().map(predict).collect())
     }
     fn content(&self) -> Result<Content> {
         Content::of(&(&self.ranges, &self.rows))
@@ -117,7 +119,7 @@ fn any_surrogates_are_compared_by_the_same_scores() {
     let parts = parts(&dataset);
     let methods = SurrogateMethods::standard().with(Nearest);
     let asked = ["ridge", "nearest"].map(|name| methods.by_name(name).unwrap());
-    let scores = compare(&parts, &spec_of(&dataset, "F3"), &asked, 0.9).unwrap();
+    let scores = compare(&parts, &spec_of(&dataset, "F3"), &asked, 0.9, &mut NoObserver).unwrap();
     let [ridge, nearest] = &scores[..] else { panic!() };
     // For a training row, the nearest row is the row itself.
     assert_eq!((nearest.training.rmse, nearest.coverage), (0.0, None));
@@ -137,18 +139,26 @@ fn every_surrogate_comes_back_from_its_file_with_the_same_bits() {
     let dataset = dataset_of(&records(Law::Plain, 3));
     let parts = parts(&dataset);
     let small = FeedForward { hidden: vec![3], ..FeedForward::default() };
-    let methods = SurrogateMethods::standard().with(small).with(Nearest);
+    let trainer = Adam { epochs: 5, ..Adam::default() }.into();
+    let recurrent = Recurrent { hidden: 3, trainer, ..Recurrent::default() };
+    let methods = SurrogateMethods::standard().with(small).with(recurrent).with(Nearest);
     let folder = tempfile::tempdir().unwrap();
     for name in methods.names() {
-        let scores =
-            compare(&parts, &spec_of(&dataset, "F2"), &[methods.by_name(name).unwrap()], 0.9).unwrap();
+        let scores = compare(
+            &parts,
+            &spec_of(&dataset, "F2"),
+            &[methods.by_name(name).unwrap()],
+            0.9,
+            &mut NoObserver,
+        )
+        .unwrap();
         let path = folder.path().join(format!("{name}.json"));
         save(&path, fitted(&scores[0])).unwrap();
         let loaded = methods.load(&path).unwrap();
         assert_eq!((loaded.method(), loaded.columns()), (name, fitted(&scores[0]).columns()));
         let rows = parts.unseen.values(&loaded.columns().input_names()).unwrap();
-        let predictions = loaded.predict(&rows, 0.8).unwrap();
-        assert_eq!(predictions, fitted(&scores[0]).predict(&rows, 0.8).unwrap(), "{name}");
+        let predictions = loaded.predict_rows(&rows, 0.8).unwrap();
+        assert_eq!(predictions, fitted(&scores[0]).predict_rows(&rows, 0.8).unwrap(), "{name}");
         assert_eq!(predictions[0].values.len(), 14);
 
         let text = std::fs::read_to_string(&path).unwrap();
@@ -171,7 +181,7 @@ fn every_surrogate_comes_back_from_its_file_with_the_same_bits() {
 }
 
 /// Updates the digest of a modified text, as somebody would do who edits a file deliberately.
-fn sealed(text: &str) -> String {
+pub(super) fn sealed(text: &str) -> String {
     let at = text.rfind(",\n  \"sha256\": \"").unwrap();
     format!("{},\n  \"sha256\": \"{}\"\n}}\n", &text[..at], granum_core::digest::of(&text.as_bytes()[..at]))
 }
@@ -181,7 +191,7 @@ fn files_that_are_no_surrogates_are_refused_with_what_they_are() {
     let dataset = dataset_of(&records(Law::Plain, 3));
     let methods = SurrogateMethods::standard().with(Nearest);
     let spec = FitSpec::new(["deviator_strain"], ["stress_ratio"]);
-    let nearest = methods.by_name("nearest").unwrap().fit(&dataset, &spec).unwrap();
+    let nearest = methods.by_name("nearest").unwrap().fit(&dataset, &spec, &mut NoObserver).unwrap();
     let standard = SurrogateMethods::standard();
     let message = |text: &str| standard.from_json(text, "s.json").err().unwrap().to_string();
     let unknown = message(&to_json(nearest.as_ref()).unwrap());
@@ -194,7 +204,7 @@ fn files_that_are_no_surrogates_are_refused_with_what_they_are() {
     assert!(message("{}").contains("\"format\" should be \"granum surrogate\", found none"));
     assert!(message("x,y\n1,2\n").contains("not a surrogate file"));
 
-    let ridge = standard.by_name("ridge").unwrap().fit(&dataset, &spec).unwrap();
+    let ridge = standard.by_name("ridge").unwrap().fit(&dataset, &spec, &mut NoObserver).unwrap();
     let text = to_json(ridge.as_ref()).unwrap();
     let forged = |from: &str, to: &str| {
         assert!(text.contains(from), "{from}");
@@ -249,9 +259,10 @@ fn intervals_hold_new_runs_and_name_their_causes() {
         let method = methods.by_name(name).unwrap();
         let (mut held, mut all, mut runs) = (0, 0, 0.0);
         for trial in 0..10 {
-            let fitted = method.fit(&offset_runs(6, 100 * trial, 0.05, 0.01), &spec).unwrap();
+            let fitted =
+                method.fit(&offset_runs(6, 100 * trial, 0.05, 0.01), &spec, &mut NoObserver).unwrap();
             let new = offset_runs(30, 100 * trial + 50, 0.05, 0.01);
-            let predictions = fitted.predict(&new.values(&["x"]).unwrap(), 0.9).unwrap();
+            let predictions = fitted.predict_rows(&new.values(&["x"]).unwrap(), 0.9).unwrap();
             for (prediction, exact) in predictions.iter().zip(new.column("y").unwrap()) {
                 let interval = prediction.values[0].interval.as_ref().unwrap();
                 all += 1;
@@ -266,8 +277,8 @@ fn intervals_hold_new_runs_and_name_their_causes() {
         let mean = runs / f64::from(all);
         assert!((0.02..0.08).contains(&mean), "{name}: runs differ by 0.05, found {mean}");
         // Without a scatter between runs this cause is absent.
-        let fitted = method.fit(&offset_runs(6, 7, 0.0, 0.01), &spec).unwrap();
-        let prediction = &fitted.predict(&[0.5], 0.9).unwrap()[0];
+        let fitted = method.fit(&offset_runs(6, 7, 0.0, 0.01), &spec, &mut NoObserver).unwrap();
+        let prediction = &fitted.predict_rows(&[0.5], 0.9).unwrap()[0];
         let causes = &prediction.values[0].interval.as_ref().unwrap().causes;
         let small = causes.iter().all(|(cause, s)| *cause != Cause::Runs || *s < 0.006);
         assert!(small, "{name}: {causes:?}");
@@ -278,12 +289,12 @@ fn intervals_hold_new_runs_and_name_their_causes() {
 fn wrong_questions_are_refused() {
     let dataset = offset_runs(3, 1, 0.05, 0.01);
     let ridge = RidgeRegression::default();
-    let fitted = ridge.fit(&dataset, &FitSpec::new(["x"], ["y"])).unwrap();
-    let message = |rows: &[f64], level: f64| fitted.predict(rows, level).unwrap_err().to_string();
+    let fitted = ridge.fit(&dataset, &FitSpec::new(["x"], ["y"]), &mut NoObserver).unwrap();
+    let message = |rows: &[f64], level: f64| fitted.predict_rows(rows, level).unwrap_err().to_string();
     assert_eq!(message(&[f64::NAN], 0.9), "ridge: row 1: x is NaN, not a finite number");
     assert_eq!(message(&[1.0], 1.0), "ridge: the level of an interval must be between 0 and 1, not 1");
-    assert!(fitted.predict(&[], 0.9).unwrap().is_empty());
-    let message = |spec: FitSpec| ridge.fit(&dataset, &spec).err().unwrap().to_string();
+    assert!(fitted.predict_rows(&[], 0.9).unwrap().is_empty());
+    let message = |spec: FitSpec| ridge.fit(&dataset, &spec, &mut NoObserver).err().unwrap().to_string();
     assert!(message(FitSpec::new(["x"], ["x"])).contains("x is both an input and an output"));
     assert!(message(FitSpec::new(["x", "x"], ["y"])).contains("x is named twice among the inputs"));
     assert!(message(FitSpec::new(["x"], ["z"])).contains("there is no column z"));
@@ -292,12 +303,14 @@ fn wrong_questions_are_refused() {
         message(FitSpec::new(["x"], ["y"]).with_coordinate("state")).contains("must be one of the inputs: x")
     );
     let wrong = RidgeRegression { penalty: 0.0, ..RidgeRegression::default() };
-    let text = wrong.fit(&dataset, &FitSpec::new(["x"], ["y"])).err().unwrap().to_string();
+    let text = wrong.fit(&dataset, &FitSpec::new(["x"], ["y"]), &mut NoObserver).err().unwrap().to_string();
     assert!(text.contains("must be a positive number, not 0"));
     // A common score of outputs with different units would be meaningless.
     let parts = dataset.split(&Split::default()).unwrap();
-    let text =
-        compare(&parts, &FitSpec::new(["x"], ["y", "state"]), &[&ridge], 0.9).err().unwrap().to_string();
+    let text = compare(&parts, &FitSpec::new(["x"], ["y", "state"]), &[&ridge], 0.9, &mut NoObserver)
+        .err()
+        .unwrap()
+        .to_string();
     assert!(text.contains("y (m) and state (no unit) have different units"), "{text}");
 
     /// A surrogate that returns no predictions.
@@ -309,7 +322,7 @@ fn wrong_questions_are_refused() {
         fn columns(&self) -> &Columns {
             &self.0
         }
-        fn answer(&self, _: &[&[f64]], _: f64) -> Result<Vec<Prediction>> {
+        fn answer(&self, _: &RunInputs, _: f64) -> Result<Vec<Prediction>> {
             Ok(Vec::new())
         }
         fn content(&self) -> Result<Content> {
@@ -317,7 +330,7 @@ fn wrong_questions_are_refused() {
         }
     }
     let mute = Mute(fitted.columns().clone());
-    let text = mute.predict(&[1.0, 2.0], 0.9).unwrap_err().to_string();
+    let text = mute.predict_rows(&[1.0, 2.0], 0.9).unwrap_err().to_string();
     assert_eq!(text, "mute: it did not return 2 rows with 1 values each");
 }
 
@@ -329,12 +342,12 @@ fn threads_change_no_bit() {
     let text = |threads: usize| {
         let spec =
             FitSpec::new(["deviator_strain"], ["stress_ratio", "deviator_fabric"]).with_threads(threads);
-        to_json(method.fit(&dataset, &spec).unwrap().as_ref()).unwrap()
+        to_json(method.fit(&dataset, &spec, &mut NoObserver).unwrap().as_ref()).unwrap()
     };
     assert_eq!(text(1), text(3));
     // All bins of a histogram are one quantity among the inputs.
     let spec = FitSpec::new(["deviator_strain", "probability_density"], ["stress_ratio"]);
-    let fitted = method.fit(&dataset, &spec).unwrap();
+    let fitted = method.fit(&dataset, &spec, &mut NoObserver).unwrap();
     assert_eq!(fitted.columns().inputs.len(), 1 + dataset.runs()[0].groups()[0].centres.len());
-    assert!(fitted.predict(&dataset.values(&fitted.columns().input_names()).unwrap(), 0.9).is_ok());
+    assert!(fitted.predict_rows(&dataset.values(&fitted.columns().input_names()).unwrap(), 0.9).is_ok());
 }

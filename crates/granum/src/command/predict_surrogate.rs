@@ -5,7 +5,7 @@ use std::path::Path;
 use granum_io::shell::ShowPath;
 use granum_io::{check_output_file, read_columns, write_table};
 use granum_learn::Surrogate;
-use granum_learn::inference::predict_table;
+use granum_learn::inference::{RUN, predict_table};
 use granum_learn::surrogate::{Cause, Estimate};
 use serde_json::{Value, json};
 
@@ -23,7 +23,8 @@ pub fn one(context: &Context, surrogate: &dyn Surrogate, flags: &[String]) -> Re
         known.map_or_else(String::new, |input| input.unit.clone())
     };
     let needs = || format!("the surrogate ({}) needs: {}", surrogate.method(), names.join(", "));
-    let prediction = surrogate.predict(&row(&names, &unit, flags, &needs)?, LEVEL)?.pop().unwrap_or_default();
+    let row = row(&names, &unit, flags, &needs)?;
+    let prediction = surrogate.predict_rows(&row, LEVEL)?.pop().unwrap_or_default();
     let named = columns.outputs.iter().zip(&prediction.values);
     let outside = prediction.outside.iter();
     let result = json!({
@@ -79,7 +80,13 @@ pub fn many(
         check_output_file(output, context.force)?;
     }
     let names = surrogate.columns().input_names();
-    let table = read_columns(input, &names.iter().map(String::as_str).collect::<Vec<_>>())?;
+    let inputs: Vec<&str> = names.iter().map(String::as_str).collect();
+    // A column that divides the rows into runs is used if there is one.
+    let with_runs: Vec<&str> = inputs.iter().copied().chain([RUN]).collect();
+    let table = match inputs.contains(&RUN) {
+        true => read_columns(input, &inputs)?,
+        false => read_columns(input, &with_runs).or_else(|_| read_columns(input, &inputs))?,
+    };
     let answers = predict_table(surrogate, &table, LEVEL)
         .map_err(|error| Failure::new(format!("{}: {error}", input.shown())))?;
     let outside =

@@ -168,8 +168,11 @@ impl StudyObserver for Show<'_> {
     fn finished(&self, network: &str) -> Option<Model> {
         self.checkpoints.finished(network)
     }
-    fn under_way(&self, network: &str, key: &str, last: bool, state: &dyn Fn() -> TrainerState) {
-        self.checkpoints.under_way(network, key, last, state);
+    fn keeps_state(&self, network: &str) -> bool {
+        self.checkpoints.is_due(network)
+    }
+    fn under_way(&self, network: &str, key: &str, state: &TrainerState) {
+        self.checkpoints.under_way(network, key, state);
     }
     fn state(&self, network: &str, key: &str) -> Option<TrainerState> {
         self.checkpoints.state(network, key)

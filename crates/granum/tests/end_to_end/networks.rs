@@ -221,8 +221,11 @@ fn what_cannot_be_trained_is_refused() {
     make_run(here, 1);
     let message = refused(here, 1, &["train", "run-1", "--unseen", "./run-1"]);
     assert!(message.contains("run-1 and ./run-1 are the same run"), "{message}");
-    let message = refused(here, 1, &["train", "run-1", "--trainer", "adam"]);
-    assert!(message.contains("adam") && message.contains("traingdx"), "{message}");
+    let message = refused(here, 1, &["train", "run-1", "--trainer", "adem"]);
+    assert!(
+        message.contains("adem") && message.contains("adam") && message.contains("traingdx"),
+        "{message}"
+    );
     let message = refused(here, 1, &["train", "run-1", "--epoch-factor", "0.1"]);
     assert!(message.contains("only traingdx trains for the epochs"), "{message}");
     let message = refused(here, 1, &["train", "run-1", "--trainer", "traingdx", "--epoch-factor", "-1"]);
@@ -238,6 +241,7 @@ fn what_cannot_be_trained_is_refused() {
 /// A surrogate that a program saved is asked by the command line, by its own columns.
 #[test]
 fn a_saved_surrogate_is_asked() {
+    use granum_core::observer::NoObserver;
     use granum_core::{Column, Table};
     use granum_learn::{Dataset, FitSpec, RunStates, SurrogateMethods, surrogate};
 
@@ -252,13 +256,13 @@ fn a_saved_surrogate_is_asked() {
     let dataset = Dataset::new((1..=3).map(run).collect()).unwrap();
     let methods = SurrogateMethods::standard();
     let spec = FitSpec::new(["x"], ["y"]).with_coordinate("x");
-    let fitted = methods.by_name("ridge").unwrap().fit(&dataset, &spec).unwrap();
+    let fitted = methods.by_name("ridge").unwrap().fit(&dataset, &spec, &mut NoObserver).unwrap();
     surrogate::save(&here.join("s.json"), fitted.as_ref()).unwrap();
 
     let asked = done_json(here, &["predict", "s.json", "--set", "x=1.5"]);
     assert!(asked["warnings"][0].as_str().unwrap().contains("OUTSIDE the trained range"), "{asked}");
     let asked = done_json(here, &["predict", "s.json", "--set", "x=0.5"]);
-    let known = &fitted.predict(&[0.5], 0.9).unwrap()[0].values[0];
+    let known = &fitted.predict_rows(&[0.5], 0.9).unwrap()[0].values[0];
     assert_eq!(asked["outputs"][0]["mean"], known.mean);
     assert_eq!(asked["outputs"][0]["upper"], known.interval.as_ref().unwrap().upper);
     assert!(asked["outputs"][0]["standard_deviations"]["runs"].as_f64().unwrap() > 0.05, "{asked}");

@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use granum_core::parallel;
 use granum_dem::Isa;
-use granum_nets::trainer::{LevenbergMarquardt, Silent, Trainer, Traingdx};
+use granum_nets::trainer::{LevenbergMarquardt, NoObserver, Trainer, Traingdx};
 use granum_nets::{Column, Data, Model, ModelDefinition, Network};
 use serde::Serialize;
 
@@ -105,7 +105,7 @@ fn descent(context: &Context, isa: Isa, seconds: f64) -> Result<f64, Failure> {
     let rule = Traingdx { epochs, isa, minimum_gradient: 0.0, ..Default::default() };
     let each = best(context, seconds, || {
         let mut network = Network::new(&[3, HIDDEN, HIDDEN, 1], 1)?;
-        black_box(rule.train(&mut network, &data, &mut Silent)?);
+        black_box(rule.train(&mut network, &data, &mut NoObserver)?);
         Ok(())
     })?;
     Ok(epochs as f64 / each)
@@ -117,7 +117,7 @@ fn second_order(context: &Context, isa: Isa, seconds: f64) -> Result<f64, Failur
     let mut epochs = 1;
     let each = best(context, seconds, || {
         let mut network = Network::new(&[3, HIDDEN, HIDDEN, 1], 1)?;
-        epochs = rule.train(&mut network, &data, &mut Silent)?.epochs;
+        epochs = rule.train(&mut network, &data, &mut NoObserver)?.epochs;
         Ok(())
     })?;
     Ok(epochs as f64 / each)
@@ -132,7 +132,7 @@ fn eighteen(context: &Context, isa: Isa, threads: usize) -> Result<f64, Failure>
             let (columns, hidden) = jobs[k];
             let mut network = Network::new(&[columns, hidden, hidden, 1], 1)?;
             let rule = LevenbergMarquardt { isa, ..Default::default() };
-            rule.train(&mut network, &data[columns - 3], &mut Silent)?;
+            rule.train(&mut network, &data[columns - 3], &mut NoObserver)?;
             Ok(())
         })
         .map(drop)
@@ -149,5 +149,5 @@ fn model(isa: Isa) -> Result<Model, Failure> {
         seed: 1,
     };
     let rule = LevenbergMarquardt { isa, epochs: 20, ..Default::default() };
-    Ok(Model::fit(&definition, &rows(3)?, &rule, &mut Silent)?.0)
+    Ok(Model::fit(&definition, &rows(3)?, &rule, &mut NoObserver)?.0)
 }

@@ -1,0 +1,311 @@
+//! Recurrent networks: a method with memory, for which the same inputs give different outputs after different histories.
+//!
+//! A gated recurrent unit ([`granum_nets::Gru`]) reads the states of a run one after the other. Its memory before the first
+//! state is computed from the inputs of that state, and is carried from state to state; all outputs are read from it. The
+//! method thus predicts runs of any length, including their first state, but the distance between states should be that of
+//! the training runs.
+//!
+//! The training runs are divided into parts, and for each part a network is trained on the others, until its error on the
+//! part no longer falls. The prediction is the mean of these networks. Its uncertainty has two parts:
+//!
+//! ```text
+//! variance between the networks                                    parameters
+//! mean of e^2 less the first, at least 0                           runs, e the errors of each run in the network
+//!                                                                  that was not trained on it
+//! ```
+//!
+//! and the half width of intervals is given by the quantile of Student's t distribution with the number of runs minus one
+//! as degrees of freedom. With a single run there is one network without intervals.
+
+use granum_core::observer::{Observer, SharedObserver};
+use granum_core::parallel;
+use granum_nets::trainer::{Adam, Options, SharedTrainer, TerminationReason};
+use granum_nets::{Column, Data, SequenceDefinition, SequenceModel, Sequences};
+use serde::{Deserialize, Serialize};
+
+use super::content::Content;
+use super::prediction::{Cause, Estimate, Prediction, outside_of};
+use super::run_inputs::RunInputs;
+use super::spec::{Columns, FitSpec};
+use super::surrogate_trait::{Surrogate, SurrogateMethod};
+use crate::dataset::{Dataset, Variable};
+use crate::error::{LearnError, Result};
+
+/// Recurrent networks with all outputs together.
+///
+/// ```
+/// use granum_core::observer::NoObserver;
+/// use granum_core::{Column, Table};
+/// use granum_learn::surrogate::{FitSpec, Recurrent, RunInputs, SurrogateMethod};
+/// use granum_learn::{Dataset, RunStates};
+///
+/// // The output is the largest input so far.
+/// let run = |k: u32| {
+///     let x: Vec<f64> = (0..12).map(|i| (f64::from(i * (1 + k % 4)) + f64::from(k)).sin()).collect();
+///     let largest = x.iter().scan(-1.0, |most, x| {
+///         *most = f64::max(*most, *x);
+///         Some(*most)
+///     });
+///     let y = largest.collect();
+///     let table = Table::new(vec![Column::new("x", "", x), Column::new("y", "", y)])?;
+///     RunStates::new(&format!("run-{k}"), table)
+/// };
+/// let dataset = Dataset::new((0..16).map(run).collect::<granum_learn::Result<_>>()?)?;
+/// let mut method = Recurrent::default();
+/// (method.hidden, method.networks) = (8, 2);
+/// let fitted = method.fit(&dataset, &FitSpec::new(["x"], ["y"]), &mut NoObserver)?;
+/// let asked = RunInputs::new(vec![-0.5, 0.9, -0.5], 1, vec![3])?;
+/// let answers = fitted.predict(&asked, 0.9)?;
+/// // The last row has the input of the first, but another history.
+/// assert!(answers[2].values[0].mean > answers[0].values[0].mean + 0.5, "{answers:?}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Recurrent {
+    /// Number of hidden neurons of a network (16).
+    pub hidden: usize,
+    /// Number of networks, at most one for each run (4).
+    pub networks: usize,
+    /// The trainer (mini-batch Adam with at most 600 epochs).
+    pub trainer: SharedTrainer,
+}
+
+impl Default for Recurrent {
+    fn default() -> Self {
+        let trainer = Adam { epochs: 600, learning_rate: 0.01, maximum_failures: 60, ..Adam::default() };
+        Recurrent { hidden: 16, networks: 4, trainer: trainer.into() }
+    }
+}
+
+const NAME: &str = "recurrent";
+
+fn failed(error: impl std::fmt::Display) -> LearnError {
+    LearnError::Surrogate { method: NAME.into(), reason: error.to_string() }
+}
+
+impl SurrogateMethod for Recurrent {
+    fn name(&self) -> &str {
+        NAME
+    }
+
+    fn help(&self) -> &str {
+        "recurrent networks, which remember the states of a run before the present one"
+    }
+
+    fn has_memory(&self) -> bool {
+        true
+    }
+
+    fn fit(
+        &self,
+        dataset: &Dataset,
+        spec: &FitSpec,
+        observer: &mut dyn Observer,
+    ) -> Result<Box<dyn Surrogate>> {
+        if self.networks == 0 {
+            return Err(failed("the number of networks must be 1 or more, not 0"));
+        }
+        let columns = spec.columns(dataset)?;
+        let inputs = RunInputs::from_dataset(dataset, &columns)?;
+        let targets = dataset.values(&columns.output_names())?;
+        let runs = inputs.lengths().len();
+        let count = self.networks.min(runs);
+        let sequences = Sequences::new(inputs.lengths().to_vec()).map_err(failed)?;
+        let data = Data::with_target_columns(
+            inputs.values().to_vec(),
+            columns.inputs.len(),
+            targets.clone(),
+            columns.outputs.len(),
+        )
+        .and_then(|data| data.with_sequences(sequences))
+        .map_err(failed)?;
+        let definition = SequenceDefinition {
+            inputs: columns.inputs.iter().map(network_column).collect(),
+            outputs: columns.outputs.iter().map(network_column).collect(),
+            hidden: self.hidden,
+            seed: spec.seed,
+        };
+        let shared = SharedObserver::new(observer);
+        let done = std::sync::atomic::AtomicUsize::new(0);
+        let networks = parallel::map(count, spec.threads, |k| {
+            let stopped = || LearnError::Stopped {
+                done: done.load(std::sync::atomic::Ordering::Relaxed),
+                total: count,
+            };
+            if shared.stopped() {
+                return Err(stopped());
+            }
+            let mut part = shared.part(format!("network {}", k + 1));
+            let own: Vec<usize> = (0..runs).filter(|run| run % count == k).collect();
+            let data = match count {
+                1 => data.clone(),
+                _ => data.clone().with_validation_blocks(&own).map_err(failed)?,
+            };
+            let seed = spec.seed.wrapping_add(k as u64);
+            let options = Options { seed: Some(seed), ..Options::default() };
+            let trainer = self.trainer.adapted(&options).unwrap_or_else(|| self.trainer.clone());
+            let definition = SequenceDefinition { seed, ..definition.clone() };
+            let (model, report) =
+                SequenceModel::fit(&definition, &data, &*trainer, &mut part).map_err(failed)?;
+            if report.termination == TerminationReason::Stopped {
+                return Err(stopped());
+            }
+            done.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            part.completed();
+            Ok(model)
+        })?;
+        let ranges = ranges(&inputs);
+        let mut fitted = FittedRecurrent { columns, networks, ranges, run_variances: None };
+        if count > 1 {
+            fitted.run_variances = Some(fitted.run_variances(&inputs, &targets)?);
+        }
+        Ok(Box::new(fitted))
+    }
+
+    fn load(&self, columns: Columns, content: &Content) -> Result<Box<dyn Surrogate>> {
+        let kept: Kept = content.read()?;
+        let read = |value: &serde_json::Value| SequenceModel::from_value(value, "network").map_err(failed);
+        let networks = kept.networks.iter().map(read).collect::<Result<Vec<_>>>()?;
+        let alike = |columns: &[Column], variables: &[Variable]| {
+            columns.iter().map(|column| &column.name).eq(variables.iter().map(|variable| &variable.name))
+        };
+        let fits = |model: &SequenceModel| {
+            alike(model.inputs(), &columns.inputs) && alike(model.outputs(), &columns.outputs)
+        };
+        let positive = |variance: &f64| *variance >= 0.0 && variance.is_finite();
+        let whole = kept.run_variances.as_ref().is_none_or(|known| {
+            known.outputs.len() == columns.outputs.len()
+                && known.outputs.iter().all(positive)
+                && known.degrees_of_freedom >= 1.0
+        });
+        if networks.is_empty()
+            || !networks.iter().all(fits)
+            || kept.ranges.len() != columns.inputs.len()
+            || !whole
+        {
+            return Err(failed("the networks are not those of its columns"));
+        }
+        let Kept { ranges, run_variances, .. } = kept;
+        Ok(Box::new(FittedRecurrent { columns, networks, ranges, run_variances }))
+    }
+}
+
+fn network_column(variable: &Variable) -> Column {
+    Column::new(&variable.name, if variable.unit.is_empty() { "1" } else { &variable.unit })
+}
+
+/// Range of each input over the rows.
+fn ranges(inputs: &RunInputs) -> Vec<[f64; 2]> {
+    let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; inputs.columns()];
+    for row in inputs.rows() {
+        for ([low, high], value) in ranges.iter_mut().zip(row) {
+            (*low, *high) = (low.min(*value), high.max(*value));
+        }
+    }
+    ranges
+}
+
+/// How much runs deviate that a network was not trained on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RunVariances {
+    /// For each output the variance beyond that between the networks.
+    outputs: Vec<f64>,
+    degrees_of_freedom: f64,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Kept {
+    ranges: Vec<[f64; 2]>,
+    run_variances: Option<RunVariances>,
+    networks: Vec<serde_json::Value>,
+}
+
+/// Recurrent networks and what is known of their errors.
+struct FittedRecurrent {
+    columns: Columns,
+    networks: Vec<SequenceModel>,
+    ranges: Vec<[f64; 2]>,
+    run_variances: Option<RunVariances>,
+}
+
+impl FittedRecurrent {
+    /// The outputs of every network, in row-major order.
+    fn answers(&self, inputs: &RunInputs) -> Result<Vec<Vec<f64>>> {
+        let answer = |network: &SequenceModel| network.predict(inputs.values(), inputs.lengths());
+        self.networks.iter().map(|network| answer(network).map_err(failed)).collect()
+    }
+
+    /// The variances of the errors that the networks make for runs that they were not trained on.
+    fn run_variances(&self, inputs: &RunInputs, targets: &[f64]) -> Result<RunVariances> {
+        let (answers, outputs) = (self.answers(inputs)?, self.columns.outputs.len());
+        let mut excess = vec![0.0; outputs];
+        let mut row = 0;
+        for (run, length) in inputs.lengths().iter().enumerate() {
+            let own = &answers[run % answers.len()];
+            for place in row * outputs..(row + length) * outputs {
+                let error = own[place] - targets[place];
+                excess[place % outputs] += error * error - mean_and_variance(&answers, place).1;
+            }
+            row += length;
+        }
+        let runs = inputs.lengths().len() as f64;
+        let variances = excess.iter().map(|sum| (sum / inputs.len() as f64).max(0.0)).collect();
+        Ok(RunVariances { outputs: variances, degrees_of_freedom: runs - 1.0 })
+    }
+}
+
+/// Mean of the networks' values at a place, and the variance between them.
+fn mean_and_variance(answers: &[Vec<f64>], place: usize) -> (f64, f64) {
+    let count = answers.len() as f64;
+    let mean = answers.iter().map(|values| values[place]).sum::<f64>() / count;
+    let squares: f64 = answers.iter().map(|values| (values[place] - mean) * (values[place] - mean)).sum();
+    (mean, squares / (count - 1.0).max(1.0))
+}
+
+impl Surrogate for FittedRecurrent {
+    fn method(&self) -> &str {
+        NAME
+    }
+
+    fn columns(&self) -> &Columns {
+        &self.columns
+    }
+
+    fn has_memory(&self) -> bool {
+        true
+    }
+
+    fn answer(&self, inputs: &RunInputs, level: f64) -> Result<Vec<Prediction>> {
+        if inputs.is_empty() {
+            return Ok(Vec::new());
+        }
+        let (answers, outputs) = (self.answers(inputs)?, self.columns.outputs.len());
+        let quantile =
+            |known: &RunVariances| granum_nets::two_sided_quantile(level, known.degrees_of_freedom);
+        let known = self.run_variances.as_ref().map(|known| (known, quantile(known)));
+        let estimate = |row: usize, output: usize| {
+            let (mean, between) = mean_and_variance(&answers, row * outputs + output);
+            let Some((known, quantile)) = known else { return Estimate::new(mean) };
+            let causes =
+                vec![(Cause::Parameters, between.sqrt()), (Cause::Runs, known.outputs[output].sqrt())];
+            Estimate::new(mean).by(causes, quantile)
+        };
+        let predict = |(row, values): (usize, &[f64])| {
+            let estimates = (0..outputs).map(|output| estimate(row, output)).collect();
+            Prediction::new(estimates).with_outside(outside_of(&self.columns, &self.ranges, values))
+        };
+        Ok(inputs.rows().enumerate().map(predict).collect())
+    }
+
+    fn content(&self) -> Result<Content> {
+        let networks = self.networks.iter().map(|network| network.to_value().map_err(failed));
+        Content::of(&Kept {
+            ranges: self.ranges.clone(),
+            run_variances: self.run_variances.clone(),
+            networks: networks.collect::<Result<_>>()?,
+        })
+    }
+}
