@@ -109,7 +109,7 @@ fn training(json: &[u8]) {
         let trainer = by_name(name, &Default::default()).expect("a known trainer");
         let mut network = Network::new(&[2, 2, 2, 1], 1).expect("a small network");
         let mut few = |p: &Progress| {
-            if p.epoch > first.saturating_add(3) { Flow::Stop } else { Flow::Continue }
+            if p.done > first.saturating_add(3) { Flow::Stop } else { Flow::Continue }
         };
         let _ = black_box(trainer.resume(&mut network, &data, Some(state.clone()), &mut few));
     }

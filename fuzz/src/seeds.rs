@@ -9,7 +9,7 @@ use granum_dem::random_insertion::random_insertion;
 use granum_dem::servo::CellControl;
 use granum_dem::simulation::{Hardware, Properties, Simulation};
 use granum_io::{Case, Column, Machine, Packing, QualityFlag, RunFolder, RunRecord, Table};
-use granum_nets::trainer::{Options, Silent, by_name};
+use granum_nets::trainer::{Options, by_name};
 use granum_nets::{Data, Model, ModelDefinition};
 use granum_run::NoObserver;
 use granum_run::laboratory::{CHECKPOINT, Laboratory, Source};
@@ -100,7 +100,8 @@ fn models() -> Vec<Seed> {
     for name in granum_nets::trainer::NAMES {
         let options = Options { epochs: Some(5), ..Options::default() };
         let trainer = by_name(name, &options).expect("a known trainer");
-        let (model, report) = Model::fit(&definition, &data, trainer.as_ref(), &mut Silent).expect("a model");
+        let (model, report) =
+            Model::fit(&definition, &data, trainer.as_ref(), &mut NoObserver).expect("a model");
         seeds.push(seed(name, model.to_json()));
         let mut state = b"T".to_vec();
         state.extend(serde_json::to_vec(&report.state).expect("a state"));
