@@ -171,7 +171,7 @@ def table(folder):
     that both programs have it also counts the distances that are larger than those of all copies of LAMMPS."""
     ratios = []
     copies = range(1, len(COPIES) + 1)
-    titles = {"von_mises_ratio": "q/p", "mean_stress": "p, kPa", "void_ratio": "void ratio", "coordination_number": "coordination number"}
+    titles = {"von_mises_ratio": "q_vM/p", "mean_stress": "p, kPa", "void_ratio": "void ratio", "coordination_number": "coordination number"}
     print("| path | " + " | ".join(titles.values()) + " |")
     print("|---" * (1 + len(titles)) + "|")
     for path in PATHS:

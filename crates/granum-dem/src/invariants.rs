@@ -1,7 +1,7 @@
 //! Invariants of stress and strain tensors, compression positive. No axis is treated differently from the others.
 //!
-//! `p = tr(sigma) / 3`; `q = sqrt(3 J_2)` with the sign of `J_3`, so that it is positive in triaxial compression and
-//! negative in triaxial extension; `b = (sigma_2 - sigma_3) / (sigma_1 - sigma_3)` of the principal stresses, 0 in
+//! `p = tr(sigma) / 3`; the von Mises stress `q_vM = sqrt(3 J_2)`, here with the sign of `J_3`, so that it is positive in triaxial
+//! compression and negative in triaxial extension, while close to an isotropic stress the sign is that of residual stresses; `b = (sigma_2 - sigma_3) / (sigma_1 - sigma_3)` of the principal stresses, 0 in
 //! compression and 1 in extension; volumetric strain `tr(eps)`; deviatoric strain `eps_q = sqrt(2/3 e:e)`. Only square roots
 //! are used, so that the bits are the same on every machine.
 
@@ -49,7 +49,7 @@ pub fn length(strain: &Matrix) -> f64 {
     (2.0 / 3.0 * square(&symmetric)).sqrt()
 }
 
-/// The paper's deviator `t_1 - (t_2 + t_3) / 2` with axis x as 1. It belongs to one preset and its columns and is not an
+/// The deviator `t_1 - (t_2 + t_3) / 2` with axis x as 1: q and the deviator strain of triaxial tests along x. It is not an
 /// invariant.
 pub fn axial_deviator(t: &Matrix) -> f64 {
     t[0][0] - 0.5 * (t[1][1] + t[2][2])

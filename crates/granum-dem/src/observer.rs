@@ -52,6 +52,9 @@ pub struct Progress<'a> {
     pub trial: usize,
     /// Name of the present stage, if the test is given as stages, or of the present stage of a preparation.
     pub stage: Option<&'a str>,
+    /// Axis (0 for x) about which the present stage is axisymmetric, so that its deviator stress q is the axial stress less the mean
+    /// lateral one; `None` for a general stage, or where it is not known.
+    pub axis: Option<usize>,
     /// Fraction of the phase that is complete, where it can be determined.
     pub fraction: Option<f64>,
     /// Steps since the start of the preparation, in all its trials, or of the path.
@@ -71,6 +74,7 @@ impl<'a> Progress<'a> {
             phase,
             trial: 1,
             stage: None,
+            axis: None,
             fraction: None,
             steps,
             time,

@@ -1,12 +1,14 @@
 //! Runs over the curves of laboratory tests: deviator stress, volumetric strain and void ratio against axial strain.
 
+use granum_dem::loading::Stage;
 use granum_io::LaboratoryTest;
+use granum_run::strength::Curves;
 use granum_sensors::Record;
 
-use super::data::column;
 use super::figure::palette::INK;
 use super::figure::{Axis, Figure, Layer, Panel, Plot, SHAPES};
 use super::overlay::{literal, stroke};
+use super::strength::Measures;
 
 /// The curves of a run in the measures of the laboratory: engineering strains, compression positive.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -15,6 +17,8 @@ pub struct RunCurves {
     pub name: String,
     /// The curves.
     pub curves: LaboratoryTest,
+    /// The measures of the test, for a table beside them.
+    pub measures: Measures,
 }
 
 /// Strain over the initial length, from a logarithmic strain.
@@ -23,26 +27,21 @@ fn engineering(strain: &f64) -> f64 {
 }
 
 impl RunCurves {
-    /// The curves of the last stage of a record in which the axial strain grows; of a record without stages the whole of it.
-    pub fn of(name: &str, record: &Record) -> RunCurves {
-        let all = |name: &str| column(record, name);
-        let stages = all("stage");
-        let last = stages.last().copied();
-        let rows: Vec<usize> =
-            (0..all("axial_strain").len()).filter(|k| stages.get(*k).copied() == last).collect();
-        let take =
-            |name: &str| -> Vec<f64> { rows.iter().filter_map(|k| all(name).get(*k).copied()).collect() };
-        let [axial, y, z] = ["stress_11", "stress_22", "stress_33"].map(take);
-        let solid = take("solid_fraction");
+    /// The curves of the test proper of a record with these stages ([`Curves::test_rows`]); strains count from its start.
+    pub fn of(name: &str, record: &Record, stages: &[Stage]) -> RunCurves {
+        let of = Curves::new(record, stages);
+        let rows = of.test_rows();
+        let take = |values: &[f64]| values.get(rows.clone()).map_or(Vec::new(), <[f64]>::to_vec);
+        let strain = |values: Vec<f64>| -> Vec<f64> { take(&values).iter().map(engineering).collect() };
         let curves = LaboratoryTest {
             name: name.to_owned(),
-            axial_strain: take("axial_strain").iter().map(engineering).collect(),
-            volumetric_strain: take("volumetric_strain").iter().map(engineering).collect(),
-            deviator_stress: (0..axial.len()).map(|k| axial[k] - 0.5 * (y[k] + z[k])).collect(),
-            mean_stress: (0..axial.len()).map(|k| (axial[k] + y[k] + z[k]) / 3.0).collect(),
-            void_ratio: solid.iter().map(|solid| (1.0 - solid) / solid).collect(),
+            axial_strain: strain(of.axial_strain(rows.start)),
+            volumetric_strain: strain(of.volumetric_strain(rows.start)),
+            deviator_stress: take(&of.axial_deviator()),
+            mean_stress: take(of.mean_stress()),
+            void_ratio: take(&of.void_ratio()),
         };
-        RunCurves { name: name.to_owned(), curves }
+        RunCurves { name: name.to_owned(), curves, measures: Measures::new() }
     }
 }
 
@@ -169,7 +168,7 @@ mod tests {
 
     #[test]
     fn errors_are_those_between_the_curves() {
-        let run = RunCurves { name: "run".into(), curves: test(110e3) };
+        let run = RunCurves { name: "run".into(), curves: test(110e3), ..Default::default() };
         let found = errors(&run, &test(100e3));
         assert!((found.up_to - 0.2).abs() < 1e-12);
         assert!((found.peak.unwrap() - 0.1).abs() < 1e-9);
@@ -179,13 +178,14 @@ mod tests {
         assert_eq!((found.volumetric_strain, found.void_ratio), (Some(0.0), Some(0.0)));
         let shorter =
             LaboratoryTest { axial_strain: run.curves.axial_strain[..11].to_vec(), ..run.curves.clone() };
-        let found = errors(&RunCurves { name: "run".into(), curves: shorter }, &test(100e3));
+        let found =
+            errors(&RunCurves { name: "run".into(), curves: shorter, ..Default::default() }, &test(100e3));
         assert!((found.up_to - 0.1).abs() < 1e-12);
     }
 
     #[test]
     fn what_a_test_lacks_is_not_compared() {
-        let run = RunCurves { name: "run".into(), curves: test(1e5) };
+        let run = RunCurves { name: "run".into(), curves: test(1e5), ..Default::default() };
         let lacking = LaboratoryTest { deviator_stress: Vec::new(), void_ratio: Vec::new(), ..test(1e5) };
         let found = errors(&run, &lacking);
         assert_eq!((found.deviator_stress, found.peak, found.void_ratio), (None, None, None));

@@ -1,12 +1,15 @@
 //! The data from which a report is made.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 use granum_core::Table;
 use granum_core::assembly::Assembly;
+use granum_dem::loading::Stage;
 use granum_io::run::{RunRecord, RunStatus};
 use granum_io::{Case, Run};
 use granum_learn::LearnError;
+use granum_run::strength::Curves;
 use granum_sensors::Record;
 use serde::{Deserialize, Serialize};
 
@@ -58,6 +61,38 @@ impl Role {
     }
 }
 
+/// A record without the states of stages that bring the sample to rest and record nothing but their start. What a test shows counts
+/// from the state in which it began, not from the sample before it was consolidated.
+fn without_consolidation(record: Record, stages: &[Stage]) -> Record {
+    let rests = |number: &f64| {
+        let stage = stages.get((*number as usize).saturating_sub(1));
+        stage.is_some_and(|stage| {
+            stage.settling && !stage.is_mark() && stage.record == granum_dem::loading::Record::default()
+        })
+    };
+    let kept: Vec<bool> = match record.series.values("stage") {
+        Some(numbers) => numbers.iter().map(|number| !rests(number)).collect(),
+        None => return record,
+    };
+    // A test that is still in its consolidation has nothing else.
+    if !kept.contains(&true) || !kept.contains(&false) {
+        return record;
+    }
+    let columns = record.series.columns().iter().map(|column| {
+        let values =
+            column.values.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(value, _)| *value).collect();
+        granum_core::Column { values, ..column.clone() }
+    });
+    // All columns have lost the same rows.
+    let Ok(series) = Table::new(columns.collect()) else { return record };
+    let mut histograms = record.histograms;
+    for histogram in &mut histograms {
+        let mut rows = kept.iter();
+        histogram.states.retain(|_| rows.next().copied().unwrap_or(true));
+    }
+    Record { series, histograms }
+}
+
 /// A column of a record; empty if there is none.
 pub fn column<'a>(record: &'a Record, name: &str) -> &'a [f64] {
     record.series.values(name).unwrap_or(&[])
@@ -85,16 +120,17 @@ impl RunReport {
     /// As [`RunReport::read`].
     pub fn read_without_pictures(run: &Run, role: Role) -> Result<Self, LearnError> {
         let about = run.record()?;
+        let case = run.case()?;
         Ok(RunReport {
             name: run.path().file_name().map_or("run".to_owned(), |name| name.to_string_lossy().into_owned()),
             role,
-            case: run.case()?,
             // A sample has no record of a test.
             record: if about.kind == "prepare" {
                 Record::default()
             } else {
-                granum_run::record::read_record(run)?
+                without_consolidation(granum_run::record::read_record(run)?, &case.test_stages())
             },
+            case,
             run: about,
             preparation: run.preparation()?.unwrap_or_default(),
             start: None,
@@ -164,25 +200,22 @@ impl RunReport {
         if deviatoric.windows(2).all(|pair| pair[1] >= pair[0] - 1e-6) && deviatoric.last() > Some(&1e-4) {
             return (Cow::Borrowed(deviatoric), "Deviatoric strain *ε*_{q}");
         }
+        let stages = self.case.test_stages();
+        let curves = Curves::new(&self.record, &stages);
         let mut before = 0.0;
-        let mut last = 0.0;
-        let way = arcs.iter().map(|&arc| {
+        let way = arcs.iter().enumerate().map(|(row, &arc)| {
             // The strain began to count anew.
-            if arc < last {
-                before += last;
+            if row > 0 && curves.counted_from(row) == row {
+                before += arcs[row - 1];
             }
-            last = arc;
             before + arc
         });
         (Cow::Owned(way.collect()), "Length of the strain path")
     }
 
-    /// Names of the columns of q/p and of its strain: those of the paper's test, or the invariants of stages.
-    pub fn stress_ratio(&self) -> [&'static str; 2] {
-        match self.column("von_mises_ratio") {
-            [] => ["stress_ratio", "deviator_strain"],
-            _ => ["von_mises_ratio", "deviatoric_strain"],
-        }
+    /// The measures of the test: strength, critical state, liquefaction ([`granum_run::strength`]).
+    pub fn measures(&self) -> BTreeMap<String, f64> {
+        granum_run::strength::of_run(&self.case, &self.run, &self.record)
     }
 
     /// The first value of a column, that of the sample before shear; for a sample that was not sheared, the measured value.
@@ -199,15 +232,9 @@ impl RunReport {
         (0..values.len()).filter(|&k| values[k].is_finite()).max_by(|&a, &b| values[a].total_cmp(&values[b]))
     }
 
-    /// Mean of a column over the last quarter of the strain. The sign of q, which jumps where compression and extension are none
-    /// of the test, is left out.
+    /// Mean of a column over the last quarter of the strain.
     pub fn late_mean(&self, name: &str) -> Option<f64> {
-        let values = Cow::Borrowed(self.column(name));
-        let values = match name {
-            "von_mises_ratio" => Cow::Owned(values.iter().map(|value| value.abs()).collect::<Vec<f64>>()),
-            _ => values,
-        };
-        granum_run::laboratory::late_mean(&self.strain(), &values)
+        granum_run::laboratory::late_mean(&self.strain(), self.column(name))
     }
 }
 

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use granum_core::assembly::Assembly;
+use granum_run::strength::Curves;
 use granum_sensors::Histogram;
 
 use super::data::RunReport;
@@ -20,8 +21,11 @@ pub fn characteristic_rows(run: &RunReport) -> Vec<(usize, &'static str)> {
         return Vec::new();
     }
     let mut telling = vec![(0, "start")];
-    if let Some(peak) = run.peak_row("stress_ratio").filter(|&k| k > 0 && k + 1 < rows) {
-        telling.push((peak, "peak of *q*/*p*"));
+    let stages = run.case.test_stages();
+    let curves = Curves::new(&run.record, &stages);
+    if let Some(peak) = curves.peak_row(&curves.test_rows()).filter(|&k| k > 0 && k + 1 < rows) {
+        let name = if curves.axis().is_some() { "peak of *q*/*p*" } else { "peak of *q*_{vM}/*p*" };
+        telling.push((peak, name));
     }
     if rows > 1 {
         telling.push((rows - 1, "end"));

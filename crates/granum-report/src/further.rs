@@ -48,22 +48,21 @@ fn anisotropies(run: &RunReport) -> Option<Named> {
     ];
     let first = panel(run, "Anisotropy", &columns)?;
     let strains = run.strain();
-    let (q, p) = (run.column("deviator_stress"), run.column("mean_stress"));
+    // The relation is one of invariants. The series of the paper's test has the axial deviator alone, which is the same there.
     let von_mises = run.column("von_mises_ratio");
-    let ratio: Vec<f64> = match von_mises.is_empty() {
-        true => q.iter().zip(p).map(|(q, p)| q / p).collect(),
-        false => von_mises.iter().map(|ratio| ratio.abs()).collect(),
+    let (ratio, label): (Vec<f64>, _) = match von_mises.is_empty() {
+        true => (run.column("stress_ratio").to_vec(), "Stress ratio *q*/*p*"),
+        false => (von_mises.iter().map(|ratio| ratio.abs()).collect(), "Stress ratio *q*_{vM}/*p*"),
     };
     let measured: Vec<[f64; 2]> = strains.iter().zip(&ratio).map(|(&x, &y)| [x, y]).collect();
-    let relation =
-        Plot::new(strain_axis(std::slice::from_ref(run)), Axis::new("Stress ratio *q*/*p*").including(0.0))
-            .with(Layer::stroked(measured, Stroke::new(INK, 1.2)).named("measured"))
-            .with(
-                Layer::line(run.against_strain("stress_force_fabric_ratio"), color(1))
-                    .named("2/5 (*a*_{c} + *a*_{n} + 3/2 *a*_{t})"),
-            );
-    let caption = "(a) Anisotropies of contact normals, normal forces and tangential forces; (b) the stress ratio that follows from them \
-                   to first order (Rothenburg and Bathurst 1989), and the measured one.";
+    let relation = Plot::new(strain_axis(std::slice::from_ref(run)), Axis::new(label).including(0.0))
+        .with(Layer::stroked(measured, Stroke::new(INK, 1.2)).named("measured"))
+        .with(
+            Layer::line(run.against_strain("stress_force_fabric_ratio"), color(1))
+                .named("2/5 (*a*_{c} + *a*_{n} + 3/2 *a*_{t})"),
+        );
+    let caption = "(a) Anisotropies of contact normals, normal forces and tangential forces; (b) the ratio of the deviator stress (the von Mises stress *q*_{vM} of tests that are given as stages) to the \
+                   mean stress that follows from them to first order (Rothenburg and Bathurst 1989), and the measured one.";
     let figure = Figure::new("Anisotropies against strain", 2, vec![first, Panel::plot(relation)]);
     Some(("anisotropies", figure, caption.into()))
 }

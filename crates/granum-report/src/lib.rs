@@ -21,6 +21,7 @@ mod path;
 mod preparation;
 pub mod run;
 pub mod sample;
+pub mod strength;
 mod study;
 pub mod symbols;
 pub mod trust;

@@ -3,6 +3,7 @@
 use granum_io::case::SEED;
 use granum_io::formats::mixed::{MixedColumn, MixedTable, MixedValues};
 use granum_run::runs_table::{RunEntry, RunGroup, RunsTable, Selection, differing_keys, groups};
+use granum_run::strength::{Curves, symmetry};
 use maud::{Markup, html};
 
 use super::case_details::case_details;
@@ -12,7 +13,7 @@ use super::figure::{Axis, Figure, Layer, Legend, Panel, Plot, Stroke};
 use super::forces::density;
 use super::numbers::{listed, quantity, trimmed};
 use super::page::{Document, Page, Table, rich};
-use super::{path, trust};
+use super::{path, strength, trust};
 
 /// Patterns of lines after the colours have been used once.
 const DASHES: [&[f64]; 4] = [&[], &[7.0, 3.0], &[2.0, 2.5], &[8.0, 3.0, 2.0, 3.0]];
@@ -52,7 +53,19 @@ pub fn report(runs: &[RunReport]) -> Document {
     );
     let table = RunsTable::of(&entries).select(Selection::Main);
     let label = page.own_table_label();
-    page.section("results", "Results", results(&label, &table).html());
+    let mut of_all =
+        html! { (results(&label, "The runs, the keys that differ, and their main results.", &table).html()) };
+    let scatter =
+        strength::scatter_table(&entries, &runs.iter().map(RunReport::measures).collect::<Vec<_>>());
+    if scatter.columns().len() > 1 {
+        let label = page.own_table_label();
+        let caption = "Strength of the runs; of those that differ in their seeds alone the mean and the standard deviation.";
+        of_all = html! { (of_all) (results(&label, caption, &scatter).html()) };
+    }
+    if let Some(line) = strength::critical_state_line(&mut page, runs) {
+        of_all = html! { (of_all) (line) };
+    }
+    page.section("results", "Results", of_all);
     page.section("quality", "Can they be trusted?", trust::of_several(runs));
     if let Some(first) = runs.first() {
         let case = html! { p { "The case of " (rich(&literal(&first.name))) ":" } (case_details(first)) };
@@ -85,11 +98,11 @@ fn differences(entries: &[RunEntry]) -> String {
 }
 
 /// The table of the main results.
-fn results(label: &str, table: &MixedTable) -> Table {
+fn results(label: &str, caption: &str, table: &MixedTable) -> Table {
     let head = |column: &MixedColumn| literal(&column.name.replace('_', " "));
     let heads: Vec<String> = table.columns().iter().map(head).collect();
     let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
-    let mut out = Table::new(label, "The runs, the keys that differ, and their main results.", &heads);
+    let mut out = Table::new(label, caption, &heads);
     for row in 0..table.rows() {
         out.row(table.columns().iter().map(|column| cell(column, row)).collect());
     }
@@ -154,24 +167,17 @@ impl Drawn<'_> {
         Axis::new(label).including(0.0)
     }
 
-    /// True if every test is triaxial with two equal lateral stresses.
+    /// True if every test is axisymmetric about the axis x.
     fn are_axisymmetric(&self) -> bool {
-        self.runs.iter().all(|run| {
-            let traits = path::Traits::of(&run.case.test_stages());
-            !(traits.triaxial || traits.simple_shear)
-        })
+        self.runs.iter().all(|run| symmetry::axis(&run.case.test_stages()) == Some(0))
     }
 
     /// The deviator stress of a run, with the mean stress.
     fn stresses(&self, run: &RunReport) -> Vec<[f64; 2]> {
-        let [x, y, z] = ["stress_11", "stress_22", "stress_33"].map(|name| run.column(name));
-        let p = run.column("mean_stress");
-        if self.are_axisymmetric() && x.len() == p.len() && y.len() == p.len() && z.len() == p.len() {
-            return (0..p.len()).map(|k| [x[k] - 0.5 * (y[k] + z[k]), p[k]]).collect();
-        }
-        let general = run.column("von_mises_stress");
-        let q = if general.is_empty() { run.column("deviator_stress") } else { general };
-        q.iter().map(|q| q.abs()).zip(p).map(|(q, p)| [q, *p]).collect()
+        let stages = run.case.test_stages();
+        let curves = Curves::new(&run.record, &stages);
+        let q = if self.are_axisymmetric() { curves.axial_deviator() } else { curves.von_mises_stress() };
+        q.into_iter().zip(curves.mean_stress()).map(|(q, p)| [q, *p]).collect()
     }
 
     fn q(&self) -> &'static str {

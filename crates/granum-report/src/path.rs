@@ -1,6 +1,8 @@
 //! Figures of a test that is given as stages, chosen by what its stages control.
 
-use granum_dem::loading::{Constraint, Control, Drive, Ramp, Stage, Start};
+use granum_dem::loading::{Constraint, Drive, Stage, Start};
+use granum_run::strength::Curves;
+use granum_run::strength::symmetry::{is_oedometric, keeps_volume, moves};
 use maud::{Markup, html};
 
 use super::data::RunReport;
@@ -37,9 +39,8 @@ impl Traits {
         for stage in stages.iter().filter(|stage| !stage.is_mark()) {
             let control = &stage.control;
             let [x, y, z] = [0, 1, 2].map(|k| control.components[k]);
-            let alone = x != Drive::Fixed && x != Drive::Free && y == Drive::Fixed && z == Drive::Fixed;
             let sheared = control.components[3..].iter().any(|drive| moves(*drive));
-            found.oedometer |= alone && !sheared;
+            found.oedometer |= is_oedometric(stage);
             found.compression |= is_isotropic(stage);
             // A combination of stresses that turns round drives the axes without a rate of their own.
             let driven = sheared || moves(x) || stage.turns.is_some();
@@ -65,15 +66,6 @@ impl Traits {
     }
 }
 
-fn moves(drive: Drive) -> bool {
-    match drive {
-        Drive::Rate(rate) => rate != 0.0,
-        Drive::Ramp(ramp) => ramp != Ramp::By(0.0),
-        Drive::Stress(target) => target.rate != 0.0 || target.ramp.is_some(),
-        Drive::Fixed | Drive::Free => false,
-    }
-}
-
 /// The direction in which axis x is strained, if it is given.
 fn sense(x: Drive) -> Option<bool> {
     match x {
@@ -93,20 +85,6 @@ fn is_isotropic(stage: &Stage) -> bool {
     stress(x) && x == y && y == z && stage.record != granum_dem::loading::Record::default()
 }
 
-fn keeps_volume(control: &Control) -> bool {
-    let by_rates = control.components[..3].iter().try_fold(0.0, |sum, drive| match drive {
-        Drive::Fixed => Some(sum),
-        Drive::Rate(rate) => Some(sum + rate),
-        _ => None,
-    });
-    let kept = |c: &Constraint| c.strain[..3] == [1.0; 3] && c.stress == [0.0; 6] && c.target.rate == 0.0;
-    let with_fluid =
-        |c: &Constraint| c.strain[0] > 0.0 && c.strain[..3] == [c.strain[0]; 3] && c.stress != [0.0; 6];
-    let free = control.constraints.iter().flatten().all(|constraint| constraint.stress == [0.0; 6]);
-    by_rates.is_some_and(|sum| free && f64::abs(sum) < 1e-12)
-        || control.constraints.iter().flatten().any(|c| kept(c) || with_fluid(c))
-}
-
 /// A combination of stresses that distinguishes y and z.
 fn is_uneven(constraint: &Constraint) -> bool {
     constraint.stress[1] != constraint.stress[2] && constraint.stress[0] != 0.0
@@ -119,15 +97,45 @@ pub fn void_ratio(run: &RunReport) -> Vec<f64> {
 
 /// A line for each segment of states over which the strain counts from one start; others are gaps.
 pub fn lines(run: &RunReport, x: &[f64], y: &[f64]) -> Vec<[f64; 2]> {
-    let arcs = run.column("arc_length");
+    let stages = run.case.test_stages();
+    let curves = Curves::new(&run.record, &stages);
     let mut points = Vec::with_capacity(x.len());
-    for (k, (&x, &y)) in x.iter().zip(y).enumerate() {
-        if k > 0 && arcs.get(k).zip(arcs.get(k - 1)).is_some_and(|(here, before)| here < before) {
+    for (row, (&x, &y)) in x.iter().zip(y).enumerate() {
+        if row > 0 && curves.counted_from(row) == row {
             points.push([f64::NAN, f64::NAN]);
         }
         points.push([x, y]);
     }
     points
+}
+
+/// The deviator stress that the figures of a test draw.
+struct Deviator {
+    /// Its symbol.
+    symbol: &'static str,
+    /// What it is, as the end of a sentence.
+    what: &'static str,
+    /// Its values, Pa.
+    stress: Vec<f64>,
+    /// Its ratios to the mean stress.
+    ratio: Vec<f64>,
+}
+
+impl Deviator {
+    fn of(run: &RunReport) -> Deviator {
+        let stages = run.case.test_stages();
+        let curves = Curves::new(&run.record, &stages);
+        let (symbol, what) = match curves.axis() {
+            Some(_) => ("*q*", "*q* is the axial less the mean lateral stress, negative in extension"),
+            None => ("*q*_{vM}", "*q*_{vM} = √(3 *J*_{2}) is the von Mises stress, which has no sign"),
+        };
+        let stress = curves.deviator_stress().into_owned();
+        // Ratios of the stresses of a sample that has lost them are noise.
+        let carries = curves.carry_stress(&(0..curves.rows()));
+        let drawn = |(ratio, carries): (&f64, bool)| if carries { *ratio } else { f64::NAN };
+        let ratio = curves.stress_ratio().iter().zip(carries).map(drawn).collect();
+        Deviator { symbol, what, stress, ratio }
+    }
 }
 
 fn curve(run: &RunReport, x: &str, y: &str, k: usize) -> Layer {
@@ -177,55 +185,49 @@ fn is_compression_alone(run: &RunReport) -> bool {
 
 type Drawn = (Figure, String);
 
-/// A stress column; without sign where extension and compression are none of the test, as the sign would jump.
-fn invariant(run: &RunReport, traits: &Traits, column: &str) -> Vec<f64> {
-    let values = run.column(column).iter();
-    values.map(|&value| if traits.triaxial || traits.simple_shear { value.abs() } else { value }).collect()
-}
-
 /// q/p and volumetric strain against the strain; at constant volume q/p alone.
 fn stress_and_volume(run: &RunReport, traits: &Traits) -> Drawn {
     let one = std::slice::from_ref(run);
     let strain = run.strain();
-    let line =
-        |values: &[f64]| Layer::line(strain.iter().zip(values).map(|(&x, &y)| [x, y]).collect(), color(0));
-    let ratio = Plot::new(strain_axis(one), Axis::new("Stress ratio *q*/*p*").including(0.0))
-        .with(line(&invariant(run, traits, "von_mises_ratio")));
-    let sign = if traits.triaxial { "" } else { ", negative in triaxial extension" };
-    let what = format!("atio of the deviator stress *q* = √(3 *J*_{{2}}) to the mean stress{sign}");
+    let deviator = Deviator::of(run);
+    let Deviator { symbol, what, ratio, .. } = &deviator;
+    let line = |values: &[f64]| Layer::line(lines(run, &strain, values), color(0));
+    let plot = Plot::new(strain_axis(one), Axis::new(&format!("Stress ratio {symbol}/*p*")).including(0.0))
+        .with(line(ratio));
+    let caption = format!("Ratio of the deviator stress to the mean stress; {what}");
     if traits.undrained {
         return (
-            Figure::new("Stress ratio against strain", 1, vec![Panel::plot(ratio)]),
-            format!("R{what}."),
+            Figure::new("Stress ratio against strain", 1, vec![Panel::plot(plot)]),
+            format!("{caption}. States that have lost 95 % of the mean stress are not drawn."),
         );
     }
     let volume = Plot::new(strain_axis(one), Axis::new("Volumetric strain *ε*_{v}"))
         .with(Layer::horizontal(0.0, GREY))
         .with(line(run.column("volumetric_strain")));
     let caption = format!(
-        "(a) R{what}; (b) volumetric strain, compression positive, so that a falling curve is dilation."
+        "(a) {caption}; (b) volumetric strain, compression positive, so that a falling curve is dilation."
     );
-    let panels = vec![Panel::plot(ratio), Panel::plot(volume)];
+    let panels = vec![Panel::plot(plot), Panel::plot(volume)];
     (Figure::new("Stress ratio and volumetric strain against strain", 2, panels), caption)
 }
 
 /// The path of the stress, and the void ratio over the logarithm of p where no other figure has it.
 fn stress_path(run: &RunReport, traits: &Traits) -> Drawn {
-    let deviator = invariant(run, traits, "von_mises_stress");
+    let Deviator { symbol, what, stress: deviator, .. } = Deviator::of(run);
     let p = run.column("mean_stress");
     let path = Plot::new(
         Axis::new("Mean stress *p*").unit("Pa").including(0.0),
-        Axis::new("Deviator stress *q*").unit("Pa").including(0.0),
+        Axis::new(&format!("Deviator stress {symbol}")).unit("Pa").including(0.0),
     )
     .with(Layer::line(lines(run, p, &deviator), color(0)))
     .with_all(ends(run, p, &deviator));
     let marks = "Open circle: start; square: end.";
     if traits.compression {
-        let caption = format!("Stress path in the plane of mean and deviator stress. {marks}");
+        let caption = format!("Stress path in the plane of mean and deviator stress; {what}. {marks}");
         return (Figure::new("Stress path", 1, vec![Panel::plot(path)]), caption);
     }
     let caption = format!(
-        "(a) Stress path in the plane of mean and deviator stress; (b) void ratio against mean stress. {marks}"
+        "(a) Stress path in the plane of mean and deviator stress; {what}; (b) void ratio against mean stress. {marks}"
     );
     let panels = vec![Panel::plot(path), Panel::plot(void_ratio_plot(run))];
     (Figure::new("Stress path and void ratio", 2, panels), caption)
@@ -326,57 +328,49 @@ fn simple_shear(run: &RunReport, traits: &Traits) -> Drawn {
 /// q against axial strain, and volume or pore pressure along the way.
 fn loops(run: &RunReport, traits: &Traits) -> Drawn {
     let strain = run.strain_and_label().0;
+    let Deviator { symbol, what: which, stress, .. } = Deviator::of(run);
     let deviator = Plot::new(
         Axis::new("Axial strain *ε*_{1}"),
-        Axis::new("Deviator stress *σ*_{1} − *σ*_{3}").unit("Pa"),
+        Axis::new(&format!("Deviator stress {symbol}")).unit("Pa"),
     )
     .with(Layer::horizontal(0.0, GREY))
-    .with(curve(run, "axial_strain", "deviator_stress", 0));
+    .with(Layer::line(lines(run, run.column("axial_strain"), &stress), color(0)));
     let along = |axis: Axis, values: &[f64]| {
         Plot::new(strain_axis(std::slice::from_ref(run)), axis)
-            .with(Layer::line(strain.iter().zip(values).map(|(&x, &y)| [x, y]).collect(), color(0)))
+            .with(Layer::line(lines(run, &strain, values), color(0)))
     };
     let second = match traits.undrained {
         true => {
-            along(Axis::new("Pore pressure ratio *r*_{u} = 1 − *p*/*p*_{0}").including(0.0), &pore_ratio(run))
+            let ratio = Curves::new(&run.record, &run.case.test_stages()).pore_pressure_ratio();
+            along(Axis::new("Pore pressure ratio *r*_{u} = 1 − *p*/*p*_{0}").including(0.0), &ratio)
         }
         false => along(Axis::new("Volumetric strain *ε*_{v}"), run.column("volumetric_strain")),
     };
     let what = match traits.undrained {
-        true => "ratio of the excess pore pressure of a saturated sample under constant total mean stress",
+        true => {
+            "ratio of the excess pore pressure of a saturated sample under constant total mean stress, since the start of the \
+             undrained stage"
+        }
         false => "volumetric strain, compression positive",
     };
-    let caption = format!("(a) Loops of the deviator stress; (b) {what}, along the strain path.");
+    let caption = format!("(a) Loops of the deviator stress; {which}; (b) {what}, along the strain path.");
     (Figure::new("Loops of stress and strain", 2, vec![Panel::plot(deviator), Panel::plot(second)]), caption)
-}
-
-/// `1 - p/p_0` with p_0 where the strain began to count.
-fn pore_ratio(run: &RunReport) -> Vec<f64> {
-    from_start(run, "mean_stress").into_iter().map(|[now, start]| 1.0 - now / start).collect()
-}
-
-/// A column with its value where the strain last began to count.
-fn from_start(run: &RunReport, name: &str) -> Vec<[f64; 2]> {
-    let arcs = run.column("arc_length");
-    let mut start = f64::NAN;
-    let value = |(k, &value): (usize, &f64)| {
-        if k == 0 || arcs.get(k).zip(arcs.get(k - 1)).is_some_and(|(here, before)| here < before) {
-            start = value;
-        }
-        [value, start]
-    };
-    run.column(name).iter().enumerate().map(value).collect()
 }
 
 /// What a fluid-saturated sample would show.
 fn pore_pressure(run: &RunReport) -> Drawn {
     let strain = run.strain();
-    let against =
-        |values: Vec<f64>| -> Vec<[f64; 2]> { strain.iter().zip(values).map(|(&x, y)| [x, y]).collect() };
-    let lost = |name: &str| from_start(run, name).into_iter().map(|[now, start]| start - now).collect();
+    let stages = run.case.test_stages();
+    let curves = Curves::new(&run.record, &stages);
+    let against = |values: Vec<f64>| lines(run, &strain, &values);
+    let lost = |name: &str| curves.lost_while_undrained(name);
+    let lateral = match curves.axis() {
+        Some(0) => lost("stress_22").iter().zip(lost("stress_33")).map(|(y, z)| 0.5 * (y + z)).collect(),
+        _ => lost("stress_33"),
+    };
     let axis = || strain_axis(std::slice::from_ref(run));
     let pressure = Plot::new(axis(), Axis::new("Excess pore pressure *u*").unit("Pa").including(0.0))
-        .with(Layer::line(against(lost("stress_33")), color(0)).named("constant cell pressure"))
+        .with(Layer::line(against(lateral), color(0)).named("constant cell pressure"))
         .with(
             Layer::stroked(against(lost("mean_stress")), Stroke::new(color(1), 1.6).dashed(&[5.0, 3.0]))
                 .named("constant mean stress"),
@@ -385,7 +379,7 @@ fn pore_pressure(run: &RunReport) -> Drawn {
         .with(Layer::line(against(run.column("mean_stress").to_vec()), color(0)));
     let caption = "The stresses of the grains are effective stresses. (a) Excess pore pressure that a saturated sample \
                    would show if the total lateral stress is constant (the decrease of *σ*_{3}), and if the total mean \
-                   stress is (the decrease of *p*); (b) effective mean stress.";
+                   stress is (the decrease of *p*), both since the start of the undrained stage; (b) effective mean stress.";
     (Figure::new("Pore pressure", 2, vec![Panel::plot(pressure), Panel::plot(effective)]), caption.into())
 }
 

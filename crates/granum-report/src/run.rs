@@ -10,7 +10,7 @@ use super::further;
 use super::material;
 use super::numbers::{quantity, significant};
 use super::page::{Document, Page, rich, tiles};
-use super::{path, preparation, sample, trust};
+use super::{path, preparation, sample, strength, trust};
 
 /// The conventions for signs and axes, which every report states once.
 pub const SIGNS: &str = "Compression is positive, for stress, strain and normal force. Axis 1 is the axis of compression, \
@@ -18,8 +18,9 @@ pub const SIGNS: &str = "Compression is positive, for stress, strain and normal 
                          *ε*_{d} = *ε*_{1} − *ε*_{3}, *φ*_{d} = *φ*_{1} − *φ*_{3}. Strains are logarithmic.";
 
 /// The same where the test is given as stages.
-const SIGNS_OF_STAGES: &str = "Compression is positive, for stress, strain and normal force. *p* is the mean stress, *q* = √(3 *J*_{2}) the \
-                               von Mises stress, *ε*_{q} = √(2/3 *e*:*e*) with the deviator *e* of the strain. Axis 1 is *x*. Strains are \
+const SIGNS_OF_STAGES: &str = "Compression is positive, for stress, strain and normal force. *p* is the mean stress; *q* of a triaxial test is \
+                               the axial less the mean lateral stress, *q*_{vM} = √(3 *J*_{2}) of any other test the von Mises stress; \
+                               *ε*_{q} = √(2/3 *e*:*e*) with the deviator *e* of the strain. Axis 1 is *x*. Strains are \
                                logarithmic and count from the start of the last stage that resets them.";
 
 /// Writes the report of a run.
@@ -30,7 +31,12 @@ pub fn report(run: &RunReport) -> Document {
     let further: Vec<Markup> = (further::figures(run).iter())
         .map(|(file, figure, caption)| page.own_figure(file, caption, figure))
         .collect();
-    let behaviour = html! { (behaviour) @for figure in further { (figure) } };
+    let strength = strength::table(&mut page, run);
+    let behaviour = html! {
+        @if let Some(strength) = strength { (strength) }
+        (behaviour)
+        @for figure in further { (figure) }
+    };
     page.section("behaviour", "Stress, volume and contacts", behaviour);
     let spread = force_section(&mut page, run);
     page.section("forces", "Distribution of the contact forces", spread);
@@ -87,15 +93,33 @@ fn headline(run: &RunReport) -> Vec<[String; 3]> {
             out.push([significant(value, digits), name.to_owned(), remark]);
         }
     };
-    let [ratio, strain] = run.stress_ratio();
-    let symbol = if run.case.has_stages() { "*ε*_{q}" } else { "*ε*_{d}" };
-    let peak = run.peak_row(ratio);
-    let at = |column: &str| peak.and_then(|k| run.column(column).get(k).copied());
-    let where_peak = at(strain).map_or(String::new(), |e| format!("at {symbol} = {}", significant(e, 2)));
-    tile(at(ratio), 3, "peak *q*/*p*", where_peak);
+    let measures = run.measures();
+    let measure = |name: &str| measures.get(name).copied();
+    let (symbol, strain) = match run.case.has_stages() {
+        true => ("*ε*_{q}", measure("deviatoric_strain_at_peak")),
+        false => ("*ε*_{d}", measure("deviator_strain_at_peak")),
+    };
+    let where_peak = strain.map_or(String::new(), |e| format!("at {symbol} = {}", significant(e, 2)));
+    tile(measure("peak_stress_ratio"), 3, "peak *q*/*p*", where_peak.clone());
+    tile(measure("peak_von_mises_ratio"), 3, "peak *q*_{vM}/*p*", where_peak);
     if !path::Traits::of(&run.case.test_stages()).goes_to_and_fro() {
-        tile(run.late_mean(ratio), 3, "late *q*/*p*", "mean over the last quarter of the strain".into());
+        let remark = || "mean over the last quarter of the strain".to_owned();
+        tile(measure("late_stress_ratio"), 3, "late *q*/*p*", remark());
+        tile(measure("late_von_mises_ratio"), 3, "late *q*_{vM}/*p*", remark());
     }
+    let degrees = |name: &str| measure(name).map(|angle| format!("{angle:.1}°"));
+    if let Some(peak) = degrees("peak_friction_angle") {
+        let late = degrees("critical_friction_angle").map_or(String::new(), |late| format!("late: {late}"));
+        out.push([peak, "peak friction angle".into(), late]);
+    }
+    if let Some(liquefaction) = strength::liquefaction(&measures) {
+        out.push(liquefaction);
+    }
+    let mut tile = |value: Option<f64>, digits: usize, name: &str, remark: String| {
+        if let Some(value) = value {
+            out.push([significant(value, digits), name.to_owned(), remark]);
+        }
+    };
     for (name, value) in run.run.measures.iter().filter(|(name, _)| name.starts_with("k0_")) {
         let stage = name.trim_start_matches("k0_").replace('_', " ");
         tile(Some(*value), 3, "*K*_{0} = *σ*_{3}/*σ*_{1}", format!("at the end of the stage {stage}"));

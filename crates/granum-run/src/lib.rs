@@ -13,6 +13,7 @@ pub mod queue;
 pub mod record;
 pub mod runs_table;
 pub mod stiffness;
+pub mod strength;
 
 pub use engine::{Engine, EngineError, Engines, PlannedRun, Task};
 pub use granum_dem::observer::{Flow, Follower, NoObserver, Observer, Observers, Progress, Work};

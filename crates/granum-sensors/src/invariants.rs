@@ -32,8 +32,8 @@ impl Sensor for Invariants {
                 "1",
                 "eps_q = sqrt(2/3 e:e) of the deviator e of the strain",
             ),
-            SensorColumn::new("von_mises_stress", "Pa", "q = sqrt(3/2 s:s), negative in triaxial extension"),
-            SensorColumn::new("von_mises_ratio", "1", "ratio of this q to p"),
+            SensorColumn::new("von_mises_stress", "Pa", "q_vM = sqrt(3/2 s:s) with the sign of J_3"),
+            SensorColumn::new("von_mises_ratio", "1", "ratio of this q_vM to p"),
             SensorColumn::new(
                 "intermediate_stress_ratio",
                 "1",

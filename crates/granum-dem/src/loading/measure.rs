@@ -70,11 +70,13 @@ pub enum Measure {
     Stress(u8),
     /// p, Pa.
     MeanStress,
-    /// Signed von Mises stress q, Pa.
+    /// Von Mises stress q_vM, Pa, with the sign of `J_3` ([`invariants::signed_von_mises`]): positive near triaxial compression and
+    /// negative near extension. Close to an isotropic stress the sign is that of small residual stresses; a condition on the deviator
+    /// stress of an axisymmetric test is better given by [`Measure::AxialDeviatorStress`].
     DeviatorStress,
     /// `sigma_x - (sigma_y + sigma_z) / 2`, Pa: the deviator stress of axisymmetric tests along x, which passes zero smoothly.
     AxialDeviatorStress,
-    /// q/p.
+    /// Ratio of the von Mises stress q_vM, with its sign, to p.
     StressRatio,
 }
 

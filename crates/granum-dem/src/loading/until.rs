@@ -41,11 +41,12 @@ pub enum Until {
         /// Unbalanced force.
         unbalanced_force: f64,
     },
-    /// Over an arc length of strain the stress ratio and the volumetric strain stay within bands.
+    /// Over an arc length of strain the ratio of the von Mises stress to p ([`Measure::StressRatio`]) and the volumetric strain stay
+    /// within bands.
     CriticalState {
         /// Arc length.
         window: f64,
-        /// Width of the band of q/p.
+        /// Width of the band of q_vM/p.
         stress_ratio: f64,
         /// Width of the band of the volumetric strain.
         volumetric_strain: f64,

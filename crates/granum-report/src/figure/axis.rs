@@ -20,6 +20,8 @@ pub struct Axis {
     pub include: Vec<f64>,
     /// Names at 0, 1, 2... instead of numbers.
     pub categories: Vec<String>,
+    /// Exponent of the power of ten that is factored out, where a figure gives all axes of a unit the same one.
+    pub shared_exponent: Option<i32>,
 }
 
 impl Axis {
@@ -114,10 +116,18 @@ impl Axis {
         [lower, upper]
     }
 
-    /// Exponent, a multiple of 3, of the power of ten that is factored out of the tick labels of a linear axis.
+    /// Exponent, a multiple of 3, of the power of ten that is factored out of the tick labels: of a linear axis by its largest value, of a
+    /// logarithmic one with a unit by its middle, unless a figure gives it one ([`Axis::shared_exponent`]).
     pub fn exponent(&self, scale: &Scale) -> i32 {
-        let largest = scale.low.abs().max(scale.high.abs());
-        if self.log || !self.categories.is_empty() || largest == 0.0 {
+        if let Some(shared) = self.shared_exponent {
+            return shared;
+        }
+        let largest = match self.log {
+            true if self.unit.is_empty() => return 0,
+            true => scale.low.sqrt() * scale.high.sqrt(),
+            false => scale.low.abs().max(scale.high.abs()),
+        };
+        if !self.categories.is_empty() || largest == 0.0 {
             return 0;
         }
         let exponent = 3 * (largest.log10() / 3.0 + 1e-9).floor() as i32;
@@ -132,11 +142,9 @@ impl Axis {
                 .map(|(k, name)| Tick { value: k as f64, label: Some(name.clone()) })
                 .collect();
         }
-        if self.log {
-            return ticks::logarithmic(scale.low, scale.high, target);
-        }
         let factor = 10f64.powi(self.exponent(scale));
-        let mut ticks = ticks::linear(scale.low / factor, scale.high / factor, target);
+        let of = if self.log { ticks::logarithmic } else { ticks::linear };
+        let mut ticks = of(scale.low / factor, scale.high / factor, target);
         for tick in &mut ticks {
             tick.value *= factor;
         }

@@ -39,6 +39,9 @@ pub const FULL_WIDTH: f64 = 720.0;
 /// Width of a figure in half of the page, px.
 pub const HALF_WIDTH: f64 = 400.0;
 
+/// Factor by which a figure of a single plot is drawn larger than its layout.
+const SINGLE: f64 = 1.25;
+
 /// Space between panels, px.
 const GUTTER: f64 = 14.0;
 
@@ -168,16 +171,47 @@ impl Figure {
     }
 
     fn render(&self, own_file: bool) -> String {
-        match self.legend {
+        let mut figure = self.clone();
+        figure.share_units();
+        figure.width /= self.enlargement();
+        figure.row_height /= self.enlargement();
+        match figure.legend {
             Legend::Inside => {
-                let mut roomy = self.clone();
+                let mut roomy = figure.clone();
                 match roomy.inside_legends() {
                     Some(places) => roomy.draw(&[], &places, own_file),
-                    None => self.draw(&self.entries(), &[], own_file),
+                    None => figure.draw(&figure.entries(), &[], own_file),
                 }
             }
-            Legend::Above => self.draw(&self.entries(), &[], own_file),
-            Legend::Hidden => self.draw(&[], &[], own_file),
+            Legend::Above => figure.draw(&figure.entries(), &[], own_file),
+            Legend::Hidden => figure.draw(&[], &[], own_file),
+        }
+    }
+
+    /// Gives all axes of one unit the same prefix, that of the linear axis with the largest values.
+    fn share_units(&mut self) {
+        let mut exponents: std::collections::BTreeMap<String, (bool, i32)> =
+            std::collections::BTreeMap::new();
+        for panel in &self.panels {
+            let Content::Plot(plot) = &panel.content else { continue };
+            for (unit, exponent) in plot.units() {
+                let shared = exponents.entry(unit).or_insert(exponent);
+                *shared = exponent.max(*shared);
+            }
+        }
+        for panel in &mut self.panels {
+            let Content::Plot(plot) = &mut panel.content else { continue };
+            for (unit, (_, exponent)) in &exponents {
+                plot.share_exponent(unit, *exponent);
+            }
+        }
+    }
+
+    /// Factor by which a figure is drawn larger than its layout: the type of a single plot is larger than that of a row of plots.
+    fn enlargement(&self) -> f64 {
+        match self.panels.as_slice() {
+            [Panel { content: Content::Plot(_), .. }] => SINGLE,
+            _ => 1.0,
         }
     }
 
@@ -203,11 +237,12 @@ impl Figure {
 
     fn envelope(&self, svg: Svg, height: f64, own_file: bool) -> String {
         let (w, h) = (number(self.width), number(height));
+        let [shown_width, shown_height] = [self.width, height].map(|size| number(size * self.enlargement()));
         let space = if own_file { " xmlns=\"http://www.w3.org/2000/svg\"" } else { "" };
         let label = escape(&Rich::new(&self.description).plain());
         let white = format!("<rect width=\"{w}\" height=\"{h}\" fill=\"#ffffff\"/>\n");
         format!(
-            "<svg{space} width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" role=\"img\" aria-label=\"{label}\" \
+            "<svg{space} width=\"{shown_width}\" height=\"{shown_height}\" viewBox=\"0 0 {w} {h}\" role=\"img\" aria-label=\"{label}\" \
              font-family=\"{}\">\n<title>{label}</title>\n{}{}</svg>\n",
             escape(rich::FONT),
             if own_file { &white } else { "" },

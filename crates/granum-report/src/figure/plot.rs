@@ -121,6 +121,21 @@ impl Plot {
         [self.x.resolve(extent[0]), y]
     }
 
+    /// Units of its axes with the exponents of the powers of ten that they choose themselves, and whether they are linear: these have
+    /// precedence.
+    pub(super) fn units(&self) -> Vec<(String, (bool, i32))> {
+        let axes = [&self.x, &self.y].into_iter().zip(self.scales());
+        let with_unit = axes.filter(|(axis, _)| !axis.unit.is_empty());
+        with_unit.map(|(axis, scale)| (axis.unit.clone(), (!axis.log, axis.exponent(&scale)))).collect()
+    }
+
+    /// Gives its axes of a unit an exponent.
+    pub(super) fn share_exponent(&mut self, unit: &str, exponent: i32) {
+        for axis in [&mut self.x, &mut self.y].into_iter().filter(|axis| axis.unit == unit) {
+            axis.shared_exponent = Some(exponent);
+        }
+    }
+
     /// True if no layer has a point to show.
     pub fn is_empty(&self) -> bool {
         let mut empty = true;

@@ -130,3 +130,29 @@ proptest! {
         check(&figure_of(&data));
     }
 }
+
+/// Stresses of a few pascals beside others of kilopascals have the unit of those, on linear and on logarithmic axes.
+#[test]
+fn axes_of_one_unit_have_one_prefix() {
+    let plot = |y: f64, log: bool| {
+        let x = Axis::new("Stress").unit("Pa");
+        let x = if log { x.logarithmic() } else { x };
+        Plot::new(x, Axis::new("Other").unit("Pa"))
+            .with(Layer::line(vec![[2.0, 0.0], [20.0 * y, y], [30.0 * y, 0.5 * y]], "#000"))
+    };
+    for panels in [[plot(3e3, false), plot(2.0, false)], [plot(3e3, false), plot(5e3, true)]] {
+        let svg = Figure::new("f", 2, panels.map(Panel::plot).to_vec()).to_svg();
+        assert!(svg.contains("(kPa)") && !svg.contains("(Pa)"), "{svg}");
+    }
+    // A single axis keeps the unit that suits it.
+    let svg = Figure::new("f", 1, vec![Panel::plot(plot(2.0, false))]).to_svg();
+    assert!(svg.contains("(Pa)") && !svg.contains("(kPa)"));
+}
+
+#[test]
+fn a_single_plot_has_larger_type() {
+    let figure =
+        |count: usize| Figure::new("f", 2, vec![Panel::plot(plot_of(&[[0.0; 3], [1.0; 3]], false)); count]);
+    assert!(figure(1).to_svg().contains("width=\"480\" height=\"270\" viewBox=\"0 0 384 216\""));
+    assert!(figure(2).to_svg().contains("width=\"720\" height=\"270\" viewBox=\"0 0 720 270\""));
+}

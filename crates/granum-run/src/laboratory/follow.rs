@@ -19,6 +19,8 @@ pub(super) struct Follow<'a> {
     pub(super) checkpoint: Interval,
     /// Name of the current stage, if the test is defined as a list of stages.
     pub(super) stage: Option<&'a str>,
+    /// Axis about which the current stage is axisymmetric.
+    pub(super) axis: Option<usize>,
     /// Index of the stage and number of stages.
     pub(super) place: [usize; 2],
     /// True after the observer has requested a stop.
@@ -30,6 +32,7 @@ impl Follow<'_> {
     fn announced<'a>(&mut self, progress: &Progress<'a>) -> Progress<'a> {
         let [at, all] = self.place;
         let mut announced = *progress;
+        announced.axis = self.axis.or(progress.axis);
         announced.fraction = progress.fraction.map(|part| (at as f64 + part) / all.max(1) as f64);
         announced.grain_steps_per_second = self.speedometer.rate(progress.simulation);
         announced

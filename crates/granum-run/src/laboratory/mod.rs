@@ -41,7 +41,6 @@ mod test_state;
 pub use granum_io::run::{CHECKPOINT, PREVIOUS_CHECKPOINT};
 pub use in_memory::{PreparedSample, TestResult};
 pub use laboratory_error::LaboratoryError;
-pub use measures::late_mean;
 pub use packing_simulation::{cell, simulation, spheres};
 pub use preparation_curve::PREPARATION_COLUMNS;
 pub use run_state::check_beside;
@@ -52,6 +51,7 @@ pub use status::{Field, fields, line};
 pub use store::{END, SAMPLE};
 
 pub use crate::engine::engine_trait::Laboratory;
+pub use crate::strength::late_mean;
 
 #[cfg(test)]
 mod interruption_tests;

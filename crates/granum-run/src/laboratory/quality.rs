@@ -2,6 +2,7 @@
 
 use granum_core::assembly::Assembly;
 use granum_dem::config::{MOST_CONTACTS, Preparation};
+use granum_dem::loading::StageEnd;
 use granum_dem::simulation::Simulation;
 use granum_dem::state::ServoError;
 use granum_io::run::QualityFlag;
@@ -10,6 +11,7 @@ use granum_sensors::{MissedObservations, Observation, Record};
 
 use super::energy_balance::energy_gap;
 use super::test_state::Test;
+use crate::strength::{CARRIES_STRESS, ended_liquefied};
 
 /// Magnitude of the total momentum over the sum of the magnitudes of the momenta of the grains.
 fn momentum_drift(assembly: &Assembly) -> f64 {
@@ -87,6 +89,37 @@ pub(super) fn remark_on_samples(missed_observations: &MissedObservations) -> Opt
     })
 }
 
+/// For every state whether the sample carries stress: at least [`CARRIES_STRESS`] of the mean stress at the start of its stage.
+fn carry_stress(record: &Record) -> Vec<bool> {
+    let column = |name: &str| record.series.values(name).unwrap_or(&[]);
+    let (p, stages) = (column("mean_stress"), column("stage"));
+    let mut start = 0;
+    (0..p.len())
+        .map(|row| {
+            if stages.get(row) != stages.get(start) {
+                start = row;
+            }
+            !(p[start] > 0.0 && p[row] < CARRIES_STRESS * p[start])
+        })
+        .collect()
+}
+
+/// For every stage whether its sample lost its stress, by its states or by the reason why it ended.
+pub(super) fn stages_without_stress(record: &Record, ends: &[StageEnd]) -> Vec<bool> {
+    let stages = record.series.values("stage").unwrap_or(&[]);
+    let mut lost = vec![false; ends.len()];
+    for (row, _) in carry_stress(record).iter().enumerate().filter(|(_, carries)| !**carries) {
+        let stage = stages.get(row).map_or(0, |number| (*number as usize).saturating_sub(1));
+        if let Some(lost) = lost.get_mut(stage) {
+            *lost = true;
+        }
+    }
+    for (lost, end) in lost.iter_mut().zip(ends) {
+        *lost |= ended_liquefied(end);
+    }
+    lost
+}
+
 /// The quality flags of a finished test.
 pub(super) fn judge(
     simulation: &Simulation,
@@ -97,15 +130,23 @@ pub(super) fn judge(
     let state = simulation.state();
     let column = |name: &str| record.series.values(name).unwrap_or(&[]).to_vec();
     let largest = |name: &str| column(name).into_iter().fold(0.0, f64::max);
-    // The first state is excluded, since it contains the start of the loading.
+    // The first state is excluded, since it contains the start of the loading, and so are those of a sample that has lost its stress:
+    // grains without contact move as they like.
+    let carries = carry_stress(record);
     let mean = |name: &str| {
-        let values = column(name);
-        let rest = values.get(1..).unwrap_or(&[]);
-        rest.iter().sum::<f64>() / rest.len().max(1) as f64
+        let values: Vec<f64> = column(name);
+        let kept: Vec<f64> =
+            values.iter().zip(&carries).skip(1).filter(|(_, c)| **c).map(|(v, _)| *v).collect();
+        kept.iter().sum::<f64>() / kept.len().max(1) as f64
     };
-    let worst = |of: fn(&ServoError) -> f64| {
-        test.ends.iter().map(|end| of(&end.servo_error)).fold(of(&state.servo_error()), f64::max)
-    };
+    let lost_stress = stages_without_stress(record, &test.ends);
+    let judged = |k: usize| lost_stress.get(k) != Some(&true);
+    // The errors of the present stage are those of the last end once it has one.
+    let under_way = state.servo_error();
+    let present = (test.ends.len() < test.recorders.len() || test.ends.is_empty()).then_some(&under_way);
+    let ends = || test.ends.iter().enumerate().filter(|(k, _)| judged(*k)).map(|(_, end)| &end.servo_error);
+    let worst = |of: fn(&ServoError) -> f64| ends().chain(present).map(of).fold(0.0, f64::max);
+    let all_lost = ends().chain(present).next().is_none();
     let bound = if test.staged { STAGE_SERVO_ERROR } else { 0.01 };
     let unmet = test.ends.iter().filter(|end| !end.reason.is_asked_for()).count();
     let mut flags = if !test.staged && unmet == 0 {
@@ -170,6 +211,10 @@ pub(super) fn judge(
             "the sample lost its mean stress; lower shear.inertial_number or numerics.time_step_factor",
         ),
     ]);
+    // Errors relative to a stress that has gone say nothing of the servo.
+    if all_lost {
+        flags.retain(|flag| !flag.name.starts_with("servo_error"));
+    }
     // The energy that global damping takes while a sample comes to rest is not counted, so that there is nothing to judge.
     if !test.damped {
         flags.push(QualityFlag::at_most(

@@ -9,6 +9,7 @@ use granum_dem::observer::Observer;
 use granum_dem::preparation::PreparationError;
 use granum_io::run::{RunFolder, RunRecord, RunSource, RunStatus};
 use granum_io::{Case, Error as FileError};
+use granum_sensors::Record;
 
 use super::laboratory_error::LaboratoryError;
 use super::run_state::{self, RunState, Stage};
@@ -20,6 +21,7 @@ use super::test_state::{MOST_STAGES_NOTED, Test};
 use super::{consolidation, estimate, from_packing, measures, memory, quality};
 use crate::engine::engine_trait::{Engine, Laboratory, Task};
 use crate::record::write_record;
+use crate::strength;
 
 /// A run whose inputs have been checked and which has not written anything yet.
 pub(crate) struct Begun {
@@ -277,12 +279,12 @@ fn complete(
     save(store, run_state, record)?;
     let seen = test.record();
     record.quality.extend(quality::judge(&run_state.simulation, &end, &seen, test));
-    measures::of_test(&seen, &mut record.measures);
+    record.measures.extend(strength::of_test(&seen, test.list(), &test.ends));
     if test.staged {
         measures::of_oedometers(&seen, test.list(), &mut record.measures);
     }
     if test.staged || test.ends.iter().any(|end| !end.reason.is_asked_for()) {
-        record_stages(test, record, observer);
+        record_stages(test, &seen, record, observer);
     }
     if let Some(remark) = quality::remark_on_samples(&test.missed_observations()) {
         observer.warn(&remark);
@@ -294,12 +296,17 @@ fn complete(
 
 /// Notes in the record how each stage ended; the observer is warned of a stage that met none of its end conditions. For a test
 /// with more than [`MOST_STAGES_NOTED`] stages only these are noted, with the number of the others.
-fn record_stages(test: &Test, record: &mut RunRecord, observer: &mut dyn Observer) {
+fn record_stages(test: &Test, seen: &Record, record: &mut RunRecord, observer: &mut dyn Observer) {
     let many = test.ends.len() > MOST_STAGES_NOTED;
+    let lost_stress = quality::stages_without_stress(seen, &test.ends);
     for (k, end) in test.ends.iter().enumerate() {
         let StageEnd { name, reason, steps, .. } = end;
         let mut note = format!("stage {} ({name}) ended after {steps} steps: {reason}", k + 1);
-        if end.servo_error.rms() > 0.0 {
+        if end.servo_error.rms() > 0.0 && lost_stress.get(k) == Some(&true) {
+            note.push_str(
+                "; the sample lost its stress, so that how well its stresses were held in per cent of p is not judged",
+            );
+        } else if end.servo_error.rms() > 0.0 {
             let percent = 100.0 * end.servo_error.rms();
             note.push_str(&format!("; its stresses were held within {percent:.2} % of p (root mean square)"));
         }

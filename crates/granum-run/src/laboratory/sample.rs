@@ -144,6 +144,7 @@ impl Laboratory {
             speedometer,
             checkpoint: Interval::new(self.checkpoint_every),
             stage: None,
+            axis: None,
             place: [0, 1],
             stopped: false,
         };

@@ -2,11 +2,12 @@
 
 use std::time::Instant;
 
-use granum_dem::invariants::deviatoric_strain;
-use granum_dem::loading::Measure;
+use granum_dem::invariants::{deviatoric_strain, signed_von_mises};
 use granum_dem::observer::Progress;
 use granum_dem::preparation::Phase;
 use granum_dem::simulation::Simulation;
+
+use crate::strength::symmetry::axial_deviator;
 
 /// A part of a line of progress.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -33,7 +34,7 @@ pub fn line(progress: &Progress) -> String {
     }
     if is_of_path(progress) {
         parts.extend(progress.stage.map(str::to_string));
-        parts.push(format!("strain {:.4}  q/p {:.3}", strain(progress), stress_ratio(progress)));
+        parts.push(format!("strain {:.4}  {}", strain(progress), stress_ratio(progress)));
     }
     parts.push(format!("p {:.2} kPa  solid fraction {:.4}", s.mean_stress() / 1e3, s.solid_fraction()));
     parts.extend(progress.grain_steps_per_second.map(|rate| format!("{} grain-steps/s", speed(rate))));
@@ -50,7 +51,7 @@ pub fn fields(progress: &Progress) -> Vec<Field> {
     }
     if is_of_path(progress) {
         fields.push(Field::new(1, format!("strain {:.3}", strain(progress))));
-        fields.push(Field::new(2, format!("q/p {:.3}", stress_ratio(progress))));
+        fields.push(Field::new(2, stress_ratio(progress)));
     }
     fields.push(Field::new(3, format!("p {:.1} kPa", s.mean_stress() / 1e3)));
     fields.push(Field::new(0, format!("density {:.3}", s.solid_fraction())));
@@ -69,15 +70,16 @@ fn strain(progress: &Progress) -> f64 {
     if progress.stage.is_some() { deviatoric_strain(&s.strain()) } else { s.deviator_strain() }
 }
 
-/// The ratio q/p; zero if p is zero.
-fn stress_ratio(progress: &Progress) -> f64 {
+/// The ratio q/p of an axisymmetric stage, with the axial stress less the mean lateral one as q; of a general stage that of the von
+/// Mises stress, without sign. Zero if p is zero.
+fn stress_ratio(progress: &Progress) -> String {
     let s = progress.simulation.state();
-    if progress.stage.is_some() {
-        return Measure::StressRatio.of(&s.macro_state());
-    }
-    let (stress, p) = (s.stress(), s.mean_stress());
-    let q = stress[0][0] - 0.5 * (stress[1][1] + stress[2][2]);
-    if p == 0.0 { 0.0 } else { q / p }
+    let (name, q) = match progress.axis {
+        Some(axis) => ("q/p", axial_deviator(&s.stress(), axis)),
+        None => ("q_vM/p", signed_von_mises(&s.stress()).abs()),
+    };
+    let p = s.mean_stress();
+    format!("{name} {:.3}", if p == 0.0 { 0.0 } else { q / p })
 }
 
 /// A number of grain-steps with at most three digits: "18.4 M", "840 k".

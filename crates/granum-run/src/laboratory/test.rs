@@ -13,6 +13,7 @@ use super::status::Speedometer;
 use super::store::Store;
 use super::test_state::{MOST_STAGES_NOTED, Test};
 use crate::engine::engine_trait::Laboratory;
+use crate::strength::symmetry;
 
 /// Name of the snapshot at the end of a stage that is followed by another.
 fn stage_snapshot(number: usize) -> String {
@@ -64,6 +65,7 @@ impl Laboratory {
             speedometer,
             checkpoint: Interval::new(self.checkpoint_every),
             stage: test.staged.then_some(stage.name.as_str()),
+            axis: symmetry::axis(std::slice::from_ref(stage)),
             place: [at, test.stages.len()],
             stopped: false,
         };

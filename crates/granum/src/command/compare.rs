@@ -3,15 +3,19 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use granum_io::formats::mixed::{MixedColumn, MixedTable};
 use granum_io::shell::ShowPath;
 use granum_io::{Conventions, LaboratoryTest, Run, check_output_file, read_laboratory};
 use granum_report::comparison::{Errors, RunCurves, errors, figure};
+use granum_report::strength::{Measures, late_state, scatter_table};
 use granum_run::record::read_record;
 use granum_run::runs_table::{RunEntry, find_runs, legend};
+use granum_run::strength::critical_state_line::{CriticalStateLine, LateState};
 use serde_json::{Value, json};
 
 use super::comparability::{check_common, unlike_stresses};
 use super::records::check_begun;
+use super::text_table;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -78,7 +82,7 @@ impl Compare {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
         let _alone = context.nothing_written(Some("comparing"));
         check_output_file(&self.output, context.force)?;
-        let (runs, pairs) = match self.files.split_last() {
+        let (runs, pairs, entries) = match self.files.split_last() {
             Some((lab, folders)) if !lab.is_dir() => {
                 let tests = read_laboratory(lab, &self.conventions()?)?;
                 let tests = self.chosen(&tests)?;
@@ -90,10 +94,12 @@ impl Compare {
                     .flat_map(|run| tests.iter().map(|test| Pair::of(run, test)).collect::<Vec<_>>())
                     .collect();
                 self.draw(&runs, &tests)?;
-                (runs, pairs)
+                let entries =
+                    folders.iter().map(|folder| RunEntry::read(folder)).collect::<Result<Vec<_>, _>>()?;
+                (runs, pairs, entries)
             }
             _ => {
-                let runs = self.labelled()?;
+                let (runs, entries) = self.labelled()?;
                 let Some((first, others)) = runs.split_first().filter(|(_, others)| !others.is_empty())
                 else {
                     let message = "give two runs or more, or runs and the laboratory's file last";
@@ -101,17 +107,19 @@ impl Compare {
                 };
                 let pairs: Vec<Pair> = others.iter().map(|run| Pair::of(run, &first.curves)).collect();
                 self.draw(&runs, &[])?;
-                (runs, pairs)
+                (runs, pairs, entries)
             }
         };
         let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
-        output::say(context, &as_json(&pairs, &names, &self.output), || {
-            format!("{}\nwrote {}", text(&pairs), self.output.shown())
+        let strength = Strength::of(&entries, &runs);
+        output::say(context, &as_json(&pairs, &names, &strength, &self.output), || {
+            let lines = [vec![text(&pairs)], strength.lines()].concat();
+            format!("{}\nwrote {}", lines.join("\n"), self.output.shown())
         })
     }
 
     /// The runs of the folders, each named by the keys in which it differs from the others.
-    fn labelled(&self) -> Result<Vec<RunCurves>, Failure> {
+    fn labelled(&self) -> Result<(Vec<RunCurves>, Vec<RunEntry>), Failure> {
         let given = !(self.test.is_empty() && self.map.is_empty());
         if given || self.compression.is_some() || self.strain.is_some() {
             let message =
@@ -129,7 +137,7 @@ impl Compare {
             curves.curves.name.clone_from(&name);
             Ok(RunCurves { name, ..curves })
         };
-        folders.iter().zip(labels).map(named).collect()
+        Ok((folders.iter().zip(labels).map(named).collect::<Result<_, Failure>>()?, entries))
     }
 
     fn draw(&self, runs: &[RunCurves], tests: &[&LaboratoryTest]) -> Result<(), Failure> {
@@ -178,9 +186,73 @@ impl Compare {
 
 fn curves(folder: &Path) -> Result<RunCurves, Failure> {
     let run = Run::at(folder)?;
-    check_begun(&run, &run.record()?)?;
+    let about = run.record()?;
+    check_begun(&run, &about)?;
     let name = folder.file_name().map_or_else(|| folder.shown(), |name| name.to_string_lossy().into_owned());
-    Ok(RunCurves::of(&name, &read_record(&run)?))
+    let (case, record) = (run.case()?, read_record(&run)?);
+    let measures = granum_run::strength::of_run(&case, &about, &record);
+    Ok(RunCurves { measures, ..RunCurves::of(&name, &record, &case.test_stages()) })
+}
+
+/// The strength of runs, with the scatter of those that differ in their seeds alone, and the critical state line through them.
+struct Strength {
+    table: MixedTable,
+    line: Option<CriticalStateLine>,
+}
+
+impl Strength {
+    fn of(entries: &[RunEntry], runs: &[RunCurves]) -> Strength {
+        let measures: Vec<Measures> = runs.iter().map(|run| run.measures.clone()).collect();
+        let states: Vec<LateState> = measures.iter().filter_map(late_state).collect();
+        Strength { table: scatter_table(entries, &measures), line: CriticalStateLine::through(&states) }
+    }
+
+    /// The rows of the table as objects.
+    fn rows(&self) -> Vec<Value> {
+        let cell = |column: &MixedColumn, row: usize| match column.as_numbers() {
+            Some(numbers) => json!(numbers.get(row).filter(|value| value.is_finite())),
+            None => json!(column.text(row)),
+        };
+        let object = |row: usize| {
+            let cells = self.table.columns().iter().map(|column| (column.name.clone(), cell(column, row)));
+            Value::Object(cells.collect())
+        };
+        (0..self.table.rows()).map(object).collect()
+    }
+
+    fn lines(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        if self.table.columns().len() > 1 {
+            lines.push(String::new());
+            lines.extend(text_table::lines(&self.table));
+        }
+        if let Some(line) = &self.line {
+            let error = |error: Option<f64>| error.map_or(String::new(), |error| format!(" +- {error:.4}"));
+            let [low, high] = line.range.map(|p| p / 1e3);
+            lines.push(format!(
+                "critical state line e = Gamma - lambda ln(p / 1 kPa) through the late states of {} runs: Gamma {:.4}{}, lambda \
+                 {:.4}{} (standard errors), from {low:.1} to {high:.1} kPa",
+                line.tests,
+                line.intercept,
+                error(line.intercept_error),
+                line.slope,
+                error(line.slope_error),
+            ));
+        }
+        lines
+    }
+}
+
+fn line_as_json(line: &CriticalStateLine) -> Value {
+    json!({
+        "void_ratio_at_1_kPa": line.intercept,
+        "void_ratio_at_1_kPa_standard_error": line.intercept_error,
+        "lambda": line.slope,
+        "lambda_standard_error": line.slope_error,
+        "scatter_of_void_ratio": line.scatter,
+        "runs": line.tests,
+        "mean_stress_range": line.range,
+    })
 }
 
 /// A run, the test or run with which it is compared, and the differences.
@@ -196,7 +268,7 @@ impl Pair {
     }
 }
 
-fn as_json(pairs: &[Pair], runs: &[&str], figure: &Path) -> Value {
+fn as_json(pairs: &[Pair], runs: &[&str], strength: &Strength, figure: &Path) -> Value {
     let pair = |Pair { run, other, errors }: &Pair| {
         json!({
             "run": run,
@@ -208,7 +280,13 @@ fn as_json(pairs: &[Pair], runs: &[&str], figure: &Path) -> Value {
             "void_ratio_error": errors.void_ratio,
         })
     };
-    json!({ "runs": runs, "comparisons": pairs.iter().map(pair).collect::<Vec<_>>(), "figure": output::path(figure) })
+    json!({
+        "runs": runs,
+        "comparisons": pairs.iter().map(pair).collect::<Vec<_>>(),
+        "strength": strength.rows(),
+        "critical_state_line": strength.line.map(|line| line_as_json(&line)),
+        "figure": output::path(figure),
+    })
 }
 
 fn text(pairs: &[Pair]) -> String {

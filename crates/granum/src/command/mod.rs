@@ -39,6 +39,7 @@ mod sources;
 mod spread;
 mod status;
 mod stiffness;
+mod strength_text;
 mod stresses;
 mod study_folder;
 mod study_scores;

@@ -7,6 +7,7 @@ use granum_io::shell::quoted_path;
 use granum_io::{QualityFlag, Run, RunRecord, RunSource, RunStatus};
 use serde_json::{Value, json};
 
+use super::strength_text;
 use super::stresses::Stresses;
 use crate::context::Context;
 use crate::failure::{Failure, Interrupted};
@@ -95,7 +96,7 @@ fn text(folder: &Path, record: &RunRecord) -> String {
         ));
     }
     lines.extend(stresses(folder).iter().flat_map(Stresses::lines));
-    lines.extend(peak_and_late(record));
+    lines.extend(strength_text::lines(record));
     let bad: Vec<_> = record.quality.iter().filter(|q| !q.passed).collect();
     for flag in &bad {
         lines.push(format!("warning: {}", warning(flag)));
@@ -121,24 +122,6 @@ fn work(record: &RunRecord) -> String {
     let grain_steps = steps * record.grains as f64;
     let rate = grain_steps / seconds.max(1e-9) / 1e6;
     format!("{grain_steps:.2e} grain-steps in {seconds:.1} s ({rate:.1} M/s)")
-}
-
-/// Peak and late values of a finished test.
-fn peak_and_late(record: &RunRecord) -> Option<String> {
-    let value = |name: &str| record.measures.get(name).copied();
-    let peak = value("peak_stress_ratio")?;
-    // The measures of a test that is defined as a list of stages use the invariants.
-    let (strain, at) = match (value("deviator_strain_at_peak"), value("deviatoric_strain_at_peak")) {
-        (Some(at), _) => ("deviator", at),
-        (None, at) => ("deviatoric", at?),
-    };
-    Some(format!(
-        "test: peak q/p {peak:.3} at {strain} strain {at:.4}; means over the last quarter of the strain: q/p {:.3}, phi_d {:.4}, solid \
-         fraction {:.4}",
-        value("late_stress_ratio")?,
-        value("late_deviator_fabric")?,
-        value("late_solid_fraction")?,
-    ))
 }
 
 /// A readable warning for a quality flag that was not passed.

@@ -10,6 +10,7 @@ mod further_sensors;
 mod inputs;
 mod lammps_decks;
 mod materials;
+mod mechanics;
 mod mixed;
 mod networks;
 mod nothing_lost;

@@ -1,0 +1,23 @@
+//! What a test says of its material: strength, dilatancy, critical state, stiffness and liquefaction, from what was recorded.
+//!
+//! Every quantity follows from the series and the stages of the test, so that it can also be found for runs of earlier versions.
+//! [`of_test`] returns all of them by name; [`MEASURES`] says what each is. [`Curves`] gives the curves of a test with what they
+//! are counted from, and [`critical_state_line`] fits a line through the late states of several tests.
+
+pub mod critical_state_line;
+mod curves;
+mod cyclic;
+mod late;
+mod liquefaction;
+mod measures;
+mod monotonic;
+mod names;
+mod stiffness;
+pub mod symmetry;
+
+pub use curves::{CARRIES_STRESS, Curves};
+pub use late::{LATE, late_mean};
+pub(crate) use liquefaction::ended_liquefied;
+pub use liquefaction::{LIQUEFIED_DOUBLE_AMPLITUDE, LIQUEFIED_RATIO};
+pub use measures::{of_run, of_test};
+pub use names::{MEASURES, Meaning, meaning};

@@ -1,0 +1,115 @@
+//! What a test says of its material: pore pressure, q, liquefaction, strength, scatter and the critical state line.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::{done, done_json};
+
+/// A ready case with few grains, fast.
+const FEW: [&str; 8] = [
+    "--set",
+    "grains.count=120",
+    "--set",
+    "preparation.inertial_number=1e-2",
+    "--set",
+    "preparation.unbalanced_force=2e-2",
+    "--set",
+    "stage.1.inertial_number=5e-3",
+];
+
+fn run(here: &Path, case: &str, out: &str, more: &[&str]) -> Value {
+    let file = format!("{case}.toml");
+    if !here.join(&file).exists() {
+        done(here, &["init", "--case", case, &file]);
+    }
+    done_json(here, &[&["run", &file, "--out", out], &FEW[..], more].concat())
+}
+
+fn measure(told: &Value, name: &str) -> f64 {
+    told["measures"][name].as_f64().unwrap_or_else(|| panic!("no {name} in {}", told["measures"]))
+}
+
+/// The figure of a report whose file name has this part.
+fn figure(here: &Path, run: &str, part: &str) -> String {
+    let files = std::fs::read_dir(here.join(run).join("figures")).unwrap();
+    let found = files.map(|file| file.unwrap().path()).find(|path| path.to_string_lossy().contains(part));
+    std::fs::read_to_string(found.unwrap_or_else(|| panic!("no figure {part}"))).unwrap()
+}
+
+/// The pore pressure of a ready case counts from the consolidated sample, and what is left without stress is no strength.
+#[test]
+fn a_sample_that_liquefies_says_so() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    let short = ["--set", "stage.1.axial_strain=0.06", "--set", "stage.1.states=30"];
+    let told = run(here, "undrained-loose", "loose", &short);
+    assert_eq!(measure(&told, "liquefied"), 1.0);
+    let ratio = measure(&told, "largest_pore_pressure_ratio");
+    assert!((0.95..=1.001).contains(&ratio), "{ratio}");
+    assert!((0.0..0.06).contains(&measure(&told, "axial_strain_at_liquefaction")));
+    assert!((0.3..1.3).contains(&measure(&told, "peak_stress_ratio")));
+    assert!(told["measures"]["critical_friction_angle"].is_null(), "{told}");
+    done(here, &["report", "loose"]);
+    // The axis goes from 0 to the 100 kPa of the consolidation; it went from -100 to 20.
+    let pressure = figure(here, "loose", "pore-pressure");
+    assert!(pressure.contains("(kPa)") && pressure.contains(">100<"), "{pressure}");
+    assert!(!pressure.contains("\u{2212}80<") && !pressure.contains("\u{2212}100<"));
+    let page = std::fs::read_to_string(here.join("loose/report.html")).unwrap();
+    assert!(page.contains("strain at liquefaction") && page.contains("axial less the mean lateral stress"));
+    // One unit for all stresses of a figure.
+    let path = figure(here, "loose", "stress-path");
+    assert!(path.contains("(kPa)") && !path.contains("(Pa)"), "{path}");
+}
+
+/// Cycles to liquefaction, and no complaint about a servo that had nothing left to hold.
+#[test]
+fn a_cyclic_test_counts_its_cycles() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    let told = run(here, "cyclic-undrained", "cycles", &["--set", "stage.1.cycles=20"]);
+    assert_eq!(measure(&told, "liquefied"), 1.0, "{}", told["measures"]);
+    let cycles = measure(&told, "cycles_to_liquefaction");
+    assert!(cycles >= measure(&told, "cycles") && cycles <= 20.0, "{cycles}");
+    assert!(measure(&told, "double_amplitude_axial_strain") > 1e-4);
+    let text = told.to_string();
+    assert!(text.contains("how well its stresses were held in per cent of p is not judged"), "{text}");
+    let flags = told["quality"].as_array().unwrap();
+    assert!(flags.iter().any(|flag| flag["name"] == "inertial_number"));
+    // The stage of consolidation held its stresses, and is judged.
+    let servo = flags.iter().find(|flag| flag["name"] == "servo_error_largest").unwrap();
+    assert!(servo["value"].as_f64().unwrap() < 0.03, "{servo}");
+}
+
+/// Extension has a negative q, and two seeds a scatter; two stresses make a critical state line.
+#[test]
+fn strength_has_a_sign_a_scatter_and_a_line() {
+    let base = tempfile::tempdir().unwrap();
+    let here = base.path();
+    let short = ["--set", "stage.1.states=40", "--set", "stage.1.axial_strain=0.15"];
+    let back = ["--set", "stage.1.states=40", "--set", "stage.1.axial_strain=-0.06"];
+    let told = run(here, "drained-loose", "extension", &back);
+    let series = done_json(here, &["export", "extension", "-o", "series.csv"]);
+    assert!(measure(&told, "peak_stress_ratio") < -0.3, "{told} {series}");
+    let angle = measure(&told, "peak_friction_angle");
+    assert!((10.0..50.0).contains(&angle), "{angle}");
+    for (name, more) in [
+        ("one", &["--set", "preparation.seed=1"][..]),
+        ("two", &["--set", "preparation.seed=2"][..]),
+        ("high", &["--set", "stage.1.lateral_stress=400 kPa"][..]),
+    ] {
+        let told = run(here, "drained-loose", name, &[&short[..], more].concat());
+        assert!(measure(&told, "peak_stress_ratio") > 0.5 && measure(&told, "critical_void_ratio") > 0.3);
+        assert!(told["measures"]["critical_void_ratio_drift"].is_f64(), "{told}");
+    }
+    let told = done_json(here, &["compare", "one", "two", "high", "-o", "runs.svg"]);
+    let rows = told["strength"].as_array().unwrap();
+    assert_eq!(rows.len(), 5, "{told}");
+    let angles: Vec<f64> = rows.iter().map(|row| row["peak_friction_angle"].as_f64().unwrap()).collect();
+    assert!((angles[3] - 0.5 * (angles[0] + angles[1])).abs() < 1e-9, "{angles:?}");
+    assert!((angles[4] - (angles[0] - angles[1]).abs() / 2f64.sqrt()).abs() < 1e-9, "{angles:?}");
+    assert!(told["critical_state_line"]["lambda"].is_f64(), "{told}");
+    done(here, &["report", "one", "two", "high", "--out", "together"]);
+    let page = std::fs::read_to_string(here.join("together/report.html")).unwrap();
+    assert!(page.contains("Critical state line") && page.contains("standard deviation"));
+}
