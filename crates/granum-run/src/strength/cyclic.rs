@@ -50,7 +50,7 @@ fn turning_rows(values: &[f64], turns: &Turns) -> Vec<usize> {
     let mut found = Vec::new();
     let mut extreme = 0;
     for (row, value) in values.iter().enumerate() {
-        let up = found.len() % 2 == 0;
+        let up = found.len().is_multiple_of(2);
         let sense = if up { 1.0 } else { -1.0 };
         if sense * (value - values[extreme]) > 0.0 {
             extreme = row;
@@ -59,7 +59,7 @@ fn turning_rows(values: &[f64], turns: &Turns) -> Vec<usize> {
             extreme = row;
         }
     }
-    let level = if found.len() % 2 == 0 { turns.high } else { turns.low };
+    let level = if found.len().is_multiple_of(2) { turns.high } else { turns.low };
     let reached = values.get(extreme).is_some_and(|value| (value - level).abs() <= REACHED * range);
     if reached {
         found.push(extreme);
@@ -161,7 +161,7 @@ mod tests {
         // Three and a half cycles of a triangular wave with small waves on it, in steps of an eighth of the range.
         let wave = |k: usize| {
             let phase = (k as f64 / 16.0 + 0.25).fract();
-            (1.0 - 4.0 * (phase - 0.5).abs()) + if k % 2 == 0 { 0.04 } else { -0.04 }
+            (1.0 - 4.0 * (phase - 0.5).abs()) + if k.is_multiple_of(2) { 0.04 } else { -0.04 }
         };
         let values: Vec<f64> = (0..=16 * 3 + 4).map(wave).collect();
         let rows = turning_rows(&values, &turns);
