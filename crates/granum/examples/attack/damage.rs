@@ -186,9 +186,17 @@ impl Subject<'_> {
             let _ = if path.is_dir() { fs::remove_dir_all(&path) } else { fs::remove_file(&path) };
         }
         if matches!(line.rule, Rule::Told | Rule::Left(_)) {
-            // The command succeeds with undamaged files, or this says that it does not.
+            // What fails with undamaged files says nothing about damage.
             let left = if let Rule::Left(out) = line.rule { out } else { "" };
-            self.expected.of(self.ground, self.program, self.target, line.words, left)?;
+            let known = self.expected.of(self.ground, self.program, self.target, line.words, left);
+            if let Err(what) = known {
+                return Ok(vec![Find {
+                    kind: "undamaged",
+                    what,
+                    line: line.words.into(),
+                    ended: String::new(),
+                }]);
+            }
         }
         let stop_after = line.simulates.then_some(SIMULATE).filter(|_| matches!(line.rule, Rule::Calm));
         let ended = self.run(line.words, Limits { stop_after, ..Limits::default() })?;

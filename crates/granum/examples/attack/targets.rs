@@ -52,7 +52,7 @@ const TRAINED: &str =
 pub const ALL: &[Target] = &[
     Target {
         name: "run",
-        needs: &["run-1", "run-2", "study"],
+        needs: &["run-1", "run-2", "study", "lab.csv"],
         damaged: &["run-1"],
         lines: &[
             line("status run-1", ToldBy("digest run-1")),
@@ -73,6 +73,8 @@ pub const ALL: &[Target] = &[
             line("table run-1 run-2 -o out.csv", Left("out.csv")),
             line("report run-1 run-2 --out out", Left("out")),
             line("compare run-1 run-2 -o out.svg", Left("out.svg")),
+            line("compare run-1 lab.csv -o out.svg", Left("out.svg")),
+            line("--json compare run-1 lab.csv -o out.svg", Told),
             line(TRAINED, Left("out")),
             line("evaluate study run-1 run-2", Told),
             simulation("resume run-1", ToldBy("digest run-1")),
@@ -81,7 +83,7 @@ pub const ALL: &[Target] = &[
     },
     Target {
         name: "staged-run",
-        needs: &["staged", "lab.csv"],
+        needs: &["staged"],
         damaged: &["staged"],
         lines: &[
             line("status staged", ToldBy("digest staged")),
@@ -89,8 +91,6 @@ pub const ALL: &[Target] = &[
             line("report staged --out out", Left("out")),
             line("export staged -o out.parquet", Left("out.parquet")),
             line("--json table staged", Told),
-            line("compare staged lab.csv -o out.svg", Left("out.svg")),
-            line("--json compare staged lab.csv -o out.svg", Told),
             line("export staged --snapshot all -o out.xyz", Left("out.xyz")),
             simulation("resume staged", ToldBy("digest staged")),
         ],
@@ -248,11 +248,11 @@ pub const ALL: &[Target] = &[
     },
     Target {
         name: "laboratory",
-        needs: &["staged", "lab.csv"],
+        needs: &["run-1", "lab.csv"],
         damaged: &["lab.csv"],
         lines: &[
-            line("compare staged lab.csv -o out.svg", Calm),
-            line("--json compare staged lab.csv --test A -o out.svg", Calm),
+            line("compare run-1 lab.csv -o out.svg", Calm),
+            line("--json compare run-1 lab.csv --test A -o out.svg", Calm),
         ],
         weight: 2,
     },
