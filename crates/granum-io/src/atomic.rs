@@ -2,7 +2,7 @@
 //! renamed.
 
 use std::ffi::OsString;
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -12,6 +12,10 @@ use crate::error::{Error, Result};
 
 /// Suffix of the name of a file that is being written.
 pub(crate) const UNFINISHED: &str = ".granum-unfinished";
+/// Folder in which the files of a run are written before they are moved to their places.
+pub(crate) const STAGING: &str = ".staging.granum-unfinished";
+/// Number of names that are tried for a temporary file.
+const MOST_NAMES: usize = 16;
 
 /// Distinguishes temporary files that one process writes for the same name.
 static COUNTER: AtomicU64 = AtomicU64::new(0);
@@ -80,10 +84,11 @@ fn write_beside(
     fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
     place: impl FnOnce(&Path) -> io::Result<()>,
 ) -> Result<()> {
-    let beside = name_beside(path)?;
+    remove_left_by_killed(path);
+    let (beside, file) = create_locked(path)?;
     let _unfinished = Unfinished::new(&beside);
     let write = || {
-        fill_and_sync(&beside, fill)?;
+        fill_and_sync(&file, fill)?;
         place(&beside)?;
         sync_folder(path)
     };
@@ -95,12 +100,47 @@ fn write_beside(
     result.map_err(Error::file("write", path))
 }
 
-fn fill_and_sync(
-    beside: &Path,
-    fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
-) -> io::Result<()> {
-    let file = create_new(beside)?;
-    let mut writer = BufWriter::with_capacity(1 << 16, &file);
+/// Creates a temporary file beside `path` and locks it as long as it is open, by which other processes know that it is in use.
+fn create_locked(path: &Path) -> Result<(PathBuf, File)> {
+    let mut beside = name_beside(path)?;
+    for _ in 0..MOST_NAMES {
+        let file = create_new(&beside).map_err(Error::file("write", path))?;
+        match file.try_lock() {
+            // Another process took the file for one that was left over, before it was locked.
+            Ok(()) if fs::symlink_metadata(&beside).is_err() => {}
+            Err(TryLockError::WouldBlock) => {}
+            // Some file systems have no locks.
+            Ok(()) | Err(TryLockError::Error(_)) => return Ok((beside, file)),
+        }
+        beside = name_beside(path)?;
+    }
+    Err(Error::content(path, "cannot be written: other processes write it as well"))
+}
+
+/// Removes the temporary files of the same name that killed processes left: those that no process has locked. Nothing depends
+/// on it, so that errors are passed over.
+fn remove_left_by_killed(path: &Path) {
+    let Some(name) = path.file_name().map(|name| format!(".{}.", name.to_string_lossy())) else { return };
+    let Ok(entries) = fs::read_dir(folder_of(path)) else { return };
+    for entry in entries.flatten() {
+        let own = entry.file_name();
+        let own = own.to_string_lossy();
+        let middle = own.strip_prefix(name.as_str()).and_then(|rest| rest.strip_suffix(UNFINISHED));
+        let is_temporary = middle.is_some_and(|middle| {
+            !middle.is_empty() && middle.chars().all(|c| c.is_ascii_digit() || c == '-')
+        });
+        if !is_temporary || !entry.file_type().is_ok_and(|kind| kind.is_file()) {
+            continue;
+        }
+        let Ok(file) = File::options().write(true).open(entry.path()) else { continue };
+        if file.try_lock().is_ok() {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+fn fill_and_sync(file: &File, fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>) -> io::Result<()> {
+    let mut writer = BufWriter::with_capacity(1 << 16, file);
     fill(&mut writer)?;
     writer.flush()?;
     drop(writer);
@@ -129,16 +169,20 @@ fn name_beside(path: &Path) -> Result<PathBuf> {
 
 /// Makes the renaming itself survive a power failure.
 #[cfg(unix)]
-fn sync_folder(path: &Path) -> io::Result<()> {
-    let folder = match path.parent() {
+pub(crate) fn sync_folder(path: &Path) -> io::Result<()> {
+    File::open(folder_of(path))?.sync_all()
+}
+
+/// The folder of a file.
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
-    };
-    File::open(folder)?.sync_all()
+    }
 }
 
 #[cfg(not(unix))]
-fn sync_folder(_: &Path) -> io::Result<()> {
+pub(crate) fn sync_folder(_: &Path) -> io::Result<()> {
     Ok(())
 }
 
@@ -148,7 +192,9 @@ pub(crate) fn remove_unfinished(folder: &Path) -> io::Result<()> {
         let entry = entry?;
         let name = entry.file_name();
         let name = name.to_string_lossy();
-        if name.starts_with('.') && name.ends_with(UNFINISHED) && entry.file_type()?.is_file() {
+        if name == STAGING && entry.file_type()?.is_dir() {
+            fs::remove_dir_all(entry.path())?;
+        } else if name.starts_with('.') && name.ends_with(UNFINISHED) && entry.file_type()?.is_file() {
             fs::remove_file(entry.path())?;
         }
     }
@@ -191,6 +237,22 @@ mod tests {
             (b"three".into(), b"two".into())
         );
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
+    }
+
+    #[test]
+    fn what_a_killed_process_left_of_a_file_goes_when_the_file_is_written_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out.csv");
+        let left = folder.path().join(format!(".out.csv.4711-0{UNFINISHED}"));
+        let at_work = folder.path().join(format!(".out.csv.4712-3{UNFINISHED}"));
+        let other = folder.path().join(format!(".out.csv.bak.1-0{UNFINISHED}"));
+        for file in [&left, &at_work, &other] {
+            fs::write(file, "half").unwrap();
+        }
+        let held = File::options().write(true).open(&at_work).unwrap();
+        held.lock().unwrap();
+        write_atomically(&path, |file| file.write_all(b"whole")).unwrap();
+        assert!(!left.exists() && at_work.exists() && other.exists() && path.exists());
     }
 
     #[test]

@@ -3,7 +3,9 @@
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{Read, Seek, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
+use crate::aside;
 use crate::atomic::{UNFINISHED, remove_unfinished};
 use crate::error::{Error, Result};
 
@@ -13,6 +15,12 @@ const LINK: &str =
     "is a symbolic link; output must stay in its folder, so replace it by a folder or remove it";
 /// Longest content of a lock file: a process id.
 const LONGEST_LOCK: u64 = 32;
+/// Files by one of which a folder is known as granum's if its lock file was not copied with it.
+const RECORDS: [&str; 4] = ["run.json", "training.json", "study.json", "reproduction.json"];
+/// Largest of them that is looked into.
+const LARGEST_RECORD: u64 = 1 << 24;
+/// How often, and how long each time, a process that finds a folder locked waits for the process id of the holder.
+const WAITS: (usize, Duration) = (50, Duration::from_millis(4));
 
 /// Marks a folder as granum's and carries the advisory lock. The file remains when the lock is released: if it were removed,
 /// two processes could hold locks on two different files of that name.
@@ -35,9 +43,12 @@ impl OutputFolder {
     /// set; [`Error::Locked`] if another process is using it; [`Error::File`] if it cannot be created.
     pub fn create(path: impl AsRef<Path>, force: bool) -> Result<OutputFolder> {
         let path = path.as_ref();
+        if force {
+            refuse_link(path)?;
+        }
         fs::create_dir_all(path).map_err(Error::file("create the folder", path))?;
         // Checked before there is a lock file, so that a foreign folder is left unchanged.
-        let granum = is_lock(&path.join(LOCK));
+        let granum = is_granums(path);
         if !granum && !is_empty(path)? {
             return Err(Error::content(
                 path,
@@ -60,8 +71,13 @@ impl OutputFolder {
         if !path.is_dir() {
             return Err(Error::content(path, "there is no such folder"));
         }
-        if !is_lock(&path.join(LOCK)) {
-            return Err(Error::content(path, "is not a folder that granum wrote"));
+        if !is_granums(path) {
+            let message = format!(
+                "is not a folder that granum wrote: it has neither {LOCK} nor one of {} that can be read; copy folders with all \
+                 of their files",
+                RECORDS.join(", ")
+            );
+            return Err(Error::content(path, message));
         }
         OutputFolder::lock(path)
     }
@@ -75,7 +91,7 @@ impl OutputFolder {
 
     /// True if the folder was written by granum.
     pub fn is_granums(path: impl AsRef<Path>) -> bool {
-        is_lock(&path.as_ref().join(LOCK))
+        is_granums(path.as_ref())
     }
 
     /// True if a process is using the folder; nothing is created or changed.
@@ -91,7 +107,7 @@ impl OutputFolder {
     /// As for [`OutputFolder::open`] and [`OutputFolder::create`].
     pub fn open_or_create(path: impl AsRef<Path>) -> Result<OutputFolder> {
         let path = path.as_ref();
-        if is_lock(&path.join(LOCK)) { OutputFolder::open(path) } else { OutputFolder::create(path, false) }
+        if is_granums(path) { OutputFolder::open(path) } else { OutputFolder::create(path, false) }
     }
 
     fn lock(path: &Path) -> Result<OutputFolder> {
@@ -121,6 +137,7 @@ impl OutputFolder {
             remove_unfinished(path)
         };
         note().map_err(Error::file("write", &name))?;
+        aside::recover(path)?;
         Ok(OutputFolder { path: path.to_path_buf(), _lock: file })
     }
 
@@ -151,6 +168,30 @@ impl OutputFolder {
         match names.iter().map(|name| self.path.join(name)).find(link) {
             Some(path) => Err(Error::content(&path, LINK)),
             None => Ok(()),
+        }
+    }
+
+    /// Replaces files of these names (relative, inner folders included) by what `write` writes: the old ones are moved out of the
+    /// way, and go once `write` has succeeded. If one of them cannot be moved, if `write` fails, or if the process is killed, the
+    /// old files are where they were, in the last case from the next time on that the folder is opened.
+    ///
+    /// # Errors
+    /// [`Error::File`] if a file cannot be moved, and the errors of `write`.
+    pub fn replace<T, E: From<Error>>(
+        &self,
+        names: &[String],
+        write: impl FnOnce() -> std::result::Result<T, E>,
+    ) -> std::result::Result<T, E> {
+        aside::set_aside(&self.path, names)?;
+        match write() {
+            Ok(written) => {
+                aside::settle(&self.path)?;
+                Ok(written)
+            }
+            Err(error) => {
+                aside::recover(&self.path)?;
+                Err(error)
+            }
         }
     }
 
@@ -237,6 +278,37 @@ pub fn inner_folder(folder: &Path, name: &str) -> Result<PathBuf> {
     Ok(path)
 }
 
+/// True if granum wrote the folder: it has the lock file, or one of granum's records where the lock file was not copied with the
+/// other files. A lock file that is a link or anything else does not count.
+fn is_granums(path: &Path) -> bool {
+    let lock = path.join(LOCK);
+    is_lock(&lock)
+        || (fs::symlink_metadata(&lock).is_err() && RECORDS.iter().any(|name| is_record(&path.join(name))))
+}
+
+/// True for a file that names granum as its writer.
+fn is_record(path: &Path) -> bool {
+    if !fs::symlink_metadata(path).is_ok_and(|kind| kind.is_file()) {
+        return false;
+    }
+    let text = crate::text::read_small(path, LARGEST_RECORD).unwrap_or_default();
+    let value: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
+    let format = value["format"].as_str().is_some_and(|format| format.starts_with("granum "));
+    format || value["granum_version"].is_string()
+}
+
+/// Refuses to replace the content of a folder through a link, which may point anywhere.
+fn refuse_link(path: &Path) -> Result<()> {
+    // Without the slash at the end that would make the system follow the link.
+    let own: PathBuf = path.components().collect();
+    if fs::symlink_metadata(&own).is_ok_and(|kind| kind.is_symlink()) {
+        let message =
+            "is a symbolic link, which --force does not follow; name the folder itself, or another one";
+        return Err(Error::content(path, message));
+    }
+    Ok(())
+}
+
 /// True for a lock file as written by granum; a link, or a file with any other content, does not count as one and would
 /// otherwise be lost.
 fn is_lock(name: &Path) -> bool {
@@ -265,7 +337,7 @@ fn is_empty(path: &Path) -> Result<bool> {
     for entry in fs::read_dir(path).map_err(Error::file("read", path))? {
         let name = entry.map_err(Error::file("read", path))?.file_name();
         let name = name.to_string_lossy();
-        if name != LOCK && !name.ends_with(UNFINISHED) {
+        if name != LOCK && name != aside::GOING && !name.ends_with(UNFINISHED) {
             return Ok(false);
         }
     }
@@ -274,12 +346,16 @@ fn is_empty(path: &Path) -> Result<bool> {
 
 /// " (process 4711)", if the lock file contains a process id.
 fn holder(file: &mut File) -> String {
-    let mut text = String::new();
-    let read = file.take(32).read_to_string(&mut text);
-    match (read, text.trim().parse::<u32>()) {
-        (Ok(_), Ok(process)) => format!(" (process {process})"),
-        _ => String::new(),
+    for _ in 0..WAITS.0 {
+        // The holder writes its id just after it has got the lock.
+        std::thread::sleep(WAITS.1);
+        let mut text = String::new();
+        let read = file.rewind().and_then(|()| file.take(32).read_to_string(&mut text));
+        if let (Ok(_), Ok(process)) = (read, text.trim().parse::<u32>()) {
+            return format!(" (process {process})");
+        }
     }
+    String::new()
 }
 
 #[cfg(test)]
@@ -377,6 +453,43 @@ mod tests {
         fs::hard_link(outside.join("thesis"), path.join(LOCK)).unwrap();
         assert!(OutputFolder::open(&path).is_err() && OutputFolder::create(&path, true).is_err());
         assert_eq!(fs::read(outside.join("thesis")).unwrap(), b"mine");
+    }
+
+    #[test]
+    fn a_folder_copied_without_its_hidden_files_is_known_by_its_record() {
+        let base = tempfile::tempdir().unwrap();
+        let path = base.path();
+        fs::write(path.join("run.json"), "{\"format\": 2}").unwrap();
+        let message = OutputFolder::open(path).unwrap_err().to_string();
+        assert!(
+            message.contains("is not a folder that granum wrote") && message.contains("run.json"),
+            "{message}"
+        );
+        assert!(OutputFolder::create(path, true).is_err() && !OutputFolder::is_granums(path));
+        fs::write(path.join("run.json"), "{\"granum_version\": \"0.1.0\"}").unwrap();
+        assert!(
+            OutputFolder::is_granums(path)
+                && matches!(OutputFolder::create(path, false), Err(Error::Exists(_)))
+        );
+        drop(OutputFolder::open(path).unwrap());
+        fs::remove_file(path.join(LOCK)).unwrap();
+        drop(OutputFolder::create(path, true).unwrap());
+        assert!(path.join(LOCK).exists());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn force_does_not_follow_a_link() {
+        let base = tempfile::tempdir().unwrap();
+        let (real, link) = (base.path().join("real"), base.path().join("link"));
+        drop(OutputFolder::create(&real, false).unwrap());
+        std::os::unix::fs::symlink(&real, &link).unwrap();
+        for path in [link.clone(), base.path().join("link/")] {
+            let message = OutputFolder::create(&path, true).unwrap_err().to_string();
+            assert!(message.contains("is a symbolic link, which --force does not follow"), "{message}");
+        }
+        drop(OutputFolder::create(&link, false).unwrap());
+        drop(OutputFolder::create(&real, true).unwrap());
     }
 
     #[test]

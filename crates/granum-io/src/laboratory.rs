@@ -97,7 +97,7 @@ fn read<R: std::io::BufRead>(lines: &mut Lines<R>, conventions: &Conventions) ->
         let (mut name, mut count) = (String::new(), 0);
         for (start, cell) in lines.cells() {
             if *test == Some(count) {
-                name = cell.trim_matches('"').to_string();
+                name = unquoted(cell);
             }
             if let Some(Some(place)) = places.get(count) {
                 let value = csv::number(lines, QUANTITIES[place.quantity].0, start, cell)?;
@@ -207,7 +207,8 @@ fn columns<R: std::io::BufRead>(lines: &Lines<R>, conventions: &Conventions) -> 
     let mut test = None;
     let mut places = Vec::new();
     for (at, (start, cell)) in lines.cells().enumerate() {
-        let (own, own_unit) = split(cell.trim_matches('"'));
+        let unquoted = unquoted(cell);
+        let (own, own_unit) = split(&unquoted);
         let mapping = mapped.iter().find(|(place, _, _)| *place == at);
         let taken = mapped.iter().any(|(_, quantity, _)| *quantity == own);
         let (name, unit) = match mapping {
@@ -317,6 +318,14 @@ fn test(
         return Err(Error::content(file, format!("the table{of} {what}")));
     }
     Ok(found)
+}
+
+/// A cell without its quotation marks; two of them inside stand for one.
+fn unquoted(cell: &str) -> String {
+    match cell.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')) {
+        Some(inside) => inside.replace("\"\"", "\""),
+        None => cell.to_string(),
+    }
 }
 
 #[cfg(test)]

@@ -4,10 +4,12 @@
 //! would be right. A file is written under a temporary name in the same folder and then renamed, so that no reader sees an
 //! incomplete file.
 
+mod aside;
 pub mod atomic;
 pub mod case;
 mod contain;
 mod error;
+pub mod figure_list;
 mod folder;
 mod format;
 pub mod formats;

@@ -65,6 +65,9 @@ const MATERIAL: &str = "material";
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
+/// The endings of the three files of a snapshot; the last one is written last.
+pub(crate) const PARTS: [&str; 3] = ["grains.parquet", "contacts.parquet", "json"];
+
 /// The rows as columns.
 fn columns<T: Copy>(rows: &[T], entries: &[Entry<T>]) -> Vec<Column> {
     let mut columns = Vec::new();

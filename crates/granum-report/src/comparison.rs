@@ -6,8 +6,8 @@ use granum_run::strength::Curves;
 use granum_sensors::Record;
 
 use super::figure::palette::INK;
-use super::figure::{Axis, Figure, Layer, Panel, Plot, SHAPES};
-use super::overlay::{literal, stroke};
+use super::figure::{Axis, Figure, Layer, Panel, Plot, SHAPES, literal};
+use super::overlay::stroke;
 use super::strength::Measures;
 
 /// The curves of a run in the measures of the laboratory: engineering strains, compression positive.
@@ -132,7 +132,7 @@ pub fn figure(runs: &[RunCurves], tests: &[&LaboratoryTest]) -> (Figure, String)
             // About forty markers per curve can be distinguished.
             let every = points(test).len().div_ceil(40).max(1);
             let marks = points(test).into_iter().step_by(every).collect();
-            let name = if test.name.is_empty() { "laboratory" } else { &test.name };
+            let name = if test.name.is_empty() { "laboratory" } else { &literal(&test.name) };
             plot = plot.with(Layer::points(marks, SHAPES[k % SHAPES.len()], INK).named(name));
         }
         for (k, run) in runs.iter().enumerate() {

@@ -1,6 +1,7 @@
 //! The behaviour of the material: stress, volume, contacts and fabric as functions of strain.
 
 use super::data::{Role, RunReport};
+use super::figure::literal;
 use super::figure::palette::{GREY, INK, color};
 use super::figure::{Axis, Figure, Layer, Legend, Panel, Plot, Stroke};
 use super::symbols::STRAIN;
@@ -31,7 +32,7 @@ fn style(runs: &[RunReport], k: usize) -> (Stroke, String) {
             (Stroke::new(shade, 1.4), "unseen runs".to_owned())
         }
         Role::Training => (Stroke::new(color(0), 1.8), "training run".to_owned()),
-        Role::Single => (Stroke::new(color(k), 1.8), runs[k].name.clone()),
+        Role::Single => (Stroke::new(color(k), 1.8), literal(&runs[k].name)),
     }
 }
 

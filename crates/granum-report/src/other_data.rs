@@ -8,10 +8,9 @@ use maud::{Markup, html};
 use super::figure::chains::View;
 use super::figure::palette::{COLORS, color};
 use super::figure::rose::Series;
-use super::figure::{Axis, Figure, ForceChains, Layer, Legend, Panel, Plot, Rose, SHAPES};
+use super::figure::{Axis, Figure, ForceChains, Layer, Legend, Panel, Plot, Rose, SHAPES, literal};
 use super::forces::density;
 use super::numbers::{significant, whole};
-use super::overlay::literal;
 use super::page::{Document, Page, Table, rich, tiles};
 
 /// Thickness of a slice, mean diameters.

@@ -9,7 +9,7 @@ use maud::{Markup, html};
 use super::case_details::case_details;
 use super::data::RunReport;
 use super::figure::palette::{COLORS, GREY, color};
-use super::figure::{Axis, Figure, Layer, Legend, Panel, Plot, Stroke};
+use super::figure::{Axis, Figure, Layer, Legend, Panel, Plot, Stroke, literal};
 use super::forces::density;
 use super::numbers::{listed, quantity, trimmed};
 use super::page::{Document, Page, Table, rich};
@@ -23,13 +23,6 @@ const MOST_IN_LEGEND: usize = 24;
 /// The stroke of group k: its colour, and once these have been used a pattern.
 pub fn stroke(k: usize) -> Stroke {
     Stroke::new(color(k), 1.6).dashed(DASHES[k / COLORS.len() % DASHES.len()])
-}
-
-/// Text in which no character is markup.
-pub fn literal(text: &str) -> String {
-    text.chars()
-        .flat_map(|c| ['*', '_', '^', '\\'].contains(&c).then_some('\\').into_iter().chain([c]))
-        .collect()
 }
 
 /// The entries of runs for a table of them.

@@ -26,6 +26,9 @@ impl Document {
             granum_io::atomic::write_atomically(path, |file| file.write_all(text.as_bytes()))
         };
         let figures = granum_io::inner_folder(folder, "figures")?;
+        if !self.figures.is_empty() {
+            granum_io::figure_list::add(&figures, self.figures.iter().map(|(name, _)| name.as_str()))?;
+        }
         for (name, svg) in &self.figures {
             write(&figures.join(name), svg)?;
         }

@@ -4,6 +4,7 @@ use maud::html;
 
 use super::case_details::{case_details, whose_grains};
 use super::data::RunReport;
+use super::figure::literal;
 use super::figure::palette::color;
 use super::figure::{Axis, Figure, Layer, Panel, Plot};
 use super::numbers::{quantity, significant};
@@ -63,7 +64,7 @@ pub fn report(run: &RunReport) -> Document {
     let law = sample::law(&run.case.contact);
     let stress = quantity(run.case.preparation.mean_stress, "Pa");
     let subtitle = format!("sample · {} · {law} · *p* = {stress}", whose_grains(run));
-    page.finish(&run.name, &subtitle, html! { (tiles(&headline(run))) })
+    page.finish(&literal(&run.name), &subtitle, html! { (tiles(&headline(run))) })
 }
 
 fn headline(run: &RunReport) -> Vec<[String; 3]> {

@@ -5,6 +5,7 @@ use maud::{Markup, html};
 
 use super::case_details::{case_details, whose_grains};
 use super::data::RunReport;
+use super::figure::literal;
 use super::forces;
 use super::further;
 use super::material;
@@ -59,7 +60,7 @@ pub fn report(run: &RunReport) -> Document {
         p { (rich(if run.case.has_stages() { SIGNS_OF_STAGES } else { SIGNS })) }
         @if !run.is_complete() { p class="callout" { "The test was stopped before its end; the states recorded until then are shown." } }
     };
-    page.finish(&run.name, &subtitle(run), head)
+    page.finish(&literal(&run.name), &subtitle(run), head)
 }
 
 fn subtitle(run: &RunReport) -> String {
@@ -75,8 +76,8 @@ fn subtitle(run: &RunReport) -> String {
 fn test_of(case: &Case) -> String {
     if case.has_stages() {
         let stages = case.test_stages();
-        let names: Vec<&str> =
-            stages.iter().filter(|stage| !stage.is_mark()).map(|stage| stage.name.as_str()).collect();
+        let names: Vec<String> =
+            stages.iter().filter(|stage| !stage.is_mark()).map(|stage| literal(&stage.name)).collect();
         return match names.len() {
             0..=6 => names.join(", "),
             count => format!("{count} stages: {}, ...", names[..3].join(", ")),

@@ -1,6 +1,7 @@
 //! Comparison of the sample with that of the paper.
 
 use super::data::RunReport;
+use super::figure::literal;
 use super::numbers::{quantity, significant, whole};
 use super::page::Table;
 use granum_dem::config::{Component, ContactModel, Material, Rate};
@@ -92,7 +93,7 @@ fn of_one_material(material: &Material, row: &mut impl FnMut(&str, &str, String)
 /// The row for one of several materials.
 fn row_of_component(component: &Component, row: &mut impl FnMut(&str, &str, String)) {
     let own = &component.material;
-    let name = format!("Material \u{201c}{}\u{201d}", component.name);
+    let name = format!("Material \u{201c}{}\u{201d}", literal(&component.name));
     let values = format!(
         "{} % of the grains: *E* {}, *ν* {}, *μ* {}, *Γ* {} J/m^{{2}}, {} kg/m^{{3}}",
         trimmed(100.0 * component.share),
@@ -112,7 +113,7 @@ fn rows(runs: &[RunReport]) -> Vec<[String; 3]> {
     let mut rows = Vec::new();
     let mut row = |name: &str, paper: &str, here: String| rows.push([name.into(), paper.into(), here]);
     if let Some(packing) = &run.run.packing {
-        row("Packing", "–", packing.file_name.clone());
+        row("Packing", "–", literal(&packing.file_name));
     }
     row("Grains", "5000", whole(run.grains() as f64));
     row("Diameter", "0.1 mm", diameter(run));

@@ -5,6 +5,7 @@ use maud::{Markup, html};
 
 use super::data::RunReport;
 use super::energy;
+use super::figure::literal;
 use super::figure::palette::{GREY, color};
 use super::figure::{Axis, Figure, Layer, Panel, Plot};
 use super::material::strain_axis;
@@ -105,7 +106,7 @@ fn list(flags: &[QualityFlag]) -> Markup {
 /// The quality flags of several runs as a table.
 fn table(label: &str, runs: &[RunReport]) -> Table {
     let mut heads = vec!["Check".to_owned(), "Limit".to_owned()];
-    heads.extend(runs.iter().map(|run| run.name.clone()));
+    heads.extend(runs.iter().map(|run| literal(&run.name)));
     let mut table = Table { columns: heads, ..Table::new(label, "Checks on each run.", &[]) };
     let mut seen = std::collections::BTreeSet::new();
     for flag in runs.iter().flat_map(|run| &run.run.quality).filter(|flag| seen.insert(flag.name.clone())) {
@@ -158,7 +159,7 @@ pub fn sample_section(run: &RunReport) -> Markup {
 
 /// A sentence that states whether runs are within their limits.
 fn verdict(runs: &[RunReport]) -> String {
-    let broken: Vec<&str> = runs.iter().filter(|r| !r.run.is_good()).map(|r| r.name.as_str()).collect();
+    let broken: Vec<String> = runs.iter().filter(|r| !r.run.is_good()).map(|r| literal(&r.name)).collect();
     let unjudged = runs.iter().any(|r| r.run.quality.is_empty());
     match (runs.len(), broken.len()) {
         (_, 0) if unjudged => "The checks are made when a run ends; one of these has not ended.".to_owned(),

@@ -19,8 +19,12 @@ const REPORT_FILE: &str = "report.html";
 /// The purpose of a folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// A sample or a test.
+    /// A sample or a test, whose record does not say which.
     Run,
+    /// A sample.
+    Sample,
+    /// A test.
+    Test,
     /// A training.
     Training,
     /// A reproduction of the paper.
@@ -34,6 +38,8 @@ impl Kind {
     pub fn name(self) -> &'static str {
         match self {
             Kind::Run => "a sample or test",
+            Kind::Sample => "a sample",
+            Kind::Test => "a test",
             Kind::Training => "a training",
             Kind::Reproduction => "a reproduction",
             Kind::Runs => "several runs",
@@ -129,7 +135,9 @@ impl Contents {
     pub fn kind(&self) -> Option<Kind> {
         match self {
             Contents::Nothing | Contents::Other => None,
-            Contents::Run(_) => Some(Kind::Run),
+            Contents::Run(None) => Some(Kind::Run),
+            Contents::Run(Some(record)) if record.kind == "prepare" => Some(Kind::Sample),
+            Contents::Run(Some(_)) => Some(Kind::Test),
             Contents::Training { .. } => Some(Kind::Training),
             Contents::Reproduction { .. } => Some(Kind::Reproduction),
             Contents::Runs { .. } => Some(Kind::Runs),
@@ -258,7 +266,10 @@ fn next_of_run(record: &RunRecord, folder: &Path) -> Next {
 pub fn check_free(folder: &Path, wanted: Kind, force: bool) -> Result<()> {
     let contents = Contents::of(folder)?;
     let Some(kind) = contents.kind() else { return Ok(()) };
-    let same = kind == wanted;
+    // Where the record cannot be read, states are those of a test.
+    let unknown = kind == Kind::Run
+        && (wanted == Kind::Test || wanted == Kind::Sample && !folder.join("series.parquet").exists());
+    let same = kind == wanted || unknown;
     if (same && force) || OutputFolder::is_in_use(folder) {
         return Ok(());
     }

@@ -74,7 +74,7 @@ impl Failure {
     }
 
     /// The message, followed by the messages of those causes that it does not already contain.
-    fn message(&self) -> String {
+    pub fn message(&self) -> String {
         let mut text = self.0.to_string();
         let mut cause = self.0.source();
         while let Some(error) = cause {

@@ -1,6 +1,7 @@
 //! The page with the computing times of a study. The report leaves them out, since they depend on the computer and on
 //! interruptions.
 
+use granum_report::figure::literal;
 use granum_report::numbers::{duration, factor, whole};
 use granum_report::page::{Document, Page, Table, paragraphs, tiles};
 use granum_report::symbols;
@@ -37,7 +38,7 @@ pub fn page(study: &StudyReport) -> Option<Document> {
     for run in study.runs.iter().filter(|run| run.wall_seconds() > 0.0) {
         let machine = &run.run.machine;
         runs.row(vec![
-            run.name.clone(),
+            literal(&run.name),
             format!("{} with {}", machine.system, machine.instruction_set),
             format!("{} of {}", machine.threads, machine.available_threads),
             duration(run.wall_seconds()),

@@ -6,6 +6,7 @@ use super::StudyReport;
 use super::headline;
 use super::{many_runs, networks, tables};
 use granum_report::case_details::case_details;
+use granum_report::figure::literal;
 use granum_report::numbers::whole;
 use granum_report::page::{Document, Page, Table, paragraphs, rich, tiles};
 use granum_report::run::{SIGNS, behaviour, force_section};
@@ -180,7 +181,7 @@ fn reproducibility_section(page: &mut Page, study: &StudyReport) {
     let mut table = Table { words: 2, ..Table::new(&label, "The DEM runs.", &columns) };
     for run in &study.runs {
         table.row(vec![
-            run.name.clone(),
+            literal(&run.name),
             run.role.word().to_owned(),
             run.case.preparation.seed.to_string(),
             whole(run.run.grain_steps() as f64 / 1e6),

@@ -6,6 +6,7 @@ use granum_core::{Part, Parts};
 
 use super::result::{Frame, FrameCell, Pair, ReadOptions, ResultFormat};
 use crate::error::{Error, Result};
+use crate::run::Run;
 use crate::snapshot::read_snapshot;
 
 /// The format.
@@ -26,7 +27,12 @@ impl ResultFormat for SnapshotJson {
         let (Some(folder), Some(name)) = (path.parent(), path.file_stem()) else {
             return Err(Error::content(path, "is no snapshot"));
         };
-        let assembly = read_snapshot(folder, &name.to_string_lossy())?;
+        // A snapshot in the folder of its run is checked against the record of the run.
+        let run = folder.parent().and_then(|run| Run::of_snapshots(run, folder));
+        let assembly = match run {
+            Some(run) => run.snapshot(&name.to_string_lossy())?,
+            None => read_snapshot(folder, &name.to_string_lossy())?,
+        };
         let id = |index: usize| assembly.grains.get(index).map_or(0, |grain| grain.id);
         let contact = |contact: &granum_core::assembly::Contact| Pair {
             first: id(contact.i),

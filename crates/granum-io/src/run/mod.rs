@@ -1,24 +1,34 @@
 //! The folder of a run: `case.toml` (resolved), `series.parquet`, `forces.parquet`, `snapshots/`, and `run.json`
 //! ([`RunRecord`]). It contains everything that is needed to measure, train or plot again.
 
+mod check;
+mod content;
 mod record;
+mod run_folder;
 mod times;
 
+use std::collections::BTreeSet;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 use granum_core::assembly::Assembly;
 use granum_core::digest::Digest;
+use granum_core::parallel;
 
-use crate::atomic::{write_atomically, write_keeping_previous};
+use crate::aside;
 use crate::case::{Case, Reading};
 use crate::error::{Error, Result};
 use crate::folder::{OutputFolder, check_name};
 use crate::format::{check_format, damaged};
-use crate::sealed::{unseal, unseal_strictly, write_sealed};
+use crate::sealed::{unseal, unseal_strictly};
 use crate::shell::ShowPath;
 use crate::snapshot;
 use granum_core::Table;
+
+pub use check::Fault;
+pub use run_folder::RunFolder;
 
 pub use record::{
     Machine, OWN_ENGINE, PackingRecord, QualityFlag, RUN_FORMAT, RunRecord, RunSource, RunStatus,
@@ -34,26 +44,8 @@ const HISTOGRAMS: &str = "histograms";
 pub(crate) const RECORD: &str = "run.json";
 const REPORT: &str = "report.html";
 const FIGURES: &str = "figures";
-/// Files that a run or a report writes into the folder of a run. The record is removed first: a folder without one no longer
-/// counts as a run.
-const CONTENTS: [&str; 10] = [
-    RECORD,
-    CASE,
-    SERIES,
-    FORCES,
-    PREPARATION,
-    CHECKPOINT,
-    PREVIOUS_CHECKPOINT,
-    REFUSED_CHECKPOINT,
-    REPORT,
-    times::TIMES,
-];
-/// Inner folders, and the endings of the names of granum's files in them.
-const FOLDERS: [(&str, &[&str]); 3] = [
-    (SNAPSHOTS, &[".json", ".grains.parquet", ".contacts.parquet"]),
-    (HISTOGRAMS, &[".parquet"]),
-    (FIGURES, &[".svg"]),
-];
+/// Inner folders, in whose places links are refused.
+const FOLDERS: [&str; 3] = [SNAPSHOTS, HISTOGRAMS, FIGURES];
 
 /// Name of the checkpoint in a run folder.
 pub const CHECKPOINT: &str = "checkpoint";
@@ -62,10 +54,24 @@ pub const PREVIOUS_CHECKPOINT: &str = "checkpoint.previous";
 /// Name given to a checkpoint that could not be used, so that it does not replace the previous valid one.
 pub const REFUSED_CHECKPOINT: &str = "checkpoint.refused";
 
+/// How often, and how long each time, a reader waits for a file that a running process is just replacing.
+const WAITS: (usize, Duration) = (5, Duration::from_millis(20));
+
 /// The folder of a run, for reading; nothing is locked or changed.
-#[derive(Clone, Debug, PartialEq)]
+///
+/// Each file that is read is first compared, once, with its SHA-256 in the record. Before a snapshot is read the tables are
+/// compared as well, so that whatever is read belongs to one run.
+#[derive(Clone, Debug)]
 pub struct Run {
     path: PathBuf,
+    /// Names of the files that have been compared.
+    compared: Arc<Mutex<BTreeSet<String>>>,
+}
+
+impl PartialEq for Run {
+    fn eq(&self, other: &Run) -> bool {
+        self.path == other.path
+    }
 }
 
 impl Run {
@@ -78,10 +84,29 @@ impl Run {
         if !path.is_dir() {
             return Err(Error::content(path, "there is no such folder"));
         }
+        if !path.join(RECORD).is_file() && aside::is_pending(path) {
+            let message = format!(
+                "the replacement of its run was cut short; `granum resume {}` puts the run back",
+                crate::shell::quoted_path(path)
+            );
+            return Err(Error::content(path, message));
+        }
         if !path.join(RECORD).is_file() && !path.join(CASE).is_file() {
             return Err(Error::content(path, format!("contains no run: neither {RECORD} nor {CASE} exists")));
         }
-        Ok(Run { path: path.to_path_buf() })
+        Ok(Run::of(path))
+    }
+
+    /// The run whose folder of snapshots this is, if it is one.
+    pub(crate) fn of_snapshots(run: &Path, snapshots: &Path) -> Option<Run> {
+        let run = if run.as_os_str().is_empty() { Path::new(".") } else { run };
+        let is_its =
+            snapshots.file_name().is_some_and(|name| name == SNAPSHOTS) && run.join(RECORD).is_file();
+        is_its.then(|| Run::of(run))
+    }
+
+    fn of(path: &Path) -> Run {
+        Run { path: path.to_path_buf(), compared: Arc::default() }
     }
 
     /// The folder.
@@ -89,17 +114,100 @@ impl Run {
         &self.path
     }
 
-    /// The resolved case.
+    /// The resolved case, which must be that of the record.
     ///
     /// # Errors
-    /// As for [`Case::read`].
+    /// As for [`Case::read`]; [`Error::Content`] if the case was changed since the run began.
     pub fn case(&self) -> Result<Case> {
         let path = self.path.join(CASE);
-        let pending = || self.record().ok().and_then(|record| record.unwritten_case);
-        match pending().filter(|_| !path.is_file()) {
-            Some(text) => Case::parse_as(&text, &path.shown(), Reading::recorded()),
-            None => Case::read_as(path, Reading::recorded()),
+        let record = self.record().ok();
+        let pending = record.as_ref().and_then(|record| record.unwritten_case.as_ref());
+        let case = match pending.filter(|_| !path.is_file()) {
+            Some(text) => Case::parse_as(text, &path.shown(), Reading::recorded())?,
+            None => Case::read_as(&path, Reading::recorded())?,
+        };
+        if record.is_some_and(|record| record.lists_all() && !record.is_of(&case)) {
+            let message = "the case was changed since the run began; run the changed case in another folder";
+            return Err(Error::content(&path, message));
         }
+        Ok(case)
+    }
+
+    /// Every file that is not the one that the run wrote, or is missing; empty if the folder is whole. All files are read.
+    ///
+    /// # Errors
+    /// As [`Run::record`] and [`Run::case`]; [`Error::File`] if a file cannot be read.
+    pub fn faults(&self) -> Result<Vec<Fault>> {
+        self.case()?;
+        let record = self.record()?;
+        let mut names: Vec<&str> = record.content.keys().map(String::as_str).collect();
+        names.extend(content::TABLES.into_iter().filter(|name| !record.content.contains_key(*name)));
+        let faults = parallel::map(names.len(), 0, |k| check::fault(&self.path, &record, names[k]))?;
+        Ok(faults.into_iter().flatten().collect())
+    }
+
+    /// The files that cannot be checked, since the record was written by an earlier version and has no SHA-256 of them.
+    ///
+    /// # Errors
+    /// As [`Run::record`].
+    pub fn uncheckable(&self) -> Result<Vec<String>> {
+        let record = self.record()?;
+        if record.lists_all() {
+            return Ok(Vec::new());
+        }
+        let snapshots = content::usual_snapshots(&self.path);
+        let mut names: Vec<String> =
+            snapshots.iter().flat_map(|name| content::snapshot_files(name)).collect();
+        names.extend(
+            content::TABLES.map(String::from).into_iter().filter(|name| self.path.join(name).is_file()),
+        );
+        names.retain(|name| !record.content.contains_key(name));
+        Ok(names)
+    }
+
+    /// Compares the tables of the run with the record, and sees to it that no file is missing.
+    ///
+    /// # Errors
+    /// [`Error::Content`] with the name of the first file that was changed, exchanged or removed.
+    pub fn check_tables(&self) -> Result<()> {
+        let record = self.record()?;
+        for name in record.content.keys().map(String::as_str).chain(content::TABLES) {
+            if !content::is_of_snapshot(name) || !self.path.join(name).is_file() {
+                self.compared(name)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The path of a file after it was compared with the record.
+    fn compared(&self, name: &str) -> Result<PathBuf> {
+        let path = self.path.join(name);
+        let mut compared = self.compared.lock().unwrap_or_else(PoisonError::into_inner);
+        if compared.contains(name) {
+            return Ok(path);
+        }
+        for left in (0..WAITS.0).rev() {
+            match check::fault(&self.path, &self.record()?, name)? {
+                None => break,
+                Some(_) if left > 0 && OutputFolder::is_in_use(&self.path) => std::thread::sleep(WAITS.1),
+                Some(fault) => return Err(fault.error()),
+            }
+        }
+        compared.insert(name.to_string());
+        Ok(path)
+    }
+
+    /// Reads a table after it was compared with the record.
+    fn table(&self, name: &str) -> Result<Table> {
+        crate::formats::parquet::read(&self.compared(name)?, None)
+    }
+
+    /// True if the run has, or should have, a file of this name.
+    fn has(&self, name: &str) -> bool {
+        self.path.join(name).is_file()
+            || self
+                .record()
+                .is_ok_and(|record| check::fault(&self.path, &record, name).is_ok_and(|f| f.is_some()))
     }
 
     /// The record.
@@ -118,220 +226,119 @@ impl Run {
         let text = crate::text::read_small(&path, 1 << 24)?;
         let format = check_format(&path, &text, RUN_FORMAT)?;
         let text = if format < 2 { unseal(&path, &text)?.text } else { unseal_strictly(&path, &text)? };
-        let mut record = serde_json::from_str(&text).map_err(|error| damaged(&path, &error))?;
+        let mut record: RunRecord = serde_json::from_str(&text).map_err(|error| damaged(&path, &error))?;
+        if let Some(name) =
+            record.content.keys().chain(record.replaced.keys()).find(|name| !content::is_of_a_run(name))
+        {
+            return Err(Error::content(
+                &path,
+                format!("is damaged: it lists {name:?}, which is no file of a run"),
+            ));
+        }
         times::read_into(&self.path, &mut record);
         Ok(record)
     }
 
-    /// Path of the table of states, which exists once a test has begun.
-    pub fn series_path(&self) -> PathBuf {
-        self.path.join(SERIES)
+    /// True if the run has a table of states, which it has once its test has begun.
+    pub fn has_series(&self) -> bool {
+        self.has(SERIES)
     }
 
     /// The table of states.
     ///
     /// # Errors
-    /// As for [`crate::formats::parquet::read`].
+    /// As for [`crate::formats::parquet::read`]; [`Error::Content`] if it is not the file that the run wrote.
     pub fn series(&self) -> Result<Table> {
-        crate::formats::parquet::read(&self.path.join(SERIES), None)
+        self.table(SERIES)
     }
 
     /// The table of force histograms.
     ///
     /// # Errors
-    /// As for [`crate::formats::parquet::read`].
+    /// As [`Run::series`].
     pub fn forces(&self) -> Result<Table> {
-        crate::formats::parquet::read(&self.path.join(FORCES), None)
+        self.table(FORCES)
     }
 
     /// Names of the histograms beside that of the forces, sorted.
     ///
     /// # Errors
-    /// [`Error::File`] if the folder of histograms cannot be read.
+    /// As [`Run::record`].
     pub fn histograms(&self) -> Result<Vec<String>> {
-        let folder = self.path.join(HISTOGRAMS);
-        if !folder.is_dir() {
-            return Ok(Vec::new());
-        }
-        let mut names = Vec::new();
-        for entry in std::fs::read_dir(&folder).map_err(Error::file("read", &folder))? {
-            let name = entry.map_err(Error::file("read", &folder))?.file_name();
-            names.extend(name.to_str().and_then(|name| name.strip_suffix(".parquet")).map(str::to_string));
-        }
-        names.sort();
-        Ok(names)
+        let record = self.record()?;
+        let names = record.content.keys().filter_map(|name| {
+            name.strip_prefix(HISTOGRAMS)?.strip_prefix('/')?.strip_suffix(".parquet").map(str::to_string)
+        });
+        let is_there = |name: &String| self.has(&content::histogram_file(name));
+        Ok(names.filter(is_there).collect())
     }
 
     /// The table of a histogram of that name.
     ///
     /// # Errors
-    /// As [`crate::formats::parquet::read`]; [`Error::Value`] if the name is no plain word.
+    /// As [`Run::series`]; [`Error::Value`] if the name is no plain word.
     pub fn histogram(&self, name: &str) -> Result<Table> {
         check_name("histogram", name)?;
-        crate::formats::parquet::read(&self.path.join(HISTOGRAMS).join(format!("{name}.parquet")), None)
+        self.table(&content::histogram_file(name))
     }
 
     /// The history of the preparation; `None` if it was not recorded.
     ///
     /// # Errors
-    /// As for [`crate::formats::parquet::read`].
+    /// As [`Run::series`].
     pub fn preparation(&self) -> Result<Option<Table>> {
-        let path = self.path.join(PREPARATION);
-        path.is_file().then(|| crate::formats::parquet::read(&path, None)).transpose()
+        self.has(PREPARATION).then(|| self.table(PREPARATION)).transpose()
     }
 
-    /// Names of the snapshots, sorted.
+    /// Names of the tables of the run: `series`, `forces`, `preparation`, and those of its further histograms.
     ///
     /// # Errors
-    /// [`Error::File`] if the folder of snapshots cannot be read.
+    /// As [`Run::record`].
+    pub fn tables(&self) -> Result<Vec<String>> {
+        let own = content::TABLES.into_iter().filter(|name| self.has(name));
+        let mut names: Vec<String> = own.map(|name| name.trim_end_matches(".parquet").to_string()).collect();
+        names.extend(self.histograms()?);
+        Ok(names)
+    }
+
+    /// A table by its name, one of [`Run::tables`].
+    ///
+    /// # Errors
+    /// As [`Run::series`]; [`Error::Value`] if the name is no plain word.
+    pub fn table_named(&self, name: &str) -> Result<Table> {
+        check_name("table", name)?;
+        let file = format!("{name}.parquet");
+        if content::TABLES.contains(&file.as_str()) { self.table(&file) } else { self.histogram(name) }
+    }
+
+    /// Names of the snapshots, sorted: those that the record lists. Records of earlier versions list none; there the names are
+    /// those in the folder.
+    ///
+    /// # Errors
+    /// As [`Run::record`].
     pub fn snapshots(&self) -> Result<Vec<String>> {
-        snapshot::list_snapshots(&self.path.join(SNAPSHOTS))
+        let record = self.record()?;
+        if !record.lists_all() {
+            return Ok(content::usual_snapshots(&self.path));
+        }
+        let names = record.content.keys().filter_map(|name| {
+            name.strip_prefix(SNAPSHOTS)?.strip_prefix('/')?.strip_suffix(".json").map(str::to_string)
+        });
+        let is_there = |name: &String| content::snapshot_files(name).iter().all(|file| self.has(file));
+        Ok(names.filter(is_there).collect())
     }
 
     /// A snapshot.
     ///
     /// # Errors
-    /// As for [`snapshot::read_snapshot`].
+    /// As for [`snapshot::read_snapshot`]; [`Error::Content`] if a file is not the one that the run wrote.
     pub fn snapshot(&self, name: &str) -> Result<Assembly> {
-        snapshot::read_snapshot(&self.path.join(SNAPSHOTS), name)
-    }
-}
-
-/// The folder of a run, for writing; it is locked until this value is dropped.
-#[derive(Debug)]
-pub struct RunFolder {
-    folder: OutputFolder,
-}
-
-impl RunFolder {
-    /// Creates the folder of a new run; with `force`, a previous run in it is removed, and nothing else.
-    ///
-    /// # Errors
-    /// As for [`OutputFolder::create`].
-    pub fn create(path: impl AsRef<Path>, force: bool) -> Result<RunFolder> {
-        let folder = OutputFolder::create(path, force)?;
-        folder.refuse_links(&FOLDERS.map(|(name, _)| name))?;
-        folder.clear(&CONTENTS)?;
-        for (name, ends) in FOLDERS {
-            folder.clear_inside(name, ends)?;
-        }
-        Ok(RunFolder { folder })
-    }
-
-    /// Opens the folder of a run to continue it.
-    ///
-    /// # Errors
-    /// As for [`OutputFolder::open`].
-    pub fn open(path: impl AsRef<Path>) -> Result<RunFolder> {
-        let folder = OutputFolder::open(path)?;
-        folder.refuse_links(&FOLDERS.map(|(name, _)| name))?;
-        for (name, _) in FOLDERS {
-            folder.remove_unfinished_inside(name)?;
-        }
-        Ok(RunFolder { folder })
-    }
-
-    /// Writes a checkpoint through `fill`; the previous one is kept as [`PREVIOUS_CHECKPOINT`].
-    ///
-    /// # Errors
-    /// [`Error::File`] if it cannot be written; both existing checkpoints are then unchanged.
-    pub fn write_checkpoint(&self, fill: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> Result<()> {
-        let previous = self.folder.file(PREVIOUS_CHECKPOINT);
-        write_keeping_previous(&self.folder.file(CHECKPOINT), &previous, |file| fill(file))
-    }
-
-    /// Renames a checkpoint that cannot be used to [`REFUSED_CHECKPOINT`].
-    ///
-    /// # Errors
-    /// [`Error::File`] if it cannot be renamed.
-    pub fn put_checkpoint_aside(&self) -> Result<()> {
-        let path = self.folder.file(CHECKPOINT);
-        if !path.exists() {
-            return Ok(());
-        }
-        std::fs::rename(&path, self.folder.file(REFUSED_CHECKPOINT)).map_err(Error::file("rename", &path))
-    }
-
-    /// The folder.
-    pub fn path(&self) -> &Path {
-        self.folder.path()
-    }
-
-    /// The same folder for reading.
-    pub fn run(&self) -> Run {
-        Run { path: self.folder.path().to_path_buf() }
-    }
-
-    /// Writes the resolved case, with the name of the packing that replaces the random insertion, if there is one.
-    ///
-    /// # Errors
-    /// [`Error::File`] if it cannot be written.
-    pub fn write_case(&self, case: &Case, packing: Option<&str>) -> Result<()> {
-        let text = case.resolved_toml_with(packing);
-        write_atomically(&self.folder.file(CASE), |file| io::Write::write_all(file, text.as_bytes()))
-    }
-
-    /// Writes the history of the preparation.
-    ///
-    /// # Errors
-    /// As for [`crate::formats::parquet::write`].
-    pub fn write_preparation(&self, table: &Table) -> Result<()> {
-        crate::formats::parquet::write(&self.folder.file(PREPARATION), table)
-    }
-
-    /// Writes the table of states.
-    ///
-    /// # Errors
-    /// As for [`crate::formats::parquet::write`].
-    pub fn write_series(&self, table: &Table) -> Result<()> {
-        crate::formats::parquet::write(&self.folder.file(SERIES), table)
-    }
-
-    /// Writes the table of force histograms.
-    ///
-    /// # Errors
-    /// As for [`crate::formats::parquet::write`].
-    pub fn write_forces(&self, table: &Table) -> Result<()> {
-        crate::formats::parquet::write(&self.folder.file(FORCES), table)
-    }
-
-    /// Writes the table of another histogram than that of the forces.
-    ///
-    /// # Errors
-    /// As [`crate::formats::parquet::write`]; [`Error::Value`] if the name is no plain word.
-    pub fn write_histogram(&self, name: &str, table: &Table) -> Result<()> {
-        check_name("histogram", name)?;
-        let path = self.folder.subfolder(HISTOGRAMS)?.join(format!("{name}.parquet"));
-        crate::formats::parquet::write(&path, table)
-    }
-
-    /// Writes a snapshot, e.g. `sample` or `end`.
-    ///
-    /// # Errors
-    /// As for [`snapshot::write_snapshot`]; [`Error::Value`] if the name is not a plain word.
-    pub fn write_snapshot(&self, name: &str, assembly: &Assembly) -> Result<()> {
         check_name("snapshot", name)?;
-        snapshot::write_snapshot(&self.folder.subfolder(SNAPSHOTS)?, name, assembly)
-    }
-
-    /// Writes the record, with the digests of the existing tables.
-    ///
-    /// # Errors
-    /// [`Error::File`] if it cannot be written.
-    pub fn write_record(&self, record: &RunRecord) -> Result<()> {
-        let mut record = record.clone();
-        record.format = RUN_FORMAT;
-        let histograms = self.run().histograms()?;
-        let histograms = histograms.iter().map(|name| format!("{HISTOGRAMS}/{name}.parquet"));
-        for name in [SERIES, FORCES, PREPARATION].map(String::from).into_iter().chain(histograms) {
-            let path = self.folder.path().join(&name);
-            if path.is_file() {
-                record.content.insert(name, file_digest(&path)?);
-            }
+        self.check_tables()?;
+        for file in content::snapshot_files(name) {
+            self.compared(&file)?;
         }
-        // The record comes first: a folder in which the disk was full or the process was killed before it is an empty one.
-        write_sealed(&self.folder.file(RECORD), &record)?;
-        times::write(self.folder.path(), &record)
+        snapshot::read_snapshot(&self.path.join(SNAPSHOTS), name)
     }
 }
 
@@ -409,29 +416,222 @@ mod tests {
         assert!(back.answers(&Case::default(), "0.1.0") && !back.answers(&Case::default(), "0.2.0"));
     }
 
-    #[test]
-    fn force_removes_the_old_run_and_nothing_else() {
-        let base = tempfile::tempdir().unwrap();
-        let path = base.path().join("run");
-        let folder = RunFolder::create(&path, false).unwrap();
-        folder.write_series(&table()).unwrap();
+    /// A finished run with a snapshot, a further histogram and a preparation.
+    fn whole_run(path: &Path) -> RunFolder {
+        let folder = RunFolder::create(path, false).unwrap();
+        folder.write_record(&record()).unwrap();
+        folder.write_case(&Case::default(), None).unwrap();
         folder.write_checkpoint(|out| out.write_all(b"one")).unwrap();
         folder.write_checkpoint(|out| out.write_all(b"two")).unwrap();
+        folder.write_series(&table()).unwrap();
+        folder.write_forces(&table()).unwrap();
+        folder.write_preparation(&table()).unwrap();
+        folder.write_histogram("overlap", &table()).unwrap();
         folder.write_snapshot("end", &crate::snapshot::tests::assembly()).unwrap();
-        drop(folder);
+        folder.write_record(&record()).unwrap();
+        folder
+    }
+
+    fn listing(path: &Path) -> Vec<String> {
+        let mut left: Vec<String> = fs::read_dir(path)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        left.sort();
+        left
+    }
+
+    #[test]
+    fn force_replaces_the_old_run_and_nothing_else() {
+        let base = tempfile::tempdir().unwrap();
+        let path = base.path().join("run");
+        drop(whole_run(&path));
         fs::create_dir(path.join("figures")).unwrap();
-        for name in ["report.html", "figures/stress.svg", "snapshots/.end.json.1-0.granum-unfinished"] {
+        for name in ["report.html", "figures/figure-s1-stress.svg"] {
             fs::write(path.join(name), "old").unwrap();
         }
-        for name in ["notes.txt", "figures/mine.png"] {
+        let mine = [
+            "notes.txt",
+            "figures/mine.svg",
+            "figures/mine.png",
+            "snapshots/my.json",
+            "histograms/mine.parquet",
+        ];
+        for name in mine {
             fs::write(path.join(name), "mine").unwrap();
         }
         assert!(matches!(RunFolder::create(&path, false), Err(Error::Exists(_))));
+        let before = listing(&path);
+        // Nothing is replaced until the new run writes its first file.
         drop(RunFolder::create(&path, true).unwrap());
-        let mut left: Vec<_> = fs::read_dir(&path).unwrap().map(|e| e.unwrap().file_name()).collect();
-        left.sort();
-        assert_eq!(left, [".granum-lock", "figures", "notes.txt"]);
-        assert_eq!(fs::read_dir(path.join("figures")).unwrap().count(), 1);
+        assert_eq!(listing(&path), before);
+        assert!(Run::at(&path).unwrap().faults().unwrap().is_empty());
+        let folder = RunFolder::create(&path, true).unwrap();
+        folder.write_record(&RunRecord { status: RunStatus::Running, ..record() }).unwrap();
+        assert_eq!(
+            listing(&path),
+            [".granum-lock", "figures", "histograms", "notes.txt", "run.json", "seconds.json", "snapshots"]
+        );
+        for name in mine {
+            assert_eq!(fs::read(path.join(name)).unwrap(), b"mine");
+        }
+        assert_eq!(folder.run().record().unwrap().status, RunStatus::Running);
+        assert!(folder.run().snapshots().unwrap().is_empty() && folder.run().tables().unwrap().is_empty());
+    }
+
+    #[test]
+    fn a_replacement_that_fails_or_is_cut_short_leaves_the_old_run_whole() {
+        let base = tempfile::tempdir().unwrap();
+        let path = base.path().join("run");
+        drop(whole_run(&path));
+        let whole = || {
+            let run = Run::at(&path).unwrap();
+            assert!(run.faults().unwrap().is_empty() && run.record().unwrap().status == RunStatus::Finished);
+            assert_eq!(run.series().unwrap(), table());
+            assert_eq!(run.snapshot("end").unwrap(), crate::snapshot::tests::assembly());
+        };
+        // The first file cannot be written.
+        let folder = RunFolder::create(&path, true).unwrap();
+        assert!(folder.write_checkpoint(|_| Err(io::Error::other("the disk is full"))).is_err());
+        whole();
+        drop(folder);
+        // The process was killed after the files were moved, before or after the first new file.
+        for new in [None, Some("run.json")] {
+            let names = content::written(&path, Run::at(&path).unwrap().record().ok().as_ref());
+            aside::set_aside(&path, &names).unwrap();
+            if let Some(name) = new {
+                fs::write(path.join(name), "{}").unwrap();
+            } else {
+                let message = Run::at(&path).unwrap_err().to_string();
+                assert!(message.contains("was cut short") && message.contains("granum resume"), "{message}");
+            }
+            drop(RunFolder::open(&path).unwrap());
+            whole();
+        }
+    }
+
+    #[test]
+    fn every_changed_bit_and_every_missing_file_is_noticed() {
+        let base = tempfile::tempdir().unwrap();
+        let path = base.path().join("run");
+        drop(whole_run(&path));
+        let names = [
+            "run.json",
+            "series.parquet",
+            "forces.parquet",
+            "preparation.parquet",
+            "histograms/overlap.parquet",
+            "snapshots/end.json",
+            "snapshots/end.grains.parquet",
+            "snapshots/end.contacts.parquet",
+        ];
+        let read_all = || -> Result<()> {
+            let run = Run::at(&path)?;
+            drop([run.series()?, run.forces()?, run.histogram("overlap")?]);
+            drop((run.preparation()?, run.snapshot("end")?));
+            Ok(())
+        };
+        read_all().unwrap();
+        let mut noise = 20_061_121_u64;
+        for (round, name) in names.iter().cycle().take(400).enumerate() {
+            let file = path.join(name);
+            let good = fs::read(&file).unwrap();
+            noise = noise * 48271 % 2_147_483_647;
+            let at = noise as usize % good.len();
+            let mut bytes = good.clone();
+            bytes[at] ^= 1 << (round / 8 % 8);
+            fs::write(&file, &bytes).unwrap();
+            let message = read_all().unwrap_err().to_string();
+            assert!(message.contains(name), "byte {at} of {name}: {message}");
+            let told = Run::at(&path).unwrap().faults();
+            let told = told.map(|faults| faults.iter().map(ToString::to_string).collect::<String>());
+            assert!(told.unwrap_or_else(|error| error.to_string()).contains(name), "{name}");
+            fs::write(&file, good).unwrap();
+        }
+        for name in names.iter().skip(1) {
+            let (file, other) = (path.join(name), base.path().join("kept"));
+            fs::rename(&file, &other).unwrap();
+            let message = read_all().unwrap_err().to_string();
+            assert!(message.contains(name) && message.contains("is missing"), "{message}");
+            fs::rename(&other, &file).unwrap();
+        }
+        // A file that the record does not list is not a part of the run, whatever it holds.
+        let folder = RunFolder::open(&path).unwrap();
+        assert!(folder.check_present().is_ok());
+        fs::remove_file(path.join("snapshots/end.json")).unwrap();
+        assert!(
+            folder.check_present().unwrap_err().to_string().contains("end.json: was removed while the run")
+        );
+        drop(folder);
+        let bare = RunFolder::create(base.path().join("bare"), false).unwrap();
+        bare.write_case(&Case::default(), None).unwrap();
+        bare.write_record(&record()).unwrap();
+        fs::copy(path.join("series.parquet"), bare.path().join("series.parquet")).unwrap();
+        let message = bare.run().series().unwrap_err().to_string();
+        assert!(message.contains("series.parquet: is not a file of this run"), "{message}");
+        assert_eq!(bare.run().faults().unwrap().len(), 1);
+    }
+
+    #[test]
+    fn a_run_killed_between_its_record_and_a_file_is_whole() {
+        let base = tempfile::tempdir().unwrap();
+        let path = base.path().join("run");
+        let folder = whole_run(&path);
+        let longer = Table::new(vec![Column::new("deviator_strain", "", vec![0.0, 0.3, 0.4])]).unwrap();
+        let old = fs::read(path.join("series.parquet")).unwrap();
+        folder.write_series(&longer).unwrap();
+        drop(folder);
+        // Killed before the new table took its place, and before the new histogram came.
+        fs::write(path.join("series.parquet"), &old).unwrap();
+        assert!(Run::at(&path).unwrap().faults().unwrap().is_empty());
+        assert_eq!(Run::at(&path).unwrap().series().unwrap(), table());
+        let folder = RunFolder::open(&path).unwrap();
+        folder.write_histogram("second", &table()).unwrap();
+        fs::remove_file(path.join("histograms/second.parquet")).unwrap();
+        drop(folder);
+        let run = Run::at(&path).unwrap();
+        assert!(run.faults().unwrap().is_empty());
+        assert_eq!(run.histograms().unwrap(), ["overlap"]);
+        // The next record is that of the files that are there.
+        let folder = RunFolder::open(&path).unwrap();
+        folder.write_record(&record()).unwrap();
+        let after = folder.run().record().unwrap();
+        assert!(after.replaced.is_empty() && !after.content.contains_key("histograms/second.parquet"));
+        assert!(folder.run().faults().unwrap().is_empty());
+        assert_eq!(folder.run().series().unwrap(), table());
+    }
+
+    #[test]
+    fn runs_of_earlier_versions_are_read_and_say_what_cannot_be_checked() {
+        let base = tempfile::tempdir().unwrap();
+        let path = base.path().join("run");
+        drop(whole_run(&path));
+        let mut old: serde_json::Value =
+            serde_json::from_slice(&fs::read(path.join(RECORD)).unwrap()).unwrap();
+        old["format"] = 1.into();
+        old["machine"] = serde_json::to_value(Machine::here("avx2", 2)).unwrap();
+        old["wall_seconds"] = serde_json::json!({ "shear": 2.5 });
+        old.as_object_mut().unwrap().remove("sha256");
+        let content = old["content"].as_object_mut().unwrap();
+        content.retain(|name, _| !name.starts_with("snapshots"));
+        fs::write(path.join(RECORD), serde_json::to_vec(&old).unwrap()).unwrap();
+        fs::remove_file(path.join(times::TIMES)).unwrap();
+        fs::write(path.join("snapshots/my.json"), "{}").unwrap();
+        let run = Run::at(&path).unwrap();
+        assert_eq!(run.record().unwrap().wall_seconds["shear"], 2.5);
+        assert_eq!(run.snapshots().unwrap(), ["end"]);
+        run.snapshot("end").unwrap();
+        assert_eq!(run.uncheckable().unwrap(), content::snapshot_files("end"));
+        // Its tables are checked, and a run that goes on gets the SHA-256 of all of its files.
+        fs::copy(path.join("snapshots/end.grains.parquet"), path.join("series.parquet")).unwrap();
+        assert!(
+            Run::at(&path).unwrap().series().unwrap_err().to_string().contains("was changed or exchanged")
+        );
+        let folder = RunFolder::open(&path).unwrap();
+        folder.write_series(&table()).unwrap();
+        folder.write_record(&record()).unwrap();
+        assert!(folder.run().uncheckable().unwrap().is_empty() && folder.run().faults().unwrap().is_empty());
+        assert_eq!(folder.run().record().unwrap().content.len(), 7);
     }
 
     #[test]

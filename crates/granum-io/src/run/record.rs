@@ -168,9 +168,13 @@ pub struct RunRecord {
     /// The quality checks of the run.
     #[serde(default)]
     pub quality: Vec<QualityFlag>,
-    /// SHA-256 of the files with physical content, by name.
+    /// SHA-256 of the files with physical content, by name. [`super::RunFolder`] fills it in.
     #[serde(default)]
     pub content: BTreeMap<String, String>,
+    /// SHA-256 of those files that are being replaced, before they are; empty for one that did not exist. If the run is killed at
+    /// that moment, either file is one that it wrote.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub replaced: BTreeMap<String, String>,
     /// Remarks for the user.
     #[serde(default)]
     pub notes: Vec<String>,
@@ -221,6 +225,11 @@ impl RunRecord {
     pub fn grain_steps(&self) -> u64 {
         let steps = self.steps.values().fold(0u64, |sum, steps| sum.saturating_add(*steps));
         steps.saturating_mul(self.grains as u64)
+    }
+
+    /// True if [`RunRecord::content`] has every file of the run; records of earlier versions have only its tables.
+    pub fn lists_all(&self) -> bool {
+        self.format >= 2
     }
 
     /// True if all quality checks passed.

@@ -24,7 +24,7 @@ pub use chains::ForceChains;
 pub use layer::Layer;
 pub use marks::{SHAPES, Shape};
 pub use plot::{Note, Plot};
-pub use rich::Rich;
+pub use rich::{Rich, literal};
 pub use rose::Rose;
 pub use svg::{Anchor, Stroke};
 

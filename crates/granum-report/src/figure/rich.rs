@@ -33,6 +33,18 @@ pub struct Rich {
 /// Size of scripts relative to the text.
 const SCRIPT_SIZE: f64 = 0.72;
 
+/// Markup that shows a text letter by letter: for names that a user chose.
+pub fn literal(text: &str) -> String {
+    let mut markup = String::with_capacity(text.len());
+    for c in text.chars() {
+        if matches!(c, '*' | '_' | '^' | '\\') {
+            markup.push('\\');
+        }
+        markup.push(c);
+    }
+    markup
+}
+
 impl Rich {
     /// Parses markup.
     pub fn new(markup: &str) -> Self {
@@ -218,6 +230,13 @@ fn character_width(c: char) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_are_shown_letter_by_letter() {
+        for name in ["*a*", "x_{1}^{2}", "back\\slash", "\\*", "plain name"] {
+            assert_eq!(Rich::new(&literal(name)).plain(), name);
+        }
+    }
 
     #[test]
     fn markup_becomes_html() {

@@ -125,6 +125,6 @@ impl Observer for Snapshots<'_> {
 }
 
 /// Name of the snapshot at a strain, e.g. `strain-0_05`.
-fn snapshot_name(strain: f64) -> String {
+pub(super) fn snapshot_name(strain: f64) -> String {
     format!("strain-{}", format_number(strain).replace('.', "_"))
 }

@@ -50,7 +50,7 @@ fn searching() -> Case {
     case
 }
 
-/// All files of a folder except the lock and the record, which contains times.
+/// All files of a folder except the lock and the times.
 fn contents(folder: &RunFolder) -> Vec<(PathBuf, Vec<u8>)> {
     let mut found = Vec::new();
     for place in ["", "snapshots", "histograms"].map(|name| folder.path().join(name)) {
@@ -60,7 +60,7 @@ fn contents(folder: &RunFolder) -> Vec<(PathBuf, Vec<u8>)> {
         for entry in fs::read_dir(place).unwrap() {
             let path = entry.unwrap().path();
             let name = path.strip_prefix(folder.path()).unwrap().to_path_buf();
-            let other = [".granum-lock", "run.json", PREVIOUS_CHECKPOINT, REFUSED_CHECKPOINT];
+            let other = [".granum-lock", "seconds.json", PREVIOUS_CHECKPOINT, REFUSED_CHECKPOINT];
             if path.is_file() && !other.iter().any(|o| name.as_os_str() == *o) {
                 found.push((name, fs::read(&path).unwrap()));
             }

@@ -69,6 +69,14 @@ pub enum LaboratoryError {
         /// What is wrong with it, and what to do.
         what: String,
     },
+    /// A file of a run was changed or removed, and the run cannot write it again.
+    #[error(
+        "{what}; the run cannot write it again from its checkpoint: put the file back, or run the case again with --force"
+    )]
+    Damaged {
+        /// The file, and what is wrong.
+        what: String,
+    },
     /// No checkpoint of a folder can be used.
     #[error(
         "{what}: no checkpoint can be used; run it again, e.g. `granum shear {} --out OTHER`",

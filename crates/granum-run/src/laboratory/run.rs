@@ -7,12 +7,13 @@ use std::time::Instant;
 use granum_dem::loading::StageEnd;
 use granum_dem::observer::Observer;
 use granum_dem::preparation::PreparationError;
-use granum_io::run::{RunFolder, RunRecord, RunSource, RunStatus};
+use granum_io::run::{Fault, Run, RunFolder, RunRecord, RunSource, RunStatus};
 use granum_io::{Case, Error as FileError};
 use granum_sensors::Record;
 
 use super::laboratory_error::LaboratoryError;
 use super::run_state::{self, RunState, Stage};
+use super::sample::note;
 use super::segment::Segment;
 use super::source::Source;
 use super::status::Speedometer;
@@ -22,6 +23,9 @@ use super::{consolidation, estimate, from_packing, measures, memory, quality};
 use crate::engine::engine_trait::{Engine, Laboratory, Task};
 use crate::record::write_record;
 use crate::strength;
+
+/// Beginning of the note of a run that failed.
+const FAILED: &str = "failed: ";
 
 /// A run whose inputs have been checked and which has not written anything yet.
 pub(crate) struct Begun {
@@ -98,10 +102,13 @@ pub(crate) fn resume(
         let message = "the case was changed since the run began; run the changed case in another folder";
         return Err(FileError::content(&folder.path().join("case.toml"), message).into());
     }
-    let run_state = run_state::last_good(folder, &case, &laboratory.sensors, observer)?;
-    if record.status == RunStatus::Finished && run_state.as_ref().is_none_or(|s| !s.older) {
+    let run_state = run_state::last_good(folder, &record, &case, &laboratory.sensors, observer)?;
+    let changed = changed_files(&run, run_state.as_ref(), observer)?;
+    if record.status == RunStatus::Finished && !changed && run_state.as_ref().is_none_or(|s| !s.older) {
         return Ok(record);
     }
+    // A run that goes on is past what ended it before.
+    record.notes.retain(|note| !note.starts_with(FAILED));
     if record.granum_version != laboratory.version {
         let (old, new) = (&record.granum_version, &laboratory.version);
         let text = format!(
@@ -123,8 +130,38 @@ pub(crate) fn resume(
                 laboratory.start(&case, &source, None, record, observer)?
             }
         };
+        if changed {
+            write_curve(Store(Some(folder)), &run_state)?;
+        }
         laboratory.go_on(&case, run_state, Store(Some(folder)), record, observer).map(drop)
     })
+}
+
+/// Looks at all files of a run that goes on. Those that the run writes again from its state are announced to the observer; the
+/// result tells whether there are any.
+///
+/// # Errors
+/// [`LaboratoryError::Damaged`] if a file was changed or removed that the run cannot write again.
+fn changed_files(
+    run: &Run,
+    run_state: Option<&RunState>,
+    observer: &mut dyn Observer,
+) -> Result<bool, LaboratoryError> {
+    let faults = run.faults()?;
+    let snapshot = |fault: &Fault| {
+        let file = fault.name.strip_prefix("snapshots/")?;
+        Some(file.split('.').next().unwrap_or(file).to_string())
+    };
+    for fault in &faults {
+        let lost = snapshot(fault).zip(run_state).is_some_and(|(name, state)| !state.will_write(&name));
+        if lost {
+            return Err(LaboratoryError::Damaged { what: fault.to_string() });
+        }
+    }
+    for fault in &faults {
+        observer.warn(&format!("{fault}; the run writes it again"));
+    }
+    Ok(!faults.is_empty())
 }
 
 /// Calls `work` and writes the record with the resulting status.
@@ -133,7 +170,7 @@ fn finish(
     record: &mut RunRecord,
     work: impl FnOnce(&mut RunRecord) -> Result<(), LaboratoryError>,
 ) -> Result<RunRecord, LaboratoryError> {
-    let result = match work(record) {
+    let result = match work(record).and_then(|()| Ok(folder.check_present()?)) {
         // Grains were being placed again: there is no state yet, and `resume` starts from the case.
         Err(LaboratoryError::Preparation(PreparationError::Stopped { .. })) => {
             record.status = RunStatus::Interrupted;
@@ -146,7 +183,7 @@ fn finish(
         Ok(()) => {}
         Err(error) => {
             record.status = RunStatus::Failed;
-            record.notes.push(format!("failed: {error}"));
+            record.notes.push(format!("{FAILED}{error}"));
         }
     }
     let written = folder.write_record(record);
@@ -166,6 +203,7 @@ impl Laboratory {
         record: &mut RunRecord,
         observer: &mut dyn Observer,
     ) -> Result<RunState, LaboratoryError> {
+        run_state.results.case_digest.clone_from(&record.case_digest);
         // This first checkpoint makes the run independent of all files outside its folder.
         save(store, &run_state, record)?;
         let mut speedometer = Speedometer::new();
@@ -288,7 +326,7 @@ fn complete(
     }
     if let Some(remark) = quality::remark_on_samples(&test.missed_observations()) {
         observer.warn(&remark);
-        record.notes.push(remark);
+        note(record, remark);
     }
     record.phase.clear();
     Ok(())
@@ -301,28 +339,28 @@ fn record_stages(test: &Test, seen: &Record, record: &mut RunRecord, observer: &
     let lost_stress = quality::stages_without_stress(seen, &test.ends);
     for (k, end) in test.ends.iter().enumerate() {
         let StageEnd { name, reason, steps, .. } = end;
-        let mut note = format!("stage {} ({name}) ended after {steps} steps: {reason}", k + 1);
+        let mut text = format!("stage {} ({name}) ended after {steps} steps: {reason}", k + 1);
         if end.servo_error.rms() > 0.0 && lost_stress.get(k) == Some(&true) {
-            note.push_str(
+            text.push_str(
                 "; the sample lost its stress, so that how well its stresses were held in per cent of p is not judged",
             );
         } else if end.servo_error.rms() > 0.0 {
             let percent = 100.0 * end.servo_error.rms();
-            note.push_str(&format!("; its stresses were held within {percent:.2} % of p (root mean square)"));
+            text.push_str(&format!("; its stresses were held within {percent:.2} % of p (root mean square)"));
         }
         if !reason.is_asked_for() {
             let left = test.stages() - test.ends.len();
             let rest =
                 if left > 0 { format!("; number of later stages not run: {left}") } else { String::new() };
-            observer.warn(&format!("{note}{rest}"));
+            observer.warn(&format!("{text}{rest}"));
         } else if many || *steps == 0 {
             // A stage without a step only records the end of the previous one.
             continue;
         }
-        record.notes.push(note);
+        note(record, text);
     }
     if many {
         let good = test.ends.iter().filter(|end| end.reason.is_asked_for()).count();
-        record.notes.push(format!("{good} of {} stages met one of their end conditions", test.stages()));
+        note(record, format!("{good} of {} stages met one of their end conditions", test.stages()));
     }
 }

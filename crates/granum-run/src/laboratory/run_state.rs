@@ -75,6 +75,10 @@ pub(super) struct RunResults {
     /// The history of the preparation.
     #[serde(default)]
     pub(super) curve: PreparationCurve,
+    /// Digest of the case of the run, by which the checkpoint of another run is recognised; checkpoints of earlier versions have
+    /// none.
+    #[serde(default)]
+    pub(super) case_digest: String,
 }
 
 impl RunState {
@@ -132,9 +136,19 @@ impl RunState {
         }
     }
 
-    /// Reads a checkpoint; `None` if there is no such file. If a case is given, the checkpoint must belong to a run of it.
+    /// True if a snapshot will be written, again or for the first time, when the run goes on from this state.
+    pub(super) fn will_write(&self, snapshot: &str) -> bool {
+        match &self.stage {
+            Stage::Test(test) => test.will_write(snapshot),
+            _ => true,
+        }
+    }
+
+    /// Reads a checkpoint, which must be one of the run with this record; `None` if there is no such file. If a case is given,
+    /// the checkpoint must also be possible in a run of it.
     pub(super) fn read(
         path: &Path,
+        record: &RunRecord,
         case: Option<&Case>,
         sensors: &Sensors,
     ) -> Result<Option<RunState>, LaboratoryError> {
@@ -146,6 +160,9 @@ impl RunState {
         };
         let (simulation, text) = Simulation::restore(&bytes).map_err(|e| bad(e.to_string()))?;
         let (stage, results) = beside(&text, case, sensors).map_err(bad)?;
+        if !results.case_digest.is_empty() && results.case_digest != record.case_digest {
+            return Err(bad("it belongs to a run of another case".into()));
+        }
         Ok(Some(RunState { simulation, stage, results, older: false }))
     }
 }
@@ -176,17 +193,18 @@ pub fn check_beside(text: &str, case: &Case) -> Result<(), String> {
 /// the observer is warned.
 pub(super) fn last_good(
     folder: &RunFolder,
+    record: &RunRecord,
     case: &Case,
     sensors: &Sensors,
     observer: &mut dyn Observer,
 ) -> Result<Option<RunState>, LaboratoryError> {
-    let current = match RunState::read(&folder.path().join(CHECKPOINT), Some(case), sensors) {
+    let current = match RunState::read(&folder.path().join(CHECKPOINT), record, Some(case), sensors) {
         Ok(Some(run_state)) => return Ok(Some(run_state)),
         Ok(None) => None,
         Err(error) => Some(error),
     };
     let previous = folder.path().join(PREVIOUS_CHECKPOINT);
-    let older = match (RunState::read(&previous, Some(case), sensors), &current) {
+    let older = match (RunState::read(&previous, record, Some(case), sensors), &current) {
         (Ok(Some(older)), _) => older,
         (Ok(None), None) => return Ok(None),
         (Ok(None), Some(why)) => {

@@ -61,7 +61,9 @@ impl Laboratory {
     /// [`LaboratoryError::Checkpoint`] if there is none or it cannot be used.
     pub fn last_state(&self, folder: &Path) -> Result<Simulation, LaboratoryError> {
         let path = folder.join(CHECKPOINT);
-        match RunState::read(&path, None, &self.sensors)? {
+        let run = Run::at(folder)?;
+        run.check_tables()?;
+        match RunState::read(&path, &run.record()?, None, &self.sensors)? {
             Some(RunState { mut simulation, .. }) => {
                 simulation.set_hardware(self.hardware_for(simulation.state().grains()));
                 Ok(simulation)
@@ -157,7 +159,7 @@ impl Laboratory {
 
 /// Adds a note unless the record has it already: a run that was killed before its first checkpoint starts again with the
 /// record of the first attempt.
-fn note(record: &mut RunRecord, text: String) {
+pub(super) fn note(record: &mut RunRecord, text: String) {
     if !record.notes.contains(&text) {
         record.notes.push(text);
     }
@@ -182,7 +184,8 @@ fn take_sample(
             in_what(&folder.case()?, case)
         )));
     }
-    let run_state = match RunState::read(&checkpoint, None, sensors) {
+    folder.check_tables()?;
+    let run_state = match RunState::read(&checkpoint, &other, None, sensors) {
         Ok(Some(run_state)) => run_state,
         Ok(None) => return Err(bad(format!("it does not exist; `granum resume {name}` makes the sample"))),
         Err(LaboratoryError::Checkpoint { what, .. }) if path.join(PREVIOUS_CHECKPOINT).is_file() => {

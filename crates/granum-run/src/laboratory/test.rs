@@ -16,7 +16,7 @@ use crate::engine::engine_trait::Laboratory;
 use crate::strength::symmetry;
 
 /// Name of the snapshot at the end of a stage that is followed by another.
-fn stage_snapshot(number: usize) -> String {
+pub(super) fn stage_snapshot(number: usize) -> String {
     format!("stage-{number}")
 }
 

@@ -7,8 +7,11 @@ use granum_sensors::{Record, Recorder, SavedRecorder, SensorError, Sensors};
 use serde::{Deserialize, Serialize};
 
 use super::energy_balance::Stored;
+use super::follow::snapshot_name;
 use super::laboratory_error::LaboratoryError;
 use super::saved_state::SavedState;
+use super::store::END;
+use super::test::stage_snapshot;
 
 /// The state of a test in addition to that of the simulation.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -184,6 +187,13 @@ impl Test {
         let before: u64 = self.ends.iter().map(|end| end.steps).sum();
         let under_way = self.recorders.len() > self.ends.len();
         if under_way { before + step.saturating_sub(self.stage_progress.start_step) } else { before }
+    }
+
+    /// True if a snapshot is still due, or is written at the end of the test in any case.
+    pub(super) fn will_write(&self, snapshot: &str) -> bool {
+        let of_stages = (self.ends.len() + 1..self.stages.len()).map(stage_snapshot);
+        let mut due = self.snapshots.iter().map(|strain| snapshot_name(*strain)).chain(of_stages);
+        snapshot == END || due.any(|name| name == snapshot)
     }
 
     /// Number of stages.

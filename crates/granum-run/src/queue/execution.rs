@@ -20,7 +20,7 @@ pub(super) enum Held {
     Nothing,
     /// The planned run, finished.
     Finished(Box<RunRecord>),
-    /// The planned run, not finished.
+    /// The planned run, not finished or not whole.
     Unfinished(Box<RunRecord>),
     /// A run of another case or version.
     Other(Box<RunRecord>),
@@ -35,10 +35,14 @@ impl Held {
         if !run.folder.join("run.json").is_file() {
             return Ok(Held::Nothing);
         }
-        let record = Box::new(Run::at(&run.folder)?.record()?);
+        let held = Run::at(&run.folder)?;
+        let record = Box::new(held.record()?);
         Ok(match (is_of(&record, run, laboratory)?, record.status) {
             (false, _) => Held::Other(record),
-            (true, RunStatus::Finished) => Held::Finished(record),
+            // A finished run of which a file was changed or removed is not used again as it is.
+            (true, RunStatus::Finished) if held.faults().is_ok_and(|faults| faults.is_empty()) => {
+                Held::Finished(record)
+            }
             (true, _) => Held::Unfinished(record),
         })
     }
@@ -116,8 +120,12 @@ fn go_on(
         Ok(Held::Unfinished(_)) => {
             let folder = RunFolder::open(&run.folder)?;
             match laboratory.resume(&folder, observer) {
-                // After damage to a checkpoint the run is repeated, which costs time but no other run.
-                Err(LaboratoryError::Checkpoint { .. } | LaboratoryError::Unusable { .. }) => {}
+                // After damage to a file the run is repeated, which costs time but no other run.
+                Err(
+                    error @ (LaboratoryError::Checkpoint { .. }
+                    | LaboratoryError::Unusable { .. }
+                    | LaboratoryError::Damaged { .. }),
+                ) => observer.warn(&format!("{error}; it is run again here")),
                 other => return Ok(other?),
             }
         }

@@ -125,7 +125,7 @@ impl Queue {
     pub fn replace_others(&self, laboratory: &Laboratory) -> Result<(), QueueError> {
         for run in &self.runs {
             if matches!(Held::by(run, laboratory), Ok(Held::Other(_)) | Err(_)) {
-                RunFolder::create(&run.folder, true)?;
+                RunFolder::create(&run.folder, true)?.remove_previous()?;
             }
         }
         Ok(())

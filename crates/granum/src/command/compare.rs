@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use granum_io::formats::mixed::{MixedColumn, MixedTable};
 use granum_io::shell::ShowPath;
-use granum_io::{Conventions, LaboratoryTest, Run, check_output_file, read_laboratory};
+use granum_io::{Conventions, LaboratoryTest, check_output_file, read_laboratory};
 use granum_report::comparison::{Errors, RunCurves, errors, figure};
 use granum_report::strength::{Measures, late_state, scatter_table};
 use granum_run::record::read_record;
@@ -16,6 +16,7 @@ use serde_json::{Value, json};
 use super::comparability::{check_common, unlike_stresses};
 use super::records::check_begun;
 use super::text_table;
+use super::whole::open_run;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -87,7 +88,7 @@ impl Compare {
                 let tests = read_laboratory(lab, &self.conventions()?)?;
                 let tests = self.chosen(&tests)?;
                 let runs: Vec<RunCurves> =
-                    folders.iter().map(|folder| curves(folder)).collect::<Result<_, _>>()?;
+                    folders.iter().map(|folder| curves(context, folder)).collect::<Result<_, _>>()?;
                 check_common(&runs, &tests)?;
                 unlike_stresses(&runs, &tests).iter().for_each(|remark| context.warn(remark));
                 let pairs = (runs.iter())
@@ -99,7 +100,7 @@ impl Compare {
                 (runs, pairs, entries)
             }
             _ => {
-                let (runs, entries) = self.labelled()?;
+                let (runs, entries) = self.labelled(context)?;
                 let Some((first, others)) = runs.split_first().filter(|(_, others)| !others.is_empty())
                 else {
                     let message = "give two runs or more, or runs and the laboratory's file last";
@@ -119,7 +120,7 @@ impl Compare {
     }
 
     /// The runs of the folders, each named by the keys in which it differs from the others.
-    fn labelled(&self) -> Result<(Vec<RunCurves>, Vec<RunEntry>), Failure> {
+    fn labelled(&self, context: &Context) -> Result<(Vec<RunCurves>, Vec<RunEntry>), Failure> {
         let given = !(self.test.is_empty() && self.map.is_empty());
         if given || self.compression.is_some() || self.strain.is_some() {
             let message =
@@ -133,7 +134,7 @@ impl Compare {
         }
         let labels = legend(&entries);
         let named = |(folder, name): (&PathBuf, String)| {
-            let mut curves = curves(folder)?;
+            let mut curves = curves(context, folder)?;
             curves.curves.name.clone_from(&name);
             Ok(RunCurves { name, ..curves })
         };
@@ -184,8 +185,8 @@ impl Compare {
     }
 }
 
-fn curves(folder: &Path) -> Result<RunCurves, Failure> {
-    let run = Run::at(folder)?;
+fn curves(context: &Context, folder: &Path) -> Result<RunCurves, Failure> {
+    let run = open_run(context, folder)?;
     let about = run.record()?;
     check_begun(&run, &about)?;
     let name = folder.file_name().map_or_else(|| folder.shown(), |name| name.to_string_lossy().into_owned());

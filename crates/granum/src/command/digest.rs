@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use granum::contents::Contents;
+use granum_io::RunStatus;
 use granum_io::shell::ShowPath;
-use granum_io::{Run, RunStatus};
 use granum_run::digest::of_run;
 use serde_json::{Value, json};
 
-use super::records;
+use super::{records, whole};
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -27,7 +28,8 @@ pub struct Digest {
 
 impl Digest {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
-        let found = self.folders.iter().map(|folder| digest(folder)).collect::<Result<Vec<_>, _>>()?;
+        let found =
+            self.folders.iter().map(|folder| digest(context, folder)).collect::<Result<Vec<_>, _>>()?;
         let rows: Vec<Value> = self
             .folders
             .iter()
@@ -45,9 +47,10 @@ impl Digest {
 }
 
 /// The digest and the status of a run folder.
-fn digest(folder: &Path) -> Result<(String, RunStatus), Failure> {
-    let run = Run::at(folder)?;
+fn digest(context: &Context, folder: &Path) -> Result<(String, RunStatus), Failure> {
+    let run = whole::open_run(context, folder)?;
     let record = run.record()?;
     records::check_begun(&run, &record)?;
+    whole::check(folder, &whole::faults(folder, &Contents::Run(None))?)?;
     Ok((of_run(&run)?, record.status))
 }

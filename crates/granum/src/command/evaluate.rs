@@ -16,6 +16,7 @@ use super::records::{self, Recorded};
 use super::relation::Relation;
 use super::scores::{SensorRow, percent, sensor_table};
 use super::study_folder;
+use super::whole::note_study;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -45,6 +46,7 @@ impl Evaluate {
             return evaluate_study::run(context, &self.study, &self.runs);
         }
         let study = study_folder::load(&self.study)?;
+        note_study(context, &self.study)?;
         let known = load_runs(&self.study)?;
         let mut scored = Vec::new();
         let mut unseen: Vec<Run> = Vec::new();

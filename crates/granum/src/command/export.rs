@@ -7,11 +7,12 @@ use granum_core::Table;
 use granum_io::formats::Observation;
 use granum_io::shell::ShowPath;
 use granum_io::snapshot::{contacts_table, grains_table};
-use granum_io::{Run, check_output_file, read_table, write_table};
+use granum_io::{Run, check_output_file, write_table};
 use serde_json::json;
 
 use super::export_deck::DeckFlags;
 use super::sources::SourceFlags;
+use super::whole::open_run;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -81,15 +82,15 @@ impl Export {
             formats.written_format(path, Some(name)).map_err(unknown)?;
         }
         let run = match &self.data[..] {
-            [folder] if folder.is_dir() => Some(Run::at(folder)?),
+            [folder] if folder.is_dir() => Some(open_run(context, folder)?),
             _ => None,
         };
         let tabular = self.to.is_none() && formats.table(path).is_ok();
-        if let (Some(folder), true) = (run.as_ref().map(|_| &self.data[0]), tabular) {
+        if let (Some(run), true) = (&run, tabular) {
             // A prepared sample that was not tested has no series: its grains are written.
-            let series = table_file(folder, "series").is_some().then_some("series");
+            let series = run.has_series().then_some("series");
             if let Some(name) = self.table.as_deref().or(series).filter(|name| !OF_SNAPSHOTS.contains(name)) {
-                let table = run_table(folder, name)?;
+                let table = run_table(run, name)?;
                 write_table(path, &table)?;
                 return self.say(context, &format!("{} rows of {name}", table.rows()));
             }
@@ -193,31 +194,16 @@ fn has_extension(path: &Path, extensions: &[&str]) -> bool {
     path.extension().is_some_and(|own| extensions.iter().any(|known| own.eq_ignore_ascii_case(known)))
 }
 
-/// The file of a table of a run folder by its name, if there is one.
-fn table_file(folder: &Path, name: &str) -> Option<PathBuf> {
-    tables(folder).into_iter().find(|file| file.file_stem().is_some_and(|stem| stem == name))
-}
-
-/// The files of the tables of a run folder, by their names.
-fn tables(folder: &Path) -> Vec<PathBuf> {
-    let entries =
-        [folder.join("histograms"), folder.to_path_buf()].into_iter().filter_map(|f| f.read_dir().ok());
-    let files = entries.flatten().filter_map(|entry| Some(entry.ok()?.path()));
-    let mut files: Vec<PathBuf> = files.filter(|file| has_extension(file, &["parquet"])).collect();
-    files.sort();
-    files
-}
-
-/// A table of a run folder by its name.
-fn run_table(folder: &Path, name: &str) -> Result<Table, Failure> {
-    if let Some(file) = table_file(folder, name) {
-        return Ok(read_table(file)?);
+/// A table of a run by its name.
+fn run_table(run: &Run, name: &str) -> Result<Table, Failure> {
+    let mut known = run.tables()?;
+    if known.iter().any(|table| table == name) {
+        return Ok(run.table_named(name)?);
     }
-    let known = tables(folder).into_iter().filter_map(|file| Some(file.file_stem()?.to_str()?.to_string()));
-    let known: Vec<String> = known.chain(OF_SNAPSHOTS.map(String::from)).collect();
+    known.extend(OF_SNAPSHOTS.map(String::from));
     Err(Failure::new(format!(
         "--table {name:?}: {} has no such table; there are {}",
-        folder.shown(),
+        run.path().shown(),
         known.join(", ")
     )))
 }

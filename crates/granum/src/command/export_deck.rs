@@ -85,6 +85,8 @@ impl DeckFlags {
 /// The sample of a run as its test began.
 fn sample(folder: &Path) -> Result<Packing, Failure> {
     let run = Run::at(folder)?;
+    // The case of a deck is that of the run, with the changes of the command line.
+    run.case()?;
     if !run.snapshots()?.iter().any(|name| name == SAMPLE) {
         let folder = folder.shown();
         return Err(Failure::new(format!("{folder}: its sample is not complete; resume the run first")));

@@ -13,6 +13,7 @@ use granum_sensors::{MeasuredSeries, Measurement, SensorColumn, Sensors};
 use serde_json::{Map, Value, json};
 
 use super::sources::SourceFlags;
+use super::whole::open_run;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -108,7 +109,7 @@ impl Measure {
         }
         let Some(data) = self.data.first() else { return Err(Failure::new("there is nothing to measure")) };
         if data.is_dir() && self.data.len() == 1 {
-            return Ok(vec![self.run_folder(data)?]);
+            return Ok(vec![self.run_folder(context, data)?]);
         }
         if let Some(name) = &self.snapshot {
             return Err(Failure::new(format!("--snapshot {name}: {} is no run folder", data.shown())));
@@ -131,11 +132,11 @@ impl Measure {
         Ok(found.into_iter().map(|observation| (observation.assembly, observation.parts)).collect())
     }
 
-    fn run_folder(&self, data: &Path) -> Result<(Assembly, Parts), Failure> {
+    fn run_folder(&self, context: &Context, data: &Path) -> Result<(Assembly, Parts), Failure> {
         if self.case.is_some() {
             return Err(Failure::new(format!("--case: {} is a run, which has its own case", data.shown())));
         }
-        let run = Run::at(data)?;
+        let run = open_run(context, data)?;
         let names = run.snapshots()?;
         let usual = || names.iter().find(|name| *name == "end").or(names.first()).cloned();
         let Some(name) = self.snapshot.clone().or_else(usual) else {

@@ -49,6 +49,7 @@ mod text_table;
 mod train;
 mod train_study;
 mod trained_range;
+mod whole;
 
 use clap::Subcommand;
 

@@ -14,6 +14,7 @@ use super::predict_surrogate;
 use super::prediction_input::{LEVEL, outside_text, row};
 use super::study_folder;
 use super::trained_range::inputs;
+use super::whole::note_study;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -60,6 +61,7 @@ impl Predict {
             return self.ask_study(context);
         }
         let study = study_folder::load(&self.study)?;
+        note_study(context, &self.study)?;
         let Some(mapping) = &self.mapping else {
             let names = study.mappings.iter().map(|trained| trained.surrogate.mapping().name.as_str());
             let names = names.collect::<Vec<_>>().join(", ");

@@ -11,6 +11,7 @@ use granum_learn::runs::{RunRole, StudyRun, differences_but_seed};
 use granum_run::record::read_record;
 use granum_sensors::Record;
 
+use super::whole::open_run;
 use crate::context::Context;
 use crate::failure::Failure;
 
@@ -36,7 +37,7 @@ impl Recorded {
 
 /// Refuses a run whose test has not begun, since there are no data to draw, learn from or compare yet.
 pub fn check_begun(run: &Run, about: &RunRecord) -> Result<(), Failure> {
-    if about.kind == "prepare" || run.series_path().is_file() {
+    if about.kind == "prepare" || run.has_series() {
         return Ok(());
     }
     let (name, quoted) = (run.path().shown(), quoted_path(run.path()));
@@ -57,7 +58,7 @@ pub fn read(context: &Context, folders: &[PathBuf], role: RunRole) -> Result<Vec
 }
 
 fn read_one(context: &Context, folder: &Path, role: RunRole) -> Result<Recorded, Failure> {
-    let run = Run::at(folder)?;
+    let run = open_run(context, folder)?;
     let (case, about) = (run.case()?, run.record()?);
     if about.kind == "prepare" {
         return Err(Failure::new(format!(

@@ -26,6 +26,7 @@ use super::measure::packing_alone;
 use super::records;
 use super::reproduce::read_summary;
 use super::sources::SourceFlags;
+use super::whole::open_run;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -127,7 +128,7 @@ impl Report {
             return Err(Failure::new(format!("{flag}: it belongs to files of another program, not to runs")));
         }
         match &self.data[..] {
-            [one] if !is_of_several(one)? => document(one),
+            [one] if !is_of_several(one)? => document(context, one),
             folders => over_each_other(context, folders),
         }
     }
@@ -174,7 +175,7 @@ fn over_each_other(
     let found = find_runs(folders)?;
     let mut runs = Vec::new();
     for folder in &found {
-        let run = Run::at(folder)?;
+        let run = open_run(context, folder)?;
         let about = run.record()?;
         if about.kind == "prepare" {
             let message =
@@ -198,7 +199,7 @@ fn over_each_other(
         }
     }
     match &runs[..] {
-        [_] => document(&found[0]),
+        [_] => document(context, &found[0]),
         _ => Ok((overlay_report(&runs), None)),
     }
 }
@@ -213,7 +214,7 @@ pub(super) fn write_speed_page(folder: &Path, study: &StudyReport) -> Result<(),
 }
 
 /// The report of a folder, and the study from which it was made where it is a reproduction.
-fn document(folder: &Path) -> Result<(Document, Option<StudyReport>), Failure> {
+fn document(context: &Context, folder: &Path) -> Result<(Document, Option<StudyReport>), Failure> {
     let (runs, models) = (folder.join("runs"), folder.join("models"));
     if folder.join(SUMMARY_FILE).is_file() && runs.is_dir() && models.is_dir() {
         let study = study(folder, &runs, &models)?;
@@ -236,7 +237,7 @@ fn document(folder: &Path) -> Result<(Document, Option<StudyReport>), Failure> {
             quoted_path(folder)
         )));
     }
-    let run = Run::at(folder)?;
+    let run = open_run(context, folder)?;
     let about = run.record()?;
     if about.kind == "prepare" {
         if about.status != RunStatus::Finished {

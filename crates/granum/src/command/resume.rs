@@ -17,6 +17,7 @@ use super::run_report;
 use super::several_runs;
 use super::train::Train;
 use super::train_study;
+use super::whole;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -72,6 +73,8 @@ impl Resume {
     fn training(&self, context: &Context) -> Result<(), Failure> {
         let name = self.folder.shown();
         if self.folder.join(STUDY_FILE).is_file() {
+            let contents = Contents::Training { finished: true };
+            whole::check(&self.folder, &whole::faults(&self.folder, &contents)?)?;
             let result = json!({ "study": output::path(&self.folder), "status": "finished" });
             return output::say(context, &result, || format!("{name}: the training is finished"));
         }

@@ -22,7 +22,11 @@ pub fn run(
     source: &Source,
     out: &Path,
 ) -> Result<(), Failure> {
-    check_free(out, Kind::Run, context.force)?;
+    let wanted = match kind {
+        RunKind::Prepare => Kind::Sample,
+        RunKind::Shear => Kind::Test,
+    };
+    check_free(out, wanted, context.force)?;
     // Inputs are checked before the folder is created, so that a mistake leaves no folder behind and, with --force, does
     // not delete an older run.
     let mut show = Show::new(context);

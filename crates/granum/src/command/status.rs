@@ -13,6 +13,7 @@ use granum_run::laboratory::{CHECKPOINT, PREVIOUS_CHECKPOINT};
 use serde_json::{Value, json};
 
 use super::train::Train;
+use super::whole;
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -35,7 +36,8 @@ impl Status {
             }
             _ => {
                 let found = FolderStatus::of(&self.folder)?;
-                output::say(context, &found.json(), || found.text())
+                output::say(context, &found.json(), || found.text())?;
+                whole::check(&self.folder, &found.faults)
             }
         }
     }
@@ -44,6 +46,7 @@ impl Status {
     fn several(&self, context: &Context, contents: &Contents) -> Result<(), Failure> {
         let next = contents.next(&self.folder);
         let (mut all, mut lines) = (Vec::new(), Vec::new());
+        let mut faults = whole::faults(&self.folder, contents)?;
         for folder in contents.runs(&self.folder) {
             if Contents::of(&folder)? == Contents::Nothing {
                 all.push(json!({ "folder": output::path(&folder), "status": "not begun" }));
@@ -53,6 +56,7 @@ impl Status {
             let found = FolderStatus::of(&folder)?;
             all.push(found.json());
             lines.push(found.text());
+            faults.extend(found.faults);
         }
         lines.push(format!("{}: {}", self.folder.shown(), next.text));
         let result = json!({
@@ -64,8 +68,10 @@ impl Status {
             ),
             "next": next.text,
             "command": next.command,
+            "faults": faults,
         });
-        output::say(context, &result, || lines.join("\n"))
+        output::say(context, &result, || lines.join("\n"))?;
+        whole::check(&self.folder, &faults)
     }
 
     /// Prints the progress of a training.
@@ -85,7 +91,8 @@ impl Status {
             (_, true) => "finished",
             _ => "broken off",
         };
-        let next = Contents::Training { finished }.next(&self.folder);
+        let contents = Contents::Training { finished };
+        let (next, faults) = (contents.next(&self.folder), whole::faults(&self.folder, &contents)?);
         let result = json!({
             "folder": output::path(&self.folder),
             "kind": "train",
@@ -94,6 +101,7 @@ impl Status {
             "networks_end": networks.len(),
             "next": next.text,
             "command": next.command,
+            "faults": faults,
         });
         output::say(context, &result, || {
             let count = match networks.len() {
@@ -101,7 +109,8 @@ impl Status {
                 all => format!(", {there} of {all} networks"),
             };
             format!("{name}: training {word}{count}\n  {}", next.text)
-        })
+        })?;
+        whole::check(&self.folder, &faults)
     }
 }
 
@@ -121,6 +130,8 @@ struct FolderStatus {
     end: Option<f64>,
     checkpoint: Option<Duration>,
     failed_checks: Vec<String>,
+    /// Files that are missing or are not those that the run wrote.
+    faults: Vec<String>,
     next: Next,
 }
 
@@ -134,7 +145,8 @@ impl FolderStatus {
             .iter()
             .find_map(|name| std::fs::metadata(folder.join(name)).and_then(|file| file.modified()).ok())
             .map(|time| time.elapsed().unwrap_or_default());
-        let next = Contents::Run(Some(Box::new(record.clone()))).next(folder);
+        let contents = Contents::Run(Some(Box::new(record.clone())));
+        let (next, faults) = (contents.next(folder), whole::faults(folder, &contents)?);
         Ok(FolderStatus {
             folder: folder.to_path_buf(),
             status: record.status,
@@ -148,6 +160,7 @@ impl FolderStatus {
             kind: record.kind,
             phase: record.phase,
             next,
+            faults,
         })
     }
 
@@ -174,6 +187,7 @@ impl FolderStatus {
             "deviator_strain_end": self.end,
             "checkpoint_age_seconds": self.checkpoint.map(|age| age.as_secs_f64()),
             "failed_checks": self.failed_checks,
+            "faults": self.faults,
             "next": self.next.text,
             "command": self.next.command,
         })

@@ -31,7 +31,7 @@ pub struct Stresses {
 impl Stresses {
     /// Of a run; none if it is a preparation, or if its series cannot be read.
     pub fn of(run: &Run) -> Option<Stresses> {
-        if !run.series_path().is_file() {
+        if !run.has_series() {
             return None;
         }
         Stresses::from(&run.series().ok()?, &run.case().ok()?)

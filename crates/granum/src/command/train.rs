@@ -313,9 +313,7 @@ impl Train {
             return Ok(folder);
         }
         let folder = OutputFolder::create(&self.out, context.force)?;
-        let names = plan.files();
-        folder.clear(&names.iter().map(String::as_str).collect::<Vec<_>>())?;
-        plan.write(folder.path())?;
+        folder.replace(&plan.files(), || plan.write(folder.path()))?;
         Ok(folder)
     }
 

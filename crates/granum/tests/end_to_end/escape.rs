@@ -161,11 +161,12 @@ fn records_and_links_of_runs_lead_nowhere() {
         ("figures", &["report", "run", "--force"]),
         ("snapshots", &["shear", "case.toml", "--out", "run", "--force"]),
     ] {
-        let _ = fs::remove_dir_all(folder.join(name));
+        let _ = fs::rename(folder.join(name), folder.join("kept"));
         symlink(format!("../../outside/{name}"), folder.join(name)).unwrap();
         place.refused("is a symbolic link", command);
         place.harmless(&["status", "run"]);
         fs::remove_file(folder.join(name)).unwrap();
+        let _ = fs::rename(folder.join("kept"), folder.join(name));
     }
     for name in ["series.parquet", "forces.parquet", "report.html", "checkpoint.refused"] {
         let _ = fs::remove_file(folder.join(name));

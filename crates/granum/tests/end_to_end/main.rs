@@ -2,6 +2,7 @@
 //! are refused.
 
 mod bounds_of_use;
+mod changed;
 mod columns;
 #[path = "../common/mod.rs"]
 mod common;
@@ -12,6 +13,7 @@ mod lammps_decks;
 mod materials;
 mod mechanics;
 mod mixed;
+mod names;
 mod networks;
 mod nothing_lost;
 mod packings;

@@ -12,11 +12,13 @@ use clap::Args;
 use granum::contents::{Contents, Kind, check_free, taken};
 use granum_antony2006::Summary;
 use granum_antony2006::layout::TIMES_FILE;
-use granum_antony2006::reproduction::{Reproduction, ReproductionOptions, SPEED_FILE, SUMMARY_FILE};
+use granum_antony2006::reproduction::{
+    REPRODUCTION_FILE, Reproduction, ReproductionOptions, SPEED_FILE, SUMMARY_FILE,
+};
 use granum_antony2006::times::SummaryTimes;
-use granum_io::OutputFolder;
 use granum_io::sealed::unseal;
 use granum_io::shell::ShowPath;
+use granum_io::{OutputFolder, figure_list};
 use granum_learn::LearnError;
 use granum_run::Laboratory;
 use serde_json::json;
@@ -24,7 +26,7 @@ use serde_json::json;
 use self::plan::Plan;
 use super::checkpoints::CheckpointFlags;
 use super::hardware::HardwareFlags;
-use super::scores;
+use super::{scores, whole};
 use crate::context::Context;
 use crate::failure::Failure;
 use crate::output;
@@ -73,6 +75,7 @@ impl Reproduce {
         let plan = Plan::new(&self.options());
         let folder = self.folder(context, &plan)?;
         if !context.force && self.is_finished(&folder, &plan, &laboratory) {
+            whole::check(&self.out, &whole::faults_of_reproduction(folder.path(), true)?)?;
             // The process may have been killed between its last file and its tidying up.
             study::tidy(&folder)?;
             return self.print(context, &folder, &read_summary(folder.path())?, None);
@@ -132,16 +135,16 @@ impl Reproduce {
             return Err(refusal.into());
         }
         // Runs and networks of the same settings are used again, and the others are replaced one by one.
-        folder.clear(&[
-            SUMMARY_FILE,
-            "report.html",
-            SPEED_FILE,
-            TIMES_FILE,
-            "models/study.json",
-            "models/seconds.json",
-        ])?;
-        folder.clear_inside("figures", &[".svg"])?;
-        wanted.write(folder.path())?;
+        let figures =
+            figure_list::names(&folder.file("figures")).into_iter().map(|name| format!("figures/{name}"));
+        let old: Vec<String> =
+            ["report.html", SPEED_FILE, TIMES_FILE, "models/study.json", "models/seconds.json"]
+                .map(String::from)
+                .into_iter()
+                .chain(figures)
+                .chain([SUMMARY_FILE, REPRODUCTION_FILE].map(String::from))
+                .collect();
+        folder.replace(&old, || wanted.write(folder.path()))?;
         Ok(folder)
     }
 
