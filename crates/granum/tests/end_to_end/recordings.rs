@@ -188,7 +188,7 @@ fn another_mean_stress_is_reached_before_the_test_and_judged() {
     // Excessive overlaps at a very high stress are reported for a sample as well.
     let crushed = done_json(
         here,
-        &["prepare", "case.toml", "--out", "crushed", "--set", "preparation.mean_stress=1 GPa"],
+        &["prepare", "case.toml", "--out", "crushed", "--set", "preparation.mean_stress=300 MPa"],
     );
     let flags = crushed["quality"].as_array().unwrap();
     let overlap = flags.iter().find(|flag| flag["name"] == "sample_largest_overlap").unwrap();
