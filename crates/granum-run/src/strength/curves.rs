@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use granum_core::geometry::Matrix;
 use granum_dem::invariants;
-use granum_dem::loading::{Stage, Start};
+use granum_dem::loading::Stage;
 use granum_sensors::Record;
 
 use super::symmetry;
@@ -231,12 +231,8 @@ impl<'a> Curves<'a> {
     /// the rest before, and without marks and probes. Where nothing is sheared, the last count with two rows or more.
     pub fn test_rows(&self) -> Range<usize> {
         let shears = |row: usize| {
-            self.stage(row).is_none_or(|stage| {
-                !stage.is_mark()
-                    && !stage.settling
-                    && stage.start == Start::Here
-                    && !symmetry::is_isotropic(stage)
-            })
+            self.stage(row)
+                .is_none_or(|stage| !stage.is_mark() && !stage.settling && !symmetry::is_isotropic(stage))
         };
         let mut end = self.rows();
         while end > 0 {
@@ -288,8 +284,12 @@ impl<'a> Curves<'a> {
     /// True if the rows shear the sample so that they tell its strength: neither isotropic alone, nor oedometric, nor probes.
     pub(super) fn tells_strength(&self, rows: &Range<usize>) -> bool {
         let mut stages = rows.clone().filter_map(|row| self.stage(row));
-        let fit = stages.clone().all(|stage| !symmetry::is_oedometric(stage) && stage.start == Start::Here);
-        rows.len() >= 2 && fit && stages.any(|stage| !symmetry::is_isotropic(stage))
+        let oedometric = stages.clone().any(symmetry::is_oedometric);
+        // A probe records nothing but its start.
+        let recorded = |stage: &Stage| stage.record != granum_dem::loading::Record::default();
+        rows.len() >= 2
+            && !oedometric
+            && stages.any(|stage| !symmetry::is_isotropic(stage) && recorded(stage))
     }
 }
 
