@@ -127,6 +127,10 @@ impl Compare {
                 "--test, --map, --compression and --strain belong to a laboratory's file, which comes last";
             return Err(Failure::new(message));
         }
+        if let Some(file) = self.files.iter().find(|path| path.is_file()) {
+            let message = format!("{}: is a file, not a run; the laboratory's file comes last", file.shown());
+            return Err(Failure::new(message));
+        }
         let folders = find_runs(&self.files)?;
         let entries = folders.iter().map(|folder| RunEntry::read(folder)).collect::<Result<Vec<_>, _>>()?;
         if let Some(sample) = entries.iter().find(|entry| entry.record.kind == "prepare") {
