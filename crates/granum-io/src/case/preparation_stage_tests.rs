@@ -232,6 +232,8 @@ fn unrecorded(stage: CaseStage) -> Option<CaseStage> {
 }
 
 proptest! {
+    // Most stresses drawn at random are too large for the grains and are refused.
+    #![proptest_config(ProptestConfig { max_global_rejects: 100_000, ..ProptestConfig::default() })]
     #[test]
     fn they_read_back_as_the_same_case(stages in proptest::collection::vec(any_stage(), 1..4)) {
         let stages: Option<Vec<CaseStage>> = stages.into_iter().map(unrecorded).collect();

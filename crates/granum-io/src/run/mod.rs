@@ -384,6 +384,7 @@ mod tests {
     fn a_record_that_cannot_be_written_leaves_no_times() {
         let base = tempfile::tempdir().unwrap();
         let folder = RunFolder::create(base.path().join("run"), false).unwrap();
+        folder.write_case(&Case::default(), None).unwrap();
         fs::create_dir(folder.path().join(RECORD)).unwrap();
         assert!(folder.write_record(&record()).is_err());
         assert!(!folder.path().join(times::TIMES).exists());

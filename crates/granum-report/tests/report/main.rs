@@ -53,6 +53,8 @@ fn a_run_is_read_from_its_folder_as_it_was_written() {
     let path = folder.path().join("run-5");
     {
         let out = granum_io::RunFolder::create(&path, false).expect("a new folder");
+        run.run.case_digest = run.case.digest();
+        run.run.preparation_digest = run.case.preparation_digest();
         out.write_case(&run.case, None).expect("written");
         out.write_record(&run.run).expect("written");
         granum_run::record::write_record(&out, &run.record).expect("written");

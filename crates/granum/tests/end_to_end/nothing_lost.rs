@@ -299,7 +299,7 @@ fn mistakes_leave_nothing_behind_and_cost_nothing_with_force() {
         &["prepare", "case.toml", "--packing", "bad.csv"],
         &["shear", "case.toml", "--isa", "mmx"],
         &["shear", "case.toml", "--checkpoint-every", "-1"],
-        &["reproduce", "--quick", "--trainer", "adam"],
+        &["reproduce", "--quick", "--trainer", "adem"],
         &["reproduce", "--quick", "--threads", "0"],
         &["reproduce", "--quick", "--checkpoint-every", "-1"],
         &["train", "sample"],
