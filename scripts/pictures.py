@@ -198,7 +198,7 @@ def main():
     parser.add_argument("--granum", type=pathlib.Path)
     parser.add_argument("--work", type=pathlib.Path)
     parser.add_argument("--quick", type=pathlib.Path)
-    arguments = parser.parse_args()
+    arguments = parser.parse_intermixed_args()
     if arguments.check == (arguments.command == "make"):
         parser.error("either make or --check")
     if arguments.check:
