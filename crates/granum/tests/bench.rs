@@ -118,7 +118,7 @@ fn a_packing_without_load_is_refused_and_the_load_is_told() {
     let flags =
         ["bench", "--json", "--only", "dem", "--seconds", "0.01", "--threads", "1", "--packing", "p.csv"];
     let flags = [&flags[..], &["--grains", "27", "--law", "hertz,no-slip"]].concat();
-    std::fs::write(folder.path().join("p.csv"), packing(4.9e-5)).unwrap();
+    std::fs::write(folder.path().join("p.csv"), packing(3e-5)).unwrap();
     let refused = run(folder.path(), &flags);
     let message = stderr(&refused);
     assert!(!refused.status.success() && message.contains("has lost its load"), "{message}");
