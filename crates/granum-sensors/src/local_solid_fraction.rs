@@ -10,6 +10,7 @@
 //! The volumes add up to that of the periodic cell; `voronoi_gap` is the relative difference, which is due to rounding only.
 
 use granum_core::assembly::{Matrix, Vector};
+use granum_core::geometry::{apply, determinant, invert};
 use granum_core::{Assembly, Part};
 use granum_dem::config::Recording;
 
@@ -46,8 +47,11 @@ impl Sensor for LocalSolidFraction {
         vec![Bins::new("local_solid_fractions", "solid_fraction", "1").width(0.01).range(0.0, 1.0)]
     }
 
+    /// The search widens until it has crossed the widest layer of the cell without a centre.
     fn reach(&self, assembly: &Assembly) -> f64 {
-        FIRST_REACH * assembly.grains.iter().fold(0.0, |largest, grain| grain.radius.max(largest))
+        let first =
+            FIRST_REACH * assembly.grains.iter().fold(0.0, |largest, grain| grain.radius.max(largest));
+        first.max(widest_gap(assembly))
     }
 
     fn measure(&self, observation: &Observation, _: &mut Memory, values: &mut Values) {
@@ -70,6 +74,26 @@ impl Sensor for LocalSolidFraction {
         values.extend([average, square.sqrt(), mean(faces as f64, cells.len()), gap]);
         values.count(0, fractions);
     }
+}
+
+/// Thickness of the widest layer between two faces of the periodic cell that contains no centre, m.
+fn widest_gap(assembly: &Assembly) -> f64 {
+    if determinant(&assembly.cell) == 0.0 {
+        return 0.0;
+    }
+    let inverse = invert(&assembly.cell);
+    let gap = |axis: usize| {
+        let height = 1.0 / inverse[axis].iter().map(|x| x * x).sum::<f64>().sqrt();
+        let place = |position: Vector| {
+            let place = apply(&inverse, position)[axis];
+            place - place.floor()
+        };
+        let mut places: Vec<f64> = assembly.grains.iter().map(|grain| place(grain.position)).collect();
+        places.sort_by(f64::total_cmp);
+        let across = places.first().zip(places.last()).map_or(1.0, |(first, last)| first + 1.0 - last);
+        height * places.windows(2).map(|pair| pair[1] - pair[0]).fold(across, f64::max)
+    };
+    (0..3).map(gap).fold(0.0, f64::max)
 }
 
 /// The cell of a grain.
@@ -243,7 +267,25 @@ mod tests {
     use crate::lattice;
     use crate::sensor::measured;
     use granum_core::geometry::{apply, determinant};
+    use granum_core::{Part, Parts};
     use proptest::prelude::*;
+
+    /// A damaged cell: grains of a millimetre in a slab of 671 m. The search would look at all their images up to that distance.
+    #[test]
+    fn a_cell_that_is_nearly_empty_is_left_out_with_the_reason() {
+        let mut assembly = lattice::simple_cubic(4, 1e-3, 0.0, 0.0);
+        let parts = Parts::of(&[Part::Cell, Part::Positions, Part::Radii]);
+        let left_out = |assembly: &Assembly| {
+            let measured = crate::Sensors::standard().measure(assembly, parts);
+            let found = measured.left_out.iter().find(|left_out| left_out.sensor == "local_solid_fraction");
+            found.map(ToString::to_string)
+        };
+        assert_eq!(left_out(&assembly), None);
+        assert!((widest_gap(&assembly) - 1e-3).abs() < 1e-12);
+        assembly.cell[0][0] = 671.0;
+        assert!((widest_gap(&assembly) - 671.0).abs() < 0.01);
+        assert!(left_out(&assembly).is_some_and(|reason| reason.contains("leave so much of the cell empty")));
+    }
 
     /// A sheet of grains in a wide cell, whose nearest neighbours close no cell.
     #[test]

@@ -88,7 +88,8 @@ impl Known {
     fn costs_too_much(&self, assembly: &Assembly) -> Option<&'static str> {
         let neighbours = expected(&assembly.cell, assembly.grains.len(), self.sensor.reach(assembly));
         (neighbours > MOST_NEIGHBOURS).then_some(
-            "the grains differ so much in size that it would look at more than 50000 neighbours of each of them",
+            "the grains differ so much in size, or leave so much of the cell empty, that it would look at more than 50000 \
+             neighbours of each of them",
         )
     }
 }
