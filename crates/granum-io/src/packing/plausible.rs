@@ -15,6 +15,10 @@ pub const WIDEST_RADII: f64 = 1e6;
 /// Largest distance of a grain from the cell, in edges of the cell; without a cell from the median place, in spreads of the places.
 pub const FARTHEST: f64 = 1e6;
 
+/// Largest ratio of the product of the lengths of a cell's edges to its volume: 1 for a box, about 6 after a simple shear of 6. The
+/// images of a grain within a given distance are counted through many others where it is large.
+pub const MOST_SKEWED: f64 = 1e4;
+
 /// A grain as a file has it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Found {
@@ -31,7 +35,7 @@ pub(crate) struct Found {
 /// # Errors
 /// [`Error::Input`] with the line of the first grain that cannot belong to the others ([`Error::Content`] in files without lines): a
 /// number that is not finite, a radius that is not positive or larger than half the cell, a place more than [`FARTHEST`] cells away,
-/// and radii that differ by more than [`WIDEST_RADII`]; [`Error::Content`] for a cell without a volume.
+/// and radii that differ by more than [`WIDEST_RADII`]; [`Error::Content`] for a cell without a volume or with edges that are nearly parallel.
 pub(crate) fn check(file: &str, cell: Option<(Vector, Matrix)>, grains: &[Found]) -> Result<()> {
     grains.iter().try_for_each(|grain| check_numbers(file, grain))?;
     match &cell {
@@ -62,6 +66,14 @@ fn check_in_cell(file: &str, origin: &Vector, edges: &Matrix, grains: &[Found]) 
         let message = format!("the cell has the volume {:e} m3; it must be positive", determinant(edges));
         return Err(Error::content(file.as_ref(), message));
     }
+    let skewness = edges_product(edges) / determinant(edges).abs();
+    if skewness > MOST_SKEWED {
+        let message = format!(
+            "the edges of the cell are nearly parallel: the product of their lengths is {} times its volume, and at most 1e4 can be right",
+            short(skewness)
+        );
+        return Err(Error::content(file.as_ref(), message));
+    }
     let narrow = Cell { edges: *edges }.heights().into_iter().fold(f64::INFINITY, f64::min);
     for grain in grains {
         let place = apply(&inverse, std::array::from_fn(|a| grain.position[a] - origin[a]));
@@ -81,6 +93,12 @@ fn check_in_cell(file: &str, origin: &Vector, edges: &Matrix, grains: &[Found]) 
         }
     }
     Ok(())
+}
+
+/// The product of the lengths of the edges, which are the columns of the matrix.
+fn edges_product(edges: &Matrix) -> f64 {
+    let length = |column: usize| edges.iter().map(|row| row[column] * row[column]).sum::<f64>().sqrt();
+    (0..3).map(length).product()
 }
 
 /// The error of a grain that does not fit in the cell.
@@ -189,6 +207,12 @@ mod tests {
         assert!(message(true, |grain| grain.radius = Some(5.1e-4)).contains("does not fit in the cell"));
         // A grain outside the cell is at one of its images.
         assert_eq!(message(true, |grain| grain.position[0] = 900.0), "");
+        // Edges of 671 m, of which one number is damaged, span a lattice that is narrow in no direction; a sheared cell is right.
+        let skewed = [[2e-3, 0.0, 0.0], [-671.0, -671.0, -671.0], [0.0, 0.0, 2e-3]];
+        let skewed = check("p", Some(([0.0; 3], skewed)), &[]).unwrap_err().to_string();
+        assert!(skewed.contains("the edges of the cell are nearly parallel"), "{skewed}");
+        let sheared = [[1e-3, 6e-3, 0.0], [0.0, 1e-3, 0.0], [0.0, 0.0, 1e-3]];
+        assert!(check("p", Some(([0.0; 3], sheared)), &[]).is_ok());
         let flat = check("p", Some(([0.0; 3], [[0.0; 3]; 3])), &grains()).unwrap_err().to_string();
         assert!(flat.contains("it must be positive"), "{flat}");
         assert!(check("p", None, &[]).is_ok());
