@@ -190,9 +190,10 @@ impl Drawn<'_> {
             self.strain_axis(),
             Axis::new(&format!("Stress ratio {}/*p*", self.q())).including(0.0),
             |run| {
-                let ratios =
-                    self.stresses(run).into_iter().map(|[q, p]| if p > 0.0 { q / p } else { f64::NAN });
-                path::lines(run, &run.strain(), &ratios.collect::<Vec<f64>>())
+                let stages = run.case.test_stages();
+                let ratios = self.stresses(run).into_iter().map(|[q, p]| q / p);
+                let ratios = path::where_stress(&Curves::new(&run.record, &stages), ratios);
+                path::lines(run, &run.strain(), &ratios)
             },
         );
         let volume = self
@@ -201,7 +202,8 @@ impl Drawn<'_> {
             })
             .with(Layer::horizontal(0.0, GREY));
         let caption = format!(
-            "(a) Stress ratio; {}. (b) Volumetric strain, compression positive, so that a falling curve is dilation.",
+            "(a) Stress ratio; {}; states that have lost 95 % of the mean stress are not drawn. (b) Volumetric strain, compression positive, \
+             so that a falling curve is dilation.",
             self.meaning_of_q()
         );
         let (figure, caption) =

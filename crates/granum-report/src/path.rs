@@ -109,6 +109,12 @@ pub fn lines(run: &RunReport, x: &[f64], y: &[f64]) -> Vec<[f64; 2]> {
     points
 }
 
+/// Ratios of stresses, with gaps where the sample has lost its stress: there they are noise.
+pub fn where_stress(curves: &Curves, ratios: impl Iterator<Item = f64>) -> Vec<f64> {
+    let carries = curves.carry_stress(&(0..curves.rows()));
+    ratios.zip(carries).map(|(ratio, carries)| if carries { ratio } else { f64::NAN }).collect()
+}
+
 /// The deviator stress that the figures of a test draw.
 struct Deviator {
     /// Its symbol.
@@ -130,10 +136,7 @@ impl Deviator {
             None => ("*q*_{vM}", "*q*_{vM} = √(3 *J*_{2}) is the von Mises stress, which has no sign"),
         };
         let stress = curves.deviator_stress().into_owned();
-        // Ratios of the stresses of a sample that has lost them are noise.
-        let carries = curves.carry_stress(&(0..curves.rows()));
-        let drawn = |(ratio, carries): (&f64, bool)| if carries { *ratio } else { f64::NAN };
-        let ratio = curves.stress_ratio().iter().zip(carries).map(drawn).collect();
+        let ratio = where_stress(&curves, curves.stress_ratio().iter().copied());
         Deviator { symbol, what, stress, ratio }
     }
 }
@@ -287,8 +290,9 @@ fn simple_shear(run: &RunReport, traits: &Traits) -> Drawn {
     let strain = || Axis::new("Shear strain *γ*_{xy}");
     let shear = run.column("stress_12").iter().zip(run.column("stress_21")).map(|(a, b)| 0.5 * (a + b));
     let shear: Vec<f64> = shear.collect();
-    let ratio: Vec<f64> =
-        shear.iter().zip(run.column("stress_22")).map(|(shear, normal)| shear / normal).collect();
+    let stages = run.case.test_stages();
+    let ratio = shear.iter().zip(run.column("stress_22")).map(|(shear, normal)| shear / normal);
+    let ratio = where_stress(&Curves::new(&run.record, &stages), ratio);
     let gamma = run.column("shear_strain_xy");
     let stress = Plot::new(strain(), Axis::new("*σ*_{xy}/*σ*_{yy}").including(0.0))
         .with(Layer::line(lines(run, gamma, &ratio), color(0)));

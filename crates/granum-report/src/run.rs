@@ -88,11 +88,8 @@ fn test_of(case: &Case) -> String {
 }
 
 fn headline(run: &RunReport) -> Vec<[String; 3]> {
-    let mut out = Vec::new();
-    let mut tile = |value: Option<f64>, digits: usize, name: &str, remark: String| {
-        if let Some(value) = value {
-            out.push([significant(value, digits), name.to_owned(), remark]);
-        }
+    let tile = |value: Option<f64>, name: &str, remark: String| {
+        Some([significant(value?, 3), name.to_owned(), remark])
     };
     let measures = run.measures();
     let measure = |name: &str| measures.get(name).copied();
@@ -101,45 +98,39 @@ fn headline(run: &RunReport) -> Vec<[String; 3]> {
         false => ("*ε*_{d}", measure("deviator_strain_at_peak")),
     };
     let where_peak = strain.map_or(String::new(), |e| format!("at {symbol} = {}", significant(e, 2)));
-    tile(measure("peak_stress_ratio"), 3, "peak *q*/*p*", where_peak.clone());
-    tile(measure("peak_von_mises_ratio"), 3, "peak *q*_{vM}/*p*", where_peak);
+    let mut out: Vec<Option<[String; 3]>> = vec![
+        tile(measure("peak_stress_ratio"), "peak *q*/*p*", where_peak.clone()),
+        tile(measure("peak_von_mises_ratio"), "peak *q*_{vM}/*p*", where_peak),
+    ];
     if !path::Traits::of(&run.case.test_stages()).goes_to_and_fro() {
         let remark = || "mean over the last quarter of the strain".to_owned();
-        tile(measure("late_stress_ratio"), 3, "late *q*/*p*", remark());
-        tile(measure("late_von_mises_ratio"), 3, "late *q*_{vM}/*p*", remark());
+        out.push(tile(measure("late_stress_ratio"), "late *q*/*p*", remark()));
+        out.push(tile(measure("late_von_mises_ratio"), "late *q*_{vM}/*p*", remark()));
     }
     let degrees = |name: &str| measure(name).map(|angle| format!("{angle:.1}°"));
-    if let Some(peak) = degrees("peak_friction_angle") {
+    out.push(degrees("peak_friction_angle").map(|peak| {
         let late = degrees("critical_friction_angle").map_or(String::new(), |late| format!("late: {late}"));
-        out.push([peak, "peak friction angle".into(), late]);
-    }
-    if let Some(liquefaction) = strength::liquefaction(&measures) {
-        out.push(liquefaction);
-    }
-    let mut tile = |value: Option<f64>, digits: usize, name: &str, remark: String| {
-        if let Some(value) = value {
-            out.push([significant(value, digits), name.to_owned(), remark]);
-        }
-    };
+        [peak, "peak friction angle".into(), late]
+    }));
+    out.push(strength::liquefaction(&measures));
     for (name, value) in run.run.measures.iter().filter(|(name, _)| name.starts_with("k0_")) {
-        let stage = name.trim_start_matches("k0_").replace('_', " ");
-        tile(Some(*value), 3, "*K*_{0} = *σ*_{3}/*σ*_{1}", format!("at the end of the stage {stage}"));
+        let stage = literal(&name.trim_start_matches("k0_").replace('_', " "));
+        let remark = format!("at the end of the stage {stage}");
+        out.push(tile(Some(*value), "*K*_{0} = *σ*_{3}/*σ*_{1}", remark));
     }
-    tile(run.first("solid_fraction"), 3, "solid fraction before the test", String::new());
+    out.push(tile(run.first("solid_fraction"), "solid fraction before the test", String::new()));
     let z = run
         .first("coordination_number")
         .map_or(String::new(), |z| format!("*Z* = {} over all grains", significant(z, 3)));
-    tile(run.first("mechanical_coordination_number"), 3, "mechanical coordination number before the test", z);
+    let of_sample = run.first("mechanical_coordination_number");
+    out.push(tile(of_sample, "mechanical coordination number before the test", z));
     let flags = &run.run.quality;
     let held = flags.iter().filter(|flag| flag.passed).count();
-    if !flags.is_empty() {
-        out.push([
-            format!("{held} of {}", flags.len()),
-            "quality checks passed".into(),
-            "servo, rate, overlap, energy".into(),
-        ]);
-    }
-    out
+    out.push((!flags.is_empty()).then(|| {
+        let held = format!("{held} of {}", flags.len());
+        [held, "quality checks passed".into(), "servo, rate, overlap, energy".into()]
+    }));
+    out.into_iter().flatten().collect()
 }
 
 /// The section on stress, volume, contacts and fabric of one or several runs.

@@ -35,7 +35,6 @@ fn shown(meaning: &Meaning, value: f64) -> String {
         ("deg", _) => format!("{value:.1}°"),
         ("Pa", _) => quantity(value, "Pa"),
         (_, name) if name.contains("strain") && !name.contains("void") => percent(value),
-        (_, name) if name.starts_with("cycles") => significant(value, 3),
         _ => significant(value, 3),
     }
 }

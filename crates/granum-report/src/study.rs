@@ -5,7 +5,7 @@ use granum_learn::study::{FitScores, MemberScores, PartScore, Role, StoredStudy,
 use maud::{Markup, html};
 
 use super::figure::palette::{INK, color};
-use super::figure::{Axis, Figure, Layer, Panel, Plot, SHAPES, Stroke};
+use super::figure::{Axis, Figure, Layer, Panel, Plot, SHAPES, Stroke, literal};
 use super::numbers::{listed, percent, points, significant, whole};
 use super::page::{Document, Page, Table, paragraphs, tiles};
 
@@ -26,11 +26,21 @@ pub fn report(stored: &StoredStudy, name: &str) -> Document {
     page.section("predictions", "Predictions for unseen runs", body);
     let body = repeat_section(&mut page, stored);
     page.section("reproducibility", "What the study consists of", body);
-    let outputs: Vec<String> = pairs.iter().flat_map(|(fit, _)| fit.spec.outputs.clone()).collect();
+    let outputs = literals(pairs.iter().flat_map(|(fit, _)| &fit.spec.outputs));
     let head = html! { (tiles(&pairs.iter().map(|(_, scores)| tile(scores)).collect::<Vec<_>>())) };
     let subtitle =
         format!("Surrogates of {}, scored on {} unseen runs.", listed(&outputs), stored.unseen.len());
-    page.finish(&format!("Study {name}"), &subtitle, head)
+    page.finish(&format!("Study {}", literal(name)), &subtitle, head)
+}
+
+/// Names of columns, methods or runs, to be shown letter by letter.
+fn literals<'a>(names: impl IntoIterator<Item = &'a String>) -> Vec<String> {
+    names.into_iter().map(|name| literal(name)).collect()
+}
+
+/// The name of a fit in words.
+fn in_words(name: &str) -> String {
+    literal(&name.replace('_', " "))
 }
 
 fn error(part: &PartScore) -> f64 {
@@ -44,8 +54,8 @@ fn tile(scores: &FitScores) -> [String; 3] {
     let value = best.map_or(f64::NAN, |member| error(&member.unseen));
     [
         percent(value),
-        scores.name.clone(),
-        format!("relative RMSE of {}", best.map_or("", |member| &member.method)),
+        literal(&scores.name),
+        format!("relative RMSE of {}", best.map_or(String::new(), |member| literal(&member.method))),
     ]
 }
 
@@ -60,12 +70,13 @@ fn role(member: &MemberScores) -> &'static str {
 fn scores_section(page: &mut Page, pairs: &[(&StudyFit, &FitScores)]) -> Markup {
     let mut tables = Vec::new();
     for (fit, scores) in pairs {
-        let caption = format!("Relative RMSE of {} from {}.", fit.name, listed(&fit.spec.inputs));
+        let caption =
+            format!("Relative RMSE of {} from {}.", literal(&fit.name), listed(&literals(&fit.spec.inputs)));
         let columns = ["Surrogate", "", "Training", "Held out", "Unseen", "R²", "In interval", "Outside"];
         let mut table = Table { words: 2, ..Table::new(&page.own_table_label(), &caption, &columns) };
         for member in &scores.members {
             table.row(vec![
-                member.method.clone(),
+                literal(&member.method),
                 role(member).into(),
                 percent(error(&member.training)),
                 percent(error(&member.held_out)),
@@ -82,7 +93,7 @@ fn scores_section(page: &mut Page, pairs: &[(&StudyFit, &FitScores)]) -> Markup 
         if fit.members.first().is_some_and(|member| member.surrogate.columns().outputs.len() > 1) {
             tables.push(outputs_table(page, scores).html());
         }
-        tables.push(paragraphs(&fit.remarks));
+        tables.push(paragraphs(&literals(&fit.remarks)));
     }
     html! {
         (paragraphs(&[
@@ -98,13 +109,12 @@ fn scores_section(page: &mut Page, pairs: &[(&StudyFit, &FitScores)]) -> Markup 
 fn outputs_table(page: &mut Page, scores: &FitScores) -> Table {
     let asked: Vec<&MemberScores> =
         scores.members.iter().filter(|member| member.role == Role::Asked).collect();
-    let mut columns = vec!["Output"];
-    columns.extend(asked.iter().map(|member| member.method.as_str()));
-    let caption = format!("Relative RMSE on unseen runs of each output of {}.", scores.name);
-    let mut table = Table::new(&page.own_table_label(), &caption, &columns);
+    let caption = format!("Relative RMSE on unseen runs of each output of {}.", literal(&scores.name));
+    let mut table = Table::new(&page.own_table_label(), &caption, &["Output"]);
+    table.columns.extend(asked.iter().map(|member| literal(&member.method)));
     for (k, output) in asked.first().map_or(&[][..], |member| &member.outputs).iter().enumerate() {
         let errors = asked.iter().map(|member| percent(member.outputs[k].unseen.relative_rmse));
-        table.row(std::iter::once(output.name.clone()).chain(errors).collect());
+        table.row(std::iter::once(literal(&output.name)).chain(errors).collect());
     }
     table
 }
@@ -120,7 +130,7 @@ fn uses_section(page: &mut Page, pairs: &[(&StudyFit, &FitScores)]) -> Markup {
             score.map_or("–".into(), |score| percent(score.relative_rmse))
         };
         table.row(vec![
-            name.clone(),
+            literal(name),
             error(used.own),
             error(used.with_other),
             error(used.permuted),
@@ -159,7 +169,7 @@ fn figures_section(page: &mut Page, stored: &StoredStudy) -> Markup {
 fn axis(table: &Columns, name: &str, word: &str) -> Axis {
     let unit =
         table.columns().iter().find(|column| column.name == name).map_or("", |column| column.unit.as_str());
-    let axis = Axis::new(&format!("{word}{}", name.replace('_', " ")));
+    let axis = Axis::new(&format!("{word}{}", in_words(name)));
     if unit.is_empty() || unit == "1" { axis } else { axis.unit(unit) }
 }
 
@@ -191,14 +201,15 @@ fn along_figure(stored: &StoredStudy, fit: &StudyFit, table: &Columns) -> Option
             // About forty markers per curve can be distinguished.
             let marks =
                 rows.iter().step_by(rows.len().div_ceil(40).max(1)).map(|&r| [xs[r], exact[r]]).collect();
-            plot = plot.with(Layer::points(marks, SHAPES[k % SHAPES.len()], color(k)).named(name));
+            plot = plot.with(Layer::points(marks, SHAPES[k % SHAPES.len()], color(k)).named(&literal(name)));
         }
         panels.push(Panel::plot(plot));
     }
     let caption = format!(
-        "{} along {coordinate}: unseen runs (marks), predictions of {} (lines) and their intervals (bands).",
-        fit.name.replace('_', " "),
-        member.method
+        "{} along {}: unseen runs (marks), predictions of {} (lines) and their intervals (bands).",
+        in_words(&fit.name),
+        literal(coordinate),
+        literal(&member.method)
     );
     Some((Figure::new(&caption, panels.len().clamp(1, 2), panels), caption))
 }
@@ -213,8 +224,9 @@ fn against_figure(fit: &StudyFit, table: &Columns) -> (Figure, String) {
         for (k, member) in asked.enumerate() {
             let predicted = table.values(&format!("predicted_{output}_by_{}", member.name)).unwrap_or(&[]);
             let dots = exact.iter().zip(predicted).map(|(x, y)| [*x, *y]).collect();
-            plot =
-                plot.with(Layer::dots(dots, SHAPES[k % SHAPES.len()], 2.0, color(k)).named(&member.method));
+            plot = plot.with(
+                Layer::dots(dots, SHAPES[k % SHAPES.len()], 2.0, color(k)).named(&literal(&member.method)),
+            );
         }
         let ends = exact
             .iter()
@@ -227,10 +239,8 @@ fn against_figure(fit: &StudyFit, table: &Columns) -> (Figure, String) {
         }
         panels.push(Panel::plot(plot));
     }
-    let caption = format!(
-        "Predicted against measured {} of all unseen runs; dashed: equality.",
-        fit.name.replace('_', " ")
-    );
+    let caption =
+        format!("Predicted against measured {} of all unseen runs; dashed: equality.", in_words(&fit.name));
     (Figure::new(&caption, panels.len().clamp(1, 2), panels), caption)
 }
 
@@ -244,7 +254,7 @@ fn repeat_section(page: &mut Page, stored: &StoredStudy) -> Markup {
             granum_learn::runs::RunRole::Unseen => "unseen",
         };
         let seed = run.values.get(granum_io::case::SEED).cloned().unwrap_or_else(|| "–".into());
-        table.row(vec![run.name.clone(), role.into(), seed]);
+        table.row(vec![literal(&run.name), role.into(), seed]);
     }
     let facts = [
         format!(
@@ -258,7 +268,7 @@ fn repeat_section(page: &mut Page, stored: &StoredStudy) -> Markup {
         ),
         format!(
             "Methods: {}. Intervals of {}.",
-            listed(&study.definition.methods),
+            listed(&literals(&study.definition.methods)),
             percent(study.definition.level)
         ),
     ];

@@ -3,6 +3,7 @@
 //! The pages are written to the target directory, where they can be inspected.
 
 mod checks;
+mod names_and_noise;
 mod synthetic;
 
 use granum_report::{self as report, Role, RunReport};
