@@ -23,8 +23,8 @@ pub enum LearnError {
     Table(#[from] granum_core::TableError),
     /// A sub-model has too little to learn from.
     #[error(
-        "{mapping} sub-model {sub_model} (deviator strain {low} to {high}) has {found} training states, needs {needed}; \
-         record more states or widen its range"
+        "{mapping} sub-model {sub_model} (deviator strain {} to {}) has {found} training states, needs {needed}; \
+         record more states or widen its range", brief(*.low), brief(*.high)
     )]
     TooFewStates {
         /// Name of the mapping.
@@ -103,5 +103,28 @@ pub enum LearnError {
     Files(#[from] granum_io::Error),
 }
 
+/// A strain with the digits that a reader of a message needs.
+fn brief(strain: f64) -> f64 {
+    (strain * 1e6).round() / 1e6
+}
+
 /// Result of this crate.
 pub type Result<T> = std::result::Result<T, LearnError>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strains_in_messages_are_brief() {
+        let error = LearnError::TooFewStates {
+            mapping: "F2".into(),
+            sub_model: 1,
+            low: 0.0,
+            high: 0.01 / 3.0,
+            found: 2,
+            needed: 3,
+        };
+        assert!(error.to_string().contains("(deviator strain 0 to 0.003333)"), "{error}");
+    }
+}

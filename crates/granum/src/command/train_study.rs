@@ -38,9 +38,14 @@ pub struct StudyFlags {
     /// intervals do not vary along the test, and the inputs of runs cannot be exchanged.
     #[arg(long, value_name = "COLUMN", requires = "input")]
     coordinate: Option<String>,
-    /// Methods: feed-forward, ridge, mean-curve; antony2006 for the inputs and outputs of one of its mappings.
-    #[arg(long, value_name = "NAME", value_delimiter = ',', default_value = "feed-forward")]
+    #[arg(long, value_name = "NAME", value_delimiter = ',', default_value = "feed-forward", help = methods())]
     method: Vec<String>,
+}
+
+/// The help text of `--method`: the names of all methods.
+fn methods() -> String {
+    let names = surrogate_methods().names().join(", ");
+    format!("Methods: {names}; the last one for the inputs and outputs of one of the paper's mappings")
 }
 
 impl StudyFlags {
