@@ -7,7 +7,7 @@ use std::thread;
 
 use granum_dem::observer::{Flow, NoObserver};
 use granum_dem::preparation::PreparationError;
-use granum_io::{RunFolder, RunStatus};
+use granum_io::{OutputFolder, RunFolder, RunStatus};
 
 use super::execution::{Held, check_folder, execute};
 use super::outcome::{Outcome, RunError};
@@ -150,7 +150,12 @@ impl Queue {
         let still_waited_for: BTreeSet<usize> = after.iter().flatten().copied().collect();
         for (k, held) in held.into_iter().enumerate() {
             let outcome = match held {
-                Held::Finished(record) => Outcome::Finished { record, reused: true },
+                Held::Finished(record) => {
+                    // A process that was killed after it had written the record may have left a temporary file. A folder that
+                    // cannot be opened, because it can only be read or is in use, is used as it is.
+                    drop(OutputFolder::open(&self.runs[k].folder));
+                    Outcome::Finished { record, reused: true }
+                }
                 Held::Nothing if waited_for.contains(&k) && !still_waited_for.contains(&k) => {
                     Outcome::NotNeeded
                 }

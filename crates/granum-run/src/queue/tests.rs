@@ -83,7 +83,10 @@ fn a_shared_sample_gives_the_same_results_and_is_used_again() {
     assert_eq!(series(&folder), series(&base.path().join("alone")));
     assert!(queue.is_finished(&laboratory()));
 
-    // A further test uses the sample again, and nothing else is computed.
+    // A further test uses the sample again, and nothing else is computed. What a process left that was killed after the end of a
+    // run goes.
+    let left = folder.join("strain=0.01").join(".seconds.json.1-1.granum-unfinished");
+    std::fs::write(&left, "{").unwrap();
     let more = Queue::with_shared_samples(tests(&folder, &["0.01", "0.02", "0.03"]), &samples).unwrap();
     more.check(&laboratory(), false).unwrap();
     let notes = Notes::default();
@@ -91,6 +94,7 @@ fn a_shared_sample_gives_the_same_results_and_is_used_again() {
     assert!(matches!(outcomes[1], Outcome::Finished { reused: true, .. }));
     assert!(matches!(outcomes[3], Outcome::Finished { reused: false, .. }));
     assert_eq!(notes.said()[0], "begins 3");
+    assert!(!left.exists());
 
     // The sample of finished tests is not missed.
     std::fs::remove_dir_all(&samples).unwrap();

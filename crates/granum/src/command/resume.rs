@@ -6,7 +6,7 @@ use clap::Args;
 use granum::contents::Contents;
 use granum_antony2006::layout::STUDY_FILE;
 use granum_io::shell::ShowPath;
-use granum_io::{RunFolder, RunStatus};
+use granum_io::{OutputFolder, RunFolder, RunStatus};
 use granum_learn::study::StudyPlan;
 use serde_json::json;
 
@@ -75,6 +75,9 @@ impl Resume {
         if self.folder.join(STUDY_FILE).is_file() {
             let contents = Contents::Training { finished: true };
             whole::check(&self.folder, &whole::faults(&self.folder, &contents)?)?;
+            // Opening it removes a temporary file of a process that was killed at the very end; a folder that can only be read is
+            // finished all the same.
+            drop(OutputFolder::open(&self.folder));
             let result = json!({ "study": output::path(&self.folder), "status": "finished" });
             return output::say(context, &result, || format!("{name}: the training is finished"));
         }
