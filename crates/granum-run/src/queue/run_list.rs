@@ -38,6 +38,9 @@ const LARGEST: u64 = 1 << 30;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunList {
     format: u32,
+    /// The version that wrote it, by which a folder without its lock file is known as granum's.
+    #[serde(default)]
+    granum_version: String,
     runs: Vec<Listed>,
 }
 
@@ -81,7 +84,7 @@ impl RunList {
             })
         };
         let runs = queue.runs().iter().map(listed).collect::<Result<_, _>>()?;
-        Ok(RunList { format: FORMAT, runs })
+        Ok(RunList { format: FORMAT, granum_version: env!("CARGO_PKG_VERSION").to_owned(), runs })
     }
 
     /// Reads the list of a folder; `None` if it has none.

@@ -90,6 +90,11 @@ fn values_between_commas_make_all_combinations() {
     let status = done_json(here, &["status", "study"]);
     assert_eq!((&status["finished"], &status["command"]), (&true.into(), &"granum table study".into()));
     assert_eq!(status["runs"].as_array().unwrap().len(), 8);
+    // So does a folder that was copied without its hidden file.
+    std::fs::remove_file(here.join("study/.granum-lock")).unwrap();
+    done(here, &["resume", "study"]);
+    std::fs::remove_file(here.join("study/.granum-lock")).unwrap();
+    assert!(done(here, &STUDY).contains("nothing was left to do"));
 
     table_of_the_study(here);
     curves_of_the_study(here);
