@@ -111,27 +111,29 @@ const TANGENTIAL_ENERGY: Scalar = &["tangential_energy"];
 const SLIDING: Scalar = &["sliding"];
 const TOUCHING: Scalar = &["touching"];
 
+/// All of the scalars and vectors above.
+const SCALARS: [Scalar; 12] = [
+    STEP,
+    TIME,
+    ID,
+    RADIUS,
+    DIAMETER,
+    MASS,
+    NORMAL_FORCE,
+    APPROACH,
+    NORMAL_ENERGY,
+    TANGENTIAL_ENERGY,
+    SLIDING,
+    TOUCHING,
+];
+const TRIPLES: [Triple; 8] = [POSITION, VELOCITY, SPIN, FORCE, TORQUE, BRANCH, NORMAL, TANGENTIAL_FORCE];
+
 /// All names, and those of vectors.
 fn known_names() -> (Vec<String>, Vec<[String; 3]>) {
-    let scalars = [
-        STEP,
-        TIME,
-        ID,
-        RADIUS,
-        DIAMETER,
-        MASS,
-        NORMAL_FORCE,
-        APPROACH,
-        NORMAL_ENERGY,
-        TANGENTIAL_ENERGY,
-        SLIDING,
-        TOUCHING,
-    ];
-    let triples = [POSITION, VELOCITY, SPIN, FORCE, TORQUE, BRANCH, NORMAL, TANGENTIAL_FORCE];
     let vector = |name: &&str| ["x", "y", "z"].map(|axis| name.replace('?', axis));
-    let vectors: Vec<[String; 3]> = triples.iter().flat_map(|names| names.iter().map(vector)).collect();
+    let vectors: Vec<[String; 3]> = TRIPLES.iter().flat_map(|names| names.iter().map(vector)).collect();
     let mut known: Vec<String> =
-        scalars.iter().flat_map(|names| names.iter().map(|name| name.to_string())).collect();
+        SCALARS.iter().flat_map(|names| names.iter().map(|name| name.to_string())).collect();
     known.extend(PAIRS.iter().flatten().map(|name| name.to_string()));
     known.extend(vectors.iter().flatten().cloned());
     (known, vectors)
@@ -343,23 +345,8 @@ fn vector(columns: [&[f64]; 3], row: usize) -> Vector {
 
 /// Places of all columns that are read.
 fn needed(names: &Names) -> Vec<usize> {
-    let scalars = [
-        STEP,
-        TIME,
-        ID,
-        RADIUS,
-        DIAMETER,
-        MASS,
-        NORMAL_FORCE,
-        APPROACH,
-        NORMAL_ENERGY,
-        TANGENTIAL_ENERGY,
-        SLIDING,
-        TOUCHING,
-    ];
-    let triples = [POSITION, VELOCITY, SPIN, FORCE, TORQUE, BRANCH, NORMAL, TANGENTIAL_FORCE];
-    let mut places: Vec<usize> = scalars.iter().filter_map(|known| names.scalar(known)).collect();
-    places.extend(triples.iter().filter_map(|known| names.triple(known)).flatten());
+    let mut places: Vec<usize> = SCALARS.iter().filter_map(|known| names.scalar(known)).collect();
+    places.extend(TRIPLES.iter().filter_map(|known| names.triple(known)).flatten());
     places.extend(names.pair().into_iter().flatten());
     places.sort_unstable();
     places.dedup();
