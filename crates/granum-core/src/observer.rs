@@ -20,6 +20,13 @@ pub enum Flow {
     Stop,
 }
 
+impl Flow {
+    /// The request of two observers: to continue only if both request it.
+    pub fn and(self, other: Flow) -> Flow {
+        if self == Flow::Continue { other } else { Flow::Stop }
+    }
+}
+
 /// A value with its name and unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -219,13 +226,7 @@ pub struct Observers<'a>(pub Vec<&'a mut dyn Observer>);
 impl Observer for Observers<'_> {
     fn progress(&mut self, progress: &Progress) -> Flow {
         // Every observer is notified, also after one has requested the stop.
-        let mut flow = Flow::Continue;
-        for observer in &mut self.0 {
-            if observer.progress(progress) == Flow::Stop {
-                flow = Flow::Stop;
-            }
-        }
-        flow
+        self.0.iter_mut().fold(Flow::Continue, |flow, observer| flow.and(observer.progress(progress)))
     }
 
     fn event(&mut self, event: &Event) {

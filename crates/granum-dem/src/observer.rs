@@ -270,23 +270,11 @@ pub struct Observers<'a>(pub Vec<&'a mut dyn Observer>);
 impl Observer for Observers<'_> {
     fn progress(&mut self, progress: &Progress) -> Flow {
         // Every observer is notified, also after one has requested the stop.
-        let mut flow = Flow::Continue;
-        for observer in &mut self.0 {
-            if observer.progress(progress) == Flow::Stop {
-                flow = Flow::Stop;
-            }
-        }
-        flow
+        self.0.iter_mut().fold(Flow::Continue, |flow, observer| flow.and(observer.progress(progress)))
     }
 
     fn work(&mut self, work: &Work) -> Flow {
-        let mut flow = Flow::Continue;
-        for observer in &mut self.0 {
-            if observer.work(work) == Flow::Stop {
-                flow = Flow::Stop;
-            }
-        }
-        flow
+        self.0.iter_mut().fold(Flow::Continue, |flow, observer| flow.and(observer.work(work)))
     }
 
     fn work_every(&self) -> u64 {
