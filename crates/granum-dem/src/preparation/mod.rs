@@ -26,27 +26,29 @@
 //! can be saved at any check and resumed.
 
 mod error;
+mod next_trial;
 mod procedure_search;
 mod progress;
 mod specification;
 mod stages;
-
-use serde::{Deserialize, Serialize};
+mod state;
 
 pub use self::error::{PreparationError, StageFault};
+pub use self::next_trial::NextTrial;
 pub use self::procedure_search::Procedure;
 use self::procedure_search::{Line, closer, repeats};
 pub use self::progress::{Sample, Trial};
 pub use self::specification::SampleSpecification;
+pub use self::state::PreparationState;
+use self::state::Stage;
 use crate::cell::Cell;
 use crate::config::Preparation;
 use crate::initial_sphere::InitialSphere;
-use crate::loading::StageProgress;
 use crate::observer::NoObserver;
 pub use crate::observer::{Flow, Observer, Phase, Progress};
 use crate::random_insertion::{InsertionError, followed_insertion};
 use crate::servo::CellControl;
-use crate::simulation::{Properties, Simulation};
+use crate::simulation::Simulation;
 use crate::simulation_error::SimulationError;
 use crate::slices;
 
@@ -76,59 +78,6 @@ pub struct Preparing {
     pub progress: PreparationState,
 }
 
-/// The progress of a preparation.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PreparationState {
-    /// Completed trials.
-    trials: Vec<Trial>,
-    /// Number of steps of completed phases.
-    steps: u64,
-    /// Simulated time of completed phases, s.
-    #[serde(default)]
-    time: f64,
-    /// The procedure of this trial; `None` where a packing is only brought to rest.
-    procedure: Option<Procedure>,
-    /// Its position in the search.
-    position: f64,
-    stage: Stage,
-    /// Number of checks in a row that found the goal of the phase reached.
-    converged_checks: u32,
-    /// True if it started from a packing instead of random insertion.
-    #[serde(default)]
-    packing: bool,
-}
-
-/// The next trial for the procedure of the preparation, and the results of the trials before.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NextTrial {
-    procedure: Procedure,
-    position: f64,
-    trials: Vec<Trial>,
-    steps: u64,
-    time: f64,
-}
-
-impl NextTrial {
-    /// The first trial of a specification.
-    pub fn first(specification: &SampleSpecification) -> NextTrial {
-        let (p, own) = (specification.preparation, specification.grains.mean_friction());
-        let line = Line::new(p, own);
-        let position = match (p.friction, p.target()) {
-            (None, Some(target)) => line.next(&[], target),
-            _ => own,
-        };
-        let mut procedure = line.procedure(position);
-        procedure.friction = p.friction.unwrap_or(procedure.friction);
-        NextTrial { procedure, position, trials: Vec::new(), steps: 0, time: 0.0 }
-    }
-
-    /// Material and contact laws during the compaction of this trial.
-    pub fn properties(&self, specification: &SampleSpecification) -> Properties {
-        specification.properties().while_compacting(specification.preparation, self.procedure.friction)
-    }
-}
-
 /// True if a packing is loose: it carries less than half of the target mean stress, and is less dense than the target solid
 /// fraction, if there is one. It is then compacted like the grains of a random insertion.
 pub fn is_loose(packing: &Simulation, p: &Preparation) -> bool {
@@ -136,35 +85,6 @@ pub fn is_loose(packing: &Simulation, p: &Preparation) -> bool {
     let carries = state.mean_stress() >= LOOSE_BELOW * p.mean_stress;
     let below = |target: f64| state.solid_fraction() < target - p.solid_fraction_tolerance;
     !carries && p.target().is_none_or(below)
-}
-
-/// A phase, with its run state.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-enum Stage {
-    /// Isotropic compression.
-    Compaction {
-        /// Rate limit once load is carried, 1/s.
-        slow: f64,
-        /// Largest number of steps.
-        limit: u64,
-        /// True once load is carried.
-        loaded: bool,
-    },
-    /// Relaxation to equilibrium.
-    Relaxation,
-    /// Relaxation to equilibrium at another mean stress.
-    Consolidation {
-        /// Largest number of steps.
-        limit: u64,
-    },
-    /// Strain cycles, or a stage of the specification.
-    Loading {
-        /// Its index among the stages of the trial.
-        index: usize,
-        /// Its run state.
-        progress: Box<StageProgress>,
-    },
 }
 
 /// Result of [`Preparing::go_on`].
@@ -175,48 +95,6 @@ pub enum Outcome {
     Again(NextTrial),
     /// The observer stopped it; it can be continued from here.
     Stopped(Box<Preparing>),
-}
-
-impl PreparationState {
-    /// The phase.
-    pub fn phase(&self) -> Phase {
-        match self.stage {
-            Stage::Compaction { .. } => Phase::Compaction,
-            Stage::Relaxation => Phase::Relaxation,
-            Stage::Consolidation { .. } => Phase::Consolidation,
-            Stage::Loading { index, .. } => self.phase_of_stage(index),
-        }
-    }
-
-    /// The procedure of the compaction; `None` where nothing is compacted.
-    pub fn procedure(&self) -> Option<Procedure> {
-        self.procedure
-    }
-
-    /// Number of the present trial of the search, from 1.
-    pub fn trial(&self) -> usize {
-        self.trials.len() + 1
-    }
-
-    /// Number of steps of the completed phases, in all trials.
-    pub fn steps(&self) -> u64 {
-        self.steps
-    }
-
-    /// The progress as observers see it.
-    fn of<'a>(&self, simulation: &'a Simulation) -> Progress<'a> {
-        let state = simulation.state();
-        let steps = self.steps.saturating_add(state.step());
-        let time = self.time + state.time();
-        Progress { trial: self.trial(), ..Progress::new(self.phase(), steps, time, simulation) }
-    }
-
-    /// Adds the steps and the time of a phase that is complete.
-    fn count(&mut self, simulation: &Simulation) {
-        self.steps += simulation.state().step();
-        self.time += simulation.state().time();
-        self.converged_checks = 0;
-    }
 }
 
 /// Prepares a sample; the observer is called every few hundred steps.
