@@ -43,6 +43,39 @@ impl Default for SizeStudyOptions {
     }
 }
 
+impl SizeStudyOptions {
+    /// The names of all networks that the study trains.
+    pub fn networks(&self) -> Vec<String> {
+        let name =
+            |(mapping, seed, sub_model): (&Mapping, usize, usize)| network_name(mapping, seed, sub_model);
+        networks(&self.sized(), self.seeds()).map(name).collect()
+    }
+
+    fn seeds(&self) -> usize {
+        self.seeds.max(1)
+    }
+
+    /// The mappings with networks of every size.
+    fn sized(&self) -> Vec<Mapping> {
+        let sizes = |mapping: &'_ Mapping| -> Vec<Mapping> {
+            self.neurons.iter().map(|&neurons| mapping.with_neurons(neurons.max(1))).collect()
+        };
+        self.mappings.iter().flat_map(sizes).collect()
+    }
+}
+
+/// Mapping, seed from 1, and number of the sub-model of every network, in the order in which they are trained.
+fn networks(sized: &[Mapping], seeds: usize) -> impl Iterator<Item = (&Mapping, usize, usize)> {
+    sized.iter().flat_map(move |mapping| {
+        (1..=seeds).flat_map(move |seed| (0..mapping.sub_models.len()).map(move |k| (mapping, seed, k)))
+    })
+}
+
+fn network_name(mapping: &Mapping, seed: usize, sub_model: usize) -> String {
+    let neurons = mapping.sub_models.first().and_then(|s| s.hidden.first()).copied().unwrap_or(0);
+    format!("{}-{neurons}-neurons-seed-{seed}-{}", mapping.name, sub_model + 1)
+}
+
 /// Errors as a function of the size of the networks.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SizeStudy {
@@ -96,23 +129,13 @@ impl SizeStudy {
         options: &SizeStudyOptions,
         observer: &dyn StudyObserver,
     ) -> Result<SizeStudy> {
-        let seeds = options.seeds.max(1);
-        let sized: Vec<Mapping> = options
-            .mappings
-            .iter()
-            .flat_map(|mapping| options.neurons.iter().map(|&neurons| mapping.with_neurons(neurons.max(1))))
-            .collect();
-        let mut jobs = Vec::new();
-        for mapping in &sized {
-            let neurons = mapping.sub_models.first().and_then(|s| s.hidden.first()).copied().unwrap_or(0);
-            for seed in 1..=seeds {
-                for sub_model in 0..mapping.sub_models.len() {
-                    let name = format!("{}-{neurons}-neurons-seed-{seed}-{}", mapping.name, sub_model + 1);
-                    let seed = network_seed(options.study.seed, &name);
-                    jobs.push(Job { name, mapping, sub_model, seed });
-                }
-            }
-        }
+        let (seeds, sized) = (options.seeds(), options.sized());
+        let job = |(mapping, seed, sub_model): (_, usize, usize)| {
+            let name = network_name(mapping, seed, sub_model);
+            let seed = network_seed(options.study.seed, &name);
+            Job { name, mapping, sub_model, seed }
+        };
+        let jobs: Vec<Job> = networks(&sized, seeds).map(job).collect();
         let mut trained =
             train_all(dataset, &jobs, &options.study, observer)?.into_iter().map(|(model, _)| model);
         let mut points = Vec::with_capacity(sized.len());

@@ -484,6 +484,16 @@ fn figures_have_lines_points_and_bands() {
     assert!(band.low.iter().zip(&band.high).all(|(low, high)| low <= high));
 }
 
+/// Notes the names of the networks.
+#[derive(Default)]
+struct Names(std::sync::Mutex<Vec<String>>);
+
+impl StudyObserver for Names {
+    fn trained(&self, network: &str, _: &Model, _: f64) {
+        self.0.lock().unwrap().push(network.to_string());
+    }
+}
+
 #[test]
 fn the_size_study_sees_that_one_neuron_is_too_few() {
     let dataset = dataset(Law::Plain, 1, 1, 120);
@@ -493,7 +503,12 @@ fn the_size_study_sees_that_one_neuron_is_too_few() {
         study: StudyOptions::default(),
         ..Default::default()
     };
-    let study = SizeStudy::run(&dataset, &options, &Silent).unwrap();
+    let names = Names::default();
+    let study = SizeStudy::run(&dataset, &options, &names).unwrap();
+    let (mut trained, mut told) = (names.0.into_inner().unwrap(), options.networks());
+    trained.sort();
+    told.sort();
+    assert!(told.contains(&"F3-5-neurons-seed-2-2".to_string()) && trained == told, "{trained:?} {told:?}");
     assert_eq!(study.curves.len(), 2);
     let f1 = &study.curves[0];
     assert_eq!(f1.mapping, "F1");

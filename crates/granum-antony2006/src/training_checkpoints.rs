@@ -153,6 +153,16 @@ fn state_file(network: &str) -> String {
     format!("{network}.unfinished")
 }
 
+/// Every file that [`TrainingCheckpoints`] of networks of these names may write to their folder, also one that a killed process
+/// left half-written.
+pub fn files_of_networks(names: &[String]) -> Vec<String> {
+    let of = |name: &String| {
+        let network = network_file(name);
+        [format!("{network}.part"), network, state_file(name)]
+    };
+    names.iter().flat_map(of).chain([TIMES_FILE.to_string()]).collect()
+}
+
 /// Stores networks and the states of unfinished networks in a folder.
 pub struct TrainingCheckpoints {
     folder: PathBuf,

@@ -221,29 +221,24 @@ impl OutputFolder {
         remove_unfinished(&path).map_err(Error::file("tidy", &path))
     }
 
-    /// Removes the files of an inner folder whose names have one of the given endings, and the folder if it is then empty. A
-    /// link in its place is left alone.
+    /// Removes the files of these names from an inner folder, with what a killed process left there, and the folder if it is then
+    /// empty. Folders, and a link in its place, are left alone.
     ///
     /// # Errors
     /// [`Error::File`] if one cannot be removed.
-    pub fn clear_inside(&self, name: &str, ends: &[&str]) -> Result<()> {
+    pub fn clear_inside(&self, name: &str, files: &[String]) -> Result<()> {
         let path = self.path.join(name);
         if !fs::symlink_metadata(&path).is_ok_and(|kind| kind.is_dir()) {
             return Ok(());
         }
-        let mut left = false;
-        for entry in fs::read_dir(&path).map_err(Error::file("read", &path))? {
-            let entry = entry.map_err(Error::file("read", &path))?;
-            let name = entry.file_name();
-            let name = name.to_string_lossy();
-            let ours = ends.iter().any(|end| name.ends_with(end)) || name.ends_with(UNFINISHED);
-            if ours && entry.file_type().is_ok_and(|kind| !kind.is_dir()) {
-                fs::remove_file(entry.path()).map_err(Error::file("remove", &entry.path()))?;
-            } else {
-                left = true;
+        self.remove_unfinished_inside(name)?;
+        for file in files.iter().map(|file| path.join(file)) {
+            if fs::symlink_metadata(&file).is_ok_and(|kind| !kind.is_dir()) {
+                fs::remove_file(&file).map_err(Error::file("remove", &file))?;
             }
         }
-        if left { Ok(()) } else { fs::remove_dir(&path).map_err(Error::file("remove", &path)) }
+        let is_empty = fs::read_dir(&path).map_err(Error::file("read", &path))?.next().is_none();
+        if is_empty { fs::remove_dir(&path).map_err(Error::file("remove", &path)) } else { Ok(()) }
     }
 }
 
@@ -475,6 +470,32 @@ mod tests {
         fs::remove_file(path.join(LOCK)).unwrap();
         drop(OutputFolder::create(path, true).unwrap());
         assert!(path.join(LOCK).exists());
+    }
+
+    #[test]
+    fn only_files_that_are_named_are_cleared_inside() {
+        let base = tempfile::tempdir().unwrap();
+        let folder = OutputFolder::create(base.path().join("study"), false).unwrap();
+        let sizes = folder.subfolder("sizes").unwrap();
+        let left = format!(".F1-1.json.1-0{UNFINISHED}");
+        let written = ["F1-1.json", "F1-1.unfinished", "F1-2.json", "absent.json"].map(String::from);
+        for name in ["F1-1.json", "F1-1.unfinished", &left, "my.json", "my.unfinished"] {
+            fs::write(sizes.join(name), "x").unwrap();
+        }
+        fs::create_dir(sizes.join("F1-2.json")).unwrap();
+        folder.clear_inside("sizes", &written).unwrap();
+        let mut names: Vec<String> = fs::read_dir(&sizes)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        assert_eq!(names, ["F1-2.json", "my.json", "my.unfinished"]);
+        for name in ["my.json", "my.unfinished"] {
+            fs::remove_file(sizes.join(name)).unwrap();
+        }
+        fs::remove_dir(sizes.join("F1-2.json")).unwrap();
+        folder.clear_inside("sizes", &written).unwrap();
+        assert!(!sizes.exists());
     }
 
     #[cfg(unix)]

@@ -5,6 +5,7 @@ use granum_antony2006::files::save_study;
 use granum_antony2006::reproduction::SUMMARY_FILE;
 use granum_antony2006::summary::{DemSummary, MappingSummary, RunSummary};
 use granum_antony2006::times::SummaryTimes;
+use granum_antony2006::training_checkpoints::files_of_networks;
 use granum_antony2006::{
     SizeStudy, SizeStudyOptions, Study, StudyData, StudyDataOptions, StudyOptions, Summary,
 };
@@ -73,13 +74,7 @@ pub fn all(
     // The folder is only needed until the summary contains the results.
     let sizes_folder = folder.subfolder(SIZES)?;
     let show = Show::new(context, "sizes", &sizes_folder, every);
-    // Sizes are compared with the default trainer, since that of the paper would take an hour and give the same result.
-    let sizes = SizeStudyOptions {
-        study: StudyOptions { threads, ..StudyOptions::default() },
-        neurons: if arguments.quick { vec![1, 2, 4, 8, 20] } else { SizeStudyOptions::default().neurons },
-        seeds: if arguments.quick { 3 } else { SizeStudyOptions::default().seeds },
-        ..SizeStudyOptions::default()
-    };
+    let sizes = size_options(arguments.quick, threads);
     let size_study =
         SizeStudy::run(&dataset, &sizes, &show).map_err(|error| show.failure(error, folder.path()))?;
     show.end(|| format!("F1 and F3 at {} sizes from {} seeds", sizes.neurons.len(), sizes.seeds));
@@ -114,13 +109,23 @@ pub fn all(
     SummaryTimes::of(&report.summary).write(folder.path())?;
     write_speed_page(folder.path(), &report)?;
     write_sealed(&folder.file(SUMMARY_FILE), &report.summary)?;
-    tidy(folder)?;
+    tidy(folder, arguments.quick)?;
     Ok(report.summary)
 }
 
 /// Removes the networks of the study of network sizes, whose results are in the summary.
-pub fn tidy(folder: &OutputFolder) -> Result<(), Failure> {
-    Ok(folder.clear_inside(SIZES, &[".json", ".unfinished", ".part"])?)
+pub fn tidy(folder: &OutputFolder, quick: bool) -> Result<(), Failure> {
+    Ok(folder.clear_inside(SIZES, &files_of_networks(&size_options(quick, 0).networks()))?)
+}
+
+/// Options of the study of network sizes. Sizes are compared with the default trainer, since that of the paper would take an hour
+/// and give the same result.
+fn size_options(quick: bool, threads: usize) -> SizeStudyOptions {
+    let options = SizeStudyOptions {
+        study: StudyOptions { threads, ..StudyOptions::default() },
+        ..SizeStudyOptions::default()
+    };
+    if quick { SizeStudyOptions { neurons: vec![1, 2, 4, 8, 20], seeds: 3, ..options } } else { options }
 }
 
 /// The descriptions of the runs that the study stores.
