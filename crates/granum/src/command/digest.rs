@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use granum::contents::Contents;
 use granum_io::RunStatus;
 use granum_io::shell::ShowPath;
 use granum_run::digest::of_run;
@@ -51,6 +50,6 @@ fn digest(context: &Context, folder: &Path) -> Result<(String, RunStatus), Failu
     let run = whole::open_run(context, folder)?;
     let record = run.record()?;
     records::check_begun(&run, &record)?;
-    whole::check(folder, &whole::faults(folder, &Contents::Run(None))?)?;
+    whole::check(folder, &whole::faults_of_run(&run)?)?;
     Ok((of_run(&run)?, record.status))
 }

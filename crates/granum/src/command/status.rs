@@ -140,13 +140,14 @@ impl FolderStatus {
         let run = Run::at(folder)?;
         let (case, record) = (run.case()?, run.record()?);
         let at_work = OutputFolder::is_in_use(folder);
+        let faults = whole::faults_of_run(&run)?;
         let strain = run.series().ok().and_then(|t| t.column("deviator_strain").ok()?.last().copied());
         let checkpoint = [CHECKPOINT, PREVIOUS_CHECKPOINT]
             .iter()
             .find_map(|name| std::fs::metadata(folder.join(name)).and_then(|file| file.modified()).ok())
             .map(|time| time.elapsed().unwrap_or_default());
         let contents = Contents::Run(Some(Box::new(record.clone())));
-        let (next, faults) = (contents.next(folder), whole::faults(folder, &contents)?);
+        let next = contents.next(folder);
         Ok(FolderStatus {
             folder: folder.to_path_buf(),
             status: record.status,

@@ -54,11 +54,17 @@ pub fn faults(folder: &Path, contents: &Contents) -> Result<Vec<String>, Failure
     match contents {
         Contents::Training { .. } => of_study(folder),
         Contents::Reproduction { finished, .. } => faults_of_reproduction(folder, *finished),
-        Contents::Run(_) if !OutputFolder::is_in_use(folder) => {
-            Ok(Run::at(folder)?.faults()?.iter().map(ToString::to_string).collect())
-        }
+        Contents::Run(_) => faults_of_run(&Run::at(folder)?),
         _ => Ok(Vec::new()),
     }
+}
+
+/// As [`faults`], for a run; what reads it next through the same value does not compare its files again.
+pub fn faults_of_run(run: &Run) -> Result<Vec<String>, Failure> {
+    if OutputFolder::is_in_use(run.path()) {
+        return Ok(Vec::new());
+    }
+    Ok(run.faults()?.iter().map(ToString::to_string).collect())
 }
 
 /// As [`faults`], for the networks and the summary of a reproduction.
