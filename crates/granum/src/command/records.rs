@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use granum_io::case::Difference;
 use granum_io::shell::ShowPath;
 use granum_io::shell::quoted_path;
-use granum_io::{Run, RunRecord, RunStatus};
+use granum_io::{Case, Run, RunRecord, RunStatus};
 use granum_learn::NamedRecord;
 use granum_learn::runs::{RunRole, StudyRun, differences_but_seed};
 use granum_run::record::read_record;
@@ -23,6 +23,8 @@ pub struct Recorded {
     pub seed: Option<u64>,
     /// Deviator strain at the end of the test, according to the case.
     pub end: f64,
+    /// The case.
+    pub case: Case,
     /// The measurements.
     pub record: Record,
     /// The description of the run that a study stores.
@@ -76,7 +78,14 @@ fn read_one(context: &Context, folder: &Path, role: RunRole) -> Result<Recorded,
     // The end of a test that is defined as a list of stages is the end of its record.
     let last = record.series.values("deviator_strain").and_then(|strains| strains.last().copied());
     let end = last.filter(|_| case.has_stages()).unwrap_or(case.shear.deviator_strain);
-    Ok(Recorded { known: StudyRun::read(&run, role)?, name: folder.shown(), seed: about.seed, end, record })
+    Ok(Recorded {
+        known: StudyRun::read(&run, role)?,
+        name: folder.shown(),
+        seed: about.seed,
+        end,
+        case,
+        record,
+    })
 }
 
 /// Refuses runs with identical states, since networks would be evaluated on the data from which they learned.

@@ -5,6 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use clap::Args;
 use granum::contents::{Kind, check_free};
+use granum_io::run::RunRecord;
 use granum_io::shell::quoted_path;
 use granum_io::{OutputFolder, Run};
 use granum_learn::runs::{RunRole, differences_but_seed};
@@ -12,6 +13,7 @@ use granum_learn::study::{self, STUDY_FILE, Study, StudyDefinition, StudyObserve
 use granum_learn::surrogate::{Surrogate, save};
 use granum_learn::{Dataset, FitSpec, LearnError, RunStates, Split, SurrogateMethods};
 use granum_run::laboratory::Field;
+use granum_run::runs_table::{RunEntry, differing_keys};
 use serde_json::json;
 
 use super::records::{self, Recorded};
@@ -160,9 +162,18 @@ fn check_numbers(dataset: &Dataset, runs: &[&Recorded], fits: &[FitSpec]) -> Res
 /// Says which keys differ between the runs without being an input, since the surrogates cannot know about them.
 fn note_differences(context: &Context, runs: &[&Recorded], fits: &[FitSpec]) {
     let named: Vec<_> = runs.iter().map(|run| (run.name.as_str(), &run.known)).collect();
+    let entry = |run: &&Recorded| RunEntry::new(&run.name, &run.name, run.case.clone(), RunRecord::default());
+    let parameters = differing_keys(&runs.iter().map(entry).collect::<Vec<_>>());
+    // Of stages and materials each parameter can be an input.
+    let parts = |whole: String| -> Vec<String> {
+        let inside = format!("{whole}.");
+        let found = parameters.iter().filter(|found| found.key.starts_with(&inside));
+        let found: Vec<String> = found.map(|found| found.key.clone()).collect();
+        if found.is_empty() { vec![whole] } else { found }
+    };
     let unknown: Vec<String> = differences_but_seed(&named)
         .into_iter()
-        .map(|difference| difference.key)
+        .flat_map(|difference| parts(difference.key))
         .filter(|key| !fits.iter().all(|fit| fit.inputs.contains(key)))
         .collect();
     if !unknown.is_empty() {

@@ -100,6 +100,23 @@ fn values_between_commas_make_all_combinations() {
     curves_of_the_study(here);
     data_of_another_program(here);
     a_folder_of_several_runs_is_no_run(here);
+    parameters_of_stages_are_inputs(here, [wanted[0], wanted[2]]);
+}
+
+/// Of runs that differ in the parameter of a stage, no difference is left if it is an input.
+fn parameters_of_stages_are_inputs(here: &Path, runs: [&str; 2]) {
+    let [one, two] = runs.map(|name| format!("study/{name}"));
+    let note = |input: &str, out: &str| {
+        let words =
+            ["train", &one, &two, "--input", input, "--output", "stress_ratio", "--method", "ridge", out];
+        let output = run(here, &words);
+        assert!(output.status.success(), "{}", stderr(&output));
+        stderr(&output)
+    };
+    let told = note("axial_strain", "--out=without");
+    assert!(told.contains("the runs differ in stage.1.lateral_stress, which is not an input"), "{told}");
+    let told = note("axial_strain,stage.1.lateral_stress", "--out=with");
+    assert!(!told.contains("is not an input"), "{told}");
 }
 
 /// The table of the six runs.
