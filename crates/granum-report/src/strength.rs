@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use granum_io::formats::mixed::{MixedColumn, MixedTable};
 use granum_run::runs_table::{RunEntry, RunGroup, groups};
 use granum_run::strength::critical_state_line::{CriticalStateLine, LateState, REFERENCE_STRESS};
+use granum_run::strength::one_material;
 use granum_run::strength::{MEASURES, Meaning};
 use maud::{Markup, html};
 
@@ -122,10 +123,11 @@ fn with_error(value: f64, error: Option<f64>) -> String {
     }
 }
 
-/// The critical state line of several tests as a table and a figure; `None` if their late states make no line.
+/// The critical state line of several tests of one material as a table and a figure; `None` if their late states make no line.
 pub fn critical_state_line(page: &mut Page, runs: &[RunReport]) -> Option<Markup> {
     let states: Vec<LateState> = runs.iter().filter_map(|run| late_state(&run.measures())).collect();
-    let line = CriticalStateLine::through(&states)?;
+    let cases: Vec<_> = runs.iter().map(|run| &run.case).collect();
+    let line = CriticalStateLine::through(&states).filter(|_| one_material::differing(&cases).is_empty())?;
     let (figure, caption) = line_figure(&line, &states);
     let figure = page.own_figure("critical-state-line", &caption, &figure);
     let label = page.own_table_label();

@@ -12,6 +12,7 @@ mod liquefaction;
 mod measures;
 mod monotonic;
 mod names;
+pub mod one_material;
 mod stiffness;
 pub mod symmetry;
 

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use granum_io::formats::mixed::{MixedColumn, MixedTable};
 use granum_io::shell::ShowPath;
-use granum_io::{Conventions, LaboratoryTest, check_output_file, read_laboratory};
+use granum_io::{Case, Conventions, LaboratoryTest, check_output_file, read_laboratory};
 use granum_report::comparison::{Errors, RunCurves, errors, figure};
 use granum_report::strength::{Measures, late_state, scatter_table};
 use granum_run::record::read_record;
 use granum_run::runs_table::{RunEntry, find_runs, legend};
 use granum_run::strength::critical_state_line::{CriticalStateLine, LateState};
+use granum_run::strength::one_material;
 use serde_json::{Value, json};
 
 use super::comparability::{check_common, unlike_stresses};
@@ -203,13 +204,18 @@ fn curves(context: &Context, folder: &Path) -> Result<RunCurves, Failure> {
 struct Strength {
     table: MixedTable,
     line: Option<CriticalStateLine>,
+    /// Keys by which the runs are of different materials, which have no line in common.
+    materials_differ_in: Vec<String>,
 }
 
 impl Strength {
     fn of(entries: &[RunEntry], runs: &[RunCurves]) -> Strength {
         let measures: Vec<Measures> = runs.iter().map(|run| run.measures.clone()).collect();
         let states: Vec<LateState> = measures.iter().filter_map(late_state).collect();
-        Strength { table: scatter_table(entries, &measures), line: CriticalStateLine::through(&states) }
+        let cases: Vec<&Case> = entries.iter().map(|entry| &entry.case).collect();
+        let materials_differ_in = one_material::differing(&cases);
+        let line = CriticalStateLine::through(&states).filter(|_| materials_differ_in.is_empty());
+        Strength { table: scatter_table(entries, &measures), line, materials_differ_in }
     }
 
     /// The rows of the table as objects.
@@ -230,6 +236,12 @@ impl Strength {
         if self.table.columns().len() > 1 {
             lines.push(String::new());
             lines.extend(text_table::lines(&self.table));
+        }
+        if !self.materials_differ_in.is_empty() {
+            lines.push(format!(
+                "no critical state line: the runs are of different materials ({})",
+                self.materials_differ_in.join(", ")
+            ));
         }
         if let Some(line) = &self.line {
             let error = |error: Option<f64>| error.map_or(String::new(), |error| format!(" +- {error:.4}"));
@@ -290,6 +302,7 @@ fn as_json(pairs: &[Pair], runs: &[&str], strength: &Strength, figure: &Path) ->
         "comparisons": pairs.iter().map(pair).collect::<Vec<_>>(),
         "strength": strength.rows(),
         "critical_state_line": strength.line.map(|line| line_as_json(&line)),
+        "materials_differ_in": strength.materials_differ_in,
         "figure": output::path(figure),
     })
 }

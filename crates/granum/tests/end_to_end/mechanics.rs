@@ -109,6 +109,12 @@ fn strength_has_a_sign_a_scatter_and_a_line() {
     assert!((angles[3] - 0.5 * (angles[0] + angles[1])).abs() < 1e-9, "{angles:?}");
     assert!((angles[4] - (angles[0] - angles[1]).abs() / 2f64.sqrt()).abs() < 1e-9, "{angles:?}");
     assert!(told["critical_state_line"]["lambda"].is_f64(), "{told}");
+    assert_eq!(told["materials_differ_in"], serde_json::json!([]));
+    // Tests of two materials have no line in common.
+    run(here, "drained-loose", "smooth", &[&short[..], &["--set", "grains.material.friction=0.1"]].concat());
+    let told = done_json(here, &["compare", "one", "high", "smooth", "-o", "materials.svg"]);
+    assert_eq!(told["materials_differ_in"], serde_json::json!(["grains.material.friction"]));
+    assert!(told["critical_state_line"].is_null(), "{told}");
     done(here, &["report", "one", "two", "high", "--out", "together"]);
     let page = std::fs::read_to_string(here.join("together/report.html")).unwrap();
     assert!(page.contains("Critical state line") && page.contains("standard deviation"));
