@@ -110,14 +110,13 @@ fn too_large(file: &str, grain: &Found, radius: f64, narrow: f64) -> Error {
 
 /// Without a cell: no grain is a million times farther from the median place than half of the grains are.
 fn check_together(file: &str, grains: &[Found]) -> Result<()> {
-    let largest = grains.iter().filter_map(|grain| grain.radius).map(f64::abs).fold(0.0, f64::max);
     let usual = median(grains.iter().filter_map(|grain| grain.radius).collect()).unwrap_or(0.0);
     for axis in 0..3 {
         let Some(middle) = median(grains.iter().map(|grain| grain.position[axis]).collect()) else {
             return Ok(());
         };
         let away = |grain: &Found| (grain.position[axis] - middle).abs();
-        let spread = median(grains.iter().map(away).collect()).unwrap_or(0.0).max(usual.min(largest));
+        let spread = median(grains.iter().map(away).collect()).unwrap_or(0.0).max(usual);
         if spread == 0.0 {
             continue;
         }
