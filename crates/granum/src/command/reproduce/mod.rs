@@ -77,7 +77,7 @@ impl Reproduce {
         if !context.force && self.is_finished(&folder, &plan, &laboratory) {
             whole::check(&self.out, &whole::faults_of_reproduction(folder.path(), true)?)?;
             // The process may have been killed between its last file and its tidying up.
-            study::tidy(&folder, self.quick)?;
+            study::tidy(&folder)?;
             return self.print(context, &folder, &read_summary(folder.path())?, None);
         }
         let runs = runs::all(context, &laboratory, &plan, &self.out)?;

@@ -109,13 +109,16 @@ pub fn all(
     SummaryTimes::of(&report.summary).write(folder.path())?;
     write_speed_page(folder.path(), &report)?;
     write_sealed(&folder.file(SUMMARY_FILE), &report.summary)?;
-    tidy(folder, arguments.quick)?;
+    tidy(folder)?;
     Ok(report.summary)
 }
 
-/// Removes the networks of the study of network sizes, whose results are in the summary.
-pub fn tidy(folder: &OutputFolder, quick: bool) -> Result<(), Failure> {
-    Ok(folder.clear_inside(SIZES, &files_of_networks(&size_options(quick, 0).networks()))?)
+/// Removes the networks of the study of network sizes, whose results are in the summary, also those of a reproduction with or
+/// without `--quick` that this one replaced.
+pub fn tidy(folder: &OutputFolder) -> Result<(), Failure> {
+    let names: Vec<String> =
+        [false, true].iter().flat_map(|&quick| size_options(quick, 0).networks()).collect();
+    Ok(folder.clear_inside(SIZES, &files_of_networks(&names))?)
 }
 
 /// Options of the study of network sizes. Sizes are compared with the default trainer, since that of the paper would take an hour
