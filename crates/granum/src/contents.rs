@@ -108,7 +108,7 @@ impl Contents {
     /// Determines the contents of a folder without locking or changing anything.
     ///
     /// # Errors
-    /// If the description of a reproduction cannot be read.
+    /// If the description of a reproduction cannot be read, or that of a training is a folder, a device or a broken link.
     pub fn of(folder: &Path) -> Result<Contents> {
         let has = |name: &str| folder.join(name).is_file();
         let of = Reproduction::read(folder)?;
@@ -120,6 +120,14 @@ impl Contents {
         if let Some(list) = RunList::read(folder).map_err(LearnError::from)? {
             let finished = list.tests(folder).all(|(_, run)| run_is_finished(&run));
             return Ok(Contents::Runs { list, finished });
+        }
+        for name in [PLAN_FILE, STUDY_FILE] {
+            let path = folder.join(name);
+            if path.symlink_metadata().is_ok() && !path.is_file() {
+                let message =
+                    "is not a regular file, so that it is not known what the folder is; put the file back";
+                return Err(granum_io::Error::content(&path, message).into());
+            }
         }
         if has(PLAN_FILE) || has(STUDY_FILE) {
             return Ok(Contents::Training { finished: has(STUDY_FILE) });
@@ -328,4 +336,20 @@ fn runs_are_finished(folder: &Path, of: Option<&Reproduction>) -> bool {
 
 fn is_real_folder(path: &Path) -> bool {
     std::fs::symlink_metadata(path).is_ok_and(|kind| kind.is_dir())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Without its description nothing tells a training from a run, so that the file itself must be named.
+    #[test]
+    fn a_description_that_is_no_file_is_named() {
+        for name in [PLAN_FILE, STUDY_FILE] {
+            let folder = tempfile::tempdir().unwrap();
+            std::fs::create_dir(folder.path().join(name)).unwrap();
+            let error = Contents::of(folder.path()).unwrap_err().to_string();
+            assert!(error.contains(name) && error.contains("is not a regular file"), "{error}");
+        }
+    }
 }
