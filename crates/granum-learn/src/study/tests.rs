@@ -143,9 +143,9 @@ fn along_a_path_that_turns_the_mean_curve_is_missing_with_its_reason() {
 
 /// Stops after the first surrogate and keeps it.
 #[derive(Default)]
-struct Keeper(Mutex<Vec<(String, String)>>);
+struct UnfinishedFits(Mutex<Vec<(String, String)>>);
 
-impl StudyObserver for Keeper {
+impl StudyObserver for UnfinishedFits {
     fn finished(&self, name: &str) -> Result<Option<Box<dyn Surrogate>>> {
         let kept = self.0.lock().unwrap();
         let found = kept.iter().find(|(known, _)| known == name);
@@ -164,11 +164,11 @@ impl StudyObserver for Keeper {
 fn a_stopped_training_goes_on_to_the_same_surrogates() {
     let dataset = dataset(0.3);
     let definition = definition(&["x", "s"]);
-    let keeper = Keeper::default();
-    let stopped = Study::train(&dataset, &definition, &SurrogateMethods::standard(), &keeper);
+    let unfinished = UnfinishedFits::default();
+    let stopped = Study::train(&dataset, &definition, &SurrogateMethods::standard(), &unfinished);
     assert!(matches!(stopped.err().unwrap(), LearnError::Stopped { done: 1, total: 3 }));
-    keeper.0.lock().unwrap().push(("none".into(), String::new()));
-    let resumed = Study::train(&dataset, &definition, &SurrogateMethods::standard(), &keeper).unwrap();
+    unfinished.0.lock().unwrap().push(("none".into(), String::new()));
+    let resumed = Study::train(&dataset, &definition, &SurrogateMethods::standard(), &unfinished).unwrap();
     let whole = train(&dataset, &definition).unwrap();
     assert_eq!(resumed.evaluate(&dataset).unwrap(), whole.evaluate(&dataset).unwrap());
 }

@@ -14,7 +14,7 @@ const DEPTH: usize = 6;
 /// symbolic links are not followed.
 ///
 /// # Errors
-/// If a folder does not exist or contains no run.
+/// If a folder does not exist or contains no run, or a folder in it has the series of a run without its record.
 pub fn find_runs(folders: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let mut found: Vec<PathBuf> = Vec::new();
     for folder in folders {
@@ -42,9 +42,17 @@ pub fn find_runs(folders: &[PathBuf]) -> Result<Vec<PathBuf>> {
 }
 
 fn search(folder: &Path, depth: usize, found: &mut Vec<PathBuf>) -> Result<()> {
-    if folder.join("run.json").is_file() {
+    let there = |name: &str| folder.join(name).symlink_metadata().is_ok();
+    if there("run.json") {
         found.push(folder.to_path_buf());
         return Ok(());
+    }
+    // A run must not be left out of a table without a word.
+    if there("series.parquet") {
+        return Err(Error::content(
+            folder,
+            "holds the series of a run but no run.json; put the file back, or remove the folder",
+        ));
     }
     if depth == 0 {
         return Ok(());

@@ -138,3 +138,22 @@ fn repetitions_with_other_seeds_are_one_group() {
         groups(&[runs[0].clone(), runs[2].clone()]).into_iter().map(|group| group.label).collect();
     assert_eq!(seeds, ["seed 1", "seed 2"]);
 }
+
+/// A run of which the record was removed or replaced by something else is not left out of a table without a word.
+#[test]
+fn a_run_without_its_record_is_named() {
+    let base = tempfile::tempdir().unwrap();
+    for name in ["a", "b"] {
+        let folder = base.path().join(name);
+        std::fs::create_dir(&folder).unwrap();
+        std::fs::write(folder.join("run.json"), "{}").unwrap();
+        std::fs::write(folder.join("series.parquet"), "").unwrap();
+    }
+    let find = || find_runs(&[base.path().to_path_buf()]);
+    assert_eq!(find().unwrap().len(), 2);
+    std::fs::remove_file(base.path().join("b/run.json")).unwrap();
+    let error = find().unwrap_err().to_string();
+    assert!(error.contains("b: holds the series of a run but no run.json"), "{error}");
+    std::fs::create_dir(base.path().join("b/run.json")).unwrap();
+    assert_eq!(find().unwrap().len(), 2);
+}

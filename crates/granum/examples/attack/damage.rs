@@ -15,7 +15,7 @@ use crate::judge;
 use crate::process::{Ended, Limits, Program};
 use crate::random::Random;
 use crate::targets::{ALL, Line, Rule, Target};
-use crate::{Case, Find};
+use crate::{Case, Fault};
 
 /// Time after which a simulation is asked to end.
 const SIMULATE: Duration = Duration::from_millis(1500);
@@ -80,19 +80,19 @@ pub fn attack(
     expected: &Expected,
     target: &Target,
     case: &mut Case,
-) -> Result<Vec<Find>, String> {
+) -> Result<Vec<Fault>, String> {
     let folder = case.folder.clone();
     lay_out(ground, target, &folder)?;
     let file = chosen(&folder, target, &mut case.random);
     let told = damage_file(ground, &folder, &file, &mut case.random)?;
     case.told = format!("{}: {told}", file.display());
-    let mut finds = Vec::new();
+    let mut faults = Vec::new();
     for _ in 0..2 {
         let line = case.random.of(target.lines);
         let subject = Subject { ground, program, expected, target, folder: &folder, file: &file };
-        finds.extend(subject.judge(line)?);
+        faults.extend(subject.judge(line)?);
     }
-    Ok(finds)
+    Ok(faults)
 }
 
 /// The file that is damaged.
@@ -179,7 +179,7 @@ struct Subject<'a> {
 }
 
 impl Subject<'_> {
-    fn judge(&self, line: &'static Line) -> Result<Vec<Find>, String> {
+    fn judge(&self, line: &'static Line) -> Result<Vec<Fault>, String> {
         // What the command before has written.
         for out in ["out", "out.csv", "out.data", "out.gsd", "out.parquet", "out.svg", "out.vtp", "out.xyz"] {
             let path = self.folder.join(out);
@@ -190,7 +190,7 @@ impl Subject<'_> {
             let left = if let Rule::Left(out) = line.rule { out } else { "" };
             let known = self.expected.of(self.ground, self.program, self.target, line.words, left);
             if let Err(what) = known {
-                return Ok(vec![Find {
+                return Ok(vec![Fault {
                     kind: "undamaged",
                     what,
                     line: line.words.into(),
@@ -200,24 +200,27 @@ impl Subject<'_> {
         }
         let stop_after = line.simulates.then_some(SIMULATE).filter(|_| matches!(line.rule, Rule::Calm));
         let ended = self.run(line.words, Limits { stop_after, ..Limits::default() })?;
-        let find = |(kind, what): (&'static str, String)| Find {
+        let fault = |(kind, what): (&'static str, String)| Fault {
             kind,
             what,
             line: ended.line.clone(),
             ended: ended.error.clone(),
         };
         if let Some(wrong) = judge::wrong(&ended, line.simulates) {
-            return Ok(vec![find(wrong)]);
+            return Ok(vec![fault(wrong)]);
         }
-        let mut finds: Vec<Find> =
-            judge::wrong_words(&ended).into_iter().chain(judge::left_behind(self.folder)).map(find).collect();
+        let mut faults: Vec<Fault> = judge::wrong_words(&ended)
+            .into_iter()
+            .chain(judge::left_behind(self.folder))
+            .map(fault)
+            .collect();
         if ended.succeeded() {
             let claim = self.claim(line, &ended)?;
-            finds.extend(claim.map(|what| find(("claim", what))));
+            faults.extend(claim.map(|what| fault(("claim", what))));
         } else if ended.code() == Some(1) && !self.names_the_file(line, &ended) {
-            finds.push(find(("unnamed", format!("the message does not name {}", self.file.display()))));
+            faults.push(fault(("unnamed", format!("the message does not name {}", self.file.display()))));
         }
-        Ok(finds)
+        Ok(faults)
     }
 
     fn run(&self, line: &str, limits: Limits) -> Result<Ended, String> {

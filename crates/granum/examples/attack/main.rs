@@ -10,7 +10,7 @@
 //! cargo run -p granum --example attack -- --seed 1 --only 17
 //! ```
 //!
-//! A case that fails is kept in the folder `attack-finds` with what was done to it and the commands.
+//! A case that fails is kept in the folder `attack-faults` with what was done to it and the commands.
 
 #[cfg(unix)]
 mod damage;
@@ -38,7 +38,7 @@ mod targets;
 mod unlucky;
 
 #[cfg(unix)]
-use rounds::{Case, Find};
+use rounds::{Case, Fault};
 
 #[cfg(unix)]
 fn main() -> std::process::ExitCode {

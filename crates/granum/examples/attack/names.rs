@@ -7,7 +7,7 @@ use crate::files;
 use crate::ground::Ground;
 use crate::judge;
 use crate::process::{Limits, Program};
-use crate::{Case, Find};
+use crate::{Case, Fault};
 
 const NAMES: [&[u8]; 14] = [
     b"<img src=x onerror=alert(1)>",
@@ -27,7 +27,7 @@ const NAMES: [&[u8]; 14] = [
 ];
 
 /// Runs the commands on a folder with such a name.
-pub fn attack(ground: &Ground, program: &Program, case: &mut Case) -> Result<Vec<Find>, String> {
+pub fn attack(ground: &Ground, program: &Program, case: &mut Case) -> Result<Vec<Fault>, String> {
     let bytes = *case.random.of(&NAMES);
     let name = OsString::from_vec(bytes.to_vec());
     case.told = format!("a folder with the name {name:?}");
@@ -79,7 +79,7 @@ pub fn attack(ground: &Ground, program: &Program, case: &mut Case) -> Result<Vec
     ];
     // Some of the commands compute.
     let patient = Program { longest: 3 * program.longest, ..program.clone() };
-    let mut finds = Vec::new();
+    let mut faults = Vec::new();
     for _ in 0..4 {
         let mut words = case.random.of(&lines).clone();
         if case.random.chance(0.5) {
@@ -91,7 +91,7 @@ pub fn attack(ground: &Ground, program: &Program, case: &mut Case) -> Result<Vec
             .into_iter()
             .chain(judge::wrong_words(&ended))
             .chain(judge::left_behind(&case.folder));
-        finds.extend(wrong.map(|(kind, what)| Find {
+        faults.extend(wrong.map(|(kind, what)| Fault {
             kind,
             what,
             line: ended.line.clone(),
@@ -103,16 +103,16 @@ pub fn attack(ground: &Ground, program: &Program, case: &mut Case) -> Result<Vec
         let kind = file.extension().and_then(|kind| kind.to_str()).unwrap_or_default();
         if ["html", "svg", "vtp"].contains(&kind) && page.windows(8).any(|window| window == b"<img src") {
             let what = format!("{} holds a name as markup", file.display());
-            finds.push(Find { kind: "markup", what, line: String::new(), ended: String::new() });
+            faults.push(Fault { kind: "markup", what, line: String::new(), ended: String::new() });
         }
     }
     if case.folder.join("made").exists() {
-        finds.push(Find {
+        faults.push(Fault {
             kind: "shell",
             what: "a name was executed".into(),
             line: String::new(),
             ended: String::new(),
         });
     }
-    Ok(finds)
+    Ok(faults)
 }

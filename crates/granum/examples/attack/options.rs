@@ -29,7 +29,7 @@ const HELP: &str = "attack [--seed N] [--cases N] [--seconds S] [--only N] [--wh
   --limit S         time in which a command must end, s (10)
   --memory MIB      address space of a command, MiB (1536)
   --granum PROGRAM  the program (beside this one)
-  --out DIR         folder for cases that fail (attack-finds)";
+  --out DIR         folder for cases that fail (attack-faults)";
 
 impl Options {
     /// Reads the words of the command line.
@@ -41,7 +41,7 @@ impl Options {
             only: None,
             what: Vec::new(),
             jobs: 1,
-            out: "attack-finds".into(),
+            out: "attack-faults".into(),
             program: Program { path: beside()?, longest: Duration::from_secs(10), memory: 1536 },
         };
         let mut timed = false;

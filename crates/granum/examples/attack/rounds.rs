@@ -26,7 +26,7 @@ pub struct Case {
 }
 
 /// Something that must not be.
-pub struct Find {
+pub struct Fault {
     pub kind: &'static str,
     pub what: String,
     pub line: String,
@@ -63,7 +63,7 @@ impl Kind {
 #[derive(Default)]
 struct Count {
     cases: u64,
-    finds: BTreeMap<&'static str, u64>,
+    faults: BTreeMap<&'static str, u64>,
 }
 
 /// What all threads share.
@@ -103,8 +103,8 @@ pub fn all(options: &Options) -> Result<u64, String> {
             .into_iter()
             .try_for_each(|thread| thread.join().unwrap_or_else(|_| Err("the attack itself panicked".into())))
     });
-    let finds = attack.summary(begun.elapsed());
-    failed.map(|()| finds)
+    let faults = attack.summary(begun.elapsed());
+    failed.map(|()| faults)
 }
 
 fn check_names(wanted: &[String]) -> Result<(), String> {
@@ -139,30 +139,30 @@ impl Attack<'_> {
         if !wanted.is_empty() && !wanted.iter().any(|what| what == name) {
             return Ok(());
         }
-        let (mut case, mut finds) = self.attempt(number)?;
+        let (mut case, mut faults) = self.attempt(number)?;
         // Another process may have kept this machine busy: what hangs must hang twice.
-        if finds.iter().any(|find| find.kind == "hang") {
-            (case, finds) = self.attempt(number)?;
+        if faults.iter().any(|find| find.kind == "hang") {
+            (case, faults) = self.attempt(number)?;
         }
         let mut counts = self.counts.lock().map_err(|_| "another thread has failed")?;
         let count = counts.entry(name).or_default();
         count.cases += 1;
-        for find in &finds {
-            *count.finds.entry(find.kind).or_default() += 1;
+        for find in &faults {
+            *count.faults.entry(find.kind).or_default() += 1;
             println!(
                 "case {number} ({name}) {}: {}\n    {}\n    {}",
                 find.kind, case.told, find.line, find.what
             );
         }
         drop(counts);
-        if !finds.is_empty() || self.options.only.is_some() {
-            self.keep(number, name, &mut case, &finds)?;
+        if !faults.is_empty() || self.options.only.is_some() {
+            self.keep(number, name, &mut case, &faults)?;
         }
         let _ = fs::remove_dir_all(&case.folder);
         Ok(())
     }
 
-    fn attempt(&self, number: u64) -> Result<(Case, Vec<Find>), String> {
+    fn attempt(&self, number: u64) -> Result<(Case, Vec<Fault>), String> {
         let mut random = Random::new(self.options.seed, number);
         let kind = Kind::draw(&mut random);
         let folder = self.base.join(format!("case-{number}"));
@@ -170,20 +170,20 @@ impl Attack<'_> {
         fs::create_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
         let mut case = Case { random, folder, told: String::new() };
         let program = &self.options.program;
-        let finds = match kind {
+        let faults = match kind {
             Kind::Damage(target) => damage::attack(self.ground, program, &self.expected, target, &mut case),
             Kind::Misfortune(what) => unlucky::attack(self.ground, program, what, &mut case),
             Kind::Names => names::attack(self.ground, program, &mut case),
         };
-        Ok((case, finds.map_err(|why| format!("case {number}: {why}"))?))
+        Ok((case, faults.map_err(|why| format!("case {number}: {why}"))?))
     }
 
     /// Keeps the files of a case, with an account of it.
-    fn keep(&self, number: u64, name: &str, case: &mut Case, finds: &[Find]) -> Result<(), String> {
+    fn keep(&self, number: u64, name: &str, case: &mut Case, faults: &[Fault]) -> Result<(), String> {
         let kept = self.options.out.join(format!("seed-{}-case-{number}", self.options.seed));
         let _ = fs::remove_dir_all(&kept);
         let mut text = format!("seed {}, case {number}, {name}\n{}\n", self.options.seed, case.told);
-        for find in finds {
+        for find in faults {
             let _ = write!(text, "\n{}: {}\n$ {}\n{}\n", find.kind, find.what, find.line, find.ended);
         }
         // Devices and FIFOs are not copied.
@@ -204,14 +204,14 @@ impl Attack<'_> {
         let Ok(counts) = self.counts.lock() else { return 1 };
         let mut total = 0;
         for (name, count) in counts.iter() {
-            let finds: Vec<String> =
-                count.finds.iter().map(|(kind, number)| format!("{number} {kind}")).collect();
-            let finds = if finds.is_empty() { "nothing".into() } else { finds.join(", ") };
-            println!("{name:<22} {:>6} cases  found: {finds}", count.cases);
-            total += count.finds.values().sum::<u64>();
+            let faults: Vec<String> =
+                count.faults.iter().map(|(kind, number)| format!("{number} {kind}")).collect();
+            let faults = if faults.is_empty() { "nothing".into() } else { faults.join(", ") };
+            println!("{name:<22} {:>6} cases  found: {faults}", count.cases);
+            total += count.faults.values().sum::<u64>();
         }
         let cases: u64 = counts.values().map(|count| count.cases).sum();
-        println!("seed {}: {cases} cases in {:.0} s, {total} finds", self.options.seed, time.as_secs_f64());
+        println!("seed {}: {cases} cases in {:.0} s, {total} faults", self.options.seed, time.as_secs_f64());
         total
     }
 }

@@ -10,7 +10,7 @@ use crate::ground::{Ground, TRAIN, words};
 use crate::judge;
 use crate::process::{Ended, Limits, Lost, Program};
 use crate::random::Random;
-use crate::{Case, Find};
+use crate::{Case, Fault};
 
 /// A work that is disturbed: its command, what it needs, the folder it writes, and the undamaged folder with the same content.
 struct Work {
@@ -101,7 +101,7 @@ pub fn attack(
     program: &Program,
     what: Misfortune,
     case: &mut Case,
-) -> Result<Vec<Find>, String> {
+) -> Result<Vec<Fault>, String> {
     let works = works(ground);
     let work = case.random.of(&works);
     for name in work.needs {
@@ -125,8 +125,8 @@ struct Place<'a> {
     folder: &'a Path,
 }
 
-fn find(kind: &'static str, what: impl Into<String>, ended: &Ended) -> Find {
-    Find { kind, what: what.into(), line: ended.line.clone(), ended: ended.error.clone() }
+fn fault(kind: &'static str, what: impl Into<String>, ended: &Ended) -> Fault {
+    Fault { kind, what: what.into(), line: ended.line.clone(), ended: ended.error.clone() }
 }
 
 impl Place<'_> {
@@ -143,23 +143,23 @@ impl Place<'_> {
     }
 
     /// Completes the work without any disturbance and compares.
-    fn complete(&self) -> Result<Vec<Find>, String> {
+    fn complete(&self) -> Result<Vec<Fault>, String> {
         let ended = self.start(&self.next(), Limits::default())?;
         if !ended.succeeded() {
-            return Ok(vec![find("lost-work", "the work cannot be completed", &ended)]);
+            return Ok(vec![fault("lost-work", "the work cannot be completed", &ended)]);
         }
         let difference =
             files::difference(&self.ground.folder.join(self.work.like), &self.folder.join("out"));
-        let mut finds: Vec<Find> = difference
-            .map(|what| find("other-bytes", format!("not like {}: {what}", self.work.like), &ended))
+        let mut faults: Vec<Fault> = difference
+            .map(|what| fault("other-bytes", format!("not like {}: {what}", self.work.like), &ended))
             .into_iter()
             .collect();
-        finds.extend(judge::left_behind(self.folder).map(|(kind, what)| find(kind, what, &ended)));
-        Ok(finds)
+        faults.extend(judge::left_behind(self.folder).map(|(kind, what)| fault(kind, what, &ended)));
+        Ok(faults)
     }
 
     /// Signals at random moments, each followed by a look at the folder and by the next attempt.
-    fn kills(&self, case: &mut Case) -> Result<Vec<Find>, String> {
+    fn kills(&self, case: &mut Case) -> Result<Vec<Fault>, String> {
         let kills = 1 + case.random.below(5);
         let mut told = Vec::new();
         for _ in 0..kills {
@@ -176,17 +176,17 @@ impl Place<'_> {
             running.signal(signal);
             let ended = running.wait(self.program.longest).map_err(|error| error.to_string())?;
             if ended.hung {
-                return Ok(vec![find("hang", format!("no end after {signal}"), &ended)]);
+                return Ok(vec![fault("hang", format!("no end after {signal}"), &ended)]);
             }
             // It may have been signalled before it could listen.
             let fair = ended.succeeded() || ended.code() == Some(130) || ended.code().is_none();
             if !fair {
-                return Ok(vec![find("status", format!("it ended with status {:?}", ended.code()), &ended)]);
+                return Ok(vec![fault("status", format!("it ended with status {:?}", ended.code()), &ended)]);
             }
             if self.folder.join("out").join(self.work.begun).is_file() {
                 let status = self.start("status out", Limits::default())?;
                 if !status.succeeded() {
-                    return Ok(vec![find("lost-work", format!("after {signal}, status fails"), &status)]);
+                    return Ok(vec![fault("lost-work", format!("after {signal}, status fails"), &status)]);
                 }
             }
         }
@@ -194,7 +194,7 @@ impl Place<'_> {
     }
 
     /// Several starts at once on one folder: one wins, the others say who is there.
-    fn starts(&self, case: &mut Case) -> Result<Vec<Find>, String> {
+    fn starts(&self, case: &mut Case) -> Result<Vec<Fault>, String> {
         let number = 2 + case.random.below(19);
         case.told = format!("{}: {number} starts at once", self.work.line);
         let starts = (0..number)
@@ -202,45 +202,45 @@ impl Place<'_> {
             .collect::<Result<Vec<_>, _>>()
             .map_err(|error| error.to_string())?;
         let mut winners = 0;
-        let mut finds = Vec::new();
+        let mut faults = Vec::new();
         for running in starts {
             let ended = running.wait(10 * self.program.longest).map_err(|error| error.to_string())?;
-            finds.extend(judge::wrong(&ended, false).map(|(kind, what)| find(kind, what, &ended)));
+            faults.extend(judge::wrong(&ended, false).map(|(kind, what)| fault(kind, what, &ended)));
             if ended.succeeded() {
                 winners += usize::from(!ended.output.contains("already"));
             } else if !ended.error.contains("out") {
-                finds.push(find("unnamed", "a start that was refused does not name the folder", &ended));
+                faults.push(fault("unnamed", "a start that was refused does not name the folder", &ended));
             }
         }
         if winners != 1 {
             let what = format!("{winners} of {number} starts at once succeeded");
-            finds.push(Find { kind: "starts", what, line: self.work.line.clone(), ended: String::new() });
+            faults.push(Fault { kind: "starts", what, line: self.work.line.clone(), ended: String::new() });
         }
         let difference =
             files::difference(&self.ground.folder.join(self.work.like), &self.folder.join("out"));
-        finds.extend(difference.map(|what| Find {
+        faults.extend(difference.map(|what| Fault {
             kind: "other-bytes",
             what,
             line: self.work.line.clone(),
             ended: String::new(),
         }));
-        Ok(finds)
+        Ok(faults)
     }
 
     /// The disk is full at some size of a file, in the work and in what is made of its results.
-    fn full_disk(&self, case: &mut Case) -> Result<Vec<Find>, String> {
+    fn full_disk(&self, case: &mut Case) -> Result<Vec<Fault>, String> {
         let blocks = limit(&mut case.random);
         case.told = format!("{}: no file larger than {blocks} blocks of 512 bytes", self.work.line);
         let full = Limits { blocks: Some(blocks), ..Limits::default() };
         let ended = self.start(&self.work.line, full)?;
-        let mut finds: Vec<Find> = judge::wrong(&ended, false)
+        let mut faults: Vec<Fault> = judge::wrong(&ended, false)
             .into_iter()
             .chain(judge::wrong_words(&ended))
-            .map(|(kind, what)| find(kind, what, &ended))
+            .map(|(kind, what)| fault(kind, what, &ended))
             .collect();
-        finds.extend(self.complete()?);
-        if !finds.is_empty() || self.work.like == "study" {
-            return Ok(finds);
+        faults.extend(self.complete()?);
+        if !faults.is_empty() || self.work.like == "study" {
+            return Ok(faults);
         }
         // What was written before stays when there is no room for its successor.
         let outputs = [
@@ -259,41 +259,41 @@ impl Place<'_> {
         let name = line.split(' ').next_back().unwrap_or_default();
         let first = self.start(line, Limits::default())?;
         if !first.succeeded() {
-            return Ok(vec![find("status", "an output of a good run fails", &first)]);
+            return Ok(vec![fault("status", "an output of a good run fails", &first)]);
         }
         let before = files::contents(&self.folder.join(name));
         let blocks = limit(&mut case.random);
         case.told += &format!(", then {line} with {blocks} blocks");
         let ended =
             self.start(&format!("{line} --force"), Limits { blocks: Some(blocks), ..Limits::default() })?;
-        finds.extend(
+        faults.extend(
             judge::wrong(&ended, false)
                 .into_iter()
                 .chain(judge::wrong_words(&ended))
-                .map(|(kind, what)| find(kind, what, &ended)),
+                .map(|(kind, what)| fault(kind, what, &ended)),
         );
-        finds.extend(judge::left_behind(self.folder).map(|(kind, what)| find(kind, what, &ended)));
+        faults.extend(judge::left_behind(self.folder).map(|(kind, what)| fault(kind, what, &ended)));
         let difference = files::difference_of(&before, &files::contents(&self.folder.join(name)));
-        finds.extend(
-            difference
-                .map(|what| find("lost-work", format!("an output was lost to a full disk: {what}"), &ended)),
-        );
-        Ok(finds)
+        faults
+            .extend(difference.map(|what| {
+                fault("lost-work", format!("an output was lost to a full disk: {what}"), &ended)
+            }));
+        Ok(faults)
     }
 
     /// Standard output or error cannot be written.
-    fn lost(&self, case: &mut Case) -> Result<Vec<Find>, String> {
+    fn lost(&self, case: &mut Case) -> Result<Vec<Fault>, String> {
         let lost =
             *case.random.of(&[Lost::OutputFull, Lost::ErrorFull, Lost::OutputUnread, Lost::ErrorUnread]);
         let json = if case.random.chance(0.3) { "--json " } else { "" };
         let line = format!("{json}{}", self.work.line);
         case.told = format!("{line}: {lost:?}");
         let ended = self.start(&line, Limits { lost: Some(lost), ..Limits::default() })?;
-        let mut finds: Vec<Find> =
-            judge::wrong(&ended, false).into_iter().map(|(kind, what)| find(kind, what, &ended)).collect();
+        let mut faults: Vec<Fault> =
+            judge::wrong(&ended, false).into_iter().map(|(kind, what)| fault(kind, what, &ended)).collect();
         let code = if matches!(lost, Lost::OutputFull) { 1 } else { 0 };
         if ended.code() != Some(code) {
-            finds.push(find(
+            faults.push(fault(
                 "status",
                 format!("it ended with status {:?}, not {code}", ended.code()),
                 &ended,
@@ -301,14 +301,14 @@ impl Place<'_> {
         }
         let difference =
             files::difference(&self.ground.folder.join(self.work.like), &self.folder.join("out"));
-        finds.extend(difference.map(|what| find("other-bytes", what, &ended)));
+        faults.extend(difference.map(|what| fault("other-bytes", what, &ended)));
         if fs::metadata(self.folder.join("out")).is_ok() {
             for line in ["status out", "--json digest out", "export out", "--help"] {
                 let ended = self.start(line, Limits { lost: Some(lost), ..Limits::default() })?;
-                finds.extend(judge::wrong(&ended, false).map(|(kind, what)| find(kind, what, &ended)));
+                faults.extend(judge::wrong(&ended, false).map(|(kind, what)| fault(kind, what, &ended)));
             }
         }
-        Ok(finds)
+        Ok(faults)
     }
 }
 

@@ -43,6 +43,11 @@ pub fn check_begun(run: &Run, about: &RunRecord) -> Result<(), Failure> {
         return Ok(());
     }
     let (name, quoted) = (run.path().shown(), quoted_path(run.path()));
+    if about.status == RunStatus::Finished {
+        return Err(Failure::new(format!(
+            "{name}: the test is finished, but its series.parquet is missing; put the file back, or run the case again"
+        )));
+    }
     let place = if about.phase.is_empty() { "the start" } else { about.phase.as_str() };
     Err(Failure::new(format!(
         "{name}: it was interrupted in {place}, before its test began; continue it with `granum resume {quoted}`"

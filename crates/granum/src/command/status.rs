@@ -29,6 +29,7 @@ pub struct Status {
 
 impl Status {
     pub fn run(&self, context: &Context) -> Result<(), Failure> {
+        let _alone = context.nothing_written(Some("checking the files"));
         match Contents::of(&self.folder)? {
             Contents::Training { finished } => self.training(context, finished),
             contents @ (Contents::Reproduction { .. } | Contents::Runs { .. }) => {

@@ -194,6 +194,7 @@ impl Train {
                 self.seed,
             );
         }
+        let reading = context.nothing_written(Some("reading the runs"));
         let training = records::read(context, &self.runs, RunRole::Training)?;
         let unseen = records::read(context, &self.unseen, RunRole::Unseen)?;
         let all: Vec<&Recorded> = training.iter().chain(&unseen).collect();
@@ -218,6 +219,7 @@ impl Train {
         let every = self.checkpoints.every()?;
         let mut plan = TrainingManifest::new(&self.runs, &self.unseen, dataset.hash()?, &options)?;
         plan.mixed = self.mixed;
+        drop(reading);
         let begun = Train::is_in(&self.out) && !context.force;
         let folder = self.folder(context, &plan)?;
         let show = Show::new(context, "networks", folder.path(), every);

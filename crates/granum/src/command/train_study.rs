@@ -98,6 +98,7 @@ fn run(
     fits: Vec<FitSpec>,
     names: Vec<String>,
 ) -> Result<(), Failure> {
+    let reading = context.nothing_written(Some("reading the runs"));
     let learned = records::read(context, training.runs, RunRole::Training)?;
     let unseen = records::read(context, training.unseen, RunRole::Unseen)?;
     let all: Vec<&Recorded> = learned.iter().chain(&unseen).collect();
@@ -112,6 +113,7 @@ fn run(
     let methods = surrogate_methods();
     definition.check(&dataset, &methods)?;
     let plan = StudyPlan::new(training.runs, training.unseen, dataset.digest(), definition.clone());
+    drop(reading);
     let folder = folder(context, training.out, &plan)?;
     let show = Show::new(context, folder.path(), &methods);
     let mut study = match Study::train(&dataset, &definition, &methods, &show) {
