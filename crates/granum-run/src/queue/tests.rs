@@ -96,6 +96,14 @@ fn a_shared_sample_gives_the_same_results_and_is_used_again() {
     assert_eq!(notes.said()[0], "begins 3");
     assert!(!left.exists());
 
+    // The strength of a run of an earlier version, whose record does not tell it, is found from its series.
+    let entry = crate::runs_table::RunEntry::read(&folder.join("strain=0.02")).unwrap();
+    let mut old = entry.clone();
+    old.record.measures.clear();
+    let found = old.with_strength().unwrap().record.measures;
+    assert!(found.keys().any(|name| name.starts_with("peak_")), "{found:?}");
+    assert!(found.iter().all(|(name, value)| entry.record.measures.get(name) == Some(value)), "{found:?}");
+
     // The sample of finished tests is not missed.
     std::fs::remove_dir_all(&samples).unwrap();
     assert_eq!(words(&more.run(&laboratory(), &NoQueueObserver))[0], "not needed");

@@ -5,6 +5,12 @@ use std::path::{Path, PathBuf};
 use granum_io::shell::ShowPath;
 use granum_io::{Case, Result, Run, RunRecord};
 
+use crate::record::read_record;
+use crate::strength;
+
+/// Measures of which every test has one, if its strength was found.
+const STRENGTH: [&str; 3] = ["peak_friction_angle", "critical_void_ratio", "critical_mean_stress"];
+
 /// A run with what a table needs of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunEntry {
@@ -42,6 +48,21 @@ impl RunEntry {
         let name =
             whole.file_name().map_or_else(|| folder.shown(), |name| name.to_string_lossy().into_owned());
         Ok(RunEntry::new(name, folder, case, record))
+    }
+
+    /// The same run with the strength of its test, found from the series where the record was written by a version that did not
+    /// tell it.
+    ///
+    /// # Errors
+    /// If the series cannot be read.
+    pub fn with_strength(mut self) -> Result<RunEntry> {
+        let run = Run::at(&self.folder)?;
+        let told = self.record.measures.keys().any(|name| STRENGTH.contains(&name.as_str()));
+        if !told && run.has_series() && self.record.kind != "prepare" {
+            let found = strength::of_run(&self.case, &self.record, &read_record(&run)?);
+            self.record.measures.extend(found);
+        }
+        Ok(self)
     }
 
     /// The same run with the digest of its results, which reads all of its files.

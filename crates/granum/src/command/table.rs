@@ -74,7 +74,7 @@ impl Table {
 /// Reads a run, with its digest if it is asked for and the run has results.
 fn read(context: &Context, folder: &std::path::Path, digest: bool) -> Result<RunEntry, Failure> {
     context.check_stopped(|| "nothing was written".into())?;
-    let run = RunEntry::read(folder)?;
+    let run = RunEntry::read(folder)?.with_strength()?;
     let has_results = run.record.kind == "prepare" || folder.join("series.parquet").is_file();
     Ok(if digest && has_results { run.with_digest()? } else { run })
 }
