@@ -217,6 +217,24 @@ impl Run {
                 .is_ok_and(|record| check::fault(&self.path, &record, name).is_ok_and(|f| f.is_some()))
     }
 
+    /// The error of a folder without a record.
+    fn no_record(&self, record: &Path) -> Error {
+        if record.symlink_metadata().is_ok() {
+            return Error::content(record, "is not a regular file; put the record of the run back");
+        }
+        let (what, remedy) = if self.path.join(CASE).is_file() {
+            ("a case but no", "the run was ended before it started, or the file was removed")
+        } else {
+            ("no", "the file that tells what the folder is (of a training: training.json) was removed")
+        };
+        Error::content(
+            &self.path,
+            format!(
+                "holds {what} {RECORD}: {remedy}; put it back, or repeat the command that made it, with --force"
+            ),
+        )
+    }
+
     /// The record.
     ///
     /// # Errors
@@ -224,11 +242,7 @@ impl Run {
     pub fn record(&self) -> Result<RunRecord> {
         let path = self.path.join(RECORD);
         if !path.is_file() {
-            let message = format!(
-                "holds a case but no {RECORD}: the run was ended before it started, or the file was removed; repeat \
-                 the command that made it, with --force"
-            );
-            return Err(Error::content(&self.path, message));
+            return Err(self.no_record(&path));
         }
         let text = crate::text::read_small(&path, 1 << 24)?;
         let format = check_format(&path, &text, RUN_FORMAT)?;

@@ -292,6 +292,12 @@ fn a_run_without_its_case_file_has_the_case_of_its_record() {
     fs::remove_file(base.path().join("run.json")).unwrap();
     let message = folder.run().record().unwrap_err().to_string();
     assert!(message.contains("holds a case but no run.json"), "{message}");
+    fs::remove_file(base.path().join("case.toml")).unwrap();
+    let message = folder.run().record().unwrap_err().to_string();
+    assert!(message.contains("holds no run.json") && message.contains("training.json"), "{message}");
+    fs::create_dir(base.path().join("run.json")).unwrap();
+    let message = folder.run().record().unwrap_err().to_string();
+    assert!(message.contains("run.json: is not a regular file"), "{message}");
 }
 
 #[test]
