@@ -163,7 +163,9 @@ fn table_of_the_study(here: &Path) {
 fn curves_of_the_study(here: &Path) {
     let read = |name: &str| std::fs::read_to_string(here.join(name)).unwrap();
     let text = done(here, &["report", "study"]);
-    assert!(text.contains("wrote study/report.html and 5 figures"), "{text}");
+    assert!(text.contains("wrote study/report.html and 4 figures"), "{text}");
+    // Two frictions are two materials, which have no critical state line in common.
+    assert!(!read("study/report.html").contains("Critical state line"));
     let page = read("study/report.html");
     assert!(
         page.contains("differ in grains.material.friction and stage.1.lateral_stress, and in nothing else")
