@@ -5,8 +5,9 @@ const STEPS: usize = 4000;
 /// Upper limit of the degrees of freedom, with which the distribution agrees with the normal one to three digits.
 const MOST: f64 = 2000.0;
 
-/// The value `t` with `P(|T| < t) = level` for Student's t distribution with so many degrees of freedom, with a relative
-/// accuracy of about 1e-3; infinite for a level of one.
+/// The value `t` with `P(|T| < t) = level` for Student's t distribution with so many degrees of freedom; infinite for a level
+/// of one. For a level of 0.9 it is accurate to 2e-6 up to 100 degrees of freedom, to 1e-5 up to 400 and to 5e-5 up to 2000.
+/// Above, it is that of 2000, which differs from the quantile of the normal distribution by 8e-4.
 ///
 /// With `T = sqrt(n) tan(a)` the density of the angle `a` is proportional to `cos(a)^(n - 1)`, which is integrated by the
 /// midpoint rule.
@@ -44,6 +45,22 @@ mod tests {
         ] {
             let found = two_sided_quantile(level, n);
             assert!((found / expected - 1.0).abs() < 2e-3, "{n}: {found} {expected}");
+        }
+        // Tabled to six decimals. They are used by tests on one side, too.
+        for (n, tabled) in [
+            (1.0, 6.313752),
+            (3.0, 2.353363),
+            (8.0, 1.859548),
+            (27.0, 1.703288),
+            (30.0, 1.697261),
+            (60.0, 1.670649),
+        ] {
+            let found = two_sided_quantile(0.9, n);
+            assert!((found - tabled).abs() < 2e-6, "{n}: {found}");
+        }
+        for n in 1..200u32 {
+            let [fewer, more] = [n, n + 1].map(|n| two_sided_quantile(0.9, f64::from(n)));
+            assert!(fewer > more, "{n}: {fewer} {more}");
         }
         assert_eq!((two_sided_quantile(0.0, 5.0), two_sided_quantile(1.0, 5.0)), (0.0, f64::INFINITY));
     }
