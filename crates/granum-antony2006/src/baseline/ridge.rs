@@ -1,20 +1,13 @@
-//! Ridge regression on splines.
-//!
-//! ```text
-//! answer = B(strain) a + sum_k b_k z_k,   z_k = (sensor_k - B(strain) c_k) / s_k
-//! ```
-//!
-//! with `B` the cubic B-splines of `granum_learn::regression::spline`. A sensor enters as its deviation from its mean as a
-//! function of strain (`c_k`, with the same splines), divided by the standard deviation `s_k` of this deviation. The
-//! coefficients minimise the sum of squared errors over the training states plus `1e-6 |a|^2 + 0.05 n |b|^2` for `n`
-//! states (Hoerl and Kennard 1970). If a sensor is a distribution, each of its bins is an input; if the output is a
-//! distribution, each bin has separate coefficients.
+//! Ridge regression on splines: the regression of [`granum_learn::regression::deviations`] with the cubic B-splines of strain
+//! of [`granum_learn::regression::spline`] as functions. The penalty on the squared coefficients of the sensors is 0.05 n for
+//! `n` states. If a sensor is a distribution, each of its bins is an input; if the output is a distribution, each bin has
+//! separate coefficients.
 
 use serde::{Deserialize, Serialize};
 
 use crate::mapping::{Mapping, Quantity};
 use crate::study_data::State;
-use granum_learn::regression::deviations::{CURVE_PENALTY, Deviation, Equations, dot, row};
+use granum_learn::regression::deviations::{Deviation, Regression, dot, row};
 use granum_learn::regression::spline::{FUNCTIONS, basis};
 use granum_learn::{LearnError, Result};
 
@@ -58,24 +51,17 @@ impl Ridge {
             || LearnError::Dataset(format!("{}: the ridge regression has no solution", mapping.name));
         let end = states.iter().fold(0.0f64, |end, state| end.max(state.strain));
         let splines: Vec<Vec<f64>> = states.iter().map(|state| basis(state.strain, end).to_vec()).collect();
-        let sensors: Vec<Quantity> =
-            mapping.inputs.iter().copied().filter(|&input| input != Quantity::DeviatorStrain).collect();
-        let deviations = Deviation::fit(&splines, &columns(states, &sensors)).ok_or_else(unsolved)?;
-        let mut ridge = Ridge { end, sensors, output: mapping.output, deviations, coefficients: Vec::new() };
-        let rows: Vec<Vec<f64>> = states.iter().map(|state| ridge.row(state)).collect();
-        let mut penalties = vec![CURVE_PENALTY; FUNCTIONS];
-        let quantities = ridge
-            .sensors
-            .iter()
-            .flat_map(|&sensor| std::iter::repeat_n(sensor, states[0].values(sensor).len()));
-        let of_sensors = quantities.zip(&ridge.deviations);
-        penalties.extend(of_sensors.map(|(sensor, deviation)| penalty(sensor, deviation.standard_deviation)));
-        let equations = Equations::new(&rows, &penalties).ok_or_else(unsolved)?;
-        ridge.coefficients = columns(states, &[mapping.output])
-            .iter()
-            .map(|targets| equations.solve(&rows, targets))
+        let sensors = sensors_of(mapping);
+        let quantities: Vec<Quantity> = (sensors.iter())
+            .flat_map(|&sensor| std::iter::repeat_n(sensor, states[0].values(sensor).len()))
             .collect();
-        Ok(ridge)
+        let penalty = |input: usize, deviation: f64| penalty(quantities[input], deviation);
+        let regression =
+            Regression::new(&splines, &columns(states, &sensors), &penalty).ok_or_else(unsolved)?;
+        let targets = columns(states, &[mapping.output]);
+        let coefficients = targets.iter().map(|targets| regression.coefficients(targets)).collect();
+        let deviations = regression.into_deviations();
+        Ok(Ridge { end, sensors, output: mapping.output, deviations, coefficients })
     }
 
     /// The prediction for a state: one value, or one value for each bin of f.
@@ -92,8 +78,7 @@ impl Ridge {
     /// True if it was fitted to the inputs and the output of the given mapping, with the given number of bins of f.
     pub(super) fn is_of(&self, mapping: &Mapping, bins: usize) -> bool {
         let values = |quantity: &Quantity| if *quantity == Quantity::ForceDistribution { bins } else { 1 };
-        let sensors: Vec<Quantity> =
-            mapping.inputs.iter().copied().filter(|&input| input != Quantity::DeviatorStrain).collect();
+        let sensors = sensors_of(mapping);
         let columns: usize = sensors.iter().map(values).sum();
         self.sensors == sensors
             && self.output == mapping.output
@@ -102,6 +87,11 @@ impl Ridge {
             && self.coefficients.len() == values(&mapping.output)
             && self.coefficients.iter().all(|row| row.len() == FUNCTIONS + columns)
     }
+}
+
+/// The inputs of a mapping except the strain.
+fn sensors_of(mapping: &Mapping) -> Vec<Quantity> {
+    mapping.inputs.iter().copied().filter(|&input| input != Quantity::DeviatorStrain).collect()
 }
 
 /// The values of quantities at states, one column for each value.

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::cholesky::Cholesky;
 
 /// Penalty on the squared coefficients of the curve, so small that it only keeps the equations solvable.
-pub const CURVE_PENALTY: f64 = 1e-6;
+const CURVE_PENALTY: f64 = 1e-6;
 
 /// The deviation of an input from its mean as a function of the coordinate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,7 +33,7 @@ impl Deviation {
     }
 
     /// The deviations of all columns of inputs; `None` if the equations have no solution.
-    pub fn fit(functions: &[Vec<f64>], inputs: &[Vec<f64>]) -> Option<Vec<Deviation>> {
+    fn fit(functions: &[Vec<f64>], inputs: &[Vec<f64>]) -> Option<Vec<Deviation>> {
         let rows = functions.len();
         let curve = Equations::new(functions, &vec![CURVE_PENALTY; functions.first().map_or(0, Vec::len)])?;
         let deviation = |values: &Vec<f64>| {
@@ -51,6 +51,65 @@ pub fn row(deviations: &[Deviation], functions: &[f64], inputs: impl IntoIterato
     let mut row = functions.to_vec();
     row.extend(deviations.iter().zip(inputs).map(|(deviation, value)| deviation.of(value, functions)));
     row
+}
+
+/// The regression of any targets on given rows: the deviations of the inputs, the rows that they give, and the equations.
+pub struct Regression {
+    deviations: Vec<Deviation>,
+    rows: Vec<Vec<f64>>,
+    penalties: Vec<f64>,
+    equations: Equations,
+}
+
+impl Regression {
+    /// The regression for the functions of the coordinate in each row and the values of each input in all rows. The penalty on
+    /// the squared coefficient of an input is a function of its number and of the standard deviation from its mean along the
+    /// coordinate. `None` if the equations have no solution.
+    pub fn new(
+        functions: &[Vec<f64>],
+        inputs: &[Vec<f64>],
+        penalty: &dyn Fn(usize, f64) -> f64,
+    ) -> Option<Regression> {
+        let deviations = Deviation::fit(functions, inputs)?;
+        let rows: Vec<Vec<f64>> = (functions.iter().enumerate())
+            .map(|(k, functions)| row(&deviations, functions, inputs.iter().map(|values| values[k])))
+            .collect();
+        let mut penalties = vec![CURVE_PENALTY; functions.first().map_or(0, Vec::len)];
+        let of_inputs = deviations.iter().enumerate();
+        penalties.extend(of_inputs.map(|(k, deviation)| penalty(k, deviation.standard_deviation)));
+        let equations = Equations::new(&rows, &penalties)?;
+        Some(Regression { deviations, rows, penalties, equations })
+    }
+
+    /// The coefficients for given targets: those of the functions, followed by those of the deviations.
+    pub fn coefficients(&self, targets: &[f64]) -> Vec<f64> {
+        self.equations.solve(&self.rows, targets)
+    }
+
+    /// The deviations of the inputs.
+    pub fn deviations(&self) -> &[Deviation] {
+        &self.deviations
+    }
+
+    /// The deviations of the inputs, without the rest.
+    pub fn into_deviations(self) -> Vec<Deviation> {
+        self.deviations
+    }
+
+    /// The rows, see [`row`].
+    pub fn rows(&self) -> &[Vec<f64>] {
+        &self.rows
+    }
+
+    /// The penalties on the squared coefficients.
+    pub fn penalties(&self) -> &[f64] {
+        &self.penalties
+    }
+
+    /// The factor of the matrix of the equations.
+    pub fn factor(&self) -> &Cholesky {
+        &self.equations.factor
+    }
 }
 
 /// The factorised normal equations of penalised least squares.
@@ -85,11 +144,6 @@ impl Equations {
             }
         }
         self.factor.solve(&sums)
-    }
-
-    /// The factor of the matrix.
-    pub fn factor(&self) -> &Cholesky {
-        &self.factor
     }
 }
 

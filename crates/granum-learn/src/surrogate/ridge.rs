@@ -32,7 +32,7 @@ use super::surrogate_trait::{Surrogate, SurrogateMethod};
 use crate::dataset::Dataset;
 use crate::error::{LearnError, Result};
 use crate::regression::cholesky::Cholesky;
-use crate::regression::deviations::{CURVE_PENALTY, Deviation, Equations, dot, row};
+use crate::regression::deviations::{Deviation, Equations, Regression, dot, row};
 use crate::regression::spline::{FUNCTIONS, basis};
 
 /// Ridge regression with its penalty.
@@ -180,19 +180,21 @@ impl SurrogateMethod for RidgeRegression {
         let mut fitted =
             Fitted { coordinate, ranges, deviations: Vec::new(), factor: Vec::new(), outputs: Vec::new() };
         let functions: Vec<Vec<f64>> = inputs.iter().map(|row| fitted.functions(row)).collect();
-        let others: Vec<Vec<f64>> = inputs.iter().map(|row| fitted.others(row).collect()).collect();
-        let transposed: Vec<Vec<f64>> =
-            (0..others[0].len()).map(|k| others.iter().map(|row| row[k]).collect()).collect();
+        let others: Vec<Vec<f64>> = (0..columns.inputs.len())
+            .filter(|&input| fitted.coordinate.as_ref().is_none_or(|coordinate| coordinate.input != input))
+            .map(|input| inputs.iter().map(|row| row[input]).collect())
+            .collect();
         let unsolved = || failed("the equations have no solution; are there infinite or huge values?");
-        fitted.deviations = Deviation::fit(&functions, &transposed).ok_or_else(unsolved)?;
-        let rows: Vec<Vec<f64>> = inputs.iter().map(|row| fitted.row(row)).collect();
-        let regression = Regression::new(self.penalty, functions[0].len(), &rows).ok_or_else(unsolved)?;
+        let penalty = self.penalty * inputs.len() as f64;
+        let regression = Regression::new(&functions, &others, &|_, _| penalty).ok_or_else(unsolved)?;
+        let scatter = Scatter::new(self.penalty, &regression);
         let runs = dataset.run_of_rows();
         for output in &columns.outputs {
             let targets = dataset.values(&[&output.name])?;
-            fitted.outputs.push(regression.output(&rows, &targets, &runs).ok_or_else(unsolved)?);
+            fitted.outputs.push(scatter.output(&targets, &runs).ok_or_else(unsolved)?);
         }
-        fitted.factor = regression.equations.factor().lower().to_vec();
+        fitted.factor = regression.factor().lower().to_vec();
+        fitted.deviations = regression.into_deviations();
         Ok(Box::new(FittedRidge { columns, fitted }))
     }
 
@@ -207,42 +209,42 @@ fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
 }
 
-/// The equations for all rows.
-struct Regression {
+/// The scatter of the observations about a regression.
+struct Scatter<'a> {
+    /// Penalty on the squared coefficients of the inputs, times the number of rows.
     penalty: f64,
-    functions: usize,
-    equations: Equations,
+    regression: &'a Regression,
     /// Effective number of parameters: the trace of `(X^T X + P)^-1 X^T X`.
     effective: f64,
 }
 
-impl Regression {
-    fn new(penalty: f64, functions: usize, rows: &[Vec<f64>]) -> Option<Regression> {
-        let penalties = penalties(penalty, functions, rows);
-        let equations = Equations::new(rows, &penalties)?;
+impl<'a> Scatter<'a> {
+    fn new(penalty: f64, regression: &'a Regression) -> Scatter<'a> {
+        let penalties = regression.penalties();
         let size = penalties.len();
         let taken = |k: usize| {
             let unit: Vec<f64> = (0..size).map(|i| f64::from(u8::from(i == k))).collect();
-            penalties[k] * equations.factor().solve(&unit)[k]
+            penalties[k] * regression.factor().solve(&unit)[k]
         };
         let effective = size as f64 - (0..size).map(taken).sum::<f64>();
-        Some(Regression { penalty, functions, equations, effective })
+        Scatter { penalty, regression, effective }
     }
 
     /// The coefficients for an output, and the scatter of the observations.
-    fn output(&self, rows: &[Vec<f64>], targets: &[f64], runs: &[usize]) -> Option<Output> {
-        let coefficients = self.equations.solve(rows, targets);
+    fn output(&self, targets: &[f64], runs: &[usize]) -> Option<Output> {
+        let rows = self.regression.rows();
+        let coefficients = self.regression.coefficients(targets);
         let squares =
             rows.iter().zip(targets).map(|(row, target)| (dot(&coefficients, row) - target).powi(2));
         let free = (targets.len() as f64 - self.effective).max(1.0);
         let noise_variance = squares.sum::<f64>() / free;
-        let parameters = |row: &Vec<f64>| noise_variance * dot(row, &self.equations.factor().solve(row));
+        let parameters = |row: &Vec<f64>| noise_variance * dot(row, &self.regression.factor().solve(row));
         let parameter_variance = rows.iter().map(parameters).sum::<f64>() / rows.len() as f64;
         let count = runs.last().map_or(0, |last| last + 1);
         let within = noise_variance + parameter_variance;
         let run_variance = match count {
             0 | 1 => 0.0,
-            _ => (self.left_out(rows, targets, runs, count)? - within).max(0.0),
+            _ => (self.left_out(targets, runs, count)? - within).max(0.0),
         };
         // Degrees of freedom by Welch and Satterthwaite; a variance needs at least two runs.
         let between = run_variance * run_variance / (count.max(2) - 1) as f64;
@@ -257,7 +259,8 @@ impl Regression {
     }
 
     /// Mean squared error if every run is predicted from the others.
-    fn left_out(&self, rows: &[Vec<f64>], targets: &[f64], runs: &[usize], count: usize) -> Option<f64> {
+    fn left_out(&self, targets: &[f64], runs: &[usize], count: usize) -> Option<f64> {
+        let rows = self.regression.rows();
         let mut sum = 0.0;
         for run in 0..count {
             let (mut others, mut their_targets) = (Vec::new(), Vec::new());
@@ -265,19 +268,21 @@ impl Regression {
                 others.push(rows[k].clone());
                 their_targets.push(targets[k]);
             }
-            let equations = Equations::new(&others, &penalties(self.penalty, self.functions, &others))?;
+            let equations = Equations::new(&others, &self.penalties(others.len()))?;
             let coefficients = equations.solve(&others, &their_targets);
             let own = (0..rows.len()).filter(|&k| runs[k] == run);
             sum += own.map(|k| (dot(&coefficients, &rows[k]) - targets[k]).powi(2)).sum::<f64>();
         }
         Some(sum / rows.len() as f64)
     }
-}
 
-fn penalties(penalty: f64, functions: usize, rows: &[Vec<f64>]) -> Vec<f64> {
-    let size = rows.first().map_or(functions, Vec::len);
-    let of = |k: usize| if k < functions { CURVE_PENALTY } else { penalty * rows.len() as f64 };
-    (0..size).map(of).collect()
+    /// The penalties for another number of rows.
+    fn penalties(&self, rows: usize) -> Vec<f64> {
+        let mut penalties = self.regression.penalties().to_vec();
+        let functions = penalties.len() - self.regression.deviations().len();
+        penalties[functions..].fill(self.penalty * rows as f64);
+        penalties
+    }
 }
 
 /// A fitted ridge regression.
