@@ -1,6 +1,6 @@
 //! Ensembles of networks from different seeds: their mean, and their scatter as a further estimate of the uncertainty.
 
-use granum_core::observer::NoObserver;
+use granum_core::observer::{Observer, SharedObserver};
 use granum_core::parallel;
 
 use crate::data::Data;
@@ -8,19 +8,21 @@ use crate::model::Model;
 use crate::model_definition::ModelDefinition;
 use crate::model_error::ModelError;
 use crate::prediction::{BatchPrediction, Prediction};
+use crate::trainer::error::TerminationReason;
 use crate::trainer::report::TrainingReport;
 use crate::trainer::trainer_trait::Trainer;
 
 /// Models of one definition with different seeds.
 ///
 /// ```
-/// use granum_nets::trainer::LevenbergMarquardt;
+/// use granum_nets::trainer::{LevenbergMarquardt, NoObserver};
 /// use granum_nets::{Column, Data, Ensemble, ModelDefinition};
 ///
 /// let x: Vec<f64> = (0..20).map(|k| k as f64 / 19.0).collect();
 /// let y = x.iter().map(|x| (3.0 * x).sin()).collect();
 /// let definition = ModelDefinition::new(vec![Column::new("x", "1")], Column::new("y", "1"), vec![4]);
-/// let (ensemble, _) = Ensemble::fit(&definition, &Data::new(x, 1, y)?, &LevenbergMarquardt::default(), &[1, 2, 3], 1)?;
+/// let (data, trainer) = (Data::new(x, 1, y)?, LevenbergMarquardt::default());
+/// let (ensemble, _) = Ensemble::fit(&definition, &data, &trainer, &[1, 2, 3], 1, &mut NoObserver)?;
 /// let [inside, outside] = [0.5, 2.0].map(|x| ensemble.predict(&[x]).unwrap());
 /// assert!(inside.standard_deviation < outside.standard_deviation);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -32,7 +34,9 @@ pub struct Ensemble {
 
 impl Ensemble {
     /// Trains one model for each seed on up to `threads` threads. The members are in the order of the seeds, and the
-    /// result does not depend on the number of threads.
+    /// result does not depend on the number of threads. The observer hears of every epoch of each member, which is the part
+    /// `seed 1` for a seed of 1. If it requests a stop, the members that are not complete keep their current weights, and
+    /// their reports say that they were stopped.
     ///
     /// # Errors
     /// As [`Model::fit`], for the first seed that fails, and if there is no seed.
@@ -42,14 +46,17 @@ impl Ensemble {
         trainer: &dyn Trainer,
         seeds: &[u64],
         threads: usize,
+        observer: &mut dyn Observer,
     ) -> Result<(Ensemble, Vec<TrainingReport>), ModelError> {
+        let shared = SharedObserver::new(observer);
         let fitted = parallel::map(seeds.len(), threads.max(1), |k| {
-            Model::fit(
-                &ModelDefinition { seed: seeds[k], ..definition.clone() },
-                data,
-                trainer,
-                &mut NoObserver,
-            )
+            let definition = ModelDefinition { seed: seeds[k], ..definition.clone() };
+            let mut part = shared.part(format!("seed {}", seeds[k]));
+            let (model, report) = Model::fit(&definition, data, trainer, &mut part)?;
+            if report.termination != TerminationReason::Stopped {
+                part.completed();
+            }
+            Ok::<_, ModelError>((model, report))
         })?;
         let (members, reports) = fitted.into_iter().unzip();
         Ok((Ensemble::from_models(members)?, reports))
@@ -114,6 +121,7 @@ mod tests {
     use super::*;
     use crate::model_definition::Column;
     use crate::trainer::LevenbergMarquardt;
+    use granum_core::observer::{Event, Flow, NoObserver, Progress};
 
     fn definition() -> ModelDefinition {
         ModelDefinition {
@@ -139,8 +147,9 @@ mod tests {
     #[test]
     fn the_number_of_threads_changes_no_bit() {
         let trainer = LevenbergMarquardt { epochs: 30, ..Default::default() };
-        let one = Ensemble::fit(&definition(), &data(), &trainer, &[1, 2, 3], 1).unwrap().0;
-        let three = Ensemble::fit(&definition(), &data(), &trainer, &[1, 2, 3], 3).unwrap().0;
+        let one = Ensemble::fit(&definition(), &data(), &trainer, &[1, 2, 3], 1, &mut NoObserver).unwrap().0;
+        let three =
+            Ensemble::fit(&definition(), &data(), &trainer, &[1, 2, 3], 3, &mut NoObserver).unwrap().0;
         for (a, b) in one.members().iter().zip(three.members()) {
             assert_eq!(a.network().weights(), b.network().weights());
         }
@@ -150,7 +159,8 @@ mod tests {
     #[test]
     fn mean_and_scatter() {
         let trainer = LevenbergMarquardt::default();
-        let (ensemble, reports) = Ensemble::fit(&definition(), &data(), &trainer, &[1, 2, 3, 4], 2).unwrap();
+        let (ensemble, reports) =
+            Ensemble::fit(&definition(), &data(), &trainer, &[1, 2, 3, 4], 2, &mut NoObserver).unwrap();
         assert_eq!(reports.len(), 4);
         let inside = ensemble.predict(&[0.5]).unwrap();
         let outside = ensemble.predict(&[1.5]).unwrap();
@@ -159,6 +169,38 @@ mod tests {
         assert!(outside.standard_deviation > inside.standard_deviation);
         let batch = ensemble.predict_batch(&[0.5, 1.5]).unwrap();
         assert!((batch.values[0] - inside.value).abs() < 1e-9 && batch.outside == [false, true]);
-        assert!(Ensemble::fit(&definition(), &data(), &trainer, &[], 2).is_err());
+        assert!(Ensemble::fit(&definition(), &data(), &trainer, &[], 2, &mut NoObserver).is_err());
+    }
+
+    /// Stops in an epoch of a member.
+    struct StopsAt {
+        part: &'static str,
+        epoch: u64,
+        completed: Vec<String>,
+    }
+
+    impl Observer for StopsAt {
+        fn progress(&mut self, progress: &Progress) -> Flow {
+            let reached = progress.part.as_deref() == Some(self.part) && progress.done == self.epoch;
+            if reached { Flow::Stop } else { Flow::Continue }
+        }
+        fn event(&mut self, event: &Event) {
+            if let Event::PartCompleted { part } = event {
+                self.completed.push(part.clone());
+            }
+        }
+    }
+
+    #[test]
+    fn an_observer_hears_the_members_and_stops_them() {
+        let trainer = LevenbergMarquardt { epochs: 5, ..Default::default() };
+        let mut observer = StopsAt { part: "seed 8", epoch: 3, completed: Vec::new() };
+        let (ensemble, reports) =
+            Ensemble::fit(&definition(), &data(), &trainer, &[7, 8, 9], 1, &mut observer).unwrap();
+        assert_eq!(observer.completed, ["seed 7"]);
+        assert_eq!(reports.iter().map(|report| report.epochs).collect::<Vec<_>>(), [5, 3, 1]);
+        let stopped = |report: &TrainingReport| report.termination == TerminationReason::Stopped;
+        assert_eq!(reports.iter().map(stopped).collect::<Vec<_>>(), [false, true, true]);
+        assert_eq!(ensemble.members().len(), 3);
     }
 }
