@@ -156,7 +156,7 @@ impl Trainer for Adam {
         let termination = descent.run(model, observer)?;
         let mut validation_error = descent.validation_error;
         model.weights_mut().copy_from_slice(&descent.weights);
-        if let (Some(best), false) = (&descent.history.best, termination == TerminationReason::Stopped) {
+        if let Some(best) = descent.history.best_at(termination) {
             model.weights_mut().copy_from_slice(&best.weights);
             validation_error = Some(best.error);
         }

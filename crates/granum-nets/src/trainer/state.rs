@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::error::TrainingError;
+use super::error::{TerminationReason, TrainingError};
 use crate::data::Data;
 use crate::differentiable::{Batch, Differentiable};
 use granum_simd::Isa;
@@ -195,6 +195,12 @@ impl TrainingHistory {
             }
         }
         self.history.push(HistoryPoint { epoch: self.epoch, error, validation_error });
+    }
+
+    /// The weights with the smallest validation error, which a training that ended for the given reason returns instead of its
+    /// last weights; `None` if there are no validation rows, or if the training was stopped and can be resumed.
+    pub(super) fn best_at(&self, termination: TerminationReason) -> Option<&Best> {
+        self.best.as_ref().filter(|_| termination != TerminationReason::Stopped)
     }
 
     /// Processes the validation error after an accepted step.

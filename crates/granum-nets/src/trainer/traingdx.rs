@@ -120,7 +120,7 @@ impl Trainer for Traingdx {
         let mut error = descent.error;
         let mut validation_error = descent.validation_error;
         model.weights_mut().copy_from_slice(&descent.weights);
-        if let (Some(best), false) = (&descent.history.best, termination == TerminationReason::Stopped) {
+        if let Some(best) = descent.history.best_at(termination) {
             model.weights_mut().copy_from_slice(&best.weights);
             error = descent.batch.squared_error(&best.weights) / descent.values;
             validation_error = Some(best.error);

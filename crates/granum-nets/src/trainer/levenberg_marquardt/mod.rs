@@ -191,7 +191,7 @@ impl Trainer for LevenbergMarquardt {
         let mut error = search.squared_error / search.values;
         let mut validation_error = search.validation_error;
         model.weights_mut().copy_from_slice(&search.weights);
-        if let (Some(best), false) = (&search.history.best, termination == TerminationReason::Stopped) {
+        if let Some(best) = search.history.best_at(termination) {
             model.weights_mut().copy_from_slice(&best.weights);
             error = search.problem.squared_error(&best.weights) / search.values;
             validation_error = Some(best.error);
