@@ -2,52 +2,13 @@
 
 use granum_core::observer::NoObserver;
 use granum_learn::compare;
-use granum_learn::dataset::{Dataset, NamedRecord, RunStates, Split, SplitParts};
+use granum_learn::dataset::NamedRecord;
 use granum_learn::surrogate::{Cause, Content, FitSpec, SurrogateMethod, SurrogateMethods, save, to_json};
-use granum_sensors::Record;
 
 use crate::mapping::paper_mapping;
 use crate::study::{Silent, Study, StudyOptions};
-use crate::synthetic::{Law, record};
+use crate::synthetic::{Law, dataset_of, parts, records, spec_of};
 use crate::{MappingMethod, MappingNetworks, StudyData, StudyDataOptions};
-
-fn records(law: Law, count: u64) -> Vec<Record> {
-    (1..=count).map(|seed| record(law, seed, 60)).collect()
-}
-
-fn dataset_of(records: &[Record]) -> Dataset {
-    let run = |(k, record): (usize, &Record)| {
-        let name = format!("run-{}", k + 1);
-        RunStates::from_record(&NamedRecord { name: &name, seed: k as u64 + 1, record }).unwrap()
-    };
-    Dataset::new(records.iter().enumerate().map(run).collect()).unwrap()
-}
-
-/// The split of the paper, with the last two runs unseen.
-fn parts(dataset: &Dataset) -> SplitParts {
-    let unseen = dataset.runs().iter().rev().take(2).map(|run| run.name().to_string());
-    dataset.split(&Split::default().first_state(1).unseen(unseen)).unwrap()
-}
-
-/// The specification of a mapping of the paper by names of columns, with bins from 0 to 3.5.
-fn spec_of(dataset: &Dataset, mapping: &str) -> FitSpec {
-    let densities: Vec<String> = dataset
-        .expand(&["probability_density"])
-        .unwrap()
-        .into_iter()
-        .filter(|name| {
-            (0.0..3.5).contains(&name.trim_start_matches("probability_density_").parse::<f64>().unwrap())
-        })
-        .collect();
-    let number = |name: &str| vec![name.to_string()];
-    let strain = number("deviator_strain");
-    let (inputs, outputs) = match mapping {
-        "F2" => ([strain, number("stress_ratio")].concat(), densities),
-        "F3" => ([strain, number("deviator_fabric"), densities].concat(), number("stress_ratio")),
-        other => panic!("{other}"),
-    };
-    FitSpec::new(inputs, outputs).with_coordinate("deviator_strain")
-}
 
 /// The networks of a mapping and ridge regression, scored as any surrogate, have exactly the same scores as in the study of the paper.
 #[test]

@@ -32,6 +32,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+// The synthetic records of the tests are shared with the tests of another crate and name this one as that crate does.
+#[cfg(test)]
+extern crate self as granum_learn;
+
 mod comparison;
 pub mod curve;
 pub mod dataset;

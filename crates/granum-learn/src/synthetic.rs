@@ -1,6 +1,8 @@
 //! Synthetic records with known laws for the tests: curves similar to those of a sheared sample, with noise from a seed.
 
 use granum_core::{Column, Table};
+use granum_learn::FitSpec;
+use granum_learn::dataset::{Dataset, NamedRecord, RunStates, Split, SplitParts};
 use granum_sensors::Record;
 use granum_sensors::{Histogram, force_distribution};
 use rand_chacha::ChaCha8Rng;
@@ -53,6 +55,46 @@ pub(crate) fn record(law: Law, seed: u64, intervals: usize) -> Record {
     }
     let columns = columns.into_iter().map(|(name, values)| Column::new(name, "", values));
     Record::with_forces(Table::new(columns.collect()).unwrap(), forces)
+}
+
+/// Records of one law with the seeds from 1, to a deviator strain of 0.3 in 60 intervals.
+pub(crate) fn records(law: Law, count: u64) -> Vec<Record> {
+    (1..=count).map(|seed| record(law, seed, 60)).collect()
+}
+
+/// The records as runs `run-1`, `run-2` and so on of a data set.
+pub(crate) fn dataset_of(records: &[Record]) -> Dataset {
+    let run = |(k, record): (usize, &Record)| {
+        let name = format!("run-{}", k + 1);
+        RunStates::from_record(&NamedRecord { name: &name, seed: k as u64 + 1, record }).unwrap()
+    };
+    Dataset::new(records.iter().enumerate().map(run).collect()).unwrap()
+}
+
+/// The split of the paper, with the last two runs unseen.
+pub(crate) fn parts(dataset: &Dataset) -> SplitParts {
+    let unseen = dataset.runs().iter().rev().take(2).map(|run| run.name().to_string());
+    dataset.split(&Split::default().first_state(1).unseen(unseen)).unwrap()
+}
+
+/// The specification of a mapping by names of columns, with bins from 0 to 3.5.
+pub(crate) fn spec_of(dataset: &Dataset, mapping: &str) -> FitSpec {
+    let densities: Vec<String> = dataset
+        .expand(&["probability_density"])
+        .unwrap()
+        .into_iter()
+        .filter(|name| {
+            (0.0..3.5).contains(&name.trim_start_matches("probability_density_").parse::<f64>().unwrap())
+        })
+        .collect();
+    let number = |name: &str| vec![name.to_string()];
+    let strain = number("deviator_strain");
+    let (inputs, outputs) = match mapping {
+        "F2" => ([strain, number("stress_ratio")].concat(), densities),
+        "F3" => ([strain, number("deviator_fabric"), densities].concat(), number("stress_ratio")),
+        other => panic!("{other}"),
+    };
+    FitSpec::new(inputs, outputs).with_coordinate("deviator_strain")
 }
 
 /// Counts of a Gamma-like distribution of forces, with the noise of 200,000 contacts.

@@ -3,12 +3,11 @@
 use granum_core::observer::{NoObserver, Observer};
 use granum_core::{Column, Table};
 use granum_nets::trainer::Adam;
-use granum_sensors::Record;
 
 use super::*;
-use crate::dataset::{Dataset, NamedRecord, RunStates, Split, SplitParts};
+use crate::dataset::{Dataset, RunStates, Split};
 use crate::error::Result;
-use crate::synthetic::{Law, record};
+use crate::synthetic::{Law, dataset_of, parts, records, spec_of};
 use crate::{SurrogateScores, compare, score_surrogate};
 
 /// A user-defined method: it predicts the outputs of the nearest training row, with the inputs scaled by their ranges.
@@ -72,44 +71,6 @@ impl Surrogate for FittedNearest {
     fn content(&self) -> Result<Content> {
         Content::of(&(&self.ranges, &self.rows))
     }
-}
-
-fn records(law: Law, count: u64) -> Vec<Record> {
-    (1..=count).map(|seed| record(law, seed, 60)).collect()
-}
-
-fn dataset_of(records: &[Record]) -> Dataset {
-    let run = |(k, record): (usize, &Record)| {
-        let name = format!("run-{}", k + 1);
-        RunStates::from_record(&NamedRecord { name: &name, seed: k as u64 + 1, record }).unwrap()
-    };
-    Dataset::new(records.iter().enumerate().map(run).collect()).unwrap()
-}
-
-/// The split of the paper, with the last two runs unseen.
-fn parts(dataset: &Dataset) -> SplitParts {
-    let unseen = dataset.runs().iter().rev().take(2).map(|run| run.name().to_string());
-    dataset.split(&Split::default().first_state(1).unseen(unseen)).unwrap()
-}
-
-/// The specification of a mapping by names of columns, with bins from 0 to 3.5.
-fn spec_of(dataset: &Dataset, mapping: &str) -> FitSpec {
-    let densities: Vec<String> = dataset
-        .expand(&["probability_density"])
-        .unwrap()
-        .into_iter()
-        .filter(|name| {
-            (0.0..3.5).contains(&name.trim_start_matches("probability_density_").parse::<f64>().unwrap())
-        })
-        .collect();
-    let number = |name: &str| vec![name.to_string()];
-    let strain = number("deviator_strain");
-    let (inputs, outputs) = match mapping {
-        "F2" => ([strain, number("stress_ratio")].concat(), densities),
-        "F3" => ([strain, number("deviator_fabric"), densities].concat(), number("stress_ratio")),
-        other => panic!("{other}"),
-    };
-    FitSpec::new(inputs, outputs).with_coordinate("deviator_strain")
 }
 
 /// Ridge regression and a user-defined surrogate are scored by one function.
