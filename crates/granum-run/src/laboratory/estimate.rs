@@ -104,7 +104,7 @@ fn is_strain(measure: Measure) -> bool {
 }
 
 /// A sentence for the user if a case takes a hundred times the steps of a new case file or more.
-pub(super) fn warning(case: &Case, prepares: bool, tests: bool) -> Option<String> {
+pub(crate) fn warning(case: &Case, prepares: bool, tests: bool) -> Option<String> {
     let (own, usual) = (estimate(case)?, estimate(&Case::default())?);
     let parts = [
         (prepares, "compaction of its sample", own.preparation, usual.preparation),

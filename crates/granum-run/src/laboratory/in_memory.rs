@@ -7,12 +7,12 @@ use granum_io::{Case, RunRecord, RunStatus};
 use granum_sensors::Record;
 
 use super::laboratory_error::LaboratoryError;
-use super::run;
-use super::run_state::Stage;
 use super::source::Source;
-use super::store::Store;
 use crate::engine::engine_trait::{Laboratory, Task};
 use crate::engine::native::Native;
+use crate::engine::native::run;
+use crate::engine::native::run_state::Stage;
+use crate::engine::native::store::Store;
 
 /// The result of a test that was kept in memory.
 #[derive(Clone)]

@@ -5,14 +5,14 @@ use granum_dem::observer::{Observer, Observers};
 use granum_io::Case;
 
 use super::follow::{self, Follow, Snapshots};
-use super::laboratory_error::LaboratoryError;
 use super::pace::Interval;
 use super::run_state::{RunState, Stage};
 use super::segment::Segment;
-use super::status::Speedometer;
 use super::store::Store;
 use super::test_state::{MOST_STAGES_NOTED, Test};
 use crate::engine::engine_trait::Laboratory;
+use crate::laboratory::laboratory_error::LaboratoryError;
+use crate::laboratory::status::Speedometer;
 use crate::strength::symmetry;
 
 /// Name of the snapshot at the end of a stage that is followed by another.

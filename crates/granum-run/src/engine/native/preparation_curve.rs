@@ -29,7 +29,7 @@ type Row = [f64; PREPARATION_COLUMNS.len()];
 
 /// Rows of a preparation, evenly spaced over its observations, independently of interruptions.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct PreparationCurve {
+pub(crate) struct PreparationCurve {
     rows: Vec<Row>,
     /// Observations so far.
     seen: u64,

@@ -13,15 +13,15 @@ use granum_io::{Case, Packing, run};
 use granum_sensors::Sensors;
 
 use super::follow::Follow;
-use super::laboratory_error::LaboratoryError;
 use super::pace::Interval;
 use super::preparation_curve::PreparationCurve;
 use super::run_state::{RunResults, RunState, Stage};
 use super::segment::Segment;
-use super::source::Source;
-use super::status::Speedometer;
 use super::{from_packing, quality};
 use crate::engine::engine_trait::Laboratory;
+use crate::laboratory::laboratory_error::LaboratoryError;
+use crate::laboratory::source::Source;
+use crate::laboratory::status::Speedometer;
 
 impl Laboratory {
     /// The initial state of a run. A packing that has already been read can be passed in.

@@ -10,16 +10,16 @@ pub const END: &str = "end";
 
 /// The folder of a run; `None` for a run that stays in memory and writes no files.
 #[derive(Clone, Copy)]
-pub(super) struct Store<'a>(pub(super) Option<&'a RunFolder>);
+pub(crate) struct Store<'a>(pub(crate) Option<&'a RunFolder>);
 
 impl<'a> Store<'a> {
     /// Calls `write` with the folder, if there is one.
-    pub(super) fn write<E>(self, write: impl FnOnce(&'a RunFolder) -> Result<(), E>) -> Result<(), E> {
+    pub(crate) fn write<E>(self, write: impl FnOnce(&'a RunFolder) -> Result<(), E>) -> Result<(), E> {
         self.0.map_or(Ok(()), write)
     }
 
     /// Writes a snapshot of all grains and contacts.
-    pub(super) fn snapshot(self, name: &str, assembly: &Assembly) -> granum_io::Result<()> {
+    pub(crate) fn snapshot(self, name: &str, assembly: &Assembly) -> granum_io::Result<()> {
         self.write(|folder| folder.write_snapshot(name, assembly))
     }
 }

@@ -11,16 +11,17 @@ use granum_io::run::{Fault, Run, RunFolder, RunRecord, RunSource, RunStatus};
 use granum_io::{Case, Error as FileError};
 use granum_sensors::Record;
 
-use super::laboratory_error::LaboratoryError;
 use super::run_state::{self, RunState, Stage};
 use super::sample::note;
 use super::segment::Segment;
-use super::source::Source;
-use super::status::Speedometer;
 use super::store::{END, SAMPLE, Store};
 use super::test_state::{MOST_STAGES_NOTED, Test};
-use super::{consolidation, estimate, from_packing, measures, memory, quality};
+use super::{consolidation, from_packing, measures, quality};
 use crate::engine::engine_trait::{Engine, Laboratory, Task};
+use crate::laboratory::laboratory_error::LaboratoryError;
+use crate::laboratory::source::Source;
+use crate::laboratory::status::Speedometer;
+use crate::laboratory::{estimate, memory};
 use crate::record::write_record;
 use crate::strength;
 
@@ -29,8 +30,8 @@ const FAILED: &str = "failed: ";
 
 /// A run whose inputs have been checked and which has not written anything yet.
 pub(crate) struct Begun {
-    pub(super) record: RunRecord,
-    pub(super) run_state: RunState,
+    pub(crate) record: RunRecord,
+    pub(crate) run_state: RunState,
 }
 
 /// Reads and checks the inputs of a run, and warns the observer of anything that the user should know. Nothing is written.
@@ -195,7 +196,7 @@ fn finish(
 
 impl Laboratory {
     /// Executes one stage after another until the run is complete or the observer stops it.
-    pub(super) fn go_on(
+    pub(crate) fn go_on(
         &self,
         case: &Case,
         mut run_state: RunState,

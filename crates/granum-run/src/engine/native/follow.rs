@@ -9,8 +9,8 @@ use granum_dem::simulation::Simulation;
 use granum_sensors::Recorder;
 
 use super::pace::Interval;
-use super::status::Speedometer;
 use super::store::Store;
+use crate::laboratory::status::Speedometer;
 
 /// Passes on the progress to the observer of the run, and stops the current part at its request or for a checkpoint.
 pub(super) struct Follow<'a> {

@@ -17,23 +17,23 @@ use granum_io::shell::ShowPath;
 use granum_sensors::Sensors;
 use serde::{Deserialize, Serialize};
 
-use super::laboratory_error::LaboratoryError;
 use super::preparation_curve::PreparationCurve;
 use super::test_state::{SavedTest, Test};
+use crate::laboratory::laboratory_error::LaboratoryError;
 
 /// The state of a run.
-pub(super) struct RunState {
-    pub(super) simulation: Simulation,
-    pub(super) stage: Stage,
-    pub(super) results: RunResults,
+pub(crate) struct RunState {
+    pub(crate) simulation: Simulation,
+    pub(crate) stage: Stage,
+    pub(crate) results: RunResults,
     /// True if it comes from an older checkpoint than the last one written.
-    pub(super) older: bool,
+    pub(crate) older: bool,
 }
 
 /// The current part of a run, with the state that it needs in addition to that of the simulation.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum Stage<T = Test> {
+pub(crate) enum Stage<T = Test> {
     /// The sample is being prepared.
     Preparation(PreparationState),
     /// The sample is complete.
@@ -66,29 +66,29 @@ impl Stage<SavedTest> {
 
 /// Results of a run so far that belong in its record.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(super) struct RunResults {
-    pub(super) grains: usize,
-    pub(super) steps: BTreeMap<String, u64>,
+pub(crate) struct RunResults {
+    pub(crate) grains: usize,
+    pub(crate) steps: BTreeMap<String, u64>,
     #[serde(deserialize_with = "granum_io::run::nulls_are_nan")]
-    pub(super) measures: BTreeMap<String, f64>,
-    pub(super) quality: Vec<QualityFlag>,
+    pub(crate) measures: BTreeMap<String, f64>,
+    pub(crate) quality: Vec<QualityFlag>,
     /// The history of the preparation.
     #[serde(default)]
-    pub(super) curve: PreparationCurve,
+    pub(crate) curve: PreparationCurve,
     /// Digest of the case of the run, by which the checkpoint of another run is recognised; checkpoints of earlier versions have
     /// none.
     #[serde(default)]
-    pub(super) case_digest: String,
+    pub(crate) case_digest: String,
 }
 
 impl RunState {
-    pub(super) fn new(simulation: Simulation, stage: Stage) -> RunState {
+    pub(crate) fn new(simulation: Simulation, stage: Stage) -> RunState {
         let results = RunResults { grains: simulation.state().grains(), ..RunResults::default() };
         RunState { simulation, stage, results, older: false }
     }
 
     /// The name under which the wall time of the stage is recorded; `None` for a complete sample, which takes no time.
-    pub(super) fn phase(&self) -> Option<&'static str> {
+    pub(crate) fn phase(&self) -> Option<&'static str> {
         match self.stage {
             Stage::Preparation(_) => Some("prepare"),
             Stage::Sample | Stage::Consolidated => None,
@@ -98,7 +98,7 @@ impl RunState {
     }
 
     /// Writes the checkpoint.
-    pub(super) fn write(&self, folder: &RunFolder) -> Result<(), LaboratoryError> {
+    pub(crate) fn write(&self, folder: &RunFolder) -> Result<(), LaboratoryError> {
         let bad = |what: String| LaboratoryError::Checkpoint { path: folder.path().join(CHECKPOINT), what };
         let text = serde_json::to_string(&(&self.stage, &self.results)).map_err(|e| bad(e.to_string()))?;
         folder.write_checkpoint(|out| self.simulation.write_checkpoint(&text, out))?;
@@ -106,7 +106,7 @@ impl RunState {
     }
 
     /// Copies the results so far into the record.
-    pub(super) fn write_into(&self, record: &mut RunRecord) {
+    pub(crate) fn write_into(&self, record: &mut RunRecord) {
         let results = &self.results;
         record.grains = results.grains;
         record.steps = results.steps.clone();
@@ -137,7 +137,7 @@ impl RunState {
     }
 
     /// True if a snapshot will be written, again or for the first time, when the run goes on from this state.
-    pub(super) fn will_write(&self, snapshot: &str) -> bool {
+    pub(crate) fn will_write(&self, snapshot: &str) -> bool {
         match &self.stage {
             Stage::Test(test) => test.will_write(snapshot),
             _ => true,
@@ -146,7 +146,7 @@ impl RunState {
 
     /// Reads a checkpoint, which must be one of the run with this record; `None` if there is no such file. If a case is given,
     /// the checkpoint must also be possible in a run of it.
-    pub(super) fn read(
+    pub(crate) fn read(
         path: &Path,
         record: &RunRecord,
         case: Option<&Case>,
@@ -191,7 +191,7 @@ pub fn check_beside(text: &str, case: &Case) -> Result<(), String> {
 
 /// The last usable checkpoint of a folder; `None` if none was ever written. A checkpoint that cannot be used is renamed, and
 /// the observer is warned.
-pub(super) fn last_good(
+pub(crate) fn last_good(
     folder: &RunFolder,
     record: &RunRecord,
     case: &Case,

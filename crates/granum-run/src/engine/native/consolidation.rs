@@ -5,13 +5,13 @@ use granum_dem::observer::Observer;
 use granum_dem::preparation::{Outcome, Phase, Preparing};
 use granum_io::Case;
 
-use super::laboratory_error::LaboratoryError;
 use super::quality;
 use super::run_state::{RunState, Stage};
 use super::sample::measure_sample;
 use super::segment::Segment;
-use super::status::Speedometer;
 use crate::engine::engine_trait::Laboratory;
+use crate::laboratory::laboratory_error::LaboratoryError;
+use crate::laboratory::status::Speedometer;
 
 /// The settings of the consolidation of a case; `None` if the test has the mean stress of the sample, or if it is defined as
 /// a list of stages, which include their own consolidation.

@@ -3,7 +3,7 @@
 use granum_dem::simulation::Simulation;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::laboratory_error::LaboratoryError;
+use crate::laboratory::laboratory_error::LaboratoryError;
 
 /// The bytes of a simulation; in text they are hexadecimal digits.
 #[derive(Clone)]

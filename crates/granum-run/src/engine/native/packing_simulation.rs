@@ -4,8 +4,8 @@ use granum_core::cell::Cell;
 use granum_dem::simulation::{InitialSphere, Properties, Simulation};
 use granum_io::Packing;
 
-use super::laboratory_error::LaboratoryError;
-use super::memory;
+use crate::laboratory::laboratory_error::LaboratoryError;
+use crate::laboratory::memory;
 
 /// Largest ratio of the radii in a packing. The search for neighbours uses the size of the largest grain, and its skin must
 /// not contain a large number of the smallest grains.

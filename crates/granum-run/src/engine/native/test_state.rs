@@ -8,14 +8,14 @@ use serde::{Deserialize, Serialize};
 
 use super::energy_balance::Stored;
 use super::follow::snapshot_name;
-use super::laboratory_error::LaboratoryError;
 use super::saved_state::SavedState;
 use super::store::END;
 use super::test::stage_snapshot;
+use crate::laboratory::laboratory_error::LaboratoryError;
 
 /// The state of a test in addition to that of the simulation.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Test<R = Recorder> {
+pub(crate) struct Test<R = Recorder> {
     /// The loading of each stage.
     pub(super) stages: Vec<Stage>,
     /// Data of the current stage that its end conditions need.
@@ -167,7 +167,7 @@ impl Test {
     }
 
     /// The measurements so far.
-    pub(super) fn record(&self) -> Record {
+    pub(crate) fn record(&self) -> Record {
         match self.recorders.first() {
             Some(only) if !self.staged => only.record(),
             _ => Recorder::record_of_stages(&self.recorders),

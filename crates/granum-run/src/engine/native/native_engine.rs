@@ -4,9 +4,9 @@
 use granum_dem::observer::Observer;
 use granum_io::run::{RunFolder, RunRecord};
 
-use super::engine_trait::{Engine, Laboratory, PlannedRun, Task};
+use super::run;
+use crate::engine::engine_trait::{Engine, Laboratory, PlannedRun, Task};
 use crate::laboratory::laboratory_error::LaboratoryError;
-use crate::laboratory::run;
 
 /// The engine of granum.
 #[derive(Clone, Copy, Debug)]

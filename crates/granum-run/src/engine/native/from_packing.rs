@@ -8,10 +8,10 @@ use granum_io::run::{PackingRecord, RunSource, file_digest};
 use granum_io::shell::ShowPath;
 use granum_io::{Case, Formats, Packing};
 
-use super::laboratory_error::LaboratoryError;
 use super::packing_simulation::simulation;
-use super::source::Source;
 use crate::engine::engine_trait::Laboratory;
+use crate::laboratory::laboratory_error::LaboratoryError;
+use crate::laboratory::source::Source;
 
 /// Keys that have an effect only if the packing is compacted.
 const USED_IN_COMPACTION: [&str; 6] = [

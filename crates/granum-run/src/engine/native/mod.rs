@@ -1,0 +1,36 @@
+//! The engine of granum: the parts of a run one after another.
+//!
+//! ```text
+//! preparation --> sample --> consolidation --> test
+//! ```
+//!
+//! A run is a `RunState` that passes through these parts; there is a consolidation if the mean stress of the test differs
+//! from that of the sample. The state is written to a checkpoint at intervals of wall time and when the user stops the run.
+//! The checkpoint contains everything that determines how the run continues, so that a run can be killed at any instant
+//! and, when resumed, gives results that are identical bit by bit. Before the first checkpoint, the run is defined by the
+//! case and the source of the sample.
+
+mod consolidation;
+mod energy_balance;
+mod follow;
+mod from_packing;
+mod measures;
+mod native_engine;
+mod pace;
+mod packing_simulation;
+mod preparation_curve;
+mod quality;
+pub(crate) mod run;
+pub(crate) mod run_state;
+mod sample;
+mod saved_state;
+mod segment;
+pub(crate) mod store;
+mod test;
+mod test_state;
+
+pub use native_engine::Native;
+pub use packing_simulation::{cell, simulation, spheres};
+pub use preparation_curve::PREPARATION_COLUMNS;
+pub use run_state::check_beside;
+pub use store::{END, SAMPLE};
