@@ -1,7 +1,7 @@
 """Checks the book and the other pages: check_book.py [FOLDER OF THE BUILT BOOK]
 
-Every link to a file, a heading or a picture must lead somewhere, every page must be in the table of contents, and every
-included program must exist. With the folder that `mdbook build` wrote, its pages are checked in the same way.
+Every link to a file, a heading or a picture must lead somewhere, every page must be in the table of contents, every
+included program must exist, and a line of a table of VALIDATION.md is at most a few sentences. With the folder that `mdbook build` wrote, its pages are checked in the same way.
 """
 import html.parser
 import pathlib
@@ -12,6 +12,8 @@ import urllib.parse
 root = pathlib.Path(__file__).resolve().parent.parent
 source = root / "docs" / "src"
 problems = []
+# Characters: a claim, its evidence, the test, a tolerance and a weakness, each in a sentence or two.
+LONGEST_TABLE_LINE = 600
 
 
 def without_code(text):
@@ -98,6 +100,9 @@ pages = sorted(source.rglob("*.md")) + sorted(root.glob("*.md")) + sorted(root.g
 pages += sorted(root.glob("benches/**/README.md")) + sorted(root.glob("data/**/README.md")) + [root / "fuzz" / "README.md"]
 for page in pages:
     check_page(page)
+for number, line in enumerate((root / "VALIDATION.md").read_text().splitlines(), 1):
+    if line.startswith("|") and len(line) > LONGEST_TABLE_LINE:
+        problems.append(f"VALIDATION.md, line {number}: {len(line)} characters; split it, or move details to the book")
 if len(sys.argv) > 1:
     check_built(pathlib.Path(sys.argv[1]).resolve())
 
