@@ -40,7 +40,12 @@ LAWS = {
 # Of each copy the factor on the time step of 0.2 sqrt(m/k_t), and by what part of the cell the packing is shifted.
 COPIES = [(1.0, None), (0.85, None), (1.0, (0.37, 0.51, 0.43)), (0.5, None)]
 PROGRAMS = ["lammps", "granum"]
-VALUES = ["von_mises_ratio", "mean_stress", "void_ratio", "coordination_number", "mechanical_coordination_number"]
+VALUES = ["mean_stress", "void_ratio", "coordination_number", "mechanical_coordination_number"]
+
+
+def ratio_of(path):
+    """The ratio of stresses that is compared: of a triaxial test q/p with q = axial less mean lateral stress, of simple shear q_vM/p."""
+    return "von_mises_ratio" if path == "simple-shear" else "stress_ratio"
 
 
 def call(command, **more):
@@ -76,16 +81,16 @@ def reduced(rows, path):
         low, high = interval(path, stage)
         for k in range(1, INTERVALS):
             at = [low + (high - low) * j / INTERVALS for j in (k, k + 1)]
-            mean = mean_between(mine, coordinate, at)
+            mean = mean_between(mine, coordinate, [ratio_of(path)] + VALUES, at)
             if mean:
                 out.append({"stage": int(stage), coordinate: 0.5 * sum(at), **mean})
     return out
 
 
-def mean_between(rows, coordinate, at):
+def mean_between(rows, coordinate, values, at):
     """Means over an interval of the polygon through the rows; none if it does not reach from one end to the other."""
     low, high = min(at), max(at)
-    width, sums = 0.0, dict.fromkeys(VALUES, 0.0)
+    width, sums = 0.0, dict.fromkeys(values, 0.0)
     for one, two in zip(rows, rows[1:]):
         begin, end = one[coordinate], two[coordinate]
         first, last = (min(max(x, low), high) for x in (begin, end))
@@ -93,7 +98,7 @@ def mean_between(rows, coordinate, at):
         width += last - first
         if last != first:
             share = (0.5 * (first + last) - begin) / (end - begin)
-            for key in VALUES:
+            for key in values:
                 sums[key] += (last - first) * (one[key] + share * (two[key] - one[key]))
     if abs(width) < 0.98 * (high - low):
         return None
@@ -171,9 +176,9 @@ def table(folder):
     that both programs have it also counts the distances that are larger than those of all copies of LAMMPS."""
     ratios = []
     copies = range(1, len(COPIES) + 1)
-    titles = {"von_mises_ratio": "q_vM/p", "mean_stress": "p, kPa", "void_ratio": "void ratio", "coordination_number": "coordination number"}
-    print("| path | " + " | ".join(titles.values()) + " |")
-    print("|---" * (1 + len(titles)) + "|")
+    others = {"mean_stress": "p, kPa", "void_ratio": "void ratio", "coordination_number": "coordination number"}
+    print("| path | q/p (simple shear: q_vM/p) | " + " | ".join(others.values()) + " |")
+    print("|---" * (2 + len(others)) + "|")
     for path in PATHS:
         for name in (path + rolling for rolling in LAWS):
             files = [os.path.join(folder, f"{name}-{program}-{copy}.csv") for program in PROGRAMS for copy in copies]
@@ -182,12 +187,12 @@ def table(folder):
             curves = aligned([rows_of(file) for file in files])
             theirs, ours = curves[: len(COPIES)], curves[len(COPIES) :]
             cells = []
-            for key in titles:
+            for key in [ratio_of(path), *others]:
                 unit = 1e3 if key == "mean_stress" else 1.0
                 means = [sum(row[key] for row in rows[0]) / len(rows[0]) / unit for rows in (theirs, ours)]
                 found = distance(theirs[0], ours[0], key) / unit
                 own = [max(distance(rows[0], row, key) for row in rows[1:]) / unit for rows in (theirs, ours)]
-                digits = {"von_mises_ratio": 4, "mean_stress": 2, "void_ratio": 5, "coordination_number": 3}[key]
+                digits = {"mean_stress": 2, "void_ratio": 5, "coordination_number": 3}.get(key, 4)
                 first = ", ".join(f"{mean:.{digits}f}" for mean in means)
                 constant = key == "void_ratio" and found == 0.0 == max(own)
                 if not constant and not name.endswith("-rolling"):

@@ -139,10 +139,10 @@ impl Reproduction {
     /// Reads the file of a folder; `None` if there is no such file.
     ///
     /// # Errors
-    /// If the file is damaged, has another format, or names runs outside the folder.
+    /// If the file is no regular file, is damaged, has another format, or names runs outside the folder.
     pub fn read(folder: &Path) -> Result<Option<Reproduction>> {
         let path = folder.join(REPRODUCTION_FILE);
-        if !path.is_file() {
+        if !granum_io::is_there(&path)? {
             return Ok(None);
         }
         let text = read_json(&path, 2)?;

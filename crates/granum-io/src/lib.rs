@@ -16,6 +16,7 @@ pub mod formats;
 pub mod laboratory;
 mod named_file;
 pub mod packing;
+mod presence;
 pub mod run;
 pub mod sealed;
 pub mod shell;
@@ -30,4 +31,5 @@ pub use formats::{Formats, read_columns, read_packing, read_table, write_packing
 pub use granum_core::{Column, ColumnKind, Table};
 pub use laboratory::{Conventions, LaboratoryTest, read_laboratory};
 pub use packing::Packing;
+pub use presence::is_there;
 pub use run::{Machine, QualityFlag, Run, RunFolder, RunRecord, RunSource, RunStatus};

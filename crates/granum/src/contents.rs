@@ -108,29 +108,25 @@ impl Contents {
     /// Determines the contents of a folder without locking or changing anything.
     ///
     /// # Errors
-    /// If the description of a reproduction cannot be read, or that of a training is a folder, a device or a broken link.
+    /// If the description of a reproduction or a list of runs cannot be read, or a folder, a pipe, a device or a broken link is in the
+    /// place of the file that tells what the folder is.
     pub fn of(folder: &Path) -> Result<Contents> {
         let has = |name: &str| folder.join(name).is_file();
         let of = Reproduction::read(folder)?;
         let unsaid = || OutputFolder::is_granums(folder) && is_real_folder(&folder.join(RUNS));
         if of.is_some() || (!has("run.json") && !has(PLAN_FILE) && unsaid()) {
-            let finished = has(SUMMARY_FILE) && runs_are_finished(folder, of.as_ref());
+            let finished =
+                granum_io::is_there(&folder.join(SUMMARY_FILE))? && runs_are_finished(folder, of.as_ref());
             return Ok(Contents::Reproduction { of, finished });
         }
         if let Some(list) = RunList::read(folder).map_err(LearnError::from)? {
             let finished = list.tests(folder).all(|(_, run)| run_is_finished(&run));
             return Ok(Contents::Runs { list, finished });
         }
-        for name in [PLAN_FILE, STUDY_FILE] {
-            let path = folder.join(name);
-            if path.symlink_metadata().is_ok() && !path.is_file() {
-                let message =
-                    "is not a regular file, so that it is not known what the folder is; put the file back";
-                return Err(granum_io::Error::content(&path, message).into());
-            }
-        }
-        if has(PLAN_FILE) || has(STUDY_FILE) {
-            return Ok(Contents::Training { finished: has(STUDY_FILE) });
+        let [planned, finished] = [PLAN_FILE, STUDY_FILE].map(|name| granum_io::is_there(&folder.join(name)));
+        let (planned, finished) = (planned?, finished?);
+        if planned || finished {
+            return Ok(Contents::Training { finished });
         }
         if has("run.json") {
             let record = Run::at(folder).and_then(|run| run.record()).ok();
@@ -340,12 +336,15 @@ fn is_real_folder(path: &Path) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use granum_antony2006::reproduction::REPRODUCTION_FILE;
+
     use super::*;
 
-    /// Without its description nothing tells a training from a run, so that the file itself must be named.
+    /// Without its description nothing tells a training, a list of runs or a reproduction from a run, so that the file itself must be named.
     #[test]
     fn a_description_that_is_no_file_is_named() {
-        for name in [PLAN_FILE, STUDY_FILE] {
+        let names = [PLAN_FILE, STUDY_FILE, granum_run::queue::RUN_LIST, REPRODUCTION_FILE];
+        for name in names {
             let folder = tempfile::tempdir().unwrap();
             std::fs::create_dir(folder.path().join(name)).unwrap();
             let error = Contents::of(folder.path()).unwrap_err().to_string();

@@ -90,10 +90,10 @@ impl RunList {
     /// Reads the list of a folder; `None` if it has none.
     ///
     /// # Errors
-    /// If the file cannot be read, is damaged or of a newer version.
+    /// If the file cannot be read, is no regular file, is damaged or of a newer version.
     pub fn read(folder: &Path) -> granum_io::Result<Option<RunList>> {
         let path = folder.join(RUN_LIST);
-        if !path.is_file() {
+        if !granum_io::is_there(&path)? {
             return Ok(None);
         }
         let size = std::fs::metadata(&path).map_or(0, |file| file.len());

@@ -69,7 +69,11 @@ pub fn faults_of_run(run: &Run) -> Result<Vec<String>, Failure> {
 
 /// As [`faults`], for the networks and the summary of a reproduction.
 pub fn faults_of_reproduction(folder: &Path, finished: bool) -> Result<Vec<String>, Failure> {
-    let mut all = of_study(&folder.join("models"))?;
+    let models = folder.join("models");
+    let mut all = of_study(&models)?;
+    if finished && !models.join(STUDY_FILE).exists() {
+        all.push(format!("{} is missing", models.join(STUDY_FILE).shown()));
+    }
     if finished && let Err(error) = read_summary(folder) {
         all.push(error.message());
     }
@@ -77,7 +81,7 @@ pub fn faults_of_reproduction(folder: &Path, finished: bool) -> Result<Vec<Strin
 }
 
 fn of_study(folder: &Path) -> Result<Vec<String>, Failure> {
-    if !folder.join(STUDY_FILE).is_file() || OutputFolder::is_in_use(folder) {
+    if !granum_io::is_there(&folder.join(STUDY_FILE))? || OutputFolder::is_in_use(folder) {
         return Ok(Vec::new());
     }
     if granum_learn::study::is_study(folder) {
