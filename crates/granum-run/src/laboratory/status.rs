@@ -34,15 +34,22 @@ pub fn line(progress: &Progress) -> String {
     }
     if is_of_path(progress) {
         parts.extend(progress.stage.map(str::to_string));
-        parts.push(format!("strain {:.4}  {}", strain(progress), stress_ratio(progress)));
+        parts.push(format!("strain {:.4}", strain(progress)));
+    }
+    if progress.phase == Phase::Shear {
+        parts.push(stress_ratio(progress));
     }
     parts.push(format!("p {:.2} kPa  solid fraction {:.4}", s.mean_stress() / 1e3, s.solid_fraction()));
+    if progress.phase != Phase::Shear {
+        parts.push(format!("coordination number {:.3}", coordination_number(progress)));
+    }
     parts.extend(progress.grain_steps_per_second.map(|rate| format!("{} grain-steps/s", speed(rate))));
     parts.join("  ")
 }
 
 /// The progress of a run in short form, for a line of a terminal. If the line is too long, the mean stress, which a test
-/// holds constant, is dropped first, then stress ratio and strain; solid fraction and speed are dropped last.
+/// holds constant, is dropped first, then stress ratio and strain; solid fraction and speed are dropped last. A sample that is
+/// being made has its coordination number Z in place of the stress ratio.
 pub fn fields(progress: &Progress) -> Vec<Field> {
     let s = progress.simulation.state();
     let mut fields = Vec::new();
@@ -51,10 +58,15 @@ pub fn fields(progress: &Progress) -> Vec<Field> {
     }
     if is_of_path(progress) {
         fields.push(Field::new(1, format!("strain {:.3}", strain(progress))));
+    }
+    if progress.phase == Phase::Shear {
         fields.push(Field::new(2, stress_ratio(progress)));
     }
     fields.push(Field::new(3, format!("p {:.1} kPa", s.mean_stress() / 1e3)));
     fields.push(Field::new(0, format!("density {:.3}", s.solid_fraction())));
+    if progress.phase != Phase::Shear {
+        fields.push(Field::new(2, format!("Z {:.2}", coordination_number(progress))));
+    }
     fields.extend(progress.grain_steps_per_second.map(|rate| Field::new(0, format!("{}/s", speed(rate)))));
     fields
 }
@@ -62,6 +74,12 @@ pub fn fields(progress: &Progress) -> Vec<Field> {
 /// True if the progress is that of a loading path, in a test or in a preparation.
 fn is_of_path(progress: &Progress) -> bool {
     matches!(progress.phase, Phase::Shear | Phase::PreparationStage)
+}
+
+/// Contacts of a grain, of all grains.
+fn coordination_number(progress: &Progress) -> f64 {
+    let s = progress.simulation.state();
+    2.0 * s.contacts() as f64 / s.grains().max(1) as f64
 }
 
 /// The deviator strain of the paper for its test, and the deviatoric strain for other tests.
@@ -129,7 +147,37 @@ impl Speedometer {
 
 #[cfg(test)]
 mod tests {
+    use granum_core::cell::Cell;
+    use granum_dem::config::{ContactModel, Material};
+    use granum_dem::simulation::{InitialSphere, Properties};
+
     use super::*;
+
+    /// A sample that is being made is isotropic or not meant to be axisymmetric: what is shown is the pressure, how dense and how
+    /// well connected it is, not a ratio of its residual stresses.
+    #[test]
+    fn a_sample_shows_no_stress_ratio_and_a_test_shows_one() {
+        let spheres = [[1.0e-4; 3], [1.99e-4, 1.0e-4, 1.0e-4]].map(|position| (position, 5e-5));
+        let spheres: Vec<InitialSphere> = (1..)
+            .zip(spheres)
+            .map(|(id, (position, radius))| InitialSphere { id, position, radius })
+            .collect();
+        let properties = Properties::new(Material::default(), ContactModel::default());
+        let simulation = Simulation::new(Cell::cuboid([4e-4; 3]), &spheres, properties).unwrap();
+        let shown = |phase| {
+            let progress = Progress::new(phase, 0, 0.0, &simulation);
+            let fields: Vec<String> = fields(&progress).into_iter().map(|field| field.text).collect();
+            (line(&progress), fields.join("  "))
+        };
+        for phase in [Phase::Compaction, Phase::Relaxation, Phase::Consolidation, Phase::PreparationStage] {
+            let (line, fields) = shown(phase);
+            assert!(line.ends_with("coordination number 1.000") && !line.contains("/p"), "{line}");
+            assert!(fields.ends_with("Z 1.00") && !fields.contains("/p"), "{fields}");
+        }
+        let (line, fields) = shown(Phase::Shear);
+        assert!(line.contains("q_vM/p") && !line.contains("coordination"), "{line}");
+        assert!(fields.contains("q_vM/p") && !fields.contains('Z'), "{fields}");
+    }
 
     #[test]
     fn speeds_have_three_digits_and_are_never_nothing() {
